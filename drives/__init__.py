@@ -1,0 +1,1 @@
+"""Two spools, a belt and a spring-loaded pulley (to come)."""

@@ -1,0 +1,1 @@
+"""Friction models and their testbench (to come)."""

@@ -1,0 +1,215 @@
+"""The surface of `tline line`: what it prints, refuses and imports, and that its help is true."""
+
+import inspect
+import json
+import re
+import shlex
+import subprocess
+import sys
+
+import pytest
+from click.testing import CliRunner, Result
+
+from tline import ElectricalLine, HydraulicLine
+from tline.cli.line import ELECTRICAL, HYDRAULIC, Medium, line
+from tline.cli.main import COMMANDS, main
+
+MEDIA = pytest.mark.parametrize("medium", [HYDRAULIC, ELECTRICAL], ids=lambda medium: medium.name)
+HEAVY = {"numpy", "scipy", "numba", "pydantic", "pint", "matplotlib"}
+
+
+def run(*arguments: str) -> Result:
+    return CliRunner().invoke(main, list(arguments))
+
+
+def test_the_pipe_of_the_exercise() -> None:
+    result = run("line", "hydraulic", "--radius", "10 cm", "--wave-speed", "1500", "--density", "980")
+    assert result.exit_code == 0
+    assert result.stderr == ""
+    rows = [re.split(r"\s{2,}", row) for row in result.stdout.splitlines()]
+    assert ["bulk_modulus", "K", "2.205e+09 Pa", "22050 bar"] in rows
+    assert ["z0", "z0", "4.67916e+07 Pa s/m^3", "467.9 bar/(m^3/s)"] in rows
+    assert rows[-2:] == [["effort: pressure in Pa"], ["flow:", "volume flow in m^3/s"]]
+    assert not any(row[0] == "delay" for row in rows)  # it does not follow
+
+
+def test_the_overhead_line_of_the_exercise() -> None:
+    result = run("line", "electrical", "--wave-speed", "3e8", "--z0", "300")
+    assert result.exit_code == 0
+    assert re.search(r"^inductance +L' +1e-06 H/m +1 µH/m$", result.stdout, re.MULTILINE)
+    assert re.search(r"^capacitance +C' +1\.11111e-11 F/m +11\.11 pF/m$", result.stdout, re.MULTILINE)
+    assert "effort: voltage in V\nflow:   current in A\n" in result.stdout
+
+
+def test_the_table_is_aligned() -> None:
+    rows = run("line", "hydraulic", "--radius", "10 cm", "--fluid", "water").stdout.split("\n\n")[0].splitlines()
+    assert {row.index(row.split()[1], len(row.split()[0])) for row in rows} == {rows[0].index("symbol")}
+
+
+def test_json_has_every_quantity_in_full_precision() -> None:
+    result = run("line", "hydraulic", "--radius", "10 cm", "--wave-speed", "1500", "--density", "980", "--json")
+    expected = HydraulicLine(radius=0.1, wave_speed=1500, density=980)
+    assert json.loads(result.stdout) == {item.name: getattr(expected, item.name) for item in HYDRAULIC.quantities}
+    assert json.loads(result.stdout)["delay"] is None
+    result = run("line", "electrical", "--z0", "50", "--velocity-factor", "66 %", "--json")
+    assert json.loads(result.stdout)["inductance"] == ElectricalLine(z0=50, velocity_factor=0.66).inductance
+
+
+MISTAKES = [
+    (
+        "hydraulic",
+        "hydraulic line: z0 and wave_speed or delay cannot be found, add for example wave_speed with z0",
+    ),
+    (
+        "hydraulic --radius 1 --density 1000",
+        "hydraulic line: z0 and wave_speed or delay cannot be found, add wave_",
+    ),
+    (
+        "hydraulic --radius 1 --diameter 3",
+        "hydraulic line: radius and diameter clash: 2*radius gives 2 but diameter is 3",
+    ),
+    ("hydraulic --radius -1", "--radius: not positive, expected more than 0, got '-1'"),
+    ("hydraulic --radius=-1m", "--radius: not positive, expected more than 0, got '-1m'"),
+    ("hydraulic --radius 0", "--radius: not positive, expected more than 0, got '0'"),
+    (
+        "hydraulic --wave-speed nan",
+        "--wave-speed: not a finite number, expected a speed such as '1 m/s', got 'nan'",
+    ),
+    (
+        "hydraulic --wave-speed inf",
+        "--wave-speed: not a finite number, expected a speed such as '1 m/s', got 'inf'",
+    ),
+    (
+        "hydraulic --radius '10 s'",
+        "--radius: this unit measures something else, expected a length such as '1 m', got",
+    ),
+    ("hydraulic --radius '10 cn'", "--radius: unknown unit 'cn', expected"),
+    (
+        "hydraulic --radius ''",
+        "--radius: there is no number in front, expected a length such as '1 m', got ''",
+    ),
+    (
+        "hydraulic --radius 1 --fluid watr",
+        "--fluid: unknown fluid, expected 'water' (known are 'water' or 'hydraulic",
+    ),
+    (
+        "hydraulic --radius 1 --fluid water --density 1",
+        "--density: clashes with the fluid, expected 998.206546 or",
+    ),
+    (
+        "hydraulic --radius 1 --fluid water --temperature 20",
+        "--temperature: no liquid water at 0.1 MPa, expected",
+    ),
+    ("electrical --inner-diameter 1 --spacing 2", "electrical line: not one complete geometry, expected"),
+    (
+        "electrical --wire-diameter 1 --spacing 1",
+        "--spacing: the conductors touch or overlap, expected more than 1 m",
+    ),
+    ("electrical --z0 50 --wave-speed 4e8", "--wave-speed: the wave would be faster than light, expected"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "sentence"), MISTAKES)
+def test_a_mistake_is_one_sentence_on_stderr_and_exit_2(arguments: str, sentence: str) -> None:
+    result = run("line", *shlex.split(arguments))
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert result.stderr.startswith(sentence)
+    assert result.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("arguments", ["--radios 1", "--radius", "extra", "--json yes"])
+def test_wrong_usage_exits_2(arguments: str) -> None:
+    result = run("line", "hydraulic", *shlex.split(arguments))
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert "Error: " in result.stderr
+
+
+def test_an_unknown_command_exits_2() -> None:
+    result = run("lines")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "No such command 'lines'" in result.stderr
+
+
+@MEDIA
+def test_the_constructor_the_options_and_the_table_are_the_same(medium: Medium) -> None:
+    arguments = list(inspect.signature(medium.build).parameters)
+    assert arguments == [item.name for item in medium.quantities] + list(medium.names)
+    options = [option.name for option in line.commands[medium.name].params]
+    assert options == [*arguments, "json"]
+
+
+@MEDIA
+def test_every_argument_is_documented_and_no_other(medium: Medium) -> None:
+    text = inspect.getdoc(medium.build) or ""
+    section = text.split("Parameters\n----------\n")[1].split("\n\n")[0]
+    named = [name for names in re.findall(r"^(\S.*) : ", section, re.MULTILINE) for name in names.split(", ")]
+    assert sorted(named) == sorted(inspect.signature(medium.build).parameters)
+
+
+@MEDIA
+def test_every_example_of_the_help_runs(medium: Medium) -> None:
+    text = run("line", medium.name, "--help").stdout
+    examples = re.sub(r"\\\n\s*", "", text.split("Examples:\n")[1]).strip().splitlines()
+    assert len(examples) >= 3
+    for example in examples:
+        program, *arguments = shlex.split(example)
+        assert program == "tline"
+        assert run(*arguments).exit_code == 0, example
+
+
+def test_the_examples_of_the_group_run() -> None:
+    examples = run("line", "--help").stdout.split("Examples:\n")[1].strip().splitlines()
+    assert [run(*shlex.split(example)[1:]).exit_code for example in examples] == [0, 0]
+
+
+def _imported_by(arguments: list[str]) -> tuple[int, set[str]]:
+    code = (
+        "import sys\nfrom tline.cli.main import main\n"
+        f"try:\n    main({arguments!r})\nexcept SystemExit as end:\n    status = end.code\n"
+        "print(*sys.modules, file=sys.stderr)\nsys.exit(status)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    return done.returncode, {name.partition(".")[0] for name in done.stderr.split()} | set(done.stderr.split())
+
+
+def test_the_calculator_imports_nothing_heavy() -> None:
+    status, modules = _imported_by(["line", "hydraulic", "--radius", "10 cm", "--fluid", "water", "--json"])
+    assert status == 0
+    assert not modules & HEAVY
+    assert "tline.cli.line" in modules
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"]])
+def test_the_overview_imports_no_subcommand(arguments: list[str]) -> None:
+    status, modules = _imported_by(arguments)
+    assert status == 0
+    assert not modules & HEAVY
+    assert not {target.partition(":")[0] for target, _ in COMMANDS.values()} & modules
+
+
+def test_the_overview_lists_every_command() -> None:
+    result = run("--help")
+    assert result.exit_code == 0
+    for name, (_, summary) in COMMANDS.items():
+        assert name in result.stdout
+        assert summary.split()[0] in result.stdout
+
+
+def test_version() -> None:
+    result = run("--version")
+    assert result.exit_code == 0
+    assert re.fullmatch(r"tline \d+\.\d+\.\d+\S*\n", result.stdout)
+
+
+@pytest.mark.parametrize("arguments", ["line hydraulic --help", "line hydraulic --radius '1 Ω'"])
+def test_a_terminal_without_greek_letters_shows_question_marks(arguments: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", "from tline.cli.main import main; main()", *shlex.split(arguments)],
+        capture_output=True,
+        env={"PYTHONIOENCODING": "cp1252"},
+        check=False,
+    )
+    assert b"Traceback" not in done.stderr
+    assert b"?" in done.stdout + done.stderr

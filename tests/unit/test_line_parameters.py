@@ -1,0 +1,305 @@
+"""HydraulicLine and ElectricalLine: what follows from what, and what is refused."""
+
+import copy
+import doctest
+import math
+import pickle
+from collections.abc import Iterable, Iterator
+from itertools import chain, combinations
+from types import ModuleType
+
+import pytest
+
+from tline import ElectricalLine, HydraulicLine, units
+from tline.errors import InputError
+from tline.line import electrical, fluids, hydraulic, walls
+from tline.line.fluids import HYDRAULIC_OIL, water
+from tline.line.walls import WALLS
+
+ROUNDING = 1e-14  # a chain of some ten operations, each to half a unit of the last place
+
+RIGID = HydraulicLine(radius=0.1, wave_speed=1500, density=980, length=300)
+ELASTIC = HydraulicLine(
+    diameter="0.2 m",
+    density=1000,
+    bulk_modulus="2.2 GPa",
+    wall_thickness="5 mm",
+    youngs_modulus="200 GPa",
+    restraint=0.9,
+)
+CABLE = ElectricalLine(z0=50, velocity_factor=0.66, length=10)
+
+
+def _values(line: HydraulicLine | ElectricalLine) -> dict[str, float]:
+    return {name: value for name, value in vars(line).items() if isinstance(value, float)}
+
+
+def test_hydraulic_formulas() -> None:
+    area = math.pi * 0.01
+    assert _values(RIGID) == pytest.approx(
+        {
+            "radius": 0.1, "diameter": 0.2, "area": area, "wave_speed": 1500, "density": 980,
+            "bulk_modulus": 980 * 1500**2, "effective_bulk_modulus": 980 * 1500**2, "z0": 980 * 1500 / area,
+            "length": 300, "delay": 0.2, "inertance": 980 / area, "compliance": area / (980 * 1500**2),
+        },
+        rel=ROUNDING,
+    )  # fmt: skip
+
+
+def test_elastic_formulas() -> None:
+    effective = 1 / (1 / 2.2e9 + 0.9 * 0.2 / (200e9 * 5e-3))
+    assert ELASTIC.effective_bulk_modulus == pytest.approx(effective, rel=ROUNDING)
+    assert ELASTIC.wave_speed == pytest.approx(math.sqrt(effective / 1000), rel=ROUNDING)
+    assert ELASTIC.bulk_modulus == 2.2e9
+
+
+def test_electrical_formulas() -> None:
+    speed = 0.66 * 299_792_458
+    assert _values(CABLE) == pytest.approx(
+        {
+            "z0": 50, "velocity_factor": 0.66, "wave_speed": speed, "length": 10, "delay": 10 / speed,
+            "inductance": 50 / speed, "capacitance": 1 / (50 * speed), "permittivity": 0.66**-2,
+        },
+        rel=ROUNDING,
+    )  # fmt: skip
+
+
+def test_the_constructor_takes_texts_and_numbers_alike() -> None:
+    assert HydraulicLine(radius="10 cm", wave_speed="1.5 km/s", density="0.98 kg/L", length="0.3 km") == RIGID
+
+
+@pytest.mark.parametrize("line", [RIGID, ELASTIC, CABLE], ids=["rigid", "elastic", "cable"])
+def test_any_sufficient_set_gives_the_same_line(line: HydraulicLine | ElectricalLine) -> None:
+    whole = _values(line)
+    wall = {name: whole[name] for name in ("youngs_modulus", "restraint") if name in whole}  # to be elastic
+    tried = [_attempt(type(line), wall | {name: whole[name] for name in names}) for names in _small_sets(whole)]
+    again = [found for found in tried if not isinstance(found, InputError)]
+    assert len(again) > 20
+    # too few is the only complaint there can be, never a clash
+    assert all("cannot be found" in str(found) for found in tried if isinstance(found, InputError))
+    for values in map(_values, again):
+        # a wall inferred from a difference of reciprocals amplifies roundings a few times
+        assert values == pytest.approx({name: whole[name] for name in values}, rel=1e-13)
+
+
+def _small_sets(names: Iterable[str]) -> Iterator[tuple[str, ...]]:
+    names = list(names)
+    return chain.from_iterable(combinations(names, size) for size in (2, 3))
+
+
+def _attempt(
+    kind: type[HydraulicLine | ElectricalLine], given: dict[str, float]
+) -> HydraulicLine | ElectricalLine | InputError:
+    try:
+        return kind(**given)  # type: ignore[arg-type]
+    except InputError as error:
+        return error
+
+
+def test_z0_and_delay_alone_are_enough() -> None:
+    line = HydraulicLine(z0=2, delay=3)
+    assert (line.z0, line.delay, line.wave_speed, line.density) == (2, 3, None, None)
+    assert ElectricalLine(z0=1, delay=1).wave_speed is None
+
+
+def test_a_line_cannot_be_changed() -> None:
+    with pytest.raises(AttributeError, match="HydraulicLine is immutable, z0 cannot be set"):
+        RIGID.z0 = 3.0
+    with pytest.raises(AttributeError, match="immutable"):
+        RIGID.new = 3.0  # type: ignore[attr-defined]
+    with pytest.raises(AttributeError, match="z0 cannot be deleted"):
+        del RIGID.z0
+
+
+def test_equality_is_by_value() -> None:
+    same = HydraulicLine(diameter=0.2, wave_speed=1500, density=980, length=300)
+    assert same == RIGID
+    assert hash(same) == hash(RIGID)
+    assert HydraulicLine(radius=0.1, wave_speed=1500, density=980) != RIGID
+    assert RIGID != CABLE
+    assert RIGID != 3
+    assert len({same, RIGID, CABLE}) == 2
+
+
+def test_copies_and_pickles_are_equal() -> None:
+    for line in (RIGID, CABLE):
+        assert pickle.loads(pickle.dumps(line)) == line == copy.deepcopy(line)
+
+
+def test_repr_is_what_was_given() -> None:
+    line = HydraulicLine(radius="10 cm", fluid="water", wall="steel", wall_thickness=0.005)
+    assert repr(line) == "HydraulicLine(radius='10 cm', wall_thickness=0.005, fluid='water', wall='steel')"
+    assert eval(repr(line)) == line
+
+
+def test_named_fluids_and_walls() -> None:
+    line = HydraulicLine(radius=0.1, fluid="Water", temperature="10 degC", wall="steel", wall_thickness=0.01)
+    assert (line.density, line.bulk_modulus) == water(283.15)
+    assert line.youngs_modulus == WALLS["steel"]
+    assert line.restraint == 1.0
+    assert HydraulicLine(radius=0.1, fluid="hydraulic oil").density == HYDRAULIC_OIL.density
+
+
+def test_water_has_room_temperature_unless_told() -> None:
+    warm = HydraulicLine(radius=0.1, fluid="water", temperature=293.15)
+    assert HydraulicLine(radius=0.1, fluid="water") == warm
+
+
+def test_a_value_that_agrees_with_the_named_one_is_welcome() -> None:
+    density = water().density * (1 + 5e-7)
+    assert HydraulicLine(radius=0.1, fluid="water", density=density).density == density
+
+
+def test_the_wall_is_found_from_the_wave_it_slows() -> None:
+    thickness = HydraulicLine(radius=0.1, fluid="water", wall="steel", wave_speed=1300).wall_thickness
+    assert thickness is not None
+    line = HydraulicLine(radius=0.1, fluid="water", wall="steel", wall_thickness=thickness)
+    assert line.wave_speed == pytest.approx(1300, rel=ROUNDING)
+
+
+def test_two_moduli_that_differ_mean_a_wall() -> None:
+    line = HydraulicLine(radius=0.1, bulk_modulus=2e9, effective_bulk_modulus=1e9, density=1000)
+    assert (line.wave_speed, line.restraint) == (1000.0, None)
+
+
+def test_two_moduli_that_agree_mean_none() -> None:
+    nearly = 2e9 * (1 + 1e-8)
+    assert HydraulicLine(radius=1, bulk_modulus=2e9, effective_bulk_modulus=nearly, density=1).bulk_modulus == 2e9
+
+
+def test_geometry_of_wires() -> None:
+    pair = ElectricalLine(wire_diameter="2 mm", spacing="20 mm", permittivity=1)
+    ground = ElectricalLine(wire_diameter="2 mm", height="10 mm", permittivity=1)
+    # by its image a wire over ground is half a two-wire line of twice the height
+    assert pair.z0 == pytest.approx(2 * ground.z0, rel=ROUNDING)
+    assert (ground.wire_diameter, ground.height, ground.spacing) == (0.002, 0.01, None)
+
+
+HYDRAULIC_MISTAKES = [
+    ({}, "z0 and wave_speed or delay cannot be found, add for example"),
+    (
+        {"radius": 1, "density": 1000},
+        "z0 and wave_speed or delay cannot be found, add wave_speed, bulk_modulus, z0 or compliance",
+    ),
+    ({"z0": 1}, "wave_speed or delay cannot be found, add wave_speed, delay, inertance or compliance"),
+    (
+        {"radius": 1, "fluid": "water", "wall": "steel"},
+        "z0 and wave_speed or delay cannot be found, add wave_speed, effective_bulk_modulus, z0, compliance "
+        "or wall_thickness",
+    ),
+    ({"radius": -1}, "radius: not positive, expected more than 0, got -1"),
+    ({"radius": "0 m"}, "radius: not positive, expected more than 0, got '0 m'"),
+    ({"radius": "nan"}, "radius: not a finite number"),
+    ({"radius": math.inf}, "radius: not a finite number"),
+    ({"radius": "1 kg"}, "radius: this unit measures something else, expected a length such as '1 m', got"),
+    ({"wave_speed": "1500 m/sec"}, "wave_speed: unknown unit 'sec'"),
+    (
+        {"wave_speed": 1500, "density": 980, "bulk_modulus": 2e9, "radius": 1},
+        "wave_speed, density and bulk_modulus clash: density*wave_speed^2 gives 2.205e+09 but bulk_modulus "
+        "is 2e+09, 10.3 % apart; if a yielding wall slows the wave, give wall_thickness and youngs_modulus",
+    ),
+    (
+        {"wave_speed": 1200, "fluid": "water", "radius": 1},
+        "wave_speed and fluid clash: density*wave_speed^2 gives 1.437e+09 but bulk_modulus is 2.193e+09",
+    ),
+    (
+        {"diameter": 0.2, "fluid": "water", "wall": "steel", "wall_thickness": 0.005, "wave_speed": 1400},
+        "diameter, wave_speed, wall_thickness, fluid and wall clash: 1/(1/bulk_modulus + restraint*diameter/",
+    ),
+    (
+        {"diameter": 0.2, "fluid": "water", "wall": "steel", "wave_speed": 1500},
+        "wave_speed and fluid clash: the wave would be as fast as in a rigid wall or faster",
+    ),
+    (
+        {"radius": 1, "fluid": "water", "density": 1000},
+        "density: clashes with the fluid, expected 998.206546 or none, got 1000",
+    ),
+    (
+        {"wall": "steel", "youngs_modulus": "1 GPa"},
+        "youngs_modulus: clashes with the wall, expected 2.06e+11 or none, got 1e+09",
+    ),
+    ({"fluid": "beer"}, "fluid: unknown fluid, expected 'water' or 'hydraulic oil', got 'beer'"),
+    ({"wall": "stel"}, "wall: unknown wall, expected 'steel' (known are 'steel', 'ductile iron',"),
+    (
+        {"fluid": "water", "temperature": 20},
+        "temperature: no liquid water at 0.1 MPa, expected '-20 degC' to '110 degC', got 20 K",
+    ),
+    ({"fluid": "water", "temperature": "20 m"}, "temperature: this unit measures something else"),
+    (
+        {"fluid": "hydraulic oil", "temperature": "40 degC"},
+        "temperature: only water is known at other temperatures, got '40 degC'",
+    ),
+    ({"temperature": "20 degC"}, "temperature: counts only with a fluid, expected fluid = 'water'"),
+    ({"radius": 1, "restraint": 1}, "restraint: counts only with an elastic wall"),
+    ({"radius": 1e-200, "fluid": "water"}, "area follows from radius and leaves the range of numbers"),
+]
+ELECTRICAL_MISTAKES = [
+    ({}, "z0 and wave_speed or delay cannot be found, add for example inductance with capacitance"),
+    (
+        {"inner_diameter": "1 mm", "outer_diameter": "3 mm"},
+        "z0 and wave_speed or delay cannot be found, add capacitance, z0, wave_speed, velocity_factor or permittivity",
+    ),
+    (
+        {"inner_diameter": 1},
+        "not one complete geometry, expected inner_diameter and outer_diameter (coaxial cable), "
+        "wire_diameter and spacing (two-wire line) or wire_diameter and height (wire over ground), got",
+    ),
+    ({"inner_diameter": 1, "spacing": 2}, "not one complete geometry"),
+    ({"wire_diameter": 1, "spacing": 2, "height": 3}, "not one complete geometry"),
+    (
+        {"inner_diameter": "3 mm", "outer_diameter": "3 mm"},
+        "outer_diameter: the conductors touch or overlap, expected more than 0.003 m, got 0.003 m",
+    ),
+    (
+        {"wire_diameter": 1, "spacing": 0.9},
+        "spacing: the conductors touch or overlap, expected more than 1 m, got 0.9 m",
+    ),
+    (
+        {"wire_diameter": 1, "height": 0.5},
+        "height: the conductors touch or overlap, expected more than 0.5 m, got 0.5 m",
+    ),
+    (
+        {"inner_diameter": 1, "outer_diameter": 3, "permittivity": 1, "inductance": 1e-7},
+        "inner_diameter, outer_diameter and inductance clash: mu0*geometry_factor/(2*pi) gives 2.197e-07 but",
+    ),
+    (
+        {"z0": 50, "wave_speed": 3.1e8},
+        "wave_speed: the wave would be faster than light, expected a wave speed up to 299792 km/s, got",
+    ),
+    ({"z0": 50, "velocity_factor": 1.002}, "velocity_factor: the wave would be faster than light"),
+    ({"z0": 50, "permittivity": 0.9}, "permittivity: the wave would be faster than light"),
+    ({"inductance": 1e-9, "capacitance": 1e-12}, "the wave would be faster than light"),
+    (
+        {"z0": "50 V"},
+        "z0: this unit measures something else, expected a resistance such as '1 ohm', got '50 V'",
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("kind", "given", "sentence"),
+    [(HydraulicLine, *mistake) for mistake in HYDRAULIC_MISTAKES]
+    + [(ElectricalLine, *mistake) for mistake in ELECTRICAL_MISTAKES],
+)
+def test_mistakes_are_told_in_one_sentence(kind: type, given: dict[str, object], sentence: str) -> None:
+    with pytest.raises(InputError) as caught:
+        kind(**given)
+    assert str(caught.value).startswith(sentence)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("module", [electrical, fluids, hydraulic, walls, units])
+def test_the_examples_in_the_docstrings_run(module: ModuleType) -> None:
+    result = doctest.testmod(module)
+    assert result.attempted > 0
+    assert result.failed == 0
+
+
+def test_an_unknown_argument_is_refused() -> None:
+    with pytest.raises(TypeError, match="waves_peed"):
+        HydraulicLine(waves_peed=1500)  # type: ignore[call-arg]
+
+
+@pytest.mark.parametrize("speed", [299_792_458.0, 3e8, 299_792_458 * 1.0009])
+def test_the_speed_of_light_may_be_rounded(speed: float) -> None:
+    assert ElectricalLine(z0=50, wave_speed=speed).wave_speed == speed

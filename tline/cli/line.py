@@ -1,0 +1,120 @@
+"""`tline line`: the parameters of a pipe or a cable, printed."""
+
+import json
+from collections.abc import Callable
+from typing import NamedTuple
+
+import click
+
+from tline.cli.main import COMMANDS
+from tline.errors import InputError
+from tline.line import ElectricalLine, HydraulicLine, electrical, hydraulic
+from tline.line.relations import LineParameters, Quantity
+from tline.units import engineering
+
+
+class Medium(NamedTuple):
+    """What the command has to know of a kind of line."""
+
+    name: str
+    build: Callable[..., LineParameters]
+    quantities: tuple[Quantity, ...]
+    names: dict[str, str]  # options that are no quantities, with their help
+    effort: str
+    flow: str
+    examples: str
+
+
+HYDRAULIC = Medium(
+    "hydraulic",
+    HydraulicLine,
+    hydraulic.QUANTITIES,
+    {
+        "fluid": "'water' or 'hydraulic oil': gives density and bulk modulus",
+        "temperature": "of the water, '20 degC' if not given",
+        "wall": "such as 'steel' or 'pvc': gives Young's modulus of an elastic wall",
+    },
+    "pressure in Pa",
+    "volume flow in m^3/s",
+    """\b
+Examples:
+  tline line hydraulic --radius "10 cm" --wave-speed 1500 --density 980
+  tline line hydraulic --diameter "200 mm" --fluid water --temperature "12 degC"
+  tline line hydraulic --diameter "6.4 in" --fluid water --wall "ductile iron" \\
+      --wall-thickness "0.25 in" --length "1 km"
+""",
+)
+ELECTRICAL = Medium(
+    "electrical",
+    ElectricalLine,
+    electrical.QUANTITIES,
+    {},
+    "voltage in V",
+    "current in A",
+    """\b
+Examples:
+  tline line electrical --wave-speed 3e8 --z0 300
+  tline line electrical --capacitance "101 pF/m" --z0 50 --length "10 m"
+  tline line electrical --inner-diameter "0.9 mm" --outer-diameter "2.95 mm" \\
+      --permittivity 2.25
+""",
+)
+
+
+def command(medium: Medium) -> click.Command:
+    """The subcommand of a medium, with one option per quantity."""
+
+    def show(json: bool, **given: str | None) -> None:
+        try:
+            parameters = medium.build(**given)
+        except InputError as error:
+            where = _option(error.where) if error.where else f"{medium.name} line"
+            raise InputError(where, error.problem, error.expected, error.got) from error
+        click.echo(as_json(medium, parameters) if json else as_table(medium, parameters))
+
+    helps = {item.name: f"{item.symbol}: {item.help}" for item in medium.quantities} | medium.names
+    units = {item.name: item.unit or "number" for item in medium.quantities}
+    options = [
+        click.Option([_option(name)], metavar=units.get(name, "text"), help=f"{text}.") for name, text in helps.items()
+    ]
+    options.append(click.Option(["--json"], is_flag=True, help="SI values in full precision."))
+    text = (
+        f"Parameters of a lossless {medium.name} line.\n\nGive any sufficient set, in SI or with units. "
+        "The rest follows, or the answer says what is missing or which values clash."
+    )
+    return click.Command(medium.name, params=list(options), callback=show, help=text, epilog=medium.examples)
+
+
+def as_table(medium: Medium, parameters: LineParameters) -> str:
+    """What is known of a line, for the eye: name, symbol, SI value, handy value."""
+    rows = [("quantity", "symbol", "SI", "handy")]
+    for item in medium.quantities:
+        value = getattr(parameters, item.name)
+        if value is not None:
+            exact = f"{value:.6g} {item.unit}".rstrip()
+            handy = engineering(value, item.handy) if item.handy else ""
+            rows.append((item.name, item.symbol, exact, "" if handy == exact else handy))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+    return "\n".join([*lines, "", f"effort: {medium.effort}", f"flow:   {medium.flow}"])
+
+
+def as_json(medium: Medium, parameters: LineParameters) -> str:
+    """All quantities of a line in SI."""
+    return json.dumps({item.name: getattr(parameters, item.name) for item in medium.quantities}, indent=2)
+
+
+def _option(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
+
+
+line = click.Group(
+    "line",
+    commands=[command(HYDRAULIC), command(ELECTRICAL)],
+    help=COMMANDS["line"][1],
+    epilog="""\b
+Examples:
+  tline line hydraulic --radius "10 cm" --wave-speed 1500 --density 980
+  tline line electrical --wave-speed 3e8 --z0 300
+""",
+)

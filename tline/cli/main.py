@@ -1,0 +1,77 @@
+"""The command `tline`: finds a subcommand by name, imports only that one, and says errors in one sentence."""
+
+import io
+import sys
+from importlib import import_module
+from typing import Any
+
+import click
+
+from tline.errors import InputError
+
+COMMANDS = {
+    "line": (
+        "tline.cli.line:line",
+        "z0, wave speed and the rest of a pipe or a cable, from what is known of it.",
+    ),
+    "run": ("tline.cli.run:run", "Simulate a scene."),
+}
+
+
+class LazyGroup(click.Group):
+    """A group that imports a subcommand when it is used, and lists them all without importing any."""
+
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        """Run as a program; where Greek letters cannot be printed, '?' stands for them."""
+        for stream in (sys.stdout, sys.stderr):
+            if isinstance(stream, io.TextIOWrapper):
+                stream.reconfigure(errors="replace")
+        return super().main(*args, **kwargs)
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names of all subcommands."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The subcommand of that name, None if there is none."""
+        if cmd_name not in COMMANDS:
+            return None
+        module, _, attribute = COMMANDS[cmd_name][0].partition(":")
+        return getattr(import_module(module), attribute)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the subcommands with their lines in the table above."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, summary) for name, (_, summary) in COMMANDS.items()])
+
+    def invoke(self, ctx: click.Context) -> object:
+        """Run; what the user got wrong goes to stderr in one sentence and exits with 2."""
+        try:
+            return super().invoke(ctx)
+        except InputError as error:
+            click.echo(str(error), err=True)
+            ctx.exit(2)
+
+
+def _print_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        click.echo(f"tline {version('tline')}")
+        ctx.exit()
+
+
+@click.group(cls=LazyGroup, name="tline", context_settings={"help_option_names": ["-h", "--help"]})
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_version,
+    help="Show the version.",
+)
+def main() -> None:
+    """Waves on pipes and cables.
+
+    `tline COMMAND --help` shows examples.
+    """

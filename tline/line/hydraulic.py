@@ -1,0 +1,199 @@
+"""Parameters of a hydraulic line."""
+
+import math
+from collections.abc import Mapping
+
+from tline.errors import InputError
+from tline.line.fluids import fluid as named_fluid
+from tline.line.relations import AGREE, Law, LineParameters, Quantity, System, determine, include, read
+from tline.line.walls import youngs_modulus as named_modulus
+
+QUANTITIES = (
+    Quantity("radius", "R", "m", "m", "inner radius"),
+    Quantity("diameter", "d", "m", "m", "inner diameter"),
+    Quantity("area", "A", "m^2", "cm^2", "cross-section of the flow"),
+    Quantity("wave_speed", "c", "m/s", "", "speed of a pressure wave in the line"),
+    Quantity("density", "ρ", "kg/m^3", "kg/L", "density of the fluid"),
+    Quantity("bulk_modulus", "K", "Pa", "bar", "bulk modulus of the fluid itself"),
+    Quantity("effective_bulk_modulus", "β", "Pa", "bar", "bulk modulus of fluid and wall together"),
+    Quantity("z0", "z0", "Pa s/m^3", "bar/(m^3/s)", "characteristic impedance"),
+    Quantity("length", "l", "m", "m", "length"),
+    Quantity("delay", "T", "s", "s", "time a wave takes from end to end"),
+    Quantity("inertance", "L'", "kg/m^5", "", "inertance per length"),
+    Quantity("compliance", "C'", "m^2/Pa", "L/bar/m", "compliance per length"),
+    Quantity("wall_thickness", "e", "m", "m", "thickness of an elastic wall"),
+    Quantity("youngs_modulus", "E", "Pa", "Pa", "Young's modulus of an elastic wall"),
+    Quantity("restraint", "ψ", "", "", "factor of the wall for its supports, 1 if not given"),
+)
+
+RELATIONS: tuple[Mapping[str, int], ...] = (
+    {"diameter": 1, "2": -1, "radius": -1},
+    {"area": 1, "pi": -1, "radius": -2},
+    {"z0": 1, "area": 1, "density": -1, "wave_speed": -1},
+    {"effective_bulk_modulus": 1, "density": -1, "wave_speed": -2},
+    {"length": 1, "wave_speed": -1, "delay": -1},
+    {"inertance": 1, "area": 1, "density": -1},
+    {"compliance": 1, "effective_bulk_modulus": 1, "area": -1},
+)
+CONSTANTS = {"2": 2.0, "pi": math.pi}
+WALL = {"wall_thickness", "youngs_modulus"}
+TARGETS = (("z0",), ("wave_speed", "delay"))
+
+
+def _wall_softens(name: str, known: Mapping[str, float]) -> float:
+    """1/β = 1/K + w, with w = ψ·d/(E·e) (Korteweg 1878)."""
+    if name == "effective_bulk_modulus":
+        return 1 / (1 / known["bulk_modulus"] + known["wall_compliance"])
+    if name == "bulk_modulus":
+        return 1 / (1 / known["effective_bulk_modulus"] - known["wall_compliance"])
+    return 1 / known["effective_bulk_modulus"] - 1 / known["bulk_modulus"]
+
+
+RIGID = System(
+    (*RELATIONS, {"effective_bulk_modulus": 1, "bulk_modulus": -1}),
+    CONSTANTS,
+    remedies={"bulk_modulus": "if a yielding wall slows the wave, give wall_thickness and youngs_modulus"},
+)
+ELASTIC = System(
+    (
+        *RELATIONS,
+        {"wall_compliance": 1, "wall_thickness": 1, "youngs_modulus": 1, "restraint": -1, "diameter": -1},
+    ),
+    CONSTANTS,
+    Law(
+        ("effective_bulk_modulus", "bulk_modulus", "wall_compliance"),
+        _wall_softens,
+        "1/(1/bulk_modulus + restraint*diameter/(youngs_modulus*wall_thickness))",
+        "the wave would be as fast as in a rigid wall or faster, which no elastic wall allows",
+    ),
+)
+
+
+class HydraulicLine(LineParameters):
+    """A lossless pipe or hose: what is given, and all that follows from it.
+
+    Every argument is a number in SI or a text with a unit; each must be positive and finite. Any sufficient
+    set will do. What does not follow from it is None.
+
+    Parameters
+    ----------
+    radius, diameter : float or str, optional
+        Inner radius and diameter, m.
+    area : float or str, optional
+        Cross-section of the flow, m².
+    wave_speed : float or str, optional
+        Speed c of a pressure wave in the line, m/s.
+    density : float or str, optional
+        Density ρ of the fluid, kg/m³.
+    bulk_modulus : float or str, optional
+        Bulk modulus K of the fluid itself, Pa.
+    effective_bulk_modulus : float or str, optional
+        Bulk modulus β = ρc² of fluid and wall together, Pa; equal to K if the wall is rigid.
+    z0 : float or str, optional
+        Characteristic impedance ρc/A, Pa s/m³.
+    length, delay : float or str, optional
+        Length, m, and the time length/c, s.
+    inertance, compliance : float or str, optional
+        Per length: ρ/A, kg/m⁵, and A/(ρc²), m²/Pa.
+    wall_thickness, youngs_modulus, restraint : float or str, optional
+        Thickness e, m, Young's modulus E, Pa, and support factor ψ of a thin elastic wall:
+        1/β = 1/K + ψd/(Ee). With Poisson's ratio ν, ψ is 1 with expansion joints (default), 1-ν² anchored
+        all along, 1-ν/2 held at one end only. The wall is rigid if neither e nor E is given.
+    fluid : str, optional
+        ``"water"`` or ``"hydraulic oil"``: gives density and bulk modulus.
+    temperature : float or str, optional
+        Of water: K, or ``"20 degC"``, which is the default.
+    wall : str, optional
+        ``"steel"``, ``"ductile iron"``, ``"cast iron"``, ``"copper"``, ``"aluminium"``, ``"concrete"``,
+        ``"pvc"`` or ``"hdpe"``: gives Young's modulus.
+
+    Raises
+    ------
+    InputError
+        A bad value, an unknown name, quantities that contradict each other by more than a relative 1e-6, or
+        too few of them: z0 and one of wave_speed and delay must follow.
+
+    References
+    ----------
+    E. B. Wylie and V. L. Streeter, Fluid Transients in Systems, Prentice Hall 1993, chapter 1: wave speed in
+    a thin-walled pipe (ψ is its c1). D. J. Korteweg, Annalen der Physik 241 (1878) 525-542,
+    doi:10.1002/andp.18782411206.
+
+    Examples
+    --------
+    >>> line = HydraulicLine(radius="10 cm", wave_speed=1500, density=980)
+    >>> f"{line.z0:.4g} Pa s/m^3, {line.bulk_modulus:.4g} Pa"
+    '4.679e+07 Pa s/m^3, 2.205e+09 Pa'
+    """
+
+    radius: float | None
+    diameter: float | None
+    area: float | None
+    wave_speed: float | None
+    density: float | None
+    bulk_modulus: float | None
+    effective_bulk_modulus: float | None
+    z0: float
+    length: float | None
+    delay: float | None
+    inertance: float | None
+    compliance: float | None
+    wall_thickness: float | None
+    youngs_modulus: float | None
+    restraint: float | None
+
+    def __init__(
+        self,
+        *,
+        radius: float | str | None = None,
+        diameter: float | str | None = None,
+        area: float | str | None = None,
+        wave_speed: float | str | None = None,
+        density: float | str | None = None,
+        bulk_modulus: float | str | None = None,
+        effective_bulk_modulus: float | str | None = None,
+        z0: float | str | None = None,
+        length: float | str | None = None,
+        delay: float | str | None = None,
+        inertance: float | str | None = None,
+        compliance: float | str | None = None,
+        wall_thickness: float | str | None = None,
+        youngs_modulus: float | str | None = None,
+        restraint: float | str | None = None,
+        fluid: str | None = None,
+        temperature: float | str | None = None,
+        wall: str | None = None,
+    ):
+        arguments = {name: value for name, value in locals().items() if name != "self"}
+        given = read(QUANTITIES, arguments)
+        sources: dict[str, tuple[str, ...]] = {}
+        if fluid is not None:
+            include(given, sources, "fluid", named_fluid(fluid, temperature)._asdict())
+        elif temperature is not None:
+            raise InputError("temperature", "counts only with a fluid", "fluid = 'water'")
+        if wall is not None:
+            include(given, sources, "wall", {"youngs_modulus": named_modulus(wall)})
+        values = determine(_system(given, sources), given, sources, TARGETS, _offered(given))
+        self._settle(QUANTITIES, values, arguments)
+
+
+def _is_elastic(given: Mapping[str, float]) -> bool:
+    moduli = given.keys() & {"bulk_modulus", "effective_bulk_modulus"}
+    differ = len(moduli) == 2 and abs(given["effective_bulk_modulus"] / given["bulk_modulus"] - 1) > AGREE
+    return differ or not WALL.isdisjoint(given)
+
+
+def _system(given: dict[str, float], sources: dict[str, tuple[str, ...]]) -> System:
+    """The ties for a rigid or an elastic wall; the latter gets its restraint, 1 unless given."""
+    if _is_elastic(given):
+        if "restraint" not in given and not WALL.isdisjoint(given):
+            given["restraint"], sources["restraint"] = 1.0, ()
+        return ELASTIC
+    if "restraint" in given:
+        raise InputError("restraint", "counts only with an elastic wall", "wall_thickness and youngs_modulus")
+    return RIGID
+
+
+def _offered(given: Mapping[str, float]) -> list[str]:
+    useless = {"restraint"} if _is_elastic(given) else {"restraint", "effective_bulk_modulus", *WALL}
+    return [quantity.name for quantity in QUANTITIES if quantity.name not in useless]

@@ -1,0 +1,314 @@
+"""Any sufficient set of quantities determines the rest.
+
+The quantities of a line are tied by monomial relations, prod(quantity**power) = 1. These are linear in the
+powers, so Gauss-Jordan elimination over exact fractions finds each quantity that follows from the given ones
+as a product of their powers, each one that is given twice over, and what is missing. A tie that is no
+monomial (the elastic wall) takes part as a `Law`, in turns with the elimination.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Set
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import lru_cache, partial
+from itertools import combinations, islice
+from typing import NamedTuple, TypeVar
+
+from tline.errors import InputError
+from tline.units import to_si
+
+Entry = TypeVar("Entry")
+
+AGREE = 1e-6  # relative; quantities given twice over may differ by the digits that tables drop
+LISTED = 6  # suggestions shown when something is missing
+
+
+class Law(NamedTuple):
+    """A tie that is no monomial: each of `names` follows from the others, by `solve`."""
+
+    names: tuple[str, ...]
+    solve: Callable[[str, Mapping[str, float]], float]
+    formula: str  # of the first name, for messages
+    impossible: str  # what is wrong when the solution is not positive
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """What ties the quantities of one kind of line together."""
+
+    relations: tuple[Mapping[str, int], ...]  # quantity or constant -> power; the product is 1
+    constants: Mapping[str, float]
+    law: Law | None = None
+    remedies: Mapping[str, str] = field(default_factory=dict)  # quantity -> what to do when it clashes
+
+
+class Product(NamedTuple):
+    """A root of a product of integer powers, evaluated without logarithms: a few roundings in all."""
+
+    powers: Mapping[str, int]
+    root: int
+
+    @classmethod
+    def solved(cls, row: Mapping[str, Fraction], pivot: str) -> "Product":
+        """What the quantity `pivot` of this relation, there with power 1, is equal to."""
+        root = math.lcm(*(power.denominator for power in row.values()))
+        return cls({name: int(-power * root) for name, power in row.items() if name != pivot}, root)
+
+    def of(self, known: Mapping[str, float]) -> float:
+        """The value; 0 or inf if it leaves the range of floats."""
+        above = below = 1.0
+        try:
+            for name, power in self.powers.items():
+                if power > 0:
+                    above *= known[name] ** power
+                else:
+                    below *= known[name] ** -power
+            return math.sqrt(above / below) if self.root == 2 else (above / below) ** (1 / self.root)
+        except (OverflowError, ZeroDivisionError):
+            return math.inf
+
+    def text(self) -> str:
+        """The formula: ``density*wave_speed/area``."""
+        raised = {name: Fraction(power, self.root) for name, power in self.powers.items()}
+        above = "*".join(_raised(name, power) for name, power in raised.items() if power > 0) or "1"
+        below = "*".join(_raised(name, -power) for name, power in raised.items() if power < 0)
+        return f"{above}/({below})" if "*" in below else f"{above}/{below}" if below else above
+
+
+def _raised(name: str, power: Fraction) -> str:
+    return name if power == 1 else f"{name}^{power}" if power.denominator == 1 else f"{name}^({power})"
+
+
+def solve(
+    system: System, given: Mapping[str, float], sources: Mapping[str, tuple[str, ...]] | None = None
+) -> dict[str, float]:
+    """Every quantity that follows from the given ones, with these themselves.
+
+    Parameters
+    ----------
+    system : System
+        Relations, constants and law.
+    given : mapping
+        Positive SI values by name.
+    sources : mapping, optional
+        Of a given quantity that the user knows by other names: those names.
+
+    Raises
+    ------
+    InputError
+        Given quantities contradict each other by more than a relative 1e-6, or a value leaves the floats.
+    """
+    solution = _Solution(system, given, sources or {})
+    values, law = solution.values, system.law
+    while True:
+        known = {**system.constants, **values}
+        for name, product in _reduced(system, tuple(values)).items():
+            if product.powers.keys() <= known.keys():
+                solution.take(name, product.of(known), product.powers.keys() & values.keys(), product.text)
+        unknown = [name for name in law.names if name not in values] if law else []
+        if law is None or len(unknown) > 1:
+            return values
+        name = (unknown or law.names)[0]
+        value, parts = _by_law(law, name, values), {*law.names} - {name}
+        if value <= 0:
+            raise InputError("", f"{listed(solution.givens(parts))} clash: {law.impossible}")
+        solution.take(name, value, parts, partial(str, law.formula))
+        if not unknown:
+            return values
+
+
+def determine(
+    system: System,
+    given: Mapping[str, float],
+    sources: Mapping[str, tuple[str, ...]],
+    targets: tuple[tuple[str, ...], ...],
+    offered: Iterable[str],
+) -> dict[str, float]:
+    """As `solve`, but of each tuple in `targets` at least one quantity must follow.
+
+    If not, the InputError names the shortest sets out of `offered` that would do, up to two quantities more.
+    """
+    values = solve(system, given, sources)
+    left_open = [listed(target, "or") for target in targets if values.keys().isdisjoint(target)]
+    if not left_open:
+        return values
+    rest = [name for name in offered if name not in values]
+    for size in (1, 2):
+        sets = combinations(rest, size)
+        enough = [*islice((more for more in sets if _reaches(system, {*values, *more}, targets)), LISTED + 1)]
+        if enough:
+            shown = listed([" with ".join(more) for more in enough[:LISTED]], "or")
+            shown = f"for example {shown}" if len(enough) > LISTED else shown
+            break
+    else:
+        shown = "more than two other quantities"
+    raise InputError("", f"{listed(left_open)} cannot be found, add {shown}")
+
+
+def listed(names: Iterable[str], conjunction: str = "and") -> str:
+    """Names in a sentence: ``a, b and c``."""
+    *first, last = names
+    return f"{', '.join(first)} {conjunction} {last}" if first else last
+
+
+@lru_cache(1024)
+def _reduced(system: System, known: tuple[str, ...]) -> dict[str, Product]:
+    """Relations solved for one quantity each.
+
+    The reduced row echelon form, unknown quantities first, then the known ones, the earliest of them last. A
+    row solved for an unknown that has only known ones beside it determines it; a row solved for a known
+    quantity says that this one also follows from earlier ones.
+    """
+    rank = {name: position for position, name in enumerate(known)}
+    rows: dict[str, dict[str, Fraction]] = {}
+    for relation in system.relations:
+        row = {name: Fraction(power) for name, power in relation.items()}
+        for pivot in [name for name in row if name in rows]:
+            _subtract(row, row[pivot], rows[pivot])
+        columns = [name for name in row if name not in system.constants]
+        if not columns:
+            continue
+        pivot = max(columns, key=lambda name: (rank.get(name, len(rank)), name))
+        scale = row[pivot]
+        row = {name: power / scale for name, power in row.items()}
+        for other in rows.values():
+            if pivot in other:
+                _subtract(other, other[pivot], row)
+        rows[pivot] = row
+    return {pivot: Product.solved(row, pivot) for pivot, row in rows.items()}
+
+
+def _subtract(row: dict[str, Fraction], factor: Fraction, other: Mapping[str, Fraction]) -> None:
+    for name, power in other.items():
+        row[name] = row.get(name, Fraction(0)) - factor * power
+        if not row[name]:
+            del row[name]
+
+
+def _reaches(system: System, names: set[str], targets: Iterable[tuple[str, ...]]) -> bool:
+    """Whether these quantities would settle one of each target, whatever their values."""
+    while True:
+        for name, product in _reduced(system, tuple(sorted(names))).items():
+            if product.powers.keys() <= names | system.constants.keys():
+                names.add(name)
+        unknown = [name for name in system.law.names if name not in names] if system.law else []
+        if len(unknown) != 1:
+            return not any(names.isdisjoint(target) for target in targets)
+        names.add(unknown[0])
+
+
+def _by_law(law: Law, name: str, values: Mapping[str, float]) -> float:
+    try:
+        return law.solve(name, values)
+    except ZeroDivisionError:
+        return 0.0
+
+
+class _Solution:
+    """The values known so far and the given quantities that each rests on."""
+
+    def __init__(self, system: System, given: Mapping[str, float], sources: Mapping[str, tuple[str, ...]]):
+        self.system, self.values = system, dict(given)
+        self.origin = {name: sources.get(name, (name,)) for name in given}
+        self.order = dict.fromkeys(source for names in self.origin.values() for source in names)
+
+    def givens(self, parts: Set[str]) -> tuple[str, ...]:
+        """What was given that these rest on, in the order given."""
+        named = {source for part in parts for source in self.origin[part]}
+        return tuple(name for name in self.order if name in named)
+
+    def take(self, name: str, value: float, parts: Set[str], formula: Callable[[], str]) -> None:
+        """Add a value computed from `parts`, or compare it with the one that is there."""
+        if not 0 < value < math.inf:
+            problem = f"{name} follows from {listed(self.givens(parts))} and leaves the range of numbers"
+            raise InputError("", problem, got=f"{value:g}")
+        if name not in self.values:
+            self.values[name], self.origin[name] = value, self.givens(parts)
+            return
+        there = self.values[name]
+        apart = abs(value / there - 1)
+        if apart > AGREE:
+            digits = 4 if apart > 1e-3 else 9
+            names = listed(self.givens({name, *parts}))
+            problem = f"{names} clash: {formula()} gives {value:.{digits}g} but {name} is {there:.{digits}g}"
+            remedies = [self.system.remedies[part] for part in (name, *parts) if part in self.system.remedies]
+            raise InputError("", "; ".join([f"{problem}, {100 * apart:.3g} % apart", *remedies[:1]]))
+
+
+class Quantity(NamedTuple):
+    """One quantity of a line, as its constructor, the command line and the printed table know it."""
+
+    name: str
+    symbol: str
+    unit: str
+    handy: str  # the unit people print it in, "" for none
+    help: str
+
+
+class LineParameters:
+    """Base of the lines: immutable, equal by value, printed as it was given."""
+
+    _values: dict[str, float | None]
+    _given: dict[str, object]
+
+    def _settle(
+        self, quantities: Iterable[Quantity], values: Mapping[str, float], arguments: Mapping[str, object]
+    ) -> None:
+        """Set the attributes, once; a quantity that did not follow is None."""
+        settled = {quantity.name: values.get(quantity.name) for quantity in quantities}
+        given = {name: value for name, value in arguments.items() if value is not None}
+        self.__dict__.update(settled, _values=settled, _given=given)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"{type(self).__name__} is immutable, {name} cannot be set")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"{type(self).__name__} is immutable, {name} cannot be deleted")
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, LineParameters):
+            return NotImplemented
+        return type(self) is type(other) and self._values == other._values
+
+    def __hash__(self) -> int:
+        return hash((type(self), *self._values.values()))
+
+    def __repr__(self) -> str:
+        given = ", ".join(f"{name}={value!r}" for name, value in self._given.items())
+        return f"{type(self).__name__}({given})"
+
+
+def read(quantities: Iterable[Quantity], arguments: Mapping[str, float | str | None]) -> dict[str, float]:
+    """SI values of the quantities given among `arguments` (None is not given), each positive and finite."""
+    values = {}
+    for name, _, unit, _, _ in quantities:
+        given = arguments[name]
+        if given is not None:
+            values[name] = to_si(given, unit, name)
+            if values[name] <= 0:
+                raise InputError(name, "not positive", "more than 0", repr(given))
+    return values
+
+
+def include(
+    given: dict[str, float], sources: dict[str, tuple[str, ...]], what: str, values: Mapping[str, float]
+) -> None:
+    """Add the quantities that a named fluid or wall stands for; one that was given as well must agree."""
+    for name, value in values.items():
+        there = given.setdefault(name, value)
+        if abs(there / value - 1) > AGREE:
+            raise InputError(name, f"clashes with the {what}", f"{value:.9g} or none", f"{there:.9g}")
+        sources[name] = (what,)
+
+
+def choose(table: Mapping[str, Entry], name: object, where: str) -> Entry:
+    """The entry of that name; the error lists the names there are."""
+    key = name.strip().lower() if isinstance(name, str) else ""
+    if key in table:
+        return table[key]
+    from difflib import get_close_matches
+
+    near = get_close_matches(key, table, n=1)
+    known = listed([repr(entry) for entry in table], "or")
+    meant = f"{near[0]!r} (known are {known})" if near else known
+    raise InputError(where, f"unknown {where}", meant, repr(name))

@@ -1,0 +1,251 @@
+"""Unit strings at the door, SI inside: ``"10 cm"`` becomes 0.1.
+
+The parser is our own because full-size unit libraries import numpy and take longer than all of `tline line`.
+The tests hold its table against such a library, for every unit with every prefix.
+
+Grammar: a number, then units joined by ``*``, ``·``, ``×``, ``/`` or a space, each with an integer power
+(``m^3``, ``m**3``, ``m³``), and parentheses. Products and quotients are read strictly from left to right and
+a space multiplies, so ``1 m / s m`` is (m/s)·m; the other one is ``1 m/(s m)``. A number without a unit is
+SI. Values stay exact fractions until the end, so the result is the float nearest to what was typed.
+"""
+
+import math
+import numbers
+import re
+from fractions import Fraction
+from functools import lru_cache
+
+from tline.errors import InputError
+
+Dimension = tuple[int, ...]  # exponents of kg, m, s, A, K
+Factor = tuple[Fraction, Dimension]
+NONE = (0, 0, 0, 0, 0)
+LONGEST, LARGEST_POWER, LARGEST_BITS = 200, 12, 4000  # a text beyond these is no quantity
+CELSIUS, CELSIUS_ZERO = {"degC", "°C", "℃"}, Fraction("273.15")
+PREFIXES = {"f": -15, "p": -12, "n": -9, "u": -6, "µ": -6, "m": -3, "c": -2, "d": -1}
+PREFIXES |= {"k": 3, "M": 6, "G": 9, "T": 12}
+
+# symbol -> value in SI, dimension
+PREFIXABLE: dict[str, Factor] = {
+    "m": (Fraction(1), (0, 1, 0, 0, 0)),
+    "g": (Fraction(1, 1000), (1, 0, 0, 0, 0)),
+    "s": (Fraction(1), (0, 0, 1, 0, 0)),
+    "A": (Fraction(1), (0, 0, 0, 1, 0)),
+    "K": (Fraction(1), (0, 0, 0, 0, 1)),
+    "Hz": (Fraction(1), (0, 0, -1, 0, 0)),
+    "N": (Fraction(1), (1, 1, -2, 0, 0)),
+    "Pa": (Fraction(1), (1, -1, -2, 0, 0)),
+    "bar": (Fraction(100_000), (1, -1, -2, 0, 0)),
+    "J": (Fraction(1), (1, 2, -2, 0, 0)),
+    "W": (Fraction(1), (1, 2, -3, 0, 0)),
+    "C": (Fraction(1), (0, 0, 1, 1, 0)),
+    "V": (Fraction(1), (1, 2, -3, -1, 0)),
+    "F": (Fraction(1), (-1, -2, 4, 2, 0)),
+    "H": (Fraction(1), (1, 2, -2, -2, 0)),
+    "ohm": (Fraction(1), (1, 2, -3, -2, 0)),
+    "Ω": (Fraction(1), (1, 2, -3, -2, 0)),
+    "S": (Fraction(1), (-1, -2, 3, 2, 0)),
+    "L": (Fraction(1, 1000), (0, 3, 0, 0, 0)),
+    "l": (Fraction(1, 1000), (0, 3, 0, 0, 0)),
+}
+PLAIN: dict[str, Factor] = {
+    "litre": (Fraction(1, 1000), (0, 3, 0, 0, 0)),
+    "liter": (Fraction(1, 1000), (0, 3, 0, 0, 0)),
+    "in": (Fraction("0.0254"), (0, 1, 0, 0, 0)),
+    "inch": (Fraction("0.0254"), (0, 1, 0, 0, 0)),
+    "ft": (Fraction("0.3048"), (0, 1, 0, 0, 0)),
+    "min": (Fraction(60), (0, 0, 1, 0, 0)),
+    "h": (Fraction(3600), (0, 0, 1, 0, 0)),
+    "hour": (Fraction(3600), (0, 0, 1, 0, 0)),
+    "d": (Fraction(86_400), (0, 0, 1, 0, 0)),
+    "day": (Fraction(86_400), (0, 0, 1, 0, 0)),
+    "atm": (Fraction(101_325), (1, -1, -2, 0, 0)),
+    "hPa": (Fraction(100), (1, -1, -2, 0, 0)),  # the prefix h alone would make hbar, which is another thing
+    "psi": (Fraction("0.45359237") * Fraction("9.80665") / Fraction("0.0254") ** 2, (1, -1, -2, 0, 0)),
+    "mH2O": (Fraction("9806.65"), (1, -1, -2, 0, 0)),
+    "cP": (Fraction(1, 1000), (1, -1, -1, 0, 0)),
+    "cSt": (Fraction(1, 1_000_000), (0, 2, -1, 0, 0)),
+    "rad": (Fraction(1), NONE),
+    "deg": (Fraction(math.pi) / 180, NONE),
+    "°": (Fraction(math.pi) / 180, NONE),
+    "%": (Fraction(1, 100), NONE),
+    "1": (Fraction(1), NONE),
+}
+
+_NUMBER = re.compile(r"[+-]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?|inf\b|nan\b)", re.IGNORECASE)
+_GROUP = re.compile(r"\(([^()]*)\)")
+_FACTOR = re.compile(
+    r"\s*(?P<sign>[*·⋅×/]?)\s*(?P<name>[A-Za-zµΩ°℃#][A-Za-z0-9Ω]*|%|1(?![0-9.]))"
+    r"\s*(?:(?:\^|\*\*)\s*(?P<power>[+-]?[0-9]{1,2})(?![0-9.])|(?P<raised>[⁺⁻]?[⁰¹²³⁴-⁹]{1,2}))?\s*"
+)
+_ALIKE = str.maketrans({"\u2212": "-", "\u2126": "Ω", "\u03bc": "µ"})  # minus, ohm sign, Greek mu
+_SUPERSCRIPTS = str.maketrans("⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+-0123456789")
+_TAKES_PREFIX = re.compile(r"(?:m|s|A|V|W|J|N|Pa|Hz|F|H|S|ohm|Ω)(?![A-Za-z0-9^*²³])")
+_PRINTED = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+
+
+def to_si(value: float | str, unit: str | None, where: str = "", *, allow_infinite: bool = False) -> float:
+    """Value of a quantity in SI.
+
+    Parameters
+    ----------
+    value : float or str
+        A number is SI; a text is a number and a unit such as ``"467.9 bar/(m^3/s)"`` (grammar above);
+        ``"20 degC"`` is an absolute temperature and becomes kelvin.
+    unit : str or None
+        The SI unit expected, whose dimension counts; ``""`` for a plain number, None for any dimension.
+    where : str
+        What the error message points at.
+    allow_infinite : bool
+        Let ``inf`` pass.
+
+    Raises
+    ------
+    InputError
+        No number, not finite, an unknown unit, or another dimension than `unit`.
+
+    Examples
+    --------
+    >>> to_si("10 cm", "m"), to_si("20 degC", "K"), to_si(1500, "m/s")
+    (0.1, 293.15, 1500.0)
+    """
+    if isinstance(value, str):
+        number = _text_to_si(value, unit, where)
+    elif isinstance(value, numbers.Real) and not isinstance(value, bool):
+        number = _nearest_float(value)
+    else:
+        raise InputError(where, "not a number", _expected(unit), _shown(value))
+    if math.isnan(number) or (math.isinf(number) and not allow_infinite):
+        given = value if isinstance(value, str) else number
+        raise InputError(where, "not a finite number", _expected(unit), _shown(given))
+    return number
+
+
+def engineering(value: float, unit: str) -> str:
+    """Text of an SI value: four digits, in `unit`, with a prefix if `unit` begins with a bare SI unit.
+
+    Examples
+    --------
+    >>> engineering(11.1e-12, "F/m"), engineering(4.679e7, "bar/(m^3/s)"), engineering(2.205e9, "bar")
+    ('11.1 pF/m', '467.9 bar/(m^3/s)', '22050 bar')
+    """
+    scaled, prefix = value / float(_parse(unit)[0]), ""
+    if _TAKES_PREFIX.match(unit) and scaled and math.isfinite(scaled):
+        mantissa, _, exponent = f"{scaled:.3e}".partition("e")
+        power = min(max(int(exponent) // 3 * 3, -15), 12)
+        scaled, prefix = float(f"{mantissa}e{int(exponent) - power}"), _PRINTED[power]
+    rounded = float(f"{scaled:.3e}")
+    digits = f"{rounded:.10g}" if rounded == 0 or 1e-3 <= abs(rounded) < 1e6 else f"{rounded:.4g}"
+    return f"{digits} {prefix}{unit}".rstrip()
+
+
+def _nearest_float(exact: numbers.Real) -> float:
+    try:
+        return float(exact)
+    except OverflowError:
+        return math.inf
+
+
+def _text_to_si(text: str, unit: str | None, where: str) -> float:
+    if len(text) > LONGEST:
+        raise InputError(where, f"a text of {len(text)} characters is no quantity", _expected(unit))
+    clean = text.strip().translate(_ALIKE)
+    number = _NUMBER.match(clean)
+    if not number:
+        raise InputError(where, "there is no number in front", _expected(unit), _shown(text))
+    units = clean[number.end() :].strip()
+    celsius = units in CELSIUS
+    try:
+        scale, dimension = _parse("K" if celsius else units)
+    except InputError as error:
+        raise InputError(where, error.problem, error.expected, error.got) from None
+    if units and unit is not None and dimension != _parse(unit)[1]:
+        raise InputError(where, "this unit measures something else", _expected(unit), _shown(text))
+    rough = float(number[0])
+    if not math.isfinite(rough):
+        return rough
+    exact = Fraction(number[0]) if rough else Fraction(0)
+    return _nearest_float(exact * scale + (CELSIUS_ZERO if celsius else 0))
+
+
+@lru_cache(256)
+def _parse(text: str) -> Factor:
+    """Value and dimension of a unit; parentheses are folded from the innermost outwards."""
+    groups: dict[str, Factor] = {}
+    folded = text.translate(_ALIKE).replace("#", "?")  # '#0', '#1' ... stand for the groups already folded
+    while group := _GROUP.search(folded):
+        name = f"#{len(groups)}"
+        groups[name] = _product(group[1], groups, text)
+        folded = f"{folded[: group.start()]} {name} {folded[group.end() :]}"
+    return _product(folded, groups, text)
+
+
+def _product(text: str, groups: dict[str, Factor], whole: str) -> Factor:
+    total, dimension, at = Fraction(1), NONE, 0
+    while at < len(text):
+        factor = _FACTOR.match(text, at)
+        if not factor or (at == 0 and factor["sign"] not in ("", "/")):
+            expected = "a decimal point" if text[at] == "," else "a unit such as 'Pa s/m^3'"
+            raise InputError("", "cannot read the unit", expected, _shown(whole))
+        value, exponents = groups.get(factor["name"]) or _unit(factor["name"])
+        power = int((factor["power"] or factor["raised"] or "1").translate(_SUPERSCRIPTS))
+        bits = value.numerator.bit_length() + value.denominator.bit_length()
+        if abs(power) > LARGEST_POWER or bits > LARGEST_BITS:
+            raise InputError("", "a power in the unit is too large", f"at most {LARGEST_POWER}", _shown(whole))
+        power = -power if factor["sign"] == "/" else power
+        total *= value**power
+        dimension = tuple(d + power * e for d, e in zip(dimension, exponents, strict=True))
+        at = factor.end()
+    return total, dimension
+
+
+def _unit(name: str) -> Factor:
+    if found := PREFIXABLE.get(name) or PLAIN.get(name):
+        return found
+    if name[0] in PREFIXES and name[1:] in PREFIXABLE:
+        value, dimension = PREFIXABLE[name[1:]]
+        return value * Fraction(10) ** PREFIXES[name[0]], dimension
+    raise InputError("", f"unknown unit {_shown(name)}", _suggestion(name))
+
+
+# what is said when a unit is unknown or of the wrong kind
+WORDS = {"metre": ["m"], "meter": ["m"], "second": ["s"], "pascal": ["Pa"], "percent": ["%"]}
+KINDS = {
+    "m": "a length", "m^2": "an area", "m^3": "a volume", "s": "a time", "Hz": "a frequency",
+    "m/s": "a speed", "kg": "a mass", "kg/m^3": "a density", "Pa": "a pressure", "m^3/s": "a volume flow",
+    "kg/s": "a mass flow", "Pa s": "a viscosity", "m^2/s": "a kinematic viscosity",
+    "Pa s/m^3": "a hydraulic impedance",
+    "V": "a voltage", "A": "a current", "ohm": "a resistance", "F": "a capacitance", "H": "an inductance",
+    "F/m": "a capacitance per length", "H/m": "an inductance per length", "K": "a temperature",
+}  # fmt: skip
+
+
+def _suggestion(name: str) -> str:
+    """What an unknown unit may have meant: kelvin, a power, another case, or the nearest symbols."""
+    from difflib import get_close_matches
+
+    known = [*PREFIXABLE, *PLAIN, *(prefix + unit for unit in PREFIXABLE for prefix in PREFIXES)]
+    letters, lower = name.rstrip("0123456789"), name.lower()
+    if name in CELSIUS:
+        return "'K' inside a product ('degC' is an absolute temperature)"
+    if letters in known:
+        return f"'{letters}^{name[len(letters) :]}'"
+    near = [unit for unit in known if unit.lower() == lower] or WORDS.get(lower.rstrip("s"))
+    near = near or get_close_matches(name, known, n=2) or ["m", "bar", "Pa s/m^3"]
+    return " or ".join(f"'{unit}'" for unit in near)
+
+
+def _expected(unit: str | None) -> str:
+    """How a quantity of this unit is written."""
+    if unit is None:
+        return "a number with a unit"
+    dimension = _parse(unit)[1]
+    if dimension == NONE:
+        return "a plain number such as '0.5'"
+    kind = next((kind for key, kind in KINDS.items() if _parse(key)[1] == dimension), "a quantity")
+    return f"{kind} such as '{'300' if unit == 'K' else '1'} {unit}'"
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:50] + "…"
