@@ -1,0 +1,115 @@
+"""The exact value of an expression, refused where it would take too long or too much memory."""
+
+from collections.abc import Iterable, Mapping
+from decimal import Decimal
+from fractions import Fraction
+from typing import TypeAlias
+
+from flint import fmpz_poly
+
+from passivity.errors import ExpressionError
+from passivity.expression import parse
+from passivity.number import fraction, not_a_number
+from passivity.quotient import Quotient
+from passivity.tree import Add, Call, Divide, Multiply, Negate, Node, Number, Power, Symbol, symbols
+
+MAX_DEGREE = 400
+MAX_BITS = 100_000  # of a coefficient
+MAX_WORK = 300_000_000  # bits in all intermediate results of one expression: half a second
+
+Exact: TypeAlias = int | float | Fraction | Decimal | str
+
+_S = Quotient(fmpz_poly([0, 1]), fmpz_poly([1]))
+
+
+def evaluate(text: str, parameters: Mapping[str, Exact]) -> Quotient:
+    """Rational function of an expression in ``s``, with a value for each other name in it and for no more."""
+    tree = parse(text)
+    names = symbols(tree) - {"s"}
+    missing, unused = sorted(names - set(parameters)), sorted(set(parameters) - names, key=str)
+    if missing:
+        where, expected = f"parameter {missing[0]:.60}", f"one for each of {_list(names)}"
+        raise ExpressionError(where, "no value", expected, _list(parameters))
+    if unused:
+        where, problem = f"parameter {unused[0]!s:.60}", "not in the expression"
+        problem = "s is the Laplace variable" if unused[0] == "s" else problem
+        raise ExpressionError(where, problem, f"values for {_list(names)}", _list(parameters))
+    values = {name: Quotient.constant(exact(x, f"parameter {name}")) for name, x in parameters.items()}
+    return _Evaluation(values | {"s": _S}).of(tree)
+
+
+def exact(value: Exact, where: str) -> Fraction:
+    """The exact value of a number or of a constant expression; `where` names it in the error.
+
+    Examples
+    --------
+    >>> exact("4 pF", "C"), exact(0.5, "R"), exact("-1/3", "k")
+    (Fraction(1, 250000000000), Fraction(1, 2), Fraction(-1, 3))
+    """
+    if isinstance(value, Decimal):
+        value = str(value)  # within the limits of text: Decimal("1e999999999") would fill the memory
+    if not isinstance(value, str):
+        return fraction(value, where)
+    try:
+        tree = parse(value)
+        constant = None if symbols(tree) else _Evaluation({}).of(tree)
+    except ExpressionError as error:
+        place = ", ".join(x for x in (where, error.where) if x)
+        raise ExpressionError(place, error.problem, error.expected, error.got) from None
+    if constant is None or constant.is_infinite:
+        raise not_a_number(value, where)
+    return constant.numerator[0] / constant.denominator[0]
+
+
+class _Evaluation:
+    """Value of a tree, refused where results outgrow MAX_DEGREE, MAX_BITS or, all together, MAX_WORK."""
+
+    def __init__(self, values: Mapping[str, Quotient]):
+        self.values, self.work = values, 0
+
+    def of(self, node: Node) -> Quotient:
+        match node:
+            case Number(value):
+                return Quotient.constant(value)
+            case Symbol(name):
+                return self.values[name]
+            case Negate(operand):
+                return -self.of(operand)
+            case Divide(numerator, denominator):
+                return self.kept(self.of(numerator) / self.of(denominator))
+            case Power(operand, exponent):
+                base = self.of(operand)
+                _check_size(abs(exponent) * base.degree, abs(exponent) * _bits(base))
+                return self.kept(base**exponent)
+            case Add(children) | Multiply(children):
+                result = self.of(children[0])
+                for child in children[1:]:
+                    operand = self.of(child)
+                    result = self.kept(result + operand if isinstance(node, Add) else result * operand)
+                return result
+            case Call(name):
+                problem = f"{name}(...) is not rational in s"
+                raise ExpressionError("", problem, "only + - * / and whole powers")
+
+    def kept(self, result: Quotient) -> Quotient:
+        bits = _bits(result)
+        _check_size(result.degree, bits)
+        self.work += (result.degree + 1) * bits
+        if self.work > MAX_WORK:
+            raise ExpressionError("", "the expression is too laborious", "fewer terms, or shorter numbers")
+        return result
+
+
+def _check_size(degree: int, bits: int) -> None:
+    if degree > MAX_DEGREE:
+        raise ExpressionError("", "the degree in s is too high", f"at most {MAX_DEGREE}", f"{degree}")
+    if bits > MAX_BITS:
+        raise ExpressionError("", "the coefficients are too long", f"at most {MAX_BITS} bits", f"{bits}")
+
+
+def _bits(function: Quotient) -> int:
+    return max(function.p.height_bits(), function.q.height_bits())
+
+
+def _list(names: Iterable[str]) -> str:
+    return f"{', '.join(sorted(map(str, names))) or 'no names':.200}"

@@ -1,0 +1,148 @@
+"""Impedance expressions such as ``R + s*L + 1/(s*C)``: text to a tree; nothing is run or guessed."""
+
+from passivity.errors import ExpressionError, shorten
+from passivity.quantity import decimal, unit
+from passivity.tokens import Token, tokens
+from passivity.tree import Add, Call, Divide, Multiply, Negate, Node, Number, Power, Symbol, symbols
+
+MAX_CHARACTERS = 10_000
+MAX_DEPTH = 100  # nested parentheses, signs and powers
+MAX_EXPONENT = 200  # of a power: s^200
+
+
+def parse(text: str) -> Node:
+    """Tree of an impedance expression in the Laplace variable ``s``.
+
+    Parameters
+    ----------
+    text : str
+        At most MAX_CHARACTERS: numbers, names, ``+ - * / ^ **``, parentheses, ``exp(...)``, ``sqrt(...)``.
+        Decimals are exact. A number may end in an SI prefix (``4.7k``) or carry a unit (``10 nH``,
+        ``50 ohm``), which scales it to SI and is then forgotten; `s` is always the Laplace variable.
+
+    Returns
+    -------
+    Node
+        Sums and products are flat, so the depth of the tree is bounded by MAX_DEPTH, not by the length.
+
+    Raises
+    ------
+    ExpressionError
+        For anything else, with the column (from 1) and what was expected there.
+
+    Examples
+    --------
+    >>> parse("-s^2")
+    Negate(operand=Power(base=Symbol(name='s'), exponent=2))
+    >>> parse("10 nH").value
+    Fraction(1, 100000000)
+    """
+    if not isinstance(text, str):
+        raise ExpressionError("", "the expression is not text", "a string", type(text).__name__)
+    if len(text) > MAX_CHARACTERS:
+        expected = f"at most {MAX_CHARACTERS} characters"
+        raise ExpressionError("", "the expression is too long", expected, f"{len(text)}")
+    parser = _Parser(text)
+    node = parser.sum(0)
+    parser.fail_unless(parser.token.kind == "end", "an operator such as *")
+    names = symbols(node)
+    for word in parser.units:
+        if word.text in names:
+            problem = f"{word.text} is a unit or prefix here and a name elsewhere"
+            raise ExpressionError(f"column {word.column}", problem, "another name, or a *")
+    return node
+
+
+class _Parser:
+    """Recursive descent: sum, product, operand (sign and power), atom; one method each."""
+
+    def __init__(self, text: str):
+        self.tokens, self.position = list(tokens(text)), 0
+        self.units: list[Token] = []
+
+    @property
+    def token(self) -> Token:
+        return self.tokens[self.position]
+
+    def take(self) -> Token:
+        self.position += 1
+        return self.tokens[self.position - 1]
+
+    def fail_unless(self, condition: bool, expected: str) -> None:
+        if not condition:
+            problem, got = "this does not fit here", repr(shorten(self.token.text))
+            if self.token.kind == "end":
+                problem, got = "the expression ends too early", "nothing"
+            raise ExpressionError(f"column {self.token.column}", problem, expected, got)
+
+    def sum(self, depth: int) -> Node:
+        terms = [self.product(depth)]
+        while self.token.text in ("+", "-"):
+            sign = self.take().text
+            term = self.product(depth)
+            terms.append(Negate(term) if sign == "-" else term)
+        return terms[0] if len(terms) == 1 else Add(tuple(terms))
+
+    def product(self, depth: int) -> Node:
+        above, below = [self.operand(depth)], []
+        while self.token.text in ("*", "/"):
+            (above if self.take().text == "*" else below).append(self.operand(depth))
+        numerator = above[0] if len(above) == 1 else Multiply(tuple(above))
+        if not below:
+            return numerator
+        return Divide(numerator, below[0] if len(below) == 1 else Multiply(tuple(below)))
+
+    def operand(self, depth: int) -> Node:
+        if depth > MAX_DEPTH:
+            where, expected = f"column {self.token.column}", f"at most {MAX_DEPTH} levels"
+            raise ExpressionError(where, "nested too deeply", expected)
+        if self.token.text in ("+", "-"):
+            sign = self.take().text
+            operand = self.operand(depth + 1)
+            return Negate(operand) if sign == "-" else operand
+        base = self.atom(depth)
+        if self.token.text not in ("^", "**"):
+            return base
+        column = self.take().column
+        return Power(base, _whole(self.operand(depth + 1), column))
+
+    def atom(self, depth: int) -> Node:
+        token = self.token
+        if token.kind == "number":
+            return self.number()
+        if token.kind == "name":
+            self.take()
+            if self.token.text != "(":
+                self.fail_unless(self.token.kind not in ("name", "number"), "an operator such as *")
+                return Symbol(token.text)
+            if token.text not in ("exp", "sqrt"):
+                name = shorten(token.text)
+                expected = f"exp or sqrt, or {name}*(...) for a product"
+                raise ExpressionError(f"column {token.column}", "unknown function", expected, f"{name}(...)")
+        self.fail_unless(self.token.text == "(", "a number, a name or '('")
+        self.take()
+        inside = self.sum(depth + 1)
+        self.fail_unless(self.token.text == ")", "an operator such as * or ')'")
+        self.take()
+        return Call(token.text, inside) if token.kind == "name" else inside
+
+    def number(self) -> Number:
+        token = self.take()
+        value = decimal(token)
+        if self.token.kind != "name":
+            return Number(value, token.text)
+        word = self.take()
+        self.units.append(word)
+        return Number(value * unit(token, word), token.text + " " * word.spaced + word.text)
+
+
+def _whole(exponent: Node, column: int) -> int:
+    sign, number = (-1, exponent.operand) if isinstance(exponent, Negate) else (1, exponent)
+    if isinstance(number, Number) and number.value.denominator == 1 and number.value <= MAX_EXPONENT:
+        return sign * int(number.value)
+    raise ExpressionError(
+        f"column {column}",
+        "this power is not known",
+        f"a whole number from -{MAX_EXPONENT} to {MAX_EXPONENT} as exponent, or sqrt(...) for 1/2",
+        shorten(number.text) if isinstance(number, Number) else "an expression",
+    )

@@ -1,0 +1,177 @@
+"""Exact rational functions of the Laplace variable: where they come from and their values."""
+
+import math
+import re
+import sys
+from collections.abc import Iterable, Mapping
+from fractions import Fraction
+from typing import Self
+
+from flint import acb, ctx, fmpq, fmpq_poly
+
+from passivity.errors import ExpressionError
+from passivity.evaluate import Exact, evaluate, exact
+from passivity.quotient import Quotient
+from passivity.systems import coefficients
+
+
+class RationalFunction(Quotient):
+    """A rational function p(s)/q(s) with exact coefficients; see `Quotient` for the arithmetic.
+
+    Examples
+    --------
+    >>> z = RationalFunction.from_expression("R + s*L", {"R": "50 ohm", "L": "10 nH"})
+    >>> print(z, z.parallel(z) == z / 2)
+    (s + 5000000000)/(100000000) True
+    >>> z.at_zero(), z.at_infinity()
+    (Fraction(50, 1), inf)
+    """
+
+    __slots__ = ()
+
+    @classmethod
+    def from_coefficients(cls, numerator: Iterable[Exact], denominator: Iterable[Exact]) -> Self:
+        """Rational function with the given coefficients, highest power first.
+
+        Parameters
+        ----------
+        numerator, denominator : iterable of int, float, Fraction, Decimal or str
+            At least one each. A float counts as its exact binary value, text as the exact decimal written,
+            with prefix and unit if any. Leading zeros are fine.
+
+        Raises
+        ------
+        ExpressionError
+            Naming the coefficient that is not a finite real number; or if both polynomials are zero.
+
+        Examples
+        --------
+        >>> print(RationalFunction.from_coefficients([1, "0.5"], [2]))
+        (2*s + 1)/(4)
+        """
+        p, q = _polynomial(numerator, "numerator"), _polynomial(denominator, "denominator")
+        return cls(p.numer() * q.denom(), q.numer() * p.denom())
+
+    @classmethod
+    def from_expression(cls, text: str, parameters: Mapping[str, Exact] | None = None) -> Self:
+        """Rational function written as an expression in ``s``.
+
+        Parameters
+        ----------
+        text : str
+            What `passivity.expression.parse` reads, without exp and sqrt; degree at most MAX_DEGREE.
+        parameters : mapping of str to number or text, optional
+            A value for every name in the expression but ``s``, and for no other; as in `from_coefficients`.
+
+        Raises
+        ------
+        ExpressionError
+            What `parse` refuses; a missing or unused parameter; exp or sqrt; 0/0; more than MAX_DEGREE.
+
+        Examples
+        --------
+        >>> print(RationalFunction.from_expression("1/(s*C)", {"C": "4 pF"}))
+        (250000000000)/(s)
+        """
+        value = evaluate(text, parameters or {})
+        return cls(value.p, value.q)
+
+    @classmethod
+    def from_system(cls, system: object) -> Self:
+        """Rational function of a scipy.signal.lti or python-control system.
+
+        Parameters
+        ----------
+        system : object
+            Continuous, one input, one output: transfer function, state space, or zeros, poles and gain.
+            Transfer function and state space are taken exactly as the floats they hold (hidden modes of a
+            state space stay as common factors); zeros and poles pass through their own rounding ``to_tf()``.
+
+        Raises
+        ------
+        ExpressionError
+            For a discrete system, more than one input or output, or any other object.
+
+        Examples
+        --------
+        >>> from scipy.signal import lti
+        >>> print(RationalFunction.from_system(lti([1, 0], [2, 1])))
+        (s)/(2*s + 1)
+        """
+        return cls.from_coefficients(*coefficients(system))
+
+    def __call__(self, s: complex) -> complex:
+        """Value at a finite `s`, each part within 2e-16 of its size: ball arithmetic, refined until it is.
+
+        At a root common to p and q the reduced function is evaluated. At a pole, and for an open circuit, the
+        value is ``complex(inf, 0)``. The sign of the real part can be trusted, however small it is.
+
+        Examples
+        --------
+        >>> RationalFunction.from_expression("1/(1 + s)")(1j)
+        (0.5-0.5j)
+        """
+        s = complex(s)
+        if not (math.isfinite(s.real) and math.isfinite(s.imag)):
+            raise ExpressionError("s", "no value here", "a finite complex number", f"{s}")
+        point, bits = acb(s.real, s.imag), 64
+        while True:
+            # the precision is global to the process: what counts is the accuracy found, not asked for
+            with ctx.workprec(bits):
+                p, q = self.p(point), self.q(point)
+                if q == 0 and (p == 0 or p != 0):  # certain: a ball may hold 0 without being 0
+                    return self.reduced()(s) if p == 0 else complex(math.inf, 0)
+                over, size = p * q.conjugate(), q.real * q.real + q.imag * q.imag
+                parts = over.real / size, over.imag / size
+                if all(part.rel_accuracy_bits() >= 54 for part in parts):
+                    return complex(*map(float, parts))
+            bits *= 2
+
+    def at_zero(self) -> Fraction | float:
+        """Value at s = 0, the resistance to steady flow: a Fraction, or ``math.inf`` (without a sign)."""
+        return self._limit(range(self.degree + 1))
+
+    def at_infinity(self) -> Fraction | float:
+        """Limit for s to infinity, what a front meets: a Fraction, or ``math.inf`` (without a sign)."""
+        return self._limit(range(self.degree, -1, -1))
+
+    def _limit(self, powers: Iterable[int]) -> Fraction | float:
+        power = next(i for i in powers if self.p[i] or self.q[i])
+        return Fraction(int(self.p[power]), int(self.q[power])) if self.q[power] else math.inf
+
+    def to_floats(self) -> tuple[list[float], list[float]]:
+        """Numerator and denominator as floats, highest power first, scaled to a largest magnitude of 1.
+
+        Refused if a coefficient is below the smallest normal float on that scale.
+
+        Examples
+        --------
+        >>> RationalFunction.from_expression("5 + 1e-9*s").to_floats()
+        ([2e-10, 1.0], [0.2])
+        """
+        sizes = [abs(c) for c in self.numerator + self.denominator if c]
+        if float(min(sizes) / max(sizes)) < sys.float_info.min:
+            expected = "at most 307 decades; measure time in another unit"
+            raise ExpressionError("coefficients", "too far apart for floats", expected)
+        p, q = ([float(c / max(sizes)) for c in side] for side in (self.numerator, self.denominator))
+        return p, q
+
+    def __reduce__(self):
+        return self.from_coefficients, (self.numerator, self.denominator)
+
+    def __str__(self) -> str:
+        text = re.sub(r"\((-\d+)\)", r"\1", f"({self.p})/({self.q})")  # flint writes negative numbers as (-1)
+        return text.replace("+ -", "- ").replace("x", "s")
+
+    def __repr__(self) -> str:
+        return f"RationalFunction.from_expression({str(self)!r})"
+
+
+def _polynomial(given: Iterable[Exact], name: str) -> fmpq_poly:
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        expected = "a sequence of numbers, highest power first"
+        raise ExpressionError(name, "not coefficients", expected, repr(given)[:60])
+    values = [exact(value, f"{name}[{i}]") for i, value in enumerate(given)]
+    if not values:
+        raise ExpressionError(name, "no coefficients", "at least one number")
+    return fmpq_poly([fmpq(x.numerator, x.denominator) for x in reversed(values)])

@@ -1,0 +1,90 @@
+"""The tree of an impedance expression: its nodes and the names in it."""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """An exact number: ``0.1`` is 1/10, ``10 nH`` is 1/10**8; `text` is what was written."""
+
+    value: Fraction
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """A name: the Laplace variable ``s`` or a parameter."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Negate:
+    """Minus the operand."""
+
+    operand: "Node"
+
+
+@dataclass(frozen=True, slots=True)
+class Add:
+    """The sum of two or more terms; a subtracted term is a `Negate`."""
+
+    terms: "tuple[Node, ...]"
+
+
+@dataclass(frozen=True, slots=True)
+class Multiply:
+    """The product of two or more factors."""
+
+    factors: "tuple[Node, ...]"
+
+
+@dataclass(frozen=True, slots=True)
+class Divide:
+    """A quotient; ``a/b*c/d`` is one quotient, a*c over b*d."""
+
+    numerator: "Node"
+    denominator: "Node"
+
+
+@dataclass(frozen=True, slots=True)
+class Power:
+    """The base to a whole exponent."""
+
+    base: "Node"
+    exponent: int
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A function, ``exp`` or ``sqrt``, at an argument."""
+
+    name: str
+    argument: "Node"
+
+
+Node: TypeAlias = Number | Symbol | Negate | Add | Multiply | Divide | Power | Call
+
+
+def symbols(node: Node) -> set[str]:
+    """All names in a tree, the Laplace variable included.
+
+    Examples
+    --------
+    >>> sorted(symbols(Add((Symbol("R"), Multiply((Symbol("s"), Symbol("L")))))))
+    ['L', 'R', 's']
+    """
+    found, stack = set(), [node]
+    while stack:
+        match stack.pop():
+            case Symbol(name):
+                found.add(name)
+            case Add(children) | Multiply(children):
+                stack += children
+            case Divide(numerator, denominator):
+                stack += [numerator, denominator]
+            case Negate(child) | Power(child, _) | Call(_, child):
+                stack.append(child)
+    return found

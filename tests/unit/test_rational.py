@@ -1,0 +1,362 @@
+"""Exact rational functions: making, refusing, and the corners of open and short circuits."""
+
+import copy
+import math
+import pickle
+import subprocess
+import sys
+import time
+from decimal import Decimal
+from fractions import Fraction
+
+import control
+import mpmath
+import numpy as np
+import pytest
+import scipy.signal
+
+from passivity import ExpressionError, RationalFunction
+from passivity.evaluate import MAX_DEGREE, exact
+
+of = RationalFunction.from_expression
+coefficients = RationalFunction.from_coefficients
+s = of("s")
+SHORT, OPEN = of("0"), of("1/0")
+
+
+def pair(z):
+    return z.numerator, z.denominator
+
+
+# ---- making
+
+
+def test_series_circuit():
+    z = of("R + s*L + 1/(s*C)", {"R": "50 ohm", "L": "10 nH", "C": "4 pF"})
+    assert pair(z) == ((1, 5 * 10**9, 25 * 10**18), (10**8, 0))
+    assert all(type(c) is Fraction for c in z.numerator + z.denominator)
+    assert z.degree == 2
+
+
+@pytest.mark.parametrize("value", [Fraction(1, 10), "0.1", "1/10", "100m", Decimal("0.1")])
+def test_decimals_are_exact(value):
+    assert of("R", {"R": value}) == coefficients([value], [1]) == of("1/10") == of("0.1")
+
+
+def test_floats_are_their_binary_value():
+    assert of("R", {"R": 0.1}) == coefficients([0.1], [1]) == coefficients([3602879701896397], [2**55])
+    assert of("R", {"R": 0.1}) != of("0.1")
+
+
+@pytest.mark.parametrize("number", [np.float64(0.5), np.float32(0.5), np.array(0.5), np.int64(3), 3])
+def test_numpy_numbers(number):
+    assert exact(number, "x") == Fraction(float(number))
+
+
+def test_coefficients_come_highest_power_first():
+    assert pair(coefficients([0, 0, 4, 2], ["0.5"])) == ((8, 4), (1,))
+    assert pair(coefficients((1, 2, 3), iter([4, 5]))) == ((1, 2, 3), (4, 5))
+    assert pair(coefficients(np.array([1.0, 2.0]), np.array([3]))) == ((1, 2), (3,))
+
+
+def test_the_pair_is_without_integer_content_and_with_positive_denominator():
+    assert pair(coefficients([6, 4], [-2])) == ((-3, -2), (1,))
+    assert pair(coefficients([-3], [0])) == ((1,), (0,))
+    assert pair(coefficients([0], [-7])) == ((0,), (1,))
+
+
+@pytest.mark.parametrize(
+    ("numerator", "denominator", "message"),
+    [
+        ([1, math.nan], [1], r"numerator\[1\]: not a number, expected a finite .*, got nan"),
+        ([1], [-math.inf, 1], r"denominator\[0\]: not a number, .* got -inf"),
+        ([1j], [1], r"numerator\[0\]: not a number"),
+        ([None], [1], r"numerator\[0\]: not a number"),
+        ([[1, 2]], [1], r"numerator\[0\]: not a number"),
+        (np.ones((2, 2)), [1], r"numerator\[0\]: not a number"),
+        (["s"], [1], r"numerator\[0\]: not a number"),
+        (["1/0"], [1], r"numerator\[0\]: not a number"),
+        (["nan"], [1], r"numerator\[0\]: not a number"),
+        ([Decimal("NaN")], [1], r"numerator\[0\]: not a number"),
+        ([Decimal("1e999999999")], [1], r"numerator\[0\], column 1: the decimal exponent is out of range"),
+        (["1,5"], [1], r"numerator\[0\], column 2: this character"),
+        (["sqrt(2)"], [1], r"numerator\[0\]: sqrt\(...\) is not rational"),
+        ([], [1], "numerator: no coefficients, expected at least one number"),
+        ("12", [1], "numerator: not coefficients, expected a sequence"),
+        ([1], 2, "denominator: not coefficients, expected a sequence"),
+        ([0, 0.0], [0], "0/0 has no value"),
+    ],
+)
+def test_refused_coefficients(numerator, denominator, message):
+    with pytest.raises(ExpressionError, match=message):
+        coefficients(numerator, denominator)
+
+
+@pytest.mark.parametrize(
+    ("text", "parameters", "message"),
+    [
+        ("R + s*L", {"R": 1}, "parameter L: no value, expected one for each of L, R, got R"),
+        ("R + s", None, "parameter R: no value, expected one for each of R, got no names"),
+        ("R", {"R": 1, "r": 2}, "parameter r: not in the expression, expected values for R, got R, r"),
+        ("s", {"s": 2}, "parameter s: s is the Laplace variable"),
+        ("s", {1: 2, None: 3}, "parameter 1: not in the expression"),
+        ("R", {"R": math.nan}, "parameter R: not a number"),
+        ("R", {"R": "2 s"}, r"parameter R, column 3: .* expected 2\*s"),
+        ("R", {"R": "s"}, "parameter R: not a number"),
+        ("exp(-2*s)*3", None, r"exp\(...\) is not rational in s"),
+        ("sqrt(R)", {"R": 4}, r"sqrt\(...\) is not rational in s"),
+        ("0/0", None, "0/0 has no value"),
+        ("0*(1/0)", None, "0/0 has no value"),
+        ("R/R", {"R": 0}, "0/0 has no value"),
+        ("(1 + s)^200 * s^200 * s", None, "degree in s is too high, expected at most 400, got 401"),
+        ("((1 + s)^200)^200", None, "degree in s is too high, expected at most 400, got 40000"),
+        ("(1e400^50 + s)^2", None, "coefficients are too long, expected at most 100000 bits"),
+    ],
+)
+def test_refused_expressions(text, parameters, message):
+    with pytest.raises(ExpressionError, match=message):
+        of(text, parameters)
+
+
+@pytest.mark.parametrize("tail", ["+1", "*3/7", "-s/s"])
+def test_hostile_expressions_are_refused_at_once(tail):
+    text = "(1+s)^200*(1e400+1e-400*s)^18"
+    text += tail * ((9_999 - len(text)) // len(tail))
+    start = time.perf_counter()
+    with pytest.raises(ExpressionError):
+        of(text)
+    assert time.perf_counter() - start < 2  # measured 0.3 s
+
+
+def test_large_honest_expressions_pass():
+    ladder = "1"
+    for i in range(1, 50):  # 98 levels of parentheses
+        ladder = f"{i}.5 + {i}.25e-9*s + 1/({i}e-12*s + 1/({ladder}))"
+    assert of(ladder).degree == 98
+    assert of("+".join(f"{i}.1/(s + 0.{i})" for i in range(100, 300))).degree == 200
+    assert of("((1 + s)^200)^2").degree == MAX_DEGREE
+
+
+# ---- open and short circuits
+
+
+def test_open_and_short_are_ordinary():
+    assert (SHORT.is_zero, SHORT.is_infinite, OPEN.is_zero, OPEN.is_infinite) == (True, False, False, True)
+    assert (SHORT.degree, OPEN.degree) == (0, 0)
+    assert pair(SHORT) == ((0,), (1,))
+    assert pair(OPEN) == ((1,), (0,))
+    assert (SHORT.inverse(), OPEN.inverse()) == (OPEN, SHORT)
+    assert OPEN != SHORT
+    assert -OPEN == OPEN
+
+
+@pytest.mark.parametrize("z", [of("2 + s"), of("1/s"), SHORT, OPEN])
+def test_open_and_short_in_circuits(z):
+    assert z + SHORT == SHORT + z == z
+    assert z + OPEN == OPEN + z == OPEN
+    assert z.parallel(OPEN) == OPEN.parallel(z) == z
+    assert z.parallel(SHORT) == SHORT.parallel(z) == SHORT
+
+
+def test_resonance_is_an_open_circuit():
+    assert s.parallel(-s) == OPEN
+
+
+@pytest.mark.parametrize("z", [OPEN, SHORT])
+def test_zero_times_infinity_is_refused(z):
+    with pytest.raises(ExpressionError, match="0/0"):
+        z * z.inverse()
+
+
+# ---- arithmetic
+
+
+def test_numbers_stand_for_constants():
+    assert 2 * s + 1 == s * 2 + Fraction(1) == of("2*s + 1")
+    assert 1 / s == of("1/s")
+    assert 3 - s == -(s - 3) == of("3 - s")
+    assert s / 0 == OPEN
+    assert np.float64(0.5) * s == s * np.int64(1) / 2 == s * np.float32(0.5)
+
+
+@pytest.mark.parametrize("other", ["1", None, 1j, [1]])
+def test_other_operands_are_type_errors(other):
+    with pytest.raises(TypeError):
+        s + other
+    assert s != other
+
+
+def test_non_finite_operands_are_refused():
+    with pytest.raises(ExpressionError, match="number: not a number"):
+        s + math.inf
+
+
+def test_powers():
+    assert of("1 + s") ** 3 == of("1 + 3*s + 3*s^2 + s^3")
+    assert s**-2 == of("1/s^2")
+    assert s**0 == of("1")
+
+
+def test_common_factors_stay_until_reduced():
+    two_capacitors = of("1/(2*s) + 1/(3*s)")
+    assert pair(two_capacitors) == ((5, 0), (6, 0, 0))
+    assert pair(two_capacitors.reduced()) == ((5,), (6, 0))
+    assert two_capacitors == two_capacitors.reduced() == of("5/(6*s)")
+    assert len({two_capacitors, two_capacitors.reduced(), of("5/(6*s)"), SHORT, OPEN}) == 3
+    assert pair((s - s).reduced()) == ((0,), (1,))
+
+
+def test_immutable_copied_and_pickled():
+    z = of("(1 + 1e-12*s)/(3 + s)")
+    with pytest.raises(AttributeError):
+        z.p = s.p
+    assert pickle.loads(pickle.dumps(z)) == copy.deepcopy(z) == z
+
+
+def test_repr_makes_it_again():
+    z = of("(1 + 1e-12*s)/(3 - s^2)")
+    assert repr(z) == "RationalFunction.from_expression('(-1*s - 1000000000000)/(1000000000000*s^2 - 3000000000000)')"
+    assert pair(eval(repr(z))) == pair(z)
+
+
+# ---- values
+
+
+@pytest.mark.parametrize(
+    ("text", "at_zero", "at_infinity"),
+    [
+        ("50", 50, 50),
+        ("0", 0, 0),
+        ("1/0", math.inf, math.inf),
+        ("s", 0, math.inf),
+        ("-1/s", math.inf, 0),
+        ("(2 + s)/(3 + 4*s)", Fraction(2, 3), Fraction(1, 4)),
+        ("s/(1 + s^2)", 0, 0),
+        ("5*s*(1 + s)/(7*s)", Fraction(5, 7), math.inf),
+        ("(s - s)/(s + 1)", 0, 0),
+    ],
+)
+def test_ends_of_the_axis(text, at_zero, at_infinity):
+    z = of(text)
+    assert (z.at_zero(), z.at_infinity()) == (at_zero, at_infinity)
+    assert all(type(x) is Fraction or x == math.inf for x in (z.at_zero(), z.at_infinity()))
+
+
+def test_value_is_accurate_where_float_polynomials_are_not():
+    z = of("1/(1 + s)^200 + s*1e-300")
+    for point in (1j, 0.3 + 2j, -1.05, -1 + 0.05j, 1e200j, 5e-324):
+        with mpmath.workdps(3000):  # enough to be exact for these points
+            x = mpmath.mpmathify(point)
+            truth = complex(1 / (1 + x) ** 200 + x * mpmath.mpf(10) ** -300)
+        assert z(point).real == pytest.approx(truth.real, rel=2e-16, abs=0)  # as promised; 2**-53 would be the best
+        assert z(point).imag == pytest.approx(truth.imag, rel=2e-16, abs=0)
+
+
+@pytest.mark.parametrize(
+    ("text", "point", "value"),
+    [
+        ("1/(1 + s)", 1j, 0.5 - 0.5j),
+        ("1/s", 0, complex(math.inf, 0)),
+        ("1/(1 + s^2)", 1j, complex(math.inf, 0)),
+        ("1/0", 3, complex(math.inf, 0)),
+        ("0", 3, 0),
+        ("s^2 + 1", 1j, 0),
+        ("(s + 1)*s/(s*(s + 2))", 0, 0.5),
+        ("(s^2 + 1)/(s^2 + 1)^2", 1j, complex(math.inf, 0)),
+        ("1/(s - R)", 0.1, complex(math.inf, 0)),
+        ("s^3", 1e200, complex(math.inf, 0)),
+        ("s^3", -1e-200, 0),
+        ("1/(s - R) + 1/(s - 2)^30", 2, complex(math.inf, 0)),
+    ],
+)
+def test_value_at_special_points(text, point, value):
+    assert of(text, {"R": 0.1} if "R" in text else None)(point) == value
+
+
+def test_lossless_means_a_real_part_of_exactly_zero():
+    lossless = of("(s^2 + 3)/(s*(s^2 + 5))")
+    assert lossless(0.7j).real == 0
+    assert (lossless * of("(s + 0.1)^9/(s + 0.1)^9"))(0.7j).real == 0
+    slightly_active = lossless - of("1e-40")
+    assert slightly_active(0.7j).real == -1e-40
+
+
+def test_values_leave_the_working_precision_alone():
+    import flint
+
+    before = flint.ctx.prec
+    of("1/(1 + s)^50")(-1 + 1e-9j)
+    assert flint.ctx.prec == before
+
+
+@pytest.mark.parametrize("point", [math.nan, math.inf, complex(0, -math.inf)])
+def test_no_value_where_s_is_not_finite(point):
+    with pytest.raises(ExpressionError, match="s: no value here, expected a finite complex number"):
+        s(point)
+
+
+def test_floats_are_scaled_exactly():
+    assert of("5 + 1e-9*s").to_floats() == ([2e-10, 1.0], [0.2])
+    assert coefficients([10**400, 10**399], [3 * 10**400]).to_floats() == ([1 / 3, 1 / 30], [1.0])
+    assert SHORT.to_floats() == ([0.0], [1.0])
+    assert OPEN.to_floats() == ([1.0], [0.0])
+
+
+def test_floats_are_refused_where_they_would_vanish():
+    with pytest.raises(ExpressionError, match="coefficients: too far apart for floats, expected at most 307 decades"):
+        of("1 + 1e-320*s").to_floats()
+
+
+# ---- systems of other packages
+
+
+@pytest.mark.parametrize(
+    "system",
+    [
+        scipy.signal.TransferFunction([1, 3], [1, 4, 5]),
+        scipy.signal.ZerosPolesGain([-3], [-2 + 1j, -2 - 1j], 1),
+        scipy.signal.StateSpace([[0, 1], [-5, -4]], [[0], [1]], [[3, 1]], [[0]]),
+        control.tf([1, 3], [1, 4, 5]),
+        control.zpk([-3], [-2 + 1j, -2 - 1j], 1),
+        control.ss([[0, 1], [-5, -4]], [[0], [1]], [[3, 1]], 0),
+    ],
+)
+def test_systems(system):
+    assert pair(RationalFunction.from_system(system)) == ((1, 3), (1, 4, 5))
+
+
+def test_systems_at_the_edge():
+    assert RationalFunction.from_system(control.tf([1, 0], [1])) == s
+    assert RationalFunction.from_system(control.tf([3.0], [1.0])) == of("3")
+    assert RationalFunction.from_system(control.ss([], [], [], 5)) == of("5")
+    assert RationalFunction.from_system(scipy.signal.StateSpace(-1, 1, 1, 0.1)) == of("1/(s+1)") + 0.1
+
+
+def test_hidden_modes_of_a_state_space_stay():
+    hidden = control.ss([[-1, 0], [0, 2]], [[1], [0]], [[1, 0]], 0, remove_useless_states=False)
+    assert pair(RationalFunction.from_system(hidden)) == ((1, -2), (1, -1, -2))
+
+
+@pytest.mark.parametrize(
+    ("system", "message"),
+    [
+        (scipy.signal.dlti([1], [1, 0.5]), "discrete in time, expected a continuous system, got .*dt=True"),
+        (control.tf([1], [1, 0.5], 0.1), "discrete in time, .*dt=0.1"),
+        (control.tf([1], [1, 0.5], True), "discrete in time"),
+        (scipy.signal.StateSpace(-1, [[1, 2]], 1, [[0, 0]]), r"one input and one output, got \(2, 1\)"),
+        (scipy.signal.TransferFunction([[1], [2]], [1, 2]), r"one input and one output, got \(1, 2\)"),
+        (control.ss(-1, 1, [[1], [2]], [[0], [0]]), r"one input and one output, got \(1, 2\)"),
+        (control.frd([1, 2], [1, 2]), "no coefficients, expected a scipy.signal.lti"),
+        ([1, 2], "no coefficients, .* got list"),
+        (scipy.signal.TransferFunction([math.nan], [1]), r"numerator\[0\]: not a number"),
+        (scipy.signal.StateSpace(math.inf, 1, 1, 0), "state space: not a number"),
+    ],
+)
+def test_refused_systems(system, message):
+    with pytest.raises(ExpressionError, match=message):
+        RationalFunction.from_system(system)
+
+
+def test_importing_passivity_loads_nothing_heavy():
+    code = "import passivity, sys; print(*({'numpy', 'scipy', 'sympy', 'tline', 'control'} & set(sys.modules)))"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=True).stdout.strip() == b""
