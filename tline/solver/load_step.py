@@ -1,0 +1,151 @@
+"""A rational load at a node, advanced over one slab by Radau IIA collocation.
+
+The load is realised through its reflection (Z - z)/(Z + z) against the node's Thévenin impedance z, which is proper for
+every passive Z, be Z or 1/Z improper. A switch beside the load only feeds part of the reflected wave back. One slab is
+then a constant linear map from the Thévenin wave w at the points and the load's state at the slab's start to the
+node's effort u at the points and the state at the slab's end.
+"""
+
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+
+from passivity.rational import RationalFunction
+from tline.errors import InputError
+from tline.solver.radau import Basis, Matrix
+
+
+class StateSpace(NamedTuple):
+    """dx/dt = A x + b w, output c x + d w, with n states."""
+
+    A: Matrix  # (n, n)
+    b: Matrix  # (n,)
+    c: Matrix  # (n,)
+    d: float
+
+    def at_rest_under(self, wave: float) -> Matrix:
+        """State in the steady state under a constant input."""
+        return -np.linalg.solve(self.A, self.b * wave)
+
+
+NO_LOAD = StateSpace(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 1.0)  # an open circuit reflects all
+
+
+def effort(reflection: StateSpace, g: float) -> StateSpace:
+    """From the wave w to the effort u of a node with a load and, beside it, a switch.
+
+    Parameters
+    ----------
+    reflection : StateSpace
+        From the wave a = u + z i into the load to the wave r = u - z i out of it.
+    g : float
+        Conductance of the switch in units of 1/z, 0 to infinity. It makes a = (1 - k) w - k r with k = g/(2 + g).
+
+    Raises
+    ------
+    ZeroDivisionError
+        If a closed switch (g infinite) shorts a load that holds its effort, such as a capacitor.
+    """
+    A, b, c, d = reflection
+    k = 1.0 if np.isinf(g) else g / (2.0 + g)
+    loop = 1.0 + k * d
+    if loop == 0.0:
+        raise ZeroDivisionError
+    passed = (1.0 - k) / loop
+    return StateSpace(A - (k / loop) * np.outer(b, c), b * passed, c * passed / 2, (1.0 + d) * passed / 2)
+
+
+def reflection(impedance: RationalFunction, z: float, where: str) -> StateSpace:
+    """Realise the reflection of a rational impedance against z in balanced companion form.
+
+    Parameters
+    ----------
+    impedance : RationalFunction
+        Z(s), at least of degree 1.
+    z : float
+        Thévenin impedance of the node, > 0 and finite.
+    where : str
+        Name for messages.
+
+    Raises
+    ------
+    InputError
+        If Z + z falls to a lower degree: Z tends to -z at high frequency, and no wave is defined.
+    """
+    from scipy.linalg import matrix_balance
+
+    p, q = _padded(impedance.numerator), _padded(impedance.denominator)
+    n = max(len(p), len(q)) - 1
+    p, q = [Fraction(0)] * (n + 1 - len(p)) + p, [Fraction(0)] * (n + 1 - len(q)) + q
+    exact_z = Fraction(z)
+    denominator = [a + exact_z * b for a, b in zip(p, q, strict=True)]
+    numerator = [a - exact_z * b for a, b in zip(p, q, strict=True)]
+    if denominator[0] == 0:
+        raise InputError(
+            where, f"its impedance tends to minus the line's {z:.6g} at high frequency: no wave is defined"
+        )
+    lowest = next(k for k in range(n, -1, -1) if denominator[k] != 0)
+    rate = _root(denominator[lowest] / denominator[0], lowest)  # time unit in which the coefficients are of one size
+    monic = [float(a / denominator[0] / rate**k) for k, a in enumerate(denominator)]
+    direct = numerator[0] / denominator[0]
+    output = [
+        float((b - direct * a) / denominator[0] / rate**k)
+        for k, (a, b) in enumerate(zip(denominator, numerator, strict=True))
+    ]
+    A = np.eye(n, k=-1)
+    A[0] = [-a for a in monic[1:]]
+    b, c = np.eye(n)[0], np.array(output[1:])
+    A, (scale, _) = matrix_balance(A, permute=False, separate=True)
+    return StateSpace(float(rate) * A, float(rate) * b / scale, c * scale, float(direct))
+
+
+def _padded(coefficients) -> list[Fraction]:
+    return [Fraction(a) for a in coefficients] or [Fraction(0)]
+
+
+def _root(ratio: Fraction, n: int) -> Fraction:
+    """Some positive number of the size of abs(ratio)**(1/n), exact when used."""
+    if n == 0:
+        return Fraction(1)
+    exponent = (abs(ratio.numerator).bit_length() - ratio.denominator.bit_length()) // n
+    return Fraction(2) ** exponent
+
+
+class LoadStep(NamedTuple):
+    """One slab: u = u_w w + u_x x, x_end = x_w w + x_x x; w and u at the s points, x at the slab's start."""
+
+    u_w: Matrix
+    u_x: Matrix
+    x_w: Matrix
+    x_x: Matrix
+
+
+def load_step(system: StateSpace, basis: Basis, h: float) -> LoadStep:
+    """Radau IIA over one slab of width h for dx/dt = A x + b w, u = c x + d w (order 2s - 1 at the slab's end)."""
+    s, n = basis.s, len(system.A)
+    stages = np.eye(s * n) - h * np.kron(basis.A, system.A)
+    drive = np.concatenate([h * np.kron(basis.A, system.b[:, None]), np.kron(np.ones((s, 1)), np.eye(n))], axis=1)
+    x = np.linalg.solve(stages, drive) if n else drive  # states at all points from (w, x0), shape (s n, s + n)
+    u = np.kron(np.eye(s), system.c[None, :]) @ x
+    u[:, :s] += system.d * np.eye(s)
+    end = x[(s - 1) * n :]
+    return LoadStep(u[:, :s], u[:, s:], end[:, :s], end[:, s:])
+
+
+def stepwise(pieces: list[tuple[float, float, StateSpace]], basis: Basis, h: float) -> LoadStep:
+    """One slab in which the node changes: pieces (start, end, system) in slab time cover [0, 1].
+
+    One Radau step per piece; the effort, a polynomial on each piece, is L2-projected on the slab.
+    """
+    if len(pieces) == 1:
+        return load_step(pieces[0][2], basis, h)
+    s, n = basis.s, len(pieces[0][2].A)
+    state = np.concatenate([np.zeros((n, s)), np.eye(n)], axis=1)  # of the piece's start, from (w, x0)
+    u = np.zeros((s, s + n))
+    for start, end, system in pieces:
+        step = load_step(system, basis, (end - start) * h)
+        wave = np.concatenate([basis.restriction(start, end), np.zeros((s, n))], axis=1)
+        u += basis.projection(start, end) @ (step.u_w @ wave + step.u_x @ state)
+        state = step.x_w @ wave + step.x_x @ state
+    return LoadStep(u[:, :s], u[:, s:], state[:, :s], state[:, s:])

@@ -1,0 +1,42 @@
+"""A scene as arrays: what assembly writes and the kernel reads. No names, no units.
+
+A line end is numbered 2 * line (end 1) or 2 * line + 1 (end 2). Each line owns two buffers of ``delay`` slabs; a slab
+is s samples. An end reads the wave that arrives and writes the one it sends back into the same place, in one buffer;
+each time a line's slot wraps, its ends change buffers. So every buffer slot is consumed and refilled exactly once per
+delay, and nothing is ever copied along a line.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+class Network(NamedTuple):
+    """The constant arrays of a scene; L lines, N nodes, s points per slab."""
+
+    delay: Integers  # (L,) whole slabs of a line's delay, >= 1
+    offset: Integers  # (L,) first sample of a line's two buffers
+    shift_row: Integers  # (L,) row in shift for the fractional rest of the delay, -1 if there is none
+    shift: Floats  # (rows, 2, s, s) matrices that act on the slab arriving now and on the one before it
+    first: Integers  # (N + 1,) the ends at node k are ends[first[k]:first[k + 1]]
+    ends: Integers  # (2 L,)
+    weight: Floats  # (2 L,) share of an arriving wave in the node's Thévenin wave
+    drive_row: Integers  # (N,) row of the source's part of that wave, -1 for none
+    load_row: Integers  # (N,) row of the node's load state, -1 for an algebraic node
+    step_row: Integers  # (N,) row in step of the load's map over a slab; switches rewrite it
+    step: Floats  # (rows, s + n, s + n) from (Thévenin wave, state) to (effort, next state), padded with zeros
+    record_row: Integers  # (2 L,) row in the record of an end, -1 if it is not recorded
+
+
+class State(NamedTuple):
+    """What changes: waves under way, and the states of loads."""
+
+    waves: Floats  # (samples,) all buffers
+    slot: Integers  # (L,) slab of the buffers that is due
+    side: Integers  # (L,) 0: end 1 uses the first buffer and end 2 the second; 1: the other way round
+    before: Floats  # (2 L, s) the slab that arrived last, as sent; used where delays have a fractional rest
+    load: Floats  # (loads, n)

@@ -1,0 +1,104 @@
+"""Polynomials on a slab, held as their values at the right-Radau points, and the matrices that act on them.
+
+A slab is [0, 1] in its own time. Values at the points are turned by constant matrices into: values elsewhere,
+the restriction to a part of the slab, the L2 projection of a polynomial known on a part, and the L2 projection of a
+delayed wave. The Radau IIA matrix integrates loads on the same points.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+Matrix = NDArray
+MAX_ORDER = 16
+
+
+@dataclass(frozen=True, eq=False)
+class Basis:
+    """Polynomials of degree s - 1 on [0, 1].
+
+    Attributes
+    ----------
+    s : int
+        Number of points, the order.
+    c : ndarray, shape (s,)
+        Right-Radau points; the last is 1.
+    A : ndarray, shape (s, s)
+        Radau IIA matrix: integrals of the cardinal polynomials from 0 to each point.
+    to_points, to_legendre : ndarray, shape (s, s)
+        From Legendre coefficients to values at the points, and back.
+
+    References
+    ----------
+    Hairer, Wanner: Solving Ordinary Differential Equations II (1996), section IV.5.
+    """
+
+    s: int
+    c: Matrix
+    A: Matrix
+    to_points: Matrix
+    to_legendre: Matrix
+
+    def evaluation(self, x) -> Matrix:
+        """Matrix from values at the points to values at x, shape (len(x), s)."""
+        return self._legendre(x) @ self.to_legendre
+
+    def restriction(self, start: float, end: float) -> Matrix:
+        """Matrix to the values at the Radau points of the part [start, end]: the same polynomial, seen closer."""
+        return self.evaluation(start + (end - start) * self.c)
+
+    def moments(self, x, weights) -> Matrix:
+        """Matrix from values at the quadrature nodes x to the projection's values at the points, shape (s, len(x))."""
+        test = (self._legendre(x) * (2 * np.arange(self.s) + 1)).T
+        return self.to_points @ (test * weights)
+
+    def projection(self, start: float, end: float) -> Matrix:
+        """Matrix of the L2 projection of a function that is a polynomial on [start, end] and zero elsewhere.
+
+        It takes the polynomial's values at the Radau points of [start, end].
+        """
+        x, weights = gauss(self.s)
+        return self.moments(start + (end - start) * x, (end - start) * weights) @ self.evaluation(x)
+
+    def shift(self, f: float) -> tuple[Matrix, Matrix]:
+        """Matrices (now, before) of a wave delayed by a fraction f of a slab, 0 < f < 1, and L2-projected.
+
+        The delayed wave on a slab is ``now @ values + before @ previous_values``. Neither the delay nor the projection
+        adds energy, whatever f and s.
+        """
+        now = self.projection(f, 1.0) @ self.restriction(0.0, 1.0 - f)
+        before = self.projection(0.0, f) @ self.restriction(1.0 - f, 1.0)
+        return now, before
+
+    def _legendre(self, x) -> Matrix:
+        return legendre.legvander(2 * np.asarray(x, float) - 1, self.s - 1)
+
+
+def gauss(n: int) -> tuple[Matrix, Matrix]:
+    """Gauss-Legendre nodes and weights on [0, 1], exact to degree 2n - 1."""
+    x, weights = legendre.leggauss(n)
+    return (x + 1) / 2, weights / 2
+
+
+@lru_cache
+def basis(s: int) -> Basis:
+    """The basis of order s, 1 <= s <= 16.
+
+    Examples
+    --------
+    >>> basis(2).c.round(4).tolist()
+    [0.3333, 1.0]
+    """
+    difference = np.zeros(s + 1)  # the right-Radau points are the roots of P_s - P_(s-1)
+    difference[s], difference[s - 1] = 1.0, -1.0
+    x = np.sort(legendre.legroots(difference).real)
+    for _ in range(3):
+        x -= legendre.legval(x, difference) / legendre.legval(x, legendre.legder(difference))
+    x[-1] = 1.0
+    to_points = legendre.legvander(x, s - 1)
+    integrals = np.stack([legendre.legval(x, legendre.legint(row, lbnd=-1)) / 2 for row in np.eye(s)], axis=1)
+    to_legendre = np.linalg.inv(to_points)
+    return Basis(s, (x + 1) / 2, integrals @ to_legendre, to_points, to_legendre)

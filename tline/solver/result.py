@@ -1,0 +1,159 @@
+"""What a run gives back: the waves at the ends of recorded lines, and all that follows from them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tline.scene.medium import MEDIA, Medium
+from tline.scene.scene import Scene
+from tline.solver.radau import Basis
+from tline.solver.resolution import Resolution
+
+NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
+
+
+@dataclass(frozen=True, eq=False)
+class Wave:
+    """A wave as slab polynomials; constant before t = 0."""
+
+    values: NDArray  # (slabs, s) at the Radau points
+    before: float
+    basis: Basis
+    h: float
+
+    def __call__(self, t: ArrayLike) -> NDArray:
+        """Value at any instants up to the end of the run, same shape as t; at a jump the value before it."""
+        t = np.asarray(t, float)
+        place = t.ravel() / self.h
+        slab = np.ceil(place - NEAR).astype(int) - 1
+        inside = np.clip(slab, 0, len(self.values) - 1)
+        local = np.clip(place - inside, 0.0, 1.0)
+        wave = np.einsum("ns,ns->n", self.basis.evaluation(local), self.values[inside])
+        return np.where(slab < 0, self.before, wave).reshape(t.shape)
+
+    def at_slab_ends(self) -> NDArray:
+        """Values at t = 0, h, 2h, …: where they are most accurate."""
+        return np.concatenate([[self.before], self.values[:, -1]])
+
+    def tail(self) -> float:
+        """Largest share of the highest polynomial degree in any slab: how much the slabs leave unresolved."""
+        return float(np.abs(self.values @ self.basis.to_legendre[-1]).max()) if self.basis.s > 1 else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class LineRecord:
+    """The waves at both ends of a line: a leaves end 1 and arrives at end 2, b leaves end 2 and arrives at end 1."""
+
+    z0: float
+    delay: float
+    a1: Wave
+    b1: Wave
+    a2: Wave
+    b2: Wave
+
+    def waves(self, t: ArrayLike, share: float) -> tuple[NDArray, NDArray]:
+        """Waves (a, b) at instants t, at a place given as a share of the delay."""
+        t = np.asarray(t, float)
+        if share == 0.0:
+            return self.a1(t), self.b1(t)
+        if share == 1.0:
+            return self.a2(t), self.b2(t)
+        return self.a1(t - share * self.delay), self.b2(t - (1.0 - share) * self.delay)
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Effort, flow and waves at instants t, in SI; flow counts positive from end 1 to end 2 of the line."""
+
+    t: NDArray
+    u: NDArray
+    y: NDArray
+    a: NDArray
+    b: NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class ProbeResult:
+    """What one probe saw."""
+
+    name: str
+    line: str
+    share: float  # place on the line, 0 at end 1 and 1 at end 2
+    record: LineRecord
+    slab_ends: NDArray
+
+    def at(self, t: ArrayLike) -> Samples:
+        """Effort, flow and waves at any instants from 0 to the end of the run."""
+        t = np.asarray(t, float)
+        a, b = self.record.waves(t, self.share)
+        return Samples(t, (a + b) / 2, (a - b) / (2 * self.record.z0), a, b)
+
+    @cached_property
+    def samples(self) -> Samples:
+        """At slab ends, t = 0 included."""
+        return self.at(self.slab_ends)
+
+    @property
+    def t(self) -> NDArray:
+        """Instants, s."""
+        return self.samples.t
+
+    @property
+    def u(self) -> NDArray:
+        """Effort: pressure in Pa, or voltage in V."""
+        return self.samples.u
+
+    @property
+    def y(self) -> NDArray:
+        """Flow: m³/s, or A."""
+        return self.samples.y
+
+    @property
+    def a(self) -> NDArray:
+        """Wave u + z0·y, toward end 2."""
+        return self.samples.a
+
+    @property
+    def b(self) -> NDArray:
+        """Wave u - z0·y, toward end 1."""
+        return self.samples.b
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A finished run.
+
+    Attributes
+    ----------
+    t : ndarray
+        Slab ends, s, beginning with 0.
+    probes : mapping
+        ProbeResult by name.
+    lines : mapping
+        LineRecord of each recorded line by name.
+    resolution : Resolution
+        Order s and slab width h.
+    notes : tuple of str
+        What was not resolved, and other remarks; empty if all is well.
+    samples : int
+        Line-end samples computed.
+    seconds : float
+        Time spent stepping.
+    """
+
+    scene: Scene
+    t: NDArray
+    probes: Mapping[str, ProbeResult]
+    lines: Mapping[str, LineRecord]
+    resolution: Resolution
+    notes: tuple[str, ...]
+    samples: int
+    seconds: float
+
+    @property
+    def medium(self) -> Medium:
+        """Words and units of the scene's medium."""
+        return MEDIA[self.scene.medium]

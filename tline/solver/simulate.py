@@ -1,0 +1,148 @@
+"""Run a scene: assemble it, step the kernel in chunks, and hand back what the probes saw."""
+
+import time
+import warnings
+from collections.abc import Iterable
+from itertools import pairwise
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.mistakes import nearest
+from tline.scene.scene import Scene
+from tline.solver.assemble import Assembly, assemble
+from tline.solver.drive import on_slabs
+from tline.solver.result import LineRecord, ProbeResult, Result, Wave
+
+CHUNK = 2e7  # line-end samples between two looks at the progress bar
+LARGEST_RECORD = 4e8  # samples
+UNRESOLVED = 1e-2  # share of the highest degree in a slab, of the probe's amplitude, that is worth a remark
+
+
+class UnresolvedWarning(UserWarning):
+    """Something in the scene is faster than the slabs can follow."""
+
+
+def simulate(scene: Scene, *, record: Iterable[str] = (), progress: bool = False) -> Result:
+    """Simulate a scene from t = 0 to its end time.
+
+    Parameters
+    ----------
+    scene : Scene
+        What to simulate.
+    record : iterable of str
+        Lines whose end waves are kept in addition to those of the probes.
+    progress : bool
+        Show a progress bar on stderr if the run takes more than two seconds.
+
+    Returns
+    -------
+    Result
+        Probes, recorded lines, and how it was computed.
+
+    Raises
+    ------
+    InputError
+        The scene cannot be assembled, or an active load drove the waves beyond all bounds.
+
+    Warns
+    -----
+    UnresolvedWarning
+        A load or waveform is faster than the slabs can follow. The same remarks stand in ``Result.notes``.
+
+    References
+    ----------
+    docs/theory.md has the scheme and the proof that it cannot create energy.
+    """
+    kept = {*record, *_probed(scene)}
+    for name in sorted(kept - scene.lines.keys()):
+        raise InputError("record", "no such line", nearest(name, list(scene.lines)), f"'{name}'")
+    assembly = assemble(scene, kept)
+    h, s = assembly.resolution.h, assembly.resolution.s
+    n = max(ceil(scene.t_end / h - 1e-9), 1)
+    if 4 * len(kept) * n * s > LARGEST_RECORD:
+        problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
+        raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
+    started = time.perf_counter()
+    waves = _step(assembly, n, progress)
+    seconds = time.perf_counter() - started
+    lines = {name: _record(assembly, name, waves) for name in assembly.recorded}
+    ends = np.arange(n + 1) * h
+    probes = {}
+    for name, probe in scene.probes.items():
+        line = probe.line or next(iter(_lines_at(scene, probe.at)))
+        probes[name] = ProbeResult(name, line, probe.fraction(scene.lines[line]), lines[line], ends)
+    notes = (*assembly.resolution.notes, *_unresolved(probes))
+    for note in notes:
+        warnings.warn(note, UnresolvedWarning, stacklevel=2)
+    return Result(scene, ends, probes, lines, assembly.resolution, notes, 2 * len(scene.lines) * n * s, seconds)
+
+
+def _lines_at(scene: Scene, node: str | None) -> Iterable[str]:
+    return (name for name, line in scene.lines.items() if node in line.nodes)
+
+
+def _probed(scene: Scene) -> set[str]:
+    return {probe.line or next(iter(_lines_at(scene, probe.at))) for probe in scene.probes.values()}
+
+
+def _step(assembly: Assembly, n: int, progress: bool) -> NDArray:
+    """Run all slabs; returns the record, shape (recorded ends, arriving and leaving, n * s)."""
+    from tqdm import tqdm
+
+    from tline.solver.kernel import advance
+
+    network, state, s = assembly.network, assembly.state, assembly.resolution.s
+    breaks = [[waveform.breaks(float(assembly.scene.t_end)) for waveform, _ in parts] for parts in assembly.drives]
+    record = np.empty((2 * len(assembly.recorded), 2, n * s))
+    chunk = max(int(CHUNK / (2 * len(network.delay) * s)), 1)
+    edges = sorted({*range(0, n, chunk), n, *(slab for slab, _, _ in assembly.switchings if slab < n)})
+    changes = iter([*assembly.switchings, (n, 0, 0)])
+    slab, node, row = next(changes)
+    with tqdm(total=n, disable=not progress, delay=2, unit="slab", unit_scale=True) as bar:
+        for low, high in pairwise(edges):
+            while slab <= low:
+                network.step_row[node] = row
+                slab, node, row = next(changes)
+            drive = np.zeros((len(assembly.drives), (high - low) * s))
+            for line, parts, marks in zip(drive, assembly.drives, breaks, strict=True):
+                for (waveform, share), mark in zip(parts, marks, strict=True):
+                    line += (
+                        share * on_slabs(waveform, mark, assembly.basis, assembly.resolution.h, low, high - low).ravel()
+                    )
+            failed = advance(network, state, high - low, drive, record, low)
+            if failed >= 0:
+                _refuse(assembly, failed, high * assembly.resolution.h)
+            bar.update(high - low)
+    return record
+
+
+def _refuse(assembly: Assembly, node: int, t: float) -> None:
+    where = f"node '{assembly.nodes[node]}'"
+    raise InputError(where, f"the waves have grown beyond all bounds before t = {t:.6g} s: an active load feeds them")
+
+
+def _record(assembly: Assembly, name: str, waves: NDArray) -> LineRecord:
+    row, (a, b) = assembly.recorded[name], assembly.start[name]
+    parameters = assembly.scene.lines[name].parameters
+    s, h = assembly.resolution.s, assembly.resolution.h
+
+    def wave(values: NDArray, before: float) -> Wave:
+        return Wave(values.reshape(-1, s), before, assembly.basis, h)
+
+    (b1, a1), (a2, b2) = waves[row], waves[row + 1]
+    return LineRecord(parameters.z0, parameters.delay or 0.0, wave(a1, a), wave(b1, b), wave(a2, a), wave(b2, b))
+
+
+def _unresolved(probes: dict[str, ProbeResult]) -> list[str]:
+    """Remarks on probes whose waves vary inside a slab more than its polynomial can follow."""
+    notes = []
+    for name, probe in probes.items():
+        amplitude = np.ptp(probe.u)
+        tail = max(wave.tail() for wave in (probe.record.a1, probe.record.b1, probe.record.a2, probe.record.b2))
+        if tail > UNRESOLVED * amplitude > 0:
+            off = f"up to {tail / amplitude:.0%} of its range"
+            notes.append(f"probes.{name}: inside slabs that hold a front the curve is off by {off}")
+    return notes
