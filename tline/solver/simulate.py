@@ -3,7 +3,6 @@
 import time
 import warnings
 from collections.abc import Iterable
-from itertools import pairwise
 from math import ceil
 
 import numpy as np
@@ -13,10 +12,9 @@ from tline.errors import InputError
 from tline.scene.mistakes import nearest
 from tline.scene.scene import Scene
 from tline.solver.assemble import Assembly, assemble
-from tline.solver.drive import on_slabs
+from tline.solver.march import march
 from tline.solver.result import LineRecord, ProbeResult, Result, Wave
 
-CHUNK = 2e7  # line-end samples between two looks at the progress bar
 LARGEST_RECORD = 4e8  # samples
 UNRESOLVED = 1e-2  # share of the highest degree in a slab, of the probe's amplitude, that is worth a remark
 
@@ -66,7 +64,7 @@ def simulate(scene: Scene, *, record: Iterable[str] = (), progress: bool = False
         problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
         raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
     started = time.perf_counter()
-    waves = _step(assembly, n, progress)
+    waves = march(assembly, n, progress=progress)
     seconds = time.perf_counter() - started
     lines = {name: _record(assembly, name, waves) for name in assembly.recorded}
     ends = np.arange(n + 1) * h
@@ -86,42 +84,6 @@ def _lines_at(scene: Scene, node: str | None) -> Iterable[str]:
 
 def _probed(scene: Scene) -> set[str]:
     return {probe.line or next(iter(_lines_at(scene, probe.at))) for probe in scene.probes.values()}
-
-
-def _step(assembly: Assembly, n: int, progress: bool) -> NDArray:
-    """Run all slabs; returns the record, shape (recorded ends, arriving and leaving, n * s)."""
-    from tqdm import tqdm
-
-    from tline.solver.kernel import advance
-
-    network, state, s = assembly.network, assembly.state, assembly.resolution.s
-    breaks = [[waveform.breaks(float(assembly.scene.t_end)) for waveform, _ in parts] for parts in assembly.drives]
-    record = np.empty((2 * len(assembly.recorded), 2, n * s))
-    chunk = max(int(CHUNK / (2 * len(network.delay) * s)), 1)
-    edges = sorted({*range(0, n, chunk), n, *(slab for slab, _, _ in assembly.switchings if slab < n)})
-    changes = iter([*assembly.switchings, (n, 0, 0)])
-    slab, node, row = next(changes)
-    with tqdm(total=n, disable=not progress, delay=2, unit="slab", unit_scale=True) as bar:
-        for low, high in pairwise(edges):
-            while slab <= low:
-                network.step_row[node] = row
-                slab, node, row = next(changes)
-            drive = np.zeros((len(assembly.drives), (high - low) * s))
-            for line, parts, marks in zip(drive, assembly.drives, breaks, strict=True):
-                for (waveform, share), mark in zip(parts, marks, strict=True):
-                    line += (
-                        share * on_slabs(waveform, mark, assembly.basis, assembly.resolution.h, low, high - low).ravel()
-                    )
-            failed = advance(network, state, high - low, drive, record, low)
-            if failed >= 0:
-                _refuse(assembly, failed, high * assembly.resolution.h)
-            bar.update(high - low)
-    return record
-
-
-def _refuse(assembly: Assembly, node: int, t: float) -> None:
-    where = f"node '{assembly.nodes[node]}'"
-    raise InputError(where, f"the waves have grown beyond all bounds before t = {t:.6g} s: an active load feeds them")
 
 
 def _record(assembly: Assembly, name: str, waves: NDArray) -> LineRecord:
