@@ -40,7 +40,7 @@ def scatter(u, n, waves, o):
     """Send back from an end what the node's effort leaves of the arriving wave."""
     for i in range(n):
         back = 2.0 * u[i] - waves[o + uint64(i)]
-        waves[o + uint64(i)] = back if abs(back) > TINY else 0.0
+        waves[o + uint64(i)] = 0.0 if abs(back) < TINY else back
 
 
 @njit(inline="always", **OPTIONS)
@@ -86,14 +86,15 @@ def load(u, m, s, steps, r, states, x, row):
         for i in range(s):
             u[k * s + i] = row[i]
         for j in range(n):
-            states[x, j] = row[s + j] if abs(row[s + j]) > TINY else 0.0
+            states[x, j] = 0.0 if abs(row[s + j]) < TINY else row[s + j]
 
 
 @njit(**OPTIONS)
 def advance(network, state, n_slabs, drive, record, column):
     """Advance all nodes by n_slabs, writing the record from the given column (in slabs) on.
 
-    Returns -1, or the number of a node whose effort is no longer finite.
+    Returns -1, or the number of a node whose effort is no longer finite; the number after the last node's if a wave
+    under way is not.
     """
     (delay, offset, shift_row, shifts, first, ends, weight, drive_row, load_row, step_row, steps, record_row) = network
     waves, slots, sides, before, states = state
@@ -139,4 +140,7 @@ def advance(network, state, n_slabs, drive, record, column):
                 slots[line] -= delay[line]
                 sides[line] = 1 - sides[line]
         done += block
+    for w in waves:
+        if not np.isfinite(w):
+            return first.size - 1
     return -1

@@ -55,5 +55,5 @@ def march(assembly: Assembly, n: int, *, progress: bool = False) -> NDArray:
 
 
 def _refuse(assembly: Assembly, node: int, t: float) -> None:
-    where = f"node '{assembly.nodes[node]}'"
+    where = f"node '{assembly.nodes[node]}'" if node < len(assembly.nodes) else "lines"
     raise InputError(where, f"the waves have grown beyond all bounds before t = {t:.6g} s: an active load feeds them")

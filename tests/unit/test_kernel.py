@@ -1,0 +1,57 @@
+"""The kernel's manners: it sees NaN, keeps within its arrays, and flushes what has died away."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from random_scenes import random_scene
+
+from tline.errors import InputError
+from tline.scene.scene import Scene
+from tline.solver.assemble import assemble
+from tline.solver.kernel import TINY, advance
+from tline.solver.simulate import simulate
+
+SILENT, UNRECORDED = np.zeros((0, 0)), np.zeros((0, 2, 0))
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_a_wave_that_is_no_number_is_reported(bad):
+    assembly = assemble(random_scene(1, loads=False, solver={"order": 3, "slab": 0.1}), set())
+    assembly.state.waves[5] = bad
+    assert advance(assembly.network, assembly.state, 100, SILENT, UNRECORDED, 0) >= 0
+
+
+def test_an_active_load_is_named_when_it_runs_away():
+    scene = Scene(
+        medium="electrical",
+        t_end=1e5,
+        lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
+        sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 3}},
+        loads={"amplifier": {"at": "far", "kind": "impedance", "expression": "-3 + s"}},
+        probes={"far": {"at": "far"}},
+        solver={"order": 2, "slab": 0.5},
+    )
+    with pytest.raises(InputError, match="grown beyond all bounds"):
+        simulate(scene)
+
+
+def test_waves_that_have_died_away_are_zero():
+    """A lossy end takes all in one pass; what rounding leaves does not end in subnormal numbers."""
+    assembly = assemble(random_scene(2, loads=False, solver={"order": 2, "slab": 0.1}), set())
+    assembly.state.waves[:] = 0.5 * TINY
+    advance(assembly.network, assembly.state, 100, SILENT, UNRECORDED, 0)
+    assert not assembly.state.waves.any()
+
+
+def test_no_access_outside_any_array(tmp_path):
+    """The property test of the plain twin with numba's bounds check on, in a cache of its own."""
+    root = Path(__file__).parents[2]
+    tests = str(root / "tests" / "property" / "test_symmetry.py") + "::test_the_kernel_is_its_plain_twin"
+    environment = os.environ | {"NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": str(tmp_path)}
+    call = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", tests]
+    done = subprocess.run(call, cwd=root, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout[-2000:]

@@ -1,0 +1,5 @@
+"""``python -m tline`` is ``tline``."""
+
+from tline.cli.main import main
+
+main()
