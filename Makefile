@@ -1,0 +1,38 @@
+# make demo, make test: set up everything they need in .venv and run. Python 3.11+, pip and make are enough.
+PYTHON ?= python3
+VENV ?= .venv
+BIN = $(VENV)/bin
+
+.PHONY: demo test lint bench docs clean
+
+demo: $(VENV)/ready-run
+	$(BIN)/tline line hydraulic --radius "10 cm" --wave-speed 1500 --density 980
+	mkdir -p out
+	$(BIN)/tline run scenes/water_pipe.toml --plot out/pressure.png --space-time out/space_time.png \
+	  --lattice out/lattice.png --animate out/wave.html --csv out/pressure.csv
+
+test: $(VENV)/ready-test
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/ready-dev
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/pyright
+	$(BIN)/lint-imports
+
+bench: $(VENV)/ready-test
+	$(BIN)/python -m benchmarks.kernel
+
+docs: $(VENV)/ready-dev
+	$(BIN)/python -m docs.generate
+
+clean:
+	rm -rf $(VENV) out
+
+$(VENV)/ready-run: EXTRA =
+$(VENV)/ready-test: EXTRA = [test]
+$(VENV)/ready-dev: EXTRA = [dev]
+$(VENV)/ready-%: pyproject.toml
+	test -d $(VENV) || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".$(EXTRA)"
+	touch $@
