@@ -24,7 +24,7 @@ bench: $(VENV)/ready-test
 	$(BIN)/python -m benchmarks.kernel
 
 docs: $(VENV)/ready-dev
-	$(BIN)/python -m docs.generate
+	$(BIN)/python docs/generate.py
 
 clean:
 	rm -rf $(VENV) out

@@ -93,7 +93,7 @@ def against_twin() -> float:
     for run in range(RUNS):
         assembly = assemble(random_scene(run, lines=12, solver={"order": 5, "slab": 0.1}), set())
         twin = timed(lambda assembly=assembly: efforts(assembly, 200)) / 200
-        for _, node, row in assembly.switchings:
+        for _, node, row in assembly.changes:
             assembly.network.step_row[node] = row
         silent = np.zeros((len(assembly.drives), 20_000 * 5))
         kernel = timed(lambda a=assembly, d=silent: advance(a.network, a.state, 20_000, d, UNRECORDED, 0)) / 20_000
@@ -119,24 +119,21 @@ def command_line() -> tuple[float, float, float]:
         scene = str(ROOT / "scenes" / "water_pipe.toml")
 
         def process(*arguments: str) -> float:
-            return timed(lambda: subprocess.run([sys.executable, *arguments], env=environment, check=True, stdout=-3))
+            call = [sys.executable, *arguments]
+            return timed(lambda: subprocess.run(call, env=environment, check=True, stdout=subprocess.DEVNULL))
 
         run = ("-m", "tline", "run", scene)
-        cold = process(*run)
-        return (
-            cold,
-            median(process(*run) for _ in range(RUNS)),
-            median(process("-c", "import numba") for _ in range(RUNS)),
-        )
+        cold, warm = process(*run), median(process(*run) for _ in range(RUNS))
+        return cold, warm, median(process("-c", "import numba") for _ in range(RUNS))
 
 
 def report() -> str:
     rows = [
         "# Benchmarks",
         "",
-        "Written by `make bench`; medians of 7 runs on one core. A *ratio to copy* is the time per line-end sample over",
-        "that of copying as many bytes (`numpy.copyto`) within a working set of the same size, in the same run. Networks are",
-        "rings of lines of 50 to 150 slabs with a junction between each two.",
+        "Written by `make bench`; medians of 7 runs on one core. A *ratio to copy* is the time per line-end sample",
+        "over that of copying as many bytes (`numpy.copyto`) within a working set of the same size, in the same run.",
+        "Networks are rings of lines of 50 to 150 slabs with a junction between each two.",
         "",
         "| lines | delays | s | line-end samples/s | ratio to copy |",
         "|---:|---|---:|---:|---:|",

@@ -14,7 +14,7 @@ def efforts(assembly: Assembly, n_slabs: int) -> np.ndarray:
     u = np.zeros((len(net.first) - 1, n_slabs, s))
     x, step_row = assembly.state.load.copy(), net.step_row.copy()
     for k in range(n_slabs):
-        for slab, node, row in assembly.switchings:
+        for slab, node, row in assembly.changes:
             if slab == k:
                 step_row[node] = row
         arriving = {}

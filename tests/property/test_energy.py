@@ -29,7 +29,7 @@ def silent(scene, seed: int) -> Assembly:
 
 
 def run(assembly: Assembly, slabs: int) -> None:
-    for _, node, row in assembly.switchings:
+    for _, node, row in assembly.changes:
         assembly.network.step_row[node] = row
     status = advance(assembly.network, assembly.state, slabs, np.zeros((0, 0)), np.zeros((0, 2, 0)), 0)
     assert status == -1

@@ -33,8 +33,8 @@ def march(assembly: Assembly, n: int, *, progress: bool = False) -> NDArray:
     breaks = [[waveform.breaks(float(assembly.scene.t_end)) for waveform, _ in parts] for parts in assembly.drives]
     record = np.empty((2 * len(assembly.recorded), 2, n * s))
     chunk = max(int(CHUNK / (2 * len(network.delay) * s)), 1)
-    edges = sorted({*range(0, n, chunk), n, *(slab for slab, _, _ in assembly.switchings if slab < n)})
-    changes = iter([*assembly.switchings, (n, 0, 0)])
+    edges = sorted({*range(0, n, chunk), n, *(slab for slab, _, _ in assembly.changes if slab < n)})
+    changes = iter([*assembly.changes, (n, 0, 0)])
     slab, node, row = next(changes)
     with tqdm(total=n, disable=not progress, delay=2, unit="slab", unit_scale=True) as bar:
         for low, high in pairwise(edges):

@@ -1,0 +1,131 @@
+"""Writes what in docs/ is generated: the scene reference and the pictures. Run: python docs/generate.py."""
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+from tline.scene.file import read_scene, schema
+from tline.scene.medium import ELECTRICAL, HYDRAULIC
+
+DOCS = Path(__file__).parent
+SECTIONS = {
+    "lines": ("Lines", "A line runs from its first node (end 1) to its second (end 2); flow counts positive that way."),
+    "sources": ("Sources", "`value` is a number or text, or one of the waveforms below."),
+    "loads": ("Loads", "What a node lets pass to earth, or to zero pressure; several stand side by side."),
+    "probes": ("Probes", "Where effort, flow and waves are recorded."),
+}
+SHAPES = ("Step", "Ramp", "PiecewiseLinear", "Table", "Pulses", "Sine", "Exponential", "DoubleExponential")
+
+
+def reference() -> str:
+    """The scene reference page."""
+    whole = schema()
+    models = whole["$defs"]
+    parts = [
+        "# Scene reference",
+        "",
+        "Generated from the schema by `make docs`; `tline schema` prints the schema itself.",
+        "",
+        'A scene is a TOML file. Numbers are SI; texts carry a unit, such as `"10 cm"`. Elements are tables keyed by a',
+        "name of your choice, such as `[lines.pipe]`. A node is any name that a line gives to an end; a node with",
+        "nothing else is closed.",
+        "",
+        "## Top level",
+        "",
+        *_keys({k: v for k, v in whole["properties"].items() if k not in (*SECTIONS, "solver")}, whole["required"]),
+        "",
+        "## `[solver]`",
+        "",
+        models["Solver"].get("description", ""),
+        "",
+        *_keys(models["Solver"]["properties"], []),
+    ]
+    for key, (title, text) in SECTIONS.items():
+        parts += ["", f"## {title}: `[{key}.NAME]`", "", text]
+        for name in _models_of(whole["properties"][key]["additionalProperties"]):
+            parts += _model(models[name], name, heading=key in ("lines", "loads"))
+        if key == "sources":
+            parts += ["", "### Waveforms"]
+            for name in SHAPES:
+                parts += _model(models[name], name, heading=True, level=4)
+    return "\n".join(parts) + "\n"
+
+
+def _models_of(node: dict[str, Any]) -> list[str]:
+    found = [node["$ref"]] if "$ref" in node else [one["$ref"] for one in node.get("oneOf", node.get("anyOf", []))]
+    return [reference.rsplit("/", 1)[1] for reference in found]
+
+
+def _model(model: dict[str, Any], name: str, *, heading: bool, level: int = 3) -> list[str]:
+    word = model["properties"].get("kind", {}) if "shape" not in model["properties"] else model["properties"]["shape"]
+    words = [word["const"]] if "const" in word else word.get("enum", [])
+    key = "shape" if "shape" in model["properties"] else "kind"
+    tag = " or ".join(f'`{key} = "{one}"`' for one in words) if heading and words else name
+    head = ["", f"{'#' * level} {tag}"] if heading else []
+    keys = {k: v for k, v in model["properties"].items() if not (heading and words and k == key)}
+    return [
+        *head,
+        "",
+        model.get("description", "").split("\n\n")[0].replace("\n", " "),
+        "",
+        *_keys(keys, model.get("required", [])),
+    ]
+
+
+def _keys(properties: dict[str, Any], required: list[str]) -> list[str]:
+    rows = ["| key | value | default | |", "|---|---|---|---|"]
+    for name, node in properties.items():
+        default = "needed" if name in required else _default(node)
+        rows.append(f"| `{name}` | {_value(node)} | {default} | {node.get('description', '')} |")
+    return rows
+
+
+def _default(node: dict[str, Any]) -> str:
+    default = node.get("default")
+    return "" if default in (None, "") or isinstance(default, dict) else f"`{default}`"
+
+
+def _value(node: dict[str, Any]) -> str:
+    choices = [one for one in node.get("anyOf", []) if one.get("type") != "null"]
+    if len(choices) == 1:
+        return _value(choices[0])
+    if "unit" in node:
+        return _unit(node)
+    if "enum" in node or "const" in node:
+        return ", ".join(f'`"{word}"`' for word in node.get("enum", [node.get("const")]))
+    if any("$ref" in one or "oneOf" in one for one in choices):
+        return "number, text or waveform"
+    words = {"string": "text", "integer": "whole number", "number": "number", "array": "list", "object": "table"}
+    return words.get(node.get("type", ""), "number or text")
+
+
+def _unit(node: dict[str, Any]) -> str:
+    if node["unit"] != "by medium":
+        return f"number or text, {node['unit']}" if node["unit"] else "number or text"
+    role = node.get("title", "")
+    if role in HYDRAULIC.units:
+        return f"number or text, {HYDRAULIC.units[role]} or {ELECTRICAL.units[role]}"
+    return "number or text"
+
+
+def pictures() -> None:
+    """The pictures of README and docs."""
+    from tline.pictures.lattice import plot_lattice
+    from tline.pictures.path import route
+    from tline.pictures.space_time import plot_space_time
+    from tline.pictures.style import save_figure
+    from tline.pictures.traces import plot_probes
+    from tline.solver.simulate import UnresolvedWarning, simulate
+
+    warnings.simplefilter("ignore", UnresolvedWarning)
+    scene = read_scene(DOCS.parent / "scenes" / "water_pipe.toml")
+    result, way = simulate(scene), route(scene)
+    (DOCS / "pictures").mkdir(exist_ok=True)
+    save_figure(plot_probes(result), str(DOCS / "pictures" / "pressure.png"))
+    save_figure(plot_space_time(result, way), str(DOCS / "pictures" / "space_time.png"))
+    save_figure(plot_lattice(result), str(DOCS / "pictures" / "lattice.png"))
+
+
+if __name__ == "__main__":
+    (DOCS / "scene-reference.md").write_text(reference(), encoding="utf-8")
+    pictures()
