@@ -1,0 +1,294 @@
+"""The surface of `tline run` and `tline schema`: what they print, write, refuse and import."""
+
+import inspect
+import json
+import re
+import shlex
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from tline.cli.main import COMMANDS, main
+from tline.cli.run import ALONG, SUFFIXES, run
+from tline.cli.schema import schema
+from tline.scene.file import read_scene, scene_from
+from tline.solver import simulate as simulation
+
+VALVE = """
+title = "Closing valve"
+medium = "hydraulic"
+t_end = "2 s"
+start = "steady"
+[lines.pipe]
+nodes = ["tank", "valve"]
+length = "300 m"
+wave_speed = 1500
+z0 = 4.7e7
+[loads.tank]
+at = "tank"
+kind = "reservoir"
+pressure = "6 bar"
+[loads.valve]
+at = "valve"
+kind = "valve"
+before = 6e7
+after = inf
+time = "0.1 s"
+[probes.probe]
+at = "valve"
+[probes.middle]
+line = "pipe"
+position = "50 %"
+"""
+FORK = """
+medium = "electrical"
+t_end = "40 ns"
+[lines.stem]
+nodes = ["in", "fork"]
+z0 = 50
+delay = "4 ns"
+[lines.left]
+nodes = ["fork", "up"]
+z0 = 50
+delay = "2 ns"
+[lines.right]
+nodes = ["fork", "down"]
+z0 = 50
+delay = "6 ns"
+[sources.in]
+at = "in"
+kind = "voltage"
+resistance = 50
+value = {shape = "step", to = "1 V", at = "1.03 ns"}
+[probes.in]
+at = "in"
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder in which the commands run, with two scenes."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "valve.toml").write_text(VALVE)
+    (tmp_path / "fork.toml").write_text(FORK)
+    return tmp_path
+
+
+def call(line: str) -> Result:
+    return CliRunner().invoke(main, shlex.split(line))
+
+
+def ran(line: str) -> Result:
+    result = call(line)
+    assert (result.exit_code, result.exception) == (0, None), result.output
+    return result
+
+
+def test_the_table_says_what_the_probes_saw() -> None:
+    result = ran("run valve.toml")
+    title, chosen, empty, *table = result.stdout.splitlines()
+    assert title == "Closing valve"
+    assert re.fullmatch(r"order 5, 500 slabs of 4 ms, 5,000 line-end samples in [0-9.e-]+ s", chosen)
+    assert empty == ""
+    assert [re.split(r"\s{2,}", row.strip()) for row in table] == [
+        ["probe", "quantity", "minimum", "at [s]", "maximum", "at [s]", "at the end"],
+        ["probe", "pressure [bar]", "1.3", "0.5", "10.7", "0.1", "10.7"],  # 6 ± 4.7, the jump z0·y
+        ["flow [L/s]", "0", "0.1", "10", "0", "0"],
+        ["middle", "pressure [bar]", "1.3", "0.6", "10.7", "0.2", "10.7"],
+        ["flow [L/s]", "-10", "0.4", "10", "0", "0"],
+    ]
+    assert len({len(row) for row in table}) == 1  # aligned
+    assert result.stderr == ""
+
+
+def test_json_has_everything_in_full_precision_and_nothing_else() -> None:
+    result = ran("run valve.toml --json --csv out.csv")
+    told = json.loads(result.stdout)
+    expected = simulation.simulate(read_scene("valve.toml"))
+    assert told["title"] == "Closing valve"
+    assert (told["order"], told["slab"], told["slabs"]) == (*expected.resolution[:2], len(expected.t) - 1)
+    assert told["line_end_samples"] == expected.samples
+    assert told["end_time"] == expected.t[-1]
+    pressure = told["probes"]["probe"]["pressure"]
+    assert pressure["unit"] == "Pa"
+    assert pressure["maximum"] == pytest.approx(expected.probes["probe"].u.max(), rel=1e-14)  # a few roundings
+    assert pressure["minimum"] == pytest.approx(expected.probes["probe"].u.min(), rel=1e-14)
+    assert pressure["end"] == expected.probes["probe"].u[-1]
+    assert pressure["maximum_time"] == pytest.approx(0.1)
+    assert told["probes"]["middle"]["flow"]["unit"] == "m^3/s"
+    assert (told["notes"], told["files"]) == ([], ["out.csv"])
+
+
+def test_notes_go_to_stderr_and_into_the_json() -> None:
+    result = ran("run fork.toml --order 3 --slab '0.5 ns' --json")
+    notes = json.loads(result.stdout)["notes"]
+    assert notes
+    assert result.stderr.splitlines() == [f"note: {note}" for note in notes]
+
+
+def test_order_and_slab_override_the_scene(folder: Path) -> None:
+    told = json.loads(ran("run valve.toml --order 8 --slab '10 ms' --json").stdout)
+    assert (told["order"], told["slab"]) == (8, 0.01)
+    (folder / "own.toml").write_text(VALVE + "[solver]\norder = 3\nslab = '20 ms'\n")
+    told = json.loads(ran("run own.toml --slab 0.04 --json").stdout)
+    assert (told["order"], told["slab"]) == (3, 0.04)
+
+
+def test_a_table_beside_the_scene_is_found_when_the_solver_is_overridden(folder: Path) -> None:
+    (folder / "sub").mkdir()
+    (folder / "sub" / "rise.csv").write_text("0, 0\n1e-9, 1\n")
+    scene = FORK.replace('{shape = "step", to = "1 V", at = "1.03 ns"}', '{shape = "table", file = "rise.csv"}')
+    (folder / "sub" / "fork.toml").write_text(scene)
+    assert json.loads(ran("run sub/fork.toml --order 4 --json").stdout)["order"] == 4
+
+
+def test_all_files_are_written_and_named(folder: Path) -> None:
+    files = {kind: f"out-{kind}{suffixes[0]}" for kind, suffixes in SUFFIXES.items()}
+    options = " ".join(f"--{kind.replace('_', '-')} {file}" for kind, file in files.items())
+    result = ran(f"run valve.toml {options} --path valve,tank")
+    assert result.stdout.splitlines()[-len(files) :] == [f"wrote {file}" for file in files.values()]
+    assert {path.name for path in folder.iterdir()} == {"valve.toml", "fork.toml", *files.values()}
+    for file in ("out-plot.png", "out-space_time.png", "out-lattice.png"):
+        assert (folder / file).read_bytes().startswith(b"\x89PNG")
+    assert '"marks":[[0.0,"valve"],[300.0,"tank"]]' in (folder / "out-animate.html").read_text(encoding="utf-8")
+    table = np.loadtxt(folder / "out-csv.csv", delimiter=",", skiprows=1)
+    expected = simulation.simulate(read_scene("valve.toml"))
+    np.testing.assert_array_equal(table[:, 1], expected.probes["probe"].u)
+    with np.load(folder / "out-npz.npz") as data:
+        assert scene_from(tomllib.loads(str(data["scene"]))) == read_scene("valve.toml")
+
+
+def test_lines_on_the_path_are_recorded() -> None:
+    ran("run fork.toml --space-time x.svg --path up,down")
+
+
+MISTAKES = [
+    ("none.toml", "none.toml: cannot be read, got No such file or directory"),
+    ("valve.toml --order 17", "--order: input should be less than or equal to 16, got '17'"),
+    ("valve.toml --order many", "--order: input should be a valid integer, unable to parse string as an integer"),
+    ("valve.toml --slab '1 s'", "--slab: longer than the shortest delay, expected at most that of lines.pipe, 0.2 s"),
+    (
+        "valve.toml --slab '1 bar'",
+        "--slab: this unit measures something else, expected a time such as '1 s', got '1 bar'",
+    ),
+    ("valve.toml --csv out.xlsx", "--csv: unknown kind of file, expected .csv, got 'out.xlsx'"),
+    ("valve.toml --npz out", "--npz: unknown kind of file, expected .npz, got 'out'"),
+    ("valve.toml --plot out.jpg", "--plot: unknown kind of file, expected .png or .svg or .pdf, got 'out.jpg'"),
+    (
+        "valve.toml --space-time a.html",
+        "--space-time: unknown kind of file, expected .png or .svg or .pdf, got 'a.html'",
+    ),
+    ("valve.toml --animate out.mp4", "--animate: unknown kind of file, expected .html or .gif, got 'out.mp4'"),
+    ("valve.toml --csv no/out.csv", "no/out.csv: cannot be written, got no such file or directory"),
+    (
+        "valve.toml --plot a.png --lattice ./a.png",
+        "--lattice: would overwrite what --plot writes, expected another file",
+    ),
+    ("valve.toml --path tank,valve", "--path: nothing shows it, expected --space-time or --animate beside it"),
+    ("valve.toml --path tank --animate a.gif", "--path: not two nodes, expected FROM,TO, got 'tank'"),
+    ("valve.toml --path tank,vale --animate a.gif", "--path: no such node, expected 'valve', got 'vale'"),
+    (
+        "valve.toml --path tank,tank --animate a.gif",
+        "--path: leads nowhere, expected two different nodes, got 'tank' twice",
+    ),
+    ("fork.toml --animate a.gif", "--path: the lines form no chain, expected the two nodes between which to look"),
+    ("fork.toml --lattice a.png", "--lattice: a bounce diagram shows one line, expected a scene with one line, got 3"),
+]
+
+
+@pytest.mark.parametrize(("line", "sentence"), MISTAKES, ids=[line for line, _ in MISTAKES])
+def test_mistakes_are_said_in_one_sentence(line: str, sentence: str, folder: Path) -> None:
+    before = set(folder.iterdir())
+    result = call(f"run {line}")
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert result.stderr.startswith(sentence)
+    assert result.stderr.count("\n") == 1
+    assert set(folder.iterdir()) == before
+
+
+def test_both_options_are_named_if_both_are_wrong() -> None:
+    result = call("run valve.toml --order 0 --slab -1")
+    assert result.exit_code == 2
+    assert [line.split(":")[0] for line in result.stderr.splitlines()] == ["--order", "--slab"]
+
+
+def test_mistakes_of_the_scene_keep_their_names(folder: Path) -> None:
+    (folder / "bad.toml").write_text(VALVE.replace("wave_speed", "wavespeed"))
+    result = call("run bad.toml --order 4")
+    assert result.exit_code == 2
+    assert "lines.pipe.wavespeed: unknown key, expected 'wave_speed'" in result.stderr
+
+
+@pytest.mark.parametrize(
+    "line",
+    [line for line, _ in MISTAKES if not re.search(r"none\.toml|--slab '1 s'", line)] + ["valve.toml --plot d.png"],
+)
+def test_nothing_is_simulated_for_files_that_cannot_be_written(
+    line: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "d.png").mkdir()
+    monkeypatch.setattr(simulation, "simulate", lambda *_, **__: pytest.fail("simulated"))
+    assert call(f"run {line}").exit_code == 2
+
+
+def test_help_teaches_with_examples_whose_options_exist() -> None:
+    text = ran("run --help").stdout
+    examples = re.findall(r"^ *tline (run .*)$", text.replace("\\\n", " "), re.MULTILINE)
+    assert len(examples) == 2
+    for example in examples:
+        _, *words = shlex.split(example)
+        run.make_context("run", words)
+    options = {name for parameter in run.params for name in parameter.opts}
+    assert options == {
+        "scene",
+        "--order",
+        "--slab",
+        "--path",
+        "--json",
+        *(f"--{k.replace('_', '-')}" for k in SUFFIXES),
+    }
+    assert {f"--{kind.replace('_', '-')}" for kind in ALONG} <= options
+    assert set(inspect.signature(run.callback).parameters) >= {"scene", "order", "slab", "path"}  # type: ignore[arg-type]
+
+
+def test_schema_is_the_one_of_scene_files(folder: Path) -> None:
+    printed = json.loads(ran("schema").stdout)
+    assert set(printed["required"]) == {"medium", "t_end", "lines", "probes"}
+    assert set(tomllib.loads(VALVE)) <= set(printed["properties"])
+    assert ran("schema -o scene.json").stdout == "wrote scene.json\n"
+    assert json.loads((folder / "scene.json").read_text(encoding="utf-8")) == printed
+    result = call("schema -o no/scene.json")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr == "no/scene.json: cannot be written, got no such file or directory\n"
+
+
+def test_both_are_listed() -> None:
+    text = ran("--help").stdout
+    assert all(f"  {name} " in text for name in ("run", "schema"))
+    assert COMMANDS["schema"][0] == f"{schema.callback.__module__}:schema"  # type: ignore[union-attr]
+
+
+def imported(line: str) -> set[str]:
+    """Modules that are loaded after a command has run in a process of its own."""
+    program = f"""
+import sys
+from tline.cli.main import main
+main({shlex.split(line)!r}, standalone_mode=False)
+print("\\n", *sys.modules)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, timeout=300)
+    assert done.stderr == ""  # and no progress bar in a pipe
+    return set(done.stdout.splitlines()[-1].split())
+
+
+def test_imports_are_no_more_than_needed() -> None:
+    assert not imported("run --help") & {"numpy", "scipy", "numba", "pydantic", "matplotlib"}
+    assert not imported("run valve.toml --csv a.csv --npz a.npz") & {"matplotlib", "PIL", "IPython"}
+    assert not imported("run valve.toml --animate a.html") & {"matplotlib", "PIL"}
+    assert "matplotlib.pyplot" not in imported("run valve.toml --plot a.png --lattice b.svg --animate c.gif")

@@ -1,0 +1,85 @@
+"""The curve between slab ends: dense, two-sided at jumps, and without the wiggles of slabs that hold a front."""
+
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tline.scene.scene import Scene
+from tline.solver.curve import curve, extreme
+from tline.solver.result import Result
+from tline.solver.simulate import UnresolvedWarning, simulate
+
+Z0, DELAY = 50.0, 5e-9
+
+
+def cable(value: dict[str, Any], **solver: Any) -> Result:
+    """A cable from 50 ohm into 150 ohm: nothing comes back a second time, and the far end sees 3/4 of the source."""
+    scene = Scene(
+        medium="electrical",
+        t_end="20 ns",
+        solver=solver,
+        lines={"cable": {"nodes": ["near", "far"], "z0": Z0, "delay": DELAY}},
+        sources={"in": {"at": "near", "kind": "voltage", "resistance": Z0, "value": value}},
+        loads={"end": {"at": "far", "kind": "resistor", "resistance": 3 * Z0}},
+        probes={"near": {"at": "near"}, "far": {"at": "far"}, "third": {"line": "cable", "position": "30 %"}},
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnresolvedWarning)
+        return simulate(scene)
+
+
+def test_both_sides_of_a_jump_are_there() -> None:
+    result = cable({"shape": "step", "to": "1 V", "at": "2 ns"}, slab="0.5 ns")
+    for name, instant, after in (("near", 2e-9, 0.5), ("far", 7e-9, 0.75), ("third", 3.5e-9, 0.5)):
+        seen = curve(result.probes[name])
+        here = np.abs(seen.t - instant) < 1e-18
+        assert here.sum() == 2
+        np.testing.assert_allclose(seen.u[here], [0.0, after], atol=1e-12)  # rounding
+        assert np.all(np.diff(seen.t) >= 0)
+
+
+def test_a_smooth_wave_is_followed_inside_slabs() -> None:
+    result = cable({"shape": "sine", "amplitude": "1 V", "frequency": "200 MHz"}, slab="0.5 ns", order=8)
+    for name, delay in (("near", 0.0), ("third", 0.3 * DELAY)):
+        seen = curve(result.probes[name])
+        early = seen.t < 2 * DELAY - delay  # before the reflection
+        expected = 0.5 * np.sin(2 * np.pi * 200e6 * np.maximum(seen.t - delay, 0.0))
+        assert early.sum() > 1000
+        # a tenth of a period a slab: interpolation errs by 0.63^8/8!/2^15 = 2e-11, edges taken 1e-8 slabs late by 6e-9
+        np.testing.assert_allclose(seen.u[early], expected[early], atol=1e-8)
+
+
+@pytest.mark.parametrize("order", [2, 3, 5, 8])
+@pytest.mark.parametrize("at", ["2.1 ns", "2.27 ns", "2.4 ns"])
+def test_a_front_inside_a_slab_is_a_straight_line(order: int, at: str) -> None:
+    result = cable({"shape": "step", "to": "1 V", "at": at}, slab="0.5 ns", order=order)
+    for name in result.probes:
+        seen = curve(result.probes[name])
+        assert seen.u.max() <= 0.75 + 1e-9  # no overshoot; 1e-9 for rounding
+        assert seen.u.min() >= -1e-9
+    rising = curve(result.probes["far"])
+    between = (rising.u > 1e-9) & (rising.u < 0.75 - 1e-9)
+    assert between.any()
+    assert np.ptp(rising.t[between]) <= 0.5e-9  # within one slab
+
+
+def test_oscillations_too_fast_for_the_slabs_are_not_hidden() -> None:
+    result = cable({"shape": "sine", "amplitude": "1 V", "frequency": "3 GHz"}, slab="0.5 ns", order=3)
+    seen, probe = curve(result.probes["near"]), result.probes["near"]
+    inside = np.abs(seen.t / 0.5e-9 % 1 - 0.5) < 0.4
+    np.testing.assert_array_equal(seen.u[inside], probe.at(seen.t[inside]).u)
+
+
+def test_order_one_is_a_staircase() -> None:
+    result = cable({"shape": "step", "to": "1 V", "at": "2 ns"}, slab="0.5 ns", order=1)
+    assert set(curve(result.probes["far"]).u.round(12)) == {0.0, 0.75}
+
+
+def test_extremes_are_the_first_of_a_plateau() -> None:
+    t = np.arange(6.0)
+    values = np.array([0.0, 1.0 - 1e-15, 1.0, -2.0, -2.0 - 1e-15, 0.0])
+    assert extreme(values, t, 1) == (1.0, 1.0)
+    assert extreme(values, t, -1) == (pytest.approx(-2.0), 3.0)
+    assert extreme(np.zeros(6), t, 1) == (0.0, 0.0)

@@ -1,0 +1,168 @@
+"""`tline run`: simulate a scene, print what the probes saw, and write files and pictures."""
+
+import json
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from tline.errors import InputError, SceneError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from tline.pictures.path import Route
+    from tline.scene.scene import Scene
+    from tline.solver.result import Result
+
+PICTURE = (".png", ".svg", ".pdf")
+SUFFIXES = {  # of what can be written
+    "csv": (".csv",),
+    "npz": (".npz",),
+    "plot": PICTURE,
+    "space_time": PICTURE,
+    "lattice": PICTURE,
+    "animate": (".html", ".gif"),
+}
+ALONG = ("space_time", "animate")  # show a path
+EXAMPLES = """\b
+Examples:
+  tline run valve.toml --plot valve.png
+  tline run network.toml --order 8 --slab "10 us" --csv probes.csv \\
+      --path tank,valve --animate surge.html
+"""
+
+
+@click.command("run", epilog=EXAMPLES)
+@click.argument("scene")
+@click.option("--order", metavar="1…16", help="Order of the method, instead of the scene's.")
+@click.option("--slab", metavar="TIME", help="Width of a time slab, such as '1 us', instead of the scene's.")
+@click.option("--csv", metavar="FILE.csv", help="Table of what the probes saw, SI, full precision.")
+@click.option("--npz", metavar="FILE.npz", help="The same as NumPy arrays, with the scene.")
+@click.option("--plot", metavar="FILE", help="Probes over time; .png, .svg or .pdf.")
+@click.option("--space-time", metavar="FILE", help="Image of the effort over place and time.")
+@click.option("--lattice", metavar="FILE", help="Bounce diagram, for a scene with one line.")
+@click.option("--animate", metavar="FILE", help="The effort along a path, moving; .html or .gif.")
+@click.option("--path", metavar="FROM,TO", help="Nodes between which --space-time and --animate look.")
+@click.option("--json", "as_json", is_flag=True, help="Print the numbers in SI and full precision.")
+def run(scene: str, order: str | None, slab: str | None, path: str | None, as_json: bool, **files: str | None) -> None:
+    """Simulate a scene and print what its probes saw.
+
+    SCENE is a TOML file with lines, sources, loads and probes; `tline schema` describes it.
+    """
+    wanted = {kind: file for kind, file in files.items() if file is not None}
+    given = {key: value for key, value in (("order", order), ("slab", slab)) if value is not None}
+    with _options_named({f"solver.{key}": f"--{key}" for key in given} | {"path": "--path", "lattice": "--lattice"}):
+        _check_files(wanted)
+        read = _read(scene, given)
+        way = _route(read, path, wanted)
+        result = _simulate(read, way)
+        for kind, file in wanted.items():
+            _write(result, way, kind, file)
+    from tline.cli.report import as_table, summary
+
+    for note in result.notes:
+        click.echo(f"note: {note}", err=True)
+    if as_json:
+        click.echo(json.dumps(summary(result) | {"files": list(wanted.values())}, indent=2, ensure_ascii=False))
+    else:
+        click.echo(as_table(result))
+        for file in wanted.values():
+            click.echo(f"wrote {file}")
+
+
+@contextmanager
+def _options_named(options: dict[str, str]) -> Iterator[None]:
+    """Let errors name the option where the library names its argument or the scene's key."""
+    try:
+        yield
+    except InputError as error:
+        mistakes = error.mistakes if isinstance(error, SceneError) else [error]
+        named = [InputError(options.get(m.where, m.where), m.problem, m.expected, m.got) for m in mistakes]
+        raise SceneError(named) if len(named) > 1 else named[0] from error
+
+
+def _check_files(wanted: dict[str, str]) -> None:
+    """Refuse what could not be written, before time is spent on it."""
+    from tline.solver.atomic import check_writable
+
+    seen: dict[Path, str] = {}
+    for kind, file in wanted.items():
+        option, suffix = "--" + kind.replace("_", "-"), Path(file).suffix
+        if suffix.lower() not in SUFFIXES[kind]:
+            raise InputError(option, "unknown kind of file", " or ".join(SUFFIXES[kind]), f"'{file}'")
+        other = seen.setdefault(Path(file).resolve(), option)
+        if other != option:
+            raise InputError(option, f"would overwrite what {other} writes", "another file", f"'{file}'")
+        check_writable(file)
+
+
+def _read(scene: str, given: dict[str, str]) -> "Scene":
+    from tline.scene.file import read_scene, scene_from
+
+    read = read_scene(scene)
+    if not given:
+        return read
+    table = read.table()
+    return scene_from(table | {"solver": table.get("solver", {}) | given}, str(Path(scene).parent))
+
+
+def _route(scene: "Scene", path: str | None, wanted: dict[str, str]) -> "Route | None":
+    """The path that pictures show, None if none does."""
+    if "lattice" in wanted:
+        from tline.pictures.fronts import only_line
+
+        only_line(scene)
+    if not any(kind in wanted for kind in ALONG):
+        if path is not None:
+            raise InputError("path", "nothing shows it", "--space-time or --animate beside it")
+        return None
+    from tline.pictures.path import route
+
+    if path is None:
+        return route(scene)
+    nodes = [node.strip() for node in path.split(",")]
+    if len(nodes) != 2:
+        raise InputError("path", "not two nodes", "FROM,TO", f"'{path}'")
+    return route(scene, *nodes)
+
+
+def _simulate(scene: "Scene", way: "Route | None") -> "Result":
+    from tline.solver.simulate import UnresolvedWarning, simulate
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnresolvedWarning)  # said as notes
+        return simulate(scene, record=way.lines if way else (), progress=sys.stderr.isatty())
+
+
+def _write(result: "Result", way: "Route | None", kind: str, file: str) -> None:
+    if kind in ("csv", "npz"):
+        from tline.solver.save import save_csv, save_npz
+
+        (save_csv if kind == "csv" else save_npz)(result, file)
+    elif kind == "animate" and way:
+        from tline.pictures.animation import animate
+
+        animate(result, way, file)
+    else:
+        from tline.pictures.style import save_figure
+
+        save_figure(_picture(result, way, kind), file)
+
+
+def _picture(result: "Result", way: "Route | None", kind: str) -> "Figure":
+    if kind == "space_time" and way:
+        from tline.pictures.space_time import plot_space_time
+
+        return plot_space_time(result, way)
+    if kind == "lattice":
+        from tline.pictures.lattice import plot_lattice
+
+        return plot_lattice(result)
+    from tline.pictures.traces import plot_probes
+
+    return plot_probes(result)

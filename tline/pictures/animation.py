@@ -1,0 +1,125 @@
+"""Effort along a route, moving in time: as a web page of its own, or as a GIF."""
+
+import html
+import json
+from importlib.resources import files
+from math import ceil, log10
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.pictures.handy import handy, spread
+from tline.pictures.path import Route, effort_along
+from tline.solver.atomic import replacing
+from tline.solver.result import Result
+
+FRAMES, PLACES = 180, 361
+ENVELOPE = 2000  # instants searched for the largest and smallest effort at each place
+STEPS = 9999  # levels from smallest to largest effort in the page
+SUFFIXES = (".html", ".gif")
+
+
+class Motion(NamedTuple):
+    """What moves, in handy units."""
+
+    title: str
+    frames: NDArray  # (instants, places)
+    lowest: NDArray
+    highest: NDArray
+    t: NDArray
+    time_unit: str
+    x: NDArray
+    marks: tuple[float, ...]
+    nodes: tuple[str, ...]
+    place: str  # what stands below the axis
+    effort: str  # and beside it
+
+    @property
+    def decimals(self) -> int:
+        """Decimals of the clock, so that every frame shows another time."""
+        return max(ceil(-log10(self.t[1])), 0) + 1
+
+
+def animate(result: Result, path: Route, filename: str | Path) -> None:
+    """Write an animation of the effort along a route, with the range it passes through shaded.
+
+    Parameters
+    ----------
+    result : Result
+        A finished run in which the route's lines were recorded.
+    path : Route
+        From `route(scene)`.
+    filename : str or Path
+        ``.html`` for a page that needs nothing else, with a play button and a slider; ``.gif`` for a picture that plays
+        for ever.
+
+    Raises
+    ------
+    InputError
+        Another suffix, a line of the route was not recorded, or the file cannot be written.
+    """
+    suffix = Path(filename).suffix.lower()
+    if suffix not in SUFFIXES:
+        raise InputError(str(filename), "unknown kind of animation", " or ".join(SUFFIXES), f"'{suffix}'")
+    motion = _motion(result, path)
+    with replacing(filename) as temporary:
+        if suffix == ".html":
+            temporary.write_text(_page(motion), encoding="utf-8")
+        else:
+            from tline.pictures.gif import write_gif
+
+            write_gif(motion, temporary)
+
+
+def _motion(result: Result, path: Route) -> Motion:
+    t_end, end = float(result.t[-1]), path.marks[-1]
+    t, x = np.linspace(0.0, t_end, FRAMES), np.linspace(0.0, end, PLACES)
+    frames = effort_along(result, path, x, t)
+    between = effort_along(result, path, x, np.linspace(0.0, t_end, ENVELOPE))
+    size, unit = handy(float(abs(between).max()), result.medium.shown["effort"])
+    second, time_unit = handy(t_end, "s")
+    length, place_unit = (1.0, "m") if path.unit == "m" else handy(end, "s")
+    what = "distance" if path.unit == "m" else "delay"
+    return Motion(
+        result.scene.title,
+        frames / size,
+        np.minimum(between.min(0), frames.min(0)) / size,
+        np.maximum(between.max(0), frames.max(0)) / size,
+        t / second,
+        time_unit,
+        x / length,
+        tuple(mark / length for mark in path.marks),
+        path.nodes,
+        f"{what} from {path.nodes[0]} [{place_unit}]",
+        f"{result.medium.effort} [{unit}]",
+    )
+
+
+def _page(motion: Motion) -> str:
+    """The page: a template with the efforts as whole numbers from 0 to STEPS."""
+    low, high = spread(motion.lowest.min(), motion.highest.max())
+
+    def counts(values: NDArray) -> list:
+        return np.rint((values - low) / (high - low) * STEPS).astype(int).tolist()
+
+    data = {
+        "title": motion.title,
+        "range": [low, high],
+        "steps": STEPS,
+        "marks": list(zip(motion.marks, motion.nodes, strict=True)),
+        "place": motion.place,
+        "effort": motion.effort,
+        "step": float(motion.t[1]),
+        "decimals": motion.decimals,
+        "time": motion.time_unit,
+        "lowest": counts(motion.lowest),
+        "highest": counts(motion.highest),
+        "frames": counts(motion.frames),
+    }
+    text = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
+    template = files("tline.pictures").joinpath("animation.html").read_text(encoding="utf-8")
+    before, after = template.split("DATA", 1)
+    return before.replace("TITLE", html.escape(motion.title or motion.effort)) + text + after

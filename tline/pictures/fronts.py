@@ -1,0 +1,114 @@
+"""Fronts that run to and fro on one line: when each leaves an end, what it carries, and the levels between arrivals."""
+
+import heapq
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from tline.errors import InputError
+from tline.scene.load import Switch
+from tline.scene.scene import Scene
+from tline.solver.curve import AFTER, drawable
+from tline.solver.result import LineRecord, Result, Wave
+
+MOST_LEGS = 12
+SAME = 1e-9  # of the run; fronts that start nearer than this to each other are one
+
+
+class Front(NamedTuple):
+    """A front that leaves an end of the line."""
+
+    end: int  # 0: end 1, 1: end 2
+    t: float
+    jump: float  # of the effort
+
+
+class Stay(NamedTuple):
+    """An interval in which no front leaves or reaches an end."""
+
+    end: int
+    start: float
+    stop: float
+    first: float  # effort just after the start
+    last: float  # effort just before the stop
+
+
+class Bounces(NamedTuple):
+    """All of a bounce diagram, in SI unless scaled."""
+
+    delay: float
+    until: float  # the instant up to which the diagram goes
+    fronts: list[Front]
+    stays: list[Stay]
+
+    def scaled(self, second: float, effort: float) -> "Bounces":
+        """The same in other units of time and effort."""
+        fronts = [Front(end, t / second, jump / effort) for end, t, jump in self.fronts]
+        stays = [Stay(end, p / second, q / second, u / effort, v / effort) for end, p, q, u, v in self.stays]
+        return Bounces(self.delay / second, self.until / second, fronts, stays)
+
+
+def only_line(scene: Scene) -> str:
+    """The scene's one line.
+
+    Raises
+    ------
+    InputError
+        There are several.
+    """
+    if len(scene.lines) != 1:
+        expected = "a scene with one line"
+        raise InputError("lattice", "a bounce diagram shows one line", expected, str(len(scene.lines)))
+    return next(iter(scene.lines))
+
+
+def bounces(result: Result) -> Bounces:
+    """Follow the jumps and corners of sources and switches of a scene with one line, for the first twelve legs."""
+    name = only_line(result.scene)
+    record, t_end = drawable(result.lines[name]), float(result.t[-1])
+    fronts = _fronts(result.scene, record, result.scene.lines[name].nodes, t_end)
+    until = min(fronts[-1].t + 1.35 * record.delay, t_end) if fronts else t_end
+    ends = ((record.a1, record.b1), (record.a2, record.b2))
+    stays = []
+    for end, waves in enumerate(ends):
+        times = {0.0, until, *(front.t + record.delay * (front.end != end) for front in fronts)}
+        for start, stop in pairwise(sorted(t for t in times if t <= until)):
+            if stop - start > SAME * until:
+                first = sum(_beside(wave, start, after=True) for wave in waves) / 2
+                last = sum(_beside(wave, stop, after=False) for wave in waves) / 2
+                stays.append(Stay(end, start, stop, first, last))
+    return Bounces(record.delay, until, fronts, stays)
+
+
+def _fronts(scene: Scene, record: LineRecord, nodes: tuple[str, str], t_end: float) -> list[Front]:
+    """The first legs, in the order of their starts."""
+    starts = [(float(t), source.at) for source in scene.sources.values() for t in source.value.breaks(t_end)]
+    starts += [(float(load.time), load.at) for load in scene.loads.values() if isinstance(load, Switch)]
+    waiting = [(t, end) for t, at in starts if 0 <= t < t_end for end in (0, 1) if nodes[end] == at]
+    heapq.heapify(waiting)
+    fronts: list[Front] = []
+    while waiting and len(fronts) < MOST_LEGS:
+        t, end = heapq.heappop(waiting)
+        if any(front.end == end and abs(front.t - t) < SAME * t_end for front in fronts):
+            continue
+        wave = record.b2 if end else record.a1
+        jump = _beside(wave, t, after=True) - _beside(wave, t, after=False)
+        fronts.append(
+            Front(end, t, jump / 2)
+        )  # the other wave does not jump along this leg, so u = (a + b)/2 takes half
+        arrival = t + record.delay
+        if arrival < t_end:
+            for other in (k for k in (0, 1) if nodes[k] == nodes[1 - end]):
+                heapq.heappush(waiting, (arrival, other))
+    return fronts
+
+
+def _beside(wave: Wave, t: float, after: bool) -> float:
+    """Value just after or just before t, continued from the nearest slab that lies wholly on that side."""
+    place, last = t / wave.h, len(wave.values) - 1
+    slab = int(np.ceil(place - AFTER)) if after else int(np.floor(place + AFTER)) - 1
+    if slab < 0:
+        return wave.before
+    slab = min(slab, last)
+    return float(wave.basis.evaluation([place - slab])[0] @ wave.values[slab])

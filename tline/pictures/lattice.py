@@ -1,0 +1,117 @@
+"""The bounce diagram of a scene with one line."""
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tline.pictures.fronts import Bounces, Front, Stay, bounces
+from tline.pictures.handy import handy
+from tline.pictures.style import DOWN, FAINT, INK, UP, figure, styled
+from tline.solver.result import Result
+
+FLAT = 1e-6  # of the largest effort; a smaller jump is none, and a smaller effort is zero
+ROOM = 0.03  # of the diagram's height, for a number
+
+
+@styled
+def plot_lattice(result: Result) -> Figure:
+    """Bounce diagram of a scene with one line: place across, time running down.
+
+    Each leg is a jump or corner of a source or switch on its way from end to end. On it stands what it adds to the
+    effort: half the jump of the wave a or b that carries it, as recorded. Beside the ends stands the effort between
+    arrivals; two numbers if it changes meanwhile. Legs that carry a corner and no jump are dotted. At most twelve
+    legs are drawn.
+
+    Parameters
+    ----------
+    result : Result
+        A finished run.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    InputError
+        The scene has several lines.
+    """
+    found = bounces(result)
+    largest = max(abs(u) for stay in found.stays for u in (stay.first, stay.last))
+    size, unit = handy(largest, result.medium.shown["effort"])
+    second, time_unit = handy(found.until, "s")
+    shown = found.scaled(second, size)
+    zero = FLAT * largest / size
+    picture = figure(7.2, 7.6, result.scene.title)
+    axes = picture.subplots()
+    for front in shown.fronts:
+        _draw_leg(axes, front, shown, abs(front.jump) <= zero)
+    for stay in shown.stays:
+        if stay.stop - stay.start > ROOM * shown.until:
+            _draw_level(axes, stay, zero)
+    (line,) = result.scene.lines.values()
+    effort = f"{result.medium.effort} [{unit}]"
+    _frame(axes, line.nodes, effort, shown.until)
+    axes.set_ylabel(f"time [{time_unit}]")
+    jumps = [abs(front.jump) > zero for front in shown.fronts]
+    said = [f"on the legs: what the front adds to the {effort}"] * any(jumps) + ["dotted: a corner"] * (not all(jumps))
+    axes.set_xlabel("; ".join(said))
+    return picture
+
+
+def _draw_leg(axes: Axes, front: Front, shown: Bounces, corner: bool) -> None:
+    """A leg from end to end, or as far as it comes."""
+    forth = 1 - 2 * front.end
+    share = min((shown.until - front.t) / shown.delay, 1.0)
+    colour = FAINT if corner else UP if front.jump > 0 else DOWN
+    axes.annotate(
+        "",
+        (front.end + forth * share, front.t + share * shown.delay),
+        (front.end, front.t),
+        arrowprops={
+            "arrowstyle": "-|>" if share == 1.0 else "-",
+            "color": colour,
+            "linewidth": 1.0 if corner else 1.8,
+            "linestyle": ":" if corner else "-",
+            "shrinkA": 0,
+            "shrinkB": 0,
+            "mutation_scale": 13,
+        },
+    )
+    if not corner and share > 0.65:
+        axes.annotate(
+            _text(front.jump, "+"),
+            (front.end + 0.42 * forth, front.t + 0.42 * shown.delay),
+            color=colour,
+            fontweight="bold",
+            ha="center",
+            va="center",
+            zorder=5,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
+        )
+
+
+def _draw_level(axes: Axes, stay: Stay, zero: float) -> None:
+    """The effort at an end, beside it."""
+    place, side = (1.03, "left") if stay.end else (-0.03, "right")
+    first, last = (_text(u if abs(u) > zero else 0.0) for u in (stay.first, stay.last))
+    text = first if first == last else f"{first} → {last}"
+    axes.text(place, (stay.start + stay.stop) / 2, text, ha=side, va="center")
+    if stay.start > 0:
+        axes.plot([stay.end, place], [stay.start] * 2, color=FAINT, linewidth=0.8)
+
+
+def _text(value: float, sign: str = "") -> str:
+    """Four digits, with a true minus."""
+    return f"{value:{sign}.4g}".replace("-", "\N{MINUS SIGN}")
+
+
+def _frame(axes: Axes, nodes: tuple[str, str], effort: str, until: float) -> None:
+    axes.set_xlim(-0.46, 1.46)
+    axes.set_ylim(until, 0.0)
+    for end, name in enumerate(nodes):
+        axes.axvline(end, color=INK, linewidth=1.2)
+        above = {"xycoords": ("data", "axes fraction"), "ha": "center", "va": "bottom"}
+        axes.annotate(f"{name}\n", (end, 1.0), fontweight="bold", **above)
+        axes.annotate(effort, (end, 1.005), fontsize=9, **above)
+    axes.set_xticks([])
+    axes.spines["bottom"].set_visible(False)

@@ -1,0 +1,90 @@
+"""One look for all pictures: colours that everyone can tell apart, sizes, and how a figure becomes a file."""
+
+import textwrap
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tline.solver.atomic import replacing
+
+# Okabe and Ito's colours, told apart with every kind of colour vision; yellow is left out as too faint on white
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+DASHES: tuple[Any, ...] = ("-", (0, (5, 1.6)), (0, (1.6, 1.2)), (0, (6, 1.4, 1.4, 1.4)))
+UP, DOWN, INK, FAINT = "#B2182B", "#2166AC", "#222222", "#8A8A8A"
+DIVERGING = (DOWN, "#67A9CF", "#F7F7F7", "#EF8A62", UP)
+LONGEST_NAME, ONE_ROW = 18, 80  # letters of a node's name, and of all names beside each other
+LOOK: dict[Any, Any] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 10,
+    "text.parse_math": False,  # names may hold a dollar sign
+    "text.color": INK,
+    "axes.titlesize": 11,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": FAINT,
+    "axes.linewidth": 0.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-4, 5),
+    "xtick.color": FAINT,
+    "ytick.color": FAINT,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "grid.color": "#E4E4E4",
+    "grid.linewidth": 0.8,
+    "lines.linewidth": 1.7,
+    "lines.solid_joinstyle": "miter",
+    "legend.frameon": False,
+    "svg.hashsalt": "tline",
+}
+
+
+# decorates what draws, so that it draws in this look whatever the user's settings are, and leaves those as they were
+styled = matplotlib.rc_context(LOOK)
+
+
+def figure(width: float, height: float, title: str) -> Figure:
+    """An empty figure, inches, that no window system knows of."""
+    blank = Figure(figsize=(width, height), dpi=150, layout="constrained")
+    if title:
+        text = textwrap.fill(title, int(9 * width))
+        blank.suptitle(text, x=0.02, ha="left", fontsize=12, fontweight="bold")
+    return blank
+
+
+def name_nodes(axes: Axes, marks: tuple[float, ...], names: tuple[str, ...]) -> None:
+    """Write the nodes of a route above the axes, as many as there is room for, and mark the inner ones."""
+    room = 0.06 * (marks[-1] - marks[0])
+    kept = [0]
+    for k in range(1, len(marks) - 1):
+        if marks[k] - marks[kept[-1]] > room and marks[-1] - marks[k] > room:
+            kept.append(k)
+    kept.append(len(marks) - 1)
+    top = axes.secondary_xaxis("top")
+    texts = [name if len(name) <= LONGEST_NAME else name[: LONGEST_NAME - 1] + "…" for name in names]
+    top.set_xticks([marks[k] for k in kept], [texts[k] for k in kept])
+    top.tick_params(length=3, color=FAINT, labelcolor=INK)
+    top.spines["top"].set_visible(False)
+    if sum(len(texts[k]) for k in kept) > ONE_ROW:
+        for label in top.get_xticklabels():
+            label.set(rotation=40, ha="left", rotation_mode="anchor")
+    for place in marks[1:-1]:
+        axes.axvline(place, color=INK, linewidth=0.7, alpha=0.6)
+
+
+@styled
+def save_figure(picture: Figure, path: str | Path) -> None:
+    """Write a figure as PNG, SVG or PDF, by the path's suffix.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    with replacing(path) as temporary:
+        undated = {"CreationDate" if temporary.suffix == ".pdf" else "Date": None}
+        picture.savefig(temporary, metadata=None if temporary.suffix == ".png" else undated)

@@ -1,0 +1,59 @@
+"""What the probes saw, over time."""
+
+from matplotlib.figure import Figure
+
+from tline.pictures.handy import handy, quantities, spread
+from tline.pictures.style import COLOURS, DASHES, figure, styled
+from tline.solver.curve import curve
+from tline.solver.result import Result
+
+WIDTH, HEIGHT = 8.0, 5.2  # inches
+MARGIN = 0.08  # of the range, above and below
+ENTRY = 0.11  # inches per letter in the legend
+
+
+@styled
+def plot_probes(result: Result) -> Figure:
+    """Effort above, flow below, one curve for each probe.
+
+    Parameters
+    ----------
+    result : Result
+        A finished run.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        With two axes that share time.
+    """
+    curves = {name: curve(probe) for name, probe in result.probes.items()}
+    columns = max(int(WIDTH / (0.6 + ENTRY * max(map(len, curves)))), 1)
+    rows = -(-len(curves) // columns) if len(curves) > 1 else 0
+    picture = figure(WIDTH, HEIGHT + 0.22 * rows, result.scene.title)
+    panels = picture.subplots(2, 1, sharex=True, height_ratios=[3, 2])
+    second, time_unit = handy(result.t[-1], "s")
+    handles = []
+    for axes, (word, letter, _, unit) in zip(panels, quantities(result.medium), strict=True):
+        values = [getattr(samples, letter) for samples in curves.values()]
+        size, name = handy(max(abs(v).max() for v in values), unit)
+        handles = [
+            axes.plot(
+                samples.t / second,
+                v / size,
+                color=COLOURS[k % len(COLOURS)],
+                linestyle=DASHES[k % len(DASHES)],
+            )[0]
+            for k, (samples, v) in enumerate(zip(curves.values(), values, strict=True))
+        ]
+        where = f" at {next(iter(curves))}" if len(curves) == 1 else ""
+        axes.set_ylabel(f"{word}{where} [{name}]")
+        axes.grid(True)
+        axes.margins(x=0)
+        low, high = spread(min(v.min() for v in values) / size, max(v.max() for v in values) / size)
+        axes.set_ylim(low - MARGIN * (high - low), high + MARGIN * (high - low))
+    panels[1].set_xlabel(f"time [{time_unit}]")
+    picture.align_ylabels(panels)
+    if len(curves) > 1:
+        names = [f" {name}" for name in curves]  # a name that begins with '_' would be left out
+        picture.legend(handles, names, loc="outside lower center", ncols=min(columns, len(names)))
+    return picture

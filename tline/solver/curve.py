@@ -1,0 +1,87 @@
+"""The waves between slab ends: fit to be drawn, and to be searched for extremes."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.solver.result import LineRecord, ProbeResult, Samples, Wave
+
+DENSE = 4000  # instants
+AFTER = 1e-8  # slabs behind an edge where the value just after it is taken
+ROUGH = 1e-2  # of the wave's range: larger in the highest degrees, and at a slab's edge, means a front inside the slab
+NOISE = 1e-13  # of the largest wave; a smaller effort, or flow times z0, is zero
+WIDEST = 4  # slabs over which a front may have spread
+
+
+def curve(probe: ProbeResult) -> Samples:
+    """What a probe saw along the whole run, several instants a slab and both sides of every slab's edge.
+
+    A jump gives two values at one instant. The polynomial of a slab that holds a front inside wiggles round it; there
+    the curve is a straight line between the slabs on either side, where values are accurate.
+
+    Parameters
+    ----------
+    probe : ProbeResult
+        Probe of a finished run.
+
+    Returns
+    -------
+    Samples
+        At some four thousand instants, or two a slab if there are more slabs.
+    """
+    shown = replace(probe, record=drawable(probe.record))
+    n, h = len(probe.slab_ends) - 1, float(probe.slab_ends[1])
+    local = np.linspace(0.0, 1.0, max(DENSE // n, 2))
+    after = np.where(local == 0.0, AFTER, local)
+    offsets = np.array([probe.share, 1.0 - probe.share]) * probe.record.delay / h % 1.0
+    edges = offsets[(offsets > AFTER) & (offsets < 1.0 - 2 * AFTER) & (0.0 < probe.share < 1.0)]
+    local = np.concatenate([local, edges, edges])
+    after = np.concatenate([after, edges, edges + AFTER])
+    order = np.argsort(after)
+    start = np.arange(n)[:, None]
+    seen = shown.at(np.concatenate([[0.0], ((start + after[order]) * h).ravel()]))
+    noise = NOISE * max(abs(seen.a).max(), abs(seen.b).max())
+    u = np.where(abs(seen.u) > noise, seen.u, 0.0)
+    y = np.where(abs(seen.y) > noise / probe.record.z0, seen.y, 0.0)
+    return Samples(np.concatenate([[0.0], ((start + local[order]) * h).ravel()]), u, y, seen.a, seen.b)
+
+
+def drawable(record: LineRecord) -> LineRecord:
+    """The record with straight lines across fronts that lie inside slabs."""
+    waves = (record.a1, record.b1, record.a2, record.b2)
+    span = max(float(np.ptp(wave.at_slab_ends())) for wave in waves)
+    a1, b1, a2, b2 = (_bridged(wave, ROUGH * span) for wave in waves)
+    return replace(record, a1=a1, b1=b1, a2=a2, b2=b2)
+
+
+def _bridged(wave: Wave, largest: float) -> Wave:
+    """A straight line across each front, from the end of the slab before it to the start of the slab after it.
+
+    A slab holds a front if its highest degrees are large and it does not continue its neighbours. Where that goes on
+    for more than a few slabs, something oscillates too fast for them, and the polynomials stay as they are.
+    """
+    starts = np.append(wave.values @ wave.basis.evaluation([0.0])[0], wave.values[-1, -1])
+    ends = wave.at_slab_ends()
+    breaks = np.abs(starts - ends) > largest
+    highest = wave.basis.to_legendre[max(wave.basis.s - 2, 1) :]  # two, as one of them may vanish by chance
+    tail = np.abs(wave.values @ highest.T).max(axis=1, initial=0.0)
+    front = (tail > largest) & (breaks[:-1] | breaks[1:])
+    change = np.diff(np.concatenate([[0], front, [0]]))
+    low, high = np.nonzero(change == 1)[0], np.nonzero(change == -1)[0]
+    few = high - low <= WIDEST
+    low, high = low[few], high[few]
+    if not len(low):
+        return wave
+    slabs = np.concatenate([np.arange(p, q) for p, q in zip(low, high, strict=True)])
+    knots, levels = np.stack([low, high], 1).ravel(), np.stack([ends[low], starts[high]], 1).ravel()
+    values: NDArray = wave.values.copy()
+    values[slabs] = np.interp(slabs[:, None] + wave.basis.c, knots, levels)
+    return replace(wave, values=values)
+
+
+def extreme(samples: NDArray, t: NDArray, sign: int) -> tuple[float, float]:
+    """The largest value (sign 1) or the smallest (sign -1), and when it is first reached, rounding aside."""
+    best = (sign * samples).max()
+    first = int(np.argmax(sign * samples >= best - 1e-9 * np.ptp(samples)))
+    return float(sign * best) + 0.0, float(t[first])  # no negative zero

@@ -1,0 +1,83 @@
+"""Results in files that other programs read: CSV and NPZ."""
+
+import csv
+from collections.abc import Iterator
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tline.scene.file import scene_text
+from tline.solver.atomic import replacing
+from tline.solver.result import Result
+
+ROWS = 10_000  # turned into text at a time
+
+
+def save_csv(result: Result, path: str | Path) -> None:
+    """Write what the probes saw as a table: time, then effort, flow and both waves of each probe.
+
+    One header line names quantity and SI unit, such as ``valve pressure [Pa]``; a and b are waves in the unit of the
+    effort. The rows are slab ends; where the value jumps just then, it is the one before the jump. Numbers are written
+    so that reading them gives the same floats.
+
+    Parameters
+    ----------
+    result : Result
+        A finished run.
+    path : str or Path
+        The file; one that exists is replaced.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    medium = result.medium
+    effort, flow = medium.units["effort"], medium.units["flow"]
+    head, columns = ["time [s]"], [result.t]
+    for name, probe in result.probes.items():
+        head += [
+            f"{name} {what} [{unit}]"
+            for what, unit in ((medium.effort, effort), (medium.flow, flow), ("a", effort), ("b", effort))
+        ]
+        columns += [probe.u, probe.y, probe.a, probe.b]
+    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(head)
+        for start in range(0, len(result.t), ROWS):
+            block = np.stack([column[start : start + ROWS] for column in columns], axis=1)
+            writer.writerows(block.tolist())
+
+
+def save_npz(result: Result, path: str | Path) -> None:
+    """Write what the probes saw as NumPy arrays, with the scene that led to it.
+
+    The arrays are ``t``; ``NAME/u``, ``NAME/y``, ``NAME/a`` and ``NAME/b`` of each probe, in SI at slab ends;
+    ``scene``, the scene as TOML text; ``version`` of this package; ``order`` and ``slab`` of the run.
+
+    Parameters
+    ----------
+    result : Result
+        A finished run.
+    path : str or Path
+        The file; one that exists is replaced.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        np.savez(file, **dict(_arrays(result)))
+
+
+def _arrays(result: Result) -> Iterator[tuple[str, Any]]:
+    yield "t", result.t
+    for name, probe in result.probes.items():
+        yield from ((f"{name}/{letter}", getattr(probe, letter)) for letter in "uyab")
+    yield "scene", np.array(scene_text(result.scene))
+    yield "version", np.array(version("tline"))
+    yield "order", np.array(result.resolution.s)
+    yield "slab", np.array(result.resolution.h)
