@@ -43,7 +43,7 @@ def efforts_at_q(lines, order, slab, t_end):
     )
     assembly = assemble(scene, {"c"})
     assembly.drives[0] = [(Bell(), share) for _, share in assembly.drives[0]]
-    record = march(assembly, round(t_end / slab))
+    record, _ = march(assembly, round(t_end / slab))
     side = lines["c"].index("q")
     return record[assembly.recorded["c"] + side].mean(axis=0).reshape(-1, order)[:, -1]
 

@@ -1,5 +1,6 @@
 """The time loop: projects the sources chunk by chunk and lets the kernel advance all nodes."""
 
+import time
 from itertools import pairwise
 
 import numpy as np
@@ -12,13 +13,15 @@ from tline.solver.drive import on_slabs
 CHUNK = 2e7  # line-end samples between two looks at the progress bar
 
 
-def march(assembly: Assembly, n: int, *, progress: bool = False) -> NDArray:
+def march(assembly: Assembly, n: int, *, progress: bool = False) -> tuple[NDArray, float]:
     """Advance an assembled scene by n slabs.
 
     Returns
     -------
-    ndarray, shape (recorded ends, 2, n * s)
+    record : ndarray, shape (recorded ends, 2, n * s)
         What arrived at each recorded end, and what left it.
+    seconds : float
+        Time it took, without compiling or loading the kernel.
 
     Raises
     ------
@@ -29,29 +32,34 @@ def march(assembly: Assembly, n: int, *, progress: bool = False) -> NDArray:
 
     from tline.solver.kernel import advance
 
-    network, state, s = assembly.network, assembly.state, assembly.resolution.s
-    breaks = [[waveform.breaks(float(assembly.scene.t_end)) for waveform, _ in parts] for parts in assembly.drives]
+    network, state, s, h = assembly.network, assembly.state, assembly.resolution.s, assembly.resolution.h
+    breaks = [[waveform.breaks(n * h) for waveform, _ in parts] for parts in assembly.drives]
     record = np.empty((2 * len(assembly.recorded), 2, n * s))
+    advance(network, state, 0, np.zeros((len(breaks), 0)), record, 0)  # compiled now, or loaded
     chunk = max(int(CHUNK / (2 * len(network.delay) * s)), 1)
     edges = sorted({*range(0, n, chunk), n, *(slab for slab, _, _ in assembly.changes if slab < n)})
     changes = iter([*assembly.changes, (n, 0, 0)])
     slab, node, row = next(changes)
+    started = time.perf_counter()
     with tqdm(total=n, disable=not progress, delay=2, unit="slab", unit_scale=True) as bar:
         for low, high in pairwise(edges):
             while slab <= low:
                 network.step_row[node] = row
                 slab, node, row = next(changes)
-            drive = np.zeros((len(assembly.drives), (high - low) * s))
-            for line, parts, marks in zip(drive, assembly.drives, breaks, strict=True):
-                for (waveform, share), mark in zip(parts, marks, strict=True):
-                    line += (
-                        share * on_slabs(waveform, mark, assembly.basis, assembly.resolution.h, low, high - low).ravel()
-                    )
-            failed = advance(network, state, high - low, drive, record, low)
+            failed = advance(network, state, high - low, _drive(assembly, breaks, low, high - low), record, low)
             if failed >= 0:
-                _refuse(assembly, failed, high * assembly.resolution.h)
+                _refuse(assembly, failed, high * h)
             bar.update(high - low)
-    return record
+    return record, time.perf_counter() - started
+
+
+def _drive(assembly: Assembly, breaks: list[list[NDArray]], first: int, n: int) -> NDArray:
+    """The sources' parts of the Thévenin waves on n slabs, shape (drives, n * s)."""
+    drive = np.zeros((len(breaks), n, assembly.resolution.s))
+    for row, parts, marks in zip(drive, assembly.drives, breaks, strict=True):
+        for (waveform, share), mark in zip(parts, marks, strict=True):
+            row += share * on_slabs(waveform, mark, assembly.basis, assembly.resolution.h, first, n)
+    return drive.reshape(len(breaks), n * assembly.resolution.s)
 
 
 def _refuse(assembly: Assembly, node: int, t: float) -> None:

@@ -39,8 +39,10 @@ class Wave:
         return np.concatenate([[self.before], self.values[:, -1]])
 
     def tail(self) -> float:
-        """Largest share of the highest polynomial degree in any slab: how much the slabs leave unresolved."""
-        return float(np.abs(self.values @ self.basis.to_legendre[-1]).max()) if self.basis.s > 1 else 0.0
+        """Largest part of the highest two polynomial degrees in any slab: how much the slabs leave unresolved."""
+        s = self.basis.s
+        highest = self.basis.to_legendre[max(s - 2, 1) :]  # one alone may vanish by chance
+        return float(np.abs(self.values @ highest.T).max(initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,5 @@
 """Run a scene: assemble it, step the kernel in chunks, and hand back what the probes saw."""
 
-import time
 import warnings
 from collections.abc import Iterable
 from math import ceil
@@ -63,9 +62,7 @@ def simulate(scene: Scene, *, record: Iterable[str] = (), progress: bool = False
     if 4 * len(kept) * n * s > LARGEST_RECORD:
         problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
         raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
-    started = time.perf_counter()
-    waves = march(assembly, n, progress=progress)
-    seconds = time.perf_counter() - started
+    waves, seconds = march(assembly, n, progress=progress)
     lines = {name: _record(assembly, name, waves) for name in assembly.recorded}
     ends = np.arange(n + 1) * h
     probes = {}
