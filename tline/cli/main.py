@@ -15,6 +15,7 @@ COMMANDS = {
         "z0, wave speed and the rest of a pipe or a cable, from what is known of it.",
     ),
     "run": ("tline.cli.run:run", "Simulate a scene."),
+    "schema": ("tline.cli.schema:schema", "JSON schema of scene files, for editors."),
 }
 
 
