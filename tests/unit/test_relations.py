@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tline.errors import InputError
-from tline.line.relations import Law, System, choose, determine, listed, solve
+from tline.line.parameters import choose
+from tline.line.relations import Law, System, determine, listed, solve
 
 CIRCLE = System(
     ({"diameter": 1, "2": -1, "radius": -1}, {"area": 1, "pi": -1, "radius": -2}),

@@ -9,7 +9,7 @@ import click
 from tline.cli.main import COMMANDS
 from tline.errors import InputError
 from tline.line import ElectricalLine, HydraulicLine, electrical, hydraulic
-from tline.line.relations import LineParameters, Quantity
+from tline.line.parameters import LineParameters, Quantity
 from tline.units import engineering
 
 

@@ -4,7 +4,8 @@ import math
 from collections.abc import Mapping
 
 from tline.errors import InputError
-from tline.line.relations import LineParameters, Quantity, System, determine, listed, read
+from tline.line.parameters import LineParameters, Quantity, read
+from tline.line.relations import System, determine, listed
 from tline.units import engineering
 
 QUANTITIES = (

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from tline.errors import InputError
-from tline.line.relations import choose
+from tline.line.parameters import choose
 from tline.units import to_si
 
 

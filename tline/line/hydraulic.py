@@ -5,7 +5,8 @@ from collections.abc import Mapping
 
 from tline.errors import InputError
 from tline.line.fluids import fluid as named_fluid
-from tline.line.relations import AGREE, Law, LineParameters, Quantity, System, determine, include, read
+from tline.line.parameters import LineParameters, Quantity, include, read
+from tline.line.relations import AGREE, Law, System, determine
 from tline.line.walls import youngs_modulus as named_modulus
 
 QUANTITIES = (

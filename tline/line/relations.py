@@ -12,12 +12,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import lru_cache, partial
 from itertools import combinations, islice
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 from tline.errors import InputError
-from tline.units import to_si
-
-Entry = TypeVar("Entry")
 
 AGREE = 1e-6  # relative; quantities given twice over may differ by the digits that tables drop
 LISTED = 6  # suggestions shown when something is missing
@@ -233,82 +230,3 @@ class _Solution:
             problem = f"{names} clash: {formula()} gives {value:.{digits}g} but {name} is {there:.{digits}g}"
             remedies = [self.system.remedies[part] for part in (name, *parts) if part in self.system.remedies]
             raise InputError("", "; ".join([f"{problem}, {100 * apart:.3g} % apart", *remedies[:1]]))
-
-
-class Quantity(NamedTuple):
-    """One quantity of a line, as its constructor, the command line and the printed table know it."""
-
-    name: str
-    symbol: str
-    unit: str
-    handy: str  # the unit people print it in, "" for none
-    help: str
-
-
-class LineParameters:
-    """Base of the lines: immutable, equal by value, printed as it was given."""
-
-    _values: dict[str, float | None]
-    _given: dict[str, object]
-
-    def _settle(
-        self, quantities: Iterable[Quantity], values: Mapping[str, float], arguments: Mapping[str, object]
-    ) -> None:
-        """Set the attributes, once; a quantity that did not follow is None."""
-        settled = {quantity.name: values.get(quantity.name) for quantity in quantities}
-        given = {name: value for name, value in arguments.items() if value is not None}
-        self.__dict__.update(settled, _values=settled, _given=given)
-
-    def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"{type(self).__name__} is immutable, {name} cannot be set")
-
-    def __delattr__(self, name: str) -> None:
-        raise AttributeError(f"{type(self).__name__} is immutable, {name} cannot be deleted")
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, LineParameters):
-            return NotImplemented
-        return type(self) is type(other) and self._values == other._values
-
-    def __hash__(self) -> int:
-        return hash((type(self), *self._values.values()))
-
-    def __repr__(self) -> str:
-        given = ", ".join(f"{name}={value!r}" for name, value in self._given.items())
-        return f"{type(self).__name__}({given})"
-
-
-def read(quantities: Iterable[Quantity], arguments: Mapping[str, float | str | None]) -> dict[str, float]:
-    """SI values of the quantities given among `arguments` (None is not given), each positive and finite."""
-    values = {}
-    for name, _, unit, _, _ in quantities:
-        given = arguments[name]
-        if given is not None:
-            values[name] = to_si(given, unit, name)
-            if values[name] <= 0:
-                raise InputError(name, "not positive", "more than 0", repr(given))
-    return values
-
-
-def include(
-    given: dict[str, float], sources: dict[str, tuple[str, ...]], what: str, values: Mapping[str, float]
-) -> None:
-    """Add the quantities that a named fluid or wall stands for; one that was given as well must agree."""
-    for name, value in values.items():
-        there = given.setdefault(name, value)
-        if abs(there / value - 1) > AGREE:
-            raise InputError(name, f"clashes with the {what}", f"{value:.9g} or none", f"{there:.9g}")
-        sources[name] = (what,)
-
-
-def choose(table: Mapping[str, Entry], name: object, where: str) -> Entry:
-    """The entry of that name; the error lists the names there are."""
-    key = name.strip().lower() if isinstance(name, str) else ""
-    if key in table:
-        return table[key]
-    from difflib import get_close_matches
-
-    near = get_close_matches(key, table, n=1)
-    known = listed([repr(entry) for entry in table], "or")
-    meant = f"{near[0]!r} (known are {known})" if near else known
-    raise InputError(where, f"unknown {where}", meant, repr(name))

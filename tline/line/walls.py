@@ -7,7 +7,7 @@ and it falls with temperature. Glass-reinforced plastic is absent since its wind
 `youngs_modulus`.
 """
 
-from tline.line.relations import choose
+from tline.line.parameters import choose
 
 WALLS = {
     "steel": 206e9,  # mild steel, 200-212 GPa
