@@ -7,41 +7,39 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError
-from tline.scene.load import Impedance, Matched, NoFlow, Parallel, Reservoir, Resistor, Series, Short, Switch
-from tline.scene.medium import MEDIA
-from tline.scene.mistakes import nearest
+from tline.scene.element import is_name
+from tline.scene.load import Matched, Reservoir, Resistor, Short, Switch
+from tline.scene.mistakes import nearest, place, shown
+from tline.scene.rational_load import Rational
 
 if TYPE_CHECKING:
+    from tline.scene.probe import Probe
     from tline.scene.scene import Scene
 
-SECTIONS = ("sources", "loads", "probes")
+SAME = 1 + 1e-12  # a slab longer than a delay by less than this is as long
+Ends = Mapping[str, list[str]]  # node -> lines that end there, twice if with both ends
 
 
 def misplaced(data: Mapping[str, Any]) -> list[InputError]:
     """Elements at nodes where no line ends; works on tables as read, so that other mistakes do not hide these."""
-    lines = _tables(data, "lines")
-    nodes = sorted({str(node) for line in lines.values() for node in _as_list(line.get("nodes"))})
-    found = []
+    lines, found = _tables(data, "lines"), []
     for section in ("lines", "probes"):
-        if not _tables(data, section):
+        if section in data and not data[section]:
             missing = "there is nothing to simulate" if section == "lines" else "nothing would be recorded"
             found.append(InputError(section, missing, f"at least one table [{section}.NAME]"))
-    for section in SECTIONS:
+    ends = [line.get("nodes") for line in lines.values()]
+    known = bool(lines) and all(isinstance(p, list | tuple) and len(p) == 2 and all(map(is_name, p)) for p in ends)
+    nodes = sorted({node for pair in ends for node in pair or ()}) if known else []
+    there = set(nodes)
+    for section in ("sources", "loads", "probes"):
         for name, table in _tables(data, section).items():
-            if nodes and isinstance(table.get("at"), str) and table["at"] not in nodes:
-                where = f"{section}.{name}.at"
-                found.append(
-                    InputError(where, "no line ends at this node", nearest(table["at"], nodes), repr(table["at"]))
-                )
-            if section == "probes" and isinstance(table.get("line"), str) and table["line"] not in lines:
-                found.append(
-                    InputError(
-                        f"probes.{name}.line",
-                        "no such line",
-                        nearest(table["line"], list(lines)),
-                        repr(table["line"]),
-                    )
-                )
+            at, line = table.get("at"), table.get("line")
+            if known and isinstance(at, str) and at not in there:
+                where = place(section, name, "at")
+                found.append(InputError(where, "no line ends at this node", nearest(at, nodes), shown(at)))
+            if section == "probes" and lines and isinstance(line, str) and line not in lines:
+                where = place(section, name, "line")
+                found.append(InputError(where, "no such line", nearest(line, [*lines]), shown(line)))
     return found
 
 
@@ -49,120 +47,97 @@ def _tables(data: Mapping[str, Any], section: str) -> dict[str, dict[str, Any]]:
     tables = data.get(section)
     tables = tables if isinstance(tables, dict) else {}
     return {
-        name: table if isinstance(table, dict) else getattr(table, "__dict__", {}) for name, table in tables.items()
+        str(name): table if isinstance(table, dict) else getattr(table, "__dict__", {})
+        for name, table in tables.items()
     }
 
 
-def _as_list(nodes: Any) -> list[Any]:
-    return list(nodes) if isinstance(nodes, list | tuple) else []
-
-
 def conflicts(scene: Scene) -> Iterator[InputError]:
-    """Elements of a scene, each valid alone, that exclude each other."""
-    lines_at: dict[str, list[str]] = defaultdict(list)
+    """Elements of a scene, each valid alone, that exclude each other; those that are misplaced do not count."""
+    ends: dict[str, list[str]] = defaultdict(list)
     for name, line in scene.lines.items():
         for node in line.nodes:
-            lines_at[node].append(name)
-    yield from _words(scene)
-    yield from _ideal_efforts(scene)
+            ends[node].append(name)
+    ends.default_factory = None
+    yield from _slab(scene)
+    yield from _waveforms(scene)
+    yield from _held(scene)
     for name, load in scene.loads.items():
-        if isinstance(load, Matched) and len(lines_at[load.at]) != 1:
-            yield InputError(
-                f"loads.{name}", "a matched end needs a node with one line", got=f"{len(lines_at[load.at])}"
-            )
+        if isinstance(load, Matched) and len(ends.get(load.at, [""])) != 1:
+            problem = f"node '{load.at}' is a junction, and only the end of one line can be matched"
+            yield InputError(place("loads", name), problem, "a resistor", f"{len(ends[load.at])} ends")
     for name, probe in scene.probes.items():
-        yield from _probe(scene, f"probes.{name}", probe, lines_at)
+        if probe.at in {None, *ends} and probe.line in {None, *scene.lines}:
+            yield from _probe(scene, place("probes", name), probe, ends)
 
 
-def _words(scene: Scene) -> Iterator[InputError]:
-    medium = MEDIA[scene.medium]
-    for name, load in scene.loads.items():
-        if isinstance(load, NoFlow) and load.kind != medium.no_flow:
-            yield InputError(
-                f"loads.{name}.kind",
-                f"not a word of {medium.name} scenes",
-                f"'{medium.no_flow}' for no flow",
-                f"'{load.kind}'",
-            )
-        if isinstance(load, Switch) and load.kind != medium.switch:
-            yield InputError(
-                f"loads.{name}.kind",
-                f"not a word of {medium.name} scenes",
-                f"'{medium.switch}'",
-                f"'{load.kind}'",
-            )
-        if isinstance(load, Reservoir) and scene.medium != "hydraulic":
-            yield InputError(
-                f"loads.{name}.kind",
-                "not a word of electrical scenes",
-                "a voltage source, or 'short'",
-                "'reservoir'",
-            )
+def _slab(scene: Scene) -> Iterator[InputError]:
+    slab = scene.solver.slab
+    if slab is None or not scene.lines:
+        return
+    delays = {name: line.parameters.delay or 0.0 for name, line in scene.lines.items()}
+    shortest = min(delays, key=lambda name: delays[name])
+    if slab > delays[shortest] * SAME:
+        expected = f"at most that of {place('lines', shortest)}, {delays[shortest]:.6g} s"
+        yield InputError("solver.slab", "longer than the shortest delay", expected, f"{slab:.6g} s")
 
 
-def _ideal_efforts(scene: Scene) -> Iterator[InputError]:
-    """Nodes where an effort is prescribed, and what cannot stand beside it."""
-    held: dict[str, str] = {}
-    shorts = []
+def _waveforms(scene: Scene) -> Iterator[InputError]:
     for name, source in scene.sources.items():
-        if source.conductance == float("inf"):
-            shorts.append((f"sources.{name}", source.at))
-    for name, load in scene.loads.items():
-        zero = (
-            isinstance(load, Short | Reservoir)
-            or (isinstance(load, Resistor) and load.resistance == 0)
-            or (isinstance(load, Impedance) and load.rational().is_zero)
-        )
-        if zero:
-            shorts.append((f"loads.{name}", load.at))
-    for where, node in shorts:
+        try:
+            source.value.breaks(scene.t_end)
+        except InputError as error:
+            yield InputError(place("sources", name, "value", error.where), error.problem, error.expected, error.got)
+
+
+def _held(scene: Scene) -> Iterator[InputError]:
+    """Nodes where an effort is prescribed, or held by a capacitor, and what cannot stand beside that."""
+    held: dict[str, str] = {}
+    ideal = [(place("sources", name), s.at) for name, s in scene.sources.items() if s.conductance == float("inf")]
+    ideal += [(place("loads", name), load.at) for name, load in scene.loads.items() if _is_ideal(load)]
+    for where, node in ideal:
         if node in held:
-            yield InputError(
-                where, f"node '{node}' is already held by {held[node]}", "one ideal effort or short at a node"
-            )
+            problem = f"node '{node}' is already held by {held[node]}"
+            yield InputError(where, problem, "one ideal effort or short at a node")
         held.setdefault(node, where)
+    capacitive: dict[str, str] = {}
     for name, load in scene.loads.items():
-        if load.at not in held:
-            continue
-        if isinstance(load, Switch) and 0 in (load.before, load.after):
-            yield InputError(
-                f"loads.{name}",
-                f"shorts node '{load.at}', which {held[load.at]} holds",
-                "a resistance above zero",
-            )
-        if (
-            isinstance(load, Series | Parallel | Impedance)
-            and load.rational().at_infinity() == 0
-            and not load.rational().is_zero
-        ):
-            problem = (
-                f"at high frequency its impedance vanishes; {held[load.at]} is ideal, so a jump drives an infinite flow"
-            )
-            yield InputError(f"loads.{name}", problem, "a source with a resistance")
+        where = place("loads", name)
+        if isinstance(load, Rational) and not load.rational().is_zero and load.rational().at_infinity() == 0:
+            capacitive.setdefault(load.at, where)
+            if load.at in held:
+                problem = f"its impedance vanishes at high frequency: a jump of {held[load.at]} drives an infinite flow"
+                yield InputError(where, problem, "a source with a resistance")
+    for name, load in scene.loads.items():
+        holder = held.get(load.at) or capacitive.get(load.at)
+        if isinstance(load, Switch) and 0 in (load.before, load.after) and holder:
+            problem = f"shorts node '{load.at}', which {holder} holds"
+            yield InputError(place("loads", name), problem, "a resistance above zero")
 
 
-def _probe(scene: Scene, where: str, probe: Any, lines_at: Mapping[str, list[str]]) -> Iterator[InputError]:
+def _is_ideal(load: Any) -> bool:
+    return (
+        isinstance(load, Short | Reservoir)
+        or (isinstance(load, Resistor) and load.resistance == 0)
+        or (isinstance(load, Rational) and load.rational().is_zero)
+    )
+
+
+def _probe(scene: Scene, where: str, probe: Probe, ends: Ends) -> Iterator[InputError]:
     if (probe.at is None) == (probe.position is None):
         yield InputError(where, "its place is not given once", "either at, or line with position")
     elif probe.at is not None:
-        here = lines_at[probe.at]
+        here = list(dict.fromkeys(ends[probe.at]))
+        either = " or ".join(map(repr, here[:6]))
         if probe.line is None and len(here) > 1:
-            yield InputError(
-                where,
-                f"{len(here)} lines meet at '{probe.at}': whose flow is meant?",
-                f"line = {' or '.join(map(repr, here[:6]))}",
-            )
+            problem = f"{len(here)} lines meet at '{probe.at}', and it is not said whose flow is meant"
+            yield InputError(where, problem, f"line = {either}")
         if probe.line is not None and probe.line not in here:
-            yield InputError(
-                f"{where}.line",
-                f"does not end at '{probe.at}'",
-                " or ".join(map(repr, here[:6])),
-                repr(probe.line),
-            )
+            yield InputError(f"{where}.line", f"does not end at '{probe.at}'", either, repr(probe.line))
     elif probe.line is None:
         yield InputError(f"{where}.line", "is missing")
     else:
         try:
             probe.fraction(scene.lines[probe.line])
         except InputError as error:
-            yield InputError(f"{where}.position", error.problem, error.expected, error.got)
+            yield InputError(f"{where}.{error.where}", error.problem, error.expected, error.got)

@@ -1,12 +1,43 @@
 """What all elements of a scene share: unknown keys are refused, numbers carry units, nothing changes afterwards."""
 
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+
+from tline.errors import InputError, SceneError
+from tline.scene.mistakes import WORDS, mistakes, register, shown
+
+
+def is_name(name: Any) -> bool:
+    """Whether this can name an element or a node."""
+    return isinstance(name, str) and bool(name.strip()) and name.isprintable()
+
+
+def _readable(name: str) -> str:
+    if not is_name(name):
+        raise InputError("", "not a name", "letters, digits and other visible characters", shown(name))
+    return name
+
+
+def _words_are_required(schema: dict[str, Any]) -> None:
+    """Kind and shape have defaults in Python, but a file must name them."""
+    required, properties = schema.setdefault("required", []), schema.get("properties", {})
+    for word in sorted(WORDS & properties.keys()):
+        properties[word].setdefault("description", f"the {word}")
+        required[:] = [word, *(key for key in required if key != word)]
+
+
+Name = Annotated[str, AfterValidator(_readable)]
 
 
 class Element(BaseModel):
-    """A table of a scene file."""
+    """A table of a scene file.
+
+    Raises
+    ------
+    SceneError
+        With every mistake of the element.
+    """
 
     model_config = ConfigDict(
         extra="forbid",
@@ -14,11 +45,26 @@ class Element(BaseModel):
         populate_by_name=True,
         revalidate_instances="always",
         validate_default=True,
+        json_schema_extra=_words_are_required,
     )
+
+    def __init__(self, /, **data: Any) -> None:
+        try:
+            self.__pydantic_validator__.validate_python(data, self_instance=self)
+        except ValidationError as error:
+            raise SceneError(mistakes(error, type(self), within=type(self).__name__)) from None
+
+    # elements inside a scene are built without the wrapper above, so that their mistakes are told together
+    __init__.__pydantic_base_init__ = True  # pyright: ignore[reportFunctionMemberAccess]
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        super().__pydantic_init_subclass__(**kwargs)
+        register(cls)
 
     def model_post_init(self, context: Any) -> None:
         """Count the word that tells kinds apart as given, so that it is always written to a file."""
-        self.model_fields_set.update(type(self).model_fields.keys() & {"kind", "shape"})
+        self.model_fields_set.update(type(self).model_fields.keys() & WORDS)
 
     def table(self) -> dict[str, Any]:
         """The element as it stands in a scene file: what was given, as it was typed."""
@@ -28,4 +74,4 @@ class Element(BaseModel):
 class AtNode(Element):
     """An element between a node and the reference (earth, or zero pressure)."""
 
-    at: str
+    at: Name = Field(description="node")

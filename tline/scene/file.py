@@ -6,12 +6,16 @@ from typing import Any
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-
-LARGEST = 200_000_000  # bytes
+from tline.scene.text_file import read_text
 
 
 def read_scene(path: str | Path) -> Scene:
     """Read a scene from a TOML file.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file, in UTF-8; the CSV tables it names are looked for beside it.
 
     Raises
     ------
@@ -19,24 +23,19 @@ def read_scene(path: str | Path) -> Scene:
         The file cannot be read or is not TOML; SceneError with all mistakes of the scene.
     """
     path = Path(path)
+    text = read_text(path)
     try:
-        if path.stat().st_size > LARGEST:
-            raise InputError(str(path), "too large for a scene", f"at most {LARGEST} bytes")
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(str(path), "cannot be read", got=error.strerror or "an unreadable file") from None
-    except UnicodeDecodeError:
-        raise InputError(str(path), "is not a text file", "a scene in TOML") from None
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        data = tomllib.loads(text)
+    except RecursionError:
+        raise InputError(str(path), "is nested too deeply", "a scene in TOML") from None
+    except ValueError as error:  # beside TOMLDecodeError: an integer of too many digits
         raise InputError(str(path), f"is not valid TOML: {error}") from None
     return scene_from(data, str(path.parent))
 
 
 def scene_from(data: dict[str, Any], folder: str = ".") -> Scene:
-    """A scene from tables, as a TOML file holds them."""
-    if "folder" in data:
-        raise InputError("folder", "unknown key")
-    return Scene(**data, folder=folder)
+    """A scene from tables, as a TOML file holds them; `folder` is where CSV tables are looked for."""
+    return Scene(folder, **data)
 
 
 def scene_text(scene: Scene) -> str:

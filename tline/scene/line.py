@@ -1,22 +1,32 @@
 """Lines of a scene: two nodes and any sufficient set of the line's quantities."""
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import Field, PrivateAttr, create_model, model_validator
+from pydantic import BeforeValidator, Field, PrivateAttr, create_model, model_validator
 
 from tline.errors import InputError
 from tline.line import ElectricalLine, HydraulicLine
 from tline.line.electrical import QUANTITIES as ELECTRICAL
 from tline.line.hydraulic import QUANTITIES as HYDRAULIC
-from tline.line.relations import Quantity
-from tline.scene.element import Element
+from tline.line.parameters import Quantity as LineQuantity
+from tline.scene.element import Element, Name
+from tline.scene.mistakes import shown
+from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
+
+MATERIALS = {"fluid": "name of a fluid", "wall": "name of a wall material"}
+
+
+def _two(nodes: Any) -> Any:
+    if not isinstance(nodes, list | tuple) or len(nodes) != 2:
+        raise InputError("", "not two nodes", 'two names such as ["a", "b"]', shown(nodes))
+    return nodes
 
 
 class SceneLine(Element):
     """A line from its end 1 (the first node) to its end 2 (the second)."""
 
-    nodes: tuple[str, str]
+    nodes: Annotated[tuple[Name, Name], BeforeValidator(_two)] = Field(description="node at end 1, node at end 2")
     _parameters: HydraulicLine | ElectricalLine = PrivateAttr()
 
     @property
@@ -29,30 +39,52 @@ class SceneLine(Element):
         self._parameters = kind(**given)
         if self._parameters.delay is None:
             raise InputError("", "its delay does not follow", "length (with wave_speed), or delay")
+        for name in ("z0", "delay"):
+            value = getattr(self._parameters, name)
+            if not SMALLEST <= value <= LARGEST:
+                raise InputError("", f"its {name} is out of range", f"{SMALLEST:g} to {LARGEST:g}", f"{value:g}")
         return self
 
 
 class _Pipe(SceneLine):
+    """A pipe: any sufficient set of quantities."""
+
     @model_validator(mode="after")
     def _determine(self):
         return self._settle(HydraulicLine)
 
 
 class _Cable(SceneLine):
+    """A cable: any sufficient set of quantities."""
+
     @model_validator(mode="after")
     def _determine(self):
         return self._settle(ElectricalLine)
 
 
-def _model(name: str, base: type[SceneLine], quantities: Iterable[Quantity], words: Iterable[str]) -> type[SceneLine]:
+def _optional(role: Role) -> Any:
+    quantity: Any = Annotated[Quantity, role]
+    return quantity | None
+
+
+def _model(name: str, base: type[SceneLine], quantities: Iterable[LineQuantity], **others: Any) -> type[SceneLine]:
     """A table with a key for each quantity a line can be built from, and for what names a material."""
     fields: dict[str, Any] = {
-        q.name: (float | str | None, Field(default=None, description=q.help, json_schema_extra={"unit": q.unit}))
-        for q in quantities
+        q.name: (_optional(Role(q.name, q.unit, above=0)), Field(default=None, description=q.help)) for q in quantities
     }
-    fields |= {word: (float | str | None, Field(default=None)) for word in words}
-    return create_model(name, __base__=base, **fields)  # pyright: ignore[reportCallIssue, reportArgumentType]
+    return create_model(  # pyright: ignore[reportCallIssue]
+        name, __base__=base, __doc__=base.__doc__, __module__=__name__, **fields, **others
+    )
 
 
-Pipe = _model("Pipe", _Pipe, HYDRAULIC, ("fluid", "temperature", "wall"))
-Cable = _model("Cable", _Cable, ELECTRICAL, ())
+Pipe = _model(
+    "Pipe",
+    _Pipe,
+    HYDRAULIC,
+    **{word: (str | None, Field(default=None, description=text)) for word, text in MATERIALS.items()},
+    temperature=(
+        _optional(Role("temperature", "K", above=0)),
+        Field(default=None, description="temperature of the fluid"),
+    ),
+)
+Cable = _model("Cable", _Cable, ELECTRICAL)

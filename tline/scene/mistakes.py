@@ -1,67 +1,129 @@
 """What the validator found wrong, as sentences that name the element and the nearest valid word."""
 
+import json
+import re
+import reprlib
 from collections.abc import Mapping
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
 from tline.errors import InputError
 
+WORDS = {"kind", "shape"}  # keys that tell apart what may stand in one place
+MODELS: dict[str, type[BaseModel]] = {}  # value of such a key -> the model it chooses
+WORD_AT = {"loads": 2, "sources": 3, "value": 1}  # where in the validator's locations that value stands
+MOST = 100  # sentences; who makes more mistakes than that reads no further
+SEARCHED, LISTED = 2000, 16  # known words that are searched for a near one, and that are listed
+BARE = re.compile(r"[\w-]+")  # a key that needs no quotes
+_WRONG_TYPES = {
+    "string_type": ("not a text", "text in quotes"),
+    "list_type": ("not a list", ""),
+    **dict.fromkeys(("dict_type", "model_type", "model_attributes_type"), ("not a table", "keys with values")),
+}
+_short = reprlib.Repr()
+_short.maxstring = _short.maxother = _short.maxlong = 60
+_short.maxlevel = 2
 
-def mistakes(error: ValidationError, models: Mapping[str, type[BaseModel]]) -> list[InputError]:
-    """One InputError per finding.
+
+def register(model: type[BaseModel]) -> None:
+    """Remember the words that choose this model."""
+    for word in model.model_fields.keys() & WORDS:
+        MODELS.update(dict.fromkeys(get_args(model.model_fields[word].annotation), model))
+
+
+def mistakes(
+    error: ValidationError, root: type[BaseModel], sections: Mapping[str, type[BaseModel]] | None = None, within=""
+) -> list[InputError]:
+    """One InputError per finding, at most MOST and one that counts the rest.
 
     Parameters
     ----------
     error : ValidationError
         All findings of one validation.
-    models : mapping
-        The model behind each section and behind each word that tells kinds apart; "" is the scene itself. Such words
-        stand in the validator's locations and are left out of the sentence.
+    root : type
+        The model that was validated.
+    sections : mapping, optional
+        The model of the tables in each section of it.
+    within : str
+        What stands in front of each location.
     """
-    return [_sentence(finding, models) for finding in error.errors()]
+    findings = error.errors(include_url=False)
+    sentences = [_sentence(finding, root, sections or {}, (within,) if within else ()) for finding in findings[:MOST]]
+    meant = {f"{m.where.rpartition('.')[0]}.{m.expected.strip(chr(39))}" for m in sentences if m.problem == UNKNOWN}
+    kept = [m for m in sentences if not (m.problem == MISSING and (m.where in meant or f".{m.where}" in meant))]
+    return [*kept, *more(len(findings) - MOST)]
 
 
-def _sentence(finding: Any, models: Mapping[str, type[BaseModel]]) -> InputError:
-    location = [str(part) for part in finding["loc"]]
-    tags = [k for k, part in enumerate(location) if part in models and k >= 2]
-    where = ".".join(part for k, part in enumerate(location) if k not in tags)
-    got, context = repr(finding["input"]), finding.get("ctx", {})
+def more(count: int) -> list[InputError]:
+    """The sentence that stands for further mistakes."""
+    return [InputError("", f"and {count:,} more mistakes")] if count > 0 else []
+
+
+UNKNOWN, MISSING = "unknown key", "is missing"
+
+
+def _sentence(
+    finding: Any, root: type[BaseModel], sections: Mapping[str, type[BaseModel]], within: tuple[str, ...]
+) -> InputError:
+    location, got, context = finding["loc"], shown(finding["input"]), finding.get("ctx", {})
+    word_at = WORD_AT.get(str(location[0])) if location else None
+    word = location[word_at] if word_at is not None and len(location) > word_at else None
+    chosen = MODELS.get(word) if isinstance(word, str) else None
+    parts = [part for k, part in enumerate(location) if not (chosen and k == word_at) and part != "[key]"]
+    where = place(*within, *parts)
     match finding["type"]:
         case "missing":
-            return InputError(where, "is missing")
+            return InputError(where, MISSING)
         case "extra_forbidden":
-            owner = location[tags[-1]] if tags else location[0] if len(location) > 1 else ""
-            return InputError(where, "unknown key", nearest(location[-1], keys(models[owner])))
+            model = chosen or (sections.get(str(location[0]), root) if len(location) > 1 else root)
+            return InputError(where, UNKNOWN, nearest(str(location[-1]), keys(model)))
         case "union_tag_not_found":
-            return InputError(f"{where}.{context['discriminator'].strip(chr(39))}", "is missing")
+            return InputError(place(*within, *parts, context["discriminator"].strip("'")), MISSING)
         case "union_tag_invalid":
-            word, known = context["tag"], [tag.strip("' ") for tag in context["expected_tags"].split(",")]
-            return InputError(
-                f"{where}.{context['discriminator'].strip(chr(39))}",
-                "unknown",
-                nearest(word, known),
-                f"'{word}'",
-            )
+            key, known = context["discriminator"].strip("'"), context["expected_tags"].strip("'").split("', '")
+            word = finding["input"][key] if isinstance(finding["input"], Mapping) else context["tag"]
+            return InputError(place(*within, *parts, key), "unknown", nearest(str(word), known), shown(word))
         case "literal_error":
             return InputError(where, "unknown", context["expected"], got)
+        case "too_short":
+            return InputError(where, "too few", f"at least {context['min_length']}", f"{context['actual_length']}")
         case "value_error" if isinstance(context.get("error"), InputError):
             inner = context["error"]
-            return InputError(
-                ".".join(part for part in (where, inner.where) if part),
-                inner.problem,
-                inner.expected,
-                inner.got,
-            )
-        case "value_error":
-            return InputError(where, str(context["error"]))
+            inside = ".".join(part for part in (where, inner.where) if part)
+            return InputError(inside, inner.problem, inner.expected, inner.got)
+        case kind if kind in _WRONG_TYPES:
+            problem, expected = _WRONG_TYPES[kind]
+            return InputError(where, problem, expected, got)
         case _:
-            return InputError(
-                where,
-                finding["msg"][0].lower() + finding["msg"][1:],
-                got=got if len(got) < 60 else got[:50] + "…",
-            )
+            return InputError(where, finding["msg"][0].lower() + finding["msg"][1:], got=got)
+
+
+def place(*parts: str | int) -> str:
+    """The dotted place of a key, as TOML writes it; numbers count in lists.
+
+    Examples
+    --------
+    >>> place("lines", "a.b", "nodes", 0)
+    'lines."a.b".nodes[0]'
+    """
+    text = ""
+    for part in parts:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            text += "." * bool(text) + (part if BARE.fullmatch(part) else json.dumps(part, ensure_ascii=False))
+    return text
+
+
+def shown(value: object) -> str:
+    """A value as a message quotes it: short, however large or deep it is."""
+    try:
+        text = _short.repr(value)
+    except ValueError:  # an integer of too many digits
+        text = f"a very large {type(value).__name__}"
+    return text if len(text) <= 60 else text[:50] + "…"
 
 
 def keys(model: type[BaseModel]) -> list[str]:
@@ -70,6 +132,11 @@ def keys(model: type[BaseModel]) -> list[str]:
 
 
 def nearest(word: str, known: list[str]) -> str:
-    """The known word a user probably meant; all of them if none is near."""
-    close = get_close_matches(word, known, n=1)
-    return f"'{close[0]}'" if close else "one of " + ", ".join(f"'{name}'" for name in known)
+    """The known word a user probably meant; all of them, or some, if none is near."""
+    if len(known) <= SEARCHED:
+        lower = {name.lower(): name for name in known}
+        close = get_close_matches(word.lower(), lower, n=1)
+        if close:
+            return f"'{lower[close[0]]}'"
+    listed = ", ".join(f"'{name}'" for name in known[:LISTED])
+    return "one of " * (len(known) > 1) + listed + f" and {len(known) - LISTED} more" * (len(known) > LISTED)

@@ -7,8 +7,11 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
 from tline.errors import InputError
-from tline.scene.medium import MEDIA
+from tline.scene.mistakes import shown
 from tline.units import to_si
+
+# sizes beyond these, in SI, are no physics, and products of a few of them would leave the range of floats
+SMALLEST, LARGEST = 1e-100, 1e100
 
 
 class Quantity(float):
@@ -25,21 +28,29 @@ class Quantity(float):
 
     def __new__(cls, typed: float | str, unit: str | None, where: str = "", *, allow_infinite: bool = False):
         """Parse what was typed; unit None takes any."""
-        value = super().__new__(cls, to_si(typed, unit, where, allow_infinite=allow_infinite))
-        value.typed = typed
-        return value
+        return _restored(to_si(typed, unit, where, allow_infinite=allow_infinite), typed)
+
+    def __reduce__(self):
+        return _restored, (float(self), self.typed)
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.float_schema()
 
 
+def _restored(value: float, typed: float | str) -> Quantity:
+    quantity = float.__new__(Quantity, value)
+    plain = str if isinstance(typed, str) else int if isinstance(typed, int) else float  # a file knows no others
+    quantity.typed = plain(typed)
+    return quantity
+
+
 @dataclass(frozen=True)
 class Role:
-    """What a number in a scene stands for: its unit, given or by medium, and its range.
+    """What a number in a scene stands for: its unit, given or by context, and its range.
 
-    The medium is taken from the validation context; without one (an element that is in no scene yet) a role whose unit
-    depends on the medium takes any unit, and the scene looks again.
+    A unit of None is looked up by the role's name among the ``units`` of the validation context; where there is none
+    (an element that is in no scene yet) any unit is taken, and the scene looks again.
     """
 
     name: str
@@ -50,15 +61,26 @@ class Role:
 
     def read(self, typed: Any, info: ValidationInfo) -> Quantity:
         """Parse and check one value."""
-        medium = MEDIA.get((info.context or {}).get("medium", ""))
-        unit = self.unit if self.unit is not None else medium.units.get(self.name) if medium else None
+        return self.parse(typed, self.unit if self.unit is not None else _units(info).get(self.name))
+
+    def parse(self, typed: Any, unit: str | None) -> Quantity:
+        """Parse and check one value that has this unit."""
         typed = typed.typed if isinstance(typed, Quantity) else typed
-        value = Quantity(typed, unit, allow_infinite=self.allow_infinite)
+        try:
+            value = Quantity(typed, unit, allow_infinite=self.allow_infinite)
+        except RecursionError:  # a table in tables in tables
+            raise InputError("", "not a number", got=shown(typed)) from None
         if self.above is not None and not value > self.above:
-            raise InputError("", f"{self.name} out of range", f"more than {self.above:g}", repr(typed))
-        if self.at_least is not None and not value >= self.at_least:
-            raise InputError("", f"{self.name} out of range", f"at least {self.at_least:g}", repr(typed))
-        return value
+            expected = f"more than {self.above:g}"
+        elif self.at_least is not None and not value >= self.at_least:
+            expected = f"at least {self.at_least:g}"
+        elif abs(value) > LARGEST and "inf" not in str(typed).lower():
+            expected = f"at most {LARGEST:g}"
+        elif 0 < value < SMALLEST and (self.above, self.at_least) != (None, None):
+            expected = f"at least {SMALLEST:g}"
+        else:
+            return value
+        raise InputError("", f"{self.name} out of range", expected, shown(typed))
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         typed = core_schema.plain_serializer_function_ser_schema(lambda value: value.typed)
@@ -71,15 +93,45 @@ class Role:
         return {"title": self.name, "unit": unit, "anyOf": [number, {"type": "string"}]}
 
 
+def _units(info: ValidationInfo) -> dict[str, str]:
+    return (info.context or {}).get("units", {})
+
+
+@dataclass(frozen=True)
+class Whole:
+    """What makes an int of a scene a whole number within limits; a text of digits will do, a truth value will not."""
+
+    least: int
+    most: int | None = None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_before_validator_function(
+            _no_truth_value, core_schema.int_schema(ge=self.least, le=self.most)
+        )
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        limits = {"minimum": self.least} | ({} if self.most is None else {"maximum": self.most})
+        return {"anyOf": [{"type": "integer"} | limits, {"type": "string"}]}
+
+
+def _no_truth_value(number: Any) -> Any:
+    if isinstance(number, bool):
+        raise InputError("", "not a whole number", got=shown(number))
+    return number
+
+
 Time = Annotated[Quantity, Role("time", "s")]
 Duration = Annotated[Quantity, Role("duration", "s", above=0)]
+Delay = Annotated[Quantity, Role("duration", "s", at_least=0)]
 Frequency = Annotated[Quantity, Role("frequency", "Hz", above=0)]
 Angle = Annotated[Quantity, Role("angle", "rad")]
 Position = Annotated[Quantity, Role("position", at_least=0)]  # a length, or a share of the line
-Effort = Annotated[Quantity, Role("effort")]
+Pressure = Annotated[Quantity, Role("pressure", "Pa")]
 Resistance = Annotated[Quantity, Role("resistance", at_least=0, allow_infinite=True)]
 PositiveResistance = Annotated[Quantity, Role("resistance", above=0)]
 Inductance = Annotated[Quantity, Role("inductance", above=0)]
 Capacitance = Annotated[Quantity, Role("capacitance", above=0)]
-Level = Annotated[Quantity, Role("level")]  # of a waveform; its source knows whether it is an effort or a flow
+Parameter = Annotated[Quantity, Role("parameter")]  # of an expression, which forgets its unit
+LEVEL = Role("level")  # of a waveform; its source says whether it is an effort or a flow
+Level = Annotated[Quantity, LEVEL]
 ZERO = Quantity(0, None)

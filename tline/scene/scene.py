@@ -1,61 +1,41 @@
 """A scene: lines, sources, loads and probes, an end time, and how finely to compute."""
 
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator, SerializeAsAny, ValidationError, ValidationInfo
 
 from tline.errors import InputError, SceneError
 from tline.scene.check import conflicts, misplaced
-from tline.scene.element import Element
+from tline.scene.element import Element, Name
 from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.load import Load
 from tline.scene.medium import MEDIA
-from tline.scene.mistakes import mistakes
-from tline.scene.quantity import Duration, Position
+from tline.scene.mistakes import MOST, mistakes, more
+from tline.scene.probe import Probe
+from tline.scene.quantity import Duration, Whole
 from tline.scene.source import Source
-from tline.scene.waveform import Waveform
-from tline.units import to_si
 
-
-class Probe(Element):
-    """Where effort, flow and waves are recorded: at a node, or at a position along a line.
-
-    Where several lines meet, `line` says whose flow and waves are meant. A position is a distance from the
-    line's end 1, or a share of its delay such as "25 %".
-    """
-
-    at: str | None = None
-    line: str | None = None
-    position: Position | None = None
-
-    def fraction(self, line: SceneLine) -> float:
-        """Place on the line as a share of its delay, from 0 at end 1 to 1 at end 2."""
-        if self.position is None:
-            return float(line.nodes[1] == self.at and line.nodes[0] != self.at)
-        typed, length = self.position.typed, line.parameters.length
-        if isinstance(typed, str) and "%" in typed:
-            share = to_si(typed, "")
-        elif length is None:
-            raise InputError("position", "the line's length is not known", "a share such as '25 %'", repr(typed))
-        else:
-            share = to_si(typed, "m") / length
-        if not 0 <= share <= 1 + 1e-12:
-            raise InputError(
-                "position", "not on the line", f"0 to {length:g} m" if length else "0 to 100 %", repr(typed)
-            )
-        return min(share, 1.0)
+SHORT = 1e-30  # s, an end time in place of a bad one, so short that no waveform has too many breaks
 
 
 class Solver(Element):
     """Order and slab width, where they are to be fixed by hand."""
 
-    order: int | None = Field(default=None, ge=1, le=16)
-    slab: Duration | None = None
+    order: Annotated[int, Whole(1, 16)] | None = Field(
+        default=None, description="order of the method, a whole number from 1 to 16"
+    )
+    slab: Duration | None = Field(default=None, description="width of a time slab, at most the shortest delay")
 
 
 def _line_of_medium(value: Any, info: ValidationInfo) -> Any:
-    kind = Pipe if (info.context or {}).get("medium") == "hydraulic" else Cable
-    return kind.model_validate(value.table() if isinstance(value, Element) else value, context=info.context)
+    medium = (info.context or {}).get("medium")
+    if medium is None:
+        return value  # a mistake of its own; no word on the lines before it is known what they are
+    kind = Pipe if medium == "hydraulic" else Cable
+    if isinstance(value, Element) and not isinstance(value, kind):
+        known = type(value).__name__
+        raise InputError("", f"not a line of {medium} scenes", f"a table or a {kind.__name__}", f"a {known}")
+    return kind.model_validate(value, context=info.context)
 
 
 Line = Annotated[SerializeAsAny[SceneLine], PlainValidator(_line_of_medium, json_schema_input_type=Pipe | Cable)]
@@ -66,6 +46,8 @@ class Scene(Element):
 
     Parameters
     ----------
+    folder : str, by position
+        Where CSV tables are looked for; without it the working folder.
     medium : str
         "hydraulic" or "electrical".
     t_end : number or text
@@ -97,43 +79,55 @@ class Scene(Element):
     5e-09
     """
 
-    title: str = ""
-    medium: Literal["hydraulic", "electrical"]
-    t_end: Duration
-    start: Literal["rest", "steady"] = "rest"
-    solver: Solver = Solver()
-    lines: dict[str, Line]
-    sources: dict[str, Source] = Field(default_factory=dict)
-    loads: dict[str, Load] = Field(default_factory=dict)
-    probes: dict[str, Probe]
+    title: str = Field(default="", description="said in plots and files")
+    medium: Literal["hydraulic", "electrical"] = Field(description="what the lines carry")
+    t_end: Duration = Field(description="end time")
+    start: Literal["rest", "steady"] = Field(
+        default="rest", description="state before t = 0: nothing, or the steady state that the sources imply"
+    )
+    solver: Solver = Field(default=Solver(), description="order and slab width, if fixed by hand")
+    lines: dict[Name, Line] = Field(description="lines by name")
+    sources: dict[Name, Source] = Field(default_factory=dict, description="sources by name")
+    loads: dict[Name, Load] = Field(default_factory=dict, description="loads by name")
+    probes: dict[Name, Probe] = Field(description="probes by name")
 
-    def __init__(self, *, folder: str = ".", **data: Any) -> None:
-        """Validate everything and collect all mistakes; `folder` is where CSV tables are looked for."""
-        context = {"medium": data.get("medium") if data.get("medium") in MEDIA else "", "folder": folder}
-        found = []
+    def __init__(self, folder: str = ".", /, **data: Any) -> None:
+        """Validate everything and collect all mistakes."""
+        medium = data.get("medium")
+        known = MEDIA.get(medium) if isinstance(medium, str) else None
+        context = {"folder": folder} | ({"medium": medium, "units": known.units} if known else {})
+        models = {
+            "lines": Pipe if medium == "hydraulic" else Cable,
+            "sources": Source,
+            "probes": Probe,
+            "solver": Solver,
+        }
         try:
             self.__pydantic_validator__.validate_python(data, self_instance=self, context=context)
+            found, sound = [], self
         except ValidationError as error:
-            found = mistakes(error, _models(context["medium"]))
+            found, sound = mistakes(error, Scene, models), _sound_part(data, error, context)
         reported = {mistake.where for mistake in found}
         found += [mistake for mistake in misplaced(data) if mistake.where not in reported]
-        if not found:
-            found = list(conflicts(self))
+        found += conflicts(sound) if sound is not None else []
         if found:
-            raise SceneError(found)
+            raise SceneError([*found[:MOST], *more(len(found) - MOST)])
 
 
-def _models(medium: str) -> dict[str, type[Element]]:
-    """The model behind each section of a scene, and behind each kind and shape."""
-    models: dict[str, type[Element]] = {
-        "": Scene,
-        "solver": Solver,
-        "lines": Pipe if medium == "hydraulic" else Cable,
-        "sources": Source,
-        "probes": Probe,
-    }
-    for union, word in ((Load, "kind"), (Waveform, "shape")):
-        for model in get_args(get_args(union)[0]):
-            for tag in get_args(model.model_fields[word].annotation):
-                models[tag] = model
-    return models
+def _sound_part(data: dict[str, Any], error: ValidationError, context: dict[str, Any]) -> Scene | None:
+    """The scene without its bad elements, to see what the others do to each other; None if a line is bad."""
+    bad = {finding["loc"][:2] for finding in error.errors(include_url=False)}
+    keys = {str(place[0]) for place in bad}
+    if "units" not in context or keys & {"lines", "medium"}:
+        return None
+    part = {"t_end": SHORT, "probes": {}} | {key: value for key, value in data.items() if key not in keys}
+    for section in keys & {"sources", "loads", "probes"}:
+        tables = data.get(section)
+        if isinstance(tables, dict):
+            part[section] = {name: table for name, table in tables.items() if (section, name) not in bad}
+    sound = Scene.__new__(Scene)
+    try:
+        Scene.__pydantic_validator__.validate_python(part, self_instance=sound, context=context)
+    except ValidationError:
+        return None
+    return sound

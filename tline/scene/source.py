@@ -1,22 +1,35 @@
 """Sources: a prescribed effort or flow behind an internal resistance."""
 
-from collections.abc import Iterator
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, ValidationInfo, model_validator
+from pydantic import (
+    Field,
+    PlainValidator,
+    SerializeAsAny,
+    TypeAdapter,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from tline.errors import InputError
 from tline.scene.element import AtNode
 from tline.scene.medium import MEDIA
-from tline.scene.quantity import Resistance
+from tline.scene.quantity import LEVEL, Resistance
 from tline.scene.waveform import Constant, Shape, Waveform
-from tline.units import to_si
+
+UNITS = {word: m.units[role] for m in MEDIA.values() for word, role in ((m.effort, "effort"), (m.flow, "flow"))}
+_WAVEFORM = TypeAdapter(Waveform)
 
 
-def _number_is_constant(value: Any) -> Any:
-    if isinstance(value, dict | Shape):
-        return value
-    return {"shape": "constant", "level": value}
+def _waveform(value: Any, info: ValidationInfo) -> Shape:
+    """A waveform whose levels have the unit of the source's kind; a number or text is a constant."""
+    unit = UNITS.get(info.data.get("kind", ""))
+    if not isinstance(value, Mapping | Shape):
+        return Constant(level=LEVEL.parse(value, unit))
+    units = {} if unit is None else {LEVEL.name: unit}
+    return _WAVEFORM.validate_python(value, context={**(info.context or {}), "units": units})
 
 
 class Source(AtNode):
@@ -39,9 +52,15 @@ class Source(AtNode):
     50.0
     """
 
-    kind: Literal["pressure", "flow", "voltage", "current"]
-    value: Annotated[Waveform, BeforeValidator(_number_is_constant, json_schema_input_type=Waveform | float | str)]
-    resistance: Resistance | None = None
+    kind: Literal["pressure", "flow", "voltage", "current"] = Field(
+        description="what is prescribed: pressure or flow in a hydraulic scene, voltage or current in an electrical one"
+    )
+    value: Annotated[
+        SerializeAsAny[Shape], PlainValidator(_waveform, json_schema_input_type=Waveform | float | str)
+    ] = Field(description="how much, constant or over time; a flow counts into the node")
+    resistance: Resistance | None = Field(
+        default=None, description="internal resistance; without it the source is ideal"
+    )
 
     @property
     def is_effort(self) -> bool:
@@ -55,27 +74,18 @@ class Source(AtNode):
             return float("inf") if self.is_effort else 0.0
         return float("inf") if self.resistance == 0 else 1 / self.resistance
 
-    @model_validator(mode="after")
-    def _units_agree(self, info: ValidationInfo):
+    @field_validator("kind")
+    @classmethod
+    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
         medium = MEDIA.get((info.context or {}).get("medium", ""))
-        if medium is None:
-            return self
-        if self.kind not in (medium.effort, medium.flow):
-            raise InputError("kind", f"no {self.kind} in a {medium.name} scene", f"{medium.effort} or {medium.flow}")
-        unit = medium.units["effort" if self.is_effort else "flow"]
-        for name, typed in _levels(self.value):
-            to_si(typed, unit, f"value.{name}" if name else "value")
+        if medium is not None and kind not in (medium.effort, medium.flow):
+            problem = f"not a word of {medium.name} scenes"
+            raise InputError("", problem, f"'{medium.effort}' or '{medium.flow}'", f"'{kind}'")
+        return kind
+
+    @model_validator(mode="after")
+    def _drives(self):
+        if not self.is_effort and self.resistance == 0:
+            problem = f"beside the {self.kind} it takes all of it"
+            raise InputError("resistance", problem, "none for an ideal source", "0")
         return self
-
-
-def _levels(waveform: Shape) -> Iterator[tuple[str, float | str]]:
-    """The numbers of a waveform that are efforts or flows, with their keys."""
-    if isinstance(waveform, Constant):
-        yield "", waveform.level.typed
-        return
-    table = waveform.table()
-    for name in ("from", "to", "low", "high", "amplitude", "offset", "peak"):
-        if name in table:
-            yield name, table[name]
-    for k, (_, level) in enumerate(table.get("points", [])):
-        yield f"points[{k}]", level

@@ -1,7 +1,5 @@
 """Waveforms on slabs: sampled where they are smooth, L2-projected in slabs that hold a jump or a corner."""
 
-from itertools import pairwise
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,21 +16,28 @@ def on_slabs(waveform: Shape, breaks: NDArray, basis: Basis, h: float, first: in
     it is right again at the slab's end.
     """
     start = (first + np.arange(n)) * h
-    values = waveform.value(start[:, None] + h * basis.c, np.asarray(start[:, None] + h / 2))
+    values = waveform.value(start[:, None] + h * basis.c, start[:, None] + h / 2)
     place = breaks[(breaks > start[0]) & (breaks < start[-1] + h)] / h - first
-    slab = np.floor(place).astype(int)
-    inside = (place - slab > EDGE) & (place - slab < 1 - EDGE)
+    near = place - np.floor(place)
+    place = place[(near > EDGE) & (near < 1 - EDGE)]
+    if not place.size:
+        return values
+    cut = np.unique(np.floor(place))
+    edges = np.unique(np.concatenate([cut, place, cut + 1]))
+    slab = np.floor((edges[:-1] + edges[1:]) / 2)
+    of_cut = np.isin(slab, cut)  # the others lie between cut slabs
+    slab, p, width = slab[of_cut].astype(int), edges[:-1][of_cut], np.diff(edges)[of_cut]
     x, weights = gauss(basis.s + 4)
-    for k in np.unique(slab[inside]):
-        edges = np.concatenate([[0.0], place[inside & (slab == k)] - k, [1.0]])
-        values[k] = 0.0
-        for p, q in pairwise(edges):
-            t = p + (q - p) * x
-            piece = waveform.value(start[k] + h * t, np.array(start[k] + h * (p + q) / 2))
-            values[k] += basis.moments(t, (q - p) * weights) @ piece
+    t = (p - slab)[:, None] + width[:, None] * x  # in slab time, shape (pieces, nodes)
+    seen = waveform.value(start[slab][:, None] + h * t, start[slab][:, None] + h * (p - slab + width / 2)[:, None])
+    moments = basis.moments(t.ravel(), (width[:, None] * weights).ravel())
+    values[cut.astype(int)] = 0.0
+    np.add.at(values, slab, (moments * seen.ravel()).reshape(basis.s, *t.shape).sum(axis=2).T)
     return values
 
 
 def just_before(waveform: Shape) -> float:
     """Value immediately before t = 0."""
-    return float(waveform.value(np.array(0.0), np.array(-np.finfo(float).tiny)))
+    past = waveform.breaks(0.0)
+    past = past[past < 0]
+    return float(waveform.value(np.array(0.0), np.array(past[-1] / 2 if past.size else -1.0)))

@@ -1,16 +1,20 @@
 """What stands at each node of a scene, in numbers: conductances, prescribed efforts and flows, loads, switches."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from passivity import RationalFunction
 from tline.errors import InputError
-from tline.scene.load import Impedance, Matched, NoFlow, Parallel, Reservoir, Resistor, Series, Short, Switch
+from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
+from tline.scene.mistakes import place
 from tline.scene.quantity import ZERO
+from tline.scene.rational_load import MOST_STATES, Rational
 from tline.scene.scene import Scene
 from tline.scene.waveform import Constant, Shape
 from tline.solver.drive import just_before
+from tline.solver.load_step import NO_LOAD, StateSpace, reflection
 
 
 @dataclass
@@ -31,6 +35,26 @@ class Node:
         """Conductance that the waves see beside switches and dynamic loads."""
         return self.lines + self.conductance
 
+    @cached_property
+    def reflection(self) -> StateSpace:
+        """From the wave into the dynamic loads to the one out of them, seen from lines and resistances.
+
+        Raises
+        ------
+        InputError
+            No wave is defined, or the loads' coefficients are beyond the range of floats.
+        """
+        if self.load is None:
+            return NO_LOAD
+        try:
+            with np.errstate(all="ignore"):
+                system = reflection(self.load, 1 / self.total, self.load_name)
+        except OverflowError:
+            system = None
+        if system is None or not all(np.isfinite(part).all() for part in system):
+            raise InputError(self.load_name, "its coefficients are too far apart for floating-point numbers")
+        return system
+
     def switched(self, t: float) -> float:
         """Conductance of the switches just before t."""
         resistances = [s.after if s.time < t else s.before for s in self.switches]
@@ -40,35 +64,53 @@ class Node:
         """Flow of the sources immediately before t = 0."""
         return sum(factor * just_before(waveform) for waveform, factor in self.flows)
 
-    def _hold(self, effort: Shape) -> None:
-        self.held = effort
-
-    def conduct(self, resistance: float) -> None:
-        """Attach a resistance; zero holds the node at no effort."""
-        if resistance == 0:
-            self._hold(NOTHING)
-        else:
-            self.conductance += 1 / resistance
-
-    def attach(self, impedance: RationalFunction, where: str) -> None:
-        """Attach a rational load; one without dynamics is a resistance."""
-        impedance = impedance.reduced()
-        if impedance.degree == 0:
-            self.conduct(float(impedance.at_zero()))
-        else:
-            self.load = impedance if self.load is None else self.load.parallel(impedance).reduced()
-            self.load_name = where
+    def attach(self, load: Load, where: str) -> None:
+        """Attach a load that stands at `where` in the scene."""
+        match load:
+            case Resistor():
+                self._conduct(load.resistance)
+            case Short():
+                self._conduct(0.0)
+            case Reservoir():
+                self.held = Constant(level=load.pressure)
+            case Matched():
+                self.conductance += self.lines
+            case Switch():
+                self.switches.append(load)
+            case Rational():
+                self._respond(load.rational().reduced(), where)
+            case NoFlow():
+                pass
 
     def prescribe(self, waveform: Shape, conductance: float, is_effort: bool) -> None:
         """Attach a source."""
         if np.isinf(conductance):
-            self._hold(waveform if is_effort else NOTHING)
+            self.held = waveform
         else:
             self.conductance += conductance
             self.flows.append((waveform, conductance if is_effort else 1.0))
 
+    def _conduct(self, resistance: float) -> None:
+        """Attach a resistance; zero holds the node at no effort."""
+        if resistance == 0:
+            self.held = NOTHING
+        else:
+            self.conductance += 1 / resistance
+
+    def _respond(self, impedance: RationalFunction, where: str) -> None:
+        """Attach a rational impedance; one without dynamics is a resistance."""
+        if impedance.degree == 0:
+            self._conduct(float(impedance.at_zero()))
+            return
+        self.load = impedance if self.load is None else self.load.parallel(impedance).reduced()
+        self.load_name = where
+        if self.load.degree > MOST_STATES:
+            problem = "with the loads beside it, its degree in s is too high"
+            raise InputError(where, problem, f"at most {MOST_STATES}", f"{self.load.degree}")
+
 
 NOTHING = Constant(level=ZERO)
+CANCELLED = 1e-9  # share of the lines' conductance that active loads must leave
 
 
 def nodes_of(scene: Scene) -> dict[str, Node]:
@@ -82,23 +124,10 @@ def nodes_of(scene: Scene) -> dict[str, Node]:
     for source in scene.sources.values():
         nodes[source.at].prescribe(source.value, source.conductance, source.is_effort)
     for name, load in scene.loads.items():
-        node = nodes[load.at]
-        match load:
-            case Resistor():
-                node.conduct(load.resistance)
-            case Short():
-                node.conduct(0.0)
-            case Reservoir():
-                node.prescribe(Constant(level=load.pressure), np.inf, is_effort=True)
-            case Matched():
-                node.conductance += node.lines
-            case Switch():
-                node.switches.append(load)
-            case Series() | Parallel() | Impedance():
-                node.attach(load.rational(), f"loads.{name}")
-            case NoFlow():
-                pass
+        nodes[load.at].attach(load, place("loads", name))
     for name, node in nodes.items():
-        if node.total == 0:
-            raise InputError(f"node '{name}'", "its active loads cancel the lines' conductance: no wave is defined")
+        if node.held is None and abs(node.total) < CANCELLED * node.lines:
+            active = next(n for n, load in scene.loads.items() if load.at == name and isinstance(load, Rational))
+            problem = f"cancels the conductance of the lines at node '{name}': no wave is defined"
+            raise InputError(place("loads", active), problem, "another resistance")
     return nodes

@@ -7,14 +7,20 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.errors import InputError
+from tline.scene.load import Switch
+from tline.scene.mistakes import place
 from tline.scene.scene import Scene
-from tline.solver.load_step import reflection
 from tline.solver.nodes import Node
 
 ORDER = 5
 SLABS_PER_DELAY, SLABS_PER_RUN = 4, 500  # at least, where they cost little
+SLABS_FOR_FRONTS = 20_000  # at most, to see the short pieces of waveforms: what passes them is right anyway
 CHEAP = 1e9  # line-end samples computed without asking whether that fine is needed
+ROOM = 4e7  # samples on the lines or in the record that are kept without asking
 LARGEST = 4e8  # samples on the lines at once
+MOST_SLABS = 1e9
+MOST_MARKS = 100  # jumps, corners and switches that are worth a slab that divides their instants
+FINER = 20  # times, that a slab may be narrower than needed to divide all delays
 WHOLE = 1e-12  # a delay this near to whole slabs, relatively, is whole
 
 
@@ -27,67 +33,113 @@ class Resolution(NamedTuple):
 
 
 def resolution(scene: Scene, nodes: dict[str, Node]) -> Resolution:
-    """Choose order and slab width.
+    """Order and slab width of a scene, and notes on what is too fast for them.
 
     Raises
     ------
     InputError
-        A given slab is longer than the shortest delay, or the waves under way would not fit in memory.
+        The waves under way would not fit in memory, or the run has too many slabs or ends within the first.
     """
     delays = {name: line.parameters.delay or 0.0 for name, line in scene.lines.items()}
-    shortest = min(delays, key=lambda name: delays[name])
-    scales = time_scales(scene, nodes)
     s = scene.solver.order or ORDER
+    gaps, scales = _gaps(scene), _time_scales(scene, nodes)
     if scene.solver.slab is not None:
         h = float(scene.solver.slab)
-        if h > delays[shortest] * (1 + WHOLE):
-            raise InputError(
-                "solver.slab",
-                "longer than the shortest delay",
-                f"at most that of lines.{shortest}, {delays[shortest]:.6g} s",
-                f"{h:.6g} s",
-            )
     else:
-        wanted = min(delays[shortest] / SLABS_PER_DELAY, scene.t_end / SLABS_PER_RUN, *scales.values(), inf)
-        affordable = 2 * len(delays) * s * scene.t_end / CHEAP
-        h = _aligned(list(delays.values()), max(min(delays[shortest], affordable), wanted))
-    under_way = 2 * s * sum(delays.values()) / h
-    if under_way > LARGEST:
-        longest = max(delays, key=lambda name: delays[name])
-        raise InputError(
-            f"lines.{shortest}" if scene.solver.slab is None else "solver.slab",
-            f"slabs of {h:.3g} s put {under_way:.2g} samples on the lines at once, "
-            f"for lines.{longest} takes {delays[longest]:.3g} s",
-            f"at most {LARGEST:.0e}: a longer shortest line, or a lower order",
-        )
-    notes = [
+        shortest = min(delays.values())
+        fronts = [max(gap, scene.t_end / SLABS_FOR_FRONTS) for gap in gaps.values()]
+        wanted = min(shortest / SLABS_PER_DELAY, scene.t_end / SLABS_PER_RUN, *fronts, *scales.values(), inf)
+        affordable = min(_affordable(scene, list(delays.values()), s), shortest)
+        h = _aligned(list(delays.values()), _marks(scene), max(wanted, affordable), affordable)
+    _check(scene, delays, s, h)
+    late = [
+        f"{where}: it changes within {gap:.3g} s, less than the slab of {h:.3g} s; this is seen at slab ends only"
+        for where, gap in gaps.items()
+        if gap < h * (1 - 1e-9)
+    ]
+    damped = [
         f"{where}: its time scale of {scale:.3g} s is shorter than the slab of {h:.3g} s; "
         "what is faster than the slab is damped, not resolved"
         for where, scale in scales.items()
         if scale < h * (1 - 1e-9)
     ]
-    return Resolution(s, h, tuple(notes))
+    return Resolution(s, h, (*late, *damped))
 
 
-def time_scales(scene: Scene, nodes: dict[str, Node]) -> dict[str, float]:
-    """The shortest time scale of each load and waveform that has one, s."""
-    scales = {}
+def _affordable(scene: Scene, delays: list[float], s: int) -> float:
+    """The narrowest slab, s, that neither time nor memory forbids."""
+    probed = min(len(scene.probes), len(delays))
+    stepping = 2 * len(delays) * scene.t_end / CHEAP
+    kept = max(4 * probed * scene.t_end, 2 * sum(delays)) / ROOM
+    return s * max(stepping, kept)
+
+
+def _check(scene: Scene, delays: dict[str, float], s: int, h: float) -> None:
+    by_hand = scene.solver.slab is not None
+    shortest, longest = (place("lines", choose(delays, key=lambda name: delays[name])) for choose in (min, max))
+    under_way = 2 * s * sum(delays.values()) / h
+    if under_way > LARGEST:
+        problem = f"slabs of {h:.3g} s put {under_way:.2g} samples on the lines at once"
+        raise InputError(
+            "solver.slab" if by_hand else shortest,
+            f"{problem}, for {longest} takes {max(delays.values()):.3g} s",
+            f"at most {LARGEST:.0e}: a longer slab or a lower order"
+            if by_hand
+            else f"at most {LARGEST:.0e}: a longer shortest line or a lower order",
+        )
+    if h > scene.t_end * (1 + WHOLE):
+        at_least = f"at least a slab of {h:.3g} s"
+        raise InputError("t_end", "the run ends within the first slab", at_least, f"{scene.t_end:.3g} s")
+    if scene.t_end / h > MOST_SLABS:
+        problem = f"slabs of {h:.3g} s make a run of {scene.t_end / h:.2g} slabs"
+        expected = f"at most {MOST_SLABS:.0e}; no slab is longer than the delay of {shortest}"
+        raise InputError("t_end", problem, expected, f"{scene.t_end:.3g} s")
+
+
+def _gaps(scene: Scene) -> dict[str, float]:
+    """The shortest piece between two breaks of each waveform that has one, s; below rounding it is a jump."""
+    gaps = {}
     for name, source in scene.sources.items():
-        gaps = np.diff(source.value.breaks(scene.t_end))
-        scales[f"sources.{name}"] = min(source.value.fastest(), gaps.min() if gaps.size else inf)
+        pieces = np.diff(source.value.breaks(scene.t_end))
+        pieces = pieces[pieces > WHOLE * scene.t_end]
+        if pieces.size:
+            gaps[place("sources", name)] = float(pieces.min())
+    return gaps
+
+
+def _time_scales(scene: Scene, nodes: dict[str, Node]) -> dict[str, float]:
+    """The shortest time scale of each curved waveform and each dynamic load, s."""
+    scales = {place("sources", name): source.value.fastest() for name, source in scene.sources.items()}
     for node in nodes.values():
         if node.load is not None and node.held is None:
-            poles = np.linalg.eigvals(reflection(node.load, 1 / node.total, node.load_name).A)
-            scales[node.load_name] = 1 / np.abs(poles).max()
+            largest = np.abs(np.linalg.eigvals(node.reflection.A)).max()
+            scales[node.load_name] = 1 / largest if largest else inf
     return {where: float(scale) for where, scale in scales.items() if isfinite(scale)}
 
 
-def _aligned(delays: list[float], wanted: float) -> float:
-    """A slab near the wanted width that divides every delay, if there is one; else one that divides the shortest."""
+def _marks(scene: Scene) -> list[float]:
+    """Instants of the jumps, corners and switches, if there are few, s."""
+    instants = [float(load.time) for load in scene.loads.values() if isinstance(load, Switch)]
+    for source in scene.sources.values():
+        instants += source.value.breaks(scene.t_end).tolist()
+    instants = [t for t in instants if 0 < t < scene.t_end]
+    return instants if len(instants) <= MOST_MARKS else []
+
+
+def _aligned(delays: list[float], marks: list[float], wanted: float, affordable: float) -> float:
+    """A slab no wider than wanted that divides all delays and marks, or else the delays, or else the shortest."""
     shortest = min(delays)
-    ratios = [Fraction(delay / shortest).limit_denominator(200) for delay in delays]
-    parts = lcm(*(ratio.denominator for ratio in ratios))
-    whole = all(abs(delay / shortest - ratio) <= WHOLE * ratio for delay, ratio in zip(delays, ratios, strict=True))
-    if whole and shortest / parts > wanted / 20:
-        return shortest / (parts * ceil(shortest / parts / wanted - WHOLE))
-    return shortest / ceil(shortest / wanted - WHOLE)
+    most = int(shortest / max(wanted / FINER, affordable)) or 1
+    parts = _common([*delays, *marks], shortest, most) or _common(delays, shortest, most) or 1
+    return shortest / (parts * ceil(shortest / parts / wanted - WHOLE))
+
+
+def _common(times: list[float], unit: float, most: int) -> int:
+    """The fewest parts of the unit that divide all times, 0 if it takes more than `most`."""
+    parts = 1
+    for time in set(times):
+        ratio = Fraction(time / unit).limit_denominator(most)
+        parts = lcm(parts, ratio.denominator)
+        if parts > most or abs(time / unit - ratio) > WHOLE * ratio:
+            return 0
+    return parts

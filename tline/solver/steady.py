@@ -10,9 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.medium import MEDIA
+from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.solver.drive import just_before
 from tline.solver.nodes import Node
+
+SAME = 1e-9  # efforts that differ by less than this, relatively, are equal
+SMALL = 300  # nodes
+ROUNDING = 1e-12  # of the flows that meet
 
 
 def steady_state(scene: Scene, nodes: dict[str, Node]) -> tuple[NDArray, NDArray]:
@@ -23,81 +29,109 @@ def steady_state(scene: Scene, nodes: dict[str, Node]) -> tuple[NDArray, NDArray
     InputError
         If there is none: different ideal efforts on connected lines, or a flow that nothing takes.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-    from scipy.sparse.linalg import spsolve
-
     number = {name: k for k, name in enumerate(nodes)}
     first, second = np.array([[number[node] for node in line.nodes] for line in scene.lines.values()]).T
-    inertance = np.array([line.parameters.z0 * (line.parameters.delay or 0.0) for line in scene.lines.values()])
     n = len(nodes)
-    _, part = connected_components(coo_array((np.ones(len(first)), (first, second)), shape=(n, n)), directed=False)
-    effort, flow_in, tie = _node_balances(nodes, part)
-    stiffness = 1 / inertance
-    rows, columns = (
-        np.concatenate([first, second, first, second]),
-        np.concatenate([first, second, second, first]),
-    )
-    entries = np.concatenate([stiffness, stiffness, -stiffness, -stiffness])
-    laplacian = coo_array((entries, (rows, columns)), shape=(n, n)).tocsr()
-    free = tie < np.inf
-    laplacian = laplacian + coo_array((np.where(free, tie, 0.0), (np.arange(n), np.arange(n))), shape=(n, n)).tocsr()
-    potential = np.zeros(n)
-    if free.any():
-        potential[free] = np.ravel(np.asarray(spsolve(laplacian[free][:, free].tocsc(), flow_in[free])))
+    part = _parts(first, second, n)
+    given, conductance, driven, tie = _balances(nodes)
+    effort = _efforts(scene, number, part, given, conductance, driven)[part]
+    unheld = np.isnan(_least(given, part))
+    tie[np.unique(part, return_index=True)[1][unheld]] = np.inf  # the potential's zero, anywhere
+    stiffness = np.array([1 / (line.parameters.z0 * (line.parameters.delay or 0.0)) for line in scene.lines.values()])
+    potential = _potential(first, second, stiffness, driven - conductance * effort, tie)
     return effort[first], stiffness * (potential[first] - potential[second])
 
 
-def _node_balances(nodes: dict[str, Node], part: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-    """Effort, flow into the lines, and tie to the reference (infinite: ideal) of each node."""
+def _parts(first: NDArray, second: NDArray, n: int) -> NDArray:
+    """Of each node the number of the connected part it lies in: the least node's label spreads along the lines."""
+    label, before = np.arange(n), np.full(n, -1)
+    while (label != before).any():
+        before = label.copy()
+        least = np.minimum(label[first], label[second])
+        np.minimum.at(label, first, least)
+        np.minimum.at(label, second, least)
+        label = label[label]
+    return np.unique(label, return_inverse=True)[1]
+
+
+def _balances(nodes: dict[str, Node]) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    """Of each node: effort if given, else nan; conductance; driven flow; tie to the reference (infinite: ideal)."""
     n = len(nodes)
     given, conductance, driven, tie = np.full(n, np.nan), np.zeros(n), np.zeros(n), np.zeros(n)
     for k, node in enumerate(nodes.values()):
-        driven[k], conductance[k] = node.flow_before(), node.conductance
         switched = node.switched(0.0)
+        resistance = np.inf if node.load is None else float(node.load.at_zero())
         if node.held is not None:
             given[k], tie[k] = just_before(node.held), np.inf
-            continue
-        if switched == np.inf:
+        elif switched == np.inf:
             given[k], tie[k] = 0.0, np.inf
-            continue
-        conductance[k] += switched
-        if node.load is not None:
-            resistance = float(node.load.at_zero())
-            if resistance == 0:  # an inductor: at rest a short, with its inertia beside those of the lines
-                given[k], tie[k] = 0.0, 1 / float(node.load.numerator[-2] / node.load.denominator[-1])
+        else:
+            driven[k], conductance[k] = node.flow_before(), node.conductance + switched
+            if node.load is not None and resistance == 0:  # an inductor: a short, its inertia beside those of the lines
+                inertia = float(node.load.numerator[-2] / node.load.denominator[-1])
+                given[k], tie[k] = 0.0, 1 / inertia if inertia else np.inf
             else:
                 conductance[k] += 1 / resistance
-    names, effort = list(nodes), np.zeros(n)
-    for one in np.unique(part):
-        members = part == one
-        held = members & ~np.isnan(given)
-        level = _common_effort(names, members, held, given, conductance, driven)
-        effort[members] = level
-        if not held.any():
-            tie[np.argmax(members)] = np.inf  # the potential's zero, anywhere
-    return effort, driven - conductance * effort, tie
+    return given, conductance, driven, tie
 
 
-def _common_effort(
-    names: list[str], members: NDArray, held: NDArray, given: NDArray, conductance: NDArray, driven: NDArray
-) -> float:
-    """The effort of one connected part."""
-    if held.any():
-        low, high = given[held].min(), given[held].max()
-        if high - low > 1e-9 * max(abs(low), abs(high)):
-            lowest, highest = (names[np.argmax(held & (given == level))] for level in (low, high))
-            raise InputError(
-                f"nodes '{lowest}' and '{highest}'",
-                "no steady state: lossless lines join different ideal efforts",
-                got=f"{low:g} and {high:g}",
-            )
-        return float(given[held][0])
-    total, flow = conductance[members].sum(), driven[members].sum()
-    if total == 0 and abs(flow) > 1e-12 * np.abs(driven[members]).sum():
+def _least(values: NDArray, part: NDArray) -> NDArray:
+    """Least value in each part, nan where all are nan."""
+    least = np.full(part.max() + 1, np.nan)
+    np.fmin.at(least, part, values)
+    return least
+
+
+def _efforts(
+    scene: Scene, number: dict[str, int], part: NDArray, given: NDArray, conductance: NDArray, driven: NDArray
+) -> NDArray:
+    """The effort of each connected part."""
+    units, names = MEDIA[scene.medium].units, list(number)
+    low, high = _least(given, part), -_least(-given, part)
+    torn = np.flatnonzero(high - low > SAME * np.fmax(np.abs(low), np.abs(high)))
+    if torn.size:
+        k = torn[0]
+        lowest, highest = (names[np.flatnonzero((part == k) & (given == level))[0]] for level in (low[k], high[k]))
         raise InputError(
-            f"node '{names[np.argmax(members & (driven != 0))]}'",
-            "no steady state: nothing takes the flow",
-            got=f"{flow:g}",
+            f"nodes '{lowest}' and '{highest}'",
+            "no steady state: lossless lines join different ideal efforts",
+            got=f"{low[k]:g} and {high[k]:g} {units['effort']}",
         )
-    return float(flow / total) if total else 0.0
+    total, flow, size = (np.bincount(part, weights) for weights in (conductance, driven, np.abs(driven)))
+    stuck = np.flatnonzero(np.isnan(low) & (total == 0) & (np.abs(flow) > ROUNDING * size))
+    if stuck.size:
+        k = stuck[0]
+        source = next(s for s, source in scene.sources.items() if part[number[source.at]] == k)
+        problem, got = "no steady state: nothing takes the flow", f"{flow[k]:g} {units['flow']}"
+        raise InputError(place("sources", source), problem, "a load that does", got)
+    level = np.divide(flow, total, out=np.zeros_like(flow), where=total != 0)
+    return np.where(np.isnan(low), level, low)
+
+
+def _potential(first: NDArray, second: NDArray, stiffness: NDArray, flow_in: NDArray, tie: NDArray) -> NDArray:
+    """Potential of each node, zero where the tie is infinite: the flows that it drives balance what flows in."""
+    n, free = len(tie), np.flatnonzero(tie < np.inf)
+    potential = np.zeros(n)
+    diagonal = np.where(tie < np.inf, tie, 0.0)
+    np.add.at(diagonal, np.concatenate([first, second]), np.tile(stiffness, 2))
+    every = np.arange(n)
+    places = np.concatenate([first, second, every]), np.concatenate([second, first, every])
+    entries = np.concatenate([-stiffness, -stiffness, diagonal])
+    try:
+        potential[free] = _solved(entries, places, free, n, flow_in[free]) if free.size else 0.0
+    except (RuntimeError, np.linalg.LinAlgError):
+        raise InputError("start", "no steady state: active loads cancel the inertia of lines", "'rest'") from None
+    return potential
+
+
+def _solved(entries: NDArray, places: tuple[NDArray, NDArray], free: NDArray, n: int, flow_in: NDArray) -> NDArray:
+    """Solution of the balances at the free nodes; small ones are spared the import of the sparse solver."""
+    if n <= SMALL:
+        matrix = np.zeros((n, n))
+        np.add.at(matrix, places, entries)
+        return np.linalg.solve(matrix[np.ix_(free, free)], flow_in)
+    from scipy.sparse import coo_array
+    from scipy.sparse.linalg import splu
+
+    matrix = coo_array((entries, places), shape=(n, n)).tocsc()[free][:, free]
+    return splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(flow_in)

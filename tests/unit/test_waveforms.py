@@ -1,0 +1,268 @@
+"""Waveforms against their formulas by hand, on both sides of every break; and their projection on slabs."""
+
+from fractions import Fraction
+from itertools import pairwise
+from math import exp, expm1, log, pi, sin
+
+import numpy as np
+import pytest
+
+from tline.errors import InputError
+from tline.scene.points import PiecewiseLinear, Ramp, Table, read_table
+from tline.scene.pulses import MOST_PULSES, Pulses
+from tline.scene.shape import Constant, Shape, Step
+from tline.scene.smooth import DoubleExponential, Exponential, Sine
+from tline.solver.drive import EDGE, just_before, on_slabs
+from tline.solver.radau import basis, gauss
+
+ROUNDING = 1e-14  # of a level of size 1; a handful of operations
+
+
+def at(waveform: Shape, t: float, inside: float) -> float:
+    return float(waveform.value(np.array(t), np.array(inside)))
+
+
+def sides(waveform: Shape, t: float, reach: float = 1e-3) -> tuple[float, float]:
+    """Value at t seen from the left and from the right."""
+    return at(waveform, t, t - reach), at(waveform, t, t + reach)
+
+
+PULSE = Pulses(low="1 V", high=3, at=2, rise=0.5, width=1, fall=0.25)
+TRAIN = Pulses(low=-1, high=1, at="1 s", width=0.5, period=2)
+SINE = Sine(amplitude=2, frequency="0.25 Hz", phase="30 deg", offset=1, at=1, until=6)
+JUMPS = PiecewiseLinear(points=[[1, 5], [2, 7], [2, -1], [4, -1], [5, 0], [5, 2]])
+
+
+@pytest.mark.parametrize(
+    ("waveform", "breaks", "values"),
+    [
+        (Constant(level="2 V"), [], {-5: 2, 0: 2, 7: 2}),
+        (Step(to=1), [0], {-1: 0, 1: 1}),
+        (Step(from_=3, to="-1 V", at=2), [2], {1: 3, 1.999: 3, 2.001: -1, 9: -1}),
+        (Ramp(from_=1, to=3, at=1, duration=4), [1, 5], {0: 1, 1: 1, 2: 1.5, 5: 3, 6: 3}),
+        (PiecewiseLinear(points=[[0, 0], [1, 2], [3, -2]]), [0, 1, 3], {-9: 0, 0.25: 0.5, 2: 0, 3: -2, 9: -2}),
+        (JUMPS, [1, 2, 4, 5], {0: 5, 1.5: 6, 3: -1, 4.5: -0.5, 6: 2}),
+        (PULSE, [2, 2.5, 3.5, 3.75], {0: 1, 2.25: 2, 3: 3, 3.625: 2, 9: 1}),
+        (TRAIN, [1, 1.5, 3, 3.5, 5, 5.5, 7, 7.5], {0: -1, 1.2: 1, 1.8: -1, 3.2: 1, 7.2: 1, 7.8: -1, 101.2: 1}),
+        (SINE, [1, 6], {0: 2, 1: 2, 2: 1 + 2 * sin(2 * pi / 3), 6: 1 + 2 * sin(2 * pi * (1.25 + 1 / 12))}),
+        (SINE, [1, 6], {6.5: 1 + 2 * sin(2 * pi * (1.25 + 1 / 12)), 99: 1 + 2 * sin(2 * pi * (1.25 + 1 / 12))}),
+        (Sine(amplitude=1, frequency=1), [0], {-3: 0, 0.25: 1, 100.75: -1}),
+        (Exponential(from_=2, to=-1, at=1, time_constant=3), [1], {0: 2, 1: 2, 4: -1 + 3 / exp(1), 1e9: -1}),
+        (Exponential(to=1, time_constant=1e12), [0], {1: -expm1(-1e-12)}),
+    ],
+)  # fmt: skip
+def test_formulas(waveform, breaks, values):
+    np.testing.assert_array_equal(waveform.breaks(8.0), breaks)
+    for t, value in values.items():
+        assert at(waveform, t, t - 1e-6 if t in breaks else t) == pytest.approx(value, abs=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("waveform", "t", "left", "right"),
+    [
+        (Step(from_=3, to=-1, at=2), 2, 3, -1),
+        (JUMPS, 1, 5, 5),
+        (JUMPS, 2, 7, -1),
+        (JUMPS, 4, -1, -1),
+        (JUMPS, 5, 0, 2),
+        (PULSE, 2, 1, 1),
+        (PULSE, 2.5, 3, 3),
+        (PULSE, 3.75, 1, 1),
+        (TRAIN, 1, -1, 1),
+        (TRAIN, 1.5, 1, -1),
+        (TRAIN, 2001.0, -1, 1),
+        (TRAIN, 2001.5, 1, -1),
+        (Pulses(high=1, width=1, fall=1, at=1), 1, 0, 1),
+        (Pulses(high=1, width=1, fall=1, at=1), 2, 1, 1),
+        (SINE, 1, 2, 2),
+        (Exponential(from_=2, to=1, time_constant=1, at=3), 3, 2, 2),
+        (DoubleExponential(peak=1, rise=1, decay=2, at=3), 3, 0, 0),
+    ],
+)
+def test_both_sides_of_every_break(waveform, t, left, right):
+    assert sides(waveform, t) == pytest.approx((left, right), abs=1e-12)
+
+
+@pytest.mark.parametrize(("count", "until"), [(None, 31), (1, 1), (3, 3), (1000, 31)])
+@pytest.mark.parametrize(("rise", "fall", "start"), [(0, 0, 0), (0, 0, 0.3), (0.1, 0, -2.05), (0.2, 0.3, 0.7)])
+def test_trains_of_pulses_by_counting(count, until, rise, fall, start):
+    """Every pulse laid down one by one, in fractions."""
+    train = Pulses(low=1, high=2, at=start, rise=rise, width=0.4, fall=fall, period=1.1, count=count)
+    up, top, down = (Fraction(str(x)) for x in (rise, 0.4, fall))
+    marks = []
+    for k in range(until):
+        begin = Fraction(str(start)) + k * Fraction("1.1")
+        marks += [begin, begin + up, begin + up + top, begin + up + top + down]
+    expected = sorted({m for m in marks if -1.1 < m < 30})
+    found = train.breaks(30.0)
+    assert np.allclose(found[(found > -1.1) & (found < 30)], [float(m) for m in expected], rtol=0, atol=1e-13)
+    for t in np.random.default_rng(1).uniform(-3, 30, 2000):  # no break among them
+        since = min((t - float(m) for m in marks[::4] if m <= t), default=-1.0)
+        down_at = rise + 0.4
+        if since < 0 or since > down_at + fall:
+            level = 1.0
+        elif since < rise:
+            level = 1.0 + since / rise
+        else:
+            level = 2.0 if since < down_at else 2.0 - (since - down_at) / fall
+        assert at(train, t, t) == pytest.approx(level, abs=1e-12)
+
+
+def test_a_surge_reaches_its_peak():
+    surge = DoubleExponential(peak="5 kV", rise="0.4 us", decay="68.2 us", at="1 us")
+    t = np.linspace(0, 400e-6, 400_001)
+    u = surge.value(t, t)
+    assert u.max() == pytest.approx(5e3, rel=1e-7)  # the grid misses the top by 1 ns at most
+    top = 0.4e-6 * 68.2 / 67.8 * log(68.2 / 0.4)
+    assert at(surge, 1e-6 + top, 1e-6 + top) == pytest.approx(5e3, rel=1e-14)
+    assert t[u.argmax()] == pytest.approx(1e-6 + top, abs=1e-9)
+
+
+def test_a_surge_with_nearly_equal_times_is_its_limit():
+    """For rise = decay it becomes peak·e·(t/T)·e^(-t/T)."""
+    surge = DoubleExponential(peak=1, rise=2 * (1 - 1e-13), decay=2)
+    for t in (1e-9, 0.5, 2.0, 5.0):
+        assert at(surge, t, t) == pytest.approx(t / 2 * exp(1 - t / 2), rel=1e-12)
+
+
+CURVED = Exponential(to=1, time_constant=1), DoubleExponential(peak=1, rise=1, decay=2)
+STRAIGHT = Constant(level=1), Step(to=1, at=2), Ramp(to=1, duration=2), JUMPS, TRAIN, PULSE
+
+
+@pytest.mark.parametrize("waveform", [*STRAIGHT, *CURVED, SINE])
+def test_shapes_broadcast(waveform):
+    middle = np.array([[0.5], [1.75], [2.75], [4.5]])
+    t = middle + np.array([-0.1, 0.0, 0.1])
+    table = waveform.value(t, middle)
+    assert table.shape == (4, 3)
+    for i in range(4):
+        assert waveform.value(t[i], middle[i]) == pytest.approx(table[i], abs=0)
+        for j in range(3):
+            assert at(waveform, t[i, j], middle[i, 0]) == table[i, j]
+
+
+def test_before_time_zero():
+    assert just_before(Step(from_=2, to=1)) == 2
+    assert just_before(Step(from_=2, to=1, at=-1)) == 1
+    assert just_before(Constant(level=3)) == 3
+    assert just_before(PiecewiseLinear(points=[[-1, 0], [1, 2]])) == 1
+    assert just_before(PiecewiseLinear(points=[[-1, 0], [0, 2], [0, 5]])) == 2
+    assert just_before(SINE) == 2
+    assert just_before(Sine(amplitude=1, frequency=1, at=-0.25)) == pytest.approx(1, abs=ROUNDING)
+    assert just_before(TRAIN) == -1
+    assert just_before(Exponential(to=1, time_constant=1, at=-1)) == pytest.approx(1 - exp(-1), abs=ROUNDING)
+
+
+@pytest.mark.parametrize(
+    ("train", "level"),
+    [
+        (Pulses(high=1, width=1, period=2, at=-1), 1),  # the pulse ends at zero
+        (Pulses(high=1, width=1, period=2, at=-1000), 0),  # one begins at zero
+        (Pulses(high=1, width=1, period=2, at=-1000.5), 1),
+        (Pulses(high=1, width=1, period=2, at=-999.5), 0),
+        (Pulses(high=1, width=0.1, fall=0.9, period=1, at="-3 s"), 0),  # no gap between pulses
+        (Pulses(high=1, width=0.3, period=0.3, at=-0.9), 1),  # nothing but pulses
+        (Pulses(high=1, width=0.05, period=0.1, count=3, at=-10), 0),  # long over
+        (Pulses(high=1, width=0.05, period=0.1, count=3, at=-1.2), 0),
+        (Pulses(high=1, width=1, period=2, at="-1e15 s"), 0),
+    ],
+)
+def test_trains_that_began_before_time_zero(train, level):
+    assert just_before(train) == pytest.approx(level, abs=1e-9)
+
+
+def test_too_many_pulses_are_refused():
+    train = Pulses(high=1, width="1 ns", period="2 ns")
+    assert len(train.breaks(1e-6)) == 1000
+    with pytest.raises(InputError, match=f"at most {MOST_PULSES:,}, got 5e\\+08"):
+        train.breaks(1.0)
+    assert len(Pulses(high=1, width="1 ns", period="2 ns", count=7).breaks(1.0)) == 14
+
+
+def test_csv_tables(tmp_path):
+    file = tmp_path / "points.csv"
+    file.write_bytes(b"\xef\xbb\xbftime [s], level [V]\r\n# made by hand\r\n0, 1\r\n\r\n 2e-1 ,-3\r\n0.2,4\r\n")
+    assert read_table(file, "") == ((0.0, 0.2, 0.2), (1.0, -3.0, 4.0))
+    assert at(Table(file=str(file)), 0.1, 0.1) == pytest.approx(-1)
+    file.write_text("0,1\n1,2")
+    assert read_table(file, "") == ((0.0, 1.0), (1.0, 2.0))
+
+
+# waveforms on slabs
+
+
+def integrals(order, waveform: Shape, slab: int, h: float, cuts: list[float]):
+    """Integrals of the waveform times x^k over a slab, k < order, by Gauss with 40 nodes between the cuts."""
+    x, weights = gauss(40)
+    total = np.zeros(order)
+    edges = [0.0, *cuts, 1.0]
+    for p, q in pairwise(edges):
+        t = p + (q - p) * x
+        seen = waveform.value((slab + t) * h, np.array((slab + (p + q) / 2) * h))
+        total += [(q - p) * weights @ (seen * t**k) for k in range(order)]
+    return total
+
+
+MANY = [0.05, 0.1, 0.2, 0.25, 0.3, 0.35, 0.45, 0.5, 0.55, 0.6, 0.7, 0.75, 0.8, 0.85, 0.95]
+
+
+@pytest.mark.parametrize("order", range(1, 9))
+@pytest.mark.parametrize(
+    ("waveform", "cuts"),
+    [
+        (Step(from_=-1, to=2, at=0.77), [0.85]),
+        (Ramp(to=1, at=0.65, duration=0.07), [0.25, 0.6]),
+        (Pulses(high=1, at=0.61, width=0.02, period=0.05, rise=0.01, fall=0.01), MANY),
+        (Sine(amplitude=1, frequency=2, at=0.7, until=0.75, phase=0.4), [0.5, 0.75]),
+        (Exponential(to=1, at=0.65, time_constant=0.2), [0.25]),
+    ],
+    ids=["step", "ramp", "pulses", "sine", "exponential"],
+)  # fmt: skip
+def test_projection_keeps_the_moments(order, waveform, cuts):
+    """Slab 3 of width 0.2, from 0.6 to 0.8, holds the breaks."""
+    b, h, slab = basis(order), 0.2, 3
+    values = on_slabs(waveform, waveform.breaks(2.0), b, h, 0, 6)[slab]
+    x, weights = gauss(order)
+    found = [weights @ (b.evaluation(x) @ values * x**k) for k in range(order)]
+    exact = 1e-12 if isinstance(waveform, Sine | Exponential) else ROUNDING  # Gauss with order + 4 nodes a piece
+    assert found == pytest.approx(integrals(order, waveform, slab, h, cuts), abs=exact)
+
+
+def test_a_jump_by_hand():
+    """Order 2, jump at 1/4 of a slab: the straight line with the moments 3/4 and 15/32."""
+    u = on_slabs(Step(to=1, at=0.25), np.array([0.25]), basis(2), 1.0, 0, 1)[0]
+    # c0 + c1 x with c0 + c1/2 = 3/4 and c0/2 + c1/3 = 15/32: c1 = 9/8, c0 = 3/16, at the points x = 1/3 and 1
+    assert u == pytest.approx([3 / 16 + 3 / 8, 3 / 16 + 9 / 8], abs=ROUNDING)
+
+
+def test_away_from_breaks_nothing_but_sampling():
+    b, h = basis(5), 0.1
+    values = on_slabs(SINE, SINE.breaks(10.0), b, h, 15, 40)
+    t = (15 + np.arange(40))[:, None] * h + h * b.c
+    np.testing.assert_array_equal(values, SINE.value(t, t - h * 1e-3))
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-13, -1e-13, EDGE / 3, -EDGE / 3])
+@pytest.mark.parametrize("slab", [0, 1, 7, 1000])
+def test_a_break_on_an_edge_is_clean(slab, off):
+    h = 0.3
+    step = Step(from_=2, to=5, at=(slab + off) * h)
+    values = on_slabs(step, step.breaks(1e9), basis(4), h, max(slab - 3, 0), 6)
+    expected = np.where(np.arange(max(slab - 3, 0), max(slab - 3, 0) + 6) < slab, 2.0, 5.0)
+    np.testing.assert_array_equal(values, np.repeat(expected[:, None], 4, axis=1))
+
+
+@pytest.mark.parametrize("waveform", [TRAIN, JUMPS, SINE, PULSE, Step(to=1, at=3.21)])
+def test_chunks_do_not_show(waveform):
+    b, h, breaks = basis(3), 0.17, waveform.breaks(30.0)
+    whole = on_slabs(waveform, breaks, b, h, 0, 60)
+    parts = [on_slabs(waveform, breaks, b, h, first, 12) for first in range(0, 60, 12)]
+    np.testing.assert_allclose(np.concatenate(parts), whole, rtol=0, atol=1e-12)
+
+
+def test_a_late_break_is_projected_too():
+    """In slab 10⁶ the place of a break is known to 10⁻¹⁰ slabs."""
+    h, slab = 0.1, 1_000_000
+    step = Step(to=1, at=(slab + 0.25) * h)
+    u = on_slabs(step, step.breaks(1e9), basis(2), h, slab - 1, 3)
+    assert u.ravel() == pytest.approx([0, 0, 9 / 16, 21 / 16, 1, 1], abs=1e-9)

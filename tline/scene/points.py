@@ -1,0 +1,150 @@
+"""Waveforms made of straight pieces between points (time, level)."""
+
+import csv
+import io
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
+
+from tline.errors import InputError
+from tline.scene.mistakes import shown
+from tline.scene.quantity import LARGEST, ZERO, Duration, Level, Time
+from tline.scene.shape import Floats, Shape
+from tline.scene.text_file import read_text
+
+
+class Points(Shape):
+    """Straight lines between points; constant before the first and after the last."""
+
+    def points(self) -> tuple[Floats, Floats]:
+        """Times, not decreasing (two equal ones make a jump), and levels."""
+        raise NotImplementedError
+
+    def breaks(self, t_end):  # noqa: D102
+        return np.unique(self.points()[0])
+
+    def value(self, t, inside):  # noqa: D102
+        return between(*self.points(), t, inside)
+
+
+def between(times: Floats, levels: Floats, t: Floats, inside: Floats) -> Floats:
+    """Level at t of the straight piece that contains `inside`, continued."""
+    right = np.searchsorted(times, inside)
+    low, high = np.maximum(right - 1, 0), np.minimum(right, len(times) - 1)
+    span = times[high] - times[low]
+    slope = np.divide(levels[high] - levels[low], span, out=np.zeros_like(span), where=span > 0)
+    return levels[low] + slope * (t - times[low])
+
+
+class Ramp(Points):
+    """A straight rise or fall from one level to another."""
+
+    shape: Literal["ramp"] = "ramp"
+    from_: Level = Field(default=ZERO, alias="from", description="level before")
+    to: Level = Field(description="level after")
+    at: Time = Field(default=ZERO, description="begin of the ramp")
+    duration: Duration = Field(description="time from level to level")
+
+    def points(self):  # noqa: D102
+        return np.array([self.at, self.at + self.duration]), np.array([self.from_, self.to], float)
+
+
+def _pair(point: Any) -> Any:
+    if not isinstance(point, list | tuple) or len(point) != 2:
+        raise InputError("", "not a point", "a pair [time, level]", shown(point))
+    return point
+
+
+class PiecewiseLinear(Points):
+    """Straight lines between points [time, level], constant outside; two points at the same time make a jump."""
+
+    shape: Literal["piecewise linear"] = "piecewise linear"
+    points_: list[Annotated[tuple[Time, Level], BeforeValidator(_pair)]] = Field(
+        alias="points", min_length=2, description="pairs [time, level], in order of time"
+    )
+
+    @model_validator(mode="after")
+    def _in_order(self):
+        check_order([float(t) for t, _ in self.points_], "points")
+        return self
+
+    def points(self):  # noqa: D102
+        times, levels = zip(*self.points_, strict=True)
+        return np.array(times, float), np.array(levels, float)
+
+
+class Table(Points):
+    """Points from a CSV file with two columns, time and level, in SI; a first line of words is skipped."""
+
+    shape: Literal["table"] = "table"
+    file: str = Field(description="CSV file, looked for beside the scene file")
+    _points: tuple[tuple[float, ...], tuple[float, ...]] = PrivateAttr()
+
+    @model_validator(mode="after")
+    def _read(self, info: ValidationInfo):
+        self._points = read_table(Path((info.context or {}).get("folder", ".")) / self.file, "file")
+        return self
+
+    def points(self):  # noqa: D102
+        times, levels = self._points
+        return np.array(times), np.array(levels)
+
+
+def read_table(path: Path, where: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Times and levels from a CSV file.
+
+    Parameters
+    ----------
+    path : Path
+        Two numbers a line with a comma between; empty lines and lines that begin with # are skipped.
+    where : str
+        What an error points at.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, a line is not two finite numbers, or the times are not in order.
+    """
+    times, levels = [], []
+    rows = csv.reader(io.StringIO(read_text(path, where)))
+    try:
+        for row in rows:
+            if not row or row[0].lstrip().startswith("#") or (rows.line_num == 1 and not any(map(_is_number, row))):
+                continue
+            if len(row) != 2 or not all(map(_is_number, row)):
+                problem = f"line {rows.line_num} of '{path}' is not a point"
+                raise InputError(where, problem, "two finite numbers with a comma between", shown(",".join(row)))
+            times.append(float(row[0]))
+            levels.append(float(row[1]))
+    except csv.Error as error:
+        raise InputError(where, f"line {rows.line_num} of '{path}' cannot be read: {error}") from None
+    if len(times) < 2:
+        raise InputError(where, f"too few points in '{path}'", "at least two lines 'time, level'", str(len(times)))
+    check_order(times, where)
+    return tuple(times), tuple(levels)
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        return abs(float(cell)) <= LARGEST
+    except ValueError:
+        return False
+
+
+def check_order(times: list[float], where: str) -> None:
+    """Refuse times that decrease, or three at one instant.
+
+    Raises
+    ------
+    InputError
+        Naming the first such point.
+    """
+    for k, (before, now) in enumerate(pairwise(times), 2):
+        if now < before:
+            raise InputError(where, f"point {k} lies before the one in front of it", "times in order", f"{now:g} s")
+    for k, (first, third) in enumerate(zip(times, times[2:], strict=False), 3):
+        if first == third:
+            raise InputError(where, f"point {k} is the third at one time", "at most two, for a jump", f"{third:g} s")

@@ -1,0 +1,46 @@
+"""Probes: where a run is recorded."""
+
+from pydantic import Field
+
+from tline.errors import InputError
+from tline.scene.element import Element, Name
+from tline.scene.line import SceneLine
+from tline.scene.mistakes import shown
+from tline.scene.quantity import Position
+from tline.units import to_si
+
+
+class Probe(Element):
+    """Where effort, flow and waves are recorded: at a node, or at a position along a line.
+
+    Where several lines meet, `line` says whose flow and waves are meant; of a line with both its ends there, end 1. A
+    position is a distance from the line's end 1, or a share of its delay such as "25 %".
+    """
+
+    at: Name | None = Field(default=None, description="node")
+    line: Name | None = Field(default=None, description="line: whose flow at the node, or on which the position is")
+    position: Position | None = Field(default=None, description="distance from end 1 in m, or a share such as '25 %'")
+
+    def fraction(self, line: SceneLine) -> float:
+        """Place on the line as a share of its delay, from 0 at end 1 to 1 at end 2.
+
+        Raises
+        ------
+        InputError
+            The position is not on the line, or is a distance on a line whose length is not known.
+        """
+        if self.position is None:
+            return float(line.nodes[1] == self.at and line.nodes[0] != self.at)
+        typed, length = self.position.typed, line.parameters.length
+        if isinstance(typed, str) and "%" in typed:
+            share = to_si(typed, "", "position")
+        else:
+            distance = to_si(typed, "m", "position")
+            if length is None:
+                problem, expected = "the line's length is not known", "a share such as '25 %'"
+                raise InputError("position", problem, expected, shown(typed))
+            share = distance / length
+        if not 0 <= share <= 1 + 1e-12:
+            expected = f"0 to {length:g} m" if length else "0 to 100 %"
+            raise InputError("position", "not on the line", expected, shown(typed))
+        return min(share, 1.0)

@@ -1,0 +1,157 @@
+"""Loads with inductance or capacitance: rational impedances Z(s)."""
+
+import math
+import numbers
+from fractions import Fraction
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+
+from passivity import RationalFunction
+from passivity.errors import ExpressionError
+from tline.errors import InputError
+from tline.scene.element import AtNode
+from tline.scene.mistakes import shown
+from tline.scene.quantity import LARGEST, SMALLEST, Capacitance, Inductance, Parameter, PositiveResistance
+
+MOST_STATES = 20  # degree up to which double precision holds ladders of L and C to some 1e-12
+
+
+class Rational(AtNode):
+    """A load that is a rational impedance."""
+
+    _rational: RationalFunction = PrivateAttr()
+
+    def rational(self) -> RationalFunction:
+        """Z(s), exact for the decimals typed."""
+        return self._rational
+
+    def _build(self) -> RationalFunction:
+        raise NotImplementedError
+
+    @model_validator(mode="after")
+    def _readable(self):
+        self._rational = self._build()
+        return self
+
+
+def _exact(value: float) -> Fraction:
+    """The shortest decimal that is this float: what was typed."""
+    return Fraction(repr(float(value)))
+
+
+def _as_typed(value: float | str) -> Fraction | float | str:
+    return _exact(value) if isinstance(value, float) and math.isfinite(value) else value
+
+
+class _Elements(Rational):
+    resistance: PositiveResistance | None = Field(default=None, description="R")
+    inductance: Inductance | None = Field(default=None, description="L")
+    capacitance: Capacitance | None = Field(default=None, description="C")
+
+    def _impedances(self) -> list[RationalFunction]:
+        exact, parts = RationalFunction.from_coefficients, []
+        if self.resistance is not None:
+            parts.append(exact([_exact(self.resistance)], [1]))
+        if self.inductance is not None:
+            parts.append(exact([_exact(self.inductance), 0], [1]))
+        if self.capacitance is not None:
+            parts.append(exact([1], [_exact(self.capacitance), 0]))
+        if not parts:
+            raise InputError("", "no element given", "at least one of resistance, inductance and capacitance")
+        return parts
+
+
+class Series(_Elements):
+    """R, L and C one after the other, Z(s) = R + sL + 1/(sC); those not given are absent."""
+
+    kind: Literal["series"] = "series"
+
+    def _build(self) -> RationalFunction:
+        first, *rest = self._impedances()
+        for part in rest:
+            first = first + part
+        return first
+
+
+class Parallel(_Elements):
+    """R, L and C side by side, 1/Z(s) = 1/R + 1/(sL) + sC; those not given are absent."""
+
+    kind: Literal["parallel"] = "parallel"
+
+    def _build(self) -> RationalFunction:
+        first, *rest = self._impedances()
+        for part in rest:
+            first = first.parallel(part)
+        return first
+
+
+def _number_or_text(value: Any) -> Any:
+    if isinstance(value, str) or (isinstance(value, numbers.Real) and not isinstance(value, bool)):
+        return value
+    raise InputError("", "not a number", "a number or text such as '10 nH'", shown(value))
+
+
+Coefficient = Annotated[int | float | str, BeforeValidator(_number_or_text)]
+
+
+class Impedance(Rational):
+    """Any rational Z(s): an expression with its parameters, or coefficients with the highest power first.
+
+    Examples
+    --------
+    >>> Impedance(at="far", expression="R + s*L", parameters={"R": 5, "L": "2 nH"}).rational()(0j)
+    (5+0j)
+    """
+
+    kind: Literal["impedance"] = "impedance"
+    expression: str | None = Field(default=None, description="Z(s) in SI, such as 'R + s*L'")
+    parameters: dict[str, Parameter] = Field(default_factory=dict, description="values of the names in the expression")
+    numerator: list[Coefficient] | None = Field(default=None, description="coefficients, highest power first, SI")
+    denominator: list[Coefficient] | None = Field(default=None, description="coefficients, highest power first, SI")
+
+    def _build(self) -> RationalFunction:
+        if self.expression is not None and self.numerator is None and self.denominator is None:
+            return _within_limits(self._from_expression(self.expression))
+        if self.expression is not None or self.numerator is None or self.denominator is None:
+            given = [key for key in ("expression", "numerator", "denominator") if getattr(self, key) is not None]
+            expected = "either expression, or numerator and denominator"
+            raise InputError("", "its Z(s) is not given once", expected, ", ".join(given) or "none")
+        if self.parameters:
+            raise InputError("parameters", "they belong to an expression, not to coefficients")
+        return _within_limits(self._from_coefficients(self.numerator, self.denominator))
+
+    def _from_expression(self, expression: str) -> RationalFunction:
+        try:
+            values = {name: _exact(value) for name, value in self.parameters.items()}
+            return RationalFunction.from_expression(expression, values)
+        except ExpressionError as error:
+            at, _, name = error.where.partition("parameter ")
+            problem = f"{at}: {error.problem}" if at else error.problem
+            where = f"parameters.{name}" if name else "expression"
+            raise InputError(where, problem, error.expected, error.got) from None
+
+    def _from_coefficients(self, *sides: list[Coefficient]) -> RationalFunction:
+        try:
+            numerator, denominator = (list(map(_as_typed, side)) for side in sides)
+            return RationalFunction.from_coefficients(numerator, denominator)
+        except ExpressionError as error:
+            raise InputError(error.where, error.problem, error.expected, error.got) from None
+
+    @classmethod
+    def from_system(cls, system: Any, at: str) -> "Impedance":
+        """Z(s) from a scipy.signal or python-control system with one input (flow) and one output (effort)."""
+        function = RationalFunction.from_system(system)
+        numerator, denominator = ([str(a) for a in side] for side in (function.numerator, function.denominator))
+        return cls.model_validate({"at": at, "numerator": numerator, "denominator": denominator})
+
+
+def _within_limits(impedance: RationalFunction) -> RationalFunction:
+    for limit in (impedance.at_zero(), impedance.at_infinity()):
+        if limit not in (0, math.inf) and not SMALLEST <= abs(limit) <= LARGEST:
+            problem = "its resistance at low or high frequency is out of range"
+            raise InputError("", problem, f"{SMALLEST:g} to {LARGEST:g}")
+    degree = impedance.reduced().degree
+    if degree > MOST_STATES:
+        raise InputError("", "its degree in s is too high", f"at most {MOST_STATES}", f"{degree}")
+    return impedance

@@ -1,0 +1,67 @@
+"""Waveforms of sources: smooth pieces between breaks.
+
+A waveform is evaluated at instants t *as seen from* an instant inside one of its smooth pieces, so that a jump has two
+sides and rounding never picks the wrong one. ``breaks`` lists the jumps and corners.
+"""
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_serializer
+
+from tline.scene.element import Element
+from tline.scene.quantity import ZERO, Level, Time
+
+Floats = NDArray[np.floating]
+
+
+class Shape(Element):
+    """What all waveforms share."""
+
+    def breaks(self, t_end: float) -> Floats:
+        """Instants at which the waveform jumps or has a corner, sorted: at least those before t_end that matter.
+
+        Of a periodic waveform those before t = 0 are left out, but for one period: all that a steady start asks for.
+        """
+        raise NotImplementedError
+
+    def value(self, t: Floats, inside: Floats) -> Floats:
+        """Value at t of the smooth piece that contains `inside`, continued; shapes broadcast."""
+        raise NotImplementedError
+
+    def fastest(self) -> float:
+        """Shortest time scale of the smooth pieces, s; infinite if all are straight."""
+        return np.inf
+
+
+class Constant(Shape):
+    """The same value for ever; in a scene file the plain number or text."""
+
+    shape: Literal["constant"] = "constant"
+    level: Level = Field(description="the value")
+
+    @model_serializer
+    def _plain(self) -> float | str:
+        return self.level.typed
+
+    def breaks(self, t_end):  # noqa: D102
+        return np.empty(0)
+
+    def value(self, t, inside):  # noqa: D102
+        return np.full(np.broadcast_shapes(t.shape, inside.shape), float(self.level))
+
+
+class Step(Shape):
+    """A jump from one level to another."""
+
+    shape: Literal["step"] = "step"
+    from_: Level = Field(default=ZERO, alias="from", description="level before the jump")
+    to: Level = Field(description="level after the jump")
+    at: Time = Field(default=ZERO, description="instant of the jump")
+
+    def breaks(self, t_end):  # noqa: D102
+        return np.array([float(self.at)])
+
+    def value(self, t, inside):  # noqa: D102
+        return np.where(inside < self.at, float(self.from_), float(self.to)) + 0.0 * t
