@@ -15,6 +15,10 @@ COMMANDS = {
         "z0, wave speed and the rest of a pipe or a cable, from what is known of it.",
     ),
     "run": ("tline.cli.run:run", "Simulate a scene."),
+    "passivity": (
+        "tline.cli.passivity:passivity",
+        "Prove or refute that an impedance is positive real, or a reflection bounded real.",
+    ),
     "schema": ("tline.cli.schema:schema", "JSON schema of scene files, for editors."),
 }
 

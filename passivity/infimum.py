@@ -1,0 +1,164 @@
+"""The smallest value of a rational function on the half line x >= 0, enclosed by exact tests."""
+
+import math
+from fractions import Fraction
+from typing import NamedTuple
+
+from flint import arb, arb_poly, ctx, fmpq, fmpz_poly
+
+from passivity.polynomial_sign import SignProof, UndecidedError, find_sign, squarefree
+from passivity.real_roots import positive_roots
+
+MAX_ROUNDS = 40
+BITS = 40  # values not found exactly lie in an interval shorter than 2^-BITS of their distance to 0 and to the guess
+_SIMPLE = 10_000  # denominators up to this are tried
+_FINE = 100  # bits of the place of a minimum
+
+
+class Infimum(NamedTuple):
+    """A number in [low, high], and a place where the function comes as close to it.
+
+    Parameters
+    ----------
+    low, high : Fraction or float
+        Equal if the value is known exactly; ``-math.inf`` if there is none.
+    x : float
+        ``math.inf`` if it is a limit.
+    """
+
+    low: Fraction | float
+    high: Fraction | float
+    x: float
+
+
+def infimum(num: fmpz_poly, den: fmpz_poly, guess: int = 0) -> Infimum:
+    """Infimum of num/den over x >= 0.
+
+    Parameters
+    ----------
+    num, den : fmpz_poly
+        den >= 0 for x >= 0, and not zero.
+    guess : int
+        A value that is recognised exactly if it is the infimum, wherever it is attained.
+
+    Raises
+    ------
+    UndecidedError
+        If MAX_ROUNDS tests do not suffice.
+
+    Examples
+    --------
+    >>> infimum(fmpz_poly([4, -4, 1]), fmpz_poly([1, 1]))  # (x - 2)^2/(1 + x)
+    Infimum(low=Fraction(0, 1), high=Fraction(0, 1), x=2.0)
+    """
+    common = num.gcd(den)
+    num, den = num // common, den // common
+    if den.leading_coefficient() < 0:
+        num, den = -num, -den
+    pole = _falls(num, den)
+    if pole is not None:
+        return Infimum(-math.inf, -math.inf, pole)
+    touched = _touches(num - guess * den, den)
+    if touched is not None:
+        return Infimum(Fraction(guess), Fraction(guess), touched)
+    level, place = min(_ends(num, den), default=(None, 0.0))
+    below = find_sign(_above(num, den, level)) if level is not None else Fraction(1)
+    if level is not None and isinstance(below, SignProof):
+        return Infimum(level, level, place)
+    for _ in range(MAX_ROUNDS):
+        assert isinstance(below, Fraction)
+        x = _descend(num, den, below)
+        value = num(x) / den(x)
+        low, high = _around(Fraction(int(value.p), int(value.q)), guess)
+        below = find_sign(_above(num, den, low))
+        if isinstance(below, SignProof):
+            return _recognised(num, den, low, high, x) or Infimum(low, high, float(arb(x)))
+    raise UndecidedError(f"the smallest value of a function of degree {den.degree()} takes over {MAX_ROUNDS} tests")
+
+
+def _recognised(num: fmpz_poly, den: fmpz_poly, low: Fraction, high: Fraction, x: fmpq) -> Infimum | None:
+    """The infimum exactly, if it is a simple number or attained at one."""
+    near = Fraction(int(x.p), int(x.q)).limit_denominator(_SIMPLE)
+    place = fmpq(near.numerator, near.denominator)
+    there = num(place) / den(place) if den(place) else x
+    for value in (Fraction(int(there.p), int(there.q)), ((low + high) / 2).limit_denominator(_SIMPLE)):
+        if low <= value <= high and (touched := _touches(_above(num, den, value), den)) is not None:
+            return Infimum(value, value, touched)
+    return None
+
+
+def _above(num: fmpz_poly, den: fmpz_poly, level: Fraction) -> fmpz_poly:
+    """A polynomial with the sign of num/den - level."""
+    return num * level.denominator - den * level.numerator
+
+
+def _ends(num: fmpz_poly, den: fmpz_poly) -> list[tuple[Fraction, float]]:
+    """The values at 0 and at infinity that are finite."""
+    found = [(Fraction(int(num[0]), int(den[0])), 0.0)] if den[0] else []
+    if num.degree() <= den.degree():
+        found.append((Fraction(int(num[den.degree()]), int(den.leading_coefficient())), math.inf))
+    return found
+
+
+def _falls(num: fmpz_poly, den: fmpz_poly) -> float | None:
+    """Where num/den goes to minus infinity, None if nowhere."""
+    if num.degree() > den.degree() and num.leading_coefficient() < 0:
+        return math.inf
+    for factor, power in squarefree(den):
+        if factor == fmpz_poly([0, 1]):
+            sign_beyond = next(c for c in den.coeffs() if c)
+            if (num[0] < 0) == (sign_beyond > 0):
+                return 0.0
+        elif factor.degree() > 0:
+            for root in positive_roots(factor):
+                if power % 2 or root.sign_of(num) < 0:
+                    return float(root)
+    return None
+
+
+def _touches(difference: fmpz_poly, den: fmpz_poly) -> float | None:
+    """Where a nonnegative difference is zero, also in the limit; None if nowhere or if it is negative somewhere."""
+    if not difference:
+        return 0.0
+    if not isinstance(find_sign(difference), SignProof):
+        return None
+    for factor, power in squarefree(difference):
+        if factor == fmpz_poly([0, 1]):
+            return 0.0
+        if power % 2 == 0:
+            for root in positive_roots(factor):
+                return float(root)
+    return math.inf if difference.degree() < den.degree() else None
+
+
+def _descend(num: fmpz_poly, den: fmpz_poly, start: Fraction) -> fmpq:
+    """A local minimum of num/den, downhill from a point: ever longer steps, then bisection of the slope's sign."""
+    slope = num.derivative() * den - num * den.derivative()
+    bits = 3 * _FINE + 2 * slope.degree()
+    with ctx.workprec(bits):
+        rounded = arb_poly(slope)
+
+    def rising(x: fmpq) -> bool:
+        with ctx.workprec(bits):
+            return bool(rounded(arb(x)) > 0)
+
+    x = fmpq(start.numerator, start.denominator)
+    side = -1 if rising(x) else 1
+    near = far = x
+    step = (x or fmpq(1)) / 2**20
+    for _ in range(1000):
+        near, far, step = far, max(x + side * step, fmpq(0)) if step < x or side > 0 else far / 2, 2 * step
+        if far == 0 or rising(far) == (side > 0):
+            break
+    low, high = min(near, far), max(near, far)
+    while (high - low) * 2**_FINE > high:
+        middle = (low + high) / 2
+        low, high = (low, middle) if rising(middle) else (middle, high)
+    return high
+
+
+def _around(value: Fraction, guess: int) -> tuple[Fraction, Fraction]:
+    """Short numbers a little below and not below, by the distance to 0 and to the guess."""
+    size = min((abs(x) for x in (value, value - guess) if x), default=Fraction(1))
+    grid = Fraction(2) ** (size.numerator.bit_length() - size.denominator.bit_length() - BITS - 2)
+    return math.floor(value / grid) * grid - grid, math.ceil(value / grid) * grid

@@ -1,0 +1,67 @@
+"""Verdicts as plain data, with all their evidence; exact numbers are texts, polynomials lists, highest power first."""
+
+import math
+from typing import Any
+
+from passivity.certificate import verify
+from passivity.chain import Chain
+from passivity.margin import Margin, Margins
+from passivity.robustness import Robustness
+from passivity.verdict import Verdict, Witness
+
+
+def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None, chain: Chain | None) -> dict[str, Any]:
+    """What JSON can hold of a verdict and of what else was asked."""
+    told: dict[str, Any] = {
+        "kind": verdict.kind.value,
+        "status": verdict.status.value,
+        "why": verdict.why,
+        "lossless": verdict.lossless,
+        "hidden_factor": _list(verdict.hidden) if verdict.hidden else None,
+        "numerator": _list(verdict.function.p),
+        "denominator": _list(verdict.function.q),
+        "margins": {name: _margin(margin) for name, margin in margins._asdict().items()},
+    }
+    if verdict.witness:
+        told["witness"] = _witness(verdict.witness)
+    if verdict.certificate:
+        c = verdict.certificate
+        told["certificate"] = {
+            "cancelled": _list(c.common),
+            "sign_factors": [{"factor": _list(f), "power": power} for f, power in c.sign.factors],
+            "sign_breaks": [str(x) for x in c.sign.breaks],
+            "routh_column": [pivot.str(12) for pivot in c.column],
+            "verified": verify(c),
+        }
+    if robust:
+        exception = robust.exception
+        told["robustness"] = {
+            "tolerance": str(robust.tolerance),
+            "same": robust.same,
+            "exception": exception and {"numerator": _list(exception.p), "denominator": _list(exception.q)},
+        }
+    if chain:
+        told["line"] = {
+            "z0": str(chain.z0),
+            "delay": str(chain.delay),
+            "status": chain.status.value,
+            "steps": [{"claim": x.claim, "status": x.status.value, "reason": x.reason} for x in chain.steps],
+        }
+        if chain.witness:  # the value is that of H2
+            told["line"]["witness"] = _witness(chain.witness)
+    return told
+
+
+def _witness(witness: Witness) -> dict[str, str | None]:
+    return {key: None if part is None else str(part) for key, part in vars(witness).items()}
+
+
+def _list(polynomial: Any) -> list[str]:
+    return [str(c) for c in reversed(polynomial.coeffs())] or ["0"]
+
+
+def _margin(margin: Margin | None) -> dict[str, Any] | None:
+    if margin is None:
+        return None
+    value, frequency = (x if math.isfinite(x) else str(x) for x in (margin.value, margin.frequency))
+    return {"value": value, "low": str(margin.low), "high": str(margin.high), "frequency": frequency}

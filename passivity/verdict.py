@@ -1,0 +1,117 @@
+"""What a verdict says, and the exact facts it rests on."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from flint import arb, fmpz_poly
+
+from passivity.polynomial_sign import SignProof
+from passivity.rational import RationalFunction
+
+if TYPE_CHECKING:
+    from passivity.margin import Margins
+
+
+class Kind(StrEnum):
+    """Which property is asked for."""
+
+    PR = "positive real"  # Z analytic and Re Z >= 0 in Re s > 0: an impedance
+    BR = "bounded real"  # H analytic and |H| <= 1 in Re s > 0: a reflection
+
+
+class Status(StrEnum):
+    """How the question ended."""
+
+    PROVED = "proved"
+    REFUTED = "refuted"
+    UNDECIDED = "undecided"
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """All that `passivity.certificate.verify` needs to repeat the proof.
+
+    Parameters
+    ----------
+    kind : Kind
+    function : RationalFunction
+        As given.
+    common : fmpz_poly
+        What p and q had in common and was cancelled; 1 if nothing had to be.
+    sign : SignProof
+        Why A(w^2) = Re p(jw) conj q(jw), or |q(jw)|^2 - |p(jw)|^2 for `Kind.BR`, is nonnegative.
+    column : tuple of arb
+        Routh's column of p + q, or of q for `Kind.BR`, after cancelling: all balls above zero.
+    """
+
+    kind: Kind
+    function: RationalFunction
+    common: fmpz_poly
+    sign: SignProof
+    column: tuple[arb, ...]
+
+
+@dataclass(frozen=True)
+class Witness:
+    """A point of the right half plane where the property fails.
+
+    Parameters
+    ----------
+    re, im : Fraction
+        The point s = re + j im, re > 0.
+    value_re, value_im : Fraction or None
+        Z(s) or H(s), exactly; None for H = 1/0.
+    """
+
+    re: Fraction
+    im: Fraction
+    value_re: Fraction | None
+    value_im: Fraction | None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Answer to whether a function is positive real or bounded real.
+
+    Parameters
+    ----------
+    kind : Kind
+        The property asked for.
+    function : RationalFunction
+        As given.
+    status : Status
+        `PROVED` comes with a certificate, `REFUTED` with a witness, `UNDECIDED` with the budget that ran out.
+    lossless : bool
+        Re Z = 0, or |H| = 1, on the whole imaginary axis.
+    hidden : fmpz_poly or None
+        A factor common to numerator and denominator with roots in Re s >= 0: a mode that does not die out and that the
+        terminals do not show. The verdict is about the function after cancelling it.
+    budget : str
+        What ran out, if undecided.
+    """
+
+    kind: Kind
+    function: RationalFunction
+    status: Status
+    certificate: Certificate | None = None
+    witness: Witness | None = None
+    lossless: bool = False
+    hidden: fmpz_poly | None = None
+    budget: str = ""
+
+    @cached_property
+    def why(self) -> str:
+        """The reason in plain words: band, pole, residue, degree."""
+        from passivity.reason import reason
+
+        return reason(self)
+
+    @cached_property
+    def margins(self) -> "Margins":
+        """How much room there is to the border, and at which frequency; `passivity.margin.margins` with z0 = 1."""
+        from passivity.margin import margins
+
+        return margins(self)

@@ -1,0 +1,192 @@
+"""`tline passivity`: texts, exit codes, numbers in full, files."""
+
+import inspect
+import json
+import re
+import shlex
+import subprocess
+import sys
+import time
+from fractions import Fraction
+
+import click
+import pytest
+from click.testing import CliRunner
+from matplotlib.image import imread
+
+import passivity
+from passivity import RationalFunction, check_bounded_real, check_positive_real
+from passivity.picture import draw_verdict
+from tline.cli.main import main
+from tline.cli.passivity import passivity as command
+
+TOUCHING, NEGATIVE = "(s^2 + s + 1)/(s^2 + s + 4)", "(s + 2)/(s^2 + s + 1)"
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, ["passivity", *arguments], catch_exceptions=False)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "words"),
+    [
+        (
+            "'R + s*L + 1/(s*C)' --param R='50 ohm' --param L='10 nH' --param C=4p --z0 50",
+            0,
+            "smallest Re Z(jω)    = 50 ",
+        ),
+        (f"'{TOUCHING}'", 0, "Re Z(jω) >= 0 for all ω (equal at ω = 1.41421)"),
+        (f"'{TOUCHING}' --within 1e-9", 0, "not the same for all"),
+        (f"'{TOUCHING}' --within 0", 0, "each coefficient: the same"),
+        (f"'{NEGATIVE}'", 1, "witness s = 1/4 + 2j\n    Z(s) = -12/4153 - 3104/4153j"),
+        (f"'{NEGATIVE} + 0.155'", 0, "proved"),
+        (f"'{NEGATIVE} + 0.154'", 1, "refuted"),
+        ("'(1 - s)/(1 + s)' --kind br", 0, "bounded real: proved"),
+        ("'(1 - s)/(1 + s)' --kind br", 0, "= 1            for all ω"),
+        ("2 --kind br", 1, "H(s) = 2 + 0j"),
+        ("1/0 --kind br", 1, "H(s) = infinite"),
+        ("1/0", 0, "positive real: proved"),
+        ("'25 + 1n*s' --z0 50 --delay '3 ns'", 0, "G1 = (1 - H1)/(1 + H1) is positive real: proved"),
+        ("--delay 1 '(s + 3)/(s - 1)'", 1, "because |H1(s)| > 1 at s = 0.125 + 0j"),
+        ("-- -s", 1, "pole at infinity with negative residue"),
+        ("'1.000000000001*s/(s^2 + s + 1)' --kind br", 1, "= 1 + 1e-12"),
+        ("'(s - 1)/(s - 1)'", 0, "common factor s - 1 is a hidden mode"),
+    ],
+)
+def test_answers(arguments, status, words):
+    result = run(*shlex.split(arguments))
+    assert words in result.output
+    assert (result.exit_code, result.stderr) == (status, "")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ("'s +'", "column 4: the expression ends too early, expected a number, a name or '('"),
+        ("'s + R'", "--param R: no value, expected one for each of R"),
+        ("s --param R=1", "--param R: not in the expression"),
+        ("s+R --param R", "--param: not a name with a value, expected NAME=VALUE such as R='50 ohm', got 'R'"),
+        ("s+R --param R=1 --param R=2", "--param R: given twice"),
+        ("s+R --param R=abc", "--param R: not a number"),
+        ("s --z0 0", "--z0: not positive, expected more than 0, got 0"),
+        ("s --z0 x", "--z0: not a number"),
+        ("s --delay=-1", "--delay: negative"),
+        ("s --kind br --delay 1", "--delay: is about impedances"),
+        ("s --within 1", "--within: out of range"),
+        ("s --kind br --within 0", "--within: is about impedances"),
+        ("s --kind br --z0 50", "--z0: is about impedances"),
+        ("0/0", "expression: 0/0 has no value"),
+        ("'exp(-s)'", "expression: exp(...) is not rational in s"),
+        ("s.real", "column 2: this character has no meaning here"),
+        ("s --plot a.txt", "--plot: unknown kind of file, expected .png or .svg or .pdf, got 'a.txt'"),
+        ("s --plot /nowhere/a.png", "/nowhere/a.png: cannot be written"),
+    ],
+)
+def test_a_mistake_is_one_sentence_and_exit_2(arguments, sentence):
+    result = run(*shlex.split(arguments))
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr.startswith(sentence)
+    assert result.stderr.count("\n") == 1
+
+
+def test_undecided_exits_3(monkeypatch):
+    monkeypatch.setattr("passivity.polynomial_sign.MAX_PIECES", 0)
+    result = run("(s^2 + s + 1)/(s^2 + s + 4) + 1p")
+    assert result.exit_code == 3
+    assert "undecided\n  because the sign of a polynomial" in result.stdout
+
+
+def test_json_of_a_proof_holds_the_certificate():
+    told = json.loads(run(TOUCHING, "--json", "--within", "1e-9").stdout)
+    assert (told["status"], told["lossless"], told["hidden_factor"]) == ("proved", False, None)
+    assert told["certificate"]["sign_factors"] == [{"factor": ["1", "-2"], "power": 2}]
+    assert [float(pivot) for pivot in told["certificate"]["routh_column"]] == [5, 2, 2]
+    assert told["certificate"]["verified"] is True
+    assert told["robustness"]["same"] is False
+    assert told["margins"]["input"]["low"] == told["margins"]["input"]["high"] == "0"
+    assert told["margins"]["input"]["frequency"] == pytest.approx(2**0.5, rel=1e-15)
+
+
+def test_json_of_a_refutation_holds_the_exact_witness():
+    told = json.loads(run(NEGATIVE, "--json").stdout)
+    point = told["witness"]
+    u, v, re, im = (Fraction(point[key]) for key in ("re", "im", "value_re", "value_im"))
+    # (re + j im) (s^2 + s + 1) = s + 2
+    a, b = u * u - v * v + u + 1, 2 * u * v + v
+    assert (re * a - im * b, re * b + im * a) == (u + 2, v)
+    assert u > 0 > re
+    assert told["margins"]["output"] == {"value": -1, "low": "-1", "high": "-1", "frequency": "inf"}
+
+
+def test_json_through_a_line():
+    told = json.loads(run("--json", "--delay", "1", "--", "-5").stdout)
+    assert told["line"]["status"] == "refuted"
+    assert [step["status"] for step in told["line"]["steps"]] == ["refuted"] * 4
+    assert told["line"]["witness"] == {"re": "1/8", "im": "0", "value_re": "3/2", "value_im": "0"}
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_pictures_are_written(tmp_path, suffix):
+    file = tmp_path / f"plot.{suffix}"
+    result = run(NEGATIVE, "--plot", str(file))
+    assert result.exit_code == 1
+    assert result.stdout.endswith(f"wrote {file}\n")
+    assert file.stat().st_size > 5000
+
+
+@pytest.mark.parametrize(
+    "expression", ["0", "1/0", "5", "s", "1/s", "-1", "s^3", "s/(s^2 + 1)", "1e-9*s + 1e12/s + 3", NEGATIVE]
+)
+@pytest.mark.parametrize("check", [check_positive_real, check_bounded_real])
+def test_everything_can_be_drawn(expression, check, tmp_path):
+    verdict = check(RationalFunction.from_expression(expression))
+    figure = draw_verdict(verdict, verdict.margins)
+    figure.savefig(tmp_path / "a.png", dpi=40)
+    assert imread(tmp_path / "a.png").std() > 0
+    for axes in figure.axes:
+        assert axes.get_xlabel()
+        assert axes.get_ylabel()
+
+
+def test_every_example_of_the_help_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = run("--help").stdout
+    examples = re.findall(r"^ +tline (.*)$", text, re.MULTILINE)
+    assert len(examples) == 5
+    results = [CliRunner().invoke(main, shlex.split(example)) for example in examples]
+    assert [result.exit_code for result in results] == [0, 0, 0, 0, 1]
+    assert "-0.154701" in results[-1].stdout
+    assert (tmp_path / "allpass.png").exists()
+
+
+def test_every_option_has_a_help_text():
+    assert all(option.help for option in command.params if isinstance(option, click.Option))
+    assert {option.name for option in command.params} == {
+        "expression", "kind", "parameters", "z0", "delay", "within", "plot", "as_json",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [n for n in passivity.__all__ if n[0].islower()])
+def test_every_argument_of_the_library_is_documented(name):
+    function = getattr(passivity, name)
+    text = inspect.getdoc(function) or ""
+    for argument in inspect.signature(function).parameters:
+        assert re.search(rf"^{argument}\b.* : ", text, re.MULTILINE) or len(inspect.signature(function).parameters) == 1
+
+
+def test_an_answer_without_picture_loads_nothing_heavy():
+    code = (
+        "import sys\nfrom tline.cli.main import main\n"
+        f"try:\n    main(['passivity', {NEGATIVE!r}])\nexcept SystemExit:\n    pass\n"
+        "print(*sys.modules, file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert "refuted" in done.stdout
+    assert not {"numba", "scipy", "matplotlib", "numpy", "pint"} & set(done.stderr.split())
+
+
+def test_a_hostile_expression_is_refused_quickly():
+    started = time.perf_counter()
+    for text in ("(" * 5000 + "s", "s^1000000000", "9" * 9000, "+".join("1/(s+%d)" % k for k in range(900))):  # noqa: UP031
+        assert run(text).exit_code == 2
+    assert time.perf_counter() - started < 4

@@ -1,0 +1,399 @@
+"""Verdicts on functions whose answer is known by heart, and certificates that were tampered with."""
+
+import dataclasses
+import math
+from fractions import Fraction
+
+import pytest
+from flint import arb, fmpz_poly
+
+from passivity import (
+    ExpressionError,
+    Kind,
+    RationalFunction,
+    Status,
+    check_bounded_real,
+    check_line,
+    check_positive_real,
+    margins,
+    polynomial_sign,
+    robustness,
+    verify,
+)
+from passivity.hurwitz import routh_column
+from passivity.infimum import infimum
+from passivity.ladder import approximate_roots
+from passivity.polynomial_sign import SignProof, find_sign
+from passivity.real_roots import positive_roots
+
+of = RationalFunction.from_expression
+DIP = of("(s^2 + s + 1)/(s^2 + s + 4) + 1p")
+OPEN, SHORT = of("1/0"), of("0")
+TOUCHING = of("(s^2 + s + 1)/(s^2 + s + 4)")
+CHECKS = {Kind.PR: check_positive_real, Kind.BR: check_bounded_real}
+
+
+def poly(*coefficients):
+    """Highest power first."""
+    return fmpz_poly(list(coefficients[::-1]))
+
+
+def from_roots(*roots):
+    product = fmpz_poly([1])
+    for root in map(Fraction, roots):
+        product *= fmpz_poly([-root.numerator, root.denominator])
+    return product
+
+
+# ---- the sign of a polynomial on the half line
+
+
+@pytest.mark.parametrize(
+    "f",
+    [
+        poly(0),
+        poly(3),
+        poly(1, 0),
+        poly(1, -4, 4),
+        from_roots(2, 2) * from_roots(3, 3, 3, 3) * from_roots(-1),
+        poly(1, -1, 1),
+        poly(10**12, -2 * 10**12, 10**12 + 1),
+        from_roots("1/3", "1/3") * poly(1, 0, 0, 0),
+        from_roots(*range(-20, 0)),
+    ],
+)
+def test_nonnegative(f):
+    assert isinstance(find_sign(f), SignProof)
+
+
+@pytest.mark.parametrize(
+    "f",
+    [
+        poly(-3),
+        poly(1, -2),
+        poly(-1, 2),
+        poly(-1, 0, 0),
+        from_roots(1, 2),
+        from_roots(1, 1, 1),
+        from_roots(0, 0, 5),
+        -from_roots(0, 5) * from_roots(2, 2),
+        from_roots(Fraction(10**20, 10**20 + 1), 1),
+        from_roots(Fraction(1, 10**30)),
+        from_roots(3, 3) * from_roots(3),
+        from_roots(2, 2) * from_roots(2, "2001/1000"),
+    ],
+)
+def test_negative_somewhere(f):
+    x = find_sign(f)
+    assert isinstance(x, Fraction)
+    assert x >= 0
+    value = Fraction(0)
+    for c in reversed(f.coeffs()):
+        value = value * x + int(c)
+    assert value < 0
+
+
+def test_a_budget_that_runs_out_is_said(monkeypatch):
+    monkeypatch.setattr(polynomial_sign, "MAX_PIECES", 0)
+    verdict = check_positive_real(DIP)
+    assert verdict.status is Status.UNDECIDED
+    assert "pieces" in verdict.why
+    assert (verdict.certificate, verdict.witness) == (None, None)
+
+
+def test_positive_roots_are_isolated():
+    f = from_roots(1, 2, "2000001/1000000", 500, -3) * poly(1, 1, 1)
+    found = positive_roots(f)
+    assert [float(root) for root in found] == pytest.approx([1, 2, 2.000001, 500], rel=1e-15)
+    assert [root.rising for root in found] == [False, True, False, True]
+    assert [root.sign_of(poly(1, -3)) for root in found] == [-1, -1, -1, 1]
+
+
+# ---- Hurwitz
+
+
+@pytest.mark.parametrize(
+    ("f", "answer"),
+    [
+        (poly(0), False),
+        (poly(5), True),
+        (poly(-5), True),
+        (poly(1, 0), False),
+        (poly(1, 1), True),
+        (poly(-1, -1), True),
+        (poly(1, -1), False),
+        (poly(1, 0, 1), False),
+        (poly(1, 1, 1, 1), False),  # (s + 1)(s^2 + 1)
+        (poly(1, 2, 3, 7), False),
+        (poly(1, 2, 4, 7), True),
+        (poly(1, 1, 2, 2, 1, 1), False),  # (s + 1)(s^2 + 1)^2
+        (poly(1, 1, 2, 2, 3, 5), False),  # a zero pivot
+        (from_roots(*range(-30, 0)), True),
+        (from_roots(*range(-30, 0), "1/1000000000"), False),
+        (from_roots(*range(-30, 0)) * poly(10**40, 1, 10**40), True),
+        (from_roots(*range(-30, 0)) * poly(10**40, -1, 10**40), False),
+        (from_roots(*range(-30, 0)) * poly(1, 0, 1), False),
+    ],
+)
+def test_hurwitz(f, answer):
+    column = routh_column(f)
+    assert (column is not None) == answer
+    if column is not None:
+        assert len(column) == f.degree() + 1
+        assert all(pivot > 0 for pivot in column)
+
+
+def test_approximate_roots_where_the_scheme_ends_early():
+    roots = approximate_roots(poly(1, 1, 2, 2, 3, 5))
+    assert len(roots) == 2
+    assert all(abs(r**5 + r**4 + 2 * r**3 + 2 * r**2 + 3 * r + 5) < 1e-6 for r in roots)
+
+
+# ---- verdicts
+
+
+@pytest.mark.parametrize(
+    ("expression", "kind", "status", "words"),
+    [
+        ("0", "pr", "proved", "lossless"),
+        ("1/0", "pr", "proved", "lossless"),
+        ("-1", "pr", "refuted", "Re Z(jω) < 0 for all ω"),
+        ("s", "pr", "proved", "lossless"),
+        ("s + 1/s", "pr", "proved", "lossless"),
+        ("-s", "pr", "refuted", "pole at infinity with negative residue"),
+        ("1 - s", "pr", "refuted", "pole at infinity with negative residue"),
+        ("s - 1/s", "pr", "refuted", "pole at s = 0 with negative residue"),
+        ("s^3", "pr", "refuted", "grows like s^3"),
+        ("1/s^3", "pr", "refuted", "pole of order 3 at s = 0"),
+        ("1/s^2", "pr", "refuted", "Re Z(jω) < 0"),
+        ("s/(s^2 + 4)^2", "pr", "refuted", "pole of order 2 on the axis at ω = 2"),
+        ("1 - s/(s^2 + 4)", "pr", "refuted", "pole on the axis at ω = 2 with negative residue"),
+        ("1/(1 - s)", "pr", "refuted", "pole in Re s > 0"),
+        ("(s^2 + s + 1)/(s^2 + s + 4)", "pr", "proved", "equal at ω = 1.41421"),
+        ("1/(s^2 + s + 1)", "pr", "refuted", "for ω > 1"),
+        ("(s + 1)/(s^2 + s + 1)", "pr", "proved", ""),
+        ("(s - 1)*(s + 2)/((s - 1)*(s + 1))", "pr", "proved", "common factor s - 1 is a hidden mode"),
+        ("1", "br", "proved", "lossless"),
+        ("1/0", "br", "refuted", "|H(jω)| > 1"),
+        ("2", "br", "refuted", "|H(jω)| > 1 for all ω"),
+        ("(1 - s)/(1 + s)", "br", "proved", "lossless"),
+        ("(1 + s)/(1 - s)", "br", "refuted", "pole in Re s > 0"),
+        ("s", "br", "refuted", "for ω > 1"),
+        ("1/s", "br", "refuted", "for ω < 1"),
+        ("s/(s^2 + s + 1)", "br", "proved", "equal at ω = 1"),
+        ("0", "br", "proved", ""),
+    ],
+)
+def test_verdicts_and_reasons(expression, kind, status, words):
+    verdict = CHECKS[Kind[kind.upper()]](of(expression))
+    assert verdict.status == status
+    assert words in verdict.why
+    assert verdict.lossless == ("lossless" in words) or status == "refuted"
+    assert (verdict.certificate is None) == (status == "refuted")
+    assert (verdict.witness is None) == (status == "proved")
+
+
+def test_a_verdict_does_not_change():
+    verdict = check_positive_real(TOUCHING)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        verdict.status = Status.REFUTED
+    assert verdict.why is verdict.why
+    assert verdict.margins is verdict.margins
+
+
+def test_the_infinite_reflection_has_a_witness_without_value():
+    witness = check_bounded_real(OPEN).witness
+    assert witness.re > 0
+    assert (witness.value_re, witness.value_im) == (None, None)
+
+
+def test_no_witness_is_a_pole():
+    witness = check_bounded_real(of("(s + 1)/(1 - s)")).witness  # the pole is at s = 1
+    assert witness.re != 1
+    assert witness.value_re**2 + witness.value_im**2 > 1
+
+
+# ---- certificates
+
+
+@pytest.mark.parametrize("expression", ["0", "1/0", "s + 1/s", "1 + 1/(1 + s)", "(s^2 + s + 1)/(s^2 + s + 4)"])
+def test_certificates_are_verified(expression):
+    assert verify(check_positive_real(of(expression)).certificate)
+
+
+def test_a_certificate_of_something_else_is_refused():
+    certificate = check_positive_real(TOUCHING).certificate
+    sign = certificate.sign
+    for wrong in (
+        {"function": of("(s^2 + s + 1)/(s^2 + s + 5)")},
+        {"function": of("1/(1 - s)"), "sign": SignProof(((fmpz_poly([1]), 1),), ())},
+        {"function": of("-1")},
+        {"common": poly(1, 1)},
+        {"common": poly(0)},
+        {"kind": Kind.BR},
+        {"sign": SignProof(((fmpz_poly([4, -4, 1]), 1),), ())},
+        {"sign": SignProof((*sign.factors, (fmpz_poly([2]), 1)), ())},
+        {"sign": SignProof(sign.factors, (Fraction(-1),))},
+        {"sign": SignProof(sign.factors, (Fraction(2), Fraction(1)))},
+    ):
+        assert not verify(dataclasses.replace(certificate, **wrong)), wrong
+
+
+def test_the_pieces_of_a_certificate_count():
+    certificate = check_positive_real(DIP).certificate
+    assert certificate.sign.breaks
+    assert verify(certificate)
+    assert not verify(dataclasses.replace(certificate, sign=certificate.sign._replace(breaks=())))
+
+
+# ---- margins
+
+
+@pytest.mark.parametrize(
+    ("expression", "smallest", "place"),
+    [
+        ("50 + 1n*s", 50, 0),
+        ("1 + 1/(1 + s)", 1, math.inf),
+        ("(s^2 + s + 1)/(s^2 + s + 4)", 0, math.sqrt(2)),
+        ("2 + (s^2 + s + 1)/(s^2 + s + 4)", 2, math.sqrt(2)),
+        ("1/(1 + s)", 0, math.inf),
+        ("s/(1 + s)", 0, 0),
+        ("1/(1 + s)^2", Fraction(-1, 8), math.sqrt(3)),
+        ("1/s^2", -math.inf, 0),
+        ("s^2", -math.inf, math.inf),
+        ("1/(s^2 + 1)", -math.inf, 1),
+        ("1/(s^2 + 1)^2", 0, math.inf),
+        ("s + 1/s + 1/7", Fraction(1, 7), 0),
+    ],
+)
+def test_the_input_margin_is_exact(expression, smallest, place):
+    margin = check_positive_real(of(expression)).margins.input
+    assert (margin.low, margin.high) == (smallest, smallest)
+    assert margin.frequency == pytest.approx(place, rel=1e-12)
+
+
+def test_margins_that_are_not_rational_are_enclosed():
+    margin = check_positive_real(of("(s + 2)/(s^2 + s + 1)")).margins.input
+    exact = (3 - 2 * math.sqrt(3)) / 3  # of (2 - x)/(1 - x + x^2), at x = 2 + sqrt(3)
+    assert margin.low < margin.high
+    assert margin.value == pytest.approx(exact, rel=1e-11)
+    assert margin.frequency == pytest.approx(math.sqrt(2 + math.sqrt(3)), rel=1e-12)
+
+
+def test_reflections_against_a_reference():
+    verdict = check_positive_real(of("25 + s/1000"))
+    assert margins(verdict, 25).reflection.frequency == math.inf
+    assert margins(check_positive_real(of("25")), "50 ohm").reflection[:2] == (Fraction(1, 3), Fraction(1, 3))
+    for bad in (0, -1, "x", math.inf):
+        with pytest.raises(ExpressionError):
+            margins(verdict, bad)
+
+
+def test_a_margin_within_a_hair_of_the_border():
+    verdict = check_bounded_real(of("s/(s^2 + s + 1)") * (1 + Fraction(1, 10**30)))
+    reflection = verdict.margins.reflection
+    assert 1 < reflection.low <= 1 + Fraction(1, 10**30) <= reflection.high < 1 + Fraction(2, 10**30)
+
+
+@pytest.mark.parametrize("z", [OPEN, SHORT])
+def test_margins_of_open_and_short_circuit(z):
+    found = check_positive_real(z).margins
+    assert (found.input is None, found.output is None) == (z == OPEN, z == SHORT)
+    assert found.reflection.value == 1
+
+
+def test_a_smallest_value_among_many():
+    f = from_roots(1, 1) * from_roots(5, 5) + fmpz_poly([1])
+    g = from_roots(-1, -1, -1, -1)
+    found = infimum(f * 10**6 - 3 * g, 10**6 * g)
+    x = max(found.x, 0)
+    assert found.low <= ((x - 1) ** 2 * (x - 5) ** 2 + 1) / (x + 1) ** 4 - 3e-6 + 1e-9
+    assert found.x == pytest.approx(5, abs=0.1)
+
+
+# ---- robustness
+
+
+@pytest.mark.parametrize(
+    ("expression", "tolerance", "same"),
+    [
+        ("50 + 1n*s + 1/(1p*s)", "1e-3", True),
+        ("1", "0.999", True),
+        ("-1", "0.999", True),
+        ("s + 1/s", 2**-53, True),
+        ("(s^2 + s + 1)/(s^2 + s + 4)", 0, True),
+        ("(s^2 + s + 1)/(s^2 + s + 4)", 2**-53, False),
+        ("(s^2 + s + 1)/(s^2 + s + 4) - 1/10^20", 0, True),
+        ("(s^2 + s + 1)/(s^2 + s + 4) - 1/10^20", "1e-6", None),
+    ],
+)
+def test_robustness(expression, tolerance, same):
+    found = robustness(check_positive_real(of(expression)), tolerance)
+    assert found.same is same
+    assert (found.exception is not None) == (same is False)
+
+
+def test_the_exception_is_in_the_box_and_not_positive_real():
+    eps = Fraction(1, 10**9)
+    exception = robustness(check_positive_real(TOUCHING), eps).exception
+    assert check_positive_real(exception).status is Status.REFUTED
+    scale = exception.numerator[0] / TOUCHING.numerator[0]
+    for given, found in (
+        (TOUCHING.numerator, exception.numerator),
+        (TOUCHING.denominator, exception.denominator),
+    ):
+        ratios = [b / a / scale for a, b in zip(given, found, strict=True)]
+        assert max(ratios) / min(ratios) <= (1 + eps) / (1 - eps)
+
+
+@pytest.mark.parametrize("tolerance", [-1, 1, "x", math.nan])
+def test_a_wrong_tolerance_is_refused(tolerance):
+    with pytest.raises(ExpressionError, match="tolerance"):
+        robustness(check_positive_real(TOUCHING), tolerance)
+
+
+def test_robustness_is_about_impedances():
+    with pytest.raises(ExpressionError, match="check_positive_real"):
+        robustness(check_bounded_real(TOUCHING), 0)
+
+
+def test_a_column_of_balls():
+    assert all(isinstance(pivot, arb) for pivot in check_positive_real(TOUCHING).certificate.column)
+
+
+# ---- through a line
+
+
+@pytest.mark.parametrize(
+    ("load", "delay", "words"),
+    [
+        ("0", 1, "short-circuited and G1 = coth(Ts)"),
+        ("0", 0, "G1 is infinite"),
+        ("1/0", 1, "open and G1 = tanh(Ts)"),
+        ("1/0", 0, "without delay"),
+        ("50", "1 ns", "matched and G1 = 1"),
+        ("s", 1, "nothing is lost"),
+        ("25", 1, ">= 0"),
+    ],
+)
+def test_passive_ends_make_passive_ports(load, delay, words):
+    chain = check_line(of(load), 50, delay)
+    assert [step.status for step in chain.steps] == [Status.PROVED] * 4
+    assert chain.status is Status.PROVED
+    assert words in chain.steps[-1].reason
+    assert (chain.witness, chain.input) == (None, None)
+
+
+@pytest.mark.parametrize("load", ["-1", "-1/2", "-50", "(s + 3)/(s - 1)", "-s", "s - 1/s", "1/(1 - s)", "1/s^3"])
+@pytest.mark.parametrize("delay", [0, "1/1000", 1, 30])
+def test_active_ends_make_active_ports(load, delay):
+    chain = check_line(of(load), 1, delay)
+    assert [step.status for step in chain.steps] == [Status.REFUTED] * 4
+    assert chain.witness.re > 0
+    assert chain.input.real < 0
+
+
+@pytest.mark.parametrize(("z0", "delay"), [(0, 1), (-1, 1), ("x", 1), (1, -1), (1, "x"), (1, math.inf)])
+def test_lines_that_are_none(z0, delay):
+    with pytest.raises(ExpressionError, match=r"z0|delay"):
+        check_line(of("s"), z0, delay)
