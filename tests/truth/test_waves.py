@@ -183,7 +183,7 @@ def test_commensurate_networks_against_the_lattice_in_fractions(lines):
             assert abs(result.probes[name].u[k] - float(expected)) < 1e-12
 
 
-def test_a_switch_that_opens_inside_a_slab():
+def test_a_switch_that_closes_inside_a_slab():
     """A closing switch halves the voltage of a matched line; its instant is no multiple of anything."""
     at = 1.2345
     load = {"kind": "switch", "before": inf, "after": 1.0, "time": at}

@@ -56,6 +56,9 @@ class LazyGroup(click.Group):
         except InputError as error:
             click.echo(str(error), err=True)
             ctx.exit(2)
+        except OSError as error:  # what is left of them: the output cannot be written
+            click.echo(f"output: cannot be written, got {(error.strerror or str(error)).lower()}", err=True)
+            ctx.exit(2)
 
 
 def _print_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from tline.errors import InputError, SceneError
-from tline.scene.mistakes import WORDS, mistakes, register, shown
+from tline.scene.mistakes import MOST, WORDS, limited, mistakes, register, shown
 
 
 def is_name(name: Any) -> bool:
@@ -52,7 +52,8 @@ class Element(BaseModel):
         try:
             self.__pydantic_validator__.validate_python(data, self_instance=self)
         except ValidationError as error:
-            raise SceneError(mistakes(error, type(self), within=type(self).__name__)) from None
+            found = mistakes(error, type(self), within=type(self).__name__)
+            raise SceneError(limited(found, error.error_count() - MOST)) from None
 
     # elements inside a scene are built without the wrapper above, so that their mistakes are told together
     __init__.__pydantic_base_init__ = True  # pyright: ignore[reportFunctionMemberAccess]

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from tline.errors import InputError
 
+UNKNOWN, MISSING = "unknown key", "is missing"
 WORDS = {"kind", "shape"}  # keys that tell apart what may stand in one place
 MODELS: dict[str, type[BaseModel]] = {}  # value of such a key -> the model it chooses
 WORD_AT = {"loads": 2, "sources": 3, "value": 1}  # where in the validator's locations that value stands
@@ -34,9 +35,12 @@ def register(model: type[BaseModel]) -> None:
 
 
 def mistakes(
-    error: ValidationError, root: type[BaseModel], sections: Mapping[str, type[BaseModel]] | None = None, within=""
+    error: ValidationError,
+    root: type[BaseModel],
+    sections: Mapping[str, type[BaseModel]] | None = None,
+    within: str = "",
 ) -> list[InputError]:
-    """One InputError per finding, at most MOST and one that counts the rest.
+    """One InputError per finding, for the first MOST of them.
 
     Parameters
     ----------
@@ -52,16 +56,14 @@ def mistakes(
     findings = error.errors(include_url=False)
     sentences = [_sentence(finding, root, sections or {}, (within,) if within else ()) for finding in findings[:MOST]]
     meant = {f"{m.where.rpartition('.')[0]}.{m.expected.strip(chr(39))}" for m in sentences if m.problem == UNKNOWN}
-    kept = [m for m in sentences if not (m.problem == MISSING and (m.where in meant or f".{m.where}" in meant))]
-    return [*kept, *more(len(findings) - MOST)]
+    # a key that is missing because it is misspelt is one mistake, not two
+    return [m for m in sentences if not (m.problem == MISSING and (m.where in meant or f".{m.where}" in meant))]
 
 
-def more(count: int) -> list[InputError]:
-    """The sentence that stands for further mistakes."""
-    return [InputError("", f"and {count:,} more mistakes")] if count > 0 else []
-
-
-UNKNOWN, MISSING = "unknown key", "is missing"
+def limited(found: list[InputError], untold: int) -> list[InputError]:
+    """The first MOST mistakes, and a sentence that stands for the others and for those never put into words."""
+    rest = max(len(found) - MOST, 0) + max(untold, 0)
+    return [*found[:MOST], InputError("", f"and {rest:,} more mistakes")] if rest else found
 
 
 def _sentence(

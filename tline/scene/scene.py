@@ -10,7 +10,7 @@ from tline.scene.element import Element, Name
 from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.load import Load
 from tline.scene.medium import MEDIA
-from tline.scene.mistakes import MOST, mistakes, more
+from tline.scene.mistakes import MOST, limited, mistakes
 from tline.scene.probe import Probe
 from tline.scene.quantity import Duration, Whole
 from tline.scene.source import Source
@@ -104,14 +104,15 @@ class Scene(Element):
         }
         try:
             self.__pydantic_validator__.validate_python(data, self_instance=self, context=context)
-            found, sound = [], self
+            found, sound, untold = [], self, 0
         except ValidationError as error:
-            found, sound = mistakes(error, Scene, models), _sound_part(data, error, context)
+            found, untold = mistakes(error, Scene, models), error.error_count() - MOST
+            sound = _sound_part(data, error, context)
         reported = {mistake.where for mistake in found}
         found += [mistake for mistake in misplaced(data) if mistake.where not in reported]
         found += conflicts(sound) if sound is not None else []
         if found:
-            raise SceneError([*found[:MOST], *more(len(found) - MOST)])
+            raise SceneError(limited(found, untold))
 
 
 def _sound_part(data: dict[str, Any], error: ValidationError, context: dict[str, Any]) -> Scene | None:

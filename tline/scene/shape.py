@@ -42,7 +42,7 @@ class Constant(Shape):
     level: Level = Field(description="the value")
 
     @model_serializer
-    def _plain(self) -> float | str:
+    def _plain(self) -> int | float | str:
         return self.level.typed
 
     def breaks(self, t_end):  # noqa: D102

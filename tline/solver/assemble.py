@@ -42,13 +42,14 @@ def assemble(scene: Scene, record: set[str]) -> Assembly:
     arriving = np.stack([u - z0 * y, u + z0 * y], axis=1).ravel()  # at end 1 the wave b, at end 2 the wave a
 
     delay, shift_row, shift = _delays(scene, order, h)
-    drive_row, drives = _drives(nodes)
+    drives = [node.drives for node in nodes.values()]
     ends = np.array([end for node in nodes.values() for end in node.ends])
     first = np.cumsum([0, *(len(node.ends) for node in nodes.values())])
     weight = np.concatenate([_weights(node, z0) for node in nodes.values()])
     thevenin = np.add.reduceat(weight * arriving[ends], first[:-1])
     if scene.start == "steady":
-        thevenin += [_drive_before(node) for node in nodes.values()]
+        thevenin += [sum(share * just_before(waveform) for waveform, share in parts) for parts in drives]
+    driven = np.array([bool(parts) for parts in drives])
     maps = node_maps(nodes, order, h, thevenin)
     recorded, record_row = _recorded(scene, record)
     network = Network(
@@ -59,7 +60,7 @@ def assemble(scene: Scene, record: set[str]) -> Assembly:
         first=first,
         ends=ends,
         weight=weight,
-        drive_row=drive_row,
+        drive_row=np.where(driven, np.cumsum(driven) - 1, -1),
         load_row=maps.load_row,
         step_row=np.where(maps.load_row >= 0, 0, -1),
         step=maps.steps,
@@ -73,7 +74,9 @@ def assemble(scene: Scene, record: set[str]) -> Assembly:
         load=maps.states,
     )
     start = {name: (arriving[2 * k + 1], arriving[2 * k]) for k, name in enumerate(scene.lines)}
-    return Assembly(scene, chosen, order, network, state, drives, maps.changes, list(nodes), recorded, start)
+    return Assembly(
+        scene, chosen, order, network, state, list(filter(None, drives)), maps.changes, list(nodes), recorded, start
+    )
 
 
 def _recorded(scene: Scene, names: set[str]) -> tuple[dict[str, int], NDArray]:
@@ -103,21 +106,3 @@ def _weights(node: Node, z0: NDArray) -> NDArray:
     """Share of each end's arriving wave in the node's Thévenin wave; none reach an effort that is held."""
     own = 1 / z0[np.array(node.ends) // 2]
     return 0.0 * own if node.held is not None else own / (own.sum() + node.conductance)
-
-
-def _drives(nodes: dict[str, Node]) -> tuple[NDArray, list[list[tuple[Shape, float]]]]:
-    rows, drives = np.full(len(nodes), -1), []
-    for k, node in enumerate(nodes.values()):
-        parts = (
-            [(node.held, 1.0)]
-            if node.held is not None
-            else [(wave, factor / node.total) for wave, factor in node.flows]
-        )
-        if parts:
-            rows[k] = len(drives)
-            drives.append(parts)
-    return rows, drives
-
-
-def _drive_before(node: Node) -> float:
-    return just_before(node.held) if node.held is not None else node.flow_before() / node.total

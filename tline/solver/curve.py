@@ -49,25 +49,58 @@ def curve(probe: ProbeResult) -> Samples:
 
 def drawable(record: LineRecord) -> LineRecord:
     """The record with straight lines across fronts that lie inside slabs."""
-    waves = (record.a1, record.b1, record.a2, record.b2)
-    span = max(float(np.ptp(wave.at_slab_ends())) for wave in waves)
-    a1, b1, a2, b2 = (_bridged(wave, ROUGH * span) for wave in waves)
+    largest = ROUGH * _span(record)
+    a1, b1, a2, b2 = (_bridged(wave, largest) for wave in _waves(record))
     return replace(record, a1=a1, b1=b1, a2=a2, b2=b2)
+
+
+def unresolved(record: LineRecord) -> float:
+    """By how much the waves are off in slabs that they vary too fast for, as a share of their range; mostly zero.
+
+    Order 1 leaves nothing to tell it by.
+    """
+    span = _span(record)
+    tails = [tail[_rough(wave, tail, ROUGH * span)] for wave in _waves(record) for tail in [_tail(wave)]]
+    return max(float(tail.max(initial=0.0)) for tail in tails) / span if span else 0.0
+
+
+def _waves(record: LineRecord) -> tuple[Wave, Wave, Wave, Wave]:
+    return record.a1, record.b1, record.a2, record.b2
+
+
+def _span(record: LineRecord) -> float:
+    """Range of the waves; zero if it is only rounding."""
+    ends = [wave.at_slab_ends() for wave in _waves(record)]
+    span = max(float(np.ptp(values)) for values in ends)
+    return span if span > NOISE * max(float(np.abs(values).max()) for values in ends) else 0.0
+
+
+def _tail(wave: Wave) -> NDArray:
+    """Of each slab the largest part of its two highest degrees; one alone may vanish by chance."""
+    highest = wave.basis.to_legendre[max(wave.basis.s - 2, 1) :]
+    return np.abs(wave.values @ highest.T).max(axis=1, initial=0.0)
+
+
+def _edges(wave: Wave) -> tuple[NDArray, NDArray]:
+    """Values just after and just before each slab's edge."""
+    return np.append(wave.values @ wave.basis.evaluation([0.0])[0], wave.values[-1, -1]), wave.at_slab_ends()
+
+
+def _rough(wave: Wave, tail: NDArray, largest: float) -> NDArray:
+    """Slabs whose highest degrees are large and that do not continue their neighbours."""
+    starts, ends = _edges(wave)
+    breaks = np.abs(starts - ends) > largest
+    return (tail > largest) & (breaks[:-1] | breaks[1:])
 
 
 def _bridged(wave: Wave, largest: float) -> Wave:
     """A straight line across each front, from the end of the slab before it to the start of the slab after it.
 
-    A slab holds a front if its highest degrees are large and it does not continue its neighbours. Where that goes on
-    for more than a few slabs, something oscillates too fast for them, and the polynomials stay as they are.
+    Where rough slabs go on for more than a few, something oscillates too fast for them, and the polynomials stay as
+    they are.
     """
-    starts = np.append(wave.values @ wave.basis.evaluation([0.0])[0], wave.values[-1, -1])
-    ends = wave.at_slab_ends()
-    breaks = np.abs(starts - ends) > largest
-    highest = wave.basis.to_legendre[max(wave.basis.s - 2, 1) :]  # two, as one of them may vanish by chance
-    tail = np.abs(wave.values @ highest.T).max(axis=1, initial=0.0)
-    front = (tail > largest) & (breaks[:-1] | breaks[1:])
-    change = np.diff(np.concatenate([[0], front, [0]]))
+    starts, ends = _edges(wave)
+    change = np.diff(np.concatenate([[0], _rough(wave, _tail(wave), largest), [0]]))
     low, high = np.nonzero(change == 1)[0], np.nonzero(change == -1)[0]
     few = high - low <= WIDEST
     low, high = low[few], high[few]

@@ -26,7 +26,8 @@ class StateSpace(NamedTuple):
 
     def at_rest_under(self, wave: float) -> Matrix:
         """State in the steady state under a constant input."""
-        return -np.linalg.solve(self.A, self.b * wave)
+        forcing = self.b * wave
+        return -np.linalg.solve(self.A, forcing) if forcing.any() else forcing
 
 
 NO_LOAD = StateSpace(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 1.0)  # an open circuit reflects all
@@ -40,7 +41,7 @@ def effort(reflection: StateSpace, g: float) -> StateSpace:
     reflection : StateSpace
         From the wave a = u + z i into the load to the wave r = u - z i out of it.
     g : float
-        Conductance of the switch in units of 1/z, 0 to infinity. It makes a = (1 - k) w - k r with k = g/(2 + g).
+        Conductance of the switch in units of 1/z, 0 to infinity: a = (2 w - g r)/(2 + g).
 
     Raises
     ------
@@ -48,12 +49,11 @@ def effort(reflection: StateSpace, g: float) -> StateSpace:
         If a closed switch (g infinite) shorts a load that holds its effort, such as a capacitor.
     """
     A, b, c, d = reflection
-    k = 1.0 if np.isinf(g) else g / (2.0 + g)
-    loop = 1.0 + k * d
-    if loop == 0.0:
-        raise ZeroDivisionError
-    passed = (1.0 - k) / loop
-    return StateSpace(A - (k / loop) * np.outer(b, c), b * passed, c * passed / 2, (1.0 + d) * passed / 2)
+    if np.isinf(g):
+        back, passed = 1.0 / float(1.0 + d), 0.0
+    else:
+        back, passed = g / (2.0 + g * (1.0 + d)), 2.0 / (2.0 + g * (1.0 + d))
+    return StateSpace(A - back * np.outer(b, c), b * passed, c * passed / 2, (1.0 + d) * passed / 2)
 
 
 def reflection(impedance: RationalFunction, z: float, where: str) -> StateSpace:
@@ -73,7 +73,7 @@ def reflection(impedance: RationalFunction, z: float, where: str) -> StateSpace:
     InputError
         If Z + z falls to a lower degree: Z tends to -z at high frequency, and no wave is defined.
     """
-    p, q = _padded(impedance.numerator), _padded(impedance.denominator)
+    p, q = [Fraction(a) for a in impedance.numerator], [Fraction(a) for a in impedance.denominator]
     n = max(len(p), len(q)) - 1
     p, q = [Fraction(0)] * (n + 1 - len(p)) + p, [Fraction(0)] * (n + 1 - len(q)) + q
     exact_z = Fraction(z)
@@ -96,10 +96,6 @@ def reflection(impedance: RationalFunction, z: float, where: str) -> StateSpace:
     b, c = np.eye(n)[0], np.array(output[1:])
     scale = _balance(A)
     return StateSpace(float(rate) * A / scale[:, None] * scale, float(rate) * b / scale, c * scale, float(direct))
-
-
-def _padded(coefficients) -> list[Fraction]:
-    return [Fraction(a) for a in coefficients] or [Fraction(0)]
 
 
 def _root(ratio: Fraction, n: int) -> Fraction:

@@ -1,12 +1,17 @@
 """The time loop: projects the sources chunk by chunk and lets the kernel advance all nodes."""
 
 import time
+from collections import defaultdict
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from passivity.positive_real import check_positive_real
+from passivity.verdict import Status
 from tline.errors import InputError
+from tline.scene.mistakes import place
+from tline.scene.rational_load import Rational
 from tline.solver.assemble import Assembly
 from tline.solver.drive import on_slabs
 
@@ -37,18 +42,17 @@ def march(assembly: Assembly, n: int, *, progress: bool = False) -> tuple[NDArra
     record = np.empty((2 * len(assembly.recorded), 2, n * s))
     advance(network, state, 0, np.zeros((len(breaks), 0)), record, 0)  # compiled now, or loaded
     chunk = max(int(CHUNK / (2 * len(network.delay) * s)), 1)
-    edges = sorted({*range(0, n, chunk), n, *(slab for slab, _, _ in assembly.changes if slab < n)})
-    changes = iter([*assembly.changes, (n, 0, 0)])
-    slab, node, row = next(changes)
+    changes = defaultdict(list)
+    for slab, node, row in assembly.changes:
+        changes[slab].append((node, row))
+    edges = sorted({*range(0, n, chunk), n, *(slab for slab in changes if slab < n)})
     started = time.perf_counter()
     with tqdm(total=n, disable=not progress, delay=2, unit="slab", unit_scale=True) as bar:
         for low, high in pairwise(edges):
-            while slab <= low:
+            for node, row in changes[low]:
                 network.step_row[node] = row
-                slab, node, row = next(changes)
-            failed = advance(network, state, high - low, _drive(assembly, breaks, low, high - low), record, low)
-            if failed >= 0:
-                _refuse(assembly, failed, high * h)
+            if advance(network, state, high - low, _drive(assembly, breaks, low, high - low), record, low) >= 0:
+                _refuse(assembly)
             bar.update(high - low)
     return record, time.perf_counter() - started
 
@@ -62,6 +66,13 @@ def _drive(assembly: Assembly, breaks: list[list[NDArray]], first: int, n: int) 
     return drive.reshape(len(breaks), n * assembly.resolution.s)
 
 
-def _refuse(assembly: Assembly, node: int, t: float) -> None:
-    where = f"node '{assembly.nodes[node]}'" if node < len(assembly.nodes) else "lines"
-    raise InputError(where, f"the waves have grown beyond all bounds before t = {t:.6g} s: an active load feeds them")
+def _refuse(assembly: Assembly) -> None:
+    loads = assembly.scene.loads.items()
+    active = [
+        place("loads", name)
+        for name, load in loads
+        if isinstance(load, Rational) and check_positive_real(load.rational()).status is Status.REFUTED
+    ]
+    raise InputError(
+        " and ".join(active) or "lines", "the waves grow beyond all bounds", "passive loads", "active ones"
+    )

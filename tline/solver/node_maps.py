@@ -5,9 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.errors import InputError
 from tline.solver.drive import EDGE
-from tline.solver.load_step import NO_LOAD, LoadStep, StateSpace, effort, reflection, stepwise
+from tline.solver.load_step import LoadStep, stepwise
 from tline.solver.nodes import Node
 from tline.solver.radau import Basis
 
@@ -27,16 +26,14 @@ def node_maps(nodes: dict[str, Node], order: Basis, h: float, thevenin: NDArray)
     maps: list[LoadStep] = []
     states: list[NDArray] = []
     changes: list[tuple[int, int, int]] = []
-    for k, (name, node) in enumerate(nodes.items()):
+    for k, node in enumerate(nodes.values()):
         if node.held is not None or (node.load is None and not node.switches):
             continue
         rows[k] = len(states)
-        wave = reflection(node.load, 1 / node.total, node.load_name) if node.load is not None else NO_LOAD
-        started = _effort(wave, node, node.switched(0.0), name)
-        states.append(started.at_rest_under(thevenin[k]) if thevenin[k] else np.zeros(len(wave.A)))
+        states.append(node.effort(node.switched(0.0)).at_rest_under(thevenin[k]))
         for slab, pieces in _slabs_of(node, h):
             changes.append((slab, k, len(maps)))
-            maps.append(stepwise([(p, q, _effort(wave, node, g, name)) for p, q, g in pieces], order, h))
+            maps.append(stepwise([(p, q, node.effort(g)) for p, q, g in pieces], order, h))
     return NodeMaps(rows, *_padded(maps, states, order.s), sorted(changes))
 
 
@@ -50,25 +47,12 @@ def _padded(maps: list[LoadStep], states: list[NDArray], s: int) -> tuple[NDArra
     return steps, np.array([np.pad(state, (0, n - len(state))) for state in states]).reshape(len(states), n)
 
 
-def _effort(wave: StateSpace, node: Node, switched: float, name: str) -> StateSpace:
-    try:
-        return effort(wave, switched / node.total)
-    except ZeroDivisionError:
-        raise InputError(
-            f"node '{name}'",
-            f"a switch shorts {node.load_name}, which holds its effort",
-            "a resistance above zero",
-        ) from None
-
-
 def _slabs_of(node: Node, h: float) -> list[tuple[int, list[tuple[float, float, float]]]]:
     """Where the node's map changes: (slab, pieces (start, end, switched conductance) in slab time)."""
     times = sorted({float(switch.time) for switch in node.switches if switch.time > 0})
     changes: dict[int, list[tuple[float, float, float]]] = {
         0: [(0.0, 1.0, node.switched(times[0] if times else np.inf))]
     }
-    if any(switch.time == 0 for switch in node.switches):
-        changes[0] = [(0.0, 1.0, node.switched(np.nextafter(0.0, 1.0)))]
     for k, time in enumerate(times):
         after = node.switched(times[k + 1] if k + 1 < len(times) else np.inf)
         slab, place = int(time / h), time / h - int(time / h)

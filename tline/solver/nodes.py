@@ -14,7 +14,7 @@ from tline.scene.rational_load import MOST_STATES, Rational
 from tline.scene.scene import Scene
 from tline.scene.waveform import Constant, Shape
 from tline.solver.drive import just_before
-from tline.solver.load_step import NO_LOAD, StateSpace, reflection
+from tline.solver.load_step import NO_LOAD, StateSpace, effort, reflection
 
 
 @dataclass
@@ -54,6 +54,27 @@ class Node:
         if system is None or not all(np.isfinite(part).all() for part in system):
             raise InputError(self.load_name, "its coefficients are too far apart for floating-point numbers")
         return system
+
+    def effort(self, switched: float) -> StateSpace:
+        """From the Thévenin wave to the node's effort, through the loads and switches of that conductance.
+
+        Raises
+        ------
+        InputError
+            A closed switch shorts a load that holds its effort.
+        """
+        try:
+            return effort(self.reflection, switched / self.total)
+        except ZeroDivisionError:
+            problem = "a switch shorts it, and it holds its effort"
+            raise InputError(self.load_name, problem, "a switch with a resistance above zero") from None
+
+    @property
+    def drives(self) -> list[tuple[Shape, float]]:
+        """Waveforms and their shares of the Thévenin wave."""
+        if self.held is not None:
+            return [(self.held, 1.0)]
+        return [(waveform, factor / self.total) for waveform, factor in self.flows]
 
     def switched(self, t: float) -> float:
         """Conductance of the switches just before t."""

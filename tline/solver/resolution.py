@@ -112,7 +112,8 @@ def _time_scales(scene: Scene, nodes: dict[str, Node]) -> dict[str, float]:
     scales = {place("sources", name): source.value.fastest() for name, source in scene.sources.items()}
     for node in nodes.values():
         if node.load is not None and node.held is None:
-            largest = np.abs(np.linalg.eigvals(node.reflection.A)).max()
+            states = {node.switched(t) for t in (0.0, *(float(switch.time) for switch in node.switches), inf)}
+            largest = max(np.abs(np.linalg.eigvals(node.effort(g).A)).max() for g in states)
             scales[node.load_name] = 1 / largest if largest else inf
     return {where: float(scale) for where, scale in scales.items() if isfinite(scale)}
 

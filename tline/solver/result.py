@@ -7,7 +7,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tline.errors import InputError
 from tline.scene.medium import MEDIA, Medium
+from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.solver.radau import Basis
 from tline.solver.resolution import Resolution
@@ -37,12 +39,6 @@ class Wave:
     def at_slab_ends(self) -> NDArray:
         """Values at t = 0, h, 2h, …: where they are most accurate."""
         return np.concatenate([[self.before], self.values[:, -1]])
-
-    def tail(self) -> float:
-        """Largest part of the highest two polynomial degrees in any slab: how much the slabs leave unresolved."""
-        s = self.basis.s
-        highest = self.basis.to_legendre[max(s - 2, 1) :]  # one alone may vanish by chance
-        return float(np.abs(self.values @ highest.T).max(initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,8 +84,18 @@ class ProbeResult:
     slab_ends: NDArray
 
     def at(self, t: ArrayLike) -> Samples:
-        """Effort, flow and waves at any instants from 0 to the end of the run."""
-        t = np.asarray(t, float)
+        """Effort, flow and waves at any instants of the run, and before t = 0.
+
+        Raises
+        ------
+        InputError
+            An instant is no number, or lies behind the last slab.
+        """
+        t, end = np.asarray(t, float), self.slab_ends[-1]
+        if not (t <= end * (1 + NEAR)).all():
+            raise InputError(
+                place("probes", self.name), "instant not in the run", f"at most {end:.9g} s", f"{t.max():.9g} s"
+            )
         a, b = self.record.waves(t, self.share)
         return Samples(t, (a + b) / 2, (a - b) / (2 * self.record.z0), a, b)
 

@@ -12,10 +12,10 @@ from tline.scene.mistakes import nearest
 from tline.scene.scene import Scene
 from tline.solver.assemble import Assembly, assemble
 from tline.solver.march import march
+from tline.solver.remarks import ringing, unconnected, untouched
 from tline.solver.result import LineRecord, ProbeResult, Result, Wave
 
 LARGEST_RECORD = 4e8  # samples
-UNRESOLVED = 1e-2  # share of the highest degree in a slab, of the probe's amplitude, that is worth a remark
 
 
 class UnresolvedWarning(UserWarning):
@@ -47,7 +47,7 @@ def simulate(scene: Scene, *, record: Iterable[str] = (), progress: bool = False
     Warns
     -----
     UnresolvedWarning
-        A load or waveform is faster than the slabs can follow. The same remarks stand in ``Result.notes``.
+        A load or waveform is faster than the slabs can follow. ``Result.notes`` has these and other remarks.
 
     References
     ----------
@@ -69,9 +69,10 @@ def simulate(scene: Scene, *, record: Iterable[str] = (), progress: bool = False
     for name, probe in scene.probes.items():
         line = probe.line or next(iter(_lines_at(scene, probe.at)))
         probes[name] = ProbeResult(name, line, probe.fraction(scene.lines[line]), lines[line], ends)
-    notes = (*assembly.resolution.notes, *_unresolved(probes))
-    for note in notes:
+    unresolved = (*assembly.resolution.notes, *ringing(probes))
+    for note in unresolved:
         warnings.warn(note, UnresolvedWarning, stacklevel=2)
+    notes = (*unresolved, *untouched(probes), *unconnected(scene))
     return Result(scene, ends, probes, lines, assembly.resolution, notes, 2 * len(scene.lines) * n * s, seconds)
 
 
@@ -93,15 +94,3 @@ def _record(assembly: Assembly, name: str, waves: NDArray) -> LineRecord:
 
     (b1, a1), (a2, b2) = waves[row], waves[row + 1]
     return LineRecord(parameters.z0, parameters.delay or 0.0, wave(a1, a), wave(b1, b), wave(a2, a), wave(b2, b))
-
-
-def _unresolved(probes: dict[str, ProbeResult]) -> list[str]:
-    """Remarks on probes whose waves vary inside a slab more than its polynomial can follow."""
-    notes = []
-    for name, probe in probes.items():
-        amplitude = np.ptp(probe.u)
-        tail = max(wave.tail() for wave in (probe.record.a1, probe.record.b1, probe.record.a2, probe.record.b2))
-        if tail > UNRESOLVED * amplitude > 0:
-            off = f"up to {tail / amplitude:.0%} of its range"
-            notes.append(f"probes.{name}: inside slabs that hold a front the curve is off by {off}")
-    return notes

@@ -32,7 +32,7 @@ def steady_state(scene: Scene, nodes: dict[str, Node]) -> tuple[NDArray, NDArray
     number = {name: k for k, name in enumerate(nodes)}
     first, second = np.array([[number[node] for node in line.nodes] for line in scene.lines.values()]).T
     n = len(nodes)
-    part = _parts(first, second, n)
+    part = parts(first, second, n)
     given, conductance, driven, tie = _balances(nodes)
     effort = _efforts(scene, number, part, given, conductance, driven)[part]
     unheld = np.isnan(_least(given, part))
@@ -42,9 +42,9 @@ def steady_state(scene: Scene, nodes: dict[str, Node]) -> tuple[NDArray, NDArray
     return effort[first], stiffness * (potential[first] - potential[second])
 
 
-def _parts(first: NDArray, second: NDArray, n: int) -> NDArray:
-    """Of each node the number of the connected part it lies in: the least node's label spreads along the lines."""
-    label, before = np.arange(n), np.full(n, -1)
+def parts(first: NDArray, second: NDArray, n: int) -> NDArray:
+    """Number of the connected part that each of n nodes lies in, for lines from the first nodes to the second."""
+    label, before = np.arange(n), np.full(n, -1)  # the least node of a part gives it its label, along the lines
     while (label != before).any():
         before = label.copy()
         least = np.minimum(label[first], label[second])

@@ -1,0 +1,48 @@
+"""What a user should know of a run beside its numbers."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from tline.scene.mistakes import place
+from tline.scene.scene import Scene
+from tline.solver.curve import unresolved
+from tline.solver.result import ProbeResult
+from tline.solver.steady import parts
+
+LISTED = 4  # nodes
+
+
+def ringing(probes: Mapping[str, ProbeResult]) -> list[str]:
+    """Probes on lines whose waves vary faster than some slabs can follow."""
+    notes = []
+    for name, probe in probes.items():
+        off = unresolved(probe.record)
+        if off:
+            notes.append(
+                f"{place('probes', name)}: in slabs that hold a front the waves are off by up to {off:.0%} of their "
+                "range; a slab that divides all delays and instants avoids it, a smaller one narrows it"
+            )
+    return notes
+
+
+def untouched(probes: Mapping[str, ProbeResult]) -> list[str]:
+    """Probes that saw nothing at all."""
+    return [
+        f"{place('probes', name)}: no wave reached it before the end"
+        for name, probe in probes.items()
+        if not probe.a.any() and not probe.b.any()
+    ]
+
+
+def unconnected(scene: Scene) -> list[str]:
+    """Parts of the scene that no line joins with the rest: often a node whose name is written in two ways."""
+    nodes = list(dict.fromkeys(node for line in scene.lines.values() for node in line.nodes))
+    number = {node: k for k, node in enumerate(nodes)}
+    first, second = np.array([[number[node] for node in line.nodes] for line in scene.lines.values()]).T
+    part = parts(first, second, len(nodes))
+    if not part.any():
+        return []
+    smallest = np.flatnonzero(part == np.argmin(np.bincount(part)))
+    named = ", ".join(f"'{nodes[k]}'" for k in smallest[:LISTED]) + " and more" * (len(smallest) > LISTED)
+    return [f"lines: they form {part.max() + 1} parts that are not connected; one has the nodes {named}"]
