@@ -3,11 +3,11 @@
 import math
 from typing import Any
 
-from passivity.certificate import verify
-from passivity.chain import Chain
-from passivity.margin import Margin, Margins
-from passivity.robustness import Robustness
-from passivity.verdict import Verdict, Witness
+from passivity.delayed.chain import Chain
+from passivity.one_port.certificate import verify
+from passivity.one_port.margin import Margin, Margins
+from passivity.one_port.robustness import Robustness
+from passivity.one_port.verdict import Verdict, Witness
 
 
 def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None, chain: Chain | None) -> dict[str, Any]:

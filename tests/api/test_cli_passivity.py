@@ -16,7 +16,7 @@ from matplotlib.image import imread
 
 import passivity
 from passivity import RationalFunction, check_bounded_real, check_positive_real
-from passivity.picture import draw_verdict
+from passivity.one_port.picture import draw_verdict
 from tline.cli.main import main
 from tline.cli.passivity import passivity as command
 
@@ -90,7 +90,7 @@ def test_a_mistake_is_one_sentence_and_exit_2(arguments, sentence):
 
 
 def test_undecided_exits_3(monkeypatch):
-    monkeypatch.setattr("passivity.polynomial_sign.MAX_PIECES", 0)
+    monkeypatch.setattr("passivity.one_port.polynomial_sign.MAX_PIECES", 0)
     result = run("(s^2 + s + 1)/(s^2 + s + 4) + 1p")
     assert result.exit_code == 3
     assert "undecided\n  because the sign of a polynomial" in result.stdout

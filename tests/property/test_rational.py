@@ -11,8 +11,8 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from passivity import ExpressionError, RationalFunction
-from passivity.expression import parse
-from passivity.tree import symbols
+from passivity.expression.parse import parse
+from passivity.expression.tree import symbols
 
 of = RationalFunction.from_expression
 OPEN, SHORT = of("1/0"), of("0")

@@ -7,8 +7,8 @@ from fractions import Fraction
 import pytest
 
 from passivity.errors import ExpressionError
-from passivity.expression import MAX_CHARACTERS, MAX_DEPTH, parse
-from passivity.tree import Add, Call, Divide, Multiply, Negate, Number, Power, Symbol, symbols
+from passivity.expression.parse import MAX_CHARACTERS, MAX_DEPTH, parse
+from passivity.expression.tree import Add, Call, Divide, Multiply, Negate, Number, Power, Symbol, symbols
 
 a, b, c, d, s = (Symbol(name) for name in "abcds")
 two = Number(Fraction(2), "2")

@@ -16,15 +16,15 @@ from passivity import (
     check_line,
     check_positive_real,
     margins,
-    polynomial_sign,
     robustness,
     verify,
 )
-from passivity.hurwitz import routh_column
-from passivity.infimum import infimum
-from passivity.ladder import approximate_roots
-from passivity.polynomial_sign import SignProof, find_sign
-from passivity.real_roots import positive_roots
+from passivity.one_port import polynomial_sign
+from passivity.one_port.hurwitz import routh_column
+from passivity.one_port.infimum import infimum
+from passivity.one_port.ladder import approximate_roots
+from passivity.one_port.polynomial_sign import SignProof, find_sign
+from passivity.one_port.real_roots import positive_roots
 
 of = RationalFunction.from_expression
 DIP = of("(s^2 + s + 1)/(s^2 + s + 4) + 1p")

@@ -16,7 +16,7 @@ import pytest
 import scipy.signal
 
 from passivity import ExpressionError, RationalFunction
-from passivity.evaluate import MAX_DEGREE, exact
+from passivity.rational.evaluate import MAX_DEGREE, exact
 
 of = RationalFunction.from_expression
 coefficients = RationalFunction.from_coefficients

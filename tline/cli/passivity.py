@@ -84,7 +84,7 @@ def _answer(expression: str, given: dict[str, Any]) -> "tuple[Verdict, Margins, 
         margins,
         robustness,
     )
-    from passivity.polynomial_sign import UndecidedError
+    from passivity.one_port.polynomial_sign import UndecidedError
 
     function = RationalFunction.from_expression(expression, _parameters(given["parameters"]))
     verdict = (check_positive_real if given["kind"] == "pr" else check_bounded_real)(function)
@@ -120,8 +120,8 @@ def _check_file(path: str | None) -> None:
 
 
 def _plot(verdict: "Verdict", margins: "Margins", given: dict[str, Any]) -> None:
-    from passivity.evaluate import exact
-    from passivity.picture import draw_verdict
+    from passivity.one_port.picture import draw_verdict
+    from passivity.rational.evaluate import exact
     from tline.pictures.style import save_figure, styled
 
     save_figure(styled(draw_verdict)(verdict, margins, float(exact(given["z0"] or 1, "z0"))), given["plot"])

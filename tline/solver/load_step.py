@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from passivity.rational import RationalFunction
+from passivity.rational.function import RationalFunction
 from tline.errors import InputError
 from tline.solver.radau import Basis, Matrix
 

@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from passivity.positive_real import check_positive_real
-from passivity.verdict import Status
+from passivity.one_port.positive_real import check_positive_real
+from passivity.status import Status
 from tline.errors import InputError
 from tline.scene.mistakes import place
 from tline.scene.rational_load import Rational

@@ -13,14 +13,15 @@ from fractions import Fraction
 
 from flint import acb, ctx, fmpq, fmpz_poly
 
-from passivity.axis import allowance
 from passivity.errors import ExpressionError
-from passivity.evaluate import Exact, exact
-from passivity.polynomial_sign import find_sign
-from passivity.positive_real import check_bounded_real, check_positive_real
-from passivity.rational import RationalFunction
-from passivity.verdict import Kind, Status, Verdict, Witness
-from passivity.witness import from_axis, from_root
+from passivity.one_port.axis import allowance
+from passivity.one_port.polynomial_sign import find_sign
+from passivity.one_port.positive_real import check_bounded_real, check_positive_real
+from passivity.one_port.verdict import Verdict, Witness
+from passivity.one_port.witness import from_axis, from_root
+from passivity.rational.evaluate import Exact, exact
+from passivity.rational.function import RationalFunction
+from passivity.status import Kind, Status
 
 
 @dataclass(frozen=True)

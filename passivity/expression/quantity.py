@@ -3,7 +3,7 @@
 from fractions import Fraction
 
 from passivity.errors import ExpressionError, shorten
-from passivity.tokens import Token
+from passivity.expression.tokens import Token
 
 MAX_DIGITS = 4_000
 MAX_DECIMAL_EXPONENT = 400  # 1e-400

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from flint import arb, arb_poly, ctx, fmpq, fmpz_poly
 
-from passivity.polynomial_sign import SignProof, UndecidedError, find_sign, squarefree
-from passivity.real_roots import positive_roots
+from passivity.one_port.polynomial_sign import SignProof, UndecidedError, find_sign, squarefree
+from passivity.one_port.real_roots import positive_roots
 
 MAX_ROUNDS = 40
 BITS = 40  # values not found exactly lie in an interval shorter than 2^-BITS of their distance to 0 and to the guess

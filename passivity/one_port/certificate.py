@@ -13,7 +13,8 @@ from fractions import Fraction
 
 from flint import arb, arb_poly, ctx, fmpz_poly
 
-from passivity.verdict import Certificate, Kind
+from passivity.one_port.verdict import Certificate
+from passivity.status import Kind
 
 _MAX_BITS = 1_000_000
 

@@ -10,9 +10,9 @@ from typing import Self
 from flint import acb, ctx, fmpq, fmpq_poly
 
 from passivity.errors import ExpressionError
-from passivity.evaluate import Exact, evaluate, exact
-from passivity.quotient import Quotient
-from passivity.systems import coefficients
+from passivity.rational.evaluate import Exact, evaluate, exact
+from passivity.rational.quotient import Quotient
+from passivity.rational.systems import coefficients
 
 
 class RationalFunction(Quotient):
@@ -59,7 +59,7 @@ class RationalFunction(Quotient):
         Parameters
         ----------
         text : str
-            What `passivity.expression.parse` reads, without exp and sqrt; degree at most MAX_DEGREE.
+            What `passivity.expression.parse.parse` reads, without exp and sqrt; degree at most MAX_DEGREE.
         parameters : mapping of str to number or text, optional
             A value for every name in the expression but ``s``, and for no other; as in `from_coefficients`.
 

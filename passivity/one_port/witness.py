@@ -6,8 +6,9 @@ from math import isqrt
 
 from flint import acb, arb, ctx, fmpq, fmpz, fmpz_poly
 
-from passivity.ladder import approximate_roots
-from passivity.verdict import Kind, Witness
+from passivity.one_port.ladder import approximate_roots
+from passivity.one_port.verdict import Witness
+from passivity.status import Kind
 
 _NONE = Fraction(0)
 _ACCURACY = 512  # bits of a root, at first

@@ -7,11 +7,12 @@ from typing import NamedTuple
 
 from flint import fmpz_poly
 
-from passivity.axis import allowance, product
 from passivity.errors import ExpressionError
-from passivity.evaluate import Exact, exact
-from passivity.infimum import Infimum, infimum
-from passivity.verdict import Kind, Verdict
+from passivity.one_port.axis import allowance, product
+from passivity.one_port.infimum import Infimum, infimum
+from passivity.one_port.verdict import Verdict
+from passivity.rational.evaluate import Exact, exact
+from passivity.status import Kind
 
 
 class Margin(NamedTuple):

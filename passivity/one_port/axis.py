@@ -2,7 +2,7 @@
 
 from flint import fmpz_poly
 
-from passivity.verdict import Kind
+from passivity.status import Kind
 
 _X = fmpz_poly([0, 1])
 

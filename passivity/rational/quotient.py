@@ -9,7 +9,7 @@ from typing import Self, TypeAlias, TypeVar
 from flint import fmpz_poly
 
 from passivity.errors import ExpressionError
-from passivity.number import fraction
+from passivity.expression.number import fraction
 
 Number: TypeAlias = int | float | Fraction
 Q = TypeVar("Q", bound="Quotient")

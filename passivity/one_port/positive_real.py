@@ -14,12 +14,13 @@ from fractions import Fraction
 
 from flint import fmpz_poly
 
-from passivity.axis import allowance
-from passivity.hurwitz import routh_column
-from passivity.polynomial_sign import UndecidedError, coprime, find_sign
-from passivity.rational import RationalFunction
-from passivity.verdict import Certificate, Kind, Status, Verdict
-from passivity.witness import from_axis, from_root
+from passivity.one_port.axis import allowance
+from passivity.one_port.hurwitz import routh_column
+from passivity.one_port.polynomial_sign import UndecidedError, coprime, find_sign
+from passivity.one_port.verdict import Certificate, Verdict
+from passivity.one_port.witness import from_axis, from_root
+from passivity.rational.function import RationalFunction
+from passivity.status import Kind, Status
 
 
 def check_positive_real(z: RationalFunction) -> Verdict:

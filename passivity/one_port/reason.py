@@ -5,10 +5,11 @@ from itertools import pairwise
 
 from flint import fmpz_poly
 
-from passivity.axis import allowance, parts, product
-from passivity.polynomial_sign import squarefree
-from passivity.real_roots import positive_roots
-from passivity.verdict import Kind, Status, Verdict
+from passivity.one_port.axis import allowance, parts, product
+from passivity.one_port.polynomial_sign import squarefree
+from passivity.one_port.real_roots import positive_roots
+from passivity.one_port.verdict import Verdict
+from passivity.status import Kind, Status
 
 MOST_NAMED = 4  # bands or frequencies in one sentence
 _BOUNDED = {Kind.PR: "Re Z(jω) >= 0", Kind.BR: "|H(jω)| <= 1"}

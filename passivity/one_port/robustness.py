@@ -17,12 +17,13 @@ from itertools import product
 from flint import fmpz, fmpz_poly
 
 from passivity.errors import ExpressionError
-from passivity.evaluate import Exact, exact
-from passivity.hurwitz import routh_column
-from passivity.polynomial_sign import SignProof, find_sign
-from passivity.positive_real import check_positive_real
-from passivity.rational import RationalFunction
-from passivity.verdict import Kind, Status, Verdict, Witness
+from passivity.one_port.hurwitz import routh_column
+from passivity.one_port.polynomial_sign import SignProof, find_sign
+from passivity.one_port.positive_real import check_positive_real
+from passivity.one_port.verdict import Verdict, Witness
+from passivity.rational.evaluate import Exact, exact
+from passivity.rational.function import RationalFunction
+from passivity.status import Kind, Status
 
 _X = fmpz_poly([0, 1])
 

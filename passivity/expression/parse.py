@@ -1,9 +1,9 @@
 """Impedance expressions such as ``R + s*L + 1/(s*C)``: text to a tree; nothing is run or guessed."""
 
 from passivity.errors import ExpressionError, shorten
-from passivity.quantity import decimal, unit
-from passivity.tokens import Token, tokens
-from passivity.tree import Add, Call, Divide, Multiply, Negate, Node, Number, Power, Symbol, symbols
+from passivity.expression.quantity import decimal, unit
+from passivity.expression.tokens import Token, tokens
+from passivity.expression.tree import Add, Call, Divide, Multiply, Negate, Node, Number, Power, Symbol, symbols
 
 MAX_CHARACTERS = 10_000
 MAX_DEPTH = 100  # nested parentheses, signs and powers

@@ -9,9 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 from numpy.typing import NDArray
 
-from passivity.margin import Margin, Margins
-from passivity.quotient import Quotient
-from passivity.verdict import Kind, Verdict
+from passivity.one_port.margin import Margin, Margins
+from passivity.one_port.verdict import Verdict
+from passivity.rational.quotient import Quotient
+from passivity.status import Kind
 
 POINTS = 1200
 DECADES_BEYOND = 1.5  # below the smallest and above the largest modulus of a pole or zero

@@ -8,10 +8,10 @@ from typing import TypeAlias
 from flint import fmpz_poly
 
 from passivity.errors import ExpressionError
-from passivity.expression import parse
-from passivity.number import fraction, not_a_number
-from passivity.quotient import Quotient
-from passivity.tree import Add, Call, Divide, Multiply, Negate, Node, Number, Power, Symbol, symbols
+from passivity.expression.number import fraction, not_a_number
+from passivity.expression.parse import parse
+from passivity.expression.tree import Add, Call, Divide, Multiply, Negate, Node, Number, Power, Symbol, symbols
+from passivity.rational.quotient import Quotient
 
 MAX_DEGREE = 400
 MAX_BITS = 100_000  # of a coefficient

@@ -1,38 +1,23 @@
 """What a verdict says, and the exact facts it rests on."""
 
 from dataclasses import dataclass
-from enum import StrEnum
 from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from flint import arb, fmpz_poly
 
-from passivity.polynomial_sign import SignProof
-from passivity.rational import RationalFunction
+from passivity.one_port.polynomial_sign import SignProof
+from passivity.rational.function import RationalFunction
+from passivity.status import Kind, Status
 
 if TYPE_CHECKING:
-    from passivity.margin import Margins
-
-
-class Kind(StrEnum):
-    """Which property is asked for."""
-
-    PR = "positive real"  # Z analytic and Re Z >= 0 in Re s > 0: an impedance
-    BR = "bounded real"  # H analytic and |H| <= 1 in Re s > 0: a reflection
-
-
-class Status(StrEnum):
-    """How the question ended."""
-
-    PROVED = "proved"
-    REFUTED = "refuted"
-    UNDECIDED = "undecided"
+    from passivity.one_port.margin import Margins
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """All that `passivity.certificate.verify` needs to repeat the proof.
+    """All that `passivity.one_port.certificate.verify` needs to repeat the proof.
 
     Parameters
     ----------
@@ -105,13 +90,13 @@ class Verdict:
     @cached_property
     def why(self) -> str:
         """The reason in plain words: band, pole, residue, degree."""
-        from passivity.reason import reason
+        from passivity.one_port.reason import reason
 
         return reason(self)
 
     @cached_property
     def margins(self) -> "Margins":
-        """How much room there is to the border, and at which frequency; `passivity.margin.margins` with z0 = 1."""
-        from passivity.margin import margins
+        """How much room there is to the border, and at which frequency, z0 = 1 (see `passivity.one_port.margin`)."""
+        from passivity.one_port.margin import margins
 
         return margins(self)

@@ -7,7 +7,7 @@ from typing import Any
 from flint import fmpq, fmpq_mat, fmpq_poly
 
 from passivity.errors import ExpressionError
-from passivity.evaluate import exact
+from passivity.rational.evaluate import exact
 
 
 def coefficients(system: Any) -> tuple[Iterable[Any], Iterable[Any]]:

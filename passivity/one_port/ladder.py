@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from flint import ctx, fmpz_poly
 
-from passivity.hurwitz import pivots
+from passivity.one_port.hurwitz import pivots
 
 SHIFT = 256  # where the scheme ends early, it is tried again for f(s - 1/SHIFT)
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from flint import arb, ctx, fmpq, fmpz_poly
 
-from passivity.polynomial_sign import MAX_PIECES, UndecidedError, half_line, split
+from passivity.one_port.polynomial_sign import MAX_PIECES, UndecidedError, half_line, split
 
 
 class Root(NamedTuple):

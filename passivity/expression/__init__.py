@@ -1,0 +1,1 @@
+"""Impedance expressions: from text to a tree."""

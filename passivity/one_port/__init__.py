@@ -1,0 +1,1 @@
+"""The exact test of rational impedances and reflections, its evidence and its margins."""

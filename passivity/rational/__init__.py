@@ -1,0 +1,1 @@
+"""Exact rational functions of the Laplace variable."""
