@@ -1,4 +1,4 @@
-"""Random passive scenes: any topology, impedances and delays; resistive, inductive and capacitive loads."""
+"""Random passive scenes: any topology, impedances and delays; loads with R, L, C, resistors and switches."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from tline.scene.scene import Scene
 
 
 def random_scene(seed: int, *, lines: int = 6, loads: bool = True, sources: bool = False, **scene) -> Scene:
-    """A connected network with loops, delays without common measure, and loads at about half of its nodes."""
+    """A connected network with loops, delays without common measure, loads at half of its nodes, switches at some."""
     rng = np.random.default_rng(seed)
     count = max(2, int(rng.integers(lines // 2 + 1, lines + 2)))
     pairs = [(int(rng.integers(k)), k) for k in range(1, count)]
@@ -32,6 +32,7 @@ def random_scene(seed: int, *, lines: int = 6, loads: bool = True, sources: bool
         data["sources"] = {"s": {"at": names[0], "kind": kind, "value": value, "resistance": resistance}}
     if loads:
         data["loads"] = {f"load{k}": _load(rng) | {"at": name} for k, name in enumerate(names) if rng.random() < 0.5}
+        data["loads"] |= {f"beside{k}": _beside(rng) | {"at": n} for k, n in enumerate(names) if rng.random() < 0.4}
     return Scene(**data, **scene)
 
 
@@ -40,3 +41,12 @@ def _load(rng: np.random.Generator) -> dict:
     chosen = [key for key in keys if rng.random() < 0.7] or ["capacitance"]
     kind = "series" if rng.random() < 0.5 else "parallel"
     return {"kind": kind} | {key: float(10 ** rng.uniform(-1, 1)) for key in chosen}
+
+
+def _beside(rng: np.random.Generator) -> dict:
+    """A resistor, or a switch that moves somewhere in a slab of the first half of the run."""
+    resistances = [float(10 ** rng.uniform(-1, 1)), float(rng.choice([10 ** rng.uniform(-2, 0), np.inf]))]
+    if rng.random() < 0.5:
+        return {"kind": "resistor", "resistance": resistances[0]}
+    before, after = rng.permutation(resistances).tolist()
+    return {"kind": "switch", "before": before, "after": after, "time": float(rng.uniform(0.0, 10.0))}

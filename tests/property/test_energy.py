@@ -1,6 +1,7 @@
 """A passive scene never gains energy: any slab width, any order, any delays, any run length."""
 
 import dataclasses
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -14,9 +15,9 @@ from tline.solver.assemble import Assembly, assemble
 from tline.solver.kernel import advance
 from tline.solver.radau import Basis
 
-SLABS, PART = 100_000, 2_000
-# per slab each stored number is rounded a few times; the energies of 10⁵ slabs may drift by their sum at worst
-ROUNDING = 1e-15 * PART
+SLABS, PART, SINGLY = 100_000, 2_000, 200
+ROUNDING = 1e-15  # of the energy at the start, per slab: each stored number is rounded a few times, either way
+AT_ONCE = 1e-14  # in a single slab, where those roundings have no slabs to cancel over
 
 
 def silent(scene, seed: int) -> Assembly:
@@ -28,11 +29,15 @@ def silent(scene, seed: int) -> Assembly:
     return assembly
 
 
-def run(assembly: Assembly, slabs: int) -> None:
-    for _, node, row in assembly.changes:
-        assembly.network.step_row[node] = row
-    status = advance(assembly.network, assembly.state, slabs, np.zeros((0, 0)), np.zeros((0, 2, 0)), 0)
-    assert status == -1
+def run(assembly: Assembly, first: int, slabs: int) -> None:
+    """Advance from slab `first` on; switches move in their slabs."""
+    moves = {slab for slab, _, _ in assembly.changes if first <= slab < first + slabs}
+    edges = sorted({first, first + slabs} | moves)
+    for low, high in pairwise(edges):
+        for slab, node, row in assembly.changes:
+            if slab == low:
+                assembly.network.step_row[node] = row
+        assert advance(assembly.network, assembly.state, high - low, np.zeros((0, 0)), np.zeros((0, 2, 0)), 0) == -1
 
 
 @settings(max_examples=40, deadline=None)
@@ -42,22 +47,27 @@ def test_stored_energy_never_grows(seed, order, slab):
     assembly = silent(scene, seed)
     in_loads = InLoads(scene, assembly)
     start = last = on_lines(assembly) + in_loads(assembly)
-    for _ in range(SLABS // PART):
-        run(assembly, PART)
+    edges = [*range(SINGLY), *range(SINGLY, SLABS + 1, PART)]
+    for low, high in pairwise(edges):
+        run(assembly, low, high - low)
         energy = on_lines(assembly) + in_loads(assembly)
-        assert energy <= last + ROUNDING * start
+        assert energy <= last + max(ROUNDING * (high - low), AT_ONCE) * start
         last = energy
 
 
-def test_a_lossless_network_keeps_its_smooth_waves():
-    """The theorem is no blanket damping: what slabs resolve stays."""
-    scene = random_scene(3, loads=False, solver={"order": 6, "slab": 0.05})
-    assembly = assemble(scene, set())
-    assembly.state.waves[:] = 1.0
-    assembly.state.before[:] = 1.0
+@pytest.mark.parametrize(("order", "lost"), [(4, 1e-6), (6, 1e-11), (8, 1e-11)])
+def test_a_lossless_network_keeps_its_smooth_waves(order, lost):
+    """The theorem is no blanket damping: what 10⁴ fractional shifts take from pulses falls with the order."""
+    slab, slabs = 0.05, 10_000
+    assembly = assemble(random_scene(3, loads=False, solver={"order": order, "slab": slab}), set())
+    net, s, c = assembly.network, assembly.basis.s, assembly.basis.c
+    assembly.state.before[:] = 0.0
+    for offset, delay in zip(net.offset, net.delay, strict=True):
+        pulse = np.sin(np.pi * (np.arange(delay)[:, None] + c) / delay) ** 12
+        assembly.state.waves[offset : offset + 2 * delay * s] = np.tile(pulse.ravel(), 2)
     start = on_lines(assembly)
-    run(assembly, 10_000)
-    assert on_lines(assembly) == pytest.approx(start, rel=1e-11)
+    run(assembly, 0, slabs)
+    assert (1 - lost) * start < on_lines(assembly) < start * (1 + ROUNDING * slabs)
 
 
 def interpolating(basis: Basis, f: float) -> tuple[np.ndarray, np.ndarray]:
@@ -92,8 +102,8 @@ def two_lines(order: int, slab: float, *, interpolated: bool) -> Assembly:
 def grows(assembly: Assembly, slabs: int = 10_000) -> bool:
     """Whether the energy on the lines reaches 10²⁰ times what it was."""
     start = on_lines(assembly)
-    for _ in range(slabs // 100):
-        run(assembly, 100)
+    for first in range(0, slabs, 100):
+        run(assembly, first, 100)
         if on_lines(assembly) > 1e20 * start:
             return True
     return False
@@ -109,5 +119,5 @@ def test_interpolation_in_its_place_blows_up(order):
     for slab in WIDTHS:
         projected = two_lines(order, slab, interpolated=False)
         start = on_lines(projected)
-        run(projected, 10_000)
+        run(projected, 0, 10_000)
         assert on_lines(projected) <= start * (1 + 1e-11)

@@ -193,6 +193,76 @@ def test_a_switch_that_closes_inside_a_slab():
     assert np.abs(far.u - exact)[clear].max() < ROUNDING
 
 
+def test_a_switch_that_closes_beside_a_capacitor():
+    """A matched source charges C through the line; from an instant inside a slab on, R = 0.5 drains it."""
+    C, at, slab = 0.7, 1.8321, 0.125
+    result = simulate(
+        Scene(
+            medium="electrical",
+            t_end=6,
+            solver={"order": 6, "slab": slab},
+            lines={"line": {"nodes": ["near", "far"], "z0": 1.0, "delay": 1.0}},
+            sources={"s": {"at": "near", "kind": "voltage", "value": {"shape": "step", "to": 2}, "resistance": 1}},
+            loads={
+                "capacitor": {"at": "far", "kind": "parallel", "capacitance": C},
+                "drain": {"at": "far", "kind": "switch", "before": inf, "after": 0.5, "time": at},
+            },
+            probes={"far": {"at": "far"}},
+        )
+    )
+    t, u = result.t, result.probes["far"].u
+    charged = 2 * (1 - np.exp(-np.clip(t - 1, 0, None) / C))
+    there = 2 * (1 - exp(-(at - 1) / C))
+    drained = 2 / 3 + (there - 2 / 3) * np.exp(-3 * np.clip(t - at, 0, None) / C)
+    clear = (t < at) | (t > at + slab)  # not the slab in which the voltage has its corner
+    assert np.abs(u - np.where(t < at, charged, drained))[clear].max() < 1e-10
+
+
+@pytest.mark.parametrize("at", [1.3, 0.25])
+def test_a_switch_that_opens_beside_a_coil_in_steady_flow(at):
+    """Before: a divider of Rs, the switch and the coil's R; after: the coil's current settles anew, L/(R + z0)."""
+    R, L, shunt = 2.0, 3.0, 0.5
+    result = simulate(
+        Scene(
+            medium="electrical",
+            t_end=6,
+            start="steady",
+            solver={"order": 6, "slab": 0.125},
+            lines={"line": {"nodes": ["near", "far"], "z0": 1.0, "delay": 1.0}},
+            sources={"s": {"at": "near", "kind": "voltage", "value": 1.0, "resistance": 1}},
+            loads={
+                "coil": {"at": "far", "kind": "series", "resistance": R, "inductance": L},
+                "switch": {"at": "far", "kind": "switch", "before": shunt, "after": inf, "time": at},
+            },
+            probes={"far": {"at": "far"}},
+        )
+    )
+    t, u = result.t, result.probes["far"].u
+    before = 1 / (1 + 1 / shunt + 1 / R)
+    first, last = before / R, 1 / (1 + R)
+    current = last + (first - last) * np.exp(-(R + 1) / L * (t - at))
+    exact = np.where(t <= at, before, 1 - current)
+    assert np.abs(u - exact)[np.abs(t - at) > 0.13].max() < 1e-10
+
+
+def test_a_closed_switch_of_hardly_any_resistance_empties_a_capacitor():
+    load = {"kind": "parallel", "capacitance": 1.0}
+    scene = {
+        "medium": "electrical",
+        "t_end": 4,
+        "lines": {"line": {"nodes": ["near", "far"], "z0": 1.0, "delay": 1.0}},
+        "sources": {"s": {"at": "near", "kind": "voltage", "value": {"shape": "step", "to": 2}, "resistance": 1}},
+        "loads": {
+            "capacitor": {"at": "far"} | load,
+            "switch": {"at": "far", "kind": "switch", "before": inf, "after": 1e-16, "time": 2.0},
+        },
+        "probes": {"far": {"at": "far"}},
+    }
+    far = simulate(Scene(**scene, solver={"order": 3, "slab": 0.125})).probes["far"]
+    assert far.u[far.t < 1.99].max() > 1.0
+    assert np.abs(far.u[far.t > 2.01]).max() < 1e-13
+
+
 def test_interior_of_a_line_shows_the_two_waves():
     """Matched source, open end: half the step passes x at x/c, the other half at (2l - x)/c."""
     result = simulate(

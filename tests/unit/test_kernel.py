@@ -25,6 +25,15 @@ def test_a_wave_that_is_no_number_is_reported(bad):
     assert advance(assembly.network, assembly.state, 100, SILENT, UNRECORDED, 0) >= 0
 
 
+def test_a_wave_that_is_no_number_between_slab_ends_is_reported():
+    """Whole delays and resistive nodes leave it inside its slab: no node sees it at an end, the last look does."""
+    assembly = assemble(random_scene(1, loads=False, solver={"order": 3, "slab": 0.1}), set())
+    assembly.network.shift_row[:] = -1
+    assembly.state.waves[1] = np.nan
+    nodes = assembly.network.first.size - 1
+    assert advance(assembly.network, assembly.state, 100, SILENT, UNRECORDED, 0) == nodes
+
+
 def test_an_active_load_is_named_when_it_runs_away():
     scene = Scene(
         medium="electrical",
