@@ -90,12 +90,12 @@ t_end = "40 ns" ->  => t_end: is missing
 [loads.end] -> [loads] | other = true | [loads.end] => loads.other: not a table, expected keys with values, got True
 [loads.end] -> [[loads]] => loads: not a table, expected keys with values, got [{
 ^ solver = "fast" => solver: not a table, expected keys with values, got 'fast'
-+ [solver] | order = 0 => solver.order: input should be
-+ [solver] | order = 17 => solver.order: input should be
-+ [solver] | order = 2.5 => solver.order: input should be
-+ [solver] | order = -1 => solver.order: input should be
-+ [solver] | order = nan => solver.order: input should be
-+ [solver] | order = true => solver.order: not a whole number, got True
++ [solver] | order = 0 => solver.order: not a whole number in range, expected one from 1 to 16
++ [solver] | order = 17 => solver.order: not a whole number in range, expected one from 1 to 16
++ [solver] | order = 2.5 => solver.order: not a whole number in range, expected one from 1 to 16
++ [solver] | order = -1 => solver.order: not a whole number in range, expected one from 1 to 16
++ [solver] | order = nan => solver.order: not a whole number in range, expected one from 1 to 16
++ [solver] | order = true => solver.order: not a whole number in range, expected one from 1 to 16, got True
 + [solver] | slab = "6 ns"
   => solver.slab: longer than the shortest delay, expected at most that of lines.cable, 5e-09 s, got 6e-09 s
 + [solver] | slab = 0 => solver.slab: duration out of range, expected more than 0, got 0
@@ -206,9 +206,9 @@ true => : not a number, expected a voltage such as '1 V', got True
 {shape = "pulses", high = 1, width = 1, rise = -1, fall = "1 V"} => .rise: duration out of range, expected at least 0
   => .fall: this unit
 {shape = "pulses", high = 1, width = 1e-9, period = 2e-9, count = 0}
-  => .count: input should be greater than or equal to 1, got 0
-{shape = "pulses", high = 1, width = 1e-9, period = 2e-9, count = 2.5} => .count: input should be a valid integer
-{shape = "pulses", high = 1, width = 1e-9, period = 2e-9, count = true} => .count: not a whole number, got True
+  => .count: not a whole number in range, expected one of at least 1, got 0
+{shape = "pulses", high = 1, width = 1e-9, period = 2e-9, count = 2.5} => .count: not a whole number in range
+{shape = "pulses", high = 1, width = 1e-9, period = 2e-9, count = true} => .count: not a whole number in range
 {shape = "pulses", high = 1, width = 1, count = 3}
   => .count: pulses are counted only where they repeat, expected a period
 {shape = "pulses", high = 1, width = 1e-21, period = 4e-20, count = 1_000_000_000_000}
@@ -390,7 +390,7 @@ def test_sound_scenes_pass(tmp_path):
 BY_HAND = [
     ('"5 ns"', f'"{"9" * 300}"', "lines.cable.delay: a text of 300 characters is no quantity"),
     ('"40 ns"', "0x" + "f" * 5000, "t_end: not a finite number"),
-    ("[loads", f"[solver]\norder = 0x{'f' * 5000}\n[loads", "solver.order: input should be less than or equal to 16"),
+    ("[loads", f"[solver]\norder = 0x{'f' * 5000}\n[loads", "solver.order: not a whole number in range"),
     (END, f'kind = "impedance"\nexpression = "{"(" * 1000}"', "loads.end.expression: column 102: nested too deeply"),
     (END, f'kind = "impedance"\nexpression = "{"s" * 10**5}"', "loads.end.expression: the expression is too long"),
     (END, f'kind = "impedance"\nnumerator = [{"1," * 5001}]\ndenominator = [1]', "loads.end: its degree in s is too"),
@@ -622,7 +622,7 @@ ELEMENTS = [
     (lambda: Source(**SOURCE, value=Step(to="1 A")), "Source.value.to: this unit measures something else"),
     (lambda: Source(**SOURCE, value={"shape": "step", "t": 1, "to": 1}), "Source.value.t: unknown key"),
     (lambda: Impedance(at="a", expression="1+"), "Impedance.expression: column 3: the expression ends too early"),
-    (lambda: Solver(order=0), "Solver.order: input should be greater than or equal to 1, got 0"),
+    (lambda: Solver(order=0), "Solver.order: not a whole number in range, expected one from 1 to 16, got 0"),
 ]
 
 

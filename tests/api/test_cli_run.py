@@ -169,8 +169,8 @@ def test_lines_on_the_path_are_recorded() -> None:
 
 MISTAKES = [
     ("none.toml", "none.toml: cannot be read, got No such file or directory"),
-    ("valve.toml --order 17", "--order: input should be less than or equal to 16, got '17'"),
-    ("valve.toml --order many", "--order: input should be a valid integer, unable to parse string as an integer"),
+    ("valve.toml --order 17", "--order: not a whole number in range, expected one from 1 to 16, got '17'"),
+    ("valve.toml --order many", "--order: not a whole number in range, expected one from 1 to 16, got 'many'"),
     ("valve.toml --slab '1 s'", "--slab: longer than the shortest delay, expected at most that of lines.pipe, 0.2 s"),
     (
         "valve.toml --slab '1 bar'",

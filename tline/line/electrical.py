@@ -165,5 +165,7 @@ def _geometry_factor(shape: Mapping[str, float]) -> float:
 def _check_speed(speed: float, given: Mapping[str, float]) -> None:
     if speed > LIGHT * (1 + ROUNDING):
         blamed = next((name for name in ("wave_speed", "velocity_factor", "permittivity") if name in given), "")
-        got = engineering(speed, "km/s")
-        raise InputError(blamed, "the wave would be faster than light", "a wave speed up to 299792 km/s", got)
+        expected, got = "a wave speed up to 299792 km/s", engineering(speed, "km/s")
+        if blamed == "velocity_factor":
+            expected, got = "at most 1, or with a percent sign", f"{given[blamed]:.6g}"
+        raise InputError(blamed, "the wave would be faster than light", expected, got)

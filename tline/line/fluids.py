@@ -50,9 +50,8 @@ def water(temperature: float = ROOM) -> Fluid:
     998.207
     """
     if not LOWEST <= temperature <= HIGHEST:
-        raise InputError(
-            "temperature", "no liquid water at 0.1 MPa", "'-20 degC' to '110 degC'", f"{temperature:.6g} K"
-        )
+        expected = "'-20 degC' to '110 degC' (a bare number is in kelvin)"
+        raise InputError("temperature", "no liquid water at 0.1 MPa", expected, f"{temperature:.6g} K")
     alpha, beta = SCALE / (593.0 - temperature), SCALE / (temperature - 232.0)
     v = R * SCALE / P0 * (1.93763157e-2 + _series(V_ALPHA, alpha) + _series(V_BETA, beta))
     v_T = R / P0 * (_series(V_ALPHA, alpha, 1) - _series(V_BETA, beta, 1))

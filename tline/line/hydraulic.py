@@ -101,7 +101,8 @@ class HydraulicLine(LineParameters):
         1/β = 1/K + ψd/(Ee). With Poisson's ratio ν, ψ is 1 with expansion joints (default), 1-ν² anchored
         all along, 1-ν/2 held at one end only. The wall is rigid if neither e nor E is given.
     fluid : str, optional
-        ``"water"`` or ``"hydraulic oil"``: gives density and bulk modulus.
+        ``"water"`` or ``"hydraulic oil"``: gives density and bulk modulus. A wave speed given beside it may be
+        lower than the fluid's own: the wall then yields by as much as that takes.
     temperature : float or str, optional
         Of water: K, or ``"20 degC"``, which is the default.
     wall : str, optional
@@ -170,6 +171,11 @@ class HydraulicLine(LineParameters):
         sources: dict[str, tuple[str, ...]] = {}
         if fluid is not None:
             include(given, sources, "fluid", named_fluid(fluid, temperature)._asdict())
+            effective = given["density"] * given.get("wave_speed", math.inf) ** 2
+            slowed = effective < given["bulk_modulus"] * (1 - AGREE)  # by a wall that yields
+            if slowed and "effective_bulk_modulus" not in given:
+                given["effective_bulk_modulus"] = effective
+                sources["effective_bulk_modulus"] = ("wave_speed", "fluid")
         elif temperature is not None:
             raise InputError("temperature", "counts only with a fluid", "fluid = 'water'")
         if wall is not None:

@@ -13,6 +13,8 @@ from tline.solver.curve import AFTER, drawable
 from tline.solver.result import LineRecord, Result, Wave
 
 MOST_LEGS = 12
+FLAT = 1e-3  # of the range of the waves; what jumps by less, and bends by less within a delay, is no front
+NEARBY = 1e-4  # of a slab, for slopes
 SAME = 1e-9  # of the run; fronts that start nearer than this to each other are one
 
 
@@ -75,8 +77,8 @@ def bounces(result: Result) -> Bounces:
         times = {0.0, until, *(front.t + record.delay * (front.end != end) for front in fronts)}
         for start, stop in pairwise(sorted(t for t in times if t <= until)):
             if stop - start > SAME * until:
-                first = sum(_beside(wave, start, after=True) for wave in waves) / 2
-                last = sum(_beside(wave, stop, after=False) for wave in waves) / 2
+                first = sum(_beside(wave, start, after=True)[0] for wave in waves) / 2
+                last = sum(_beside(wave, stop, after=False)[0] for wave in waves) / 2
                 stays.append(Stay(end, start, stop, first, last))
     return Bounces(record.delay, until, fronts, stays)
 
@@ -88,15 +90,18 @@ def _fronts(scene: Scene, record: LineRecord, nodes: tuple[str, str], t_end: flo
     waiting = [(t, end) for t, at in starts if 0 <= t < t_end for end in (0, 1) if nodes[end] == at]
     heapq.heapify(waiting)
     fronts: list[Front] = []
+    largest = max(float(np.ptp([wave.before, *wave.values.ravel()])) for wave in (record.a1, record.b2))
     while waiting and len(fronts) < MOST_LEGS:
         t, end = heapq.heappop(waiting)
         if any(front.end == end and abs(front.t - t) < SAME * t_end for front in fronts):
             continue
         wave = record.b2 if end else record.a1
-        jump = _beside(wave, t, after=True) - _beside(wave, t, after=False)
-        fronts.append(
-            Front(end, t, jump / 2)
-        )  # the other wave does not jump along this leg, so u = (a + b)/2 takes half
+        (before, slope_before), (after, slope_after) = (_beside(wave, t, after=late) for late in (False, True))
+        bend = abs(slope_after - slope_before) * record.delay
+        if max(abs(after - before), bend) <= FLAT * largest:
+            continue  # absorbed: it carries nothing on
+        # the other wave does not jump along this leg, so u = (a + b)/2 takes half
+        fronts.append(Front(end, t, (after - before) / 2))
         arrival = t + record.delay
         if arrival < t_end:
             for other in (k for k in (0, 1) if nodes[k] == nodes[1 - end]):
@@ -104,11 +109,12 @@ def _fronts(scene: Scene, record: LineRecord, nodes: tuple[str, str], t_end: flo
     return fronts
 
 
-def _beside(wave: Wave, t: float, after: bool) -> float:
-    """Value just after or just before t, continued from the nearest slab that lies wholly on that side."""
+def _beside(wave: Wave, t: float, after: bool) -> tuple[float, float]:
+    """Value and slope just after or just before t, continued from the nearest slab that lies wholly on that side."""
     place, last = t / wave.h, len(wave.values) - 1
     slab = int(np.ceil(place - AFTER)) if after else int(np.floor(place + AFTER)) - 1
     if slab < 0:
-        return wave.before
+        return wave.before, 0.0
     slab = min(slab, last)
-    return float(wave.basis.evaluation([place - slab])[0] @ wave.values[slab])
+    here, ahead = wave.basis.evaluation([place - slab, place - slab + NEARBY]) @ wave.values[slab]
+    return float(here), float((ahead - here) / (NEARBY * wave.h))

@@ -53,7 +53,9 @@ def plot_lattice(result: Result) -> Figure:
     _frame(axes, line.nodes, effort, shown.until)
     axes.set_ylabel(f"time [{time_unit}]")
     jumps = [abs(front.jump) > zero for front in shown.fronts]
-    said = [f"on the legs: what the front adds to the {effort}"] * any(jumps) + ["dotted: a corner"] * (not all(jumps))
+    said = [f"on the legs: what the front adds to the {effort}"] * any(jumps) + [
+        "dotted: a corner, where a slope changes"
+    ] * (not all(jumps))
     axes.set_xlabel("; ".join(said))
     return picture
 

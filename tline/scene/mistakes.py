@@ -82,7 +82,9 @@ def _sentence(
             model = chosen or (sections.get(str(location[0]), root) if len(location) > 1 else root)
             return InputError(where, UNKNOWN, nearest(str(location[-1]), keys(model)))
         case "union_tag_not_found":
-            return InputError(place(*within, *parts, context["discriminator"].strip("'")), MISSING)
+            key, own = context["discriminator"].strip("'"), sections.values()
+            words = [word for word, model in MODELS.items() if key in model.model_fields and model not in own]
+            return InputError(place(*within, *parts, key), MISSING, listed(words))
         case "union_tag_invalid":
             key, known = context["discriminator"].strip("'"), context["expected_tags"].strip("'").split("', '")
             word = finding["input"][key] if isinstance(finding["input"], Mapping) else context["tag"]
@@ -140,5 +142,10 @@ def nearest(word: str, known: list[str]) -> str:
         close = get_close_matches(word.lower(), lower, n=1)
         if close:
             return f"'{lower[close[0]]}'"
-    listed = ", ".join(f"'{name}'" for name in known[:LISTED])
-    return "one of " * (len(known) > 1) + listed + f" and {len(known) - LISTED} more" * (len(known) > LISTED)
+    return listed(known)
+
+
+def listed(known: list[str]) -> str:
+    """All known words, or some."""
+    words = ", ".join(f"'{name}'" for name in known[:LISTED])
+    return "one of " * (len(known) > 1) + words + f" and {len(known) - LISTED} more" * (len(known) > LISTED)

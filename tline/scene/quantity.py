@@ -1,5 +1,6 @@
 """Numbers with units inside a scene: floats in SI that remember what was typed."""
 
+import re
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -12,6 +13,7 @@ from tline.units import to_si
 
 # sizes beyond these, in SI, are no physics, and products of a few of them would leave the range of floats
 SMALLEST, LARGEST = 1e-100, 1e100
+LONGEST = 20  # characters of a whole number
 
 
 class Quantity(float):
@@ -105,19 +107,22 @@ class Whole:
     most: int | None = None
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_before_validator_function(
-            _no_truth_value, core_schema.int_schema(ge=self.least, le=self.most)
-        )
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def read(self, typed: Any) -> int:
+        """Parse and check one value."""
+        digits = typed.strip() if isinstance(typed, str) and len(typed) < LONGEST else ""
+        number = int(digits) if re.fullmatch(r"[+-]?[0-9]+", digits) else typed
+        if isinstance(number, float) and number.is_integer():
+            number = int(number)
+        limits = f"from {self.least} to {self.most}" if self.most is not None else f"of at least {self.least}"
+        if type(number) is not int or not self.least <= number <= (self.most or number):
+            raise InputError("", "not a whole number in range", f"one {limits}", shown(typed))
+        return number
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         limits = {"minimum": self.least} | ({} if self.most is None else {"maximum": self.most})
         return {"anyOf": [{"type": "integer"} | limits, {"type": "string"}]}
-
-
-def _no_truth_value(number: Any) -> Any:
-    if isinstance(number, bool):
-        raise InputError("", "not a whole number", got=shown(number))
-    return number
 
 
 Time = Annotated[Quantity, Role("time", "s")]

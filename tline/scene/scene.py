@@ -51,7 +51,7 @@ class Scene(Element):
     medium : str
         "hydraulic" or "electrical".
     t_end : number or text
-        End time, s.
+        End time, s; a run goes on to the end of its last slab.
     lines, sources, loads, probes : dict
         Elements by name. Lines meet at the nodes they name, in any topology; a node with nothing else is closed.
     start : str
@@ -81,7 +81,7 @@ class Scene(Element):
 
     title: str = Field(default="", description="said in plots and files")
     medium: Literal["hydraulic", "electrical"] = Field(description="what the lines carry")
-    t_end: Duration = Field(description="end time")
+    t_end: Duration = Field(description="end time; a run goes on to the end of its last slab")
     start: Literal["rest", "steady"] = Field(
         default="rest", description="state before t = 0: nothing, or the steady state that the sources imply"
     )
