@@ -280,7 +280,7 @@ kind = "impedance" => : its Z(s) is not given once, expected either expression, 
   => : its impedance tends to minus the line's 50 at high frequency: no wave is defined
 ~ expression = "" => .expression: column 1: the expression ends too early
 ~ expression = "__import__('os').system('x')" => .expression: column 12: this character has no meaning here
-~ expression = "eval(s)" => .expression: column 1: unknown function, expected exp or sqrt
+~ expression = "eval(s)" => .expression: column 1: unknown function
 ~ expression = "s^1000000000"
   => .expression: column 2: this power is not known, expected a whole number from -200 to 200
 ~ expression = "((s^200)^200)^200" => .expression: the degree in s is too high

@@ -300,7 +300,7 @@ def test_lattice_tells_corners_from_jumps_and_ends_after_twelve_legs() -> None:
     assert len(bounces(result).fronts) == MOST_LEGS
     picture = plot_lattice(result)
     assert not any("+" in text for text in texts(picture))
-    assert picture.axes[0].get_xlabel() == "dotted: a corner"
+    assert picture.axes[0].get_xlabel() == "dotted: a corner, where a slope changes"
     assert picture.axes[0].get_ylim()[0] < 50
 
 
