@@ -5,7 +5,9 @@ import numpy as np
 from tline.scene.scene import Scene
 
 
-def random_scene(seed: int, *, lines: int = 6, loads: bool = True, sources: bool = False, **scene) -> Scene:
+def random_scene(
+    seed: int, *, lines: int = 6, loads: bool = True, switches: bool = True, sources: bool = False, **scene
+) -> Scene:
     """A connected network with loops, delays without common measure, loads at half of its nodes, switches at some."""
     rng = np.random.default_rng(seed)
     count = max(2, int(rng.integers(lines // 2 + 1, lines + 2)))
@@ -32,7 +34,8 @@ def random_scene(seed: int, *, lines: int = 6, loads: bool = True, sources: bool
         data["sources"] = {"s": {"at": names[0], "kind": kind, "value": value, "resistance": resistance}}
     if loads:
         data["loads"] = {f"load{k}": _load(rng) | {"at": name} for k, name in enumerate(names) if rng.random() < 0.5}
-        data["loads"] |= {f"beside{k}": _beside(rng) | {"at": n} for k, n in enumerate(names) if rng.random() < 0.4}
+        beside = {f"beside{k}": _beside(rng) | {"at": n} for k, n in enumerate(names) if rng.random() < 0.4}
+        data["loads"] |= {k: load for k, load in beside.items() if switches or load["kind"] == "resistor"}
     return Scene(**data, **scene)
 
 

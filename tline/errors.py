@@ -36,3 +36,7 @@ class SceneError(InputError):
     def __init__(self, mistakes: list[InputError]):
         super().__init__("", "\n".join(str(mistake) for mistake in mistakes))
         self.mistakes = mistakes
+
+
+class ActiveError(InputError):
+    """The scene has an active load, and nobody asked to run it all the same."""

@@ -237,6 +237,28 @@ def test_nothing_is_simulated_for_files_that_cannot_be_written(
     assert call(f"run {line}").exit_code == 2
 
 
+ACTIVE = (
+    FORK
+    + """
+[loads.amplifier]
+at = "in"
+kind = "impedance"
+expression = "-2000"
+"""
+)
+
+
+def test_an_active_load_runs_only_when_asked_twice(folder: Path) -> None:
+    (folder / "active.toml").write_text(ACTIVE, encoding="utf-8")
+    refused = call("run active.toml")
+    assert refused.exit_code == 1
+    said = "loads.amplifier is active: Re Z(jω) < 0 for all ω; yet no wave grows by more than 0.1 % within the run"
+    assert refused.stderr == f"{said}, expected passive loads, or --active to run it all the same\n"
+    allowed = call("run active.toml --active")
+    assert allowed.exit_code == 0
+    assert f"note: {said}" in allowed.stderr
+
+
 def test_help_teaches_with_examples_whose_options_exist() -> None:
     text = ran("run --help").stdout
     examples = re.findall(r"^ *tline (run .*)$", text.replace("\\\n", " "), re.MULTILINE)
@@ -247,6 +269,7 @@ def test_help_teaches_with_examples_whose_options_exist() -> None:
     options = {name for parameter in run.params for name in parameter.opts}
     assert options == {
         "scene",
+        "--active",
         "--order",
         "--slab",
         "--path",

@@ -45,7 +45,7 @@ def test_an_active_load_is_named_when_it_runs_away():
         solver={"order": 2, "slab": 0.5},
     )
     with pytest.raises(InputError, match=r"loads\.amplifier: the waves grow beyond all bounds"):
-        simulate(scene)
+        simulate(scene, active=True)
 
 
 def test_waves_below_the_smallest_that_count_become_zero():

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from tline.errors import InputError
+from tline.errors import ActiveError, InputError
 
 COMMANDS = {
     "line": (
@@ -50,12 +50,12 @@ class LazyGroup(click.Group):
             formatter.write_dl([(name, summary) for name, (_, summary) in COMMANDS.items()])
 
     def invoke(self, ctx: click.Context) -> object:
-        """Run; what the user got wrong goes to stderr in one sentence and exits with 2."""
+        """Run; what the user got wrong goes to stderr in one sentence and exits with 2, an active scene with 1."""
         try:
             return super().invoke(ctx)
         except InputError as error:
             click.echo(str(error), err=True)
-            ctx.exit(2)
+            ctx.exit(1 if isinstance(error, ActiveError) else 2)
         except OSError as error:  # what is left of them: the output cannot be written
             click.echo(f"output: cannot be written, got {(error.strerror or str(error)).lower()}", err=True)
             ctx.exit(2)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tline.errors import InputError, SceneError
+from tline.errors import ActiveError, InputError, SceneError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -48,19 +48,23 @@ Examples:
 @click.option("--lattice", metavar="FILE", help="Bounce diagram, for a scene with one line.")
 @click.option("--animate", metavar="FILE", help="The effort along a path, moving; .html or .gif.")
 @click.option("--path", metavar="FROM,TO", help="Nodes between which --space-time and --animate look.")
+@click.option("--active", is_flag=True, help="Run even if a load is active, that is, not positive real.")
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers in SI and full precision.")
-def run(scene: str, order: str | None, slab: str | None, path: str | None, as_json: bool, **files: str | None) -> None:
+def run(
+    scene: str, order: str | None, slab: str | None, path: str | None, active: bool, as_json: bool, **files: str | None
+) -> None:
     """Simulate a scene and print what its probes saw.
 
-    SCENE is a TOML file with lines, sources, loads and probes; `tline schema` describes it.
+    SCENE is a TOML file with lines, sources, loads and probes; `tline schema` describes it. A scene with a load that is
+    not positive real runs only with --active; without it you are told whether its waves grow, and how fast.
     """
     wanted = {kind: file for kind, file in files.items() if file is not None}
-    given = {key: value for key, value in (("order", order), ("slab", slab)) if value is not None}
-    with _options_named({f"solver.{key}": f"--{key}" for key in given} | {"path": "--path", "lattice": "--lattice"}):
+    solver = {key: value for key, value in (("order", order), ("slab", slab)) if value is not None}
+    with _options_named({f"solver.{key}": f"--{key}" for key in solver} | {"path": "--path", "lattice": "--lattice"}):
         _check_files(wanted)
-        read = _read(scene, given)
+        read = _read(scene, solver)
         way = _route(read, path, wanted)
-        result = _simulate(read, way)
+        result = _simulate(read, way, active)
         for kind, file in wanted.items():
             _write(result, way, kind, file)
     from tline.cli.report import as_table, summary
@@ -80,6 +84,8 @@ def _options_named(options: dict[str, str]) -> Iterator[None]:
     """Let errors name the option where the library names its argument or the scene's key."""
     try:
         yield
+    except ActiveError as error:
+        raise ActiveError(error.where, error.problem, "passive loads, or --active to run it all the same") from error
     except InputError as error:
         mistakes = error.mistakes if isinstance(error, SceneError) else [error]
         named = [InputError(options.get(m.where, m.where), m.problem, m.expected, m.got) for m in mistakes]
@@ -131,12 +137,12 @@ def _route(scene: "Scene", path: str | None, wanted: dict[str, str]) -> "Route |
     return route(scene, *nodes)
 
 
-def _simulate(scene: "Scene", way: "Route | None") -> "Result":
+def _simulate(scene: "Scene", way: "Route | None", active: bool) -> "Result":
     from tline.solver.simulate import UnresolvedWarning, simulate
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnresolvedWarning)  # said as notes
-        return simulate(scene, record=way.lines if way else (), progress=sys.stderr.isatty())
+        return simulate(scene, record=way.lines if way else (), active=active, progress=sys.stderr.isatty())
 
 
 def _write(result: "Result", way: "Route | None", kind: str, file: str) -> None:

@@ -7,13 +7,14 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.errors import InputError
+from tline.errors import ActiveError, InputError
 from tline.scene.mistakes import nearest
 from tline.scene.scene import Scene
 from tline.solver.assemble import Assembly, assemble
 from tline.solver.march import march
 from tline.solver.remarks import ringing, unconnected, untouched
 from tline.solver.result import LineRecord, ProbeResult, Result, Wave
+from tline.solver.stability.growth import active_loads, growth_sentence
 
 LARGEST_RECORD = 4e8  # samples
 
@@ -22,7 +23,7 @@ class UnresolvedWarning(UserWarning):
     """Something in the scene is faster than the slabs can follow."""
 
 
-def simulate(scene: Scene, *, record: Iterable[str] = (), progress: bool = False) -> Result:
+def simulate(scene: Scene, *, record: Iterable[str] = (), active: bool = False, progress: bool = False) -> Result:
     """Simulate a scene from t = 0 to its end time.
 
     Parameters
@@ -31,6 +32,8 @@ def simulate(scene: Scene, *, record: Iterable[str] = (), progress: bool = False
         What to simulate.
     record : iterable of str
         Lines whose end waves are kept in addition to those of the probes.
+    active : bool
+        Run even with a load that is not positive real. What it does to the scene is then the first of the notes.
     progress : bool
         Show a progress bar on stderr if the run takes more than two seconds.
 
@@ -41,6 +44,8 @@ def simulate(scene: Scene, *, record: Iterable[str] = (), progress: bool = False
 
     Raises
     ------
+    ActiveError
+        A load is refuted to be positive real, and `active` is not set. Says whether the waves grow, and how fast.
     InputError
         The scene cannot be assembled, or an active load drove the waves beyond all bounds.
 
@@ -53,6 +58,7 @@ def simulate(scene: Scene, *, record: Iterable[str] = (), progress: bool = False
     ----------
     docs/theory.md has the scheme and the proof that it cannot create energy.
     """
+    warned = _active(scene, active)
     kept = {*record, *_probed(scene)}
     for name in sorted(kept - scene.lines.keys()):
         raise InputError("record", "no such line", nearest(name, list(scene.lines)), f"'{name}'")
@@ -72,8 +78,19 @@ def simulate(scene: Scene, *, record: Iterable[str] = (), progress: bool = False
     unresolved = (*assembly.resolution.notes, *ringing(probes))
     for note in unresolved:
         warnings.warn(note, UnresolvedWarning, stacklevel=2)
-    notes = (*unresolved, *untouched(probes), *unconnected(scene))
+    notes = (*warned, *unresolved, *untouched(probes), *unconnected(scene))
     return Result(scene, ends, probes, lines, assembly.resolution, notes, 2 * len(scene.lines) * n * s, seconds)
+
+
+def _active(scene: Scene, allowed: bool) -> list[str]:
+    """What there is to say of active loads, if they are allowed."""
+    loads = active_loads(scene)
+    if not loads:
+        return []
+    problem = growth_sentence(scene, loads)
+    if not allowed:
+        raise ActiveError("", problem, "passive loads, or active=True to run it all the same")
+    return [problem]
 
 
 def _lines_at(scene: Scene, node: str | None) -> Iterable[str]:

@@ -1,0 +1,1 @@
+"""Does a scene with active loads grow, and how fast?"""

@@ -1,0 +1,107 @@
+"""Which loads of a scene are active, and whether its waves grow with them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from passivity import Status, Verdict, check_positive_real
+from tline.scene.mistakes import place
+from tline.scene.rational_load import Impedance
+from tline.scene.scene import Scene
+from tline.solver.stability.characteristic import Characteristic
+from tline.solver.stability.zeros import Box, UncountableError, count, rightmost
+
+NEGLIGIBLE = 1e-3  # growth within a run that counts as none
+PERIODS = 4  # of the shortest line that the search reaches at least beyond the corners of all loads
+BEYOND = 4.0  # times these corners
+ALIKE = 1e-6  # growth rates that differ by less are one
+SAMPLES = 4.0  # per radian that the delays turn
+MOST_WORK = 3e9  # entries of all matrices times their size
+
+
+@dataclass(frozen=True)
+class Growth:
+    """How the waves of a scene grow.
+
+    Parameters
+    ----------
+    s : complex or None
+        Of the waves exp(st) that grow fastest, the exponent, in 1/s; None if none grows by more than 0.1 % in the run.
+    highest : float
+        Angular frequency up to which was searched, rad/s.
+    """
+
+    s: complex | None
+    highest: float
+
+
+def active_loads(scene: Scene) -> dict[str, Verdict]:
+    """Loads whose impedance is refuted to be positive real, by name; R, L and C above zero need no test."""
+    impedances = {name: load for name, load in scene.loads.items() if isinstance(load, Impedance)}
+    verdicts = {name: check_positive_real(load.rational()) for name, load in impedances.items()}
+    return {name: verdict for name, verdict in verdicts.items() if verdict.status is Status.REFUTED}
+
+
+def growth(scene: Scene) -> Growth | None:
+    """Fastest growing wave of a scene after its last switch has moved, None if it is too large to be searched.
+
+    Zeros of the characteristic function are counted by the argument principle, on samples of the boundary: reliable,
+    not certified. Beyond the searched frequencies waves may grow too, but with loads that have settled to constants
+    there the same growth rates come again and again.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="electrical", t_end=9,
+    ...     lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
+    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 3}},
+    ...     loads={"amplifier": {"at": "far", "kind": "impedance", "expression": "-5"}},
+    ...     probes={"far": {"at": "far"}},
+    ... )
+    >>> growth(scene)  # one round trip takes 2 s and multiplies by 1/2 and 3/2: decays
+    Growth(s=None, highest=25.132741228718345)
+    """
+    D = Characteristic(scene)
+    high = max(BEYOND * D.corner, 2 * np.pi * PERIODS)
+    step = 1 / (SAMPLES * 2 * D.delays.sum())
+    if high / step * (2 * len(D.z0)) ** 3 > MOST_WORK:
+        return None
+    least = NEGLIGIBLE * D.second / float(scene.t_end)
+    try:
+        box = Box(least, _right_of_all(D, high, least), -1.37e-4 * high, high)
+        if count(D.log, box, step) == 0:
+            return Growth(None, high / D.second)
+        s = rightmost(D.log, box, step)
+        while count(D.log, lower := _below(s, box), step):  # of waves that grow alike, the slowest to turn
+            s = rightmost(D.log, lower, step)
+    except UncountableError:
+        return None
+    return Growth(complex(s.real, abs(s.imag)) / D.second, high / D.second)
+
+
+def _below(s: complex, box: Box) -> Box:
+    """Where zeros would be that grow as fast and turn less."""
+    return box._replace(left=s.real * (1 - ALIKE), high=max(s.imag - ALIKE * box.high, box.low + ALIKE * box.high))
+
+
+def _right_of_all(D: Characteristic, high: float, least: float) -> float:
+    """A real part beyond which what comes back is always less than what was sent."""
+    right = max(D.corner, least, 1.0)
+    while True:
+        s = right + 1j * np.linspace(0.0, high, 257)
+        if np.abs(D.returned(s)).sum(axis=2).max() < 1:
+            return right
+        right *= 1.5
+
+
+def growth_sentence(scene: Scene, active: dict[str, Verdict]) -> str:
+    """One sentence on each active load and one on what they do to the scene."""
+    loads = "; ".join(f"{place('loads', name)} is active: {verdict.why}" for name, verdict in active.items())
+    found = growth(scene)
+    if found is None:
+        return f"{loads}; whether the waves grow was not found out, for the scene is too large"
+    if found.s is None:
+        return f"{loads}; yet no wave grows by more than 0.1 % within the run"
+    s = complex(found.s)
+    turning = f", turning with {abs(s.imag):.4g} rad/s" if abs(s.imag) > 1e-9 * abs(s) else ""
+    return f"{loads}; waves grow by a factor e every {1 / s.real:.4g} s{turning}"

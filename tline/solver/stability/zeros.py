@@ -1,0 +1,135 @@
+"""Zeros of an analytic function in a rectangle, counted by the argument principle, and the rightmost of them found.
+
+The function is known by its logarithm (the imaginary part up to multiples of 2 pi), so it may be far larger or smaller
+than floats are. The counts are as good as the sampling of the boundary, which is refined until no step turns by more
+than TURN: reliable, not certified.
+"""
+
+import heapq
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Log = Callable[[NDArray], NDArray]
+TURN = 1.0  # rad, and e-foldings, at most between two samples
+MOST_SAMPLES = 400_000
+SMALL = 1e-9  # of the first rectangle; zeros this near to each other are one
+
+
+class UncountableError(ArithmeticError):
+    """A zero lies on the boundary, or the boundary needs more than MOST_SAMPLES samples."""
+
+
+class Box(NamedTuple):
+    """A rectangle of the s plane."""
+
+    left: float
+    right: float
+    low: float
+    high: float
+
+    def halves(self, aspect: float) -> tuple["Box", "Box"]:
+        """Two parts, cut across the longer side, a little off the middle: zeros like to lie on symmetry lines."""
+        left, right, low, high = self
+        if (right - left) * aspect >= high - low:
+            cut = left + 0.4871 * (right - left)
+            return Box(cut, right, low, high), Box(left, cut, low, high)
+        cut = low + 0.4871 * (high - low)
+        return Box(left, right, low, cut), Box(left, right, cut, high)
+
+    @property
+    def middle(self) -> complex:
+        """Its centre."""
+        return complex(self.left + self.right, self.low + self.high) / 2
+
+
+def count(log: Log, box: Box, step: float) -> int:
+    """Number of zeros in a rectangle, multiple ones counted as often.
+
+    Parameters
+    ----------
+    log : callable
+        Logarithm of the function at an array of points.
+    box : Box
+    step : float
+        Distance of samples on the boundary, before refinement.
+
+    Raises
+    ------
+    UncountableError
+    """
+    left, right, low, high = box
+    corners = [complex(left, low), complex(right, low), complex(right, high), complex(left, high)]
+    turns = sum(_turned(log, a, b, step) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)) / (2 * np.pi)
+    return round(turns)
+
+
+def _turned(log: Log, a: complex, b: complex, step: float) -> float:
+    """By how much the argument grows from a to b."""
+    if abs(b - a) / step > MOST_SAMPLES:
+        raise UncountableError
+    t = np.linspace(0.0, 1.0, int(abs(b - a) / step) + 9)
+    values = log(a + t * (b - a))
+    while True:
+        rise = values[1:] - values[:-1]
+        turn = (np.imag(rise) + np.pi) % (2 * np.pi) - np.pi
+        coarse = np.flatnonzero((np.abs(turn) > TURN) | (np.abs(np.real(rise)) > TURN))
+        if not len(coarse):
+            return float(turn.sum())
+        middle = (t[coarse] + t[coarse + 1]) / 2
+        if len(t) + len(middle) > MOST_SAMPLES or (middle == t[coarse]).any() or not np.isfinite(values).all():
+            raise UncountableError
+        t = np.insert(t, coarse + 1, middle)
+        values = np.insert(values, coarse + 1, log(a + middle * (b - a)))
+
+
+def rightmost(log: Log, box: Box, step: float) -> complex:
+    """The zero of the largest real part in a rectangle that holds one or more.
+
+    Raises
+    ------
+    UncountableError
+    """
+    aspect = (box.high - box.low) / (box.right - box.left)
+    waiting, best = [(-box.right, abs(box.low), box, count(log, box, step))], None
+    while waiting:
+        *_, part, zeros = heapq.heappop(waiting)
+        if best is not None and part.right <= best.real:
+            break
+        small = part.right - part.left < SMALL * (box.right - box.left)
+        zero = part.middle if small else _polished(log, part) if zeros == 1 else None
+        if zero is not None:
+            best = zero if best is None or zero.real > best.real else best
+            continue
+        for half in part.halves(aspect):
+            inside = count(log, half, step)
+            if inside:
+                heapq.heappush(waiting, (-half.right, abs(half.low), half, inside))
+    if best is None:
+        raise UncountableError
+    return best
+
+
+def _polished(log: Log, box: Box) -> complex | None:
+    """The zero in a rectangle that holds one, by the secant method; None where that leaves it."""
+    start = box.middle
+    size = max(box.right - box.left, box.high - box.low)
+    (origin,) = log(np.array([start]))
+
+    def relative(s: complex) -> complex:
+        return complex(np.exp(log(np.array([s]))[0] - origin))
+
+    a, b = start + 0.01 * size, start
+    fa, fb = relative(a), 1.0 + 0.0j
+    for _ in range(60):
+        if fb == fa:
+            return None
+        a, fa, b = b, fb, b - fb * (b - a) / (fb - fa)
+        if not (box.left <= b.real <= box.right and box.low <= b.imag <= box.high):
+            return None
+        if abs(b - a) <= 4e-15 * abs(b) + 1e-300:
+            return b
+        fb = relative(b)
+    return None
