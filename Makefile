@@ -20,8 +20,9 @@ lint: $(VENV)/ready-dev
 	$(BIN)/pyright
 	$(BIN)/lint-imports
 
-bench: $(VENV)/ready-test
+bench: $(VENV)/ready-bench
 	$(BIN)/python -m benchmarks.kernel
+	$(BIN)/python -m benchmarks.passivity
 
 docs: $(VENV)/ready-dev
 	$(BIN)/python docs/generate.py
@@ -31,6 +32,7 @@ clean:
 
 $(VENV)/ready-run: EXTRA =
 $(VENV)/ready-test: EXTRA = [test]
+$(VENV)/ready-bench: EXTRA = [test,bench]
 $(VENV)/ready-dev: EXTRA = [dev]
 $(VENV)/ready-%: pyproject.toml
 	test -d $(VENV) || $(PYTHON) -m venv $(VENV)

@@ -1,4 +1,4 @@
-"""Z(jw) in the plane with its forbidden half, and the reflection against 1."""
+"""Z(jw) in the plane with its forbidden half, the Smith chart, and the reflection against 1."""
 
 import math
 from itertools import pairwise
@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Rectangle
 from numpy.typing import NDArray
 
 from passivity.one_port.margin import Margin, Margins
+from passivity.one_port.smith import draw_smith
 from passivity.one_port.verdict import Verdict
 from passivity.rational.quotient import Quotient
 from passivity.status import Kind
@@ -21,7 +21,7 @@ _CURVE, _BAD, _INK = "#0072B2", "#D55E00", "#222222"
 
 
 def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0) -> Figure:
-    """A figure: the curve over the imaginary axis beside the forbidden region, and |H(jw)| with its largest value.
+    """A figure: Z(jw) beside the forbidden half plane, the Smith chart, and |H(jw)| with its largest value.
 
     Parameters
     ----------
@@ -35,12 +35,11 @@ def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0) -> Figure:
     values = np.array([verdict.function(1j * x) for x in w])
     with np.errstate(invalid="ignore", divide="ignore"):
         h = values if verdict.kind is Kind.BR else np.where(np.isfinite(values), (values - z0) / (values + z0), 1)
-    figure = Figure(figsize=(10, 4.6), dpi=150, layout="constrained")
-    plane, size = figure.subplots(1, 2, width_ratios=(1, 1.15))
-    if verdict.kind is Kind.PR:
-        _impedance_plane(plane, values, margins.input)
-    else:
-        _reflection_plane(plane, values)
+    figure = Figure(figsize=(13 if verdict.kind is Kind.PR else 9.5, 4.6), dpi=150, layout="constrained")
+    *plane, smith, size = figure.subplots(1, 3 if verdict.kind is Kind.PR else 2)
+    for axes in plane:
+        _impedance_plane(axes, values, margins.input)
+    draw_smith(smith, h)
     _size(size, w, np.abs(h), margins.reflection, "" if verdict.kind is Kind.BR else f" against z0 = {z0:.6g}")
     figure.suptitle(f"{verdict.kind.value}: {verdict.status.value}", x=0.02, ha="left", fontweight="bold")
     return figure
@@ -92,18 +91,6 @@ def _range(values: NDArray, scale: float) -> tuple[float, float]:
     low, high = float(np.min(values)), float(np.max(values))
     room = 0.06 * (high - low) or 0.5 * scale
     return low - room, high + room
-
-
-def _reflection_plane(axes: Axes, h: NDArray[np.complex128]) -> None:
-    h = h[np.isfinite(h)]
-    dot = "." if len(h) and np.ptp(h) == 0 else ""
-    half = min(max(1.25, 1.08 * float(np.max(np.abs(h), initial=0))), 5.0)
-    axes.set_facecolor("#F7DFD0")
-    axes.add_patch(Circle((0, 0), 1, facecolor="white", edgecolor=_BAD, linewidth=1.2, zorder=0))
-    axes.plot(h.real, h.imag, color=_CURVE, linewidth=1.7, marker=dot, label="H(jω), ω > 0")
-    axes.add_patch(Rectangle((0, 0), 0, 0, color="#F7DFD0", label="forbidden: |H| > 1"))
-    axes.set(xlim=(-half, half), ylim=(-half, half), xlabel="Re H", ylabel="Im H", aspect="equal")
-    axes.legend(loc="upper right", fontsize=8, facecolor="white")
 
 
 def _size(axes: Axes, w: NDArray, h: NDArray, margin: Margin | None, against: str) -> None:
