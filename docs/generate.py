@@ -110,10 +110,12 @@ def _unit(node: dict[str, Any]) -> str:
 
 def pictures() -> None:
     """The pictures of README and docs."""
+    from passivity import RationalFunction, check_positive_real
+    from passivity.one_port.picture import draw_verdict
     from tline.pictures.lattice import plot_lattice
     from tline.pictures.path import route
     from tline.pictures.space_time import plot_space_time
-    from tline.pictures.style import save_figure
+    from tline.pictures.style import save_figure, styled
     from tline.pictures.traces import plot_probes
     from tline.solver.simulate import UnresolvedWarning, simulate
 
@@ -124,6 +126,8 @@ def pictures() -> None:
     save_figure(plot_probes(result), str(DOCS / "pictures" / "pressure.png"))
     save_figure(plot_space_time(result, way), str(DOCS / "pictures" / "space_time.png"))
     save_figure(plot_lattice(result), str(DOCS / "pictures" / "lattice.png"))
+    refuted = check_positive_real(RationalFunction.from_expression("(s + 2)/(s^2 + s + 1)"))
+    save_figure(styled(draw_verdict)(refuted, refuted.margins), str(DOCS / "pictures" / "passivity.png"))
 
 
 if __name__ == "__main__":

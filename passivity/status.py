@@ -16,3 +16,4 @@ class Status(StrEnum):
     PROVED = "proved"
     REFUTED = "refuted"
     UNDECIDED = "undecided"
+    NO_VIOLATION = "no violation seen"  # in samples, which never prove

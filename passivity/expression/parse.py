@@ -8,6 +8,7 @@ from passivity.expression.tree import Add, Call, Divide, Multiply, Negate, Node,
 MAX_CHARACTERS = 10_000
 MAX_DEPTH = 100  # nested parentheses, signs and powers
 MAX_EXPONENT = 200  # of a power: s^200
+FUNCTIONS = ("exp", "log", "sqrt", "sinh", "cosh", "tanh", "coth", "sech", "csch")
 
 
 def parse(text: str) -> Node:
@@ -16,7 +17,8 @@ def parse(text: str) -> Node:
     Parameters
     ----------
     text : str
-        At most MAX_CHARACTERS: numbers, names, ``+ - * / ^ **``, parentheses, ``exp(...)``, ``sqrt(...)``.
+        At most MAX_CHARACTERS: numbers, names, ``+ - * / ^ **``, parentheses, and one of FUNCTIONS before one;
+        ``log`` is the natural logarithm.
         Decimals are exact. A number may end in an SI prefix (``4.7k``) or carry a unit (``10 nH``,
         ``50 ohm``), which scales it to SI and is then forgotten; `s` is always the Laplace variable.
 
@@ -115,9 +117,9 @@ class _Parser:
             if self.token.text != "(":
                 self.fail_unless(self.token.kind not in ("name", "number"), "an operator such as *")
                 return Symbol(token.text)
-            if token.text not in ("exp", "sqrt"):
+            if token.text not in FUNCTIONS:
                 name = shorten(token.text)
-                expected = f"exp or sqrt, or {name}*(...) for a product"
+                expected = f"{', '.join(FUNCTIONS)}, or {name}*(...) for a product"
                 raise ExpressionError(f"column {token.column}", "unknown function", expected, f"{name}(...)")
         self.fail_unless(self.token.text == "(", "a number, a name or '('")
         self.take()

@@ -59,7 +59,7 @@ class Power:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A function, ``exp`` or ``sqrt``, at an argument."""
+    """A function, such as ``exp`` or ``sqrt``, at an argument."""
 
     name: str
     argument: "Node"

@@ -39,10 +39,11 @@ def verify(certificate: Certificate) -> bool:
     minus = fmpz_poly([0, -1])
     even = (p * q(minus) + p(minus) * q).coeffs()[::2]  # twice Re p conj q, in powers of s^2 = -x
     allowed = fmpz_poly([-c if k % 2 else c for k, c in enumerate(even)])
-    return _is_nonnegative(allowed, certificate.sign.factors, certificate.sign.breaks) and _is_hurwitz(p + q)
+    return is_nonnegative(allowed, certificate.sign.factors, certificate.sign.breaks) and is_hurwitz(p + q)
 
 
-def _is_nonnegative(a: fmpz_poly, factors: tuple, breaks: tuple[Fraction, ...]) -> bool:
+def is_nonnegative(a: fmpz_poly, factors: tuple, breaks: tuple[Fraction, ...]) -> bool:
+    """Whether a is, up to what is nonnegative anyway, the product of the factors, and these are for x >= 0."""
     whole, odd = fmpz_poly([2]), fmpz_poly([1])
     for factor, power in factors:
         whole *= factor**power
@@ -68,7 +69,8 @@ def _on(f: fmpz_poly, low: Fraction, high: Fraction) -> fmpz_poly:
     return fmpz_poly(g[::-1])(fmpz_poly([1, 1]))
 
 
-def _is_hurwitz(f: fmpz_poly) -> bool:
+def is_hurwitz(f: fmpz_poly) -> bool:
+    """Whether all roots lie in Re s < 0, by the reduction above in balls."""
     if f.leading_coefficient() < 0:
         f = -f
     if f[0] <= 0:

@@ -19,8 +19,8 @@ def from_axis(kind: Kind, p: fmpz_poly, q: fmpz_poly, a: fmpz_poly, x0: Fraction
 
     With a delay T, |H(s)| > exp(2 T sigma) is wanted of a reflection: a witness for exp(-2Ts) H.
     """
-    w = next(w for w in _square_roots(x0) if a(_fmpq(w * w)) < 0)
-    sigma, witness, step = _power_of_two(w) if w else Fraction(1), None, 1
+    w = next(w for w in square_roots(x0) if a(to_fmpq(w * w)) < 0)
+    sigma, witness, step = power_of_two(w) if w else Fraction(1), None, 1
     while (witness := _witness(kind, p, q, sigma, w, delay)) is None:
         sigma, step = sigma / 2**step, 2 * step
     while (step := step // 2) > 1:  # back to the largest that will do: fewer digits
@@ -31,7 +31,7 @@ def from_axis(kind: Kind, p: fmpz_poly, q: fmpz_poly, a: fmpz_poly, x0: Fraction
 
 def from_root(kind: Kind, p: fmpz_poly, q: fmpz_poly, f: fmpz_poly, delay: Fraction = _NONE) -> Witness:
     """Witness near a root of f in the right half plane: of f = p + q, where Z = -1, or of f = q, where H has a pole."""
-    for re, im in _candidates(f):
+    for re, im in candidates(f):
         if re > 0 and (witness := _witness(kind, p, q, re, im, delay)):
             return witness
     raise AssertionError("a polynomial that is not Hurwitz has a root in the right half plane")
@@ -69,14 +69,14 @@ def _witness(kind: Kind, p: fmpz_poly, q: fmpz_poly, re: Fraction, im: Fraction,
     wrong = real < 0 if kind is Kind.PR else a * a + b * b > size
     if not wrong or (not size and q):  # a pole of H by chance: its neighbours have values
         return None
-    if size and delay and not arb(fmpq(a * a + b * b, size)) > arb(_fmpq(4 * delay * re)).exp():
+    if size and delay and not arb(fmpq(a * a + b * b, size)) > arb(to_fmpq(4 * delay * re)).exp():
         return None
     if not size:
         return Witness(re, im, None, None)
     return Witness(re, im, Fraction(int(real), int(size)), Fraction(int(b * c - a * d), int(size)))
 
 
-def _candidates(f: fmpz_poly) -> Iterator[tuple[Fraction, Fraction]]:
+def candidates(f: fmpz_poly) -> Iterator[tuple[Fraction, Fraction]]:
     """Points near roots of f: first approximate ones of the right half plane, then, sure but slow, certified ones."""
     for start in approximate_roots(f)[:3]:
         root = _polished(f, acb(start))
@@ -105,7 +105,7 @@ def _rounded(re: Fraction, im: Fraction, bits: int) -> Iterator[tuple[Fraction, 
     """The point, or its mirror image, on ever finer grids, and its right neighbour."""
     shown = 2
     while shown < bits:
-        grid = _power_of_two(abs(re) + abs(im)) / 2**shown
+        grid = power_of_two(abs(re) + abs(im)) / 2**shown
         near, up = round(re / grid) * grid, round(abs(im) / grid) * grid
         yield near, up
         yield near + grid, up
@@ -121,7 +121,7 @@ def _middle(ball: arb) -> Fraction:
     return Fraction(int(middle.p), int(middle.q))
 
 
-def _square_roots(x: Fraction) -> Iterator[Fraction]:
+def square_roots(x: Fraction) -> Iterator[Fraction]:
     """Rational approximations of sqrt(x), each with twice as many digits as the one before."""
     bits = 2
     while True:
@@ -131,9 +131,11 @@ def _square_roots(x: Fraction) -> Iterator[Fraction]:
         bits *= 2
 
 
-def _fmpq(x: Fraction) -> fmpq:
+def to_fmpq(x: Fraction) -> fmpq:
+    """The same number for FLINT."""
     return fmpq(x.numerator, x.denominator)
 
 
-def _power_of_two(x: Fraction) -> Fraction:
+def power_of_two(x: Fraction) -> Fraction:
+    """A power of two of about the size of x > 0."""
     return Fraction(2) ** (x.numerator.bit_length() - x.denominator.bit_length())

@@ -24,6 +24,12 @@ _S = Quotient(fmpz_poly([0, 1]), fmpz_poly([1]))
 
 def evaluate(text: str, parameters: Mapping[str, Exact]) -> Quotient:
     """Rational function of an expression in ``s``, with a value for each other name in it and for no more."""
+    tree, values = with_values(text, parameters)
+    return of_tree(tree, values)
+
+
+def with_values(text: str, parameters: Mapping[str, Exact]) -> tuple[Node, dict[str, Fraction]]:
+    """Tree of an expression in ``s`` and the exact value of each other name in it; one for each and no more."""
     tree = parse(text)
     names = symbols(tree) - {"s"}
     missing, unused = sorted(names - set(parameters)), sorted(set(parameters) - names, key=str)
@@ -34,8 +40,12 @@ def evaluate(text: str, parameters: Mapping[str, Exact]) -> Quotient:
         where, problem = f"parameter {unused[0]!s:.60}", "not in the expression"
         problem = "s is the Laplace variable" if unused[0] == "s" else problem
         raise ExpressionError(where, problem, f"values for {_list(names)}", _list(parameters))
-    values = {name: Quotient.constant(exact(x, f"parameter {name}")) for name, x in parameters.items()}
-    return _Evaluation(values | {"s": _S}).of(tree)
+    return tree, {name: exact(x, f"parameter {name}") for name, x in parameters.items()}
+
+
+def of_tree(tree: Node, values: Mapping[str, Fraction]) -> Quotient:
+    """Rational function of a tree, refused where it would take too long or too much memory."""
+    return _Evaluation({name: Quotient.constant(x) for name, x in values.items()} | {"s": _S}).of(tree)
 
 
 def exact(value: Exact, where: str) -> Fraction:
@@ -59,6 +69,21 @@ def exact(value: Exact, where: str) -> Fraction:
     if constant is None or constant.is_infinite:
         raise not_a_number(value, where)
     return constant.numerator[0] / constant.denominator[0]
+
+
+def is_rational(node: Node) -> bool:
+    """Whether no function is in a tree."""
+    match node:
+        case Call():
+            return False
+        case Add(children) | Multiply(children):
+            return all(map(is_rational, children))
+        case Divide(a, b):
+            return is_rational(a) and is_rational(b)
+        case Negate(a) | Power(a, _):
+            return is_rational(a)
+        case Number() | Symbol():
+            return True
 
 
 class _Evaluation:

@@ -19,7 +19,6 @@ from passivity.sampled.response import SampledResponse
 
 CASES = json.loads((Path(__file__).parent / "passivity_cases.json").read_text(encoding="utf-8"))["cases"]
 FAR = 1e7  # rad/s: stands for infinity where poles are near 1
-GRID = np.concatenate([np.linspace(0, 3, 900), np.geomspace(3, FAR, 150)])
 
 
 def samples_of(model, w):
@@ -38,15 +37,31 @@ def by_hand(model, w):
         return total
 
 
-def near(model, points):
-    """Frequencies around each resonance."""
-    return [np.abs(a.imag + a.real * np.tan(np.linspace(-1.5, 1.5, points))) for a in model.poles]
+def columns(model, w):
+    """Values at jw of what the residues (real and imaginary parts) and the constant are multiplied by."""
+    s, found = 1j * w, []
+    for a in model.poles:
+        one, other = 1 / (s - a), 1 / (s - a.conjugate())
+        found += [one + other, 1j * (one - other)] if a.imag else [one]
+    return np.stack([*found, np.ones(len(w), complex)], axis=1)
+
+
+def beyond(model, values):
+    """How far values are beyond the bound."""
+    return np.abs(values) - 1 if model.parameter == "S" else -values.real
+
+
+def fine(model):
+    """Many frequencies, densest at the resonances."""
+    near = [np.abs(a.imag + a.real * np.tan(np.linspace(-1.5, 1.5, 6000))) for a in model.poles]
+    return np.unique(np.concatenate([np.linspace(0, 3, 6000), np.geomspace(3, FAR, 1500), *near]))
 
 
 def worst_by_hand(model):
-    """The largest |S| - 1, or -Re Z, on a grid that is densest at the resonances."""
-    values = [by_hand(model, w) for w in np.concatenate([GRID[::10], *near(model, 21)])]
-    return max(abs(h) - 1 if model.parameter == "S" else -h.real for h in values)
+    """The largest |S| - 1, or -Re Z, in 30 digits where it is large in 16."""
+    w = fine(model)
+    there = w[np.argsort(beyond(model, columns(model, w) @ model.coefficients[:-1]))[-20:]]
+    return max(abs(h) - 1 if model.parameter == "S" else -h.real for h in (by_hand(model, x) for x in there))
 
 
 def assert_passive(result):
@@ -216,7 +231,7 @@ def slightly_active(seed, parameter, pairs):
     poles = np.append(-im * 10 ** rng.uniform(-2.5, -0.5, pairs) + 1j * im, -rng.uniform(0.05, 1))
     residues = (rng.normal(size=pairs) + 0.3j * rng.normal(size=pairs)) * -poles[:-1].real / 2
     model = PoleResidueModel(poles, np.append(residues, 0.2 * rng.normal()), rng.uniform(0, 0.5), 0, parameter)
-    values, by, x = model.at(GRID), 10 ** rng.uniform(-4, -1), model.coefficients
+    values, by, x = model.at(fine(model)), 10 ** rng.uniform(-4, -1), model.coefficients
     if parameter == "S":
         return model.with_coefficients(x * (1 + by) / np.abs(values).max())
     x[-2] -= values.real.min() + by * np.abs(values).max()
@@ -243,49 +258,46 @@ def test_random_models_end_proved(parameter, seed):
 
 
 def by_brute_force(model, w):
-    """Relative change by sequential quadratic programming with a condition at each of some thousand frequencies."""
-    dense = np.unique(np.concatenate([GRID[::3], *near(model, 400)]))
-    here, there = (
-        np.stack(
-            [column for a in model.poles for column in _columns(a, 1j * x)] + [np.ones(len(x), complex)],
-            axis=1,
+    """Relative change by sequential quadratic programming with a condition at each of a thousand frequencies.
+
+    It is done three times, with more of them where the answer before violates the bound in between.
+    """
+    x, grid = model.coefficients[:-1], fine(model)
+    here = columns(model, w)
+    size = 0.01 * np.linalg.norm(here @ x)
+    _, r = np.linalg.qr(np.vstack([here.real, here.imag]))
+    unit = np.linalg.inv(r) * size  # unknowns y = R x in which the cost is |y|^2
+    tight = np.arange(len(grid)) % 24 == 0
+    for _ in range(3):
+        start, there = columns(model, grid[tight]) @ x, columns(model, grid[tight]) @ unit
+
+        def room(y, start=start, there=there):
+            return 1 - np.abs(start + there @ y) ** 2 if model.parameter == "S" else start.real + there.real @ y
+
+        def slope(y, start=start, there=there):
+            return -2 * ((start + there @ y).conj()[:, None] * there).real if model.parameter == "S" else there.real
+
+        found = minimize(
+            lambda y: y @ y,
+            np.zeros(len(x)),
+            jac=lambda y: 2 * y,
+            constraints={"type": "ineq", "fun": room, "jac": slope},
+            method="SLSQP",
+            options={"maxiter": 200, "ftol": 1e-12},
         )
-        for x in (w, dense)
-    )
-    q, r = np.linalg.qr(np.vstack([here.real, here.imag]))
-    size = 0.01 * np.linalg.norm(model.at(w))
-    there = there @ np.linalg.inv(r) * size  # unknowns in which the cost is |y|^2
-    start = model.at(dense)
-    if model.parameter == "Z":
-        room, slope = (lambda y: start.real + there.real @ y), (lambda y: there.real)
-    else:
-        room = lambda y: 1 - np.abs(start + there @ y) ** 2  # noqa: E731
-        slope = lambda y: -2 * ((start + there @ y).conj()[:, None] * there).real  # noqa: E731
-    found = minimize(
-        lambda y: y @ y,
-        np.zeros(q.shape[1]),
-        jac=lambda y: 2 * y,
-        constraints={"type": "ineq", "fun": room, "jac": slope},
-        method="SLSQP",
-        options={"maxiter": 200, "ftol": 1e-12},
-    )
-    assert found.success
+        assert found.success
+        tight |= beyond(model, columns(model, grid) @ (x + unit @ found.x)) > 0
     return np.sqrt(found.fun) * 0.01
-
-
-def _columns(a, s):
-    one, other = 1 / (s - a), 1 / (s - a.conjugate())
-    return [one + other, 1j * (one - other)] if a.imag else [one]
 
 
 @pytest.mark.parametrize("parameter", ["Z", "S"])
 @pytest.mark.parametrize("seed", range(5))
 def test_the_change_is_the_least(parameter, seed):
-    """Brute force keeps the bound only on its grid, so it may cost a little less."""
+    """Brute force keeps the bound only on its grid, so it may cost a little less; we keep SPARE away from it."""
     model = slightly_active(seed, parameter, 2)
     w = np.linspace(0, 1.5, 200)
     least = by_brute_force(model, w)
-    assert enforce(model, samples_of(model, w)).change.rms == pytest.approx(least, rel=1e-3)
+    assert least * (1 - 1e-4) <= enforce(model, samples_of(model, w)).change.rms <= least * (1 + 1e-3)
 
 
 def test_a_fit_to_noise_is_made_passive():

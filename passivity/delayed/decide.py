@@ -1,0 +1,157 @@
+"""Is an expression in s, with delays and roots of s, positive or bounded real? Proved, refuted or undecided."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from flint import acb
+
+from passivity.delayed.boxes import BallProof, UnresolvedError, prove_in_balls
+from passivity.delayed.disc import RIGHT, UNIT
+from passivity.delayed.form import Form, of_rational
+from passivity.delayed.margin import AxisValue, axis_value
+from passivity.delayed.proof import Step
+from passivity.delayed.prove import DEPTHS, prove
+from passivity.delayed.search import Point, beside, find_witness
+from passivity.delayed.translate import Translation
+from passivity.delayed.value import value
+from passivity.delayed.verify import verify_proof
+from passivity.errors import ExpressionError
+from passivity.one_port import positive_real
+from passivity.one_port.verdict import Verdict
+from passivity.rational.evaluate import Exact, is_rational, of_tree, with_values
+from passivity.rational.function import RationalFunction
+from passivity.status import Kind, Status
+
+_PLACES = (acb(37, 29), acb(5, 3) / 7, acb(1, 70) / 13)
+
+
+@dataclass(frozen=True)
+class ExpressionVerdict:
+    """Answer to whether an expression is positive real or bounded real.
+
+    Parameters
+    ----------
+    kind : Kind
+        The property asked for.
+    form : Form
+        The expression, its rational parts brought together.
+    status : Status
+        `PROVED` comes with one of `rational`, `proof` and `balls`; `REFUTED` with `rational` or `witness`;
+        `UNDECIDED` with `unresolved`.
+    rational : Verdict or None
+        Of the exact test, if the expression is rational.
+    proof : Step or None
+        A proof by composition; its `lines()` are to be printed, `passivity.delayed.verify.verify_proof` repeats it.
+    balls : BallProof or None
+        A proof in ball arithmetic, which `passivity.delayed.boxes.holds` repeats.
+    witness : Point or None
+        s with rational parts, Re s > 0, and the ball that holds the value there.
+    unresolved : str
+        What was not resolved, if undecided.
+    """
+
+    kind: Kind
+    form: Form
+    status: Status
+    rational: Verdict | None = None
+    proof: Step | None = None
+    balls: BallProof | None = None
+    witness: Point | None = None
+    unresolved: str = ""
+
+    @property
+    def why(self) -> str:
+        """The reason in one sentence."""
+        if self.rational:
+            return self.rational.why
+        if self.proof:
+            return f"composed of parts that are proved: {self.proof}"
+        if self.balls:
+            return (
+                f"strictly so in {len(self.balls.cuts) - 1} balls on the axis up to ω = {float(self.balls.radius):.6g}"
+            )
+        if self.witness is None:
+            return self.unresolved
+        s = f"s = {float(self.witness.re):.6g} + {float(self.witness.im):.6g}j"
+        if not self.witness.im and self.witness.value.imag != 0:
+            return f"the value at {s} is not real, as if a branch cut ran there"
+        if self.kind is Kind.PR:
+            return f"Re Z(s) = {self.witness.value.real.str(6, radius=False)} at {s}"
+        return f"|H(s)| = {abs(self.witness.value).str(15, radius=False)} at {s}"
+
+    @cached_property
+    def margin(self) -> AxisValue | None:
+        """Smallest Re Z(jω), or largest |H(jω)|; None where the axis has no values, or where `rational` has them."""
+        return None if self.rational else axis_value(self.kind, self.form, self.proof)
+
+
+def check_expression(text: str, kind: Kind, parameters: Mapping[str, Exact] | None = None) -> ExpressionVerdict:
+    """Is an expression analytic in Re s > 0 with Re Z >= 0 there, or |H| <= 1?
+
+    First rules on the expression itself, which turn facts about the parts into facts about the whole; then a search for
+    a point where the property fails, shown in balls; then balls on the axis, if all is rational in s and delays.
+    Functions are principal branches. A function that is not real for real s > 0 has neither property.
+
+    Parameters
+    ----------
+    text : str
+        What `passivity.expression.parse.parse` reads.
+    kind : Kind
+        The property.
+    parameters : mapping of str to number or text, optional
+        A value for every name in the expression but ``s``, and for no other.
+
+    Raises
+    ------
+    ExpressionError
+        What `parse` refuses; a missing or unused parameter; a division by zero; what is too large.
+
+    References
+    ----------
+    O. Brune, "Synthesis of a finite two-terminal network whose driving-point impedance is a prescribed function of
+    frequency", J. Math. Phys. 10 (1931), 191-236: sums, inverses and compositions of positive real functions.
+
+    Examples
+    --------
+    >>> verdict = check_expression("sqrt((R + s*L)/(s*C))*tanh(sqrt((R + s*L)*s*C))", Kind.PR, {"R": 1, "L": 2, "C": 3})
+    >>> verdict.status, verdict.proof.rule
+    (<Status.PROVED: 'proved'>, 'line')
+    >>> verdict = check_expression("exp(2*s)/2", Kind.BR)
+    >>> verdict.status, abs(verdict.witness.value) > 1
+    (<Status.REFUTED: 'refuted'>, True)
+    """
+    tree, values = with_values(text, parameters or {})
+    if is_rational(tree):
+        pair = of_tree(tree, values)
+        return _exact(kind, RationalFunction(pair.p, pair.q))
+    form = Translation(values).whole(tree)
+    if (r := form.rational) is not None:
+        return _exact(kind, r)
+    if not any(value(form, s).is_finite() for s in _PLACES):
+        raise ExpressionError(
+            "", "no value in reach", "an expression that is neither 1/0 nor beyond all numbers everywhere"
+        )
+    return _decided(kind, form)
+
+
+def _exact(kind: Kind, r: RationalFunction) -> ExpressionVerdict:
+    verdict = positive_real.check(r, kind)
+    return ExpressionVerdict(kind, of_rational(r), verdict.status, rational=verdict, unresolved=verdict.budget)
+
+
+def _decided(kind: Kind, form: Form) -> ExpressionVerdict:
+    goal = RIGHT if kind is Kind.PR else UNIT
+    if (proof := prove(form, goal, DEPTHS[:2])) and verify_proof(proof):
+        return ExpressionVerdict(kind, form, Status.PROVED, proof=proof)
+    if witness := find_witness(kind, form):
+        return ExpressionVerdict(kind, form, Status.REFUTED, witness=witness)
+    try:
+        return ExpressionVerdict(kind, form, Status.PROVED, balls=prove_in_balls(kind, form))
+    except UnresolvedError as error:
+        if error.frequency is not None and (witness := beside(kind, form, error.frequency)):
+            return ExpressionVerdict(kind, form, Status.REFUTED, witness=witness)
+        unresolved = f"no rule applies, no counterexample was found, and balls do not settle it: {error}"
+    if (proof := prove(form, goal, DEPTHS[2:])) and verify_proof(proof):
+        return ExpressionVerdict(kind, form, Status.PROVED, proof=proof)
+    return ExpressionVerdict(kind, form, Status.UNDECIDED, unresolved=unresolved)

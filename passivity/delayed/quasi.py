@@ -1,0 +1,127 @@
+"""Quasi-polynomials f(s) = sum of exp(-T s) p(s): their values in balls, their size far out, their zeros counted.
+
+On |s| >= R, Re s >= 0, with the highest power s^d and its coefficient c at T = 0, f(s)/s^d differs from c by at most
+the sum of all other coefficients, each times the power of R that belongs to it, because |exp(-T s)| <= 1. Where that is
+less than |c|, all zeros of the half-plane lie in the half disc of radius R, and the argument principle counts them.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+
+from flint import acb, arb, arb_poly
+
+from passivity.one_port.polynomial_sign import UndecidedError
+
+MAX_PIECES = 10_000
+BITS = 80
+_J = acb(0, 1)
+_MAX_DOUBLINGS = 400
+
+
+@dataclass(frozen=True)
+class QuasiPolynomial:
+    """The sum of exp(-T s) p(s), as pairs (T, p); the T are distinct, the least is 0, T = 0 comes first."""
+
+    terms: tuple[tuple[arb, arb_poly], ...]
+
+    def __call__(self, s: acb) -> acb:
+        """A ball with the values in a ball."""
+        return sum(((-s * delay).exp() * p(s) for delay, p in self.terms), acb(0))
+
+    @property
+    def degree(self) -> int:
+        """The highest power of s."""
+        return max(p.degree() for _, p in self.terms)
+
+    def far(self, radius: Fraction, degree: int) -> tuple[arb, arb]:
+        """Coefficient of s^degree at T = 0, and a bound of all else in f/s^degree for |s| >= radius, Re s >= 0."""
+        unit, rest, leading = arb(radius.denominator) / radius.numerator, arb(0), arb(0)
+        for delay, p in self.terms:
+            for k in range(p.degree() + 1):
+                if k == degree and delay == 0:
+                    leading = p[k]
+                else:
+                    rest += abs(p[k]) * unit ** (degree - k)
+        return leading, rest
+
+
+def zeros_right(f: QuasiPolynomial) -> int:
+    """Number of zeros in Re s > 0, with their multiplicities, by a certified winding number.
+
+    Raises
+    ------
+    UndecidedError
+        If zeros come too near to the axis, or the leading coefficient does not dominate far out.
+    """
+    radius = _radius(f)
+    cuts = list(_cuts(f, radius))
+    return winding(f, radius, cuts)
+
+
+def winding(f: QuasiPolynomial, radius: Fraction, cuts: list[Fraction]) -> int:
+    """Turns of f around the half disc of a radius, f having no zeros far out nor on the pieces of the axis.
+
+    Raises
+    ------
+    UndecidedError
+        If the balls do not leave a single whole number.
+    """
+    turned = arb(0)
+    values = [f(_J * _arb(w)) for w in cuts]
+    for before, after in pairwise(values):
+        turned += (after / before).arg()
+    degree = f.degree
+    leading, _ = f.far(radius, degree)
+    end = values[-1] / (_J * _arb(radius)) ** degree / leading
+    whole = (degree * arb.pi() + 2 * end.arg() - 2 * turned) / (2 * arb.pi())
+    if (count := whole.unique_fmpz()) is None:
+        raise UndecidedError("the winding number is not resolved")
+    return int(count)
+
+
+def pieces(cuts: list[Fraction]) -> Iterator[acb]:
+    """Balls around the pieces of the axis between cuts."""
+    return (on_axis(low, high) for low, high in pairwise(cuts))
+
+
+def on_axis(low: Fraction, high: Fraction) -> acb:
+    """A ball around a piece of the axis."""
+    return _J * _arb(low).union(_arb(high))
+
+
+def _radius(f: QuasiPolynomial) -> Fraction:
+    radius, degree = Fraction(1), f.degree
+    while True:
+        leading, rest = f.far(radius, degree)
+        if rest < abs(leading):
+            break
+        radius *= 2
+        if radius > Fraction(2) ** _MAX_DOUBLINGS:
+            raise UndecidedError("far out the terms with delay are not smaller than that without")
+    while radius > Fraction(1, 2) ** _MAX_DOUBLINGS:
+        leading, rest = f.far(radius / 2, degree)
+        if not rest < abs(leading):
+            break
+        radius /= 2
+    return radius
+
+
+def _cuts(f: QuasiPolynomial, radius: Fraction) -> Iterator[Fraction]:
+    stack, count = [(Fraction(0), radius)], 0
+    yield Fraction(0)
+    while stack:
+        low, high = stack.pop()
+        count += 1
+        if not f(on_axis(low, high)).contains(0):
+            yield high
+        elif count > MAX_PIECES or high - low < radius / 2**60:
+            raise UndecidedError(f"a zero on the axis or too near to it, at ω = {float(low):.6g} to {float(high):.6g}")
+        else:
+            middle = (low + high) / 2
+            stack += [(middle, high), (low, middle)]
+
+
+def _arb(x: Fraction) -> arb:
+    return arb(x.numerator) / x.denominator

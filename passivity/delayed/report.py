@@ -1,0 +1,43 @@
+"""Verdicts on functions with delays and roots of s as plain data: numbers are texts, balls with their radius."""
+
+from typing import Any
+
+from passivity.delayed.boxes import holds
+from passivity.delayed.decide import ExpressionVerdict
+from passivity.delayed.verify import verify_proof
+
+
+def expression_as_dict(verdict: ExpressionVerdict) -> dict[str, Any]:
+    """What JSON can hold of such a verdict, if it is not rational; its proof is verified anew.
+
+    Examples
+    --------
+    >>> from passivity.delayed.decide import check_expression
+    >>> from passivity.status import Kind
+    >>> told = expression_as_dict(check_expression("1 + exp(-s)", Kind.PR))
+    >>> told["status"], told["proof"]["verified"]
+    ('proved', True)
+    """
+    told: dict[str, Any] = {
+        "kind": verdict.kind.value,
+        "status": verdict.status.value,
+        "why": verdict.why,
+        "function": str(verdict.form),
+    }
+    if verdict.proof:
+        told["proof"] = {"steps": list(verdict.proof.lines()), "verified": verify_proof(verdict.proof)}
+    if verdict.balls:
+        told["balls"] = {
+            "radius": str(verdict.balls.radius),
+            "cuts": [str(cut) for cut in verdict.balls.cuts],
+            "verified": holds(verdict.balls),
+        }
+    if found := verdict.witness:
+        told["witness"] = {"re": str(found.re), "im": str(found.im), "value": found.value.str(20)}
+    if margin := verdict.margin:
+        told["margin"] = {
+            "attained": margin.attained.str(20),
+            "bound": None if margin.bound is None else str(margin.bound),
+            "frequency": margin.frequency,
+        }
+    return told

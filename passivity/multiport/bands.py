@@ -1,0 +1,59 @@
+"""Where on the imaginary axis a Hermitian matrix has a negative eigenvalue."""
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+from itertools import pairwise
+
+from flint import fmpq, fmpz_poly
+
+from passivity.one_port.polynomial_sign import UndecidedError, squarefree
+from passivity.one_port.real_roots import positive_roots
+
+MOST_NAMED = 4  # bands in one sentence
+
+
+def violations(sums: Sequence[fmpz_poly]) -> list[tuple[float, float]]:
+    """Intervals of w = sqrt(x) where at least one of some polynomials in x is negative, to double precision.
+
+    Examples
+    --------
+    >>> violations([fmpz_poly([1, 1]), fmpz_poly([3, -4, 1])])  # (x - 1)(x - 3)
+    [(1.0, 1.7320508075688772)]
+    """
+    given = [a for a in sums if a]
+    roots = {
+        float(root) for a in given for f, power in squarefree(a) if power % 2 and f[0] for root in positive_roots(f)
+    }
+    found: list[tuple[float, float]] = []
+    for low, high in pairwise([0.0, *sorted(roots), math.inf]):
+        middle = Fraction(2 * low + 1 if high == math.inf else low + (high - low) / 2)
+        x = fmpq(middle.numerator, middle.denominator)
+        if any(a(x) < 0 for a in given):
+            start = found.pop()[0] if found and found[-1][1] == math.sqrt(low) else math.sqrt(low)
+            found.append((start, math.sqrt(high)))
+    return found
+
+
+def bands(sums: Sequence[fmpz_poly]) -> str:
+    """The same in words.
+
+    Examples
+    --------
+    >>> bands([fmpz_poly([3, -4, 1])])
+    'for 1 < ω < 1.73205'
+    """
+    try:
+        found = [_band(low, high) for low, high in violations(sums)]
+    except UndecidedError:
+        return "in bands that take too long to find"
+    more = len(found) - MOST_NAMED
+    return ", ".join(found[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "") or "in a very narrow band"
+
+
+def _band(low: float, high: float) -> str:
+    if f"{low:.6g}" == f"{high:.6g}":
+        return f"in a narrow band at ω = {low:.12g}"
+    if low == 0:
+        return "for all ω" if high == math.inf else f"for ω < {high:.6g}"
+    return f"for ω > {low:.6g}" if high == math.inf else f"for {low:.6g} < ω < {high:.6g}"

@@ -1,0 +1,93 @@
+"""Square matrices of integer polynomials: what is needed of their arithmetic."""
+
+from typing import TypeAlias
+
+from flint import fmpz_poly
+
+PolynomialMatrix: TypeAlias = list[list[fmpz_poly]]
+
+
+def identity(size: int, scale: fmpz_poly) -> PolynomialMatrix:
+    """The unit matrix times a polynomial."""
+    return [[scale if i == j else fmpz_poly() for j in range(size)] for i in range(size)]
+
+
+def add(a: PolynomialMatrix, b: PolynomialMatrix) -> PolynomialMatrix:
+    """a + b."""
+    return [[x + y for x, y in zip(*rows, strict=True)] for rows in zip(a, b, strict=True)]
+
+
+def scaled(a: PolynomialMatrix, factor: fmpz_poly | int) -> PolynomialMatrix:
+    """The matrix times a polynomial."""
+    return [[x * factor for x in row] for row in a]
+
+
+def multiply(a: PolynomialMatrix, b: PolynomialMatrix) -> PolynomialMatrix:
+    """a b."""
+    columns = list(zip(*b, strict=True))
+    return [[sum((x * y for x, y in zip(row, c, strict=True)), fmpz_poly()) for c in columns] for row in a]
+
+
+def mirrored(a: PolynomialMatrix) -> PolynomialMatrix:
+    """a(-s)^T, which on the imaginary axis is a(s)^H."""
+    minus = fmpz_poly([0, -1])
+    return [[x(minus) for x in column] for column in zip(*a, strict=True)]
+
+
+def degree(n: PolynomialMatrix, d: fmpz_poly) -> int:
+    """Largest degree in a matrix n/d."""
+    return max(d.degree(), *(x.degree() for row in n for x in row))
+
+
+def height_bits(a: PolynomialMatrix) -> int:
+    """Length of the longest coefficient."""
+    return max(x.height_bits() for row in a for x in row)
+
+
+def minor_sums(a: PolynomialMatrix, g: fmpz_poly) -> tuple[list[tuple[fmpz_poly, int]], tuple[PolynomialMatrix, int]]:
+    """Sums of all principal minors of order 1, 2, ..., m, the last being the determinant; and the adjugate.
+
+    Faddeev's and Leverrier's scheme, whose divisions are exact. Each result comes without a power of g, and with that
+    power. Where a is a matrix of rational functions times their common denominator g, minors of order k mostly hold
+    the power k - 1 of it; divided out at once, it does not make the numbers grow.
+
+    Parameters
+    ----------
+    a : list of list of fmpz_poly
+    g : fmpz_poly
+        With coprime coefficients.
+
+    Examples
+    --------
+    >>> x = fmpz_poly([0, 1])
+    >>> minor_sums([[x, x], [fmpz_poly(), x]], x)
+    ([(2, 1), (1, 2)], ([[1, (-1)], [0, 1]], 1))
+    """
+    m, power = len(a), 0
+    sums, adjugate = [], identity(m, fmpz_poly([1]))
+    for k in range(1, m + 1):
+        product = multiply(a, adjugate)
+        total = sum((product[i][i] for i in range(m)), fmpz_poly()) // k
+        sums.append(_reduced(total, g, power))
+        if k < m:
+            adjugate = add(identity(m, total), scaled(product, -1))
+            if divided := _divided(adjugate, g):
+                adjugate, power = divided, power + 1
+    return sums, (adjugate, power)
+
+
+def _reduced(f: fmpz_poly, g: fmpz_poly, power: int) -> tuple[fmpz_poly, int]:
+    """f without all powers of g, and how many there are in f g^power."""
+    while f and g.degree() > 0:
+        quotient, rest = divmod(f, g)
+        if rest:
+            break
+        f, power = quotient, power + 1
+    return f, power
+
+
+def _divided(a: PolynomialMatrix, g: fmpz_poly) -> PolynomialMatrix | None:
+    """a/g if all entries can be divided by it."""
+    if g.degree() < 1 or any(x % g for row in a for x in row):
+        return None
+    return [[x // g for x in row] for row in a]

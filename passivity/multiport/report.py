@@ -1,0 +1,64 @@
+"""Verdicts on several ports as plain data; exact numbers are texts, polynomials lists, highest power first."""
+
+import math
+from typing import Any
+
+from passivity.multiport.certificate import verify
+from passivity.multiport.margin import MatrixMargin
+from passivity.multiport.verdict import Certificate, MatrixVerdict, StorageCertificate
+
+
+def as_dict(verdict: MatrixVerdict, margin: MatrixMargin | None) -> dict[str, Any]:
+    """What JSON can hold of a verdict, its margin and its evidence.
+
+    Examples
+    --------
+    >>> from passivity.multiport.ideal import gyrator_impedances
+    >>> from passivity.multiport.positive_real import check_positive_real_matrix
+    >>> as_dict(check_positive_real_matrix(gyrator_impedances(5)), None)["certificate"]["verified"]
+    True
+    """
+    told: dict[str, Any] = {
+        "kind": verdict.kind.value,
+        "ports": verdict.network.size,
+        "status": verdict.status.value,
+        "why": verdict.why,
+        "lossless": verdict.lossless,
+        "hidden_factor": _list(verdict.hidden) if verdict.hidden else None,
+        "margin": margin and {k: x if math.isfinite(x) else str(x) for k, x in margin._asdict().items()},
+    }
+    if witness := verdict.witness:
+        told["witness"] = {
+            "re": str(witness.re),
+            "im": str(witness.im),
+            "vector": [[str(x) for x in pair] for pair in witness.vector],
+            "value": str(witness.value),
+        }
+    if verdict.certificate:
+        told["certificate"] = _certificate(verdict.certificate) | {"verified": verify(verdict.certificate)}
+    return told
+
+
+def _certificate(certificate: Certificate) -> dict[str, Any]:
+    if isinstance(certificate, StorageCertificate):
+        return {
+            "basis": [[str(x) for x in row] for row in certificate.basis.tolist()],
+            "storage": [[str(x) for x in row] for row in certificate.storage.tolist()],
+        }
+    return {
+        "minor_sums": [
+            {
+                "sum": _list(x.a),
+                "power": x.power,
+                "sign_factors": [{"factor": _list(f), "power": power} for f, power in x.sign.factors],
+                "sign_breaks": [str(b) for b in x.sign.breaks],
+            }
+            for x in certificate.sums
+        ],
+        "closing": _list(certificate.closing),
+        "routh_column": [pivot.str(12) for pivot in certificate.column],
+    }
+
+
+def _list(polynomial: Any) -> list[str]:
+    return [str(c) for c in reversed(polynomial.coeffs())] or ["0"]

@@ -1,0 +1,1 @@
+"""Measured or computed frequency responses: what they refute, and the nearest passive rational model."""

@@ -1,0 +1,194 @@
+"""What samples say about passivity: they can refute it, beyond their error bars; they never prove it."""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from passivity.errors import ExpressionError
+from passivity.sampled.response import Parameter, SampledResponse, array
+from passivity.status import Status
+
+ROUNDING = 2.0**-48  # 16 units in the last place: the error bar that every sample has
+
+
+class Band(NamedTuple):
+    """Neighbouring samples that all violate the bound.
+
+    Parameters
+    ----------
+    first, last : float
+        The first and the last of them, Hz.
+    before, after : float or None
+        The samples next to them, which do not violate it; None at an end of the data.
+    worst, frequency : float
+        The worst value in between, and where it is.
+    """
+
+    first: float
+    last: float
+    before: float | None
+    after: float | None
+    worst: float
+    frequency: float
+
+
+class SampleWitness(NamedTuple):
+    """A sample that violates the bound by more than its error bar, to be checked by hand.
+
+    Parameters
+    ----------
+    sample : int
+        M = values[sample] is the sample, at `frequency` (Hz).
+    vector : tuple of complex
+        v, one number for each port; the sample and v count as the binary numbers they are.
+    value : Fraction
+        Re(v* Z v)/v*v of Z or Y, below -bar; v*S*S v/v*v of S, above (1 + bar)^2.
+    bar : Fraction
+        Any matrix within this distance of M (spectral norm) violates the bound too.
+    """
+
+    sample: int
+    frequency: float
+    vector: tuple[complex, ...]
+    value: Fraction
+    bar: Fraction
+
+
+@dataclass(frozen=True, eq=False)
+class SampleVerdict:
+    """What was seen in samples.
+
+    Parameters
+    ----------
+    response : SampledResponse
+        As given.
+    status : Status
+        `REFUTED` comes with a witness; otherwise `NO_VIOLATION` (seen, at the samples), which is no proof.
+    worst : ndarray, shape (n,)
+        Largest singular value of S, or smallest eigenvalue of (Z + Z*)/2, at each frequency.
+    bars : ndarray, shape (n,)
+        Error bar of each: the tolerance and ROUNDING times ports and size of the sample.
+    bands : tuple of Band
+        Where the samples violate the bound, in order.
+    witness : SampleWitness or None
+        The sample that is furthest beyond its error bar.
+    """
+
+    response: SampledResponse
+    status: Status
+    worst: NDArray
+    bars: NDArray
+    bands: tuple[Band, ...]
+    witness: SampleWitness | None
+
+    @property
+    def worst_value(self) -> float:
+        """The worst of `worst`: the largest singular value, or the smallest eigenvalue."""
+        return float(self.worst[self._worst])
+
+    @property
+    def worst_frequency(self) -> float:
+        """Where it is, Hz."""
+        return float(self.response.f[self._worst])
+
+    @property
+    def _worst(self) -> int:
+        return int(np.argmax(excess(self.worst, self.response.parameter)))
+
+    @property
+    def caveats(self) -> tuple[str, ...]:
+        """What these samples cannot show."""
+        f = self.response.f
+        k = int(np.argmax(np.diff(f))) if len(f) > 1 else 0
+        gap = f", the widest gap from {f[k]:.6g} to {f[k + 1]:.6g} Hz" if len(f) > 1 else ""
+        below = f" below {f[0]:.6g} Hz and" if f[0] else ""
+        return (
+            f"nothing is known between samples{gap}, nor{below} above {f[-1]:.6g} Hz",
+            "causality is not tested, and samples alone cannot: through any that keep the bound there is a passive "
+            "response (boundary interpolation, Cantor and Phelps 1965); how well a stable model fits is a hint",
+        )
+
+
+def check_samples(response: SampledResponse, tolerance: ArrayLike = 0.0) -> SampleVerdict:
+    """Do samples of Z, Y or S show more energy leaving the ports than entering?
+
+    Parameters
+    ----------
+    response : SampledResponse
+        With n frequencies.
+    tolerance : float or array_like, shape (n,)
+        How far each sample may be from the truth, >= 0, in the unit of the samples: a bound of the spectral norm of the
+        error, for one port of its modulus. Some rounding is always allowed for, see `SampleVerdict.bars`.
+
+    Raises
+    ------
+    ExpressionError
+        If the tolerance is negative or has another shape.
+
+    Examples
+    --------
+    >>> verdict = check_samples(SampledResponse([1, 2, 3], [0.9, 1.2j, -1.0], "S"))
+    >>> verdict.status, verdict.worst_value, verdict.worst_frequency
+    (<Status.REFUTED: 'refuted'>, 1.2, 2.0)
+    >>> check_samples(SampledResponse([1, 2, 3], [0.9, 1.2j, -1.0], "S"), tolerance=0.25).status
+    <Status.NO_VIOLATION: 'no violation seen'>
+    """
+    values, parameter = response.values, response.parameter
+    given = array(tolerance, float, "tolerance")
+    if given.shape not in ((), response.f.shape) or (given < 0).any():
+        expected = f"a number >= 0, or {len(response.f)} of them"
+        raise ExpressionError("tolerance", "not an error bar", expected, f"{tolerance!s:.40}")
+    worst = worst_values(values, parameter)
+    bars = given + ROUNDING * response.ports * np.sqrt((np.abs(values) ** 2).sum((1, 2)))
+    beyond = excess(worst, parameter) - bars
+    k = int(np.argmax(beyond))
+    witness = _witness(response, k, Fraction(float(bars[k]))) if beyond[k] > 0 else None
+    status = Status.REFUTED if witness else Status.NO_VIOLATION
+    return SampleVerdict(response, status, worst, bars, _bands(response, worst, beyond > 0), witness)
+
+
+def worst_values(values: NDArray, parameter: Parameter) -> NDArray:
+    """Largest singular value of each S, or smallest eigenvalue of each Hermitian part of Z or Y; values (n, p, p).
+
+    Examples
+    --------
+    >>> worst_values(np.array([[[0, 2], [1, 0]]]), Parameter.S), worst_values(np.array([[[3 + 4j]]]), Parameter.Z)
+    (array([2.]), array([3.]))
+    """
+    if parameter is Parameter.S:
+        return np.linalg.svd(values, compute_uv=False)[:, 0]
+    return np.linalg.eigvalsh((values + values.conj().swapaxes(1, 2)) / 2)[:, 0]
+
+
+def excess(worst: NDArray, parameter: Parameter) -> NDArray:
+    """How far a worst value is beyond its bound; negative within."""
+    return worst - 1 if parameter is Parameter.S else -worst
+
+
+def _bands(response: SampledResponse, worst: NDArray, violating: NDArray) -> tuple[Band, ...]:
+    f, beyond = response.f, excess(worst, response.parameter)
+    edges = np.flatnonzero(np.diff(violating, prepend=False, append=False))
+    bands = []
+    for start, stop in edges.reshape(-1, 2):
+        k = start + int(np.argmax(beyond[start:stop]))
+        before = float(f[start - 1]) if start else None
+        after = float(f[stop]) if stop < len(f) else None
+        bands.append(Band(float(f[start]), float(f[stop - 1]), before, after, float(worst[k]), float(f[k])))
+    return tuple(bands)
+
+
+def _witness(response: SampledResponse, k: int, bar: Fraction) -> SampleWitness | None:
+    """The k-th sample as a witness in exact arithmetic, None if it is none."""
+    matrix, scattering = response.values[k], response.parameter is Parameter.S
+    vector: NDArray[np.complex128]
+    vector = np.linalg.svd(matrix)[2][0].conj() if scattering else np.linalg.eigh(matrix + matrix.conj().T)[1][:, 0]
+    exact = np.vectorize(Fraction, otypes=[object])
+    v = exact(np.concatenate([vector.real, vector.imag]))
+    image = exact(np.block([[matrix.real, -matrix.imag], [matrix.imag, matrix.real]])) @ v
+    value = (image @ image if scattering else v @ image) / (v @ v)
+    if not (value > (1 + bar) ** 2 if scattering else value < -bar):
+        return None
+    return SampleWitness(k, float(response.f[k]), tuple(map(complex, vector)), value, bar)

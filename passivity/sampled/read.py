@@ -1,0 +1,130 @@
+"""Samples from files: CSV and Touchstone."""
+
+import io
+import re
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+from passivity.errors import ExpressionError
+from passivity.sampled.response import MAX_PORTS, Parameter, SampledResponse
+
+MAX_BYTES = 10_000_000
+MAX_LINE = 4_000
+HEADER = ["f", "re", "im"]
+# what HFSS writes of its ports; all other comments are dropped unread
+_PORT_COMMENT = re.compile(r"!\s*(?:gamma|port impedance)?[-+.eE\s\d]*", re.IGNORECASE)
+
+
+def read_csv(path: str | Path, parameter: Parameter | str, z0: float = 50.0) -> SampledResponse:
+    """Samples of a one-port from a CSV file.
+
+    Parameters
+    ----------
+    path : str or Path
+        First line ``f,re,im``; then one line for each sample: frequency in Hz, real and imaginary part.
+        Empty lines, and lines that begin with ``#``, are skipped.
+    parameter : Parameter or str
+        "Z", "Y" or "S".
+    z0 : float
+        Reference resistance of S, ohm.
+
+    Raises
+    ------
+    ExpressionError
+        If the file cannot be read or is longer than MAX_BYTES; naming the line that is no sample.
+
+    Examples
+    --------
+    >>> from tempfile import NamedTemporaryFile
+    >>> with NamedTemporaryFile("w", suffix=".csv") as file:
+    ...     _ = file.write("f,re,im\\n1e6,50,1\\n2e6,50,2\\n")
+    ...     file.flush()
+    ...     read_csv(file.name, "Z").f
+    array([1000000., 2000000.])
+    """
+    lines = ((n, line) for n, line in enumerate(_text(path).splitlines(), 1) if line.strip() and line[0] != "#")
+    rows = []
+    for n, line in lines:
+        cells = [cell.strip() for cell in line.split(",")]
+        if not rows and cells == HEADER:
+            rows.append(cells)
+            continue
+        try:
+            if not rows:
+                raise ValueError
+            f, re_, im = map(float, cells)
+        except ValueError:
+            expected = "three numbers f,re,im" if rows else "the header f,re,im"
+            raise ExpressionError(f"{path}: line {n}", "not a sample", expected, f"{line!r:.40}") from None
+        rows.append((f, complex(re_, im)))
+    return SampledResponse([f for f, _ in rows[1:]], [value for _, value in rows[1:]], parameter, z0)
+
+
+def read_touchstone(path: str | Path) -> SampledResponse:
+    """Scattering matrices from a Touchstone file of version 1, read by scikit-rf; Z and Y in it are turned into S.
+
+    Parameters
+    ----------
+    path : str or Path
+        Its suffix tells the number of ports: ``.s1p``, ``.s2p``, ... ``.s16p``.
+
+    Raises
+    ------
+    ExpressionError
+        If scikit-rf is missing, the file cannot be read or is longer than MAX_BYTES, a reference is not one real
+        resistance for each port.
+
+    References
+    ----------
+    Touchstone File Format Specification, version 1.1, EIA/IBIS Open Forum, 2002.
+
+    Examples
+    --------
+    >>> from tempfile import NamedTemporaryFile
+    >>> with NamedTemporaryFile("w", suffix=".s1p") as file:
+    ...     _ = file.write("# MHz S RI R 75\\n1 0.5 0.1\\n2 0.4 0.2\\n")
+    ...     file.flush()
+    ...     response = read_touchstone(file.name)
+    >>> response.f, response.z0
+    (array([1000000., 2000000.]), array([75.]))
+    """
+    suffix = re.fullmatch(r"\.s(\d{1,2})p", Path(path).suffix.lower())
+    if not suffix or not 0 < int(suffix[1]) <= MAX_PORTS:
+        raise ExpressionError(f"{path}", "not a Touchstone file", f".s1p to .s{MAX_PORTS}p", Path(path).suffix)
+    lines = [line.strip() for line in _text(path).splitlines()]
+    lines = [line for line in lines if line[:1] != "!" or _PORT_COMMENT.fullmatch(line)]
+    if any(line.startswith("[") for line in lines):
+        raise ExpressionError(f"{path}", "Touchstone version 2 is not read", "version 1")
+    try:
+        from skrf.io.touchstone import Touchstone
+    except ImportError:
+        raise ExpressionError(f"{path}", "Touchstone files need scikit-rf", "pip install tline[rf]") from None
+    file = io.StringIO("\n".join(lines))
+    file.name = f"samples{Path(path).suffix.lower()}"  # its suffix is where scikit-rf looks for the number of ports
+    try:
+        with warnings.catch_warnings(action="error"):
+            read = Touchstone(file)
+        z0 = np.asarray(read.z0, complex)[0]
+        constant = (read.z0 == z0).all() and (z0.imag == 0).all()
+        if read.s_flat.shape[1] != int(suffix[1]) ** 2:
+            raise ValueError("numbers are missing")
+    except (ArithmeticError, AttributeError, IndexError, KeyError, TypeError, ValueError, Warning) as error:
+        raise ExpressionError(f"{path}", "not a Touchstone file", "Touchstone version 1", f"{error!s:.80}") from None
+    if not constant:
+        raise ExpressionError(f"{path}", "reference impedance", "a constant resistance at each port", f"{z0}")
+    return SampledResponse(read.f, read.s, Parameter.S, z0.real)
+
+
+def _text(path: str | Path) -> str:
+    try:
+        with open(path, "rb") as file:
+            content = file.read(MAX_BYTES + 1)
+        text = content.decode("utf-8-sig", "replace")
+    except OSError as error:
+        raise ExpressionError(f"{path}", "cannot be read", "a file", error.strerror or "") from None
+    if len(content) > MAX_BYTES or max(map(len, text.splitlines()), default=0) > MAX_LINE:
+        expected = f"at most {MAX_BYTES} bytes, {MAX_LINE} in a line"
+        raise ExpressionError(f"{path}", "too long", expected)
+    return text

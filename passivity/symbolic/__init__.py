@@ -1,0 +1,1 @@
+"""Impedances and reflections with parameters that have no value, only assumptions."""

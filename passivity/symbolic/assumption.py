@@ -1,0 +1,135 @@
+"""What is assumed of a parameter: ``R > 0``, ``k real``, ``0 < k < 1`` or ``R = 50 ohm``, as an interval."""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+
+from passivity.errors import ExpressionError, shorten
+from passivity.expression.parse import parse
+from passivity.expression.tree import Symbol
+from passivity.rational.evaluate import exact
+
+_FORMS = "a form such as R > 0, R >= 0, k real, 0 < k < 1 or R = 50"
+_MAX_CHARACTERS = 1_000
+
+
+@dataclass(frozen=True)
+class Range:
+    """The values a parameter may have.
+
+    Parameters
+    ----------
+    name : str
+    low, high : Fraction or None
+        The ends, None where there is none; both the same for a parameter with a value.
+    open_low, open_high : bool
+        Whether the end itself is left out.
+    """
+
+    name: str
+    low: Fraction | None = None
+    high: Fraction | None = None
+    open_low: bool = False
+    open_high: bool = False
+
+    @property
+    def is_point(self) -> bool:
+        """Whether there is one value only."""
+        return self.low is not None and self.low == self.high
+
+    def __contains__(self, value: Fraction) -> bool:
+        above = self.low is None or value > self.low or (value == self.low and not self.open_low)
+        return above and (self.high is None or value < self.high or (value == self.high and not self.open_high))
+
+    def meet(self, other: "Range") -> "Range | None":
+        """The values that are in both, None if there are none."""
+        low, open_low = max(((r.low, r.open_low) for r in (self, other) if r.low is not None), default=(None, False))
+        high, shut = min(((r.high, not r.open_high) for r in (self, other) if r.high is not None), default=(None, True))
+        if low is not None and high is not None and (low > high or (low == high and (open_low or not shut))):
+            return None
+        return Range(self.name, low, high, open_low, not shut)
+
+    def __str__(self) -> str:
+        if self.is_point:
+            return f"{self.name} = {self.low}"
+        below, above = "<" if self.open_low else "<=", "<" if self.open_high else "<="
+        if self.low is None:
+            return f"{self.name} real" if self.high is None else f"{self.name} {above} {self.high}"
+        if self.high is None:
+            return f"{self.name} {'>' if self.open_low else '>='} {self.low}"
+        return f"{self.low} {below} {self.name} {above} {self.high}"
+
+
+def parse_assumption(text: str) -> Range:
+    """The interval that a text such as ``R > 0`` leaves to a parameter.
+
+    Parameters
+    ----------
+    text : str
+        ``NAME real``, or NAME and numbers between ``<``, ``<=``, ``>``, ``>=`` or ``=``, one number on each side at
+        most. Numbers as in an expression, with prefix and unit if any: ``C < 4 pF``.
+
+    Raises
+    ------
+    ExpressionError
+        For anything else, and where no value is left.
+
+    Examples
+    --------
+    >>> print(parse_assumption("0<k<1/2"), "-", parse_assumption("k real"), "-", parse_assumption("C = 4 pF"))
+    0 < k < 1/2 - k real - C = 1/250000000000
+    """
+    if not isinstance(text, str) or len(text) > _MAX_CHARACTERS:
+        raise ExpressionError("assumption", "not an assumption", _FORMS, shorten(repr(text)[:60]))
+    where = f"assumption {shorten(text.strip())}"
+    if real := re.fullmatch(r"\s*(\S+)\s+real\s*", text):
+        return Range(_name(real[1], where))
+    sides = re.split(r"(<=|>=|<|>|=)", text)
+    middle = next((k for k in range(0, len(sides), 2) if _is_name(sides[k])), None)
+    if middle is None or len(sides) not in (3, 5) or (len(sides) == 5 and middle != 2):
+        raise ExpressionError(where, "this says nothing of one parameter", _FORMS)
+    name, found = _name(sides[middle], where), None
+    for k in range(1, len(sides), 2):
+        relation, number = sides[k], exact(sides[k + 1] if k > middle else sides[k - 1], where)
+        if relation == "=":
+            one = Range(name, number, number)
+        elif (relation[0] == ">") == (k > middle):
+            one = Range(name, low=number, open_low=len(relation) == 1)
+        else:
+            one = Range(name, high=number, open_high=len(relation) == 1)
+        found = meet(found, one)
+    assert found
+    return found
+
+
+def collect(assumptions: Iterable[str | Range]) -> dict[str, Range]:
+    """The range of each parameter that is named; several assumptions on one hold together."""
+    if isinstance(assumptions, str):
+        raise ExpressionError("assumptions", "one text", "a list of texts", shorten(repr(assumptions)))
+    ranges: dict[str, Range] = {}
+    for given in assumptions:
+        one = given if isinstance(given, Range) else parse_assumption(given)
+        ranges[one.name] = meet(ranges.get(one.name), one)
+    return ranges
+
+
+def meet(first: Range | None, second: Range) -> Range:
+    """The values that are in both ranges, all if the first is None; refused if there are none."""
+    both = first.meet(second) if first else second
+    if both is None:
+        raise ExpressionError(f"parameter {second.name:.60}", f"no value has {first} and {second}", "other assumptions")
+    return both
+
+
+def _is_name(text: str) -> bool:
+    return bool(re.fullmatch(r"\s*[^\W\d]\w*\s*", text))
+
+
+def _name(text: str, where: str) -> str:
+    tree = parse(text) if _is_name(text) else None
+    if not isinstance(tree, Symbol):
+        raise ExpressionError(where, "not a name", "one name of the expression", repr(shorten(text.strip())))
+    if tree.name == "s":
+        raise ExpressionError(where, "s is the Laplace variable", "a parameter")
+    return tree.name

@@ -1,0 +1,124 @@
+"""Is an impedance positive real, or a reflection bounded real, for all values its parameters may have?"""
+
+from collections.abc import Iterable, Mapping
+from fractions import Fraction
+
+from passivity.errors import ExpressionError
+from passivity.expression.parse import parse
+from passivity.expression.tree import Node, symbols
+from passivity.rational.evaluate import Exact, exact
+from passivity.status import Kind, Status
+from passivity.symbolic import write
+from passivity.symbolic.assumption import Range, collect, meet
+from passivity.symbolic.counterexample import Counterexample, search
+from passivity.symbolic.domain import Domain
+from passivity.symbolic.expand import Expansion, ExpansionError
+from passivity.symbolic.formula import Claim, Joined
+from passivity.symbolic.question import Question
+from passivity.symbolic.structure import Structure
+from passivity.symbolic.verdict import Condition, SymbolicVerdict
+
+MAX_PARAMETERS = 200
+_SHOWN = 200  # characters of all values in a reason
+
+
+def check_symbolic(
+    text: str, kind: Kind, assumptions: Iterable[str | Range], parameters: Mapping[str, Exact] | None = None
+) -> SymbolicVerdict:
+    """Is a function with parameters positive real or bounded real for all values that satisfy the assumptions?
+
+    Values for which the expression is 0/0 when multiplied out are left out, for there is no function.
+
+    Parameters
+    ----------
+    text : str
+        What `passivity.expression.parse.parse` reads.
+    kind : Kind
+        PR for an impedance or admittance, BR for a reflection.
+    assumptions : iterable of str or Range
+        What `parse_assumption` reads: one or more for each name but ``s`` that has no value.
+    parameters : mapping of str to number or text, optional
+        Values of the others.
+
+    Returns
+    -------
+    SymbolicVerdict
+        Proved along the expression or by the signs of expanded polynomials; or refuted with values, by the exact test
+        at these. The exact condition is added for degree two in s at most, and where one factor decides.
+
+    Raises
+    ------
+    ExpressionError
+        What `parse` and `parse_assumption` refuse; a name without a value or an assumption; assumptions on other
+        names, or that no value satisfies; more than MAX_PARAMETERS; 0/0 for all values.
+
+    References
+    ----------
+    M. Z. Q. Chen, M. C. Smith, IEEE Transactions on Automatic Control 54 (2009), 390-393.
+
+    Examples
+    --------
+    >>> check_symbolic("R + s*L + 1/(s*C)", Kind.PR, ["R > 0", "L > 0", "C > 0"]).status
+    <Status.PROVED: 'proved'>
+    >>> verdict = check_symbolic("k*(1 - s*t)/(1 + s*t)", Kind.BR, ["t > 0", "k real"])
+    >>> print(verdict.status, "/", verdict.condition, "/", verdict.counterexample.values["k"])
+    refuted / -1 <= k <= 1 / 2
+    """
+    tree = parse(text)
+    ranges = _ranges(tree, assumptions, parameters or {})
+    numbers = {r.name: r.low for r in ranges if r.low is not None and r.is_point}
+    domain = Domain(tuple(r for r in ranges if not r.is_point))
+    if proof := Structure(Expansion(domain, numbers)).prove(tree, kind):
+        return SymbolicVerdict(kind, ranges, Status.PROVED, "so is each of its parts", tuple(proof.lines()))
+    question, formula, limit = None, None, "neither a proof nor a counterexample was found"
+    try:
+        question = Question.of(kind, tree, Expansion(domain, numbers))
+        formula = question.formula()
+    except ExpansionError as error:
+        limit = str(error)
+    if question and formula is True:
+        why = "the exact test holds, whatever the parameters are"
+        return SymbolicVerdict(kind, ranges, Status.PROVED, why, tuple(question.lines()), note=question.note())
+    condition, note = None, question.note() if question else ""
+    if question and isinstance(formula, Claim | Joined):
+        condition = Condition(formula, domain.ranges, question.whole)
+
+    def trial(values: dict[str, Fraction]) -> tuple[Counterexample | None, int]:
+        if condition and condition.formula.holds(values):
+            return None, len(text)
+        return _refutation(tree, kind, numbers | values)
+
+    if found := search(domain.ranges, trial):
+        at = ", ".join(f"{name} = {x}" for name, x in found.values.items()) or "these numbers"
+        why = f"not for {write.cut(at, _SHOWN)}: {found.why}"
+        return SymbolicVerdict(kind, ranges, Status.REFUTED, why, (), condition, found, note)
+    help_ = f"whether the assumptions imply {condition}" if condition else "values for the parameters"
+    return SymbolicVerdict(kind, ranges, Status.UNDECIDED, f"{limit}; to settle it: {help_}", (), condition, note=note)
+
+
+def _refutation(tree: Node, kind: Kind, values: dict[str, Fraction]) -> tuple[Counterexample | None, int]:
+    """The refutation with values for all names, if there is one, and the work."""
+    expansion = Expansion(Domain(()), values)
+    try:
+        question = Question.of(kind, tree, expansion)
+    except (ExpansionError, ExpressionError):  # 0/0 among them
+        return None, expansion.work
+    return question.refutation(), expansion.work + question.degree**2
+
+
+def _ranges(tree: Node, assumptions: Iterable[str | Range], parameters: Mapping[str, Exact]) -> tuple[Range, ...]:
+    """What is known of each name, in alphabetical order."""
+    ranges = collect(assumptions)
+    for name, number in parameters.items():
+        number = exact(number, f"parameter {name}")
+        ranges[name] = meet(ranges.get(name), Range(name, number, number))
+    names = symbols(tree) - {"s"}
+    if len(ranges) > MAX_PARAMETERS:
+        raise ExpressionError("parameters", "too many", f"at most {MAX_PARAMETERS}", f"{len(ranges)}")
+    listed = f"{', '.join(sorted(names)) or 'no names':.200}"
+    for name in sorted(names - set(ranges)):
+        raise ExpressionError(f"parameter {name:.60}", "no value and no assumption", f"such as {name:.60} > 0")
+    for name in sorted(set(ranges) - names, key=str):
+        problem = "s is the Laplace variable" if name == "s" else "not in the expression"
+        raise ExpressionError(f"parameter {name!s:.60}", problem, f"something about {listed}")
+    return tuple(ranges[name] for name in sorted(names))

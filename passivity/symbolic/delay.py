@@ -1,0 +1,71 @@
+"""A rational reflection behind a delay, H1 = exp(-tau s) H2, and the impedance or admittance Z = (1 + H1)/(1 - H1).
+
+Z is positive real if and only if H1 is bounded real. For tau >= 0 H1 is bounded real if and only if H2 is: |H1| <= |H2|
+in Re s > 0, on the axis |H1| = |H2|, and they have the same poles. For tau < 0 H1 grows without bound unless H2 = 0.
+"""
+
+from fractions import Fraction
+
+from flint import arb, fmpq
+
+from passivity.one_port.axis import allowance
+from passivity.one_port.polynomial_sign import find_sign
+from passivity.one_port.verdict import Verdict, Witness
+from passivity.one_port.witness import from_axis, from_root
+from passivity.rational.function import RationalFunction
+from passivity.status import Kind, Status
+from passivity.symbolic.domain import coefficients
+from passivity.symbolic.expand import Expanded, Expansion, ExpansionError, Pair
+
+_E = 1  # the generator exp(-tau s)
+_MAX_DOUBLINGS = 200
+
+
+def as_reflection(kind: Kind, expanded: Expanded, expansion: Expansion) -> tuple[Pair, Pair]:
+    """H2 and tau of a function H1, or Z, that has this form.
+
+    Raises
+    ------
+    ExpansionError
+        If it has not.
+    """
+    p, q = expanded.function
+    h = Pair(p, q) if kind is Kind.BR else Pair(p - q, p + q).reduced()
+    (over, m), (under, n) = (_single_power(f) for f in h)
+    delay = expansion.product(expanded.tau, expansion.number(Fraction(m - n)))
+    return Pair(over, under), delay.reduced()
+
+
+def _single_power(f) -> tuple:
+    """g and k with f = g e^k, g free of e."""
+    parts = [(g, k) for k, g in enumerate(coefficients(f, _E)) if g]
+    if len(parts) > 1:
+        raise ExpansionError("it is not exp(-T*s) times a rational reflection, nor the impedance of one")
+    return parts[0] if parts else (f, 0)
+
+
+def delayed_witness(verdict: Verdict, delay: Fraction) -> Witness | None:
+    """s with |exp(-delay s) H2(s)| > 1, shown in ball arithmetic, for a verdict on H2 as a reflection."""
+    h2 = verdict.function
+    if delay < 0:
+        return _growing(h2, delay)
+    if verdict.status is not Status.REFUTED:
+        return None
+    if not delay:
+        return verdict.witness
+    allowed = allowance(Kind.BR, h2.p, h2.q)
+    sign = find_sign(allowed)
+    if isinstance(sign, Fraction):
+        return from_axis(Kind.BR, h2.p, h2.q, allowed, sign, delay / 2)
+    return from_root(Kind.BR, h2.p, h2.q, h2.reduced().q, delay / 2)
+
+
+def _growing(h2: RationalFunction, delay: Fraction) -> Witness | None:
+    """A real s so large that exp(-delay s) |H2(s)| > 1."""
+    for k in range(_MAX_DOUBLINGS):
+        s = fmpq(2) ** k
+        p, q = h2.p(s), h2.q(s)
+        if q and abs(arb(p / q)) * (arb(fmpq(-delay.numerator, delay.denominator)) * arb(s)).exp() > 1:
+            size = p / q
+            return Witness(Fraction(2**k), Fraction(0), Fraction(int(size.p), int(size.q)), Fraction(0))
+    return None

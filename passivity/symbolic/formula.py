@@ -1,0 +1,167 @@
+"""Claims on parameters: polynomials that must be >= 0, > 0 or = 0, joined by "and" and "or".
+
+They are simplified with what is assumed: factors of known sign are dropped, claims that always or never hold vanish.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from math import prod
+from operator import eq, ge, gt
+from typing import TypeAlias
+
+from flint import fmpz_mpoly
+
+from passivity.symbolic import write
+from passivity.symbolic.assumption import Range
+from passivity.symbolic.domain import Domain, is_small
+
+_RELATIONS: dict[str, Callable[[Fraction | int, int], bool]] = {">=": ge, ">": gt, "=": eq}
+
+
+@dataclass(frozen=True, eq=False)
+class Claim:
+    """A product of powers of polynomials, compared with 0.
+
+    Parameters
+    ----------
+    factors : tuple of (fmpz_mpoly, int)
+    relation : str
+        ``>=``, ``>`` or ``=``.
+    written : str
+        How to write it, if not as the factors tell.
+    """
+
+    factors: tuple[tuple[fmpz_mpoly, int], ...]
+    relation: str
+    written: str = ""
+
+    def holds(self, values: Mapping[str, Fraction]) -> bool:
+        """Whether it is true of these parameters."""
+        product = prod((value(f, values) ** power for f, power in self.factors), start=Fraction(1))
+        return _RELATIONS[self.relation](product, 0)
+
+    def boundary(self) -> "Claim":
+        """The claim that the product is 0."""
+        return Claim(tuple((f, 1) for f, _ in self.factors), "=")
+
+    def __str__(self) -> str:
+        if self.written:
+            return self.written
+        if interval := self.interval():
+            return str(interval)
+        if len(self.factors) == 1 and self.factors[0][1] == 1:
+            return _sides(self.factors[0][0], self.relation)
+        return f"{'*'.join(write.factor(f, k) for f, k in self.factors)} {self.relation} 0"
+
+    def interval(self) -> Range | None:
+        """The same as a range of one parameter, if it is one."""
+        generators = {gen for f, _ in self.factors for gen, d in enumerate(f.degrees()) if d}
+        linear = all(f.total_degree() == 1 and power == 1 for f, power in self.factors)
+        if len(generators) != 1 or not linear or self.relation == "=":
+            return None
+        name = self.factors[0][0].context().names()[generators.pop()]
+        roots = sorted(Fraction(-_constant(f), int(f.leading_coefficient())) for f, _ in self.factors)
+        ends = [None, *roots, None]
+        pieces = [pair for pair in pairwise(ends) if self.holds({name: _between(*pair)})]
+        if len(pieces) != 1:
+            return None
+        strict = self.relation == ">"
+        return Range(name, *pieces[0], strict, strict)
+
+
+@dataclass(frozen=True, eq=False)
+class Joined:
+    """Parts of which all (``and``) or one (``or``) must hold."""
+
+    word: str
+    parts: "tuple[Formula, ...]"
+
+    def holds(self, values: Mapping[str, Fraction]) -> bool:
+        """Whether it is true of these parameters."""
+        return (all if self.word == "and" else any)(part.holds(values) for part in self.parts)
+
+    def __str__(self) -> str:
+        return f" {self.word} ".join(f"({part})" if isinstance(part, Joined) else str(part) for part in self.parts)
+
+
+Formula: TypeAlias = Claim | Joined
+
+
+def claim(f: fmpz_mpoly, relation: str, domain: Domain, written: str = "") -> Formula | bool:
+    """f >= 0, f > 0 or f = 0, simplified; `written` is for what cannot be."""
+    truths = {_RELATIONS[relation](sign, 0) for sign in domain.signs(f)}
+    if len(truths) == 1:
+        return truths.pop()
+    if not is_small(f):
+        return Claim(((f, 1),), relation, written)
+    unit, found = f.factor()
+    sign, kept = 1 if unit > 0 else -1, []
+    for factor, power in found:
+        known = domain.signs(factor)
+        if known in ({1}, {-1}):
+            sign *= 1 if 1 in known or power % 2 == 0 else -1
+        else:
+            kept.append((factor, 1 if relation == "=" else 2 - power % 2))
+    if sign < 0 and relation != "=":
+        odd = [k for k, (_, power) in enumerate(kept) if power == 1]
+        if not odd:  # minus a square is >= 0
+            return Claim(tuple(kept), ">=").boundary()
+        turned = max(odd, key=lambda k: len(kept[k][0]))
+        kept[turned] = (-kept[turned][0], 1)
+    return Claim(tuple(kept), relation, written if len(found) == 1 else "")
+
+
+def join(word: str, parts: Iterable[Formula | bool]) -> Formula | bool:
+    """All (``and``) or one (``or``) of the parts, each named once."""
+    decisive = word == "or"
+    kept: dict[str, Formula] = {}
+    for part in parts:
+        if isinstance(part, bool):
+            if part is decisive:
+                return decisive
+        else:
+            inner = part.parts if isinstance(part, Joined) and part.word == word else (part,)
+            kept |= {str(one): one for one in inner}
+    if decisive:  # f >= 0 includes f = 0
+        weak = {str(one.boundary()) for one in kept.values() if isinstance(one, Claim) and one.relation == ">="}
+        kept = {text: one for text, one in kept.items() if text not in weak}
+    if not kept:
+        return not decisive
+    return next(iter(kept.values())) if len(kept) == 1 else Joined(word, tuple(kept.values()))
+
+
+def narrowed(domain: Domain, formula: Formula | bool) -> Domain:
+    """The domain where a claim holds, if that is an interval of one parameter; otherwise the whole."""
+    if isinstance(formula, Claim) and (interval := formula.interval()):
+        return domain.narrowed(interval) or domain
+    if isinstance(formula, Joined) and formula.word == "and":
+        for part in formula.parts:
+            domain = narrowed(domain, part)
+    return domain
+
+
+def value(f: fmpz_mpoly, values: Mapping[str, Fraction]) -> Fraction:
+    """A polynomial at given parameters."""
+    names = f.context().names()
+    used = [(gen, values[names[gen]]) for gen, d in enumerate(f.degrees()) if d > 0]
+    return sum((prod((x ** int(m[gen]) for gen, x in used), start=Fraction(int(c))) for m, c in f.terms()), Fraction(0))
+
+
+def _constant(f: fmpz_mpoly) -> int:
+    return int(f[(0,) * len(f.degrees())])
+
+
+def _between(low: Fraction | None, high: Fraction | None) -> Fraction:
+    if low is None:
+        return Fraction(0) if high is None else high - 1
+    return low + 1 if high is None else (low + high) / 2
+
+
+def _sides(f: fmpz_mpoly, relation: str) -> str:
+    """f >= 0 with all terms on the side where they are positive."""
+    terms = f.to_dict()
+    context = f.context()
+    left, right = (context.from_dict({m: abs(c) for m, c in terms.items() if (c > 0) == up}) for up in (True, False))
+    return f"{write.polynomial(left)} {relation} {write.polynomial(right)}"

@@ -1,0 +1,110 @@
+"""The exact test with coefficients that are polynomials of the parameters: a proof if signs are seen to be right.
+
+Z = p/q is positive real if Re p(jw) conj q(jw) >= 0 and p + q has its roots in Re s < 0. Both are asked of all
+parameters: A(w^2) is one more polynomial in x = w^2 >= 0, and for p + q all coefficients and every other Hurwitz
+determinant must be positive (Lienard and Chipart). It is enough that these are nowhere negative and not identically
+zero: then they are positive on a dense set of parameters, and Re p conj q >= 0 in Re s > 0 holds in the limit too.
+
+References
+----------
+F. R. Gantmacher, "The Theory of Matrices", vol. 2, chapter XV.
+M. Z. Q. Chen, M. C. Smith, IEEE Transactions on Automatic Control 54 (2009), 390-393.
+"""
+
+from flint import fmpz_mpoly
+
+from passivity.status import Kind
+from passivity.symbolic.domain import Domain, Signs, coefficients, is_small
+from passivity.symbolic.expand import Expansion, ExpansionError, Pair
+from passivity.symbolic.formula import Formula, claim, narrowed
+
+MAX_DEGREE = 12
+
+
+def as_impedance(kind: Kind, function: Pair) -> Pair:
+    """The pair whose positive realness is asked for: p/q itself, or (1 + H)/(1 - H) of a reflection H = p/q."""
+    p, q = function
+    return function if kind is Kind.PR else Pair(q + p, q - p)
+
+
+def positivity_condition(z: Pair, domain: Domain, expansion: Expansion) -> Formula | bool | None:
+    """True if p/q is seen to be positive real for all parameters; or exactly when it is; None if neither is found.
+
+    A condition is found where one factor decides, as with one resistor of any sign among coils and capacitors, or a
+    gain: A(x) = c B(x), B >= 0 and not identically zero, c free of x. Where c < 0, A is negative somewhere.
+    """
+    a = allowance(z, expansion)
+    decisive = True if -1 not in domain.signs(a) else _decisive_factor(a, domain)
+    if decisive is False or decisive is None:
+        return decisive
+    inner = narrowed(domain, decisive)
+    strictly = decisive is not True and inner is domain  # the claim need not hold on an open set
+    return decisive if is_hurwitz(z.p + z.q, inner, expansion, strictly=strictly) else None
+
+
+def _decisive_factor(a: fmpz_mpoly, domain: Domain) -> Formula | bool | None:
+    if not is_small(a):
+        return None
+    unit, factors = a.factor()
+    c, b = 0 * a + unit, 0 * a + 1
+    for f, power in factors:
+        if f.degrees()[0]:
+            b *= f**power
+        else:
+            c *= f**power
+    for sign in (1, -1):
+        if -sign not in domain.signs(b) and any(domain.signs(g) == {sign} for g in coefficients(b)):
+            return claim(sign * c, ">=", domain)
+    return None
+
+
+def allowance(z: Pair, expansion: Expansion) -> fmpz_mpoly:
+    """A(x) = Re p(jw) conj q(jw), x = w^2, in place of s."""
+    x, (a, b), (c, d) = z.p.context().gens()[0], _parts(z.p), _parts(z.q)
+    return expansion.times(a, c) + x * expansion.times(b, d)
+
+
+def _parts(f: fmpz_mpoly) -> tuple[fmpz_mpoly, fmpz_mpoly]:
+    """u and v with f(jw) = u(x) + j w v(x)."""
+    x, zero = f.context().gens()[0], 0 * f
+    c = coefficients(f)
+    even, odd = (sum(((-x) ** k * a for k, a in enumerate(c[start::2])), zero) for start in (0, 1))
+    return even, odd
+
+
+def is_hurwitz(f: fmpz_mpoly, domain: Domain, expansion: Expansion, *, strictly: bool = False) -> bool:
+    """Whether all roots of f in s are seen to lie in Re s < 0, on a dense set of parameters or strictly on all."""
+    c = coefficients(f)
+    if len(c) > MAX_DEGREE + 1:
+        raise ExpansionError(f"the degree in s is over {MAX_DEGREE}")
+    seen = [domain.signs(a) for a in c]
+    for sign in (1, -1):
+        if all(_is(sign, s, strictly) for s in seen):
+            chosen = [sign * a for a in c]
+            return all(_is(1, domain.signs(d), strictly) for d in _determinants(chosen, expansion))
+    return False
+
+
+def _is(sign: int, signs: Signs, strictly: bool) -> bool:
+    allowed = {sign} if strictly else {0, sign}
+    return sign in signs and signs <= allowed
+
+
+def _determinants(c: list[fmpz_mpoly], expansion: Expansion) -> list[fmpz_mpoly]:
+    """Every other Hurwitz determinant, the last but one among them: by elimination without fractions (Bareiss)."""
+    n = len(c) - 1
+    zero = 0 * c[0]
+    descending = c[::-1]
+    rows = [[descending[2 * j - i + 1] if 0 <= 2 * j - i + 1 <= n else zero for j in range(n)] for i in range(n)]
+    minors, last = [], 1 + zero
+    for k in range(n - 1):
+        pivot = rows[k][k]
+        minors.append(pivot)
+        if not pivot:
+            return [pivot]
+        for i in range(k + 1, n):
+            for j in range(k + 1, n):
+                cross = expansion.times(rows[i][j], pivot) - expansion.times(rows[i][k], rows[k][j])
+                rows[i][j] = cross / last
+        last = pivot
+    return minors[n - 2 :: -2] if n > 1 else []

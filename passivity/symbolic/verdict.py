@@ -1,0 +1,97 @@
+"""What a verdict on all values of the parameters says."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import fmpz_mpoly
+
+from passivity.errors import ExpressionError
+from passivity.rational.evaluate import Exact, exact
+from passivity.status import Kind, Status
+from passivity.symbolic.assumption import Range
+from passivity.symbolic.counterexample import Counterexample
+from passivity.symbolic.domain import coefficients
+from passivity.symbolic.expand import Pair
+from passivity.symbolic.formula import Formula, value
+
+
+@dataclass(frozen=True)
+class Condition:
+    """What the parameters must satisfy, besides the assumptions: exactly then the property holds.
+
+    Parameters
+    ----------
+    formula : Claim or Joined
+        In the parameters, by their names.
+    ranges : tuple of Range
+        What is assumed.
+    function : Pair
+        Numerator and denominator as the expression gives them when multiplied out.
+    """
+
+    formula: Formula
+    ranges: tuple[Range, ...]
+    function: Pair
+
+    def holds(self, values: Mapping[str, Exact]) -> bool:
+        """Whether it is true of a value for each parameter, decided exactly.
+
+        Raises
+        ------
+        ExpressionError
+            If a parameter has no value, none that is a number, or one against the assumptions; and for 0/0.
+        """
+        numbers = {}
+        for r in self.ranges:
+            if r.name not in values:
+                raise ExpressionError(f"parameter {r.name}", "no value", f"a number with {r}")
+            numbers[r.name] = exact(values[r.name], f"parameter {r.name}")
+            if numbers[r.name] not in r:
+                raise ExpressionError(
+                    f"parameter {r.name}", "against the assumption", str(r), f"{values[r.name]!s:.30}"
+                )
+        if all(_vanishes(f, numbers) for f in self.function):
+            raise ExpressionError("parameters", "0/0 has no value", "a numerator or a denominator that is not zero")
+        return self.formula.holds(numbers)
+
+    def __str__(self) -> str:
+        return str(self.formula)
+
+
+@dataclass(frozen=True)
+class SymbolicVerdict:
+    """The answer for all values of the parameters.
+
+    Parameters
+    ----------
+    kind : Kind
+    ranges : tuple of Range
+        What is assumed of each parameter.
+    status : Status
+        PROVED: the property holds for all values. REFUTED: for some it does not; see `counterexample`.
+    why : str
+        The reason, or what would settle it.
+    proof : tuple of str
+        The steps, if proved.
+    condition : Condition or None
+        For which values the property holds, where that is known and not all.
+    counterexample : Counterexample or None
+        If refuted.
+    note : str
+        Where the function is infinite, if that can be.
+    """
+
+    kind: Kind
+    ranges: tuple[Range, ...]
+    status: Status
+    why: str
+    proof: tuple[str, ...] = ()
+    condition: Condition | None = None
+    counterexample: Counterexample | None = None
+    note: str = ""
+
+
+def _vanishes(f: fmpz_mpoly, values: Mapping[str, Fraction]) -> bool:
+    """Whether a polynomial is 0 for all s and delays."""
+    return all(value(c, values) == 0 for part in coefficients(f) for c in coefficients(part, 1))

@@ -1,0 +1,408 @@
+"""The arithmetic behind verdicts on several ports, what they say besides yes and no, and what is refused."""
+
+import time
+from dataclasses import replace
+from fractions import Fraction
+from itertools import combinations
+
+import numpy as np
+import pytest
+from flint import fmpq, fmpq_mat, fmpz_mat, fmpz_poly
+
+from passivity import ExpressionError, RationalFunction, Status
+from passivity.multiport.bands import bands, violations
+from passivity.multiport.cayley import impedances, scattering
+from passivity.multiport.certificate import verify
+from passivity.multiport.ideal import (
+    circulator_scattering,
+    gyrator_impedances,
+    gyrator_scattering,
+    transformer_scattering,
+)
+from passivity.multiport.line_two_port import check_line_two_port
+from passivity.multiport.margin import margin
+from passivity.multiport.matrix import RationalMatrix
+from passivity.multiport.polynomial_matrix import minor_sums
+from passivity.multiport.positive_real import check_bounded_real_matrix, check_positive_real_matrix
+from passivity.multiport.quadratic_form import is_semidefinite, negative_direction
+from passivity.multiport.report import as_dict
+from passivity.multiport.state_space import StateSpace
+from passivity.multiport.systems import from_system
+from passivity.multiport.verdict import MinorCertificate, StorageCertificate
+from passivity.one_port.polynomial_sign import SignProof
+from passivity.status import Kind
+
+PI = [["1 + 1/(s^2 + s + 1)", "(s + 1)/(s^2 + s + 1)"], ["(s + 1)/(s^2 + s + 1)", "s + (s + 1)/(s^2 + s + 1)"]]
+TRIANGLE = ([[0, -1, 0], [1, 0, 2], [0, -2, -1]], [[1], [0], [1]], [[1, 0, 1]], [[0]])
+
+
+def random_symmetric(rng, n, rank):
+    half = rng.integers(-3, 4, (n, rank))
+    return half @ half.T
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_semidefinite_matrices_and_directions(seed):
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(1, 7))
+    a = random_symmetric(rng, n, int(rng.integers(0, n + 1)))
+    exact = fmpq_mat(n, n, [int(x) for x in a.flatten()])
+    assert is_semidefinite(exact)
+    assert negative_direction(exact) is None
+    b = a - random_symmetric(rng, n, 1)
+    exact = fmpq_mat(n, n, [int(x) for x in b.flatten()])
+    x = negative_direction(exact)
+    assert (x is None) == is_semidefinite(exact) == (np.linalg.eigvalsh(b)[0] > -1e-9)
+    if x is not None:
+        assert sum(p * int(c) * q for p, row in zip(x, b, strict=True) for c, q in zip(row, x, strict=True)) < 0
+
+
+def test_a_zero_on_the_diagonal_beside_something_is_a_direction():
+    a = fmpq_mat(2, 2, [0, 3, 3, 100])
+    assert not is_semidefinite(a)
+    x = fmpq_mat(2, 1, negative_direction(a))
+    assert (x.transpose() * a * x)[0, 0] < 0
+
+
+@pytest.mark.parametrize("m", [1, 2, 3, 4])
+def test_minor_sums_are_sums_of_minors(m):
+    rng = np.random.default_rng(m)
+    g = fmpz_poly([1, 2, 1])
+    a = [[fmpz_poly([int(c) for c in rng.integers(-4, 5, 3)]) for _ in range(m)] for _ in range(m)]
+    for divisor, matrix in ((g, a), (g, [[x * g for x in row] for row in a])):
+        sums, (adjugate, power) = minor_sums(matrix, divisor)
+        for t in (-3, 0, 2):
+            at = [[int(x(t)) for x in row] for row in matrix]
+            for k, (f, more) in enumerate(sums, 1):
+                chosen = combinations(range(m), k)
+                minors = [fmpz_mat([[at[i][j] for j in which] for i in which]).det() for which in chosen]
+                assert f(t) * g(t) ** more == sum(minors)
+            found = fmpz_mat([[x(t) for x in row] for row in adjugate]) * g(t) ** power
+            assert fmpz_mat(at) * found == fmpz_mat(
+                [[fmpz_mat(at).det() * (i == k) for k in range(m)] for i in range(m)]
+            )
+
+
+def test_common_denominator():
+    z = RationalMatrix.from_rows([["1/(s + 1)", "2/(s + 1)^2"], ["(s + 2)/((s + 2)*(2*s + 3))", "3"]])
+    n, d = z.fraction
+    assert d == fmpz_poly([1, 2, 1]) * fmpz_poly([3, 2])
+    for t in range(4):
+        for row, entries in zip(n, z.rows, strict=True):
+            for p, entry in zip(row, entries, strict=True):
+                assert fmpq(p(t), d(t)) == fmpq(entry.p(t), entry.q(t))
+
+
+def test_the_value_at_a_point():
+    z = RationalMatrix.from_rows([["1/s", "s"], ["2", "s^2"]])
+    s = 1 / 2 + 2j
+    u = z.at(Fraction(1, 2), Fraction(2))
+    value = np.array([[float(Fraction(int(x.p), int(x.q))) for x in row] for row in u.tolist()])
+    expected = np.array([[1 / s, s], [2, s**2]])
+    assert np.allclose(value[:2, :2], expected.real)
+    assert np.allclose(value[2:, :2], expected.imag)
+    assert np.allclose(value[:2, 2:], -expected.imag)
+    assert np.allclose(z(s), expected)
+    assert z.at(Fraction(0), Fraction(0)) is None
+
+
+@pytest.mark.parametrize(
+    ("entry", "parameters", "message"),
+    [
+        ("1/0", {}, r"entry \(1, 2\): infinite"),
+        ("s +", {}, r"entry \(1, 2\), column 4"),
+        ("R", {}, r"entry \(1, 2\), parameter R: no value"),
+        ("s", {"R": 1}, "parameter R: not in the matrix"),
+        (([1, 2, 3],), {}, r"entry \(1, 2\): not a rational function"),
+        (float("nan"), {}, r"entry \(1, 2\), numerator\[0\]: not a number"),
+        (None, {}, "not a number"),
+        ("exp(s)", {}, "not rational"),
+    ],
+)
+def test_bad_entries(entry, parameters, message):
+    with pytest.raises(ExpressionError, match=message):
+        RationalMatrix.from_rows([["s", entry], ["s", "s"]], parameters)
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ([], "wrong number of ports"),
+        ([["s", "s"]], "row 1: not square"),
+        ([["s"] * 13] * 13, "wrong number of ports"),
+        ("s", "not a matrix"),
+        (3, "not a matrix"),
+        (["s"], "not a matrix"),
+    ],
+)
+def test_bad_matrices(rows, message):
+    with pytest.raises(ExpressionError, match=message):
+        RationalMatrix.from_rows(rows)
+
+
+@pytest.mark.parametrize(
+    ("matrices", "message"),
+    [
+        (([[1, 2]], [[1]], [[1]], [[0]]), "A: wrong shape, expected 1 by 1"),
+        (([[1]], [[1, 2]], [[1]], [[0]]), "B: wrong shape, expected 1 by 1"),
+        (([[1]], [[1]], [[1], [1]], [[0]]), "C: wrong shape"),
+        (([[1]], [[1]], [[1]], [[0, 1]]), "D, row 1: not square"),
+        (([[1]], [["x"]], [[1]], [[0]]), r"B\[0\]\[0\]: not a number"),
+        (([[0] * 201] * 201, [[1]] * 201, [[1] * 201], [[0]]), "A: too many states"),
+        (([[Fraction(1, 3**7000)]], [[1]], [[1]], [[0]]), "A: entries too long, or too far apart"),
+    ],
+)
+def test_bad_state_spaces(matrices, message):
+    with pytest.raises(ExpressionError, match=message):
+        StateSpace.from_entries(*matrices)
+
+
+def test_time_constants_may_be_far_apart():
+    system = StateSpace.from_entries([["-1e400", 0], [0, "-1e-400"]], [[1], [1]], [[1, 1]], [[0]])
+    assert check_positive_real_matrix(system).status is Status.PROVED
+    system = StateSpace.from_entries([["-1e400", 0], [0, "1e-400"]], [[1], [1]], [[1, 1]], [[0]])
+    verdict = check_positive_real_matrix(system)
+    assert verdict.status is Status.REFUTED
+    assert verdict.why == "Z + Z^H has a negative eigenvalue for ω < 1"
+
+
+def test_transfer_matrix_and_what_it_hides():
+    system = StateSpace.from_entries(
+        [[-1, 0, 5], [0, 2, 0], [0, 0, -3]], [[1, 0], [0, 0], [0, 1]], [[1, 7, 0], [0, 7, 2]], [[1, 0], [0, "1/2"]]
+    )
+    a, b, c, d = (np.array(x.tolist(), dtype=float) for x in (system.a, system.b, system.c, system.d))
+    s = 0.3 + 2j
+    assert np.allclose(system.transfer(s), d + c @ np.linalg.solve(s * np.eye(3) - a, b))
+    assert check_positive_real_matrix(system).hidden == fmpz_poly([-2, 1])
+    basis, part = system.reached()
+    assert (basis.ncols(), part.states) == (2, 2)
+    assert system.a * basis == basis * part.a
+
+
+def test_hidden_factors_of_a_matrix():
+    verdict = check_positive_real_matrix(RationalMatrix.from_rows([[([1, -1], [1, -1]), 0], [0, ([1, 2], [1, 2])]]))
+    assert verdict.status is Status.PROVED
+    assert verdict.hidden == fmpz_poly([-1, 1])
+
+
+def test_no_states_and_no_losses():
+    static = StateSpace.from_entries([], [], [[], []], [[1, 3], [-3, 0]])
+    assert check_positive_real_matrix(static).status is Status.PROVED
+    assert isinstance(check_positive_real_matrix(StateSpace.from_entries([], [], [[]], [[0]])).network, StateSpace)
+    assert check_positive_real_matrix(StateSpace.from_entries([], [], [[]], [[-1]])).status is Status.REFUTED
+
+
+def test_a_lossless_energy_that_is_not_positive_is_refuted():
+    """P = diag(1, -1): the second resonator has a negative element."""
+    a = [[0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 2], [0, 0, -2, 0]]
+    verdict = check_positive_real_matrix(StateSpace.from_entries(a, [[1], [0], [1], [0]], [[1, 0, -1, 0]], [[0]]))
+    assert verdict.status is Status.REFUTED
+    s = complex(verdict.witness.re, verdict.witness.im)
+    assert (s / (s * s + 1) - s / (s * s + 4)).real < 0
+    assert s.real > 0
+
+
+@pytest.mark.parametrize(
+    ("rows", "why"),
+    [
+        ([["1", "3"], ["0", "1"]], "Z + Z^H has a negative eigenvalue for all ω"),
+        ([["1/(s + 1) - 1/4", "0"], ["0", "1"]], "Z + Z^H has a negative eigenvalue for ω > 1.73205"),
+        ([["1/4 + 1/(s - 2)", "0"], ["0", "1"]], "Z + Z^H has a negative eigenvalue for ω < 2"),
+        ([["1", "0"], ["0", "2 - 1/(s - 2)"]], "Z has a pole in Re s > 0"),
+        (
+            [["s", "2*s"], ["2*s", "s"]],
+            "Z has a pole at infinity that is not simple with a nonnegative Hermitian residue",
+        ),
+        ([["-1", "s"], ["0", "-1"]], "Z + Z^H has a negative eigenvalue for all ω"),
+    ],
+)
+def test_reasons(rows, why):
+    verdict = check_positive_real_matrix(RationalMatrix.from_rows(rows))
+    assert verdict.status is Status.REFUTED
+    assert verdict.why == why
+
+
+def test_many_bands_are_cut_short():
+    f = fmpz_poly([1])
+    for root in range(1, 13):
+        f *= fmpz_poly([-root, 1])
+    assert len(violations([f])) == 6
+    assert bands([f]).endswith(" and 2 more")
+
+
+def test_ideal_elements():
+    transformer = transformer_scattering("3/2")
+    s = np.array(transformer(1 + 1j)).real
+    a = np.array([0.3, -1.2])
+    b = s @ a
+    u, y = a + b, a - b
+    assert u[0] == pytest.approx(1.5 * u[1])
+    assert y[1] == pytest.approx(-1.5 * y[0])
+    for element in (transformer, gyrator_scattering(7, 50), circulator_scattering(4)):
+        verdict = check_bounded_real_matrix(element)
+        assert verdict.lossless
+        assert verify(verdict.certificate)
+    assert check_positive_real_matrix(gyrator_impedances(7)).lossless
+    with pytest.raises(ExpressionError, match="I - S: has no inverse"):
+        impedances(transformer)
+    with pytest.raises(ExpressionError, match=r"Z \+ z0 I: has no inverse"):
+        scattering(RationalMatrix.from_rows([[-50]]), 50)
+    with pytest.raises(ExpressionError, match="ports: not a number of ports"):
+        circulator_scattering(1)
+
+
+def test_what_is_no_network_is_refused():
+    with pytest.raises(ExpressionError, match=r"network: not a network with several ports.* got str"):
+        check_positive_real_matrix("s")
+
+
+@pytest.mark.parametrize("reference", [0, -1, "x"])
+def test_bad_references(reference):
+    for call in (lambda: scattering(gyrator_impedances(1), reference), lambda: check_line_two_port(reference, 1)):
+        with pytest.raises(ExpressionError, match="z0: not"):
+            call()
+    with pytest.raises(ExpressionError, match="delay: not"):
+        check_line_two_port(1, reference)
+
+
+def minor_certificate():
+    certificate = check_positive_real_matrix(RationalMatrix.from_rows(PI)).certificate
+    assert isinstance(certificate, MinorCertificate)
+    return certificate
+
+
+def test_verify_sees_through_false_certificates():
+    true = minor_certificate()
+    assert verify(true)
+    first, second = true.sums
+    other = RationalMatrix.from_rows([["1", "3"], ["3", "1"]])
+    unstable = fmpz_poly([-1, 1])
+    assert true.inverse is not None
+    agreeing = fmpz_poly([1])  # zero at all places where the sums themselves would be told apart
+    for t in range(50):
+        agreeing *= fmpz_poly([t * t, 1])
+    false = [
+        replace(
+            true, sums=(first._replace(a=first.a + agreeing, sign=SignProof(((first.a + agreeing, 1),), ())), second)
+        ),
+        replace(true, network=other),
+        replace(true, sums=(first,)),
+        replace(true, sums=(second, first)),
+        replace(true, sums=(first._replace(a=first.a + 1), second)),
+        replace(true, sums=(first._replace(power=first.power + 1), second)),
+        replace(true, sums=(first._replace(sign=second.sign), second)),
+        replace(true, closing=true.closing * unstable, inverse=[[x * unstable for x in row] for row in true.inverse]),
+        replace(true, closing=fmpz_poly([1])),
+        replace(true, inverse=None),
+        replace(true, kind=Kind.BR),
+    ]
+    assert not any(verify(certificate) for certificate in false)
+
+
+def test_verify_sees_through_false_energies():
+    true = check_positive_real_matrix(
+        StateSpace.from_entries([[0, -1], [3, 0]], [[1], [0]], [[1, 0]], [[0]])
+    ).certificate
+    assert isinstance(true, StorageCertificate)
+    assert verify(true)
+    damped = StateSpace.from_entries([[1, -1], [3, 0]], [[1], [0]], [[1, 0]], [[0]])
+    negative = StateSpace.from_entries([[0, -1], [3, 0]], [[1], [0]], [[-1, 0]], [[0]])
+    false = [
+        replace(true, storage=2 * true.storage),
+        replace(true, storage=-true.storage, system=negative, reached=negative),
+        replace(true, system=damped),
+        replace(true, system=damped, reached=damped),
+        replace(true, basis=2 * true.basis),
+    ]
+    assert not any(verify(certificate) for certificate in false)
+
+
+def test_a_transfer_matrix_that_is_not_the_state_spaces_is_seen():
+    system = StateSpace.from_entries([[-1, 1], [0, -2]], [[1], [1]], [[1, 0]], [[1]])
+    certificate = check_positive_real_matrix(system).certificate
+    assert verify(certificate)
+    system.__dict__["transfer"] = RationalMatrix.from_rows([["1 + 1/(s + 1)"]])
+    assert not verify(certificate)
+
+
+def test_margins():
+    z = RationalMatrix.from_rows([["3 + s/(s^2 + s + 4)", "1"], ["1", "3"]])
+    found = margin(z, Kind.PR)
+    assert found.value == pytest.approx(2)
+    assert found.frequency in (0, np.inf)
+    assert found.bound <= 2
+    s = RationalMatrix.from_rows([["0", "3/5*s/(s^2 + s + 4)"], ["1/2", "0"]])
+    found = margin(s, Kind.BR)
+    assert (found.value, found.frequency) == pytest.approx((0.6, 2.0), rel=1e-6)
+    assert 0.6 <= found.bound < 0.6000001
+    assert margin(RationalMatrix.from_rows([["0"]]), Kind.BR).value == 0
+    assert margin(RationalMatrix.from_rows([["1/s^2"]]), Kind.PR) is None
+    assert margin(RationalMatrix.from_rows([["-s^2"]]), Kind.BR) is None
+
+
+def test_systems_of_others():
+    import control
+    from scipy.signal import StateSpace as ScipyStateSpace
+    from scipy.signal import lti
+
+    a, b, c, d = (
+        [[-1.0, 0.5], [0.0, -2.0]],
+        [[1.0, 0.0], [0.0, 1.0]],
+        [[1.0, 0.0], [0.0, 1.0]],
+        [[0.5, 0.0], [0.0, 0.5]],
+    )
+    one = from_system(ScipyStateSpace(a, b, c, d))
+    two = from_system(control.ss(a, b, c, d))
+    assert isinstance(one, StateSpace)
+    assert isinstance(two, StateSpace)
+    three = from_system(control.tf([[[1, 1], [2]], [[0], [1]]], [[[1, 3], [1, 1]], [[1], [1, 1]]]))
+    assert three.rows[0][1] == RationalFunction.from_expression("2/(s + 1)")
+    assert one.transfer.rows == two.transfer.rows
+    assert from_system(lti([1, 0], [2, 1])).size == 1
+    with pytest.raises(ExpressionError, match="discrete in time"):
+        from_system(control.ss(a, b, c, d, 0.1))
+    with pytest.raises(ExpressionError, match="row 1: not square"):
+        from_system(control.tf([[[1], [1]]], [[[1, 1], [1, 2]]]))
+    with pytest.raises(ExpressionError, match="system"):
+        from_system(3)
+
+
+def test_reports_are_plain():
+    import json
+
+    verdict = check_positive_real_matrix(RationalMatrix.from_rows(PI))
+    told = as_dict(verdict, margin(verdict.network, verdict.kind))
+    assert told["certificate"]["verified"]
+    assert told["margin"] == {"value": pytest.approx(0, abs=1e-12), "bound": 0.0, "frequency": 1.0}
+    limit = margin(RationalMatrix.from_rows([["2 + 1/(s + 1)"]]), Kind.PR)
+    assert as_dict(verdict, limit)["margin"]["frequency"] == "inf"
+    assert json.loads(json.dumps(told)) == told
+    lossless = check_positive_real_matrix(StateSpace.from_entries([[0, -1], [3, 0]], [[1], [0]], [[1, 0]], [[0]]))
+    assert as_dict(lossless, None)["certificate"]["storage"] == [["1", "0"], ["0", "1/3"]]
+    refuted = check_positive_real_matrix(RationalMatrix.from_rows([["1", "3"], ["3", "1"]]))
+    assert Fraction(as_dict(refuted, None)["witness"]["value"]) < 0
+
+
+def test_too_much_is_undecided_and_said_so_at_once():
+    rng = np.random.default_rng(0)
+    many = [[(1 + i * k, [1] * 40 + [i + k + 2]) for k in range(12)] for i in range(12)]
+    wide = RationalMatrix.from_rows([[([x], q) for x, q in row] for row in many])
+    n = 200
+    tall = StateSpace.from_entries(rng.normal(size=(n, n)), np.ones((n, 1)), np.ones((1, n)), [[1]])
+    for network in (wide, tall):
+        start = time.process_time()
+        verdict = check_positive_real_matrix(network)
+        assert time.process_time() - start < 2
+        assert verdict.status is Status.UNDECIDED
+        assert "would be decided" in verdict.why
+
+
+def test_scales_do_not_matter():
+    """The same circuit in seconds and in nanoseconds."""
+    slow = RationalMatrix.from_rows([["1 + s", "s"], ["s", "2 + s"]])
+    fast = RationalMatrix.from_rows([["1 + 1n*s", "1n*s"], ["1n*s", "2 + 1n*s"]])
+    assert check_positive_real_matrix(slow).status is check_positive_real_matrix(fast).status is Status.PROVED
+    broken = RationalMatrix.from_rows([["1 + 1n*s", "1n*s"], ["1n*s", "2 + 999999999/1000000000*1n*s"]])
+    witness = check_positive_real_matrix(broken).witness
+    assert witness.re > 0
+    assert witness.value < 0

@@ -1,0 +1,31 @@
+"""The loads of a scene, and what active ones do to it."""
+
+from typing import Any
+
+from tline.cli.verdicts.answer import Answer, Asked
+from tline.scene.mistakes import place
+
+
+def answer(file: str, asked: Asked) -> Answer:
+    """Check every load of a scene; for active ones find how the scene's waves grow."""
+    from tline.scene.file import read_scene
+    from tline.scene.rational_load import Impedance
+    from tline.solver.stability.growth import active_loads, growth_sentence
+
+    asked.refuse("scenes", "kind", "parameters", "z0", "delay", "within", "error", "nearest")
+    scene = read_scene(file)
+    active = active_loads(scene)
+    tested = [name for name, load in scene.loads.items() if isinstance(load, Impedance)]
+    told: dict[str, Any] = {
+        "status": "refuted" if active else "proved",
+        "loads": {name: "refuted" if name in active else "proved" for name in scene.loads},
+    }
+    lines = [f"all loads positive real: {told['status']}"]
+    rest = len(scene.loads) - len(tested)
+    if rest:
+        lines.append(f"  {rest} with nothing but R, L, C, reservoirs and switches, passive by construction")
+    lines += [f"  {place('loads', name)}: {'refuted' if name in active else 'proved'}" for name in tested]
+    if active:
+        told["growth"] = growth_sentence(scene, active)
+        lines.append(f"  {told['growth']}")
+    return Answer(told["status"], lines, told)
