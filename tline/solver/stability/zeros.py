@@ -85,6 +85,28 @@ def _turned(log: Log, a: complex, b: complex, step: float) -> float:
         values = np.insert(values, coarse + 1, log(a + middle * (b - a)))
 
 
+def all_zeros(log: Log, box: Box, step: float) -> list[complex]:
+    """All zeros in a rectangle, multiple ones once, in no order.
+
+    Raises
+    ------
+    UncountableError
+    """
+    aspect = (box.high - box.low) / (box.right - box.left)
+    waiting, found = [(box, count(log, box, step))], []
+    while waiting:
+        part, zeros = waiting.pop()
+        if zeros == 0:
+            continue
+        small = part.right - part.left < SMALL * (box.right - box.left)
+        zero = part.middle if small else _polished(log, part) if zeros == 1 else None
+        if zero is not None:
+            found.append(zero)
+        else:
+            waiting += [(half, count(log, half, step)) for half in part.halves(aspect)]
+    return found
+
+
 def rightmost(log: Log, box: Box, step: float) -> complex:
     """The zero of the largest real part in a rectangle that holds one or more.
 

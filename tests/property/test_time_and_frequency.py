@@ -1,0 +1,43 @@
+"""Time and frequency answers agree: the Laplace integral of a run is the transfer function times that of its source."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from random_scenes import random_scene
+
+from tline.frequency.response import respond
+from tline.scene.scene import Scene
+from tline.solver.radau import gauss
+from tline.solver.simulate import simulate
+
+pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
+DAMPING, T_END = 0.5, 60.0  # e^(-30) of what comes after the run counts
+FREQUENCIES = np.array([0.0, 0.05, 0.13, 0.2, 0.31])
+
+
+def transform(result, values_at, s):
+    """Integral of values exp(-st) over the run, slab by slab."""
+    h, n = result.resolution.h, len(result.t) - 1
+    x, weights = gauss(12)
+    t = (np.arange(n)[:, None] + x) * h
+    return np.array([(values_at(t) * np.exp(-z * t) * weights * h).sum() for z in s])
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_they_agree(seed):
+    scene = random_scene(seed, sources=True, switches=False, solver={"order": 6, "slab": 0.1})
+    scene = Scene(**scene.table() | {"t_end": T_END})
+    result = simulate(scene)
+    s = DAMPING + 2j * np.pi * FREQUENCIES
+    omega = 2 * np.pi * 0.2
+    source = omega * (1 - np.exp(-5 * s)) / (s**2 + omega**2)  # one period of the sine
+    expected = respond(scene, s)["p"]
+    seen = transform(result, lambda t: result.probes["p"].at(t).u, s)
+    assert np.abs(seen - expected.u * source).max() < 1e-8 * np.abs(expected.u * source).max()
+    flow = transform(result, lambda t: result.probes["p"].at(t).y, s)
+    assert (
+        np.abs(flow - expected.y * source).max()
+        < 1e-8 * np.abs(expected.u * source).max() / result.lines[result.probes["p"].line].z0
+    )

@@ -1,0 +1,141 @@
+"""The frequency domain against closed forms and scikit-rf."""
+
+import numpy as np
+import pytest
+
+from tline.errors import InputError
+from tline.frequency.ports import impedance, scattering_parameters
+from tline.frequency.resonances import resonances
+from tline.frequency.response import respond
+from tline.scene.scene import Scene
+
+F = np.array([1e6, 3.7e7, 2.5e8, 9.1e8, 3.3e9])
+S = 2j * np.pi * F
+Z0, T = 50.0, 1e-9
+
+
+def cable(load=None, **more):
+    loads = {"end": {"at": "far"} | load} if load else {}
+    lines = {"line": {"nodes": ["near", "far"], "z0": Z0, "delay": T}}
+    return Scene(medium="electrical", t_end=1, lines=lines, loads=loads, probes={"far": {"at": "far"}}, **more)
+
+
+@pytest.mark.parametrize(
+    ("load", "Z"),
+    [
+        ({"kind": "resistor", "resistance": 100}, lambda s: 100 + 0 * s),
+        (
+            {"kind": "series", "resistance": 10, "inductance": "20 nH", "capacitance": "3 pF"},
+            lambda s: 10 + 20e-9 * s + 1 / (3e-12 * s),
+        ),
+        ({"kind": "parallel", "resistance": 70, "capacitance": "4 pF"}, lambda s: 1 / (1 / 70 + 4e-12 * s)),
+        ({"kind": "short"}, lambda s: 0 * s),
+    ],
+    ids=["R", "RLC", "RC", "short"],
+)
+@pytest.mark.parametrize("sigma", [0.0, 3e8])
+def test_input_impedance_of_a_loaded_line(load, Z, sigma):
+    """z0 (Z + z0 tanh Ts)/(z0 + Z tanh Ts), Pozar (2.44)."""
+    s = S + sigma
+    t = np.tanh(T * s)
+    exact = Z0 * (Z(s) + Z0 * t) / (Z0 + Z(s) * t)
+    assert np.abs(impedance(cable(load), "near", s) / exact - 1).max() < 1e-9
+
+
+def test_voltage_at_the_far_end_behind_a_source_resistance():
+    source = {"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 25}}
+    u = respond(cable({"kind": "resistor", "resistance": 100}, sources=source), S)["far"].u
+    h_source, h_end, x = (25 - Z0) / (25 + Z0), (100 - Z0) / (100 + Z0), np.exp(-S * T)
+    exact = Z0 / (Z0 + 25) * x * (1 + h_end) / (1 - h_source * h_end * x**2)
+    assert np.abs(u - exact).max() < 1e-14
+
+
+def test_a_quarter_wave_inside_the_line():
+    """A probe at a place sees both waves: the standing wave of an open line is cos(ω(T - x/c)) up to a factor."""
+    scene = cable(sources={"s": {"at": "near", "kind": "voltage", "value": 1}})
+    probes = {"x": {"line": "line", "position": "30 %"}}
+    s = S + 1e8
+    u = respond(Scene(**scene.table() | {"probes": probes}), s)["x"].u
+    assert np.abs(u - np.cosh(0.7 * T * s) / np.cosh(T * s)).max() < 1e-12
+
+
+def test_scattering_parameters_against_scikit_rf():
+    """A Y of three lines, one stub with a capacitor; the other program cascades and joins."""
+    skrf = pytest.importorskip("skrf")
+    lines = {
+        "a": {"nodes": ["in", "tee"], "z0": 75, "delay": "0.7 ns"},
+        "b": {"nodes": ["tee", "out"], "z0": 50, "delay": "1.1 ns"},
+        "stub": {"nodes": ["tee", "end"], "z0": 60, "delay": "0.3 ns"},
+    }
+    loads = {"c": {"at": "end", "kind": "parallel", "capacitance": "2 pF"}}
+    scene = Scene(medium="electrical", t_end=1, lines=lines, loads=loads, probes={"p": {"at": "in"}})
+    ours = scattering_parameters(scene, ["in", "out"], S, [50, 75])
+    frequency = skrf.Frequency.from_f(F, unit="Hz")
+
+    def line(z0, delay):
+        medium = skrf.media.DefinedGammaZ0(frequency, z0_port=50, z0=z0, gamma=2j * np.pi * F / 1.0)
+        return medium.line(delay, unit="m")
+
+    tee = skrf.media.DefinedGammaZ0(frequency, z0=50).tee()
+    stub = (
+        line(60, 0.3e-9)
+        ** skrf.media.DefinedGammaZ0(frequency, z0=50).shunt_capacitor(2e-12)
+        ** skrf.media.DefinedGammaZ0(frequency, z0=50).open()
+    )
+    joined = skrf.network.connect(tee, 2, stub, 0)
+    theirs = line(75, 0.7e-9) ** joined ** line(50, 1.1e-9)
+    theirs.renormalize([50, 75])
+    assert np.abs(ours - theirs.s).max() < 1e-9
+
+
+def test_lossless_networks_scatter_unitarily():
+    scene = cable({"kind": "series", "inductance": "20 nH"})
+    h = scattering_parameters(scene, ["near"], S)[:, 0, 0]
+    assert np.abs(np.abs(h) - 1).max() < 1e-13
+    assert not np.isfinite(impedance(cable(), "near", [0.0])).any()  # an open line has no impedance at rest
+
+
+def test_resonances_are_roots_of_the_closed_form():
+    """Rs, RL on a line: s = (ln(H_s H_L) + 2 pi j k)/(2T); a capacitor shifts them to cot(ωT) = ω C z0."""
+    source = {"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 200}}
+    found = resonances(cable({"kind": "resistor", "resistance": 400}, sources=source), 2.1e9)
+    decay = np.log(150 / 250 * 350 / 450) / (2 * T)
+    assert [mode.s for mode in found] == pytest.approx([complex(decay, np.pi * k / T) for k in (1, 2, 3, 4)], rel=1e-9)
+    C = 3e-12
+    shorted = {"s": {"at": "near", "kind": "voltage", "value": 1}}
+    modes = resonances(cable({"kind": "parallel", "capacitance": C}, sources=shorted), 1e9)
+    for mode in modes:
+        w = mode.s.imag
+        assert mode.quality > 1e9
+        assert abs(np.cos(w * T) - w * C * Z0 * np.sin(w * T)) < 1e-8
+    assert len(modes) == 2
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: respond(cable(), S), "source: there is no source"),
+        (
+            lambda: respond(cable(sources={"s": {"at": "near", "kind": "voltage", "value": 1}}), S, "t"),
+            "source: no such source, expected 's', got 't'",
+        ),
+        (
+            lambda: respond(cable(sources={"s": {"at": "near", "kind": "voltage", "value": 1}}), [np.nan]),
+            "s: not finite",
+        ),
+        (lambda: scattering_parameters(cable(), ["near", "fat"], S), "ports: no such node, expected 'far', got 'fat'"),
+        (lambda: scattering_parameters(cable(), ["near", "near"], S), "ports: named twice"),
+        (
+            lambda: scattering_parameters(cable({"kind": "short"}), ["far"], S),
+            "ports: a load or switch holds the effort there",
+        ),
+        (lambda: scattering_parameters(cable(), ["near"], S, -50), "z0: not positive"),
+        (lambda: scattering_parameters(cable(), ["near"], S, [50, 50]), "z0: not one for each port"),
+        (lambda: resonances(cable(), 0.0), "highest: not a positive frequency"),
+        (lambda: resonances(cable(), 1e16), "highest: too many waves"),
+    ],
+)
+def test_mistakes(call, message):
+    with pytest.raises(InputError) as caught:
+        call()
+    assert str(caught.value).startswith(message)

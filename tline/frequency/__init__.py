@@ -1,0 +1,1 @@
+"""A scene in the frequency domain: transfer functions, impedances, resonances and S-parameters."""

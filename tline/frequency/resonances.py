@@ -1,0 +1,83 @@
+"""Natural oscillations of a scene: zeros of its characteristic function, located, not read off a curve."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tline.errors import InputError
+from tline.scene.scene import Scene
+from tline.solver.stability.characteristic import Characteristic
+from tline.solver.stability.zeros import MOST_SAMPLES, Box, UncountableError, all_zeros
+
+DEEP = 3.0  # exp(-DEEP) in the shortest delay: what decays faster is no oscillation
+LOWEST = 1e-9  # of the highest frequency; slower is no oscillation
+ABOVE = 1e-3  # how far right of the axis is searched, in the same unit
+SAMPLES = 4.0  # per radian that the delays turn
+MOST_WORK = 3e10  # entries of all matrices times their size
+
+
+class Resonance(NamedTuple):
+    """One natural oscillation exp(st).
+
+    Attributes
+    ----------
+    s : complex
+        Exponent, 1/s; Im s > 0.
+    """
+
+    s: complex
+
+    @property
+    def frequency(self) -> float:
+        """Of the oscillation, Hz."""
+        return self.s.imag / (2 * np.pi)
+
+    @property
+    def quality(self) -> float:
+        """|s|/(-2 Re s): 2 pi times the energy over what is lost in a cycle; infinite if nothing is."""
+        return abs(self.s) / (-2 * self.s.real) if self.s.real < -1e-12 * abs(self.s) else np.inf
+
+
+def resonances(scene: Scene, highest: float) -> list[Resonance]:
+    """Natural oscillations up to a frequency, slowest first.
+
+    Sources are silent: ideal efforts are shorts, ideal flows are open. Counted by the argument principle and polished;
+    what decays by more than exp(-3) within the shortest delay, or grows, is left out.
+
+    Parameters
+    ----------
+    scene : Scene
+        Lossless lines between linear nodes.
+    highest : float
+        Frequency, Hz, above zero.
+
+    Raises
+    ------
+    InputError
+        The scene is too large, or a bad frequency.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="electrical", t_end=1, probes={"p": {"at": "a"}},
+    ...     lines={"line": {"nodes": ["a", "b"], "z0": 50, "delay": "1 ns"}},
+    ...     loads={"end": {"at": "b", "kind": "short"}},
+    ... )
+    >>> [f"{mode.frequency:.4g}" for mode in resonances(scene, 1e9)]  # quarter waves
+    ['2.5e+08', '7.5e+08']
+    """
+    D = Characteristic(scene)
+    if not 0 < highest < np.inf:
+        raise InputError("highest", "not a positive frequency", "hertz", f"{highest}")
+    top = 2 * np.pi * highest * D.second
+    step = 1 / (SAMPLES * 2 * D.delays.sum())
+    if top / step > MOST_SAMPLES or top / step * D.size**3 > MOST_WORK:
+        raise InputError(
+            "highest", "too many waves on the lines to be searched", "a lower frequency", f"{highest:.4g} Hz"
+        )
+    try:
+        zeros = all_zeros(D.log, Box(-DEEP, ABOVE, -1.3e-4 * top, top * (1 + 1e-7)), step)
+    except UncountableError:
+        raise InputError("scene", "its oscillations lie too close together to be told apart") from None
+    found = [z / D.second for z in zeros if z.imag > LOWEST * top]
+    return [Resonance(s) for s in sorted(found, key=lambda s: s.imag)]

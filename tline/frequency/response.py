@@ -1,0 +1,126 @@
+"""Transfer functions from a source to all probes of a scene, at any complex s."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tline.errors import InputError
+from tline.scene.mistakes import nearest
+from tline.scene.scene import Scene
+from tline.solver.stability.scattering import Scattering
+
+CHUNK = 2e6  # complex entries held at once
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Effort, flow and waves at one probe per unit of the source, each of the shape of s."""
+
+    u: NDArray
+    y: NDArray
+    a: NDArray
+    b: NDArray
+
+
+def respond(scene: Scene, s: ArrayLike, source: str | None = None) -> dict[str, Response]:
+    """Transfer functions from one source of a scene to its probes.
+
+    All other sources are silent: only their resistances count. Switches stand as they do after they have moved.
+
+    Parameters
+    ----------
+    scene : Scene
+        Lossless lines between linear nodes.
+    s : array_like of complex
+        Laplace variable, 1/s; ``2j*pi*f`` for a frequency f in Hz. Any shape.
+    source : str, optional
+        Name of the source; not needed if there is one only.
+
+    Returns
+    -------
+    dict of str to Response
+        By probe. Units: of the probe's quantity over that of the source.
+
+    Raises
+    ------
+    InputError
+        The source is not named and there are several or none, or s is not finite.
+
+    References
+    ----------
+    D. M. Pozar, Microwave Engineering, 4th ed., Wiley 2012, chapters 2 and 4.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="electrical", t_end=1, probes={"far": {"at": "far"}},
+    ...     lines={"line": {"nodes": ["near", "far"], "z0": 50, "delay": "1 ns"}},
+    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 50}},
+    ... )
+    >>> bool(abs(respond(scene, 2j * np.pi * 0.25e9)["far"].u + 1j) < 1e-12)  # open end, a quarter wave: delayed by it
+    True
+    """
+    s = np.asarray(s, complex)
+    if not np.isfinite(s).all():
+        raise InputError("s", "not finite", "finite complex numbers", f"{s.ravel()[~np.isfinite(s.ravel())][0]}")
+    name = _source(scene, source)
+    given, network = scene.sources[name], Scattering(scene)
+    held, flows = np.zeros(len(network.names)), np.zeros(len(network.names))
+    at = network.names.index(given.at)
+    if np.isinf(given.conductance):
+        held[at] = 1.0
+    else:
+        flows[at] = given.conductance if given.is_effort else 1.0
+    arriving, efforts = solved(network, s.ravel() * network.second, held, flows)
+    return {probe: _seen(scene, network, probe, arriving, efforts, s) for probe in scene.probes}
+
+
+def solved(network: Scattering, s: NDArray, held: NDArray, flows: NDArray) -> tuple[NDArray, NDArray]:
+    """Waves that arrive at the ends, (n, ends), and efforts of the nodes, (n, nodes), for s in the network's unit.
+
+    `held` and `flows` are what sources hold and drive at each node, shape (nodes,).
+    """
+    parts = np.array_split(s, int(len(s) * network.size**2 / CHUNK) + 1)
+    done = [_solved(network, part, held, flows) for part in parts]
+    return np.concatenate([w for w, _ in done]), np.concatenate([u for _, u in done])
+
+
+def _solved(network: Scattering, s: NDArray, held: NDArray, flows: NDArray) -> tuple[NDArray, NDArray]:
+    passed = network.passed(s)
+    own = held + passed * flows
+    sent = np.zeros((len(s), network.size), complex)
+    for k, ends in enumerate(network.ends):
+        sent[:, ends] = 2 * own[:, k, None]
+    coming = (network.delayed(s) * sent)[:, np.arange(network.size) ^ 1]
+    arriving = np.linalg.solve(np.eye(network.size) - network.returned(s), coming[:, :, None])[:, :, 0]
+    efforts = own.astype(complex)
+    for k, ends in enumerate(network.ends):
+        efforts[:, k] += passed[:, k] * (arriving[:, ends] / network.z0[ends // 2]).sum(axis=1)
+    return arriving, efforts
+
+
+def _seen(scene: Scene, network: Scattering, probe: str, arriving: NDArray, efforts: NDArray, s: NDArray) -> Response:
+    """What a probe sees: the two waves on its line, each delayed by its way."""
+    place = scene.probes[probe]
+    line = place.line or next(name for name, line in scene.lines.items() if place.at in line.nodes)
+    k, share = list(scene.lines).index(line), place.fraction(scene.lines[line])
+    nodes = [network.names.index(node) for node in scene.lines[line].nodes]
+    a1, b2 = (2 * efforts[:, nodes[end]] - arriving[:, 2 * k + end] for end in (0, 1))
+    way = s.ravel() * network.second * network.delays[k]
+    a, b = a1 * np.exp(-way * share), b2 * np.exp(-way * (1 - share))
+    parts = ((a + b) / 2, (a - b) / (2 * network.z0[k]), a, b)
+    return Response(*(part.reshape(s.shape) for part in parts))
+
+
+def _source(scene: Scene, name: str | None) -> str:
+    sources: Mapping[str, object] = scene.sources
+    if name is None:
+        if len(sources) != 1:
+            problem = "there is no source" if not sources else "there are several, and none is named"
+            raise InputError("source", problem, nearest("", list(sources)) if sources else "a source, or ports")
+        return next(iter(sources))
+    if name not in sources:
+        raise InputError("source", "no such source", nearest(name, list(sources)), f"'{name}'")
+    return name
