@@ -110,8 +110,12 @@ def _unit(node: dict[str, Any]) -> str:
 
 def pictures() -> None:
     """The pictures of README and docs."""
+    import numpy as np
+
     from passivity import RationalFunction, check_positive_real
     from passivity.one_port.picture import draw_verdict
+    from tline.frequency.response import respond
+    from tline.pictures.bode import plot_bode
     from tline.pictures.lattice import plot_lattice
     from tline.pictures.path import route
     from tline.pictures.space_time import plot_space_time
@@ -126,6 +130,9 @@ def pictures() -> None:
     save_figure(plot_probes(result), str(DOCS / "pictures" / "pressure.png"))
     save_figure(plot_space_time(result, way), str(DOCS / "pictures" / "space_time.png"))
     save_figure(plot_lattice(result), str(DOCS / "pictures" / "lattice.png"))
+    cable, f = read_scene(DOCS.parent / "scenes" / "cable_rlc.toml"), np.geomspace(1e6, 1e9, 1001)
+    seen = {name: probe.u for name, probe in respond(cable, 2j * np.pi * f).items()}
+    save_figure(plot_bode(f, seen, "|voltage / source|", cable.title), str(DOCS / "pictures" / "bode.png"))
     refuted = check_positive_real(RationalFunction.from_expression("(s + 2)/(s^2 + s + 1)"))
     save_figure(styled(draw_verdict)(refuted, refuted.margins), str(DOCS / "pictures" / "passivity.png"))
 

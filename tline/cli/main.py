@@ -15,10 +15,12 @@ COMMANDS = {
         "z0, wave speed and the rest of a pipe or a cable, from what is known of it.",
     ),
     "run": ("tline.cli.run:run", "Simulate a scene."),
+    "frequency": ("tline.cli.frequency:frequency", "A scene over frequency: transfer functions, S-parameters."),
     "passivity": (
         "tline.cli.passivity:passivity",
         "Prove or refute that an impedance is positive real, or a reflection bounded real.",
     ),
+    "friction": ("tline.cli.friction:friction", "Friction models on a testbench: runs, curves, and where methods fail."),
     "schema": ("tline.cli.schema:schema", "JSON schema of scene files, for editors."),
 }
 

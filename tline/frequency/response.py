@@ -119,7 +119,7 @@ def _source(scene: Scene, name: str | None) -> str:
     if name is None:
         if len(sources) != 1:
             problem = "there is no source" if not sources else "there are several, and none is named"
-            raise InputError("source", problem, nearest("", list(sources)) if sources else "a source, or ports")
+            raise InputError("source", problem, nearest("", list(sources)) if sources else "a source in the scene")
         return next(iter(sources))
     if name not in sources:
         raise InputError("source", "no such source", nearest(name, list(sources)), f"'{name}'")

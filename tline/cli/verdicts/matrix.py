@@ -33,5 +33,6 @@ def answer(text: str, asked: Asked) -> Answer:
         ]
     if found:
         name = "smallest eigenvalue of (Z + Zᴴ)/2" if kind is Kind.PR else "largest singular value of S"
-        lines.append(f"  {name} ≈ {found.value:.6g} at ω = {found.frequency:.6g} rad/s, proved not beyond {found.bound:.6g}")
+        proved = f"proved not beyond {found.bound:.6g}"
+        lines.append(f"  {name} ≈ {found.value:.6g} at ω = {found.frequency:.6g} rad/s, {proved}")
     return Answer(verdict.status.value, lines, as_dict(verdict, found))

@@ -1,0 +1,117 @@
+"""The surface of `tline frequency`: numbers, files, mistakes."""
+
+import json
+import re
+import shlex
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from tline.cli.frequency import frequency as command
+from tline.cli.main import main
+
+CABLE = """
+medium = "electrical"
+t_end = "40 ns"
+[lines.line]
+nodes = ["near", "far"]
+z0 = 50
+delay = "1 ns"
+[sources.pump]
+at = "near"
+kind = "voltage"
+value = 1
+resistance = 200
+[loads.end]
+at = "far"
+kind = "resistor"
+resistance = 400
+[probes.far]
+at = "far"
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    for name in ("cable.toml", "network.toml"):
+        (tmp_path / name).write_text(CABLE, encoding="utf-8")
+    return tmp_path
+
+
+def run(line: str):
+    return CliRunner().invoke(main, ["frequency", *shlex.split(line)], catch_exceptions=False)
+
+
+def test_transfer_function_and_oscillations() -> None:
+    told = json.loads(run("cable.toml --from '1 MHz' --to '1.1 GHz' --points 3 --json").stdout)
+    f, x = np.array(told["frequency"]), None
+    x = np.exp(-2j * np.pi * f * 1e-9)
+    exact = 0.2 * x * (1 + 7 / 9) / (1 - 0.6 * 7 / 9 * x**2)
+    seen = np.array(told["values"]["far"]["re"]) + 1j * np.array(told["values"]["far"]["im"])
+    assert np.abs(seen - exact).max() < 1e-14
+    modes = told["natural_oscillations"]
+    assert [mode["frequency"] for mode in modes] == pytest.approx([0.5e9, 1e9], rel=1e-9)
+    decay = -np.log(0.6 * 7 / 9) / 2e-9
+    assert modes[0]["quality"] == pytest.approx(np.hypot(decay, np.pi * 1e9) / (2 * decay), rel=1e-9)
+
+
+def test_files(folder: Path) -> None:
+    done = run("cable.toml --csv r.csv --plot b.png --points 50")
+    assert done.exit_code == 0, done.output
+    table = np.genfromtxt(folder / "r.csv", delimiter=",", names=True)
+    assert len(table) == 50
+    assert table.dtype.names == ("frequency_Hz", "far_re_u", "far_im_u", "far_re_y", "far_im_y")
+    assert (folder / "b.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("ports", ["near", "near,far"])
+def test_touchstone_is_read_by_others(folder: Path, ports: str) -> None:
+    skrf = pytest.importorskip("skrf")
+    count = len(ports.split(","))
+    told = json.loads(run(f"cable.toml --ports {ports} --z0 75 --points 20 --save out.s{count}p --json").stdout)
+    theirs = skrf.Network(str(folder / f"out.s{count}p"))
+    assert theirs.z0[0, 0] == 75
+    for m, i in enumerate(ports.split(",")):
+        for n, j in enumerate(ports.split(",")):
+            ours = told["values"][f"S({i},{j})"]
+            assert np.abs(theirs.s[:, m, n] - np.array(ours["re"]) - 1j * np.array(ours["im"])).max() < 1e-15
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ("none.toml", "none.toml: cannot be read"),
+        ("cable.toml --source pomp", "source: no such source, expected 'pump', got 'pomp'"),
+        ("cable.toml --ports near,fat", "ports: no such node, expected 'far', got 'fat'"),
+        ("cable.toml --from 5 --to 2", "--to: not above the lowest frequency"),
+        ("cable.toml --from 0", "--from: not a positive frequency"),
+        ("cable.toml --to 3s", "--to: this unit measures something else"),
+        ("cable.toml --points 1", "--points: not a number of frequencies"),
+        ("cable.toml --save a.s1p", "--save: is about S-parameters, expected --ports beside it, or --csv"),
+        ("cable.toml --z0 50", "--z0: is about S-parameters"),
+        ("cable.toml --ports near --csv a.csv", "--csv: is about a source"),
+        ("cable.toml --ports near --save a.s2p", "a.s2p: does not fit the number of ports, expected .s1p or .csv"),
+        ("cable.toml --plot a.txt", "--plot: unknown kind of file"),
+    ],
+)
+def test_a_mistake_is_one_sentence(line: str, sentence: str) -> None:
+    done = run(line)
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert done.stderr.startswith(sentence)
+    assert done.stderr.count("\n") == 1
+
+
+def test_every_example_of_the_help_runs() -> None:
+    examples = re.findall(r"^ +tline frequency (.*)$", run("--help").stdout, re.MULTILINE)
+    assert len(examples) == 3
+    for example in examples:
+        done = run(example)
+        assert done.exit_code == 0, done.output
+
+
+def test_every_option_has_a_help_text() -> None:
+    assert all(option.help for option in command.params if isinstance(option, click.Option))

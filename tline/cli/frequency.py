@@ -1,0 +1,171 @@
+"""`tline frequency`: a scene over frequency."""
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from tline.errors import InputError
+from tline.scene.medium import MEDIA
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from tline.frequency.resonances import Resonance
+    from tline.scene.scene import Scene
+
+PICTURE = (".png", ".svg", ".pdf")
+MOST_POINTS = 1_000_000
+MOST_MODES = 12  # oscillations that are printed
+EXAMPLES = """\b
+Examples:
+  tline frequency cable.toml --from "1 MHz" --to "1 GHz" --plot bode.png --csv response.csv
+  tline frequency cable.toml --ports near --z0 50 --save port.s1p
+  tline frequency network.toml --source pump --to "20 Hz" --points 2001
+"""
+
+
+@click.command("frequency", epilog=EXAMPLES)
+@click.argument("scene")
+@click.option("--source", metavar="NAME", help="Source whose effect is asked for; the others are silent.")
+@click.option(
+    "--ports", metavar="NODE,NODE", help="S-parameters between these nodes instead, sources there taken away."
+)
+@click.option(
+    "--z0", metavar="OHM", help="Reference resistance of the ports; that of the first line there if not given."
+)
+@click.option("--from", "low", metavar="FREQUENCY", help="Lowest frequency, such as '1 MHz'.")
+@click.option("--to", "high", metavar="FREQUENCY", help="Highest frequency.")
+@click.option("--points", type=int, default=1001, show_default=True, help="Number of frequencies.")
+@click.option("--csv", metavar="FILE.csv", help="Table of the transfer functions, real and imaginary parts.")
+@click.option("--save", metavar="FILE.sNp", help="S-parameters as Touchstone, or as .csv.")
+@click.option("--plot", metavar="FILE", help="Bode plot; .png, .svg or .pdf.")
+@click.option("--json", "as_json", is_flag=True, help="Print all numbers.")
+def frequency(scene: str, points: int, as_json: bool, **given: str | None) -> None:
+    """Transfer functions, S-parameters and natural oscillations of a scene.
+
+    SCENE is a TOML file as for `tline run`. Waveforms do not count: the answer is what each probe sees per unit of the
+    source. Natural oscillations are located as zeros of the scene's characteristic function, not read off a curve.
+    """
+    import numpy as np
+
+    from tline.scene.file import read_scene
+
+    files = {key: given[key] for key in ("csv", "save", "plot") if given[key]}
+    _check(given, files, points)
+    read = read_scene(scene)
+    f = _frequencies(read, given["low"], given["high"], points)
+    if given["ports"]:
+        told, curves = _parameters(read, f, given)
+    else:
+        told, curves = _responses(read, f, given)
+    told |= {"natural_oscillations": [{"frequency": m.frequency, "quality": _text(m.quality)} for m in _modes(read, f)]}
+    if given["plot"]:
+        from tline.pictures.bode import plot_bode
+        from tline.pictures.style import save_figure
+
+        size = "|S|" if given["ports"] else f"|{MEDIA[read.medium].effort} / source|"
+        save_figure(plot_bode(f, curves, size, read.title), given["plot"])
+    if as_json:
+        numbers = {name: {"re": np.real(c).tolist(), "im": np.imag(c).tolist()} for name, c in curves.items()}
+        click.echo(json.dumps(told | {"frequency": f.tolist(), "values": numbers}, indent=2, ensure_ascii=False))
+    else:
+        click.echo("\n".join([*_table(f, curves), *_oscillations(told), *(f"wrote {file}" for file in files.values())]))
+
+
+def _check(given: dict[str, str | None], files: dict[str, Any], points: int) -> None:
+    from tline.solver.atomic import check_writable
+
+    if not 2 <= points <= MOST_POINTS:
+        raise InputError("--points", "not a number of frequencies", f"2 to {MOST_POINTS}", f"{points}")
+    for option, instead in (("save", ", or --csv"), ("z0", "")):
+        if given[option] and not given["ports"]:
+            raise InputError(f"--{option}", "is about S-parameters", f"--ports beside it{instead}")
+    for option in ("csv", "source"):
+        if given[option] and given["ports"]:
+            raise InputError(f"--{option}", "is about a source", "--save for S-parameters, or no --ports")
+    for option, suffixes in (("csv", (".csv",)), ("plot", PICTURE)):
+        if option in files and not files[option].lower().endswith(suffixes):
+            raise InputError(f"--{option}", "unknown kind of file", " or ".join(suffixes), f"'{files[option]}'")
+    for file in files.values():
+        check_writable(file)
+
+
+def _frequencies(scene: "Scene", low: str | None, high: str | None, points: int) -> "NDArray":
+    """Evenly spaced on a logarithmic scale, as most things here are; by default round the lines' own."""
+    import numpy as np
+
+    from tline.units import to_si
+
+    delays = [line.parameters.delay or 0.0 for line in scene.lines.values()]
+    top = to_si(high, "Hz", "--to") if high else 2.0 / min(delays)
+    bottom = to_si(low, "Hz", "--from") if low else min(0.01 / sum(delays), top / 100)
+    if not 0 < bottom < math.inf:
+        raise InputError("--from", "not a positive frequency", "such as '1 MHz'", f"'{low}'")
+    if not bottom < top < math.inf:
+        raise InputError("--to", "not above the lowest frequency", f"more than {bottom:.6g} Hz", f"{top:.6g} Hz")
+    return np.geomspace(bottom, top, points)
+
+
+def _responses(scene: "Scene", f: "NDArray", given: dict[str, str | None]) -> "tuple[dict[str, Any], dict[str, Any]]":
+    import numpy as np
+
+    from tline.frequency.response import respond
+    from tline.frequency.save import save_response
+
+    seen = respond(scene, 2j * np.pi * f, given["source"])
+    if given["csv"]:
+        save_response(f, seen, given["csv"])
+    return {"source": given["source"] or next(iter(scene.sources))}, {name: probe.u for name, probe in seen.items()}
+
+
+def _parameters(scene: "Scene", f: "NDArray", given: dict[str, str | None]) -> "tuple[dict[str, Any], dict[str, Any]]":
+    import numpy as np
+
+    from tline.frequency.ports import scattering_parameters
+    from tline.frequency.save import save_parameters
+    from tline.units import to_si
+
+    ports = [name.strip() for name in (given["ports"] or "").split(",")]
+    first = next((line.parameters.z0 for line in scene.lines.values() if ports[0] in line.nodes), 1.0)
+    z0 = to_si(given["z0"], MEDIA[scene.medium].units["resistance"], "--z0") if given["z0"] else first
+    S = scattering_parameters(scene, ports, 2j * np.pi * f, z0)
+    if given["save"]:
+        save_parameters(f, S, ports, z0, given["save"])
+    curves = {f"S({i},{j})": S[:, m, n] for m, i in enumerate(ports) for n, j in enumerate(ports)}
+    return {"ports": ports, "z0": z0}, curves
+
+
+def _modes(scene: "Scene", f: "NDArray") -> "list[Resonance]":
+    """Natural oscillations in the range; none if they are too many to be found."""
+    from tline.frequency.resonances import resonances
+
+    try:
+        return [mode for mode in resonances(scene, float(f[-1])) if mode.frequency >= f[0]]
+    except InputError:
+        return []
+
+
+def _table(f: "NDArray", curves: dict[str, Any]) -> list[str]:
+    import numpy as np
+
+    rows = [("", "lowest |.|", "at [Hz]", "highest |.|", "at [Hz]")]
+    for name, values in curves.items():
+        size = np.abs(values)
+        low, high = int(np.nanargmin(size)), int(np.nanargmax(size))
+        rows.append((name, f"{size[low]:.4g}", f"{f[low]:.6g}", f"{size[high]:.4g}", f"{f[high]:.6g}"))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  ".join(map(str.rjust, row, widths)) for row in rows]
+
+
+def _oscillations(told: dict[str, Any]) -> list[str]:
+    found = told["natural_oscillations"]
+    damping = ["undamped" if m["quality"] == "inf" else f"Q = {m['quality']:.4g}" for m in found[:MOST_MODES]]
+    lines = [f"  {m['frequency']:.6g} Hz, {text}" for m, text in zip(found, damping, strict=False)]
+    more = len(found) - MOST_MODES
+    return ["", "natural oscillations:", *lines, *([f"  and {more} more"] * (more > 0))] if found else []
+
+
+def _text(quality: float) -> float | str:
+    return quality if math.isfinite(quality) else "inf"
