@@ -1,18 +1,15 @@
 """HydraulicLine and ElectricalLine: what follows from what, and what is refused."""
 
 import copy
-import doctest
 import math
 import pickle
 from collections.abc import Iterable, Iterator
 from itertools import chain, combinations
-from types import ModuleType
 
 import pytest
 
-from tline import ElectricalLine, HydraulicLine, units
+from tline import ElectricalLine, HydraulicLine
 from tline.errors import InputError
-from tline.line import electrical, fluids, hydraulic, walls
 from tline.line.fluids import HYDRAULIC_OIL, water
 from tline.line.walls import WALLS
 
@@ -298,13 +295,6 @@ def test_mistakes_are_told_in_one_sentence(kind: type, given: dict[str, object],
         kind(**given)
     assert str(caught.value).startswith(sentence)
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("module", [electrical, fluids, hydraulic, walls, units])
-def test_the_examples_in_the_docstrings_run(module: ModuleType) -> None:
-    result = doctest.testmod(module)
-    assert result.attempted > 0
-    assert result.failed == 0
 
 
 def test_an_unknown_argument_is_refused() -> None:
