@@ -106,7 +106,11 @@ class Quotient:
 
     @_with_numbers
     def __truediv__(self, other: Self) -> Self:
-        return self * other.inverse()
+        """The quotient; what both denominators share came with the writing, and is no common factor of the whole."""
+        if self.is_infinite or other.is_infinite:
+            return self * other.inverse()
+        shared = self.q.gcd(other.q)
+        return type(self)(self.p * (other.q // shared), self.q // shared * other.p)
 
     __radd__, __rmul__ = __add__, __mul__
 

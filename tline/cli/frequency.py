@@ -46,11 +46,13 @@ def frequency(scene: str, points: int, as_json: bool, **given: str | None) -> No
     """Transfer functions, S-parameters and natural oscillations of a scene.
 
     SCENE is a TOML file as for `tline run`. Waveforms do not count: the answer is what each probe sees per unit of the
-    source. Natural oscillations are located as zeros of the scene's characteristic function, not read off a curve.
+    source. Natural oscillations are located as zeros of the scene's characteristic function, not read off a curve; left
+    out are those that decay by more than exp(-3) within the shortest delay, and those that grow, of which a note tells.
     """
     import numpy as np
 
     from tline.scene.file import read_scene
+    from tline.solver.stability.growth import active_loads, growth_sentence
 
     files = {key: given[key] for key in ("csv", "save", "plot") if given[key]}
     _check(given, files, points)
@@ -58,8 +60,10 @@ def frequency(scene: str, points: int, as_json: bool, **given: str | None) -> No
     f = _frequencies(read, given["low"], given["high"], points)
     if given["ports"]:
         told, curves = _parameters(read, f, given)
-    else:
+    elif read.sources or given["source"] or given["csv"] or given["plot"]:
         told, curves = _responses(read, f, given)
+    else:
+        told, curves = {"source": None}, {}
     told |= {"natural_oscillations": [{"frequency": m.frequency, "quality": _text(m.quality)} for m in _modes(read, f)]}
     if given["plot"]:
         from tline.pictures.bode import plot_bode
@@ -67,6 +71,8 @@ def frequency(scene: str, points: int, as_json: bool, **given: str | None) -> No
 
         size = "|S|" if given["ports"] else f"|{MEDIA[read.medium].effort} / source|"
         save_figure(plot_bode(f, curves, size, read.title), given["plot"])
+    if active := active_loads(read):
+        click.echo(f"note: {growth_sentence(read, active)}", err=True)
     if as_json:
         numbers = {name: {"re": np.real(c).tolist(), "im": np.imag(c).tolist()} for name, c in curves.items()}
         click.echo(json.dumps(told | {"frequency": f.tolist(), "values": numbers}, indent=2, ensure_ascii=False))
@@ -150,6 +156,8 @@ def _modes(scene: "Scene", f: "NDArray") -> "list[Resonance]":
 def _table(f: "NDArray", curves: dict[str, Any]) -> list[str]:
     import numpy as np
 
+    if not curves:
+        return ["no source: natural oscillations only"]
     rows = [("", "lowest |.|", "at [Hz]", "highest |.|", "at [Hz]")]
     for name, values in curves.items():
         size = np.abs(values)

@@ -53,7 +53,11 @@ class ExpressionCommand(click.Command):
 @click.option("--delay", metavar="T", help="Look at the impedance through a lossless line of z0 and this delay.")
 @click.option("--within", metavar="TOLERANCE", help="Ask also for all coefficients within a relative tolerance.")
 @click.option("--error", metavar="BAR", help="How far each sample of a file may be from the truth.")
-@click.option("--nearest", metavar="FILE.json", help="Fit samples of one port, and write the nearest passive model.")
+@click.option(
+    "--nearest",
+    metavar="FILE.json",
+    help="Fit samples of one port and write the nearest passive model; the exit status is then its own.",
+)
 @click.option("--plot", metavar="FILE", help="Nyquist and Smith chart, |H(jω)|, or samples; .png, .svg or .pdf.")
 @click.option("--json", "as_json", is_flag=True, help="Print everything exactly, with the certificate.")
 @click.pass_context

@@ -14,6 +14,7 @@ from tline.solver.result import LineRecord, Result, Wave
 
 MOST_LEGS = 12
 FLAT = 1e-3  # of the range of the waves; what jumps by less, and bends by less within a delay, is no front
+CLOSE = 2.0  # slabs between fronts that can be told apart
 NEARBY = 1e-4  # of a slab, for slopes
 SAME = 1e-9  # of the run; fronts that start nearer than this to each other are one
 
@@ -23,7 +24,7 @@ class Front(NamedTuple):
 
     end: int  # 0: end 1, 1: end 2
     t: float
-    jump: float  # of the effort
+    jump: float  # of the effort; NaN where another front is too close for the slabs to tell
 
 
 class Stay(NamedTuple):
@@ -101,12 +102,23 @@ def _fronts(scene: Scene, record: LineRecord, nodes: tuple[str, str], t_end: flo
         if max(abs(after - before), bend) <= FLAT * largest:
             continue  # absorbed: it carries nothing on
         # the other wave does not jump along this leg, so u = (a + b)/2 takes half
-        fronts.append(Front(end, t, (after - before) / 2))
+        fronts.append(Front(end, t, (after - before) / 2 if abs(after - before) > FLAT * largest else 0.0))
         arrival = t + record.delay
         if arrival < t_end:
             for other in (k for k in (0, 1) if nodes[k] == nodes[1 - end]):
                 heapq.heappush(waiting, (arrival, other))
-    return fronts
+    seen = sorted(
+        (front.t + record.delay * k, end) for front in fronts for k, end in ((0, front.end), (1, 1 - front.end))
+    )
+    return [
+        front._replace(jump=np.nan) if front.jump and _is_crowded(front, seen, record.a1.h) else front
+        for front in fronts
+    ]
+
+
+def _is_crowded(front: Front, seen: list[tuple[float, int]], h: float) -> bool:
+    """Whether another front leaves or reaches the end within two slabs."""
+    return any(end == front.end and SAME * front.t < abs(t - front.t) < CLOSE * h for t, end in seen)
 
 
 def _beside(wave: Wave, t: float, after: bool) -> tuple[float, float]:

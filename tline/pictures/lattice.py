@@ -1,5 +1,6 @@
 """The bounce diagram of a scene with one line."""
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -8,7 +9,7 @@ from tline.pictures.handy import handy
 from tline.pictures.style import DOWN, FAINT, INK, UP, figure, styled
 from tline.solver.result import Result
 
-FLAT = 1e-6  # of the largest effort; a smaller jump is none, and a smaller effort is zero
+FLAT = 1e-6  # of the largest effort; a smaller one is zero
 ROOM = 0.03  # of the diagram's height, for a number
 
 
@@ -18,8 +19,8 @@ def plot_lattice(result: Result) -> Figure:
 
     Each leg is a jump or corner of a source or switch on its way from end to end. On it stands what it adds to the
     effort: half the jump of the wave a or b that carries it, as recorded. Beside the ends stands the effort between
-    arrivals; two numbers if it changes meanwhile. Legs that carry a corner and no jump are dotted. At most twelve
-    legs are drawn.
+    arrivals; two numbers if it changes meanwhile. Legs that carry a corner and no jump are dotted; grey ones have
+    another front so near that the slabs do not tell what each carries. At most twelve legs are drawn.
 
     Parameters
     ----------
@@ -44,7 +45,7 @@ def plot_lattice(result: Result) -> Figure:
     picture = figure(7.2, 7.6, result.scene.title)
     axes = picture.subplots()
     for front in shown.fronts:
-        _draw_leg(axes, front, shown, abs(front.jump) <= zero)
+        _draw_leg(axes, front, shown)
     for stay in shown.stays:
         if stay.stop - stay.start > ROOM * shown.until:
             _draw_level(axes, stay, zero)
@@ -52,19 +53,22 @@ def plot_lattice(result: Result) -> Figure:
     effort = f"{result.medium.effort} [{unit}]"
     _frame(axes, line.nodes, effort, shown.until)
     axes.set_ylabel(f"time [{time_unit}]")
-    jumps = [abs(front.jump) > zero for front in shown.fronts]
-    said = [f"on the legs: what the front adds to the {effort}"] * any(jumps) + [
-        "dotted: a corner, where a slope changes"
-    ] * (not all(jumps))
-    axes.set_xlabel("; ".join(said))
+    jumps = [front.jump for front in shown.fronts]
+    said = {
+        f"on the legs: what the front adds to the {effort}": any(abs(jump) > 0 for jump in jumps),
+        "dotted: a corner, where a slope changes": 0.0 in jumps,
+        "grey: less than two slabs from another front": any(np.isnan(jump) for jump in jumps),
+    }
+    axes.set_xlabel("; ".join(text for text, shows in said.items() if shows))
     return picture
 
 
-def _draw_leg(axes: Axes, front: Front, shown: Bounces, corner: bool) -> None:
+def _draw_leg(axes: Axes, front: Front, shown: Bounces) -> None:
     """A leg from end to end, or as far as it comes."""
     forth = 1 - 2 * front.end
     share = min((shown.until - front.t) / shown.delay, 1.0)
-    colour = FAINT if corner else UP if front.jump > 0 else DOWN
+    corner, known = front.jump == 0, abs(front.jump) > 0
+    colour = (UP if front.jump > 0 else DOWN) if known else FAINT
     axes.annotate(
         "",
         (front.end + forth * share, front.t + share * shown.delay),
@@ -79,7 +83,7 @@ def _draw_leg(axes: Axes, front: Front, shown: Bounces, corner: bool) -> None:
             "mutation_scale": 13,
         },
     )
-    if not corner and share > 0.65:
+    if known and share > 0.65:
         axes.annotate(
             _text(front.jump, "+"),
             (front.end + 0.42 * forth, front.t + 0.42 * shown.delay),

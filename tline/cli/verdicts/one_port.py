@@ -5,6 +5,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from tline.cli.verdicts.answer import Answer, Asked, complex_text
+from tline.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,14 +23,17 @@ def answer(function: "RationalFunction", asked: Asked) -> Answer:
 
     if asked.kind == "br":
         asked.refuse("reflections", "z0", "delay", "within")
+    if asked.kind == "chain" and not (asked.z0 and asked.delay):
+        missing = "delay" if asked.z0 else "z0"
+        raise InputError(f"--{missing}", "is missing", "z0 and delay of the line that --kind chain looks through")
     verdict = (check_bounded_real if asked.kind == "br" else check_positive_real)(function)
-    z0, through = asked.z0 or 1, asked.delay or asked.kind == "chain"
+    z0 = asked.z0 or 1
     try:
         found = margins(verdict, z0)
     except UndecidedError:
         found = Margins(None, None, None)
     robust = None if asked.within is None or verdict.status is Status.UNDECIDED else robustness(verdict, asked.within)
-    chain = check_line(function, z0, asked.delay or 0) if through else None
+    chain = check_line(function, z0, asked.delay) if asked.delay else None
     lines = _text(verdict, found, robust, asked.z0) + (_derivation(chain) if chain else [])
     status = chain.status if chain else verdict.status
     return Answer(

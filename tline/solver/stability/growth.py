@@ -99,7 +99,8 @@ def growth_sentence(scene: Scene, active: dict[str, Verdict]) -> str:
     loads = "; ".join(f"{place('loads', name)} is active: {verdict.why}" for name, verdict in active.items())
     found = growth(scene)
     if found is None:
-        return f"{loads}; whether the waves grow was not found out, for the scene is too large"
+        why = "the scene is too large to search, or its waves lie too close together"
+        return f"{loads}; whether the waves grow was not found out: {why}"
     if found.s is None:
         return f"{loads}; yet no wave grows by more than 0.1 % within the run"
     s = complex(found.s)
