@@ -44,9 +44,14 @@ def bands(sums: Sequence[fmpz_poly]) -> str:
     'for 1 < ω < 1.73205'
     """
     try:
-        found = [_band(low, high) for low, high in violations(sums)]
+        return in_words(violations(sums))
     except UndecidedError:
         return "in bands that take too long to find"
+
+
+def in_words(intervals: Sequence[tuple[float, float]]) -> str:
+    """Intervals of w, the first MOST_NAMED of them."""
+    found = [_band(low, high) for low, high in intervals]
     more = len(found) - MOST_NAMED
     return ", ".join(found[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "") or "in a very narrow band"
 

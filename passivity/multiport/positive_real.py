@@ -18,6 +18,7 @@ from passivity.errors import ExpressionError
 from passivity.multiport.axis_form import axis_sums
 from passivity.multiport.cayley import inverted
 from passivity.multiport.hidden import hidden_modes
+from passivity.multiport.refutation import refuted_or_undecided
 from passivity.multiport.state_space import StateSpace
 from passivity.multiport.storage import lossless_storage
 from passivity.multiport.verdict import MatrixVerdict, MinorCertificate, MinorSum, Network
@@ -73,6 +74,8 @@ def check(network: Network, kind: Kind) -> MatrixVerdict:
     try:
         answer = _decided(kind, network)
     except UndecidedError as error:
+        if isinstance(network, StateSpace) and network.states:
+            return refuted_or_undecided(kind, network, str(error))
         return MatrixVerdict(kind, network, Status.UNDECIDED, budget=str(error))
     return replace(answer, hidden=hidden_modes(network))
 

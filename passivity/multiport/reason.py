@@ -2,7 +2,8 @@
 
 from flint import fmpz_poly
 
-from passivity.multiport.bands import bands
+from passivity.multiport.axis_analysis import AxisAnalysis
+from passivity.multiport.bands import bands, in_words
 from passivity.multiport.matrix import RationalMatrix
 from passivity.multiport.polynomial_matrix import degree
 from passivity.multiport.state_space import StateSpace
@@ -16,6 +17,7 @@ from passivity.status import Kind, Status
 _BOUNDED = {Kind.PR: "Z + Z^H >= 0", Kind.BR: "S^H S <= I"}
 _EQUAL = {Kind.PR: "Z + Z^H = 0", Kind.BR: "S^H S = I"}
 _BROKEN = {Kind.PR: "Z + Z^H has a negative eigenvalue", Kind.BR: "S has a singular value above 1"}
+_EXTREME = {Kind.PR: "the smallest eigenvalue of (Z + Z^H)/2", Kind.BR: "the largest singular value of S"}
 _CLOSING = {Kind.PR: "(Z + I)^-1", Kind.BR: "S"}
 
 
@@ -30,7 +32,7 @@ def reason(verdict: MatrixVerdict) -> str:
     """
     kind, network = verdict.kind, verdict.network
     if verdict.status is Status.UNDECIDED:
-        return verdict.budget
+        return "; ".join(filter(None, (verdict.budget, verdict.analysis and _seen(kind, verdict.analysis))))
     if isinstance(verdict.certificate, StorageCertificate):
         return "all energy that enters is stored: the stored energy is x^T P x/2 >= 0"
     if verdict.status is Status.PROVED:
@@ -38,9 +40,22 @@ def reason(verdict: MatrixVerdict) -> str:
         return f"{axis} for all ω, and all poles of {_CLOSING[kind]} lie in Re s < 0"
     if verdict.negative:
         return f"{_BROKEN[kind]} {bands(verdict.negative)}"
+    if verdict.analysis:
+        where = in_words(verdict.analysis.bands) if verdict.analysis.bands else "near a pole"
+        return f"{_BROKEN[kind]} {where} (floating point), exactly so at the witness"
     if kind is Kind.BR:
         return "S has a pole in Re s > 0"
     return _fault(network.transfer if isinstance(network, StateSpace) else network)
+
+
+def _seen(kind: Kind, analysis: AxisAnalysis) -> str:
+    """What floating point sees."""
+    value = f"{_EXTREME[kind]} is {analysis.value:.6g} ± {analysis.value_error:.1g} at ω = {analysis.frequency:.6g}"
+    bands = f", {_BROKEN[kind]} {in_words(analysis.bands)}" if analysis.bands else ""
+    methods = "two methods that agree" if analysis.agree else "two methods that disagree"
+    return (
+        f"in floating point, by {methods}, {value}{bands}; all eigenvalues of A have Re s <= {analysis.rightmost:.3g}"
+    )
 
 
 def _fault(z: RationalMatrix) -> str:

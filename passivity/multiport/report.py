@@ -6,6 +6,7 @@ from typing import Any
 from passivity.multiport.certificate import verify
 from passivity.multiport.margin import MatrixMargin
 from passivity.multiport.verdict import Certificate, MatrixVerdict, StorageCertificate
+from passivity.one_port.witness import to_fmpq
 
 
 def as_dict(verdict: MatrixVerdict, margin: MatrixMargin | None) -> dict[str, Any]:
@@ -25,15 +26,19 @@ def as_dict(verdict: MatrixVerdict, margin: MatrixMargin | None) -> dict[str, An
         "why": verdict.why,
         "lossless": verdict.lossless,
         "hidden_factor": _list(verdict.hidden) if verdict.hidden else None,
-        "margin": margin and {k: x if math.isfinite(x) else str(x) for k, x in margin._asdict().items()},
+        "margin": margin and {name: _number(x) for name, x in margin._asdict().items()},
     }
     if witness := verdict.witness:
         told["witness"] = {
             "re": str(witness.re),
             "im": str(witness.im),
             "vector": [[str(x) for x in pair] for pair in witness.vector],
-            "value": str(witness.value),
+            "value": str(to_fmpq(witness.value)),  # Python refuses to write more than 4300 digits
         }
+    if verdict.analysis:
+        bands = [[_number(x) for x in band] for band in verdict.analysis.bands]
+        told["analysis"] = {name: _number(x) for name, x in vars(verdict.analysis).items() if name != "bands"}
+        told["analysis"] |= {"bands": bands}
     if verdict.certificate:
         told["certificate"] = _certificate(verdict.certificate) | {"verified": verify(verdict.certificate)}
     return told
@@ -58,6 +63,10 @@ def _certificate(certificate: Certificate) -> dict[str, Any]:
         "closing": _list(certificate.closing),
         "routh_column": [pivot.str(12) for pivot in certificate.column],
     }
+
+
+def _number(x: float) -> float | str:
+    return x if math.isfinite(x) else str(x)
 
 
 def _list(polynomial: Any) -> list[str]:

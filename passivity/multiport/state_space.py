@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from math import lcm
 from typing import Any, Self
@@ -14,8 +15,9 @@ from passivity.one_port.polynomial_sign import UndecidedError
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
 
-MAX_STATES = 200
+MAX_STATES = 400
 MAX_WORK = 40_000_000_000  # states^4 bits: some seconds
+MAX_VALUE_WORK = 5_000_000_000  # states^3 bits: half a minute
 MAX_BITS = 10_000  # of an entry, and of the denominator common to all of a matrix
 _PRIME = 2**61 - 1
 
@@ -80,6 +82,12 @@ class StateSpace:
         return self.a.nrows()
 
     @cached_property
+    def bits(self) -> int:
+        """Length of the longest whole number in A, B and C, each brought to its common denominator."""
+        wholes = (y.numer_denom()[0].entries() for y in (self.a, self.b, self.c))
+        return max((abs(x).bit_length() for entries in wholes for x in entries), default=0)
+
+    @cached_property
     def modes(self) -> fmpz_poly:
         """det(sI - A), with whole coefficients."""
         return self.a.charpoly().numer()
@@ -93,10 +101,7 @@ class StateSpace:
         UndecidedError
             If it would take more than MAX_WORK.
         """
-        n, m = self.states, self.size
-        bits = max(
-            (abs(x).bit_length() for y in (self.a, self.b, self.c) for x in y.numer_denom()[0].entries()), default=0
-        )
+        n, m, bits = self.states, self.size, self.bits
         if n**4 * bits > MAX_WORK:
             raise UndecidedError(f"{n} states with {bits} bits take too long; fewer would be decided")
         q, markov = self.a.charpoly(), self.markov(n)
@@ -107,6 +112,32 @@ class StateSpace:
             return RationalFunction(p.numer() * q.denom(), q.numer() * p.denom())
 
         return RationalMatrix(tuple(tuple(entry(i, k) for k in range(m)) for i in range(m)))
+
+    def at(self, re: Fraction, im: Fraction) -> fmpq_mat | None:
+        """Exact value U + jV at s = re + j im as [[U, -V], [V, U]]; None at an eigenvalue of A.
+
+        Raises
+        ------
+        UndecidedError
+            If it would take more than MAX_VALUE_WORK.
+
+        Examples
+        --------
+        >>> StateSpace.from_entries([[0]], [[1]], [[1]], [[0]]).at(Fraction(1), Fraction(1))  # 1/s
+        [ 1/2, 1/2]
+        [-1/2, 1/2]
+        """
+        n, bits = self.states, self.bits
+        if n**3 * bits > MAX_VALUE_WORK:
+            raise UndecidedError(f"one exact value for {n} states with {bits} bits takes too long, too")
+        w, shifted = fmpq(im.numerator, im.denominator), identity(n) * fmpq(re.numerator, re.denominator) - self.a
+        try:  # (G + jw)^-1 B = (G - jw) X
+            x = (shifted * shifted + identity(n) * (w * w)).solve(self.b)
+        except ZeroDivisionError:
+            return None
+        u, v = (self.d + self.c * (shifted * x)).tolist(), (self.c * x * -w).tolist()
+        upper = [[*row, *(-y for y in other)] for row, other in zip(u, v, strict=True)]
+        return fmpq_mat(upper + [[*other, *row] for row, other in zip(u, v, strict=True)])
 
     def markov(self, number: int) -> list[fmpq_mat]:
         """C B, C A B, C A^2 B, ...: what remains of the transfer matrix without D, in powers of 1/s."""

@@ -7,6 +7,7 @@ from typing import NamedTuple, TypeAlias
 
 from flint import arb, fmpq_mat, fmpz_poly
 
+from passivity.multiport.axis_analysis import AxisAnalysis
 from passivity.multiport.matrix import RationalMatrix
 from passivity.multiport.polynomial_matrix import PolynomialMatrix
 from passivity.multiport.state_space import StateSpace
@@ -126,6 +127,8 @@ class MatrixVerdict:
         The sums of principal minors in x = w^2, if one of them is negative somewhere.
     budget : str
         What ran out, if undecided.
+    analysis : AxisAnalysis or None
+        What floating point sees of a state space too large for the exact test, whose hidden modes are not looked for.
     """
 
     kind: Kind
@@ -137,6 +140,7 @@ class MatrixVerdict:
     hidden: fmpz_poly | None = None
     negative: tuple[fmpz_poly, ...] = ()
     budget: str = ""
+    analysis: AxisAnalysis | None = None
 
     @cached_property
     def why(self) -> str:

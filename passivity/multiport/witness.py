@@ -7,7 +7,7 @@ from flint import fmpq, fmpq_mat, fmpz_poly
 
 from passivity.multiport.matrix import RationalMatrix
 from passivity.multiport.quadratic_form import negative_direction
-from passivity.multiport.verdict import MatrixWitness
+from passivity.multiport.verdict import MatrixWitness, Network
 from passivity.one_port.polynomial_sign import find_sign
 from passivity.one_port.witness import candidates, power_of_two, square_roots, to_fmpq
 from passivity.status import Kind
@@ -32,10 +32,17 @@ def near_root(f: fmpz_poly) -> Iterator[tuple[Fraction, Fraction]]:
 def first_witness(kind: Kind, matrix: RationalMatrix, points: Iterable[tuple[Fraction, Fraction]]) -> MatrixWitness:
     """The first of the points where the property fails, with a vector of few digits."""
     for re, im in points:
-        value = matrix.at(re, im) if re > 0 else None
-        if value is not None and (x := negative_direction(hermitian_form(kind, value))):
-            return _shortened(kind, re, im, hermitian_form(kind, value), x)
+        if witness := witness_at(kind, matrix, re, im):
+            return witness
     raise AssertionError("the points come as close as need be to a place where the property fails")
+
+
+def witness_at(kind: Kind, network: Network, re: Fraction, im: Fraction) -> MatrixWitness | None:
+    """The point with a vector of few digits, None if the property does not fail there."""
+    value = network.at(re, im) if re > 0 else None
+    if value is None or not (x := negative_direction(form := hermitian_form(kind, value))):
+        return None
+    return _shortened(re, im, form, x)
 
 
 def hermitian_form(kind: Kind, value: fmpq_mat) -> fmpq_mat:
@@ -46,7 +53,7 @@ def hermitian_form(kind: Kind, value: fmpq_mat) -> fmpq_mat:
     return fmpq_mat(n, n, [int(i == k) for i in range(n) for k in range(n)]) - value.transpose() * value
 
 
-def _shortened(kind: Kind, re: Fraction, im: Fraction, form: fmpq_mat, x: list[fmpq]) -> MatrixWitness:
+def _shortened(re: Fraction, im: Fraction, form: fmpq_mat, x: list[fmpq]) -> MatrixWitness:
     """The vector on the coarsest grid on which it still is a witness."""
     n, largest, bits = len(x), max(map(abs, x)), 1
     while True:

@@ -3,15 +3,19 @@
 from fractions import Fraction
 from itertools import permutations
 
+from flint import fmpq_mat
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from passivity import RationalFunction, Status, check_positive_real
+from passivity.multiport.axis_analysis import analyse
 from passivity.multiport.cayley import impedances, scattering
 from passivity.multiport.certificate import verify
+from passivity.multiport.float_system import FloatSystem
 from passivity.multiport.margin import margin
 from passivity.multiport.matrix import RationalMatrix
 from passivity.multiport.positive_real import check_bounded_real_matrix, check_positive_real_matrix
+from passivity.multiport.refutation import refuted_or_undecided
 from passivity.multiport.state_space import StateSpace
 from passivity.status import Kind
 
@@ -190,3 +194,32 @@ def test_state_spaces_and_their_transfer_matrices_have_one_answer(given_system):
     assert proved or spoiled
     limit = [[system.d[i, k] + system.d[k, i] for k in range(system.size)] for i in range(system.size)]
     assert not (proved and limit[0][0] < 0)
+
+
+@few
+@given(port_hamiltonian())
+def test_floating_point_never_contradicts_a_proof_and_sees_what_is_refuted_clearly(given_system):
+    system, _ = given_system
+    answer = refuted_or_undecided(Kind.PR, system, "no exact test")
+    analysis = answer.analysis
+    assert answer.status is not Status.PROVED
+    if is_proved(system):
+        assert answer.status is Status.UNDECIDED
+        assert analysis.bands == ()
+    else:  # by 1/1000 at infinity
+        assert answer.status is Status.REFUTED
+        w = answer.witness
+        assert w.re > 0
+        assert power(system.transfer, Kind.PR, w) == w.value < 0
+
+
+@few
+@given(port_hamiltonian(), values)
+def test_floating_point_has_the_exact_margin(given_system, more):
+    """D + more I: the smallest eigenvalue is enclosed by an exact test from below."""
+    system, _ = given_system
+    direct = [[system.d[i, k] + (i == k) * int(more * 100) for k in range(system.size)] for i in range(system.size)]
+    raised = StateSpace(system.a, system.b, system.c, fmpq_mat(direct))
+    found, exact = analyse(FloatSystem.of(Kind.PR, raised)), margin(raised, Kind.PR)
+    assert found.agree
+    assert exact.bound - 1e-9 * (1 + abs(exact.bound)) <= found.value <= exact.value + 1e-7 * (1 + abs(exact.value))
