@@ -12,7 +12,7 @@ demo: $(VENV)/ready-run
 	  --lattice out/lattice.png --animate out/wave.html --csv out/pressure.csv
 
 test: $(VENV)/ready-test
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto
 
 lint: $(VENV)/ready-dev
 	$(BIN)/ruff check
@@ -23,6 +23,7 @@ lint: $(VENV)/ready-dev
 bench: $(VENV)/ready-bench
 	$(BIN)/python -m benchmarks.kernel
 	$(BIN)/python -m benchmarks.passivity
+	$(BIN)/python -m benchmarks.friction
 
 docs: $(VENV)/ready-dev
 	$(BIN)/python docs/generate.py

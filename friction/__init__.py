@@ -1,1 +1,59 @@
-"""Friction models and their testbench (to come)."""
+"""Friction models on a testbench, exact where they can be, and predictions of where methods fail."""
+
+from friction.errors import InputError
+from friction.exercise import PARTS, Part
+from friction.limits import Limits, limits
+from friction.methods import METHODS, Method
+from friction.models import MODELS, Coulomb, Dahl, ElastoPlastic, Karnopp, LuGre, Model, Tanh
+from friction.predict import (
+    Chatter,
+    DeadZone,
+    dead_zone,
+    euler_chatter,
+    lugre_drift,
+    passive_damping,
+    tanh_creep,
+)
+from friction.result import Event, Kind, Ledger, Result, Status
+from friction.simulate import simulate
+from friction.sweep import sweep
+from friction.testbench import Force, Ramp, Sine, Spring, Steps, Table, Testbench
+
+__all__ = [
+    "METHODS",
+    "MODELS",
+    "PARTS",
+    "Chatter",
+    "Coulomb",
+    "Dahl",
+    "DeadZone",
+    "ElastoPlastic",
+    "Event",
+    "Force",
+    "InputError",
+    "Karnopp",
+    "Kind",
+    "Ledger",
+    "Limits",
+    "LuGre",
+    "Method",
+    "Model",
+    "Part",
+    "Ramp",
+    "Result",
+    "Sine",
+    "Spring",
+    "Status",
+    "Steps",
+    "Table",
+    "Tanh",
+    "Testbench",
+    "dead_zone",
+    "euler_chatter",
+    "limits",
+    "lugre_drift",
+    "passive_damping",
+    "simulate",
+    "sweep",
+    "tanh_creep",
+]

@@ -275,7 +275,8 @@ def _text(result: "Result") -> str:
     more = len(result.events) - len(shown)
     return "\n".join(
         [
-            f"{result.model.name} by {result.method.name} (order {result.method.order}): {result.status}, {result.steps:,} steps",
+            f"{result.model.name} by {result.method.name} (order {result.method.order}): {result.status}, "
+            f"{result.steps:,} steps",
             *shown,
             *([f"  and {more:,} more events"] if more else []),
             f"t = {end['t']:.6g} s: x = {end['x']:.10g} m, v = {end['v']:.10g} m/s, F_f = {end['F_f']:.10g} N",

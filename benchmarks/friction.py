@@ -1,0 +1,448 @@
+"""Friction: cost against error, failures predicted and measured, into docs/: python -m benchmarks.friction.
+
+Every peer runs in its own process, gets its right-hand side compiled where it can take one, and is timed after a
+warm-up; errors are against references in 50 digits (tests/truth/friction_cases.json). Figures are medians of 5 runs.
+"""
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from math import exp, log10, nan
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+
+import friction
+from friction import (
+    Coulomb,
+    ElastoPlastic,
+    Karnopp,
+    LuGre,
+    Ramp,
+    Spring,
+    Status,
+    Table,
+    Tanh,
+    Testbench,
+    dead_zone,
+    euler_chatter,
+    limits,
+    lugre_drift,
+    simulate,
+    sweep,
+    tanh_creep,
+)
+from friction.pictures import COLOURS, draw_curves, draw_exercise
+
+ROOT = Path(__file__).parent.parent
+PICTURES = ROOT / "docs" / "pictures"
+END, ENDS = 10.0, {"stribeck": 13.963289889871819666, "lugre": 13.985389460013207159}
+TOLS = [10.0**-k for k in range(3, 13)]
+GREYS = ("#555555", "#777777", "#999999", "#AAAAAA", "#666666", "#888888", "#BBBBBB")
+
+
+def lugre_rates(t: float, y: list[float]) -> list[float]:
+    v, z = y[1], y[2]
+    rate = v - 500.0 * abs(v) * z / (1.0 + 0.2 * exp(-((v / 0.1) ** 2)))
+    return [v, 0.5 * t - 500.0 * z - 0.05 * v, rate]
+
+
+def stribeck_rates(t: float, y: list[float]) -> list[float]:
+    v = y[1]
+    if v == 0.0 and 0.5 * t <= 1.2:
+        return [0.0, 0.0, 0.0]
+    return [v, 0.5 * t - (1.0 + 0.2 * exp(-((v / 0.1) ** 2))) - 0.05 * v, 0.0]
+
+
+RATES = {"lugre": lugre_rates, "stribeck": stribeck_rates}
+
+
+def scipy_peer(case: str, solver: str) -> Callable[[float], float]:
+    from numba import njit
+    from scipy.integrate import solve_ivp
+
+    compiled = njit(RATES[case])
+
+    def rates(t: float, y: np.ndarray) -> tuple[float, ...]:
+        return compiled(t, y)
+
+    return lambda tol: float(solve_ivp(rates, (0.0, END), [0.0] * 3, solver, rtol=tol, atol=1e-3 * tol).y[1, -1])
+
+
+def sundae_peer(case: str, solver: str) -> Callable[[float], float]:
+    from numba import njit
+    from sksundae.cvode import CVODE
+
+    compiled = njit(RATES[case])
+
+    def rates(t: float, y: np.ndarray, out: np.ndarray) -> None:
+        out[:] = compiled(t, y)
+
+    def run(tol: float) -> float:
+        method = CVODE(rates, method=solver, rtol=tol, atol=1e-3 * tol, max_num_steps=1_000_000)
+        return float(method.solve(np.array([0.0, END]), np.zeros(3)).y[-1, 1])
+
+    return run
+
+
+def numbalsoda_peer(case: str, _: str) -> Callable[[float], float]:
+    from numba import cfunc, njit
+    from numbalsoda import lsoda, lsoda_sig  # type: ignore[import-not-found]
+
+    compiled = njit(RATES[case])
+
+    @cfunc(lsoda_sig)
+    def rates(t, y, out, _):
+        a = compiled(t, [y[0], y[1], y[2]])
+        out[0], out[1], out[2] = a[0], a[1], a[2]
+
+    def run(tol: float) -> float:
+        return float(lsoda(rates.address, np.zeros(3), np.array([0.0, END]), rtol=tol, atol=1e-3 * tol)[0][-1, 1])
+
+    return run
+
+
+def own(case: str, method: str) -> Callable[[float], float]:
+    model, bench = {"lugre": LuGre(), "stribeck": Karnopp()}[case], Testbench(Ramp(0.5))
+    kind = friction.METHODS[method].step
+
+    def run(knob: float) -> float:
+        options = {"h": knob} if kind == "fixed" else {"times": [END]} | ({"tol": knob} if kind == "adaptive" else {})
+        result = simulate(model, bench, END, method, **options)
+        return float(result.v[-1]) if result.status is Status.DONE else nan
+
+    return run
+
+
+MAKERS = {"scipy": scipy_peer, "scikit-sundae": sundae_peer, "numbalsoda": numbalsoda_peer, "tline": own}
+SOLVERS = {
+    "lugre": [("scipy", m) for m in ("LSODA", "BDF", "Radau")] + [("scikit-sundae", "BDF"), ("numbalsoda", "LSODA")],
+    "stribeck": [("scipy", m) for m in ("LSODA", "DOP853", "RK45", "BDF")]
+    + [("scikit-sundae", m) for m in ("Adams", "BDF")]
+    + [("numbalsoda", "LSODA")],
+}
+OURS = {"lugre": ("rosenbrock", "exponential", "rk4"), "stribeck": ("events", "moreau", "rk4", "rk45-events")}
+
+
+def knobs(who: str, solver: str) -> list[float]:
+    if who != "tline":
+        return TOLS
+    step = friction.METHODS[solver].step
+    return {"fixed": [END / n for n in (503, 5003, 50021, 200_003)], "adaptive": TOLS, "events": [0.0]}[step]
+
+
+def worker(case: str, who: str, solver: str) -> None:
+    """One solver in this process: rows of (knob, ms, error)."""
+    began = time.perf_counter()
+    run = MAKERS[who](case, solver)
+    run(knobs(who, solver)[0])
+    rows, first = [], time.perf_counter() - began
+    for knob in knobs(who, solver):
+        times, v = [], nan
+        for _ in range(5):
+            began = time.perf_counter()
+            try:
+                v = run(knob)
+            except Exception:  # noqa: BLE001
+                v = nan
+            times.append(1e3 * (time.perf_counter() - began))
+            if sum(times) > 1500.0:
+                break
+        rows.append((knob, median(times), abs(v - ENDS[case])))
+    print(json.dumps({"rows": rows, "first": first}))
+
+
+def measured(case: str) -> dict[tuple[str, str], dict]:
+    found = {}
+    for who, solver in [("tline", m) for m in OURS[case]] + SOLVERS[case]:
+        command = [sys.executable, "-m", "benchmarks.friction", case, who, solver]
+        done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, timeout=200)
+        if done.returncode == 0:
+            found[who, solver] = json.loads(done.stdout.strip().splitlines()[-1])
+        print(case, who, solver, "ok" if done.returncode == 0 else done.stderr.strip().splitlines()[-1:])
+    return found
+
+
+def cost_at(rows: list, error: float) -> float:
+    """Least time of those that are as good; NaN if none is."""
+    good = [ms for _, ms, got in rows if got <= error]
+    return min(good, default=nan)
+
+
+def cost_table(case: str, found: dict) -> list[str]:
+    head = ["| solver | ms at 1e-6 | ms at 1e-9 | first call [s] |", "|---|---:|---:|---:|"]
+    rows, best = [], {e: {True: nan, False: nan} for e in (1e-6, 1e-9)}
+    for (who, solver), told in found.items():
+        cells = []
+        for e in (1e-6, 1e-9):
+            ms = cost_at(told["rows"], e)
+            best[e][who == "tline"] = np.fmin(best[e][who == "tline"], ms)
+            cells.append("not reached" if np.isnan(ms) else f"{ms:.3g}")
+        rows.append(f"| {who} {solver} | {' | '.join(cells)} | {told['first']:.2g} |")
+    ratios = " and ".join(f"{best[e][False] / best[e][True]:.1f} at {e:.0e}" for e in best)
+    return [*head, *rows, "", f"Best peer over best of ours: {ratios}.", ""]
+
+
+def draw_cost(all_found: dict[str, dict]) -> Figure:
+    figure = Figure(figsize=(12, 5), dpi=140, layout="constrained")
+    for axes, (case, found) in zip(figure.subplots(1, 2), all_found.items(), strict=True):
+        floor, colours, greys = 1e-16, iter(COLOURS), iter(GREYS)
+        for (who, solver), told in found.items():
+            ours = who == "tline"
+            colour = next(colours) if ours else next(greys)
+            errors = [min(max(e, floor), 1.0) if e == e else 1.0 for _, _, e in told["rows"]]
+            times = [ms for _, ms, _ in told["rows"]]
+            axes.loglog(
+                errors, times, "o-" if ours else "s--", color=colour, markersize=4, linewidth=1.6 if ours else 1.0
+            )
+            axes.annotate(
+                solver if ours else f"{who} {solver}", (errors[-1], times[-1]), (-4, 4), textcoords="offset points",
+                color=colour, fontsize=8, ha="right",
+            )  # fmt: skip
+        axes.set(
+            xlabel="error of v at 10 s [m/s]; at the left border: 1 or more, or failed", ylabel="time of one run [ms]"
+        )
+        axes.set_title({"lugre": "LuGre, σ0 = 500 N/m", "stribeck": "Stribeck"}[case])
+        axes.set_xlim(2.0, 1e-19)
+        axes.grid(alpha=0.3)
+    return figure
+
+
+def failure_rows() -> list[tuple[str, float, float]]:
+    """What, predicted, measured."""
+    rows = []
+    for slope, h in ((0.5, 0.001), (2.0, 0.0001)):
+        run, told = simulate(Coulomb(), Testbench(Ramp(slope)), 1.0 / slope, "euler", h=h), euler_chatter(1.0, slope, h)
+        label = f"Euler on sign v, {slope} N/s, h = {h:g} s: "
+        changes = float(np.sum(run.v[1:] * run.v[:-1] < 0.0))
+        rows += [
+            (label + "changes of sign", told.sign_changes, changes),
+            (label + "drift [m]", told.drift, run.x[-1]),
+            (label + "work of friction [J]", told.friction_work, run.W_f[-1]),
+            (label + "mean kinetic energy [J]", told.kinetic_energy, run.kinetic.mean()),
+        ]
+    starts = np.linspace(-1.0, -0.99, 1000, endpoint=False)
+    zone = Karnopp(1.0, 1.0, 0.0, 0.1, 0.001)
+    ends = [simulate(zone, Testbench(Ramp(0.0), v0=float(v0)), 1.5, "euler", h=0.01).v[-1] for v0 in starts]
+    rows.append(
+        (
+            "Dead zone δ = 0.001, h = 0.01: share that chatters",
+            dead_zone(0.001, 1.0, 0.01).escapes,
+            float(np.mean(np.abs(ends) > 0.001)),
+        )
+    )
+    frozen = simulate(Karnopp(1.0, 1.0, 0.0, 0.1, 0.5), Testbench(Ramp(0.5), v0=-1.0), 2.0)
+    rows.append(("Dead zone δ = 0.5, events: frozen velocity [m/s]", -0.5, frozen.v[-1]))
+    creep = simulate(Tanh(F_s=1.0, F_v=0.0, epsilon=0.01), Testbench(Ramp(0.0, 0.8)), 20.0)
+    rows.append(("tanh, ε = 0.01, F_a = 0.8 N: creep [m/s]", tanh_creep(0.01, 0.8, 1.0), creep.v[-1]))
+    for low, high in ((0.0, 0.6), (0.6, 1.1)):
+        times = 16.0 * np.arange(13)
+        force = Table(times, [low if k % 2 == 0 else high for k in range(13)])
+        model = LuGre(v_s=10.0, sigma0=1e4, sigma1=20.0, sigma2=0.0)
+        run = simulate(model, Testbench(force), times[-1], tol=1e-9, times=times[4::2])
+        rows.append(
+            (f"LuGre drift per cycle, {low} to {high} N [m]", lugre_drift(model, low, high), np.diff(run.x).mean())
+        )
+        held = simulate(
+            ElastoPlastic(sigma0=1e4, sigma1=20.0, z_ba=0.95e-4),
+            Testbench(force),
+            times[-1],
+            tol=1e-9,
+            times=times[4::2],
+        )
+        if high < 0.95:
+            rows.append((f"elasto-plastic drift per cycle, {low} to {high} N [m]", 0.0, np.diff(held.x).mean()))
+    for method in ("euler", "rk4"):
+        for sigma1 in (5.0, 44.7, 200.0):
+            model = LuGre(F_c=1e6, F_s=1e6, sigma1=sigma1, sigma2=0.0)
+            predicted = getattr(limits(model, 0.0), method)
+            rows.append(
+                (
+                    f"{method}, largest step in stick, σ1 = {sigma1:g} [s]",
+                    predicted,
+                    stick_limit(model, method, predicted),
+                )
+            )
+    return rows
+
+
+def stick_limit(model: LuGre, method: str, guess: float) -> float:
+    low, high = 0.3 * guess, 3.0 * guess
+    for _ in range(12):
+        h = (low * high) ** 0.5
+        run = simulate(model, Testbench(Ramp(0.0), v0=1e-6), 2000 * h, method, h=h)
+        stable = run.status is Status.DONE and np.abs(run.v[-20:]).max() < np.abs(run.v[:200]).max()
+        low, high = (h, high) if stable else (low, h)
+    return low
+
+
+def draw_maps() -> Figure:
+    """Error of explicit steps over (h, σ0) and (h, σ1), with the predicted borders."""
+    figure = Figure(figsize=(12, 4.4), dpi=140, layout="constrained")
+    colours = LinearSegmentedColormap.from_list("error", ["#0072B2", "#F7F7F7", "#D55E00"])
+    colours.set_bad("#BBBBBB")
+    steps, image = np.logspace(-4.0, -0.7, 41), None
+    cases = [
+        ("rk4", "sigma0", np.logspace(1.5, 4.5, 41), 6.0, "RK4, stick and slip, t = 6 s"),
+        ("euler", "sigma1", np.logspace(-0.5, 3.0, 41), 2.0, "Euler, stick, t = 2 s"),
+    ]
+    for axes, (method, name, values, t, title) in zip(figure.subplots(1, 2), cases, strict=True):
+        errors = np.full((steps.size, values.size), np.nan)
+        border = []
+        for k, value in enumerate(values):
+            model = LuGre(**{name: float(value)})
+            exact = simulate(model, Testbench(Ramp(0.5)), t, tol=1e-9, times=[t])
+            inside = [getattr(limits(model, float(v)), method) for v in (0.0, exact.v[0])]
+            border.append(min(inside))
+            for j, h in enumerate(steps):
+                run = simulate(model, Testbench(Ramp(0.5)), t, method, h=float(t / round(t / h)))
+                if run.status is Status.DONE and abs(run.F_f[-1]) < 10.0:
+                    errors[j, k] = log10(max(abs(run.F_f[-1] - exact.F_f[0]), 1e-12))
+        image = axes.pcolormesh(values, steps, errors, cmap=colours, vmin=-8, vmax=0, shading="nearest")
+        axes.loglog(values, border, "k-", linewidth=1.5, label="predicted limit")
+        if name == "sigma0":
+            axes.plot(500.0, 0.01, "o", color="black", markersize=7, markerfacecolor="white", label="the exercise")
+        axes.set(
+            xlabel={"sigma0": "σ0 [N/m]", "sigma1": "σ1 [N·s/m]"}[name], ylabel="step h [s]", ylim=(steps[0], steps[-1])
+        )
+        axes.set_title(f"{title}; grey: blown up")
+        axes.legend(loc="lower left", fontsize=8)
+    figure.colorbar(image, ax=figure.axes, label="log10 of the error of F_f [N]")
+    return figure
+
+
+def draw_failures() -> Figure:
+    figure = Figure(figsize=(12, 7.5), dpi=140, layout="constrained")
+    (a, b, c), (d, e, f) = figure.subplots(2, 3)
+    run = simulate(Coulomb(), Testbench(Ramp(0.5)), 3.0, "euler", h=0.01)
+    a.plot(run.t, run.v, linewidth=0.6)
+    for sign in (-1.0, 1.0):
+        a.plot(run.t, np.where(run.t < 2.0, 0.01 * (run.F_a + sign), nan), "k--", linewidth=0.8)
+    a.set(title="Euler on sign v, with predicted bounds", xlabel="t [s]", ylabel="v [m/s]", ylim=(-0.02, 0.05))
+    tols = np.logspace(-1.5, -4.5, 7)
+    b.loglog(
+        tols, [simulate(Coulomb(), Testbench(Ramp(0.5)), 0.1, "rk45", tol=t, budget=50_000).steps for t in tols], "o-"
+    )
+    b.loglog(tols, 3e-1 / tols, "k--", linewidth=0.8, label="1/tolerance")
+    b.set(title="RK45 on sign v: steps in 0.1 s", xlabel="tolerance", ylabel="steps")
+    b.legend()
+    for delta in (0.0002, 0.003, 0.006, 0.1):
+        run = simulate(Karnopp(1.0, 1.0, 0.0, 0.1, delta), Testbench(Ramp(0.2), v0=-0.3172), 2.0, "euler", h=0.01)
+        c.plot(run.t, run.v, linewidth=0.8, label=f"δ = {delta:g}")
+    c.set(
+        title="Dead zone of half width δ, h = 0.01 s",
+        xlabel="t [s]",
+        ylabel="v [m/s]",
+        ylim=(-0.15, 0.05),
+    )
+    c.legend()
+    times = 8.0 * np.arange(13)
+    force = Table(times, [0.3 if k % 2 == 0 else 0.9 for k in range(13)])
+    for model in (LuGre(sigma1=10.0), ElastoPlastic(sigma1=10.0, z_ba=0.0019), Karnopp()):
+        run = simulate(model, Testbench(force), times[-1])
+        d.plot(run.t, 1e3 * run.x, label=model.name)
+    told = 1e3 * lugre_drift(LuGre(), 0.3, 0.9)
+    d.plot(times[::2], told * np.arange(7) + 1.2, "k--", linewidth=0.8, label="predicted slope")
+    d.set(title="Drift under 0.3 to 0.9 N", xlabel="t [s]", ylabel="x [mm]")
+    d.legend()
+    exact = ENDS["stribeck"]
+    steps = [10.0 / n for n in (157, 331, 627, 1259, 2511, 5003, 10_007, 50_021)]
+    for method in ("rk4", "euler", "moreau"):
+        e.loglog(
+            steps,
+            [abs(simulate(Karnopp(), Testbench(Ramp(0.5)), 10.0, method, h=h).v[-1] - exact) for h in steps],
+            "o-",
+            label=method,
+        )
+    e.loglog(steps, np.array(steps), "k--", linewidth=0.8, label="order 1")
+    e.set(title="Through the Stribeck peak", xlabel="h [s]", ylabel="error of v(10 s) [m/s]")
+    e.legend()
+    bench, rig = Testbench(Ramp(0.0), spring=Spring(400.0, 0.05)), Karnopp(F_v=0.0, v_s=0.01)
+    f.plot(*_xy(simulate(rig, bench, 1.5)), label="events")
+    for h in (0.01, 0.1):
+        f.plot(*_xy(simulate(rig, bench, 1.5, "moreau", h=h)), label=f"Moreau, h = {h:g} s")
+    f.set_ylim(-0.02, 0.22)
+    f.set(title=f"Stick–slip: π√(m/k) = {np.pi / 20:.2g} s", xlabel="t [s]", ylabel="v [m/s]")
+    f.legend()
+    return figure
+
+
+def _xy(run: friction.Result) -> tuple[np.ndarray, np.ndarray]:
+    return run.t, run.v
+
+
+def many_runs() -> list[str]:
+    from scipy.integrate import solve_ivp
+
+    rng, n = np.random.default_rng(1), 20_000
+    F_c = rng.uniform(0.5, 1.5, n)
+    columns = {
+        "F_c": F_c, "F_s": F_c * rng.uniform(1.0, 1.4, n), "v_s": rng.uniform(0.05, 0.2, n),
+        "sigma0": 10 ** rng.uniform(2, 3.5, n), "sigma1": rng.uniform(0, 5, n), "sigma2": rng.uniform(0, 0.2, n),
+        "mass": rng.uniform(0.5, 2, n), "force": rng.uniform(0.5, 2, n),
+    }  # fmt: skip
+    sweep(LuGre(), Testbench(), 0.1, **columns)
+    seconds = []
+    for _ in range(3):
+        began, busy = time.perf_counter(), time.process_time()
+        found = sweep(LuGre(), Testbench(), **columns)
+        seconds.append((time.perf_counter() - began, time.process_time() - busy))
+    few = {name: column[:500] for name, column in columns.items()}
+    exact = sweep(LuGre(), Testbench(), tol=1e-11, **few)
+    error = np.max(np.abs(found[:500, 1] - exact[:, 1]) / (0.1 + np.abs(exact[:, 1])))
+    began = time.process_time()
+    for _ in range(10):
+        solve_ivp(lugre_rates, (0.0, END), [0.0] * 3, "LSODA", rtol=1e-6, atol=1e-9)
+    loop = (time.process_time() - began) / 10 * n
+    best, busy = (min(column) for column in zip(*seconds, strict=True))
+    return [
+        f"{n:,} LuGre runs of 10 s with random parameters, tolerance 1e-6: {best:.2f} s on 2 cores, {busy:.2f} s of "
+        f"processor time, {n / busy:,.0f} runs per second of it; largest relative error of v among the first 500: "
+        f"{error:.1e}.",
+        f"A loop over `solve_ivp` (LSODA) at the same tolerance would take {loop:.0f} s of it: {loop / busy:,.0f} "
+        "times as long.",
+        "",
+    ]
+
+
+HEAD = """# Benchmarks of friction
+
+Written by `python -m benchmarks.friction`; medians of 5 runs on one core of a machine that others use too, after a
+warm-up whose time stands beside them. All solvers get the same right-hand side, compiled by numba; SciPy and
+scikit-sundae still call it through Python. A time is the least of those that met the error in v at 10 s. Solvers that
+do not install are left out.
+
+![Cost against error](pictures/friction_cost.png)
+"""
+
+
+def main() -> None:
+    costs = {case: measured(case) for case in ENDS}
+    draw_cost(costs).savefig(PICTURES / "friction_cost.png")
+    draw_maps().savefig(PICTURES / "friction_limits.png")
+    draw_failures().savefig(PICTURES / "friction_failures.png")
+    draw_exercise({letter: part() for letter, part in friction.PARTS.items()}).savefig(
+        PICTURES / "friction_exercise.png"
+    )
+    models = {"LuGre": LuGre(sigma1=5.0), "elasto-plastic": ElastoPlastic(sigma1=5.0), "Karnopp": Karnopp()}
+    draw_curves(models).savefig(PICTURES / "friction_curves.png")
+    told = ["| failure | predicted | measured | off by |", "|---|---:|---:|---:|"]
+    for what, predicted, got in failure_rows():
+        off = f"{100 * abs(got / predicted - 1.0):.2f} %" if predicted else "exact 0" if got == 0.0 else f"{got:.1g}"
+        told.append(f"| {what} | {predicted:.6g} | {got:.6g} | {off} |")
+    parts = [HEAD]
+    for case, found in costs.items():
+        parts += [f"## {'LuGre' if case == 'lugre' else 'Stribeck'}, ramp of 0.5 N/s", "", *cost_table(case, found)]
+    parts += ["## Many runs", "", *many_runs(), "## Failures, predicted and measured", "", *told, ""]
+    parts += ["![Failures](pictures/friction_failures.png)", "", "![Step limits](pictures/friction_limits.png)", ""]
+    (ROOT / "docs" / "benchmarks-friction.md").write_text("\n".join(parts), encoding="utf-8")
+    print("\n".join(parts))
+
+
+if __name__ == "__main__":
+    worker(*sys.argv[1:]) if len(sys.argv) == 4 else main()

@@ -1,0 +1,115 @@
+"""SciPy's adaptive steppers on the testbench, as a user would set them up, with a budget so that nobody waits.
+
+With events, a static law is stuck or sliding one way at a time, and the solver starts afresh at each change.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction import kernel
+from friction.kernel import BUDGET, DONE, FA, FF, MODE, STALLED
+from friction.models import Model
+from friction.testbench import Testbench
+
+FREE = 9  # mode of a solver that looks at the law alone
+
+
+class Motion:
+    """The equations while one mode and one piece of the applied force last."""
+
+    def __init__(self, model: Model, bench: Testbench):
+        self.law, self.drive, self.mass, self.mode = model.law, bench.drive, float(bench.mass), FREE
+        self.push = kernel.push_at(self.drive, 0.0)
+
+    def applied(self, t: float, y: NDArray) -> float:
+        """Applied force."""
+        return kernel.applied(self.push, t, y[0])[0]
+
+    def friction(self, t: float, y: NDArray) -> float:
+        """Friction force."""
+        if self.mode == FREE:
+            return kernel.friction(self.law, y[1], y[2], self.applied(t, y))[0]
+        if self.mode == 0:
+            return self.applied(t, y)
+        return self.mode * kernel.steady(self.law, y[1])[0] + self.law.f_v * y[1]
+
+    def rates(self, t: float, y: NDArray) -> NDArray:
+        """Time derivatives of x, v, z, W_a, W_f."""
+        out = np.empty(5)
+        if self.mode == FREE:
+            kernel.slopes(self.law, self.push, self.mass, t, y, out)
+        else:
+            f_a, f_f = self.applied(t, y), self.friction(t, y)
+            out[:] = y[1], (f_a - f_f) / self.mass, 0.0, f_a * y[1], f_f * y[1]
+        return out
+
+    def margin(self, t: float, y: NDArray) -> float:
+        """Positive until the mode ends."""
+        if self.mode == FREE:
+            return 1.0
+        return self.law.f_s - abs(self.applied(t, y)) if self.mode == 0 else self.mode * y[1]
+
+    def next_mode(self, t: float, y: NDArray) -> None:
+        """The mode that begins at t; at rest, the mass is held if it can be."""
+        if self.mode == FREE:
+            return
+        f_a = self.applied(t, y)
+        breaks = self.mode == 0 and self.margin(t, y) <= 1e-12 * self.law.f_s
+        if self.mode != 0:
+            y[1] = 0.0
+        self.mode = int(np.sign(f_a)) if breaks or abs(f_a) > self.law.f_s else 0
+
+
+def adaptive(
+    model: Model, bench: Testbench, times: NDArray, tol: float, budget: int, solver: str, events: bool
+) -> tuple[int, int, NDArray]:
+    """Run RK45 or BDF; the status, the steps made, and the record."""
+    from scipy.integrate import BDF, RK45
+    from scipy.optimize import brentq
+
+    motion, y = Motion(model, bench), np.array([0.0, bench.v0, 0.0, 0.0, 0.0])
+    if events:
+        held = bench.v0 == 0.0 and abs(motion.applied(0.0, y)) <= motion.law.f_s
+        motion.mode = 0 if held else int(np.sign(bench.v0 or motion.applied(0.0, y)))
+    record = np.full((times.size, MODE + 1), np.nan)
+    scheme: Any = {"rk45": RK45, "bdf": BDF}[solver]
+    t, row, steps = 0.0, 0, 0
+    while row < times.size:
+        motion.push = kernel.push_at(motion.drive, t)
+        end = min(times[-1], motion.push.end)
+        run = scheme(motion.rates, t, y, end, rtol=tol, atol=1e-2 * tol)
+        while run.status == "running":
+            if steps >= budget:
+                return BUDGET, steps, record
+            if run.step() and run.status == "failed":
+                return STALLED, steps, record
+            steps += 1
+            dense, t, y = run.dense_output(), run.t, run.y
+            ended = motion.margin(t, y) < 0.0
+            if ended:
+                start = run.t_old if motion.margin(run.t_old, dense(run.t_old)) > 0.0 else 0.9 * run.t_old + 0.1 * t
+                root: Any = brentq(lambda at, dense=dense: motion.margin(at, dense(at)), start, t, xtol=1e-15)
+                t = float(root)
+                y = dense(t)
+            row = _sample(motion, record, row, times, t, dense)
+            if ended:
+                motion.next_mode(t, y)
+                break
+        if row < times.size and t >= motion.push.end:  # the force may have jumped
+            motion.push = kernel.push_at(motion.drive, t)
+            if motion.mode == 0:
+                motion.next_mode(t, y)
+    return DONE, steps, record
+
+
+def _sample(motion: Motion, record: NDArray, row: int, times: NDArray, t: float, dense: Any) -> int:
+    """Keep the samples up to t; the number of the next."""
+    while row < times.size and times[row] <= t:
+        at = times[row]
+        state = dense(at)
+        record[row, 0], record[row, 1:4], record[row, 6:8] = at, state[:3], state[3:]
+        record[row, FA], record[row, FF] = motion.applied(at, state), motion.friction(at, state)
+        row += 1
+    return row

@@ -1,0 +1,174 @@
+"""Formulas that say beforehand how a method or a model fails."""
+
+from math import atanh, log
+from typing import NamedTuple
+
+from friction.errors import InputError, check_number
+from friction.models import LuGre
+
+
+class Chatter(NamedTuple):
+    """What Euler's method makes of a mass that should stand still, from F_a = 0 up to F_c; see `euler_chatter`."""
+
+    sign_changes: float
+    drift: float
+    friction_work: float
+    kinetic_energy: float
+
+
+def euler_chatter(F_c: float, slope: float, h: float, mass: float = 1.0) -> Chatter:
+    """Euler's method on F_c·sign v below break-away is a first-order sigma-delta modulator: what comes of it.
+
+    The force is coded in the share of steps with v > 0, (1 + F_a/F_c)/2, and v is spread evenly over an interval of
+    length 2hF_c/m about hF_a/m.
+
+    Parameters
+    ----------
+    F_c : float
+        Coulomb friction [N].
+    slope : float
+        Slope of the ramp [N/s].
+    h : float
+        Step [s].
+    mass : float, optional
+        Mass [kg].
+
+    Returns
+    -------
+    Chatter
+        Sign changes F_c/(2·slope·h), drift h·F_c²/(2·m·slope) [m], friction work (2/3)·h·F_c³/(m·slope) [J], mean
+        kinetic energy h²F_c²/(3m) [J].
+
+    Raises
+    ------
+    InputError
+        A number is not positive.
+
+    Examples
+    --------
+    >>> from friction import euler_chatter
+    >>> euler_chatter(1.0, 0.5, 0.01).sign_changes
+    100.0
+    """
+    for name, value in (("F_c", F_c), ("slope", slope), ("h", h), ("mass", mass)):
+        check_number(name, value, above=0.0)
+    return Chatter(
+        F_c / (2.0 * slope * h),
+        h * F_c**2 / (2.0 * mass * slope),
+        2.0 / 3.0 * h * F_c**3 / (mass * slope),
+        h**2 * F_c**2 / (3.0 * mass),
+    )
+
+
+class DeadZone(NamedTuple):
+    """Whether Euler's method with a dead zone comes to rest, and at which velocity."""
+
+    certain: bool
+    escapes: float
+    frozen_low: float
+    frozen_high: float
+
+
+def dead_zone(delta: float, F_c: float, h: float, F_a: float = 0.0, mass: float = 1.0) -> DeadZone:
+    """Capture of a mass by the dead zone |v| <= δ, for Euler's method.
+
+    A step changes v by h(F_c ± |F_a|)/m and cannot jump over the zone if that is at most 2δ. Otherwise, with F_a = 0,
+    it misses the zone for ever with probability 1 − 2δm/(h·F_c). Whoever comes from below freezes within
+    [−δ, −δ + h(F_c + F_a)/m), and creeps with that velocity for as long as F_a holds.
+
+    Parameters
+    ----------
+    delta : float
+        Half width of the zone [m/s].
+    F_c : float
+        Coulomb friction [N].
+    h : float
+        Step [s].
+    F_a : float, optional
+        Applied force [N], |F_a| < F_c.
+    mass : float, optional
+        Mass [kg].
+
+    Returns
+    -------
+    DeadZone
+        Whether capture is certain, probability that chatter goes on for ever, and the range of frozen velocities.
+
+    Raises
+    ------
+    InputError
+        A number is out of range.
+
+    Examples
+    --------
+    >>> from friction import dead_zone
+    >>> dead_zone(0.001, 1.0, 0.01).escapes
+    0.8
+    """
+    for name, value in (("delta", delta), ("F_c", F_c), ("h", h), ("mass", mass)):
+        check_number(name, value, above=0.0)
+    check_number("F_a", F_a)
+    if abs(F_a) >= F_c:
+        raise InputError("F_a", "breaks away", f"less than F_c = {F_c:g}", f"{F_a:g}")
+    certain = 2.0 * delta >= h * (F_c + abs(F_a)) / mass
+    escapes = max(0.0, 1.0 - 2.0 * delta * mass / (h * F_c))
+    return DeadZone(certain, escapes, -delta, min(-delta + h * (F_c + F_a) / mass, delta))
+
+
+def tanh_creep(epsilon: float, F_a: float, F_c: float) -> float:
+    """Velocity [m/s] with which F_c·tanh(v/ε) gives way to a force that should not move it: ε·atanh(F_a/F_c).
+
+    Raises
+    ------
+    InputError
+        |F_a| is not below F_c, or ε is not positive.
+
+    Examples
+    --------
+    >>> from friction import tanh_creep
+    >>> round(tanh_creep(0.001, 0.5, 1.0), 9)
+    0.000549306
+    """
+    check_number("epsilon", epsilon, above=0.0)
+    check_number("F_c", F_c, above=0.0)
+    if not abs(F_a) < F_c:
+        raise InputError("F_a", "breaks away", f"less than F_c = {F_c:g}", f"{F_a:g}")
+    return epsilon * atanh(F_a / F_c)
+
+
+def lugre_drift(model: LuGre, low: float, high: float) -> float:
+    """Drift [m] of a LuGre contact in each slow cycle of a force between two loads below break-away.
+
+    Quasi-static: (F_s/σ0)·ln((1 − u1²)/(1 − u2²)) with u1 = low/F_s, u2 = high/F_s. Karnopp's model and the
+    elasto-plastic one have none.
+
+    Raises
+    ------
+    InputError
+        Not 0 <= low <= high < F_s.
+
+    Examples
+    --------
+    >>> from friction import LuGre, lugre_drift
+    >>> round(lugre_drift(LuGre(), 0.0, 0.6), 9)
+    0.000690437
+    """
+    if not 0.0 <= low <= high < model.F_s:
+        raise InputError("low, high", "out of range", f"0 <= low <= high < F_s = {model.F_s:g}", f"{low}, {high}")
+    u1, u2 = low / model.F_s, high / model.F_s
+    return model.F_s / model.sigma0 * log((1.0 - u1**2) / (1.0 - u2**2))
+
+
+def passive_damping(model: LuGre) -> float:
+    """Bound of σ1 [N·s/m] below which LuGre is passive from v to F_f: σ2·F_c/(F_s − F_c); inf if F_s = F_c.
+
+    N. Barabanov and R. Ortega, IEEE Trans. Autom. Control 45 (2000) 675, doi:10.1109/9.847100.
+
+    Examples
+    --------
+    >>> from friction import LuGre, passive_damping
+    >>> round(passive_damping(LuGre()), 12)
+    0.25
+    """
+    peak = model.F_s - model.F_c
+    return model.sigma2 * model.F_c / peak if peak > 0.0 else float("inf")

@@ -1,0 +1,173 @@
+"""One run on the testbench, by any method."""
+
+from collections.abc import Sized
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from friction.errors import InputError, check_number
+from friction.methods import Method, method_for
+from friction.models import Model
+from friction.result import Event, Kind, Result, Status, events_seen, modes_seen
+from friction.testbench import Testbench
+
+MOST_STEPS, MOST_SAMPLES, MOST_EVENTS = 5_000_000, 200_000, 10_000
+BUDGETS = {"events": 100_000, "adaptive": 5_000, "rosenbrock": 1_000_000}
+
+
+def simulate(
+    model: Model,
+    bench: Testbench,
+    t_end: float = 10.0,
+    method: str | None = None,
+    *,
+    h: float | None = None,
+    tol: float | None = None,
+    times: ArrayLike | None = None,
+    budget: int | None = None,
+) -> Result:
+    """Motion of the testbench from rest at x = 0 (or with v0) up to t_end.
+
+    Parameters
+    ----------
+    model : Model
+        `Coulomb`, `Karnopp`, `LuGre`, `Dahl`, `ElastoPlastic` or `Tanh`.
+    bench : Testbench
+        Mass, force, spring.
+    t_end : float, optional
+        End [s], positive.
+    method : str, optional
+        A name of `METHODS`; `events` for the static laws and `rosenbrock` for the others if not given.
+    h : float
+        Step [s] of a fixed-step method; t_end is rounded to whole steps.
+    tol : float, optional
+        Relative tolerance of an adaptive method, 1e-14 (1e-13 for SciPy's) to 0.1; 1e-12 for `rosenbrock`, 1e-6 for
+        SciPy's if not given.
+    times : array_like, optional
+        Where to look [s], rising, within [0, t_end]; 1001 equal steps if not given. Fixed steps give every step,
+        thinned evenly above 200 000.
+    budget : int, optional
+        Most steps an adaptive method may make.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    InputError
+        A number is out of range, or method, model and options do not fit together.
+
+    Examples
+    --------
+    >>> from friction import Coulomb, Ramp, Testbench, simulate
+    >>> run = simulate(Coulomb(), Testbench(Ramp(0.5)))
+    >>> float(run.v[-1]), run.events
+    (16.0, [Event(kind=<Kind.BREAK_AWAY: 'break-away'>, t=2.0, x=0.0)])
+    """
+    check_number("t_end", t_end, above=0.0)
+    chosen = method_for(model, method)
+    if chosen.step == "fixed":
+        for option, given in (("tol", tol), ("times", times), ("budget", budget)):
+            if given is not None:
+                raise InputError(option, f"'{chosen.name}' has fixed steps", "h")
+        return _fixed(model, bench, t_end, chosen, h)
+    if h is not None:
+        raise InputError("h", f"'{chosen.name}' chooses its own steps", "tol or nothing", f"{h!r}")
+    if chosen.step == "events" and tol is not None:
+        raise InputError("tol", "the method 'events' is exact to rounding", "nothing", f"{tol!r}")
+    at = np.linspace(0.0, t_end, 1001) if times is None else _checked_times(times, t_end)
+    default = BUDGETS.get(chosen.name, BUDGETS[chosen.step])
+    if budget is not None:
+        check_number("budget", budget, least=1)
+    steps = min(int(budget or default), BUDGETS["rosenbrock"])
+    if chosen.step == "events":
+        return _events(model, bench, at, chosen, steps)
+    tol = (1e-12 if chosen.name == "rosenbrock" else 1e-6) if tol is None else tol
+    check_number("tol", tol, least=1e-14 if chosen.name == "rosenbrock" else 1e-13)
+    if tol > 0.1:
+        raise InputError("tol", "too large", "at most 0.1", f"{tol:g}")
+    return _adaptive(model, bench, at, chosen, tol, steps)
+
+
+def _checked_times(times: ArrayLike, t_end: float) -> NDArray:
+    few = not isinstance(times, Sized) or len(times) <= MOST_SAMPLES
+    try:
+        at = np.array(times, float).ravel() if few else np.empty(0)
+    except (TypeError, ValueError) as error:
+        raise InputError("times", "not numbers", "rising numbers", str(error)[:60]) from error
+    if not at.size or not np.isfinite(at).all() or np.any(np.diff(at) <= 0.0):
+        raise InputError("times", "not rising", f"1 to {MOST_SAMPLES} rising numbers")
+    if at[0] < 0.0 or at[-1] > t_end * (1.0 + 1e-9):
+        raise InputError("times", "outside the run", f"0 to {t_end:g}", f"{at[0]:g} to {at[-1]:g}")
+    return at
+
+
+def _start(bench: Testbench) -> NDArray:
+    return np.array([0.0, bench.v0, 0.0, 0.0, 0.0])
+
+
+def _fixed(model: Model, bench: Testbench, t_end: float, method: Method, h: float | None) -> Result:
+    from friction import kernel
+
+    if h is None:
+        raise InputError("h", f"'{method.name}' needs a step", "a number of seconds")
+    check_number("h", h, above=0.0)
+    if t_end / h > MOST_STEPS:
+        raise InputError("h", "too small", f"at most {MOST_STEPS:,} steps up to t_end", f"{t_end / h:.3g} steps")
+    steps = round(t_end / h)
+    if steps < 1:
+        raise InputError("h", "longer than the run", f"at most t_end = {t_end:g}", f"{h:g}")
+    every = -(-steps // MOST_SAMPLES)
+    record = np.full((-(-steps // every) + 1, 9), np.nan)
+    code = ("euler", "rk4", "moreau", "exponential").index(method.name)
+    status, made = kernel.march(
+        model.law, bench.drive, float(bench.mass), _start(bench), float(h), steps, code, every, record
+    )
+    return _packed(model, bench, method, status, (made, 0), record, None)
+
+
+def _adaptive(model: Model, bench: Testbench, times: NDArray, method: Method, tol: float, budget: int) -> Result:
+    from friction import kernel
+
+    if method.name != "rosenbrock":
+        from friction.adaptive import adaptive
+
+        status, made, record = adaptive(
+            model, bench, times, tol, budget, method.name.removesuffix("-events"), method.name.endswith("-events")
+        )
+        return _packed(model, bench, method, status, (made, 0), record, None)
+    record = np.full((times.size, 9), np.nan)
+    status, made, refused = kernel.rosenbrock(
+        model.law, bench.drive, float(bench.mass), _start(bench), times, float(tol), budget, record
+    )
+    return _packed(model, bench, method, status, (made, refused), record, None)
+
+
+def _events(model: Model, bench: Testbench, times: NDArray, method: Method, budget: int) -> Result:
+    from friction import kernel
+
+    record, met = np.full((times.size, 9), np.nan), np.empty((MOST_EVENTS, 3))
+    status, made, count = kernel.automaton(
+        model.law, bench.drive, float(bench.mass), _start(bench), times, budget, record, met
+    )
+    events = [Event(list(Kind)[int(kind)], float(t), float(x)) for kind, t, x in met[:count]]
+    return _packed(model, bench, method, status, (made, 0), record, events)
+
+
+def _packed(
+    model: Model,
+    bench: Testbench,
+    method: Method,
+    status: int,
+    steps: tuple[int, int],
+    record: NDArray,
+    events: list[Event] | None,
+) -> Result:
+    t, x, v, z, f_a, f_f, w_a, w_f, mode = record[np.isfinite(record[:, 0])].T
+    if events is None:
+        mode = modes_seen(model, v, z, f_a)
+        events = events_seen(t, x, v, mode)
+    return Result(
+        model, bench, method, list(Status)[status], *steps, t, x, v, z, f_a, f_f, w_a, w_f, mode.astype(int), events
+    )

@@ -1,0 +1,177 @@
+"""The testbench: a mass on a table, the force applied to it, and perhaps a spring that pulls it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import inf, pi
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction.errors import InputError, check_number
+
+if TYPE_CHECKING:
+    from friction.kernel import Drive
+
+
+class Force(Protocol):
+    """What can be applied: straight pieces, and a sine (amplitude, angular frequency, phase)."""
+
+    def pieces(self) -> tuple[NDArray, NDArray, NDArray]:
+        """Start, value there and slope of the straight pieces; the last goes on for ever."""
+        ...
+
+    @property
+    def sine(self) -> tuple[float, float, float]:
+        """Amplitude [N], angular frequency [rad/s], phase [rad]."""
+        ...
+
+
+@dataclass(frozen=True)
+class Ramp:
+    """Offset + slope·t [N, N/s]."""
+
+    slope: float = 0.5
+    offset: float = 0.0
+    sine = (0.0, 0.0, 0.0)
+
+    def __post_init__(self):
+        check_number("force.slope", self.slope)
+        check_number("force.offset", self.offset)
+
+    def pieces(self) -> tuple[NDArray, NDArray, NDArray]:
+        """One straight piece."""
+        return np.array([0.0]), np.array([float(self.offset)]), np.array([float(self.slope)])
+
+
+@dataclass(frozen=True)
+class Sine:
+    """Offset + amplitude·sin(2π·frequency·t + phase) [N, Hz, rad]."""
+
+    amplitude: float
+    frequency: float
+    offset: float = 0.0
+    phase: float = 0.0
+
+    def __post_init__(self):
+        for name in ("amplitude", "offset", "phase"):
+            check_number(f"force.{name}", getattr(self, name))
+        check_number("force.frequency", self.frequency, above=0.0)
+
+    def pieces(self) -> tuple[NDArray, NDArray, NDArray]:
+        """The offset."""
+        return np.array([0.0]), np.array([float(self.offset)]), np.array([0.0])
+
+    @property
+    def sine(self) -> tuple[float, float, float]:
+        """Amplitude [N], angular frequency [rad/s], phase [rad]."""
+        return float(self.amplitude), 2.0 * pi * self.frequency, float(self.phase)
+
+
+@dataclass(frozen=True)
+class Steps:
+    """`values[k]` [N] from `times[k]` [s] on; 0 before the first."""
+
+    times: Sequence[float]
+    values: Sequence[float]
+    sine = (0.0, 0.0, 0.0)
+
+    def __post_init__(self):
+        _check_table(self.times, self.values)
+
+    def pieces(self) -> tuple[NDArray, NDArray, NDArray]:
+        """One level piece each."""
+        t, f = np.array(self.times, float), np.array(self.values, float)
+        if t[0] > 0.0:
+            t, f = np.r_[0.0, t], np.r_[0.0, f]
+        return t, f, np.zeros(t.size)
+
+
+@dataclass(frozen=True)
+class Table:
+    """Straight lines between points (times [s], values [N]); constant before the first and after the last."""
+
+    times: Sequence[float]
+    values: Sequence[float]
+    sine = (0.0, 0.0, 0.0)
+
+    def __post_init__(self):
+        _check_table(self.times, self.values)
+
+    def pieces(self) -> tuple[NDArray, NDArray, NDArray]:
+        """One straight piece each."""
+        t, f = np.array(self.times, float), np.array(self.values, float)
+        if t[0] > 0.0:
+            t, f = np.r_[0.0, t], np.r_[f[0], f]
+        return t, f, np.r_[np.diff(f) / np.diff(t), 0.0]
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A spring of a stiffness [N/m], slack at x = 0, whose far end moves with a speed [m/s]: the stick–slip rig."""
+
+    stiffness: float
+    speed: float
+
+    def __post_init__(self):
+        check_number("spring.stiffness", self.stiffness, above=0.0)
+        check_number("spring.speed", self.speed)
+
+
+@dataclass(frozen=True)
+class Testbench:
+    """A mass that starts at x = 0 with velocity v0, pushed by a force and pulled by a spring.
+
+    Parameters
+    ----------
+    force : Ramp, Sine, Steps or Table, optional
+        What is applied; the exercise's ramp of 0.5 N/s if not given.
+    mass : float, optional
+        Mass [kg], positive.
+    v0 : float, optional
+        Velocity at t = 0 [m/s].
+    spring : Spring, optional
+        Adds stiffness·(speed·t − x) to the applied force.
+
+    Raises
+    ------
+    InputError
+        A number is out of range, or is not finite.
+
+    Examples
+    --------
+    >>> from friction import Ramp, Testbench
+    >>> Testbench(Ramp(2.0), v0=-1.0).mass
+    1.0
+    """
+
+    __test__ = False  # not a test for pytest
+
+    force: Force = field(default_factory=Ramp)
+    mass: float = 1.0
+    v0: float = 0.0
+    spring: Spring | None = None
+
+    def __post_init__(self):
+        check_number("bench.mass", self.mass, above=0.0)
+        check_number("bench.v0", self.v0)
+
+    @property
+    def drive(self) -> "Drive":
+        """The applied force as the kernels take it."""
+        from friction.kernel import Drive
+
+        spring = (float(self.spring.stiffness), float(self.spring.speed)) if self.spring else (0.0, 0.0)
+        return Drive(*self.force.pieces(), *self.force.sine, *spring)
+
+
+def _check_table(times: Sequence[float], values: Sequence[float]) -> None:
+    if len(times) != len(values) or not len(times):
+        raise InputError("force", "times and values do not match", "as many values as times", f"{len(values)} values")
+    last = -inf
+    for k, (t, f) in enumerate(zip(times, values, strict=True)):
+        check_number(f"force.times[{k}]", float(t), least=0.0)
+        check_number(f"force.values[{k}]", float(f))
+        if t <= last:
+            raise InputError(f"force.times[{k}]", "times do not rise", f"more than {last:g}", f"{t:g}")
+        last = t

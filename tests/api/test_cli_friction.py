@@ -1,0 +1,139 @@
+"""`tline friction`: texts, exit codes, numbers in full, files; and the package's surface."""
+
+import csv
+import inspect
+import json
+import shlex
+import time
+
+import pytest
+from click.testing import CliRunner
+from matplotlib.image import imread
+
+import friction
+from tline.cli.main import main
+
+
+def run(command):
+    return CliRunner().invoke(main, ["friction", *shlex.split(command)], catch_exceptions=False)
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        ("run coulomb", "break-away at 2 s"),
+        ("run coulomb", "v = 16 m/s"),
+        ("run coulomb --slope '2 N/s' --v0 -1", "reversal at 0.6180339887 s"),
+        ("run karnopp", "break-away at 2.4 s"),
+        ("run karnopp --set F_s='1500 mN'", "break-away at 3 s"),
+        ("run lugre --set sigma0='0.1 N/um' --tol 1e-9", "v = 13.96402"),
+        ("run coulomb --method euler --step '10 ms'", "more events"),
+        ("run karnopp --spring '20 N/m' --pull '5 cm/s' --time 60", "stop at"),
+        ("run elasto-plastic --sine '0.6 N' --frequency '1 Hz'", "rosenbrock (order 5): done"),
+        ("run coulomb --set F_c=1 --method moreau --step 0.001", "moreau (order 1): done"),
+        ("curve lugre dahl --set sigma0=100", "dahl [N]"),
+        ("exercise --part b", "(b) Karnopp with events"),
+    ],
+)
+def test_answers(command, words):
+    result = run(command)
+    assert words in result.output
+    assert (result.exit_code, result.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("command", "sentence"),
+    [
+        ("run coulombe", "MODEL: unknown, expected coulomb or karnopp or"),
+        ("run coulomb --mass -1", "--mass: too small, expected more than 0, got -1"),
+        ("run coulomb --mass '1 m'", "--mass: "),
+        ("run karnopp --set F_s=0.5", "--set F_s: below F_c, expected at least F_c = 1, got 0.5"),
+        ("run karnopp --set v_s=0", "--set v_s: too small"),
+        ("run karnopp --set sigma0=1", "--set: the karnopp model has no sigma0"),
+        ("run karnopp --set F_s", "--set: no parameter"),
+        ("run karnopp --set 'F_s=__import__(1)'", "--set F_s: "),
+        ("run coulomb --method euler", "--step: 'euler' needs a step"),
+        ("run coulomb --method euler --step 0", "--step: too small"),
+        ("run coulomb --method euler --step 1e-15", "--step: too small"),
+        (
+            "run coulomb --method rosenbrock",
+            "--method: 'rosenbrock' does not fit the coulomb model, expected events or",
+        ),
+        ("run coulomb --sine 1", "--sine: needs its partner"),
+        ("run coulomb --spring 1", "--spring: needs its partner"),
+        ("run coulomb --spring -1 --pull 1", "--spring: too small"),
+        ("run coulomb --slope 1 --sine 1 --frequency 1", "--sine: another force than --slope"),
+        ("run coulomb --table nothing.csv", "--table: cannot be read"),
+        ("run coulomb --plot out.gif", "--plot: unknown kind of file"),
+        ("run coulomb --time 0", "--time: too small"),
+        ("curve lugre --velocity 0", "--velocity: not positive"),
+        ("exercise --part f", "--part: unknown"),
+    ],
+)
+def test_mistakes(command, sentence, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    began = time.perf_counter()
+    result = run(command)
+    assert result.stderr.startswith(sentence)
+    assert result.stderr.count("\n") == 1
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert time.perf_counter() - began < 1.0
+
+
+def test_a_force_table_is_read_and_checked(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "force.csv").write_text("t,F\n0,0\n1,2\n3,2\n", encoding="utf-8")
+    told = json.loads(run("run coulomb --table force.csv --time 3 --json").output)
+    assert told["end"]["v"] == pytest.approx(2.25)
+    (tmp_path / "force.csv").write_text("0,0\n1,nan\n", encoding="utf-8")
+    assert run("run coulomb --table force.csv").stderr.startswith("force.values[1]: not a finite number")
+    (tmp_path / "force.csv").write_text("0,0,1\n", encoding="utf-8")
+    assert run("run coulomb --table force.csv").stderr.startswith("--table: not a table of t,F")
+
+
+def test_an_unfinished_run_exits_with_one():
+    result = run("run lugre --method rk4 --step 0.01")
+    assert result.exit_code == 1
+    assert "grows without bound" in result.output
+
+
+def test_numbers_are_the_librarys(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    told = json.loads(run("run karnopp --json --csv run.csv").output)
+    own = friction.simulate(friction.Karnopp(), friction.Testbench())
+    assert told["end"]["v"] == own.v[-1]
+    assert told["events"] == [{"kind": "break-away", "t": own.events[0].t, "x": 0.0}]
+    assert told["energy"]["residual"] == own.ledger.residual
+    rows = list(csv.DictReader((tmp_path / "run.csv").read_text(encoding="utf-8").splitlines()))
+    assert [float(row["F_f"]) for row in rows] == own.F_f.tolist()
+
+
+@pytest.mark.parametrize("command", ["run lugre --plot", "curve lugre karnopp --plot", "exercise --part d --plot"])
+def test_pictures_show_something(command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run(f"{command} out.png").exit_code == 0
+    assert imread(tmp_path / "out.png")[..., :3].std() > 0.05
+
+
+def test_exercise_as_json():
+    told = json.loads(run("exercise --part d --json").output)
+    assert told["d"]["runs"]["Stribeck"]["end"]["v"] == pytest.approx(13.963289889871819)
+
+
+def test_help_shows_examples_that_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shown = run("--help").output
+    commands = [line.strip() for line in shown.splitlines() if line.strip().startswith("tline friction ")]
+    assert len(commands) >= 6
+    for command in commands:
+        if "exercise --plot" not in command:  # the whole of it takes long
+            result = run(command.removeprefix("tline friction "))
+            assert result.exit_code == 0, (command, result.stderr)
+
+
+def test_public_names_are_documented():
+    for name in friction.__all__:
+        thing = getattr(friction, name)
+        assert callable(thing) or isinstance(thing, dict)
+        if callable(thing):
+            assert inspect.getdoc(thing), name
