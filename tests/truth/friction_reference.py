@@ -10,7 +10,7 @@ from pathlib import Path
 from flint import arb, ctx
 
 ORDER = 40
-ctx.prec = 170
+BITS = 170
 
 
 def coefficients(model, state, t, force):
@@ -88,4 +88,5 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    with ctx.workprec(BITS):
+        main()
