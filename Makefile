@@ -27,6 +27,7 @@ bench: $(VENV)/ready-bench
 
 docs: $(VENV)/ready-dev
 	$(BIN)/python docs/generate.py
+	$(BIN)/python docs/generate_drives.py
 
 clean:
 	rm -rf $(VENV) out

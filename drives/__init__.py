@@ -1,1 +1,106 @@
-"""Two spools, a belt and a spring-loaded pulley (to come)."""
+"""Two spools, a belt and a spring-loaded pulley: exact models, simulation and control; knows nothing of lines.
+
+Names are imported when they are used: most programs need few of them.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from drives.animation import animate
+    from drives.answers import exercise
+    from drives.control import PI, Design, Margins, alike, decoupled, design, margins, relative_gain_array
+    from drives.coupled import CoupledDrives
+    from drives.energy import Energy
+    from drives.errors import InputError
+    from drives.linearise import Artefact, artefact, eigenvalues, forward_difference, literal_jacobian, zero_eigenvalues
+    from drives.loop import closed_loop, simulate_control
+    from drives.modes import HiddenMode, hidden_modes
+    from drives.parts import Belt, Pulley, Spool
+    from drives.picture import draw_bode, draw_closed_loop, draw_poles, draw_run
+    from drives.resonance import Peak, effective_stiffness, largest_friction_with_peak, peak, undamped_frequency
+    from drives.simulation import Run, simulate, steady_state
+    from drives.slack import simulate_slack
+    from drives.state_space import StateSpace
+    from drives.symbolic import INPUTS, OUTPUTS, UNITS, symbolic_transfer
+    from drives.torque import Torque
+    from drives.transfer import TransferFunction
+
+_HOMES = {
+    "animation": "animate",
+    "loop": "closed_loop simulate_control",
+    "control": "PI Design Margins alike decoupled design margins relative_gain_array",
+    "coupled": "CoupledDrives",
+    "energy": "Energy",
+    "errors": "InputError",
+    "answers": "exercise",
+    "linearise": "Artefact artefact eigenvalues forward_difference literal_jacobian zero_eigenvalues",
+    "modes": "HiddenMode hidden_modes",
+    "parts": "Belt Pulley Spool",
+    "resonance": "Peak effective_stiffness largest_friction_with_peak peak undamped_frequency",
+    "picture": "draw_bode draw_closed_loop draw_poles draw_run",
+    "simulation": "Run simulate steady_state",
+    "slack": "simulate_slack",
+    "state_space": "StateSpace",
+    "symbolic": "INPUTS OUTPUTS UNITS symbolic_transfer",
+    "torque": "Torque",
+    "transfer": "TransferFunction",
+}
+_HOME = {name: home for home, names in _HOMES.items() for name in names.split()}
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name from its home."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'drives' has no attribute '{name}'")
+    return getattr(import_module(f"drives.{_HOME[name]}"), name)
+
+
+__all__ = [
+    "INPUTS",
+    "OUTPUTS",
+    "PI",
+    "UNITS",
+    "Artefact",
+    "Belt",
+    "CoupledDrives",
+    "Design",
+    "Energy",
+    "HiddenMode",
+    "InputError",
+    "Margins",
+    "Peak",
+    "Pulley",
+    "Run",
+    "Spool",
+    "StateSpace",
+    "Torque",
+    "TransferFunction",
+    "alike",
+    "animate",
+    "artefact",
+    "closed_loop",
+    "decoupled",
+    "design",
+    "draw_bode",
+    "draw_closed_loop",
+    "draw_poles",
+    "draw_run",
+    "effective_stiffness",
+    "eigenvalues",
+    "exercise",
+    "forward_difference",
+    "hidden_modes",
+    "largest_friction_with_peak",
+    "literal_jacobian",
+    "margins",
+    "peak",
+    "relative_gain_array",
+    "simulate",
+    "simulate_control",
+    "simulate_slack",
+    "steady_state",
+    "symbolic_transfer",
+    "undamped_frequency",
+    "zero_eigenvalues",
+]

@@ -21,6 +21,7 @@ COMMANDS = {
         "Prove or refute that an impedance is positive real, or a reflection bounded real.",
     ),
     "friction": ("tline.cli.friction:friction", "Friction models on a testbench, and where methods fail."),
+    "drives": ("tline.cli.drives:drives", "Two spools, a belt, a pulley: from equations to control and animation."),
     "schema": ("tline.cli.schema:schema", "JSON schema of scene files, for editors."),
 }
 

@@ -1,0 +1,172 @@
+"""The mechanism, moving: as a web page of its own, or as a GIF."""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+from math import atan2, cos, hypot, sin, tan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drives.coupled import CoupledDrives
+from drives.errors import InputError
+
+FRAMES, FRAMES_PER_SECOND = 150, 25
+SUFFIXES = (".html", ".gif")
+NEEDED = ("phi1", "phi2", "x_k", "tension", "belt_speed")
+HALF_WIDTH, SPOOL, PULLEY = 2.0, 0.7, 0.35  # of the drawing: from the middle to a spool, and radii
+TRAVEL = 0.55  # of the pulley, at its largest deflection
+LOW, HIGH = np.array([0x21, 0x66, 0xAC]), np.array([0xB2, 0x18, 0x2B])  # no tension, largest tension
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What is drawn: frames of positions, and what stands still.
+
+    Attributes
+    ----------
+    frames : list of dict
+        Per frame the time, turns of spools and pulley (rad, clockwise), pulley's height, ends of the two straight
+        pieces of belt, colour, tension and belt speed.
+    radii : tuple of float
+        Of spool 1 and spool 2 as drawn.
+    height : float
+        Of the pulley at rest.
+    magnified : float
+        How much larger than drawn to scale the pulley's deflection is.
+    """
+
+    frames: list[dict[str, Any]]
+    radii: tuple[float, float]
+    height: float
+    magnified: float
+
+
+def animate(drives: CoupledDrives, t: NDArray, outputs: Mapping[str, NDArray], filename: str | Path) -> None:
+    """Write an animation: spools and pulley turn, the pulley moves, the belt's colour shows its tension.
+
+    Parameters
+    ----------
+    drives : CoupledDrives
+    t : numpy.ndarray
+        s, shape (n,).
+    outputs : mapping of str to numpy.ndarray
+        Of a run, linear or controlled: phi1, phi2, x_k, tension, belt_speed, each of shape (n,).
+    filename : str or Path
+        ``.html`` for a page that needs nothing else, ``.gif`` for a picture that plays for ever.
+
+    Raises
+    ------
+    InputError
+        Another suffix, or an output is missing.
+    """
+    suffix = Path(filename).suffix.lower()
+    if suffix not in SUFFIXES:
+        raise InputError("animation", "unknown kind of file", " or ".join(SUFFIXES), f"'{suffix}'")
+    for name in NEEDED:
+        if name not in outputs:
+            raise InputError("outputs", "not enough to draw", ", ".join(NEEDED), f"no {name}")
+    motion = _motion(drives, t, outputs)
+    if suffix == ".html":
+        Path(filename).write_text(_page(motion), encoding="utf-8")
+    else:
+        _write_gif(motion, Path(filename))
+
+
+def _motion(drives: CoupledDrives, t: NDArray, outputs: Mapping[str, NDArray]) -> Motion:
+    times = np.linspace(t[0], t[-1], FRAMES)
+    seen = {name: np.interp(times, t, outputs[name]) for name in NEEDED}
+    largest, real = max(float(drives.left.radius), float(drives.right.radius)), float(np.abs(outputs["x_k"]).max())
+    radii = tuple(max(0.3, SPOOL * float(x.radius) / largest) for x in (drives.left, drives.right))
+    scale = TRAVEL / real if real else 0.0
+    most = float(np.abs(outputs["tension"]).max()) or 1.0
+    height = min(max(HALF_WIDTH / tan(drives.pulley.angle), 0.9), 2.4) + TRAVEL
+    speed = np.concatenate([[0.0], np.cumsum((seen["belt_speed"][1:] + seen["belt_speed"][:-1]) / 2 * np.diff(times))])
+    frames = []
+    for k, time in enumerate(times):
+        x_k = seen["x_k"][k]
+        y = height + scale * x_k
+        left = _tangent((-HALF_WIDTH, 0.0), radii[0], (0.0, y), PULLEY)
+        right = _tangent((HALF_WIDTH, 0.0), radii[1], (0.0, y), PULLEY, side=-1)
+        colour = np.rint(LOW + (HIGH - LOW) * min(abs(seen["tension"][k]) / most, 1)).astype(int)
+        frames.append(
+            {
+                "t": round(float(time), 6),
+                "turns": [round(float(x), 4) for x in (seen["phi1"][k], speed[k] / largest * 2, seen["phi2"][k])],
+                "y": round(float(y), 4),
+                "belt": [[round(x, 4) for x in ends] for ends in (left, right)],
+                "colour": "#{:02x}{:02x}{:02x}".format(*colour),
+                "tension": float(f"{seen['tension'][k]:.4g}"),
+                "speed": float(f"{seen['belt_speed'][k]:.4g}"),
+                "x_k": float(f"{x_k:.4g}"),
+            }
+        )
+    return Motion(frames, (radii[0], radii[1]), height, scale * largest / SPOOL)
+
+
+def _tangent(
+    a: tuple[float, float], radius_a: float, b: tuple[float, float], radius_b: float, side: int = 1
+) -> list[float]:
+    """Ends x1, y1, x2, y2 of the straight piece that touches both circles on their upper sides."""
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    length = hypot(dx, dy)
+    along, across = (radius_a - radius_b) / length, side * (1 - ((radius_a - radius_b) / length) ** 2) ** 0.5
+    nx, ny = (dx * along - dy * across) / length, (dy * along + dx * across) / length
+    return [a[0] + radius_a * nx, a[1] + radius_a * ny, b[0] + radius_b * nx, b[1] + radius_b * ny]
+
+
+def _page(motion: Motion) -> str:
+    text = json.dumps({**vars(motion), "width": HALF_WIDTH, "pulley": PULLEY}, separators=(",", ":"))
+    template = files("drives").joinpath("animation.html").read_text(encoding="utf-8")
+    return template.replace("DATA", text.replace("<", "\\u003c"), 1)
+
+
+def _write_gif(motion: Motion, path: Path) -> None:
+    from PIL import Image
+
+    images = list(_images(motion))
+    palette = images[-1].quantize(64, method=Image.Quantize.MAXCOVERAGE)
+    first, *rest = (image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images)
+    first.save(path, format="GIF", save_all=True, append_images=rest, duration=1000 // FRAMES_PER_SECOND, loop=0)
+
+
+def _images(motion: Motion) -> Iterator[Any]:
+    """Each frame as a picture of Pillow."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Circle
+    from PIL import Image
+
+    top = motion.height + 1.1
+    figure = Figure(figsize=(6.4, 6.4 * (top + 1.2) / (2 * HALF_WIDTH + 2)), dpi=80)
+    canvas = FigureCanvasAgg(figure)
+    axes = figure.add_axes((0, 0, 1, 1))
+    axes.set(xlim=(-HALF_WIDTH - 1, HALF_WIDTH + 1), ylim=(-1.2, top), aspect="equal")
+    axes.axis("off")
+    axes.plot([-0.5, 0.5], [top - 0.1] * 2, color="#222222", linewidth=3)
+    centres = [(-HALF_WIDTH, 0.0), (0.0, motion.height), (HALF_WIDTH, 0.0)]
+    radii = (motion.radii[0], PULLEY, motion.radii[1])
+    wheels = [Circle(c, r, fill=False, linewidth=2) for c, r in zip(centres, radii, strict=True)]
+    for wheel in wheels:
+        axes.add_patch(wheel)
+    spokes = [axes.plot([], [], color="#222222", linewidth=1.5)[0] for _ in centres]
+    (belt,) = axes.plot([], [], linewidth=4, solid_joinstyle="round")
+    (spring,) = axes.plot([], [], color="#222222", linewidth=1.5)
+    words = axes.text(0, -1.1, "", ha="center", family="DejaVu Sans")
+    for frame in motion.frames:
+        wheels[1].center = (0.0, frame["y"])
+        middles = [centres[0], (0.0, frame["y"]), centres[2]]
+        for spoke, (x, y), r, turn in zip(spokes, middles, radii, frame["turns"], strict=True):
+            spoke.set_data([x - r * cos(turn), x + r * cos(turn)], [y + r * sin(turn), y - r * sin(turn)])
+        (x1, y1, x2, y2), (x4, y4, x3, y3) = frame["belt"]
+        over = np.linspace(atan2(y2 - frame["y"], x2), atan2(y3 - frame["y"], x3), 12)
+        arc_x, arc_y = PULLEY * np.cos(over), frame["y"] + PULLEY * np.sin(over)
+        belt.set(data=([x1, *arc_x, x4], [y1, *arc_y, y4]), color=frame["colour"])
+        rise = np.linspace(frame["y"], top - 0.1, 13)
+        spring.set_data([0, *([0.12, -0.12] * 6)[:11], 0], rise)
+        words.set_text(f"t = {frame['t']:.2f} s   tension {frame['tension']:.3g} N   belt {frame['speed']:.3g} m/s")
+        canvas.draw()
+        yield Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())

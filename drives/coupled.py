@@ -1,0 +1,188 @@
+"""The whole mechanism: two spools, two belt sections, a pulley between them; its exact state space.
+
+The massless pulley makes an algebraic loop: the speeds v1, v2 of the belt on its two sides follow from forces that
+depend on v1 and v2. Positions bind the elongations, e1 + e2 + e_p = r2*phi2 - r1*phi1, and with the tension f, the same
+everywhere, as the unknown everything is explicit:
+
+    f = k_p*e_p,    de_i/dt = (f - K_i*e_i)/B_i                 pulley, belts
+    J1*dw1/dt = -T1 - B1*w1 + r1*f                              spool 1
+    J2*dw2/dt = T2 - B2*w2 - r2*f                               spool 2
+    de_p/dt = r2*w2 - r1*w1 - de1/dt - de2/dt                   the positions, differentiated
+
+The loop's unknowns follow: v1 = r1*w1 + de1/dt, v2 = r2*w2 - de2/dt. phi2 is no state but follows from the positions,
+so the constraint cannot drift and there is one free angle, phi1, on which nothing depends. Elongations as states stay
+small while the angles grow. An undamped belt (B_i = 0) has e_i = f/K_i and is no state: it makes the spring softer,
+1/k_s = 1/k_p + 1/K_i, and e_p then stands for the elongation of both together.
+"""
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+from flint import fmpq, fmpq_mat
+
+from drives.errors import InputError, known_names
+from drives.number import rational
+from drives.parts import Belt, Pulley, Spool
+from drives.state_space import StateSpace
+from drives.symbolic import INPUTS, OUTPUTS, transfer
+from drives.transfer import TransferFunction
+
+SPOOL = Spool(Fraction(1, 1000), Fraction(1, 10), Fraction(1, 10))  # the exercise's parts
+BELT = Belt(Fraction(50), Fraction(1, 2))
+PULLEY = Pulley(Fraction(200), math.radians(45))
+PARTS = {"left": Spool, "right": Spool, "left_belt": Belt, "right_belt": Belt, "pulley": Pulley}
+
+
+@dataclass(frozen=True)
+class CoupledDrives:
+    """Two spools coupled by an elastic belt over a spring-mounted pulley; without arguments the exercise's.
+
+    Parameters
+    ----------
+    left, right : Spool
+        Spool 1, which T1 > 0 brakes, and spool 2, which T2 > 0 drives.
+    left_belt, right_belt : Belt
+        Between spool 1 and pulley, and between pulley and spool 2.
+    pulley : Pulley
+
+    Raises
+    ------
+    InputError
+        One of them is another thing.
+
+    Examples
+    --------
+    >>> drives = CoupledDrives()
+    >>> drives.transfer("x_k", "T1").denominator
+    (Fraction(1, 1), Fraction(500, 1), Fraction(2000, 1))
+    >>> drives.state_space().states
+    ('phi1', 'w1', 'w2', 'e_p', 'e1', 'e2')
+    """
+
+    left: Spool = SPOOL
+    right: Spool = SPOOL
+    left_belt: Belt = BELT
+    right_belt: Belt = BELT
+    pulley: Pulley = PULLEY
+
+    def __post_init__(self):
+        for name, kind in PARTS.items():
+            if not isinstance(getattr(self, name), kind):
+                raise InputError(name, "wrong part", f"a {kind.__name__}", repr(getattr(self, name))[:40])
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether both spools are the same to the belt: equal J/r^2 and B/r^2."""
+        return self.mobility(self.left) == self.mobility(self.right)
+
+    @staticmethod
+    def mobility(spool: Spool) -> tuple[Fraction, Fraction]:
+        """M = J/r^2 in kg and D = B/r^2 in N s/m: a spool as the belt sees it."""
+        return spool.inertia / spool.radius**2, spool.friction / spool.radius**2
+
+    @cached_property
+    def damped(self) -> dict[str, Belt]:
+        """The belts whose elongation is a state."""
+        return {name: belt for name, belt in (("e1", self.left_belt), ("e2", self.right_belt)) if belt.damping}
+
+    @cached_property
+    def spring(self) -> Fraction:
+        """k_s in N/m: the pulley's spring in series with the undamped belts."""
+        undamped = [belt for belt in (self.left_belt, self.right_belt) if not belt.damping]
+        return 1 / (1 / self.pulley.belt_stiffness + sum((1 / belt.stiffness for belt in undamped), Fraction(0)))
+
+    @cached_property
+    def states(self) -> tuple[str, ...]:
+        """Names: angle in rad, angular speeds in rad/s, elongations of the springs and of the damped belts in m."""
+        return ("phi1", "w1", "w2", "e_p", *self.damped)
+
+    @cached_property
+    def belt_rates(self) -> dict[str, dict[str, Fraction]]:
+        """de/dt = (f - K*e)/B of each damped belt as a combination of the states."""
+        found = {}
+        for name, belt in self.damped.items():
+            found[name] = {"e_p": self.spring / belt.damping, name: -belt.stiffness / belt.damping}
+        return found
+
+    def state_space(self, outputs: tuple[str, ...] = OUTPUTS, inputs: tuple[str, ...] = INPUTS) -> StateSpace:
+        """The full model, exact, with named states; `.minimal()` of it leaves out what these ports do not show.
+
+        Parameters
+        ----------
+        outputs : tuple of str
+            Any of ``OUTPUTS``: x_k in m, tension in N, belt_speed in m/s (mean of both spools), w1 and w2 in rad/s,
+            phi1 and phi2 in rad.
+        inputs : tuple of str
+            Any of ``INPUTS``, N m.
+
+        Raises
+        ------
+        InputError
+            An unknown name.
+
+        Examples
+        --------
+        >>> CoupledDrives().state_space(("tension",), ("T1",)).A.shape
+        (6, 6)
+        """
+        known_names("outputs", outputs, OUTPUTS)
+        known_names("inputs", inputs, INPUTS)
+        one, left, right = Fraction(1), self.left, self.right
+        rates = {
+            "phi1": {"w1": one},
+            "w1": {"w1": -left.friction / left.inertia, "e_p": left.radius * self.spring / left.inertia},
+            "e_p": {"w1": -left.radius, "w2": right.radius},
+            "w2": {"w2": -right.friction / right.inertia, "e_p": -right.radius * self.spring / right.inertia},
+        }
+        rates |= self.belt_rates
+        rates["e_p"] |= {name: -rate[name] for name, rate in self.belt_rates.items()}
+        rates["e_p"]["e_p"] = -sum((rate["e_p"] for rate in self.belt_rates.values()), Fraction(0))
+        torques = {"w1": {"T1": -1 / left.inertia}, "w2": {"T2": 1 / right.inertia}}
+        flexibility = -2 * self.pulley.cosine / self.pulley.stiffness
+        seen = {name: {name: one} for name in ("w1", "w2", "phi1")}
+        seen["phi2"] = {"phi1": left.radius / right.radius} | dict.fromkeys(self.states[3:], 1 / right.radius)
+        seen["tension"] = {"e_p": self.spring}
+        seen["x_k"] = {"e_p": flexibility * self.spring}
+        seen["belt_speed"] = {"w1": left.radius / 2, "w2": right.radius / 2}
+        return StateSpace(
+            table(rates, self.states, self.states),
+            table(torques, self.states, inputs),
+            table(seen, outputs, self.states),
+            fmpq_mat(len(outputs), len(inputs)),
+            self.states,
+            tuple(inputs),
+            tuple(outputs),
+        )
+
+    @property
+    def parameters(self) -> dict[str, Fraction]:
+        """The parameters by the names of ``drives.symbolic.SYMBOLS``, and c_squared = cos(theta)^2."""
+        parts = (("1", self.left, self.left_belt), ("2", self.right, self.right_belt))
+        found = {"k": self.pulley.stiffness, "c": self.pulley.cosine, "c_squared": self.pulley.cosine_squared}
+        for side, spool, belt in parts:
+            found |= {f"J{side}": spool.inertia, f"B{side}": spool.friction, f"r{side}": spool.radius}
+            found |= {f"K{side}": belt.stiffness, f"Bb{side}": belt.damping}
+        return found
+
+    def transfer(self, output: str, source: str) -> TransferFunction:
+        """Transfer function from a torque to an output, exact and without hidden modes.
+
+        Raises
+        ------
+        InputError
+            An unknown name.
+
+        Examples
+        --------
+        >>> print(CoupledDrives().transfer("belt_speed", "T2"))
+        belt_speed/T2 = 50/(s + 100)
+        """
+        return transfer(self.parameters, output, source)
+
+
+def table(entries: dict[str, dict[str, Fraction]], rows: tuple[str, ...], columns: tuple[str, ...]) -> fmpq_mat:
+    """Matrix with named rows and columns; what is not named is 0."""
+    found = [entries.get(row, {}).get(column) for row in rows for column in columns]
+    return fmpq_mat(len(rows), len(columns), [rational(x) if x else fmpq(0) for x in found])

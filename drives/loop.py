@@ -1,0 +1,201 @@
+"""The drives under control: exact while everything is linear, integrated where the torques saturate.
+
+With y = (belt_speed, tension), e = (set points) - y and the controllers' integrals dq/dt = e + antiwindup,
+
+    tau = K e + K/T_i q,   F = N tau,   T = S F + R x
+
+where N is the decoupler in belt forces, and S and R make unequal spools behave alike (see `drives.control`). Saturated
+torques are taken back through the same three steps to the tau that would have asked for them; the difference over K
+unwinds the integrals with their own integral time (back-calculation; Astrom and Hagglund, PID Controllers, 1995, 3.5).
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from flint import fmpq, fmpq_mat
+from numpy.typing import NDArray
+
+from drives.control import Design, alike
+from drives.discretise import legs, propagate
+from drives.energy import Energy, Rows, energy_of, open_torques, powers, stored_in
+from drives.integrate import integrate
+from drives.number import positive, rational
+from drives.simulation import Run, initial_state, named, sample_times
+from drives.state_space import StateSpace, floats
+from drives.symbolic import OUTPUTS
+from drives.torque import ZERO, Torque
+
+Motors = Callable[[NDArray, NDArray], tuple[NDArray, NDArray]]
+Rates = Callable[[NDArray, NDArray], NDArray]
+CONTROLLED = ("belt_speed", "tension")
+
+
+@dataclass(frozen=True)
+class _Law:
+    """tau = error_gain (r - C x) + integral_gain q and T = torque_gain tau + feedback x, as exact matrices."""
+
+    seen: fmpq_mat
+    gain: fmpq_mat
+    integral: fmpq_mat
+    torque: fmpq_mat
+    feedback: fmpq_mat
+
+
+def _law(design: Design) -> _Law:
+    drives, same = design.drives, alike(design.drives)
+    left, right = drives.left, drives.right
+    half = 1 / (left.radius + right.radius)  # 1/(2 r_m)
+    seen = drives.state_space(CONTROLLED).c
+    rows = {name: drives.state_space((name,)).c for name in ("w1", "w2", "tension")}
+    torque, feedback = [], []
+    for spool, twin, speed, sign in ((left, same.left, "w1", -1), (right, same.right, "w2", 1)):
+        ratio = spool.inertia / twin.inertia
+        torque.append([rational(spool.radius * ratio * half * x) for x in (sign, 1)])
+        friction = sign * (spool.friction - ratio * twin.friction)
+        pull = spool.radius * (1 - ratio)
+        feedback.append((rows[speed] * rational(friction) + rows["tension"] * rational(pull)).tolist()[0])
+    gains = [rational(one.gain) for one in (design.speed, design.tension)]
+    rates = [rational(one.gain / one.integral_time) for one in (design.speed, design.tension)]
+    return _Law(seen, _diagonal(gains), _diagonal(rates), fmpq_mat(torque), fmpq_mat(feedback))
+
+
+def closed_loop(design: Design) -> StateSpace:
+    """The drives with their controllers, exact.
+
+    Inputs are the set points of belt_speed and tension and disturbing torques d1 and d2, which act like T1 and T2;
+    outputs those of the drives and the motors' T1 and T2. The free angle's 0 and the belts' hidden mode are among its
+    poles.
+
+    Examples
+    --------
+    >>> from drives import CoupledDrives, design
+    >>> loop = closed_loop(design(CoupledDrives(), 20, 20))
+    >>> [round(p.real, 3) for p in loop.poles]
+    [-475.341, -100.0, -100.0, -100.0, -20.0, -19.306, -5.353, 0.0]
+    """
+    drives, law = design.drives, _law(design)
+    plant = drives.state_space()
+    on_states = law.feedback - law.torque * law.gain * law.seen
+    on_integrals, on_references = law.torque * law.integral, law.torque * law.gain
+    unit, none = _diagonal([rational(Fraction(1))] * 2), fmpq_mat(2, 2)
+    a = _blocks([[plant.a + plant.b * on_states, plant.b * on_integrals], [-1 * law.seen, none]])
+    b = _blocks([[plant.b * on_references, plant.b], [unit, none]])
+    p = len(OUTPUTS)
+    c = _blocks([[plant.c, fmpq_mat(p, 2)], [on_states, on_integrals]])
+    d = _blocks([[fmpq_mat(p, 4)], [_blocks([[on_references, none]])]])
+    names = (*drives.states, "q_speed", "q_tension")
+    return StateSpace(a, b, c, d, names, ("belt_speed_set", "tension_set", "d1", "d2"), (*OUTPUTS, "T1", "T2"))
+
+
+def simulate_control(
+    design: Design,
+    belt_speed: Torque = ZERO,
+    tension: Torque = ZERO,
+    *,
+    d1: Torque = ZERO,
+    d2: Torque = ZERO,
+    limit: float | None = None,
+    antiwindup: bool = True,
+    end: float,
+    step: float,
+    initial: Mapping[str, float] | None = None,
+) -> Run:
+    """Run the drives under control.
+
+    Parameters
+    ----------
+    design : Design
+    belt_speed, tension : Torque
+        Set points, m/s and N, as pieces in time.
+    d1, d2 : Torque
+        Disturbing torques, N m, which act like T1 and T2.
+    limit : float, optional
+        Largest torque of each motor, N m; without it the run is linear and exact at the samples.
+    antiwindup : bool
+        Unwind the integrals while a motor is at its limit.
+    end, step, initial
+        As in `drives.simulation`; states q_speed and q_tension are the integrals.
+
+    Raises
+    ------
+    InputError
+        What `drives.simulation` refuses, or a limit that is not more than 0.
+
+    Examples
+    --------
+    >>> from drives import CoupledDrives, design
+    >>> run = simulate_control(design(CoupledDrives(), 20, 20), Torque.step(1.0), Torque.step(5.0), end=2.0, step=0.5)
+    >>> [round(float(v), 6) for v in run.outputs["belt_speed"]]
+    [0.0, 0.999955, 1.0, 1.0, 1.0]
+    """
+    loop, inputs, drives = closed_loop(design), (belt_speed, tension, d1, d2), design.drives
+    t, x0 = sample_times(end, step), initial_state(loop.states, initial)
+    u = np.column_stack([one.pieces(t)[0] for one in inputs])
+    if limit is None:
+        way = legs(inputs, float(step), len(t))
+        ends = propagate(loop.a, loop.b, x0, way)
+        x, energy = ends[way.sampled], energy_of(drives, loop, _torque_rows(loop), ends, way)
+        return Run(t, named(loop.states, x), named(loop.outputs, x @ loop.C.T + u @ loop.D.T), energy)
+    motors, rates = _saturated(design, float(positive(limit, "limit")), antiwindup)
+    found = integrate(rates, np.append(x0, [0.0, 0.0]), inputs, t)
+    x, heat, work = found[:, :-2], found[:, -2], found[:, -1]
+    given = np.array([motors(*one)[1] for one in zip(x, u, strict=True)])
+    plant = drives.state_space()
+    outputs = named(loop.outputs, np.hstack([x[:, : len(drives.states)] @ plant.C.T, given]))
+    return Run(t, named(loop.states, x), outputs, Energy(stored_in(drives, x), heat, work))
+
+
+def _torque_rows(loop: StateSpace) -> Rows:
+    """T1 + d1 and T2 + d2 as rows over (states, inputs, their slopes)."""
+    rows, p = [], len(OUTPUTS)
+    for seen, direct, disturbance in zip(loop.c.tolist()[p:], loop.d.tolist()[p:], ("d1", "d2"), strict=True):
+        direct[loop.inputs.index(disturbance)] += 1
+        rows.append([*seen, *direct, *[fmpq(0)] * len(direct)])
+    return rows
+
+
+def _saturated(design: Design, limit: float, antiwindup: bool) -> tuple[Motors, Rates]:
+    """Torques asked for and given, and the rates of states, integrals, heat and work, each of (state, inputs).
+
+    Where both cannot be had the tension comes first: tau_v is cut until neither motor is asked for more than its limit.
+    """
+    law, drives = _law(design), design.drives
+    plant, n = drives.state_space(), len(drives.states)
+    a, b, seen, gain, integral = (floats(x) for x in (plant.a, plant.b, law.seen, law.gain, law.integral))
+    torque, feedback = floats(law.torque), floats(law.feedback)
+    back = floats((law.torque * law.gain).inv()) * antiwindup
+    heat, work = (floats(form) for form in powers(drives, open_torques(drives)))
+
+    def motors(state: NDArray, u: NDArray) -> tuple[NDArray, NDArray]:
+        x, q = state[:n], state[n : n + 2]
+        tau = gain @ (u[:2] - seen @ x) + integral @ q
+        rest = torque[:, 1] * tau[1] + feedback @ x
+        ends = np.sort(np.array([-limit - rest, limit - rest]) / torque[:, 0], axis=0)
+        low, high = ends[0].max(), ends[1].min()
+        cut = min(max(tau[0], low), high) if low <= high else (low + high) / 2
+        return torque[:, 0] * tau[0] + rest, np.clip(torque[:, 0] * cut + rest, -limit, limit)
+
+    def rates(state: NDArray, u: NDArray) -> NDArray:
+        wanted, given = motors(state, u)
+        x, acting = state[:n], given + u[2:]
+        z = np.concatenate([x, acting, [0.0, 0.0]])
+        unwound = u[:2] - seen @ x + back @ (given - wanted)
+        return np.concatenate([a @ x + b @ acting, unwound, [z @ heat @ z, z @ work @ z]])
+
+    return motors, rates
+
+
+def _diagonal(entries: list) -> fmpq_mat:
+    n = len(entries)
+    return fmpq_mat(n, n, [entries[i] if i == k else 0 for i in range(n) for k in range(n)])
+
+
+def _blocks(blocks: list[list[fmpq_mat]]) -> fmpq_mat:
+    """One matrix of several."""
+    rows = []
+    for across in blocks:
+        lists = [block.tolist() for block in across]
+        rows += [[x for part in parts for x in part] for parts in zip(*lists, strict=True)]
+    return fmpq_mat(rows)

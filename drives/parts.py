@@ -1,0 +1,176 @@
+"""Spool, belt and pulley: each with its own equation, its stored energy and what it turns into heat.
+
+Signs: belt speeds count positive from spool 1 to spool 2, tension is positive. T1 > 0 brakes spool 1 and T2 > 0 pulls
+spool 2, so both tighten the belt; the power supplied is T2*w2 - T1*w1. The pulley's deflection x_k is negative under
+tension, as in the exercise's Modelica text.
+"""
+
+import math
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from drives.errors import InputError
+from drives.number import Number, exact, fill, positive
+
+COSINES_SQUARED = {30: Fraction(3, 4), 45: Fraction(1, 2), 60: Fraction(1, 4)}  # all rational ones, by Niven's theorem
+HALF = Fraction(1, 2)
+
+
+@dataclass(frozen=True, init=False)
+class Spool:
+    """A spool on its motor's shaft: J dw/dt = torque - B w + r F, with torque and belt force F in the sense of w.
+
+    Parameters
+    ----------
+    inertia : number
+        J in kg m^2, more than 0.
+    friction : number
+        B in N m s/rad, 0 or more.
+    radius : number
+        r in m, more than 0.
+
+    Raises
+    ------
+    InputError
+        A value that no spool can have.
+
+    Examples
+    --------
+    >>> Spool(1e-3, 0.1, 0.1).acceleration(torque=1.0, belt_force=-5.0, speed=2.0)
+    300.0
+    """
+
+    inertia: Fraction
+    friction: Fraction
+    radius: Fraction
+
+    def __init__(self, inertia: Number, friction: Number, radius: Number):
+        fill(
+            self,
+            inertia=positive(inertia, "inertia"),
+            friction=positive(friction, "friction", or_zero=True),
+            radius=positive(radius, "radius"),
+        )
+
+    def acceleration(self, torque: float, belt_force: float, speed: float) -> float:
+        """Angular acceleration, rad/s^2."""
+        return float((torque + self.radius * belt_force - self.friction * speed) / self.inertia)
+
+    def stored(self, speed: float) -> float:
+        """Kinetic energy, J."""
+        return float(self.inertia) * speed**2 / 2
+
+    def dissipated(self, speed: float) -> float:
+        """Heat flow of the bearing, W."""
+        return float(self.friction) * speed**2
+
+
+@dataclass(frozen=True, init=False)
+class Belt:
+    """A massless section of belt: F = K e + B de/dt, with elongation e.
+
+    Parameters
+    ----------
+    stiffness : number
+        K in N/m, more than 0.
+    damping : number
+        B in N s/m, 0 or more.
+
+    Raises
+    ------
+    InputError
+        A value that no belt can have.
+
+    Examples
+    --------
+    >>> belt = Belt(50, 0.5)
+    >>> belt.force(elongation=0.1, rate=2.0), belt.rate(force=6.0, elongation=0.1)
+    (6.0, 2.0)
+    """
+
+    stiffness: Fraction
+    damping: Fraction
+
+    def __init__(self, stiffness: Number, damping: Number):
+        fill(self, stiffness=positive(stiffness, "stiffness"), damping=positive(damping, "damping", or_zero=True))
+
+    def force(self, elongation: float, rate: float) -> float:
+        """Tension, N."""
+        return float(self.stiffness) * elongation + float(self.damping) * rate
+
+    def rate(self, force: float, elongation: float) -> float:
+        """Rate of elongation under a tension, m/s; of a damped belt only."""
+        return (force - float(self.stiffness) * elongation) / float(self.damping)
+
+    def stored(self, elongation: float) -> float:
+        """Elastic energy, J."""
+        return float(self.stiffness) * elongation**2 / 2
+
+    def dissipated(self, rate: float) -> float:
+        """Heat flow, W."""
+        return float(self.damping) * rate**2
+
+
+@dataclass(frozen=True, init=False)
+class Pulley:
+    """A massless pulley on a spring; on each side the belt makes the angle theta with the way the pulley moves.
+
+    v1 - v2 = 2 v_k cos(theta) and F1 = F2 = F_k/(2 cos(theta)) with F_k = -k x_k, for the belt speeds v1 and v2 on its
+    two sides. Seen from the belt it is a spring k_p = k/(4 cos(theta)^2) with elongation e_p = -2 x_k cos(theta).
+
+    Parameters
+    ----------
+    stiffness : number
+        k in N/m, more than 0.
+    angle : number
+        theta in rad, between 0 and pi/2. For 30, 45 and 60 degrees cos(theta)^2 is exact, for 60 the cosine too;
+        else the cosine is the decimal of its float.
+
+    Raises
+    ------
+    InputError
+        A value that no pulley can have.
+
+    Examples
+    --------
+    >>> pulley = Pulley(200, math.radians(45))
+    >>> pulley.belt_stiffness, round(pulley.deflection(tension=1.0), 9)
+    (Fraction(100, 1), -0.007071068)
+    """
+
+    stiffness: Fraction
+    angle: float
+    cosine: Fraction = field(init=False, repr=False)
+    cosine_squared: Fraction = field(init=False, repr=False)
+
+    def __init__(self, stiffness: Number, angle: Number):
+        k, angle = positive(stiffness, "stiffness"), float(exact(angle, "angle"))
+        if not 0 < angle < math.pi / 2:
+            raise InputError(
+                "angle", "not physical", "more than 0 and less than 90 degrees", f"{math.degrees(angle):.6g} degrees"
+            )
+        degrees = round(math.degrees(angle))
+        special = COSINES_SQUARED.get(degrees) if math.isclose(angle, math.radians(degrees), rel_tol=4e-16) else None
+        cosine = HALF if special == HALF**2 else Fraction(repr(math.cos(angle)))
+        fill(self, stiffness=k, angle=angle, cosine=cosine, cosine_squared=special or cosine**2)
+
+    @property
+    def belt_stiffness(self) -> Fraction:
+        """k_p = k/(4 cos(theta)^2) in N/m."""
+        return self.stiffness / (4 * self.cosine_squared)
+
+    def tension(self, deflection: float) -> float:
+        """Tension of the belt around it, N."""
+        return -float(self.stiffness) * deflection / (2 * float(self.cosine))
+
+    def deflection(self, tension: float) -> float:
+        """x_k in m, negative under tension."""
+        return -2 * float(self.cosine) * tension / float(self.stiffness)
+
+    def speed(self, before: float, after: float) -> float:
+        """v_k in m/s, from the belt speeds v1 and v2 on its two sides."""
+        return (before - after) / (2 * float(self.cosine))
+
+    def stored(self, deflection: float) -> float:
+        """Elastic energy, J."""
+        return float(self.stiffness) * deflection**2 / 2

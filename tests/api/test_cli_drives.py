@@ -1,0 +1,208 @@
+"""`tline drives`: texts, exit codes, numbers in full, files; and the package's surface."""
+
+import csv
+import inspect
+import json
+import shlex
+import time
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from matplotlib.image import imread
+
+import drives
+from drives import CoupledDrives, Spool, Torque
+from tline.cli.main import main
+
+BOTH = '"0.1 N m"'
+
+
+def run(command):
+    return CliRunner().invoke(main, ["drives", *shlex.split(command)], catch_exceptions=False)
+
+
+def told(command):
+    result = run(f"{command} --json")
+    assert (result.exit_code, result.stderr) == (0, "")
+    return json.loads(result.stdout)
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        ("exercise", "2 eigenvalues are exactly 0"),
+        ("exercise", "With these numbers there is no peak"),
+        ("exercise --part c", "a pole at 306.525 rad/s, it runs away"),
+        ("exercise --part g --friction '0.001 N m s'", "a peak at 19.8"),
+        ("exercise --part g --friction '0 N m s' --belt-damping '0 N s/m'", "a peak at 20 rad/s, without bound"),
+        ("exercise --part h --friction '0 N m s' --belt-damping '0 N s/m'", "no PI controller of this rule"),
+        ("bode", "x_k/T1 = -70.71067812/(s^2 + 500*s + 2000)"),
+        ("bode --output phi1", "DC gain -inf"),
+        ("bode --angle '60 deg' --output tension", "tension/T2 = 20000/(s^2 + 900*s + 4000)"),  # k_p = 200 N/m
+        ("bode --radius '10 cm, 5 cm' --inertia '1e-3 kg m^2, 2e-3 kg m^2'", "x_k/T2 = ("),
+        ("step --t1 0.1Nm --t2 0.1Nm", "tension [N]             0     0.999683"),
+        ("step --t2 '-0.1 N m' --slack", "tension [N]  0"),
+        ("control", "gain 0.40325, integral time 0.01 s"),
+        ("control --limit '2 N m' --no-antiwindup", "energy [J]"),
+    ],
+)
+def test_answers(command, words):
+    result = run(command)
+    squeezed = " ".join(words.split())
+    assert squeezed in " ".join(result.output.split())
+    assert (result.exit_code, result.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("command", "sentence"),
+    [
+        (
+            "bode --angle '90 deg'",
+            "--angle: not physical, expected more than 0 and less than 90",
+        ),
+        ("bode --angle 45", "--angle: the unit is missing, expected a quantity such as '45 deg', got '45'"),
+        ("bode --radius 0.1", "--radius: the unit is missing, expected a quantity such as '1 m', got '0.1'"),
+        ("bode --radius '0 m'", "--radius: not physical, expected more than 0"),
+        ("bode --radius '1 kg'", "--radius: this unit measures something else"),
+        ("bode --friction '-1 N m s'", "--friction: not physical, expected 0 or more"),
+        ("bode --inertia '1 kg m^2, 2 kg m^2, 3 kg m^2'", "--inertia: the wrong number of values"),
+        ("bode --pulley-stiffness '1 N/m, 2 N/m'", "--pulley-stiffness: the wrong number of values"),
+        ("bode --belt-stiffness 'inf N/m'", "--belt-stiffness: not a finite number"),
+        ("bode --output speed", "--output: unknown name, expected x_k or tension"),
+        ("bode --from '10 rad/s' --to '1 rad/s'", "--from: no range"),
+        ("bode --to '3 Hz'", "--to: a frequency, not an angular one"),
+        ("bode --plot out.gif", "--plot: unknown kind of file"),
+        ("bode --csv out.txt", "--csv: unknown kind of file"),
+        ("bode --csv nowhere/out.csv", "nowhere/out.csv: cannot be written"),
+        ("bode --parameters nothing.toml", "nothing.toml: cannot be read"),
+        ("bode --parameters typo.toml", "typo.toml: radus: unknown parameter, expected inertia"),
+        ("bode --parameters number.toml", "number.toml: radius: not a text with a unit"),
+        ("bode --parameters broken.toml", "broken.toml: not TOML"),
+        ("step --table late.csv", "late.csv, times[2]: out of order, expected a time later than 2 s, got 1 s"),
+        ("step --table short.csv", "short.csv, row 3: not three numbers, expected t,T1,T2 in SI"),
+        ("step --table bare.csv", "bare.csv: another header, expected t,T1,T2"),
+        ("step --table empty.csv", "empty.csv: another header, expected t,T1,T2, got nothing"),
+        (f"step --table late.csv --t1 {BOTH}", "--table: the torques are given twice"),
+        ("step --hold", "--hold: nothing to hold"),
+        ("step --t1 5", "--t1: the unit is missing"),
+        ("step --rise '0 s'", "--rise: not a time"),
+        ("step --end '1 s' --step '2 s'", "--step: unfit"),
+        ("step --end '1e9 s' --step '1 us'", "--step: unfit"),
+        ("control --limit '0 N m'", "--limit: not physical"),
+        ("control --speed-bandwidth '0 rad/s'", "--speed-bandwidth: not physical"),
+        ("control --friction '0 N m s' --belt-damping '0 N s/m'", "tension/tau_f: no PI controller of this rule"),
+        ("animate film.mp4", "film.mp4: unknown kind of animation, expected .html or .gif"),
+    ],
+)
+def test_mistakes(command, sentence, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, text in (
+        ("typo.toml", 'radus = "1 m"'),
+        ("number.toml", "radius = 0.1"),
+        ("broken.toml", "radius = "),
+        ("late.csv", "t,T1,T2\n0,0,0\n2,1,1\n1,1,1\n"),
+        ("short.csv", "t,T1,T2\n0,0,0\n2,1\n"),
+        ("bare.csv", "0,0,0\n"),
+        ("empty.csv", ""),
+    ):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    result = run(command)
+    assert result.stderr.startswith(sentence)
+    assert result.stderr.count("\n") == 1
+    assert (result.exit_code, result.stdout) == (2, "")
+
+
+def test_bode_as_json_is_the_library():
+    found, own = told("bode --points 50"), CoupledDrives().transfer("x_k", "T1")
+    assert found["omega"] == np.logspace(-1, 4, 50).tolist()
+    seen = found["x_k/T1"]
+    assert seen["degrees"] == np.degrees(own.phase(found["omega"])).tolist()
+    assert seen["magnitude"] == own.magnitude(found["omega"]).tolist()
+    assert seen["denominator"] == ["1", "500", "2000"]
+    assert seen["poles"] == [[z.real, z.imag] for z in own.poles]
+    assert (seen["zeros"], seen["relative_degree"], seen["dc_gain"]) == ([], 2, float(own.dc_gain))
+    assert [mode["times"] for mode in seen["hidden"]] == [1, 3]
+    assert told("bode --output phi1 --points 2")["phi1/T1"]["dc_gain"] is None
+
+
+def test_runs_as_json_and_csv_are_the_library(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "torques.csv").write_text("t,T1,T2\n0,0.1,0\n0.5,0.1,0.3\n", encoding="utf-8")
+    unequal = CoupledDrives(Spool(1e-3, 0.1, 0.1), Spool(2e-3, 0.1, 0.05))
+    options = '--inertia "1e-3 kg m^2, 2e-3 kg m^2" --radius "10 cm, 5 cm" --end "1 s" --step "10 ms"'
+    for hold in (False, True):
+        command = f"step --table torques.csv {'--hold' * hold} {options} --csv run.csv --json"
+        result = run(command)
+        assert result.stderr == "wrote run.csv\n"
+        seen = json.loads(result.stdout)
+        torques = (Torque.table([0.0, 0.5], values, held=hold) for values in ([0.1, 0.1], [0.0, 0.3]))
+        own = drives.simulate(unequal, *torques, end=1.0, step=0.01)
+        assert seen["outputs"] == {name: x.tolist() for name, x in own.outputs.items()}
+        assert seen["energy"]["supplied"] == own.energy.supplied[-1]
+        rows = list(csv.DictReader((tmp_path / "run.csv").read_text(encoding="utf-8").splitlines()))
+        assert [float(row["x_k"]) for row in rows] == own.outputs["x_k"].tolist()
+        assert [float(row["t"]) for row in rows] == own.t.tolist()
+
+
+def test_control_as_json_is_the_library():
+    seen, own = told('control --speed-bandwidth "20 rad/s" --limit "2 N m"'), drives.design(CoupledDrives(), 20)
+    design = seen["design"]["speed"]
+    assert (design["gain"], design["integral_time"]) == (float(own.speed.gain), float(own.speed.integral_time))
+    assert design["poles"] == [[z.real, z.imag] for z in own.poles["speed"]]
+    assert max(seen["outputs"]["T2"]) == 2.0
+    assert set(seen) == {"design", "t", "outputs", "energy"}
+
+
+def test_the_exercise_as_json():
+    seen = told("exercise")
+    assert list(seen) == list("abcdefgh")
+    assert seen["e"]["artefact"]["exact_zeros"] == 2
+    assert 0.6 < seen["e"]["artefact"]["unstable"] / seen["e"]["artefact"]["runs"] < 0.9
+    claims = seen["g"]["claims"]
+    assert claims["resonance_claimed"] == pytest.approx(500**0.5)
+    assert (claims["undamped_frequency"], claims["peak"]) == (20, None)
+    assert seen["h"]["relative_gain"] == [0.5] * 3
+    assert list(told("exercise --part d")) == ["d"]
+
+
+def test_parameters_from_a_file_and_options_over_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "d.toml").write_text('radius = ["10 cm", "5 cm"]\nangle = "30 deg"\n', encoding="utf-8")
+    same = told('bode --radius "10 cm, 5 cm" --angle "30 deg" --points 2')
+    assert told("bode --parameters d.toml --points 2") == same
+    assert told('bode --parameters d.toml --radius "10 cm" --angle "45 deg"') == told("bode")
+
+
+@pytest.mark.parametrize("command", ["exercise --plot", "bode --poles", "step --plot", "control --limit 2Nm --plot"])
+def test_pictures_show_something(command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run(f"{command} out.png").exit_code == 0
+    assert imread(tmp_path / "out.png")[..., :3].std() > 0.05
+
+
+def test_help_shows_examples_that_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "torques.csv").write_text("t,T1,T2\n0,0.1,0\n0.5,0.1,0.3\n", encoding="utf-8")
+    pages = [run(f"{name} --help").output for name in ("", "exercise", "bode", "step", "control", "animate")]
+    commands = {
+        line.strip() for page in pages for line in page.splitlines() if line.strip().startswith("tline drives ")
+    }
+    assert len(commands) >= 15
+    for command in sorted(commands):
+        if ".gif" not in command:  # takes long, and is drawn in another test
+            result = run(command.removeprefix("tline drives "))
+            assert result.exit_code == 0, (command, result.stderr)
+
+
+def test_help_is_quick():
+    began = time.process_time()
+    run("--help")
+    assert time.process_time() - began < 0.5
+
+
+def test_public_names_are_documented():
+    for name in drives.__all__:
+        thing = getattr(drives, name)
+        if callable(thing):
+            assert inspect.getdoc(thing), name

@@ -1,0 +1,359 @@
+"""Parts, torques, hidden modes, slack, control and refusals of the package drives."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import drives
+from drives import (
+    PI,
+    Belt,
+    CoupledDrives,
+    InputError,
+    Pulley,
+    Spool,
+    Torque,
+    alike,
+    artefact,
+    closed_loop,
+    decoupled,
+    design,
+    eigenvalues,
+    forward_difference,
+    hidden_modes,
+    literal_jacobian,
+    margins,
+    simulate,
+    simulate_control,
+    simulate_slack,
+    steady_state,
+    zero_eigenvalues,
+)
+from drives.discretise import energy_matrix, step_matrix
+from drives.linearise import literal_rates
+from drives.number import exact
+from drives.state_space import floats
+
+EXERCISE = CoupledDrives()
+UNEQUAL = CoupledDrives(
+    Spool(2e-3, 0.03, 0.07), Spool(5e-4, 0.2, 0.13), Belt(40, 0.3), Belt(90, 0.05), Pulley(150, math.radians(37))
+)
+WITHOUT_DAMPING = CoupledDrives(Spool(1e-3, 0, 0.1), Spool(1e-3, 0, 0.1), Belt(50, 0), Belt(50, 0))
+
+
+def test_every_public_name_can_be_had():
+    for name in drives.__all__:
+        assert getattr(drives, name) is not None
+    with pytest.raises(AttributeError, match="nothing"):
+        _ = drives.nothing
+
+
+def test_power_of_a_spool():
+    spool, torque, force, speed = Spool(2e-3, 0.03, 0.1), 0.7, -3.0, 11.0
+    gained = float(spool.inertia) * speed * spool.acceleration(torque, force, speed)
+    supplied = torque * speed + force * float(spool.radius) * speed
+    assert math.isclose(supplied, gained + spool.dissipated(speed), rel_tol=1e-14)
+    assert spool.stored(speed) == 0.5 * 2e-3 * 121
+
+
+def test_power_of_a_belt():
+    belt, e, rate = Belt(50, 0.5), 0.03, -0.2
+    force = belt.force(e, rate)
+    assert math.isclose(force * rate, 50 * e * rate + belt.dissipated(rate), rel_tol=1e-14)
+    assert math.isclose(belt.rate(force, e), rate, rel_tol=1e-14)
+    assert math.isclose(belt.stored(e), 0.0225, rel_tol=1e-14)
+
+
+def test_power_of_the_pulley_is_stored_whatever_the_signs_of_its_motion():
+    pulley, deflection = Pulley(200, math.radians(25)), -0.02
+    tension = pulley.tension(deflection)
+    assert tension > 0  # pulled: x_k < 0
+    for before, after in ((0.1, 0.4), (0.4, 0.1)):
+        gained = 200 * deflection * pulley.speed(before, after)
+        assert math.isclose(tension * (after - before), gained, rel_tol=1e-14)
+    assert math.isclose(pulley.deflection(tension), deflection, rel_tol=1e-14)
+    e_p = -2 * float(pulley.cosine) * deflection
+    assert math.isclose(float(pulley.belt_stiffness) * e_p**2 / 2, pulley.stored(deflection), rel_tol=1e-14)
+    assert math.isclose(float(pulley.belt_stiffness) * e_p, tension, rel_tol=1e-14)
+
+
+@pytest.mark.parametrize("drives_", [EXERCISE, UNEQUAL, CoupledDrives(right_belt=Belt(70, 0))])
+def test_the_state_space_obeys_every_part(drives_):
+    model = drives_.state_space()
+    x, u = np.random.default_rng(1).normal(size=len(model.states)), np.array([0.3, -0.8])
+    rate = dict(zip(model.states, model.A @ x + model.B @ u, strict=True))
+    now = dict(zip(model.states, x, strict=True)) | dict(zip(model.outputs, model.C @ x, strict=True))
+    f, left, right = now["tension"], drives_.left, drives_.right
+    assert math.isclose(rate["w1"], left.acceleration(-u[0], f, now["w1"]), rel_tol=1e-12)
+    assert math.isclose(rate["w2"], right.acceleration(u[1], -f, now["w2"]), rel_tol=1e-12)
+    assert math.isclose(drives_.pulley.tension(now["x_k"]), f, rel_tol=1e-12)
+    left_over, apart = f / float(drives_.pulley.belt_stiffness), float(right.radius) * now["phi2"]
+    apart -= float(left.radius) * now["phi1"]
+    for name, belt in (("e1", drives_.left_belt), ("e2", drives_.right_belt)):
+        e = now.get(name, f / float(belt.stiffness))
+        left_over += e
+        if belt.damping:
+            assert math.isclose(belt.force(e, rate[name]), f, rel_tol=1e-12)
+    assert math.isclose(left_over, apart, rel_tol=1e-12)
+
+
+def test_a_float_counts_as_the_decimal_it_shows():
+    assert exact(0.1, "x") == exact(np.float64(0.1), "x") == Fraction(1, 10)
+    assert exact(np.int64(3), "x") == 3
+    assert Pulley(1, math.pi / 3).cosine_squared == Fraction(1, 4)
+    assert Pulley(1, math.pi / 3).cosine == Fraction(1, 2)
+    assert Pulley(1, math.radians(45.0001)).cosine_squared != Fraction(1, 2)
+
+
+@pytest.mark.parametrize(
+    ("build", "sentence"),
+    [
+        (lambda: Spool(0, 1, 1), "inertia: not physical, expected more than 0, got 0"),
+        (lambda: Spool(1, -1, 1), "friction: not physical, expected 0 or more, got -1"),
+        (lambda: Spool(1, 1, math.inf), "radius: not finite, expected a real number in SI units, got inf"),
+        (lambda: Spool(1, 1, "10 cm"), "radius: not a number, expected a real number in SI units, got '10 cm'"),
+        (lambda: Spool(1e-200, 1, 1), "inertia: out of reach"),
+        (lambda: Spool(1, 10**40, 1), "friction: out of reach"),
+        (lambda: Spool(True, 1, 1), "inertia: not a number"),
+        (lambda: Belt(Fraction(1, 3**300), 1), "stiffness: out of reach"),
+        (lambda: Belt(1 + Fraction(1, 3**300), 1), "stiffness: too many digits"),
+        (
+            lambda: Pulley(200, math.pi / 2),
+            "angle: not physical, expected more than 0 and less than 90 degrees, got 90",
+        ),
+        (lambda: Pulley(200, 0), "angle: not physical"),
+        (lambda: CoupledDrives(left=Belt(1, 1)), "left: wrong part, expected a Spool"),
+        (lambda: EXERCISE.transfer("speed", "T1"), "output: unknown name, expected x_k or tension"),
+        (lambda: EXERCISE.state_space("x_k"), "outputs: no names"),
+        (lambda: Torque.table([0, 2, 1], [1, 1, 1]), "times[2]: out of order, expected a time later than 2 s, got 1 s"),
+        (lambda: Torque.table([0, 0], [1, 1]), "times[1]: out of order"),
+        (lambda: Torque.table([0, 1e-200], [1, 1]), "times[1]: out of reach"),
+        (lambda: Torque.table([0], [1, 1]), "torque table: wrong length"),
+        (lambda: Torque.table([0, 1], [1, math.nan]), "values[1]: not finite"),
+        (lambda: Torque.step(1, at=-1), "step: before the start"),
+        (lambda: simulate(EXERCISE, end=1, step=0), "step: not physical"),
+        (lambda: simulate(EXERCISE, end=1, step=1e-9), "step: unfit"),
+        (lambda: simulate(EXERCISE, end=1, step=2), "step: unfit"),
+        (lambda: simulate(EXERCISE, end=1, step=0.5, initial={"phi2": 1}), "initial.phi2: no such state"),
+        (lambda: steady_state(CoupledDrives(Spool(1, 0, 1), Spool(1, 0, 1)), 1, 1), "friction: nothing settles"),
+        (lambda: design(EXERCISE, -1), "speed_bandwidth: not physical"),
+        (lambda: simulate_control(design(EXERCISE), end=1, step=0.1, limit=0), "limit: not physical"),
+        (lambda: EXERCISE.transfer("phi1", "T1")(0), "s: a pole of phi1/T1"),
+        (lambda: design(WITHOUT_DAMPING), "tension/tau_f: no PI controller of this rule has the margins"),
+        (lambda: EXERCISE.transfer("x_k", "T1").phase([-1]), "omega: no angular frequencies"),
+        (lambda: drives.peak(EXERCISE.transfer("phi1", "T1")), "phi1/T1: has no finite value"),
+        (lambda: drives.largest_friction_with_peak(UNEQUAL), "drives: spools or belts differ"),
+    ],
+)
+def test_bad_input_gets_one_sentence(build, sentence):
+    with pytest.raises(InputError) as error:
+        build()
+    assert str(error.value).startswith(sentence)
+    assert "\n" not in str(error.value)
+
+
+def test_torques():
+    ramp = Torque.ramp(2.0, 1.0, 3.0)
+    assert [ramp(t) for t in (0, 1, 2, 3, 9)] == [0, 0, 1, 2, 2]
+    held = Torque.table([1.0, 2.0], [5.0, 7.0], held=True)
+    assert [held(t) for t in (0, 1, 1.5, 2, 3)] == [5, 5, 5, 7, 7]
+    assert Torque.table([0.5, 1.0], [0.0, 1e-200])(1.0) == 1e-200
+    assert Torque.step(3.0, 0.3).aligned(0.1).times == (0.0, 3 * 0.1)
+
+
+def test_hidden_modes_of_unequal_drives():
+    for output in ("x_k", "belt_speed", "w1"):
+        (mode,) = hidden_modes(UNEQUAL, output, "T1")
+        assert (mode.poles, mode.names, mode.unobservable, mode.uncontrollable) == ((0j,), ("free angle",), 1, 0)
+    assert hidden_modes(UNEQUAL, "phi1", "T1") == []
+
+
+def test_hidden_modes_of_the_exercise():
+    names = {mode.poles[0]: mode.names for mode in hidden_modes(EXERCISE, "tension", "T2")}
+    assert names == {0j: ("free angle",), -100: ("common speed", "belts against each other", "spools and belts alike")}
+    (_, belts, tension) = hidden_modes(EXERCISE, "belt_speed", "T2")
+    assert belts.names == ("belts against each other", "tension")
+    assert (len(tension.poles), tension.names, tension.unobservable) == (2, ("tension",), 1)
+    orders = [len(EXERCISE.state_space((o,), ("T1",)).minimal().states) for o in ("x_k", "belt_speed", "w1", "phi1")]
+    assert orders == [2, 1, 3, 4]
+
+
+def test_zeros_stay_zeros_where_difference_quotients_lie():
+    assert zero_eigenvalues(EXERCISE.state_space().a) == 1
+    assert zero_eigenvalues(literal_jacobian(UNEQUAL)) == 2
+    seen = artefact(EXERCISE, runs=400)
+    assert 0.65 < seen.unstable / seen.runs < 0.85  # 3/4 within four standard deviations
+    assert 0 < seen.by_difference < seen.unstable
+    assert 1e-9 < seen.largest < 1e-3
+    x = np.random.default_rng(2).normal(size=7)
+    exact_jacobian = floats(literal_jacobian(UNEQUAL))
+    told = forward_difference(literal_rates(UNEQUAL), x)
+    assert np.abs(told - exact_jacobian).max() < 1e-6 * np.abs(exact_jacobian).max()
+    shared = [z for z in eigenvalues(literal_jacobian(UNEQUAL)) if z != 0]
+    assert np.allclose(shared, [z for z in eigenvalues(UNEQUAL.state_space().a) if z != 0], rtol=1e-12)
+
+
+def test_a_step_matrix_and_an_energy_matrix_by_hand():
+    from flint import fmpq_mat
+
+    for h in (1e-6, 1.0, 1e3):
+        assert math.isclose(step_matrix(fmpq_mat([[-3]]), h)[0, 0], math.expm1(-3 * h), rel_tol=1e-15)
+        found = energy_matrix(fmpq_mat([[-3]]), fmpq_mat([[6]]), h)[0, 0]
+        assert math.isclose(found, -math.expm1(-6 * h), rel_tol=1e-14)
+
+
+def test_a_run_that_starts_settled_stays_there():
+    start = steady_state(UNEQUAL, -0.2, 0.9)
+    run = simulate(UNEQUAL, Torque.step(-0.2), Torque.step(0.9), end=100.0, step=10.0, initial=start)
+    for name in ("tension", "w1", "w2", "x_k"):
+        assert np.ptp(run.outputs[name]) < 1e-12 * np.abs(run.outputs[name]).max()
+    assert np.allclose(run.outputs["phi1"], start["w1"] * run.t, rtol=1e-12)
+
+
+def test_a_tight_belt_never_goes_slack():
+    torques = Torque.step(0.3), Torque.table([0.0, 0.5, 1.0], [0.0, 1.0, 0.4])
+    straight, slack = (run(UNEQUAL, *torques, end=1.0, step=0.05) for run in (simulate, simulate_slack))
+    for name, values in slack.outputs.items():
+        assert np.abs(values - straight.outputs[name]).max() < 1e-7 * np.abs(values).max()
+
+
+def test_a_belt_that_is_pushed_hangs_slack_and_tightens_again():
+    torques = Torque.step(0.1), Torque.table([0.0, 0.3, 0.31, 0.5, 0.51, 2.0], [0.3, 0.3, -0.6, -0.6, 0.5, 0.5])
+    run = simulate_slack(EXERCISE, *torques, end=2.0, step=0.01)
+    tension = run.outputs["tension"]
+    assert tension.min() == 0
+    assert tension[-1] > 1
+    assert tension[:10].max() > 0
+    assert simulate(EXERCISE, *torques, end=2.0, step=0.01).outputs["tension"].min() < 0
+    slack = tension == 0
+    assert (run.outputs["x_k"][slack] == 0).all()
+    assert np.ptp(run.energy.stored[slack]) > 0  # the spools still turn
+    assert np.abs(run.energy.imbalance).max() < 1e-10 * run.energy.supplied.max()  # the solver's tolerance is 1e-13
+
+
+def test_margins_by_hand():
+    # L = 8/(s + 1)^3 * (1 + 1/(T s)) with T so long that it does not count: -180 degrees at sqrt(3), where |L| = 1
+    from flint import fmpq_poly
+
+    from drives import TransferFunction
+
+    found = margins(PI(0.5, 1e12), TransferFunction(fmpq_poly([8]), fmpq_poly([1, 3, 3, 1])))
+    assert math.isclose(found.gain, 2, rel_tol=1e-9)
+    size = 4 ** (2 / 3)
+    assert math.isclose(found.crossover, math.sqrt(size - 1), rel_tol=1e-9)
+    assert math.isclose(found.phase, math.pi - 3 * math.atan(math.sqrt(size - 1)), rel_tol=1e-9)
+
+
+def test_designs_keep_their_margins():
+    nearly = Spool(1e-3, 1e-4, 0.1)
+    lively = CoupledDrives(nearly, nearly, Belt(50, 5e-3), Belt(50, 5e-3))
+    for one in (EXERCISE, UNEQUAL, lively):
+        made = design(one)
+        for found in made.margins.values():
+            assert found.phase >= math.radians(60)
+            assert found.gain >= 2
+        assert all(p.real < 0 for poles in made.poles.values() for p in poles)
+        assert all(p.real <= 0 for p in closed_loop(made).poles)
+    assert alike(EXERCISE) == EXERCISE
+    assert decoupled(UNEQUAL)[0].relative_degree == 1
+
+
+@pytest.mark.parametrize("one", [EXERCISE, UNEQUAL])
+def test_control_settles_and_rejects_disturbances(one):
+    run = simulate_control(
+        design(one, 20, 20), Torque.step(0.8), Torque.step(4.0, 0.5), d1=Torque.step(0.05, 1.5), end=6.0, step=0.01
+    )
+    assert abs(run.outputs["belt_speed"][-1] - 0.8) < 1e-6
+    assert abs(run.outputs["tension"][-1] - 4.0) < 1e-6
+    before = run.t < 0.5
+    assert np.abs(run.outputs["tension"][before]).max() < 1e-12  # the speed does not move the tension
+    assert np.abs(run.energy.imbalance).max() < 1e-12 * run.energy.dissipated[-1]
+
+
+def test_saturation_keeps_limits_and_antiwindup_recovers_sooner():
+    made = design(EXERCISE, 20, 20)
+    asked = {"belt_speed": Torque.table([0, 2, 2.001], [3, 3, 0.5]), "tension": Torque.step(4.0)}
+    errors = []
+    for antiwindup in (True, False):
+        run = simulate_control(made, **asked, limit=1.0, antiwindup=antiwindup, end=3.0, step=0.02)
+        assert max(np.abs(run.outputs[name]).max() for name in ("T1", "T2")) <= 1.0
+        assert np.abs(run.energy.imbalance).max() < 1e-10 * run.energy.dissipated[-1]
+        late = run.t > 2.2
+        errors.append(np.abs(run.outputs["belt_speed"][late] - 0.5).max())
+    assert errors[0] < 0.05 < errors[1]
+    free, wide = (
+        simulate_control(made, Torque.step(1.0), Torque.step(4.0), end=1.0, step=0.05, limit=x) for x in (None, 50.0)
+    )
+    for name, values in free.outputs.items():
+        assert np.abs(values - wide.outputs[name]).max() < 1e-6
+
+
+def test_other_tools_take_the_models():
+    import control
+    from scipy import signal
+
+    omega = np.array([0.5, 20.0, 700.0])
+    h = EXERCISE.transfer("x_k", "T1")
+    true = h(1j * omega)
+    small = EXERCISE.state_space(("x_k",), ("T1",)).minimal()
+    for system in (h.to_control(), small.to_control()):
+        assert np.allclose(np.squeeze(system(1j * omega)), true, rtol=1e-12, atol=0)
+        assert math.isclose(float(np.squeeze(system.dcgain())), float(h.dc_gain), rel_tol=1e-12)
+    assert isinstance(small.to_control(), control.StateSpace)
+    assert np.allclose(signal.freqresp(h.to_scipy(), omega)[1], true, rtol=1e-12, atol=0)
+    t, answer = signal.step(small.to_scipy(), N=50)  # not freqresp, which rounds a state space on its way
+    run = simulate(EXERCISE, Torque.step(1.0), end=t[-1], step=t[1])
+    assert np.abs(answer - run.outputs["x_k"]).max() < 1e-12
+    full = EXERCISE.state_space().to_control()
+    assert full.nstates == 6
+    assert full.input_labels == ["T1", "T2"]
+
+
+def test_pictures_and_animations(tmp_path):
+    from PIL import Image
+
+    run = simulate(EXERCISE, Torque.step(0.1), Torque.step(0.2), end=1.0, step=0.01)
+    transfers = [EXERCISE.transfer("x_k", name) for name in ("T1", "T2")]
+    for k, figure in enumerate(
+        (
+            drives.draw_bode(transfers, np.logspace(-1, 4, 50)),
+            drives.draw_poles([EXERCISE.transfer("w1", "T1")]),
+            drives.draw_run(run.t, run.outputs, ("x_k", "tension")),
+        )
+    ):
+        figure.savefig(tmp_path / f"{k}.png")
+        assert (tmp_path / f"{k}.png").stat().st_size > 5000
+    for suffix in ("html", "gif"):
+        drives.animate(EXERCISE, run.t, run.outputs, tmp_path / f"m.{suffix}")
+    page = (tmp_path / "m.html").read_text(encoding="utf-8")
+    assert "DATA" not in page
+    assert "http" not in page
+    with Image.open(tmp_path / "m.gif") as film:
+        assert film.n_frames > 100
+    for path, outputs, word in ((tmp_path / "m.mp4", run.outputs, "kind of file"), (tmp_path / "m.gif", {}, "phi1")):
+        with pytest.raises(InputError, match=word):
+            drives.animate(EXERCISE, run.t, outputs, path)
+
+
+def test_what_has_no_damping_swings_for_ever():
+    h = WITHOUT_DAMPING.transfer("x_k", "T1")
+    assert h.poles == [-20j, 20j]
+    assert drives.peak(h) == drives.Peak(20.0, math.inf)
+    # T1 = 0.1 N m on a mass of 0.1 kg: the tension is 0.5*(1 - cos(20 t)), the spools run away together
+    run = simulate(WITHOUT_DAMPING, Torque.step(0.1), end=10.0, step=0.01)
+    assert np.abs(run.outputs["tension"] - 0.5 * (1 - np.cos(20 * run.t))).max() < 1e-12
+    assert np.abs(run.outputs["belt_speed"] + run.t * 5).max() < 1e-12 * 50
+    assert np.abs(run.energy.imbalance).max() < 1e-12 * run.energy.supplied[-1]
+    assert np.abs(drives.relative_gain_array(WITHOUT_DAMPING, [0.0, 7.0]) - 0.5).max() < 1e-15
+
+
+def test_answers_for_any_drives():
+    for one in (EXERCISE, UNEQUAL, WITHOUT_DAMPING, CoupledDrives(right_belt=Belt(70, 0))):
+        told = {answer.letter: answer for answer in drives.exercise(one)}
+        assert list(told) == list("abcdefgh")
+        assert (told["c"].data["pole_of_the_wrong_sign"][0] > 0) is (len(one.damped) == 2)  # an undamped one is softer
+    pulley = drives.exercise()[2]
+    by_hand = 150 + math.sqrt(24500)  # s^2 - 300 s - 2000 with k_p = -100 N/m
+    assert math.isclose(pulley.data["pole_of_the_wrong_sign"][0], by_hand, rel_tol=1e-15)
