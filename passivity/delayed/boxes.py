@@ -13,20 +13,18 @@ largest on the edge.
 from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import acb, arb, arb_poly, ctx, fmpz_mpoly
+from flint import ctx
 
-from passivity.delayed.field import Element, Field, TooLargeError
-from passivity.delayed.form import Form, Function, Product, depends_on_s, multiply, of_rational
+from passivity.delayed.form import Form
 from passivity.delayed.quasi import BITS, MAX_PIECES, QuasiPolynomial, on_axis, pieces, winding
-from passivity.delayed.value import value
+from passivity.delayed.reflection import UnresolvedError, reflection
+from passivity.delayed.value import point, value
 from passivity.one_port.polynomial_sign import UndecidedError
-from passivity.rational.function import RationalFunction
 from passivity.status import Kind
 
-_ONE = RationalFunction.constant(Fraction(1))
-_S = of_rational(RationalFunction.from_coefficients([1, 0], [1]))
-_MAX_POLES = 4  # at infinity, split off one after the other
 _MAX_DOUBLINGS = 200
+_PLACES = ((Fraction(37, 29), Fraction(17, 23)), (Fraction(5, 3), Fraction(0)), (Fraction(1, 7), Fraction(9, 11)))
+_DIGITS = 4096  # binary, of the comparison: a term of 1e-400 is seen, and so is its square
 
 
 @dataclass(frozen=True)
@@ -37,12 +35,6 @@ class BallProof:
     form: Form
     radius: Fraction
     cuts: tuple[Fraction, ...]
-
-
-class UnresolvedError(UndecidedError):
-    """What could not be resolved in balls; `frequency` where the axis is not clear."""
-
-    frequency: float | None = None
 
 
 def prove_in_balls(kind: Kind, form: Form) -> BallProof:
@@ -61,9 +53,9 @@ def prove_in_balls(kind: Kind, form: Form) -> BallProof:
     (12, True)
     """
     with ctx.workprec(BITS):
-        n, d = _reflection(kind, form)
-        radius = _radius(n, d)
-        cuts = _cuts(n, d, radius)
+        x = reflection(kind, form)
+        radius = _radius(x.n, x.d)
+        cuts = _cuts(x.n, x.d, radius)
     proof = BallProof(kind, form, radius, tuple(cuts))
     if not holds(proof):
         raise UnresolvedError("Z + A has zeros in Re s > 0, or their number is not resolved")
@@ -77,86 +69,21 @@ def holds(proof: BallProof) -> bool:
         return False
     with ctx.workprec(2 * BITS):
         try:
-            n, d = _reflection(proof.kind, proof.form)
-            small = _is_small_far_out(n, d, proof.radius) and all(abs(n(s)) < abs(d(s)) for s in pieces(cuts))
-            return small and winding(d, proof.radius, cuts) == 0
+            x = reflection(proof.kind, proof.form)
+            small = _is_small_far_out(x.n, x.d, proof.radius) and all(abs(x.n(s)) < abs(x.d(s)) for s in pieces(cuts))
+            return small and winding(x.d, proof.radius, cuts) == 0 and _is_of_the_form(proof)
         except UndecidedError:
             return False
 
 
-def _reflection(kind: Kind, form: Form) -> tuple[QuasiPolynomial, QuasiPolynomial]:
-    """Numerator and denominator of X."""
-    field = Field(form)
-    try:
-        z = field.of(form)
-        if kind is Kind.BR:
-            z = field.cancelled(Element(z.d + z.n, z.d - z.n))
-        if not z.d:
-            raise UnresolvedError("infinite everywhere")
-        z, a = _without_poles(field, z)
-        up, down = a.numerator, a.denominator
-        both = [field.reduced(z.n * down - z.d * up), field.reduced(z.n * down + z.d * up)]
-    except TooLargeError:
-        raise UnresolvedError("multiplied out, the function is too large") from None
-    used = {k for f in z for k, degree in enumerate(f.degrees()[1:]) if degree}
-    meaning = [_meaning(g, field.units[g]) if k in used else (arb(0), arb(1)) for k, g in enumerate(field.generators)]
-    return _quasi(meaning, both[0]), _quasi(meaning, both[1])
-
-
-def _without_poles(field: Field, z: Element) -> tuple[Element, Fraction]:
-    """The function without its poles at infinity, and those of its inverse, and its value there without delays."""
-    for _ in range(_MAX_POLES):
-        (m, a), (n, b) = _leading(field, z.n), _leading(field, z.d)
-        if m == n:
-            if a / b > 0:
-                return z, Fraction(a, b)
-            break
-        if m < n:
-            z, m, a, n, b = Element(z.d, z.n), n, b, m, a
-        if m != n + 1 or a / b < 0:
-            break
-        pole = field.s * z.d
-        z = field.cancelled(Element(z.n * b - pole * a, z.d * b))
-        if not z.n:
-            break
-    raise UnresolvedError("no positive value far out, where delays have died away")
-
-
-def _leading(field: Field, f: fmpz_mpoly) -> tuple[int, int]:
-    """Highest power of s and its coefficient, among the terms without generators."""
-    plain = [(int(x[0]), int(c)) for x, c in f.to_dict().items() if not any(x[1:])]
-    if not plain:
-        raise UnresolvedError("no positive value far out, where delays have died away")
-    return max(plain)
-
-
-def _meaning(g: Function, unit: Fraction) -> tuple[arb, arb]:
-    """T and c of a generator c exp(-T s)."""
-    if not depends_on_s(Form((Product(_ONE, ((g, 1),)),))):
-        return arb(0), value(multiply([(g, 1)]), acb(1)).real
-    if g.name == "exp" and not depends_on_s(per := g.argument / _S):
-        t = -value(per, acb(1)).real * unit.numerator / unit.denominator
-        if t > 0:
-            return t, arb(1)
-    raise UnresolvedError("not rational in s and delays")
-
-
-def _quasi(meaning: list[tuple[arb, arb]], f: fmpz_mpoly) -> QuasiPolynomial:
-    """A polynomial in s and the generators as one in s for each delay, no delay first."""
-    delays: dict[tuple, arb] = {}
-    parts: dict[tuple, dict[int, arb]] = {(0,) * len(meaning): {}}
-    for x, c in f.to_dict().items():
-        key = tuple(int(e) if t > 0 else 0 for e, (t, _) in zip(x[1:], meaning, strict=True))
-        coefficient = arb(c)
-        for e, (_, factor) in zip(x[1:], meaning, strict=True):
-            coefficient *= factor ** int(e)
-        powers = parts.setdefault(key, {})
-        powers[int(x[0])] = powers.get(int(x[0]), arb(0)) + coefficient
-    for key in parts:
-        delays[key] = sum((t * e for e, (t, _) in zip(key, meaning, strict=True)), arb(0))
-    return QuasiPolynomial(
-        tuple((delays[key], arb_poly([p.get(k, 0) for k in range(max(p, default=-1) + 1)])) for key, p in parts.items())
-    )
+def _is_of_the_form(proof: BallProof) -> bool:
+    """Whether X leads back to the values of the form, at a few points and to many digits."""
+    with ctx.workprec(_DIGITS):
+        x = reflection(proof.kind, proof.form)
+        points = [point(re * proof.radius / far, im * proof.radius / far) for re, im in _PLACES for far in (1, 2**20)]
+        pairs = [(x.given(proof.kind, s), value(proof.form, s)) for s in points]
+        known = [(a, b) for a, b in pairs if a.is_finite() and b.is_finite()]
+        return bool(known) and all(a.overlaps(b) for a, b in known)
 
 
 def _is_small_far_out(n: QuasiPolynomial, d: QuasiPolynomial, radius: Fraction) -> bool:

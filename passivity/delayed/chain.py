@@ -14,6 +14,7 @@ from fractions import Fraction
 from flint import acb, ctx, fmpq, fmpz_poly
 
 from passivity.errors import ExpressionError
+from passivity.expression.number import digits
 from passivity.one_port.axis import allowance
 from passivity.one_port.polynomial_sign import find_sign
 from passivity.one_port.positive_real import check_bounded_real, check_positive_real
@@ -106,7 +107,7 @@ def check_line(load: RationalFunction, z0: Exact, delay: Exact) -> Chain:
         return Chain(verdict, reflection, reference, travel, steps)
     witness = _witness(h2, travel)
     there = _input(witness, travel)
-    reason = f"|H1(s)| > 1 at s = {float(witness.re):.6g} + {float(witness.im):.6g}j"
+    reason = f"|H1(s)| > 1 at s = {digits(witness.re)} + {digits(witness.im)}j"
     value = f"Re G1(s) = {there.real.str(6, radius=False)} there"
     steps += (
         Step("H1 = exp(-2Ts) H2 is bounded real", Status.REFUTED, reason),

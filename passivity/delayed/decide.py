@@ -17,6 +17,7 @@ from passivity.delayed.translate import Translation
 from passivity.delayed.value import value
 from passivity.delayed.verify import verify_proof
 from passivity.errors import ExpressionError
+from passivity.expression.number import digits
 from passivity.one_port import positive_real
 from passivity.one_port.verdict import Verdict
 from passivity.rational.evaluate import Exact, is_rational, of_tree, with_values
@@ -68,12 +69,10 @@ class ExpressionVerdict:
         if self.proof:
             return f"composed of parts that are proved: {self.proof}"
         if self.balls:
-            return (
-                f"strictly so in {len(self.balls.cuts) - 1} balls on the axis up to ω = {float(self.balls.radius):.6g}"
-            )
+            return f"strictly so in {len(self.balls.cuts) - 1} balls on the axis up to ω = {digits(self.balls.radius)}"
         if self.witness is None:
             return self.unresolved
-        s = f"s = {float(self.witness.re):.6g} + {float(self.witness.im):.6g}j"
+        s = f"s = {digits(self.witness.re)} + {digits(self.witness.im)}j"
         if not self.witness.im and self.witness.value.imag != 0:
             return f"the value at {s} is not real, as if a branch cut ran there"
         if self.kind is Kind.PR:

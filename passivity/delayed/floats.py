@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import Any, TypeAlias
 
 from passivity.delayed.form import Base, Form, functions
+from passivity.expression.number import double
 
 Array: TypeAlias = Any  # of numpy, which is loaded only when it is needed
 
@@ -43,15 +44,8 @@ def _base(base: Base, s: Array) -> Array:
 def _polynomial(f: Any, s: Array) -> Array:
     total = 0 * s
     for c in reversed(f.coeffs()):
-        total = total * s + _float(int(c))
+        total = total * s + double(int(c))
     return total
-
-
-def _float(c: int) -> float:
-    try:
-        return float(c)
-    except OverflowError:
-        return math.inf if c > 0 else -math.inf
 
 
 def periods(form: Form) -> list[float]:

@@ -107,4 +107,4 @@ def _candidates(r: RationalFunction) -> list[Disc]:
 def _end(margin: Margin | None, upper: bool = False) -> Fraction | None:
     """The end of a margin's enclosure that is not passed."""
     end = math.inf if margin is None else margin.high if upper else margin.low
-    return Fraction(end) if math.isfinite(end) else None
+    return None if end in (math.inf, -math.inf) else Fraction(end)

@@ -201,7 +201,7 @@ def _constant(form: Form) -> Iterator[Step]:
     else:
         with ctx.workprec(_BITS):
             ball = value(form, acb(1))
-        if not ball.is_finite() or ball.imag != 0:
+        if not (ball.is_finite() and ball.imag == 0):
             return
         claim = _enclosed(ball.real)
     yield Step("constant", form, claim)

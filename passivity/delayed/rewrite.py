@@ -17,6 +17,8 @@ def rewritings(form: Form) -> Iterator[Form]:
     yield from _reflections(form)
     if len(form.terms) == 1:
         yield from _spread(form)
+    if len(form.terms) == 2:
+        yield from _conjugate(form)
 
 
 def _divided(form: Form) -> Iterator[Form]:
@@ -48,6 +50,14 @@ def _spread(form: Form) -> Iterator[Form]:
                 for part in base.terms:
                     total = total + rest * Form((part,))
                 yield multiply([(total, e)])
+
+
+def _conjugate(form: Form) -> Iterator[Form]:
+    """a + b, with rational squares, as (a^2 - b^2)/(a - b)."""
+    a, b = (Form((term,)) for term in form.terms)
+    difference = a * a - b * b
+    if difference.terms and (a * a).rational is not None and (b * b).rational is not None:
+        yield difference / (a - b)
 
 
 def _reflections(form: Form) -> Iterator[Form]:

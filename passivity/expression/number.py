@@ -1,5 +1,8 @@
-"""The exact value of a finite real number."""
+"""The exact value of a finite real number, and the way back: to a double, to text."""
 
+import math
+import sys
+from decimal import Context, Decimal
 from fractions import Fraction
 from typing import Any
 
@@ -24,3 +27,31 @@ def not_a_number(value: object, where: str) -> ExpressionError:
     """The error for a value that is none."""
     expected = "a finite int, float or Fraction, or text such as '0.1' or '10 nH'"
     return ExpressionError(where, "not a number", expected, repr(value)[:60])
+
+
+def double(x: Fraction | float) -> float:
+    """The nearest double; infinite beyond the largest.
+
+    Examples
+    --------
+    >>> double(Fraction(1, 4)), double(-Fraction(10) ** 400)
+    (0.25, -inf)
+    """
+    try:
+        return float(x)
+    except OverflowError:
+        return math.inf if x > 0 else -math.inf
+
+
+def digits(x: Fraction | float, count: int = 6) -> str:
+    """A number rounded to some digits, also beyond the range of doubles.
+
+    Examples
+    --------
+    >>> digits(Fraction(1, 3)), digits(-Fraction(2, 10**400)), digits(math.inf)
+    ('0.333333', '-2e-400', 'inf')
+    """
+    near = double(x)
+    if isinstance(x, float) or not x or sys.float_info.min <= abs(near) < math.inf:
+        return f"{near:.{count}g}"
+    return f"{Context(prec=count).divide(Decimal(x.numerator), Decimal(x.denominator)).normalize():g}"

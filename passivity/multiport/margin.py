@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from flint import fmpq_mat, fmpz_poly
 
+from passivity.expression.number import double
 from passivity.multiport.axis_form import axis_sums
 from passivity.multiport.matrix import RationalMatrix, real_form
 from passivity.multiport.polynomial_matrix import PolynomialMatrix, add, degree, identity, scaled
@@ -77,7 +78,7 @@ def margin(network: Network, kind: Kind) -> MatrixMargin | None:
             if x is None:
                 level = max(best.level, bound)
                 return MatrixMargin(*((level, bound) if kind is Kind.PR else (-level, -bound)), best.w)
-            best = min(best, _descended(kind, matrix, math.sqrt(x)), key=lambda place: place.level)
+            best = min(best, _descended(kind, matrix, math.sqrt(double(x))), key=lambda place: place.level)
     return None
 
 

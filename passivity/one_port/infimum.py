@@ -7,28 +7,29 @@ from typing import NamedTuple
 from flint import arb, arb_poly, ctx, fmpq, fmpz_poly
 
 from passivity.one_port.polynomial_sign import SignProof, UndecidedError, find_sign, squarefree
-from passivity.one_port.real_roots import positive_roots
+from passivity.one_port.real_roots import positive_roots, sqrt
 
 MAX_ROUNDS = 40
 BITS = 40  # values not found exactly lie in an interval shorter than 2^-BITS of their distance to 0 and to the guess
 _SIMPLE = 10_000  # denominators up to this are tried
-_FINE = 100  # bits of the place of a minimum
+_FINE = 100  # bits of the place of a minimum, at first
+_FINEST = 3200
 
 
 class Infimum(NamedTuple):
-    """A number in [low, high], and a place where the function comes as close to it.
+    """A number in [low, high], and a place x where the function comes as close to it.
 
     Parameters
     ----------
     low, high : Fraction or float
         Equal if the value is known exactly; ``-math.inf`` if there is none.
-    x : float
-        ``math.inf`` if it is a limit.
+    frequency : float
+        Square root of x; ``math.inf`` if it is a limit.
     """
 
     low: Fraction | float
     high: Fraction | float
-    x: float
+    frequency: float
 
 
 def infimum(num: fmpz_poly, den: fmpz_poly, guess: int = 0) -> Infimum:
@@ -49,7 +50,7 @@ def infimum(num: fmpz_poly, den: fmpz_poly, guess: int = 0) -> Infimum:
     Examples
     --------
     >>> infimum(fmpz_poly([4, -4, 1]), fmpz_poly([1, 1]))  # (x - 2)^2/(1 + x)
-    Infimum(low=Fraction(0, 1), high=Fraction(0, 1), x=2.0)
+    Infimum(low=Fraction(0, 1), high=Fraction(0, 1), frequency=1.4142135623730951)
     """
     common = num.gcd(den)
     num, den = num // common, den // common
@@ -65,14 +66,17 @@ def infimum(num: fmpz_poly, den: fmpz_poly, guess: int = 0) -> Infimum:
     below = find_sign(_above(num, den, level)) if level is not None else Fraction(1)
     if level is not None and isinstance(below, SignProof):
         return Infimum(level, level, place)
+    x, fine = fmpq(0), _FINE
     for _ in range(MAX_ROUNDS):
         assert isinstance(below, Fraction)
-        x = _descend(num, den, below)
+        before, x = x, _descend(num, den, below, fine)
+        if abs(x - before) * 2 ** (fine // 2) < x:  # the same minimum, and it is a narrow one
+            fine = min(2 * fine, _FINEST)
         value = num(x) / den(x)
         low, high = _around(Fraction(int(value.p), int(value.q)), guess)
         below = find_sign(_above(num, den, low))
         if isinstance(below, SignProof):
-            return _recognised(num, den, low, high, x) or Infimum(low, high, float(arb(x)))
+            return _recognised(num, den, low, high, x) or Infimum(low, high, sqrt(x))
     raise UndecidedError(f"the smallest value of a function of degree {den.degree()} takes over {MAX_ROUNDS} tests")
 
 
@@ -112,7 +116,7 @@ def _falls(num: fmpz_poly, den: fmpz_poly) -> float | None:
         elif factor.degree() > 0:
             for root in positive_roots(factor):
                 if power % 2 or root.sign_of(num) < 0:
-                    return float(root)
+                    return root.frequency
     return None
 
 
@@ -127,34 +131,45 @@ def _touches(difference: fmpz_poly, den: fmpz_poly) -> float | None:
             return 0.0
         if power % 2 == 0:
             for root in positive_roots(factor):
-                return float(root)
+                return root.frequency
     return math.inf if difference.degree() < den.degree() else None
 
 
-def _descend(num: fmpz_poly, den: fmpz_poly, start: Fraction) -> fmpq:
-    """A local minimum of num/den, downhill from a point: ever longer steps, then bisection of the slope's sign."""
+def _descend(num: fmpz_poly, den: fmpz_poly, start: Fraction, fine: int) -> fmpq:
+    """Next to a local minimum of num/den, not above the start: ever longer steps downhill, then bisection.
+
+    Between a point that goes down towards another and that other, if it is higher or goes up, there is a minimum.
+    """
     slope = num.derivative() * den - num * den.derivative()
-    bits = 3 * _FINE + 2 * slope.degree()
+    bits = 3 * fine + 2 * slope.degree()
     with ctx.workprec(bits):
-        rounded = arb_poly(slope)
+        f, g, df = arb_poly(num), arb_poly(den), arb_poly(slope)
 
     def rising(x: fmpq) -> bool:
         with ctx.workprec(bits):
-            return bool(rounded(arb(x)) > 0)
+            return bool(df(arb(x)) > 0)
 
-    x = fmpq(start.numerator, start.denominator)
-    side = -1 if rising(x) else 1
-    near = far = x
-    step = (x or fmpq(1)) / 2**20
-    for _ in range(1000):
-        near, far, step = far, max(x + side * step, fmpq(0)) if step < x or side > 0 else far / 2, 2 * step
-        if far == 0 or rising(far) == (side > 0):
-            break
-    low, high = min(near, far), max(near, far)
-    while (high - low) * 2**_FINE > high:
-        middle = (low + high) / 2
-        low, high = (low, middle) if rising(middle) else (middle, high)
-    return high
+    def higher(x: fmpq) -> bool:
+        with ctx.workprec(bits):
+            a, b = arb(x), arb(inner)
+            gap = f(a) * g(b) - f(b) * g(a)
+        return bool(gap > 0 if gap > 0 or gap < 0 else num(x) * den(inner) > num(inner) * den(x))
+
+    inner = fmpq(start.numerator, start.denominator)
+    right = not rising(inner)
+
+    def beyond(x: fmpq) -> bool:
+        return rising(x) == right or higher(x)
+
+    step = inner / 2**20
+    outer = inner + step if right else inner - step
+    while not beyond(outer):
+        step *= 2
+        inner, outer = outer, outer + step if right else max(outer - step, outer / 2)
+    while abs(outer - inner) * 2**fine > inner:
+        middle = (inner + outer) / 2
+        inner, outer = (inner, middle) if beyond(middle) else (middle, outer)
+    return inner
 
 
 def _around(value: Fraction, guess: int) -> tuple[Fraction, Fraction]:

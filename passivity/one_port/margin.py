@@ -8,6 +8,7 @@ from typing import NamedTuple
 from flint import fmpz_poly
 
 from passivity.errors import ExpressionError
+from passivity.expression.number import double
 from passivity.one_port.axis import allowance, product
 from passivity.one_port.infimum import Infimum, infimum
 from passivity.one_port.verdict import Verdict
@@ -33,7 +34,12 @@ class Margin(NamedTuple):
     @property
     def value(self) -> float:
         """The number to print."""
-        return _float((self.low + self.high) / 2 if math.isfinite(self.low) else self.low)
+        return double(self.middle)
+
+    @property
+    def middle(self) -> Fraction | float:
+        """The middle of the enclosure."""
+        return self.low if isinstance(self.low, float) else (self.low + self.high) / 2
 
 
 class Margins(NamedTuple):
@@ -93,16 +99,16 @@ def _smallest(num: fmpz_poly, den: fmpz_poly) -> Margin | None:
 
 
 def _margin(found: Infimum) -> Margin:
-    return Margin(found.low, found.high, math.sqrt(found.x))
+    return Margin(*found)
 
 
 def _reflection(p: fmpz_poly, q: fmpz_poly) -> Margin | None:
     if not q:
         return None
-    low, high, x = infimum(-product(p, p), product(q, q), guess=-1)
-    if math.isinf(low):
-        return Margin(math.inf, math.inf, math.sqrt(x))
-    return Margin(_root(-high, math.floor), _root(-low, math.ceil), math.sqrt(x))
+    low, high, frequency = infimum(-product(p, p), product(q, q), guess=-1)
+    if low == -math.inf:
+        return Margin(math.inf, math.inf, frequency)
+    return Margin(_root(-high, math.floor), _root(-low, math.ceil), frequency)
 
 
 def _root(x: Fraction | float, rounding: Callable[[Fraction], int]) -> Fraction:
@@ -117,10 +123,3 @@ def _root(x: Fraction | float, rounding: Callable[[Fraction], int]) -> Fraction:
     scaled = exact * Fraction(4) ** shift
     root = math.isqrt(math.floor(scaled)) + (rounding is math.ceil)
     return root / Fraction(2) ** shift
-
-
-def _float(x: Fraction | float) -> float:
-    try:
-        return float(x)
-    except OverflowError:
-        return math.copysign(math.inf, x)

@@ -1,6 +1,7 @@
 """Z(jw) in the plane with its forbidden half, the Smith chart, and the reflection against 1."""
 
 import math
+import sys
 from itertools import pairwise
 
 import numpy as np
@@ -8,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from passivity.errors import ExpressionError
 from passivity.one_port.margin import Margin, Margins
 from passivity.one_port.smith import draw_smith
 from passivity.one_port.verdict import Verdict
@@ -15,6 +17,7 @@ from passivity.rational.quotient import Quotient
 from passivity.status import Kind
 
 POINTS = 1200
+MOST = 307.0  # decades of a frequency
 DECADES_BEYOND = 1.5  # below the smallest and above the largest modulus of a pole or zero
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _CURVE, _BAD, _INK = "#0072B2", "#D55E00", "#222222"
@@ -30,7 +33,15 @@ def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0) -> Figure:
         Of the same verdict and z0.
     z0 : float
         Reference impedance of the reflection.
+
+    Raises
+    ------
+    ExpressionError
+        If z0 or the ratio of two coefficients is beyond the range of doubles.
     """
+    verdict.function.to_floats()
+    if not sys.float_info.min <= z0 < math.inf:
+        raise ExpressionError("z0", "too large or too small to be drawn", "a number from 1e-307 to 1e308")
     w = frequencies(verdict.function, [m.frequency for m in margins if m is not None])
     values = np.array([verdict.function(1j * x) for x in w])
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -49,7 +60,7 @@ def frequencies(function: Quotient, also: list[float]) -> NDArray:
     """Angular frequencies that show all of a function, increasing; what can be drawn of `also` is among them."""
     moduli = [m for f in (function.p, function.q) for m in _moduli(f)] or [0.0]
     marks = [math.log10(x) for x in also if 0 < x < math.inf]
-    low, high = min(moduli + marks) - DECADES_BEYOND, max(moduli + marks) + DECADES_BEYOND
+    low, high = max(min(moduli + marks) - DECADES_BEYOND, -MOST), min(max(moduli + marks) + DECADES_BEYOND, MOST)
     near = [m + d for m in marks for d in np.linspace(-0.02, 0.02, 41)]
     return 10 ** np.unique([*np.linspace(low, high, POINTS), *near])
 
@@ -79,7 +90,7 @@ def _impedance_plane(axes: Axes, z: NDArray[np.complex128], margin: Margin | Non
     axes.plot(
         z.real, z.imag, color=_CURVE, linewidth=1.7, label="Z(jω), ω > 0", marker="." if np.ptp(shown) == 0 else ""
     )
-    if margin is not None and math.isfinite(margin.low):
+    if margin is not None and math.isfinite(margin.value):
         axes.axvline(margin.value, color=_INK, linestyle="--", linewidth=1, label=f"smallest Re Z = {margin.value:.4g}")
     axes.set(xlim=(min(left, -0.08 * (right - left)), right), ylim=(bottom, top))
     axes.set(xlabel="Re Z  [unit of Z]", ylabel="Im Z  [unit of Z]")

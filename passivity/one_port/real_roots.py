@@ -3,7 +3,7 @@
 from itertools import pairwise
 from typing import NamedTuple
 
-from flint import arb, ctx, fmpq, fmpz_poly
+from flint import arb, arb_poly, ctx, fmpq, fmpz_poly
 
 from passivity.one_port.polynomial_sign import MAX_PIECES, UndecidedError, half_line, split
 
@@ -26,9 +26,15 @@ class Root(NamedTuple):
         (741455/524288, 1482911/1048576)
         """
         f, low, high, rising = self
+        working = 2 * bits + 2 * f.degree()
+        with ctx.workprec(working):
+            rounded = arb_poly(f)
         while low < high and (low == 0 or (high - low) * 2**bits > low):
             middle = (low + high) / 2
-            value = f(middle)
+            with ctx.workprec(working):
+                value: arb | fmpq = rounded(arb(middle))
+            if value.contains(0):
+                value = f(middle)
             if value == 0:
                 low = high = middle
             elif (value > 0) == rising:
@@ -55,8 +61,28 @@ class Root(NamedTuple):
             bits *= 2
 
     def __float__(self) -> float:
+        return float(arb(self._near()))
+
+    @property
+    def frequency(self) -> float:
+        """Square root of the root, which may be beyond the doubles."""
+        return sqrt(self._near())
+
+    def _near(self) -> fmpq:
         root = self.refined(60)
-        return float(arb((root.low + root.high) / 2))
+        return (root.low + root.high) / 2
+
+
+def sqrt(x: fmpq) -> float:
+    """Square root of x >= 0, which may be beyond the doubles.
+
+    Examples
+    --------
+    >>> sqrt(fmpq(10) ** 400)
+    1e+200
+    """
+    with ctx.workprec(100):
+        return float(arb(x).sqrt())
 
 
 def positive_roots(f: fmpz_poly) -> list[Root]:

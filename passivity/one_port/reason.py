@@ -58,7 +58,7 @@ def _axis(verdict: Verdict) -> str:
     a = allowance(kind, p, q)
     a //= a.gcd(product(q, q))  # at a pole Re Z is not zero, though A is
     even = [f for f, power in squarefree(a) if power % 2 == 0 and f[0]]
-    touched = [0.0] * (not a[0]) + sorted(math.sqrt(root) for f in even for root in positive_roots(f))
+    touched = [0.0] * (not a[0]) + sorted(root.frequency for f in even for root in positive_roots(f))
     at = f" (equal at ω = {_list([f'{w:.6g}' for w in touched])})" if touched else ""
     return f"{_BOUNDED[kind]} for all ω{at}"
 
@@ -68,7 +68,7 @@ def _bands(a: fmpz_poly) -> str:
     if not a:
         return ""
     changes = [root for f, power in squarefree(a) if power % 2 and f[0] for root in positive_roots(f)]
-    ends = [0.0, *sorted(math.sqrt(root) for root in changes), math.inf]
+    ends = [0.0, *sorted(root.frequency for root in changes), math.inf]
     negative = a.leading_coefficient() < 0
     bands = [pair for k, pair in enumerate(reversed(list(pairwise(ends)))) if (k % 2 == 1) != negative]
     return _list([_band(*pair) for pair in reversed(bands)])
@@ -104,7 +104,7 @@ def _fault(p: fmpz_poly, q: fmpz_poly) -> str:
     u, v = parts(q.right_shift(order))
     for factor, power in squarefree(u.gcd(v)):  # of the poles whose mirror images are poles
         for root in positive_roots(factor) if factor.degree() > 0 else []:
-            place = f"on the axis at ω = {math.sqrt(root):.6g}"
+            place = f"on the axis at ω = {root.frequency:.6g}"
             if power > 1:
                 return f"Z has a pole of order {power} {place}"
             if root.sign_of(product(p, q.derivative())) < 0:

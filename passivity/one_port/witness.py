@@ -69,7 +69,7 @@ def _witness(kind: Kind, p: fmpz_poly, q: fmpz_poly, re: Fraction, im: Fraction,
     wrong = real < 0 if kind is Kind.PR else a * a + b * b > size
     if not wrong or (not size and q):  # a pole of H by chance: its neighbours have values
         return None
-    if size and delay and not arb(fmpq(a * a + b * b, size)) > arb(to_fmpq(4 * delay * re)).exp():
+    if size and delay and not arb(fmpq(a * a + b * b - size, size)) > arb(to_fmpq(4 * delay * re)).expm1():
         return None
     if not size:
         return Witness(re, im, None, None)

@@ -35,6 +35,8 @@ def with_values(text: str, parameters: Mapping[str, Exact]) -> tuple[Node, dict[
     missing, unused = sorted(names - set(parameters)), sorted(set(parameters) - names, key=str)
     if missing:
         where, expected = f"parameter {missing[0]:.60}", f"one for each of {_list(names)}"
+        if missing[0] == "pi":
+            expected = "a rational number for it, such as pi=3.14159265358979; the verdict is then about that number"
         raise ExpressionError(where, "no value", expected, _list(parameters))
     if unused:
         where, problem = f"parameter {unused[0]!s:.60}", "not in the expression"

@@ -138,9 +138,10 @@ def deviation(values: NDArray, reference: NDArray) -> Deviation:
     Deviation(rms=0.4472135954999579, max=0.5)
     """
     off, size = np.abs(values - reference), np.abs(reference)
-    if not size.any():
+    largest = size.max()
+    if not largest:
         return Deviation(*((np.inf, np.inf) if off.any() else (0.0, 0.0)))
-    return Deviation(float(np.linalg.norm(off) / np.linalg.norm(size)), float(off.max() / size.max()))
+    return Deviation(float(np.linalg.norm(off / largest) / np.linalg.norm(size / largest)), float(off.max() / largest))
 
 
 def _free(model: PoleResidueModel, samples: SampledResponse, only_constant: bool) -> NDArray:

@@ -42,7 +42,7 @@ def fit(response: SampledResponse, order: int | None = None) -> PoleResidueModel
     Raises
     ------
     ExpressionError
-        If there are several ports, or too few samples for the order.
+        If there are several ports, or too few samples for the order or for any.
 
     Examples
     --------
@@ -59,6 +59,8 @@ def fit(response: SampledResponse, order: int | None = None) -> PoleResidueModel
         raise ExpressionError(
             "response", "cannot be fitted", f"at most {MAX_SAMPLES} samples, not all at f = 0", f"{n}"
         )
+    if order is None and n < 3:
+        raise ExpressionError("response", "too few samples for a model", "at least 3", f"{n}")
     orders = [k for k in (ORDERS if order is None else (order,)) if isinstance(k, int) and 0 <= k <= most]
     if not orders:
         raise ExpressionError("order", "does not suit the samples", f"0 to {most}", f"{order!r:.40}")

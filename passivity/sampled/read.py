@@ -111,7 +111,8 @@ def read_touchstone(path: str | Path) -> SampledResponse:
         if read.s_flat.shape[1] != int(suffix[1]) ** 2:
             raise ValueError("numbers are missing")
     except (ArithmeticError, AttributeError, IndexError, KeyError, TypeError, ValueError, Warning) as error:
-        raise ExpressionError(f"{path}", "not a Touchstone file", "Touchstone version 1", f"{error!s:.80}") from None
+        said = f"{error!s:.80}" if isinstance(error, ValueError) else ""  # else words for programmers
+        raise ExpressionError(f"{path}", "not a Touchstone file", "samples, Touchstone version 1", said) from None
     if not constant:
         raise ExpressionError(f"{path}", "reference impedance", "a constant resistance at each port", f"{z0}")
     return SampledResponse(read.f, read.s, Parameter.S, z0.real)

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from fractions import Fraction
+from pathlib import Path
 
 import click
 import pytest
@@ -76,6 +77,16 @@ def test_answers(arguments, status, words):
         ("s --kind br --within 0", "--within: says nothing about reflections"),
         ("s --kind br --z0 50", "--z0: says nothing about reflections"),
         ("s --error 1", "--error: says nothing about expressions"),
+        ("s --within ''", "--within, column 1: the expression ends too early"),
+        ("s --within 200%", "--within: out of range, expected at least 0 and below 1, got 2"),
+        ("s --z0 ''", "--z0, column 1: the expression ends too early"),
+        ("s --delay ''", "--delay, column 1: the expression ends too early"),
+        ("R --param 'R>'", "--param R>, column 1: the expression ends too early"),
+        ("pi*s", "--param pi: no value, expected a rational number for it, such as pi=3.14159265358979"),
+        ("-" * 9000 + "s", "column 102: nested too deeply"),
+        ("s+1e400 --plot a.png", "coefficients: too far apart for floats"),
+        ("s --z0 1e400 --plot a.png", "--z0: too large or too small to be drawn"),
+        ("s --kind chain --z0 1 --delay 1 --plot a.png", "--plot: there is no picture of this"),
         ("'s + R' --param 'R>0' --delay 1", "--delay: says nothing about parameters without values"),
         ("'exp(-s)' --delay 1", "--delay: says nothing about functions that are not rational"),
         ("'[s, 1; 2]'", "matrix, row 2: not square, expected 2 entries, got 1"),
@@ -97,6 +108,95 @@ def test_a_mistake_is_one_sentence_and_exit_2(arguments, sentence):
     assert (result.exit_code, result.stdout) == (2, "")
     assert result.stderr.startswith(sentence)
     assert result.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "arguments", "sentence"),
+    [
+        ("one.csv", "f,re,im\n1,-1,0\n", "--error 1e400", "--error: not a number of reasonable size"),
+        ("one.csv", "f,re,im\n1,-1,0\n", "--error ''", "--error, column 1: the expression ends too early"),
+        ("one.csv", "f,re,im\n1,-1,0\n", "--z0 1e400", "--z0: not a number of reasonable size"),
+        (
+            "two.csv",
+            "f,re,im\n1,1,0\n2,1,0\n",
+            "--nearest m.json",
+            "response: too few samples for a model, expected at ",
+        ),
+        ("no.s1p", "", "", "no.s1p: not a Touchstone file, expected samples, Touchstone version 1\n"),
+    ],
+)
+def test_a_mistake_about_samples(file, text, arguments, sentence, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / file).write_text(text, encoding="utf-8")
+    result = run(file, *shlex.split(arguments))
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr.startswith(sentence)
+
+
+def test_a_long_option_that_does_not_exist_is_not_echoed():
+    result = run("--" + "a" * 9000)
+    assert result.exit_code == 2
+    assert len(result.stderr) < 300
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "words"),
+    [
+        ("s+1e400", 0, "smallest Re Z(jω)    = 1e+400 "),
+        ("s-1e400", 1, "Z(s) = -1e+400 + 0j"),
+        ("s-1e-400", 1, "largest |H(jω)|      = 1 + 2e-400 "),
+        ("s*1e-400+1e400", 0, "smallest Re Z(jω)    = 1e+400 "),
+        ("1/(s+1e400)", 0, "smallest Re 1/Z(jω)  = 1e+400 "),
+        ("'s+1e400/s-1'", 1, "smallest Re 1/Z(jω)  = -1           at ω = 1e+200 rad/s"),
+        ("R --param 'R = 1e400'", 0, "= 1e+400"),
+        ("'sqrt(s)-1e400'", 3, "undecided"),
+        ("'2+exp(-s)/2+s*1e-400*exp(-s)/(1+s)^2*log(-2)'", 3, "not known to be real"),
+        ("s --z0 1 --delay 1e400", 0, "delay T = 1e+400:"),
+        ("s --z0 1e400", 0, "z0 = 1e400"),
+        ("-s-1 --z0 1 --delay 1e400", 1, "delay T = 1e+400:"),
+        ("s-1 --z0 1e400 --delay 1", 1, "z0 = 1e+400"),
+        ("'[s,0;0,-1e400]'", 1, "= -2e+400"),
+        ("'[s,0;0,-1e-400]'", 1, "= -2e-400"),
+        ("s --within '5 %'", 0, "within 0.05 of each coefficient: the same"),
+    ],
+)
+def test_numbers_beyond_the_doubles(arguments, status, words):
+    result = run(*shlex.split(arguments))
+    assert words in result.output
+    assert (result.exit_code, result.stderr) == (status, "")
+    assert run(*shlex.split(arguments), "--json").exit_code == status
+
+
+def test_a_verdict_is_printed_without_its_margins(monkeypatch):
+    monkeypatch.setattr("passivity.one_port.infimum.MAX_ROUNDS", 0)
+    result = run(NEGATIVE)
+    assert result.exit_code == 1
+    assert "witness s = 1/4 + 2j" in result.stdout
+    assert "margins not found: the smallest value of a function of degree 2 takes over 0 tests" in result.stdout
+
+
+def test_a_fault_of_the_program_is_no_answer(monkeypatch):
+    def fails(*_):
+        raise ZeroDivisionError("by\nzero")
+
+    monkeypatch.setattr("passivity.one_port.reason.reason", fails)
+    result = run("s")
+    assert (result.exit_code, result.stdout) == (70, "")
+    assert re.fullmatch(r"tline: a fault of the program, please report .*: ZeroDivisionError in line \d+ of "
+                        r"test_cli_passivity.py: by zero\n", result.stderr)  # fmt: skip
+
+
+def test_the_outputs_on_the_page_are_those_of_the_program(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    page = (Path(__file__).parents[2] / "docs" / "passivity.md").read_text(encoding="utf-8")
+    for language, name in (("toml", "scene.toml"), ("csv", "measured.csv")):
+        (text,) = re.findall(rf"```{language}\n(.*?)```", page, re.DOTALL)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    shown = re.findall(r"^\$ tline passivity (.*)\n((?:[^$`].*\n)+)", page, re.MULTILINE)
+    assert len(shown) == page.count("$ tline passivity ") == 7
+    for arguments, output in shown:
+        printed = run(*shlex.split(arguments)).stdout.splitlines()
+        assert [line for line in output.splitlines() if line not in printed] == []
 
 
 def test_undecided_exits_3(monkeypatch):

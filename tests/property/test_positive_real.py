@@ -1,5 +1,6 @@
 """What always holds: circuits of positive elements are proved, and the answer does not depend on how it is asked."""
 
+import math
 from fractions import Fraction
 
 from hypothesis import given
@@ -144,3 +145,21 @@ def test_robust_verdicts_hold_in_the_box(sections, eps, data):
         shift = st.sampled_from([1 - eps, 1, 1 + eps])
         sides = [[c * data.draw(shift) for c in side] for side in (z.numerator, z.denominator)]
         assert is_proved(RationalFunction.from_coefficients(*sides))
+
+
+@given(small_functions)
+def test_no_sample_passes_the_smallest_resistance(z):
+    margin = check_positive_real(z).margins.input
+    if margin is None:
+        return
+    samples = [resistance(z, Fraction(2**k, 8**4)) for k in range(25)]
+    assert all(r is None or r >= margin.low for r in samples)
+    if 0 < margin.frequency < math.inf and margin.low > -math.inf:
+        here = resistance(z, Fraction(margin.frequency))
+        assert here is None or here - margin.high <= Fraction(1, 10**6) * max(1, abs(margin.high))
+
+
+def resistance(z, w):
+    """Re Z(jw), None at a pole."""
+    (a, b), (c, d) = value(z.numerator, 0, w), value(z.denominator, 0, w)
+    return (a * c + b * d) / (c * c + d * d) if c or d else None

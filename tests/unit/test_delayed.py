@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from flint import acb, arb
 
+from passivity.delayed import reflection
 from passivity.delayed.boxes import UnresolvedError, holds, prove_in_balls
 from passivity.delayed.decide import check_expression
 from passivity.delayed.disc import RIGHT, UNIT, Disc
@@ -140,6 +141,7 @@ PROOFS = [
     ("equal", "BR", "(sqrt(s) - 1)/(sqrt(s) + 1)"),
     ("equal", "PR", "sinh(s)/cosh(s)"),
     ("equal", "PR", "s*sqrt(s)/(s + sqrt(s))"),
+    ("equal", "PR", "sqrt(1 + s^2) - s"),
     ("line", "PR", "coth(sqrt(s))/sqrt(s)"),
     ("line", "PR", "sqrt((1 + 2*s)/(3 + s))*tanh(3*sqrt((1 + 2*s)*(3 + s)))"),
     ("line", "PR", "a*(5 + a*tanh(b))/(a + 5*tanh(b))"),
@@ -235,6 +237,42 @@ def test_balls(kind, text):
 def test_balls_do_not_prove_what_is_not_strict(text, words):
     with pytest.raises(UnresolvedError, match=words):
         prove_in_balls(Kind.PR, of_text(text))
+
+
+COMPLEX = [
+    "1 + 1e-400*(exp(-s*sqrt(sqrt(-1))) + exp(-s/sqrt(sqrt(-1))))",  # grows like exp(0.7 |s|) beside the axis
+    "2 + exp(-s)*log(-2)*1e-30",  # not real for real s
+    "2 + exp(-log(-2)*s)*1e-400",
+]
+
+
+@pytest.mark.parametrize("text", COMPLEX)
+def test_constants_that_are_not_real_prove_nothing(text):
+    with pytest.raises(UnresolvedError, match="not known to be real"):
+        prove_in_balls(Kind.PR, of_text(text))
+    assert check_expression(text, Kind.PR).status is not Status.PROVED
+
+
+@pytest.mark.parametrize("text", COMPLEX)
+def test_a_wrong_translation_is_caught(text, monkeypatch):
+    monkeypatch.setattr(reflection, "_real", lambda constant: value(constant, acb(1)).real)
+    with pytest.raises(UnresolvedError, match="zeros"):
+        prove_in_balls(Kind.PR, of_text(text))
+
+
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [
+        ("PR", "3*s + 1/(2*s + 5 + exp(-s)*sqrt(2)/(1 + s))"),
+        ("BR", "1/(s + 2 + exp(-s))"),
+        ("PR", "1/(s + 2 + exp(-s))"),
+    ],
+)
+def test_a_reflection_leads_back_to_its_function(kind, text):
+    form, s = of_text(text), acb(1, 2) / 3
+    found = reflection.reflection(Kind[kind], form)
+    assert found.given(Kind[kind], s).overlaps(value(form, s))
+    assert not found.given(Kind[kind], s).overlaps(value(form, s) + 1e-9)
 
 
 def test_the_unresolved_box_is_named():

@@ -280,6 +280,33 @@ def test_margins_that_are_not_rational_are_enclosed():
     assert margin.frequency == pytest.approx(math.sqrt(2 + math.sqrt(3)), rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("expression", "smallest"),
+    [  # a long step from where the search begins leads over the minimum and the ridge behind it
+        ("10*s^4 + 5*s^3 + 44*s^2 + 15*s + 42", Fraction(-32, 5)),  # of 10 x^2 - 44 x + 42
+        ("s^5 + 4*s^4 + 13*s^3 + 25*s^2 + 40*s + 25", Fraction(-225, 16)),  # of 4 x^2 - 25 x + 25
+    ],
+)
+def test_a_minimum_before_a_ridge(expression, smallest):
+    found = check_positive_real(of(expression)).margins
+    assert found.input[:2] == (smallest, smallest)
+    assert found.output.low == -math.inf or found.output.low < 0
+
+
+def test_margins_beyond_the_doubles():
+    found = check_positive_real(of("s - 1e400")).margins
+    assert (found.input.low, found.input.value) == (-(10**400), -math.inf)
+    assert found.output[:2] == (-Fraction(1, 10**400),) * 2
+    assert check_bounded_real(of("1e400/(s + 1)")).margins.reflection.low == 10**400
+    assert math.isclose(check_positive_real(of("s + 1e400/s - 1")).margins.output.frequency, 1e200, rel_tol=1e-15)
+
+
+def test_a_witness_with_delay_a_hair_beyond_the_border():
+    chain = check_line(of("s - 1"), 10**400, 1)  # |H2| = 1 + 2e-400
+    assert chain.status is Status.REFUTED
+    assert chain.input.real < 0
+
+
 def test_reflections_against_a_reference():
     verdict = check_positive_real(of("25 + s/1000"))
     assert margins(verdict, 25).reflection.frequency == math.inf
@@ -306,9 +333,9 @@ def test_a_smallest_value_among_many():
     f = from_roots(1, 1) * from_roots(5, 5) + fmpz_poly([1])
     g = from_roots(-1, -1, -1, -1)
     found = infimum(f * 10**6 - 3 * g, 10**6 * g)
-    x = max(found.x, 0)
+    x = found.frequency**2
     assert found.low <= ((x - 1) ** 2 * (x - 5) ** 2 + 1) / (x + 1) ** 4 - 3e-6 + 1e-9
-    assert found.x == pytest.approx(5, abs=0.1)
+    assert x == pytest.approx(5, abs=0.1)
 
 
 # ---- robustness

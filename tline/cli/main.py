@@ -2,7 +2,9 @@
 
 import io
 import sys
+import traceback
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import click
@@ -53,7 +55,10 @@ class LazyGroup(click.Group):
             formatter.write_dl([(name, summary) for name, (_, summary) in COMMANDS.items()])
 
     def invoke(self, ctx: click.Context) -> object:
-        """Run; what the user got wrong goes to stderr in one sentence and exits with 2, an active scene with 1."""
+        """Run; what the user got wrong goes to stderr in one sentence and exits with 2, an active scene with 1.
+
+        A fault of the program exits with 70 (EX_SOFTWARE of sysexits.h), for 1 would be an answer.
+        """
         try:
             return super().invoke(ctx)
         except InputError as error:
@@ -62,6 +67,14 @@ class LazyGroup(click.Group):
         except OSError as error:  # what is left of them: the output cannot be written
             click.echo(f"output: cannot be written, got {(error.strerror or str(error)).lower()}", err=True)
             ctx.exit(2)
+        except (click.ClickException, click.exceptions.Exit, click.Abort):
+            raise
+        except Exception as error:  # noqa: BLE001 (whatever it is)
+            place = traceback.extract_tb(error.__traceback__)[-1]
+            what = f"{type(error).__name__} in line {place.lineno} of {Path(place.filename).name}"
+            said = " ".join(f"{error!s:.200}".split())
+            click.echo(f"tline: a fault of the program, please report it with the command: {what}: {said}", err=True)
+            ctx.exit(70)
 
 
 def _print_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:

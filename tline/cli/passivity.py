@@ -31,8 +31,11 @@ class ExpressionCommand(click.Command):
     """Takes an expression that begins with a minus sign for what it is."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """There are no short options but -h, so one dash begins an expression."""
-        return super().parse_args(ctx, [f" {arg}" if re.match(r"-(?!-|h$)", arg) else arg for arg in args])
+        """There are no short options but -h, so a dash begins an expression if no second one and a letter follow."""
+        try:
+            return super().parse_args(ctx, [f" {arg}" if re.match(r"-(?!-[a-z]|-$|h$)", arg) else arg for arg in args])
+        except click.NoSuchOption as error:
+            raise click.NoSuchOption(f"{error.option_name:.30}", possibilities=error.possibilities, ctx=ctx) from None
 
 
 @click.command("passivity", cls=ExpressionCommand, epilog=EXAMPLES)
@@ -51,7 +54,11 @@ class ExpressionCommand(click.Command):
 )
 @click.option("--z0", metavar="OHM", help="Impedance against which an impedance reflects, 1 if not given.")
 @click.option("--delay", metavar="T", help="Look at the impedance through a lossless line of z0 and this delay.")
-@click.option("--within", metavar="TOLERANCE", help="Ask also for all coefficients within a relative tolerance.")
+@click.option(
+    "--within",
+    metavar="TOLERANCE",
+    help="Ask also for all coefficients within a relative tolerance, such as 0.01 or '1 %'.",
+)
 @click.option("--error", metavar="BAR", help="How far each sample of a file may be from the truth.")
 @click.option(
     "--nearest",
@@ -76,12 +83,7 @@ def passivity(ctx: click.Context, what: str, plot: str | None, as_json: bool, **
         answer = _answer(what.strip(), Asked(**given))
         drawn = _plot(answer, plot) if plot else []
     except ExpressionError as error:
-        where = {"z0": "--z0", "delay": "--delay", "tolerance": "--within"}.get(
-            error.where, error.where or "expression"
-        )
-        if given["error"] and error.where == "tolerance":
-            where = "--error"
-        where = f"--param {where.removeprefix('parameter ')}" if where.startswith("parameter ") else where
+        where = _option(error.where, "--within" if given["error"] is None else "--error")
         raise InputError(where, error.problem, error.expected, error.got) from error
     if as_json:
         click.echo(json.dumps(answer.told, indent=2, ensure_ascii=False))
@@ -101,6 +103,14 @@ def _answer(what: str, asked: Asked) -> Answer:
     return (matrix if what.startswith("[") else expression).answer(what, asked)
 
 
+def _option(where: str, tolerance: str) -> str:
+    """The option to act on, where it is one."""
+    thing, comma, place = where.partition(", ")
+    named = re.sub("^(parameter|assumption) ", "--param ", thing) or "expression"
+    options = {"z0": "--z0", "delay": "--delay", "tolerance": tolerance, "assumption": "--param"}
+    return options.get(thing, named) + comma + place
+
+
 def _check_files(plot: str | None, nearest: str | None) -> None:
     from tline.solver.atomic import check_writable
 
@@ -115,6 +125,8 @@ def _plot(answer: Answer, file: str) -> list[str]:
     from tline.pictures.style import save_figure, styled
 
     if answer.draw is None:
-        raise InputError("--plot", "there is no picture of this", "a rational impedance or reflection, or samples")
+        raise InputError(
+            "--plot", "there is no picture of this", "a rational impedance or reflection without delay, or samples"
+        )
     save_figure(styled(answer.draw)(), file)
     return [f"wrote {file}"]

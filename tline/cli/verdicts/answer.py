@@ -30,7 +30,7 @@ class Asked:
     def refuse(self, about: str, *options: str) -> None:
         """Raise InputError for the first of these options that was given."""
         for option in options:
-            if getattr(self, option):
+            if getattr(self, option) not in (None, ()):
                 name = {"parameters": "param"}.get(option, option)
                 raise InputError(f"--{name}", f"says nothing about {about}", "another option, or none")
 
@@ -52,10 +52,12 @@ class Answer:
 
 def complex_text(re: Fraction, im: Fraction) -> str:
     """An exact complex number if it is short, else a rounded one."""
+    from passivity.expression.number import digits
+
     exact = f"{re} {'-' if im < 0 else '+'} {abs(im)}j"
     if len(exact) <= LONGEST:
         return exact
-    return f"{float(re):.12g} {'-' if im < 0 else '+'} {abs(float(im)):.12g}j  (rounded; exactly: --json)"
+    return f"{digits(re, 12)} {'-' if im < 0 else '+'} {digits(abs(im), 12)}j  (rounded; exactly: --json)"
 
 
 def values(given: tuple[str, ...]) -> dict[str, str]:

@@ -49,6 +49,7 @@ def _symbolic(verdict: "SymbolicVerdict") -> Answer:
 
 def _delayed(verdict: "ExpressionVerdict") -> Answer:
     from passivity.delayed.report import expression_as_dict
+    from passivity.expression.number import digits
 
     lines = [f"{verdict.kind.value}: {verdict.status.value}", f"  because {verdict.why}"]
     letter = "Z" if verdict.kind == "positive real" else "H"
@@ -59,7 +60,7 @@ def _delayed(verdict: "ExpressionVerdict") -> Answer:
     if margin := verdict.margin:
         name = "smallest Re Z(jω)" if letter == "Z" else "largest |H(jω)|"
         sign = "≈" if margin.is_enclosed else "about"
-        bound = f", proved not to pass {float(margin.bound):.6g}" if margin.bound is not None else ", sampled"
+        bound = f", proved not to pass {digits(margin.bound)}" if margin.bound is not None else ", sampled"
         value = f"{float(margin.attained):.6g}"
         lines.append(f"  {name:<20} {sign} {value:<12} at ω = {margin.frequency:.6g} rad/s{bound}")
     return Answer(verdict.status.value, lines, expression_as_dict(verdict))

@@ -7,6 +7,7 @@ from tline.errors import InputError
 def answer(text: str, asked: Asked) -> Answer:
     """Decide a matrix of rational functions."""
     from passivity import Kind, RationalMatrix, check_bounded_real_matrix, check_positive_real_matrix
+    from passivity.expression.number import digits
     from passivity.multiport.margin import margin
     from passivity.multiport.report import as_dict
     from passivity.one_port.polynomial_sign import UndecidedError
@@ -29,7 +30,7 @@ def answer(text: str, asked: Asked) -> Answer:
         lines += [
             f"  witness s = {complex_text(w.re, w.im)}",
             f"    v = ({vector})",
-            f"    {form} = {float(w.value):.6g}",
+            f"    {form} = {digits(w.value)}",
         ]
     if found:
         name = "smallest eigenvalue of (Z + Zᴴ)/2" if kind is Kind.PR else "largest singular value of S"

@@ -27,28 +27,39 @@ def answer(function: "RationalFunction", asked: Asked) -> Answer:
         missing = "delay" if asked.z0 else "z0"
         raise InputError(f"--{missing}", "is missing", "z0 and delay of the line that --kind chain looks through")
     verdict = (check_bounded_real if asked.kind == "br" else check_positive_real)(function)
-    z0 = asked.z0 or 1
+    z0, missing = "1" if asked.z0 is None else asked.z0, []
     try:
         found = margins(verdict, z0)
-    except UndecidedError:
-        found = Margins(None, None, None)
-    robust = None if asked.within is None or verdict.status is Status.UNDECIDED else robustness(verdict, asked.within)
-    chain = check_line(function, z0, asked.delay) if asked.delay else None
-    lines = _text(verdict, found, robust, asked.z0) + (_derivation(chain) if chain else [])
+    except UndecidedError as error:
+        found, missing = Margins(None, None, None), [f"  margins not found: {error}"]
+    tolerance = None if asked.within is None else _tolerance(asked.within)
+    robust = None if tolerance is None or verdict.status is Status.UNDECIDED else robustness(verdict, tolerance)
+    chain = None if asked.delay is None else check_line(function, z0, asked.delay)
+    lines = _text(verdict, found, robust, z0) + missing + (_derivation(chain) if chain else [])
     status = chain.status if chain else verdict.status
-    return Answer(
-        status.value, lines, as_dict(verdict, found, robust, chain), lambda: _draw(verdict, found, asked.z0 or "1")
-    )
+    draw = None if chain else lambda: _draw(verdict, found, z0)
+    return Answer(status.value, lines, as_dict(verdict, found, robust, chain), draw)
+
+
+def _tolerance(text: str) -> Fraction:
+    """A number, or a percentage such as "5 %"."""
+    from passivity.rational.evaluate import exact
+
+    number = text.strip().removesuffix("%")
+    return exact(number, "tolerance") / (1 if number == text.strip() else 100)
 
 
 def _draw(verdict: "Verdict", margins: "Margins", z0: str) -> "Figure":
+    from passivity.expression.number import double
     from passivity.one_port.picture import draw_verdict
     from passivity.rational.evaluate import exact
 
-    return draw_verdict(verdict, margins, float(exact(z0, "z0")))
+    return draw_verdict(verdict, margins, double(exact(z0, "z0")))
 
 
-def _text(verdict: "Verdict", margins: "Margins", robust: "Robustness | None", z0: str | None) -> list[str]:
+def _text(verdict: "Verdict", margins: "Margins", robust: "Robustness | None", z0: str) -> list[str]:
+    from passivity.expression.number import digits
+
     lines = [f"{verdict.kind.value}: {verdict.status.value}", f"  because {verdict.why}"]
     if verdict.witness:
         w = verdict.witness
@@ -57,11 +68,11 @@ def _text(verdict: "Verdict", margins: "Margins", robust: "Robustness | None", z
         lines += [f"  witness s = {complex_text(w.re, w.im)}", f"    {letter}(s) = {value}"]
     if robust:
         words = {True: "the same", False: "not the same for all", None: "not shown to be the same"}[robust.same]
-        lines.append(f"  within {float(robust.tolerance):.3g} of each coefficient: {words}")
+        lines.append(f"  within {digits(robust.tolerance, 3)} of each coefficient: {words}")
         if robust.exception is not None:
             lines.append(f"    such as {_short(str(robust.exception))}")
     rows = [(name, getattr(margins, key)) for key, name in ROWS]
-    against = f"   H = (Z - z0)/(Z + z0), z0 = {z0 or 1}" if verdict.kind == "positive real" else ""
+    against = f"   H = (Z - z0)/(Z + z0), z0 = {z0}" if verdict.kind == "positive real" else ""
     for name, margin in rows:
         if margin is not None:
             sign = "=" if margin.low == margin.high else "≈"
@@ -71,9 +82,10 @@ def _text(verdict: "Verdict", margins: "Margins", robust: "Robustness | None", z
 
 
 def _derivation(chain: "Chain") -> list[str]:
+    from passivity.expression.number import digits
     from passivity.symbolic.identities import admittance_identity, reflection_identity
 
-    lines = ["", f"through a line of z0 = {float(chain.z0):.6g} and delay T = {float(chain.delay):.6g}:"]
+    lines = ["", f"through a line of z0 = {digits(chain.z0)} and delay T = {digits(chain.delay)}:"]
     for step in chain.steps:
         lines += [f"  {step.claim}: {step.status.value}", f"    because {step.reason}"]
     used = [identity for steps in (reflection_identity(), admittance_identity()) for identity in steps[-1:]]
@@ -91,9 +103,11 @@ def _place(verdict: "Verdict", margin: "Margin") -> str:
 
 def _number(margin: "Margin") -> str:
     """Six digits, and more where they would hide on which side of 1 a number lies."""
-    text = f"{margin.value:.6g}"
+    from passivity.expression.number import digits
+
+    text = digits(margin.middle)
     if text == "1" and margin.low != 1:
-        return f"1 {'-' if margin.low < 1 else '+'} {abs(float(Fraction(margin.low) - 1)):.3g}"
+        return f"1 {'-' if margin.low < 1 else '+'} {digits(abs(Fraction(margin.low) - 1), 3)}"
     return text
 
 

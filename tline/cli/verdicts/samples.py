@@ -16,6 +16,7 @@ MOST_BANDS = 6
 
 def answer(file: str, asked: Asked) -> Answer:
     """Look at the samples of a file; with --nearest fit a model and make it passive."""
+    from passivity.expression.number import double
     from passivity.rational.evaluate import exact
     from passivity.sampled.check import check_samples
     from passivity.sampled.enforce import enforce
@@ -25,7 +26,7 @@ def answer(file: str, asked: Asked) -> Answer:
 
     asked.refuse("samples", "parameters", "delay", "within")
     response = _read(file, asked)
-    verdict = check_samples(response, float(exact(asked.error, "tolerance")) if asked.error else 0.0)
+    verdict = check_samples(response, 0.0 if asked.error is None else double(exact(asked.error, "tolerance")))
     enforced = enforce(fit(response), response) if asked.nearest else None
     told = samples_as_dict(verdict, enforced)
     lines = _text(verdict, enforced)
@@ -40,6 +41,7 @@ def answer(file: str, asked: Asked) -> Answer:
 
 
 def _read(file: str, asked: Asked) -> "SampledResponse":
+    from passivity.expression.number import double
     from passivity.rational.evaluate import exact
     from passivity.sampled.read import read_csv, read_touchstone
 
@@ -48,7 +50,9 @@ def _read(file: str, asked: Asked) -> "SampledResponse":
         return read_touchstone(file)
     if asked.kind == "chain":
         raise InputError("--kind", "samples are of an impedance or a reflection", "pr or br", "'chain'")
-    return read_csv(file, "S" if asked.kind == "br" else "Z", float(exact(asked.z0 or 50, "z0")))
+    return read_csv(
+        file, "S" if asked.kind == "br" else "Z", double(exact("50" if asked.z0 is None else asked.z0, "z0"))
+    )
 
 
 def _text(verdict: "SampleVerdict", enforced: "Enforced | None") -> list[str]:
