@@ -91,16 +91,23 @@ def ran(line: str) -> Result:
 
 def test_the_table_says_what_the_probes_saw() -> None:
     result = ran("run valve.toml")
-    title, chosen, empty, *table = result.stdout.splitlines()
+    title, chosen, accuracy, empty, *table = result.stdout.splitlines()
     assert title == "Closing valve"
-    assert re.fullmatch(r"order 5, 500 slabs of 4 ms, 5,000 line-end samples in [0-9.e-]+ s", chosen)
+    assert re.fullmatch(r"order 4, 500 slabs of 4 ms, 4,000 line-end samples in [0-9.e-]+ s", chosen)
+    reached = (
+        r"estimated error [0-9.e-]+ of the amplitude at '(probe|middle)', 1e-06 asked and met; 3 runs in [0-9.e-]+ s"
+    )
+    assert re.fullmatch(reached, accuracy)
     assert empty == ""
-    assert [re.split(r"\s{2,}", row.strip()) for row in table] == [
+    *rows, errors = zip(*(re.split(r"\s{2,}", row.rstrip()) for row in table), strict=True)
+    assert errors[0] == "± error"
+    assert all(0 <= float(error) < 1e-6 for error in errors[1:])
+    assert [list(row) for row in zip(*rows, strict=True)] == [
         ["probe", "quantity", "minimum", "at [s]", "maximum", "at [s]", "at the end"],
         ["probe", "pressure [bar]", "1.3", "0.5", "10.7", "0.1", "10.7"],  # 6 ± 4.7, the jump z0·y
-        ["flow [L/s]", "0", "0.1", "10", "0", "0"],
+        ["", "flow [L/s]", "0", "0.1", "10", "0", "0"],
         ["middle", "pressure [bar]", "1.3", "0.6", "10.7", "0.2", "10.7"],
-        ["flow [L/s]", "-10", "0.4", "10", "0", "0"],
+        ["", "flow [L/s]", "-10", "0.4", "10", "0", "0"],
     ]
     assert len({len(row) for row in table}) == 1  # aligned
     assert result.stderr == ""
@@ -124,8 +131,9 @@ def test_json_has_everything_in_full_precision_and_nothing_else() -> None:
     assert (told["notes"], told["files"]) == ([], ["out.csv"])
 
 
-def test_notes_go_to_stderr_and_into_the_json() -> None:
-    result = ran("run fork.toml --order 3 --slab '0.5 ns' --json")
+def test_notes_go_to_stderr_and_into_the_json(folder: Path) -> None:
+    (folder / "early.toml").write_text(FORK.replace('"40 ns"', '"1 ns"'))  # ends before the step
+    result = ran("run early.toml --json")
     notes = json.loads(result.stdout)["notes"]
     assert notes
     assert result.stderr.splitlines() == [f"note: {note}" for note in notes]
@@ -270,6 +278,7 @@ def test_help_teaches_with_examples_whose_options_exist() -> None:
     assert options == {
         "scene",
         "--active",
+        "--tol",
         "--order",
         "--slab",
         "--path",
@@ -315,3 +324,43 @@ def test_imports_are_no_more_than_needed() -> None:
     assert not imported("run valve.toml --csv a.csv --npz a.npz") & {"matplotlib", "PIL", "IPython"}
     assert not imported("run valve.toml --animate a.html") & {"matplotlib", "PIL"}
     assert "matplotlib.pyplot" not in imported("run valve.toml --plot a.png --lattice b.svg --animate c.gif")
+
+
+def test_a_tolerance_that_is_not_met_says_so_and_exits_with_1(folder: Path) -> None:
+    slow = FORK.replace(
+        "[probes.in]", '[loads.c]\nat = "up"\nkind = "parallel"\nresistance = 50\ncapacitance = "1 nF"\n[probes.in]'
+    )
+    (folder / "rc.toml").write_text(slow)
+    asked = "run rc.toml --order 2 --slab '2 ns' --tol 1e-12"
+    result = CliRunner().invoke(main, shlex.split(asked))
+    assert result.exit_code == 1
+    assert "1e-12 NOT met: order and slab are fixed by hand" in result.stdout
+    told = CliRunner().invoke(main, [*shlex.split(asked), "--json"])
+    accuracy = json.loads(told.stdout)["accuracy"]
+    assert (accuracy["tol"], accuracy["met"]) == (1e-12, False)
+    assert accuracy["estimate"] > 1e-12
+
+
+def test_a_tolerance_in_the_scene_counts(folder: Path) -> None:
+    (folder / "own.toml").write_text(VALVE + "[solver]\ntol = '0.1 %'\n")
+    told = json.loads(ran("run own.toml --json").stdout)["accuracy"]
+    assert (told["tol"], told["met"]) == (1e-3, True)
+    assert [attempt["order"] for attempt in told["runs"]] == [2, 3, 4]
+    told = json.loads(ran("run own.toml --tol 1e-9 --json").stdout)["accuracy"]
+    assert told["tol"] == 1e-9
+
+
+@pytest.mark.parametrize(
+    ("tol", "message"),
+    [
+        ("0", "--tol: tolerance out of range, expected at least 1e-13, got '0'"),
+        ("3", "--tol: tolerance out of range, expected at most 0.1, got '3'"),
+        ("1 mm", "--tol: "),
+        ("small", "--tol: "),
+    ],
+)
+def test_no_tolerance(tol: str, message: str) -> None:
+    result = CliRunner().invoke(main, ["run", "valve.toml", "--tol", tol])
+    assert result.exit_code == 2
+    assert result.stderr.startswith(message)
+    assert len(result.stderr.splitlines()) == 1

@@ -1,6 +1,7 @@
 """The curve between slab ends: dense, two-sided at jumps, and without the wiggles of slabs that hold a front."""
 
 import warnings
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 
 from tline.scene.scene import Scene
 from tline.solver.curve import curve, extreme
-from tline.solver.result import Result
+from tline.solver.result import Pieces, Result, Wave
 from tline.solver.simulate import UnresolvedWarning, simulate
 
 Z0, DELAY = 50.0, 5e-9
@@ -51,18 +52,48 @@ def test_a_smooth_wave_is_followed_inside_slabs() -> None:
         np.testing.assert_allclose(seen.u[early], expected[early], atol=1e-8)
 
 
-@pytest.mark.parametrize("order", [2, 3, 5, 8])
-@pytest.mark.parametrize("at", ["2.1 ns", "2.27 ns", "2.4 ns"])
-def test_a_front_inside_a_slab_is_a_straight_line(order: int, at: str) -> None:
+@pytest.mark.parametrize("order", [1, 2, 5, 8])
+@pytest.mark.parametrize("at", [2.1e-9, 2.27e-9, 2.4e-9])
+def test_a_jump_inside_a_slab_is_a_jump(order: int, at: float) -> None:
+    """Both sides at its instant, and no value between; 1e-9 for rounding."""
     result = cable({"shape": "step", "to": "1 V", "at": at}, slab="0.5 ns", order=order)
-    for name in result.probes:
+    assert result.notes == ()
+    for name, instant, after in (("near", at, 0.5), ("far", at + DELAY, 0.75), ("third", at + 0.3 * DELAY, 0.5)):
         seen = curve(result.probes[name])
-        assert seen.u.max() <= 0.75 + 1e-9  # no overshoot; 1e-9 for rounding
-        assert seen.u.min() >= -1e-9
-    rising = curve(result.probes["far"])
-    between = (rising.u > 1e-9) & (rising.u < 0.75 - 1e-9)
+        here = np.abs(seen.t - instant) < 1e-18
+        np.testing.assert_allclose(seen.u[here], [0.0, after], atol=1e-9)
+        np.testing.assert_allclose(seen.u[seen.t < instant - 1e-18], 0.0, atol=1e-9)
+        early = (seen.t > instant + 1e-18) & (seen.t < at + 1.5 * DELAY)
+        np.testing.assert_allclose(seen.u[early], after, atol=1e-9)
+        assert np.all(np.diff(seen.t) >= 0)
+
+
+@pytest.mark.parametrize("order", [2, 3, 5])
+def test_a_front_that_is_not_followed_is_a_straight_line(order: int) -> None:
+    result = cable({"shape": "step", "to": "1 V", "at": "2.27 ns"}, slab="0.5 ns", order=order)
+    probe = result.probes["far"]
+    record = probe.record
+    kept = {name: getattr(record, name) for name in ("a1", "b1", "a2", "b2")}
+    lost = {name: replace(wave, values=projected(wave), pieces=no_pieces(order)) for name, wave in kept.items()}
+    seen = curve(replace(probe, record=replace(record, **lost, smeared=True)))
+    assert seen.u.max() <= 0.75 + 1e-9  # no overshoot; 1e-9 for rounding
+    assert seen.u.min() >= -1e-9
+    between = (seen.u > 1e-9) & (seen.u < 0.75 - 1e-9)
     assert between.any()
-    assert np.ptp(rising.t[between]) <= 0.5e-9  # within one slab
+    assert np.ptp(seen.t[between]) <= 0.5e-9  # within one slab
+
+
+def no_pieces(order: int) -> Pieces:
+    return Pieces(np.empty(0, int), np.empty((0, 2)), np.empty((0, order)))
+
+
+def projected(wave: Wave) -> np.ndarray:
+    """Values with the slabs in pieces projected."""
+    values = wave.values.copy()
+    values[wave.pieces.slab] = 0.0
+    for slab, (start, stop), own in zip(*wave.pieces, strict=True):
+        values[slab] += wave.basis.projection(start, stop) @ own
+    return values
 
 
 def test_oscillations_too_fast_for_the_slabs_are_not_hidden() -> None:

@@ -283,7 +283,7 @@ def test_delays_without_a_measure_leave_the_shortest_whole(delays):
 
 def test_a_fixed_order_and_slab_are_kept():
     found = chosen(scene((1, 2**0.5), solver={"order": 7, "slab": 0.3}))
-    assert found == (7, 0.3, ())
+    assert found[:3] == (7, 0.3, ())
 
 
 @pytest.mark.parametrize("count", [1, 10, 1000, 10_000])
@@ -291,7 +291,7 @@ def test_the_default_is_affordable(count):
     """Whatever is fast in a scene, neither time nor memory is spent without end, and what is lost is told."""
     loads = {"stiff": {"at": f"n{count}", "kind": "parallel", "resistance": 50, "capacitance": 1e-20}}
     made = scene([1.0] * count, t_end=100.0, loads=loads, probes={"p": {"at": "n0"}})
-    s, h, notes = chosen(made)
+    s, h, notes, _ = chosen(made)
     assert h <= 1.0
     assert 2 * count * s * made.t_end / h <= CHEAP * 1.001 or h == 1.0
     assert max(4 * s * made.t_end, 2 * s * count) / h <= ROOM * 1.001 or h == 1.0
@@ -314,8 +314,8 @@ def test_a_load_that_can_be_resolved_is_resolved():
         (Step(to=1, at=0.123), 0.001, ""),  # 123
         (Step(to=1, at=np.pi), 0.02, ""),  # no slab divides this and the delay
         (Ramp(to=1, duration=0.01), 0.01, ""),
-        (Ramp(to=1, duration="1 ns"), 5e-4, "sources.s: it changes within 1e-09 s, less than the slab of 0.0005 s"),
-        (Ramp(to=1, duration="1 ns", at=5), 5e-4, "sources.s: it changes within 1e-09 s"),
+        (Ramp(to=1, duration="1 ns"), 5e-4, ""),  # a breakpoint in its slab
+        (Ramp(to=1, duration="1 ns", at=5), 5e-4, ""),
         (Ramp(to=1, duration="1 ps"), 0.02, ""),  # of 10 s: a jump
         ({"shape": "pulses", "high": 1, "width": 0.5, "period": 0.5}, 0.02, ""),
         ({"shape": "pulses", "high": 1, "width": 0.1, "period": 0.3}, 0.02, ""),

@@ -1,14 +1,28 @@
 """What `tline run` prints of a result."""
 
+from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+
 from tline.pictures.handy import handy, quantities
+from tline.solver.accuracy import Accuracy
 from tline.solver.curve import curve, extreme
 from tline.solver.result import Result
+from tline.solver.simulate import judged
+
+SMALL = 1e8  # line-end samples of a run fixed by hand that is worth another one, only to judge it
 
 
-def summary(result: Result) -> dict[str, Any]:
-    """Resolution, and smallest, largest and last value of every probe, in SI."""
+def judgement(result: Result) -> Accuracy | None:
+    """How accurate a result is; None where finding out would take too long."""
+    if result.accuracy is None and result.samples <= SMALL:
+        return judged(result)
+    return result.accuracy
+
+
+def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
+    """Resolution, and smallest, largest and last value of every probe and its estimated error, in SI."""
     probes: dict[str, Any] = {}
     for name, probe in result.probes.items():
         seen = curve(probe)
@@ -24,6 +38,9 @@ def summary(result: Result) -> dict[str, Any]:
                 "maximum_time": high[1],
                 "end": float(values[-1]),
             }
+            if accuracy and accuracy.estimates:
+                relative = getattr(accuracy.estimates[name], letter)
+                probes[name][word]["error"] = relative * float(np.abs(getattr(probe, letter)).max())
     return {
         "title": result.scene.title,
         "medium": result.medium.name,
@@ -33,23 +50,36 @@ def summary(result: Result) -> dict[str, Any]:
         "slabs": len(result.t) - 1,
         "line_end_samples": result.samples,
         "seconds": result.seconds,
+        "accuracy": accuracy and _told(accuracy),
         "probes": probes,
         "notes": list(result.notes),
     }
 
 
-def as_table(result: Result) -> str:
+def _told(accuracy: Accuracy) -> dict[str, Any]:
+    return {
+        "tol": accuracy.tol,
+        "met": accuracy.met,
+        "limit": accuracy.limit,
+        "estimate": accuracy.worst,
+        "inside_slabs": accuracy.inside,
+        "runs": [asdict(attempt) for attempt in accuracy.attempts],
+    }
+
+
+def as_table(result: Result, accuracy: Accuracy | None) -> str:
     """The same for the eye, in handy units."""
-    told = summary(result)
+    told = summary(result, accuracy)
     slab, slab_unit = handy(told["slab"], "s")
     second, time_unit = handy(told["end_time"], "s")
     head = [
         f"order {told['order']}, {told['slabs']} slabs of {told['slab'] / slab:.4g} {slab_unit}, "
         f"{told['line_end_samples']:,} line-end samples in {told['seconds']:.2g} s",
+        _in_words(accuracy),
         "",
     ]
     at = f"at [{time_unit}]"
-    rows = [["probe", "quantity", "minimum", at, "maximum", at, "at the end"]]
+    rows = [["probe", "quantity", "minimum", at, "maximum", at, "at the end", "± error"]]
     for name, probe in told["probes"].items():
         for k, (word, _, _, shown) in enumerate(quantities(result.medium)):
             seen = probe[word]
@@ -61,7 +91,8 @@ def as_table(result: Result) -> str:
                 seen["maximum_time"] / second,
                 seen["end"] / size,
             ]
-            texts = (f"{number:.4g}" for number in numbers)
+            texts = [f"{number:.4g}" for number in numbers]
+            texts.append(f"{seen['error'] / size:.1g}" if "error" in seen else "?")
             rows.append(["" if k else name, f"{word} [{unit}]", *texts])
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     table = [
@@ -72,3 +103,18 @@ def as_table(result: Result) -> str:
         for row in rows
     ]
     return "\n".join([*([result.scene.title] if result.scene.title else []), *head, *table])
+
+
+def _in_words(accuracy: Accuracy | None) -> str:
+    """What was asked, reached and spent."""
+    if accuracy is None:
+        return "error not estimated: the run is long, and fixed by hand"
+    worst = max(accuracy.estimates, key=lambda name: accuracy.estimates[name].worst, default=None)
+    reached = f"estimated error {accuracy.worst:.1g} of the amplitude at '{worst}'" if worst else "no estimate"
+    inside = max(accuracy.inside.values(), default=0.0)
+    reached += f" (inside slabs up to {inside:.1g})" if inside > 10 * accuracy.worst else ""
+    if accuracy.tol is None:
+        return f"{reached}, from a run of the next order"
+    runs, seconds = len(accuracy.attempts), sum(attempt.seconds for attempt in accuracy.attempts)
+    asked = f"{accuracy.tol:.3g} asked and met" if accuracy.met else f"{accuracy.tol:.3g} NOT met: {accuracy.limit}"
+    return f"{reached}, {asked}; {runs} runs in {seconds:.2g} s"

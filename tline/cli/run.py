@@ -31,7 +31,7 @@ SUFFIXES = {  # of what can be written
 ALONG = ("space_time", "animate")  # show a path
 EXAMPLES = """\b
 Examples:
-  tline run valve.toml --plot valve.png
+  tline run valve.toml --tol 1e-8 --plot valve.png
   tline run network.toml --order 8 --slab "10 us" --csv probes.csv \\
       --path tank,valve --animate surge.html
 """
@@ -39,6 +39,7 @@ Examples:
 
 @click.command("run", epilog=EXAMPLES)
 @click.argument("scene")
+@click.option("--tol", metavar="NUMBER", help="Largest error, relative to a probe's amplitude; 1e-6 if not given.")
 @click.option("--order", metavar="1…16", help="Order of the method, instead of the scene's.")
 @click.option("--slab", metavar="TIME", help="Width of a time slab, such as '1 us', instead of the scene's.")
 @click.option("--csv", metavar="FILE.csv", help="Table of what the probes saw, SI, full precision.")
@@ -51,15 +52,25 @@ Examples:
 @click.option("--active", is_flag=True, help="Run even if a load is active, that is, not positive real.")
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers in SI and full precision.")
 def run(
-    scene: str, order: str | None, slab: str | None, path: str | None, active: bool, as_json: bool, **files: str | None
+    scene: str,
+    tol: str | None,
+    order: str | None,
+    slab: str | None,
+    path: str | None,
+    active: bool,
+    as_json: bool,
+    **files: str | None,
 ) -> None:
     """Simulate a scene and print what its probes saw.
 
     SCENE is a TOML file with lines, sources, loads and probes; `tline schema` describes it. A scene with a load that is
     not positive real runs only with --active; without it you are told whether its waves grow, and how fast.
+
+    Order and slab are refined until the estimated error of every probe meets the tolerance; where it is not met, you
+    are told what was reached, and the exit status is 1. With an order or a slab and no tolerance there is one run.
     """
     wanted = {kind: file for kind, file in files.items() if file is not None}
-    solver = {key: value for key, value in (("order", order), ("slab", slab)) if value is not None}
+    solver = {key: value for key, value in (("tol", tol), ("order", order), ("slab", slab)) if value is not None}
     with _options_named({f"solver.{key}": f"--{key}" for key in solver} | {"path": "--path", "lattice": "--lattice"}):
         _check_files(wanted)
         read = _read(scene, solver)
@@ -67,16 +78,21 @@ def run(
         result = _simulate(read, way, active)
         for kind, file in wanted.items():
             _write(result, way, kind, file)
-    from tline.cli.report import as_table, summary
+    from tline.cli.report import as_table, judgement, summary
 
+    accuracy = judgement(result)
     for note in result.notes:
         click.echo(f"note: {note}", err=True)
     if as_json:
-        click.echo(json.dumps(summary(result) | {"files": list(wanted.values())}, indent=2, ensure_ascii=False))
+        click.echo(
+            json.dumps(summary(result, accuracy) | {"files": list(wanted.values())}, indent=2, ensure_ascii=False)
+        )
     else:
-        click.echo(as_table(result))
+        click.echo(as_table(result, accuracy))
         for file in wanted.values():
             click.echo(f"wrote {file}")
+    if read.solver.tol is not None and accuracy and not accuracy.met:
+        sys.exit(1)
 
 
 @contextmanager

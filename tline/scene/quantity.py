@@ -59,6 +59,7 @@ class Role:
     unit: str | None = None
     at_least: float | None = None
     above: float | None = None
+    at_most: float = LARGEST
     allow_infinite: bool = False
 
     def read(self, typed: Any, info: ValidationInfo) -> Quantity:
@@ -76,8 +77,8 @@ class Role:
             expected = f"more than {self.above:g}"
         elif self.at_least is not None and not value >= self.at_least:
             expected = f"at least {self.at_least:g}"
-        elif abs(value) > LARGEST and "inf" not in str(typed).lower():
-            expected = f"at most {LARGEST:g}"
+        elif abs(value) > self.at_most and "inf" not in str(typed).lower():
+            expected = f"at most {self.at_most:g}"
         elif 0 < value < SMALLEST and (self.above, self.at_least) != (None, None):
             expected = f"at least {SMALLEST:g}"
         else:
@@ -91,6 +92,7 @@ class Role:
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         unit = self.unit if self.unit is not None else "by medium"
         limits = {"minimum": self.at_least, "exclusiveMinimum": self.above}
+        limits["maximum"] = self.at_most if self.at_most < LARGEST else None
         number = {"type": "number"} | {key: limit for key, limit in limits.items() if limit is not None}
         return {"title": self.name, "unit": unit, "anyOf": [number, {"type": "string"}]}
 
@@ -129,6 +131,8 @@ Time = Annotated[Quantity, Role("time", "s")]
 Duration = Annotated[Quantity, Role("duration", "s", above=0)]
 Delay = Annotated[Quantity, Role("duration", "s", at_least=0)]
 Frequency = Annotated[Quantity, Role("frequency", "Hz", above=0)]
+TOLERANCE = Role("tolerance", "", at_least=1e-13, at_most=0.1)
+Tolerance = Annotated[Quantity, TOLERANCE]
 Angle = Annotated[Quantity, Role("angle", "rad")]
 Position = Annotated[Quantity, Role("position", at_least=0)]  # a length, or a share of the line
 Pressure = Annotated[Quantity, Role("pressure", "Pa")]

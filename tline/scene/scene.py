@@ -12,15 +12,18 @@ from tline.scene.load import Load
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import MOST, limited, mistakes
 from tline.scene.probe import Probe
-from tline.scene.quantity import Duration, Whole
+from tline.scene.quantity import Duration, Tolerance, Whole
 from tline.scene.source import Source
 
 SHORT = 1e-30  # s, an end time in place of a bad one, so short that no waveform has too many breaks
 
 
 class Solver(Element):
-    """Order and slab width, where they are to be fixed by hand."""
+    """How accurate a run is to be, or order and slab width, where they are to be fixed by hand."""
 
+    tol: Tolerance | None = Field(
+        default=None, description="largest error of a probe at slab ends, relative to its amplitude"
+    )
     order: Annotated[int, Whole(1, 16)] | None = Field(
         default=None, description="order of the method, a whole number from 1 to 16"
     )
@@ -57,7 +60,7 @@ class Scene(Element):
     start : str
         "rest", or "steady": the state that the sources imply by what they are just before t = 0.
     solver : Solver
-        Order and slab width, where they are to be fixed by hand.
+        The tolerance (1e-6 without it), or order and slab width, where they are to be fixed by hand.
     title : str
         Said in plots and files.
 
@@ -85,7 +88,7 @@ class Scene(Element):
     start: Literal["rest", "steady"] = Field(
         default="rest", description="state before t = 0: nothing, or the steady state that the sources imply"
     )
-    solver: Solver = Field(default=Solver(), description="order and slab width, if fixed by hand")
+    solver: Solver = Field(default=Solver(), description="tolerance; or order and slab width, if fixed by hand")
     lines: dict[Name, Line] = Field(description="lines by name")
     sources: dict[Name, Source] = Field(default_factory=dict, description="sources by name")
     loads: dict[Name, Load] = Field(default_factory=dict, description="loads by name")

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
 from tline.solver.drive import just_before
+from tline.solver.load_step import StateSpace
 from tline.solver.network import Network, State
 from tline.solver.node_maps import node_maps
 from tline.solver.nodes import Node, nodes_of
@@ -26,16 +27,17 @@ class Assembly:
     network: Network
     state: State
     drives: list[list[tuple[Shape, float]]]  # of each drive row: waveforms and their shares of the Thévenin wave
-    changes: list[tuple[int, int, int]]  # (slab from which on, node, step row), sorted
+    systems: list[StateSpace]  # of each row in the network's step
+    changes: list[tuple[float, int, int]]  # (instant in slabs, node, step row from then on), sorted
     nodes: list[str]
     recorded: dict[str, int]  # line name -> first of its two rows in the record
     start: dict[str, tuple[float, float]]  # line name -> (a, b) before t = 0
 
 
-def assemble(scene: Scene, record: set[str]) -> Assembly:
+def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -> Assembly:
     """Turn a scene into arrays; `record` names the lines whose end waves are kept."""
     nodes = nodes_of(scene)
-    chosen = resolution(scene, nodes)
+    chosen = chosen or resolution(scene, nodes)
     order, h = basis(chosen.s), chosen.h
     z0 = np.array([line.parameters.z0 for line in scene.lines.values()])
     u, y = steady_state(scene, nodes) if scene.start == "steady" else (0.0 * z0, 0.0 * z0)
@@ -62,7 +64,7 @@ def assemble(scene: Scene, record: set[str]) -> Assembly:
         weight=weight,
         drive_row=np.where(driven, np.cumsum(driven) - 1, -1),
         load_row=maps.load_row,
-        step_row=np.where(maps.load_row >= 0, 0, -1),
+        step_row=maps.step_row,
         step=maps.steps,
         record_row=record_row,
     )
@@ -75,7 +77,17 @@ def assemble(scene: Scene, record: set[str]) -> Assembly:
     )
     start = {name: (arriving[2 * k + 1], arriving[2 * k]) for k, name in enumerate(scene.lines)}
     return Assembly(
-        scene, chosen, order, network, state, list(filter(None, drives)), maps.changes, list(nodes), recorded, start
+        scene=scene,
+        resolution=chosen,
+        basis=order,
+        network=network,
+        state=state,
+        drives=list(filter(None, drives)),
+        systems=maps.systems,
+        changes=maps.changes,
+        nodes=list(nodes),
+        recorded=recorded,
+        start=start,
     )
 
 

@@ -9,16 +9,16 @@ from tline.solver.result import LineRecord, ProbeResult, Samples, Wave
 
 DENSE = 4000  # instants
 AFTER = 1e-8  # slabs behind an edge where the value just after it is taken
-ROUGH = 1e-2  # of the wave's range: larger in the highest degrees, and at a slab's edge, means a front inside the slab
+ROUGH = 1e-2  # of the wave's range: larger in the highest degrees, and at a slab's edge, means a front inside it
 NOISE = 1e-13  # of the largest wave; a smaller effort, or flow times z0, is zero
 WIDEST = 4  # slabs over which a front may have spread
 
 
 def curve(probe: ProbeResult) -> Samples:
-    """What a probe saw along the whole run, several instants a slab and both sides of every slab's edge.
+    """What a probe saw along the whole run, several instants a slab and both sides of every front and slab's edge.
 
-    A jump gives two values at one instant. The polynomial of a slab that holds a front inside wiggles round it; there
-    the curve is a straight line between the slabs on either side, where values are accurate.
+    A jump gives two values at one instant. Where a front was not followed, the polynomial of its slab wiggles round it;
+    there the curve is a straight line between the slabs on either side, where values are accurate.
 
     Parameters
     ----------
@@ -38,30 +38,35 @@ def curve(probe: ProbeResult) -> Samples:
     edges = offsets[(offsets > AFTER) & (offsets < 1.0 - 2 * AFTER) & (0.0 < probe.share < 1.0)]
     local = np.concatenate([local, edges, edges])
     after = np.concatenate([after, edges, edges + AFTER])
-    order = np.argsort(after)
-    start = np.arange(n)[:, None]
-    seen = shown.at(np.concatenate([[0.0], ((start + after[order]) * h).ravel()]))
+    start, fronts = np.arange(n)[:, None], _fronts(probe) / h
+    instants = np.concatenate([[0.0], (start + after).ravel(), fronts, fronts + AFTER])
+    order = np.argsort(instants)
+    seen = shown.at(np.minimum(instants[order], n) * h)
     noise = NOISE * max(abs(seen.a).max(), abs(seen.b).max())
     u = np.where(abs(seen.u) > noise, seen.u, 0.0)
     y = np.where(abs(seen.y) > noise / probe.record.z0, seen.y, 0.0)
-    return Samples(np.concatenate([[0.0], ((start + local[order]) * h).ravel()]), u, y, seen.a, seen.b)
+    drawn = np.concatenate([[0.0], (start + local).ravel(), fronts, fronts])
+    return Samples(drawn[order] * h, u, y, seen.a, seen.b)
+
+
+def _fronts(probe: ProbeResult) -> NDArray:
+    """Instants at which fronts inside slabs pass a probe, s."""
+    record, share = probe.record, probe.share
+    if share in (0.0, 1.0):
+        passing = [(record.a1 if share == 0.0 else record.a2, 0.0)]  # both waves at an end have the same pieces
+    else:
+        passing = [(record.a1, share * record.delay), (record.b2, (1.0 - share) * record.delay)]
+    instants = [wave.breakpoints() + delay for wave, delay in passing]
+    return np.unique(np.concatenate([t[t < probe.slab_ends[-1]] for t in instants]))
 
 
 def drawable(record: LineRecord) -> LineRecord:
-    """The record with straight lines across fronts that lie inside slabs."""
+    """The record with straight lines across slabs with fronts that were not followed."""
+    if not record.smeared:
+        return record
     largest = ROUGH * _span(record)
     a1, b1, a2, b2 = (_bridged(wave, largest) for wave in _waves(record))
     return replace(record, a1=a1, b1=b1, a2=a2, b2=b2)
-
-
-def unresolved(record: LineRecord) -> float:
-    """By how much the waves are off in slabs that they vary too fast for, as a share of their range; mostly zero.
-
-    Order 1 leaves nothing to tell it by.
-    """
-    span = _span(record)
-    tails = [tail[_rough(wave, tail, ROUGH * span)] for wave in _waves(record) for tail in [_tail(wave)]]
-    return max(float(tail.max(initial=0.0)) for tail in tails) / span if span else 0.0
 
 
 def _waves(record: LineRecord) -> tuple[Wave, Wave, Wave, Wave]:
@@ -83,14 +88,19 @@ def _tail(wave: Wave) -> NDArray:
 
 def _edges(wave: Wave) -> tuple[NDArray, NDArray]:
     """Values just after and just before each slab's edge."""
-    return np.append(wave.values @ wave.basis.evaluation([0.0])[0], wave.values[-1, -1]), wave.at_slab_ends()
+    first = wave.basis.evaluation([0.0])[0]
+    starts, begins = np.append(wave.values @ first, wave.values[-1, -1]), wave.pieces.span[:, 0] == 0.0
+    starts[wave.pieces.slab[begins]] = wave.pieces.values[begins] @ first
+    return starts, wave.at_slab_ends()
 
 
 def _rough(wave: Wave, tail: NDArray, largest: float) -> NDArray:
-    """Slabs whose highest degrees are large and that do not continue their neighbours."""
+    """Slabs in one piece whose highest degrees are large and that do not continue their neighbours."""
     starts, ends = _edges(wave)
     breaks = np.abs(starts - ends) > largest
-    return (tail > largest) & (breaks[:-1] | breaks[1:])
+    rough = (tail > largest) & (breaks[:-1] | breaks[1:])
+    rough[wave.pieces.slab] = False
+    return rough
 
 
 def _bridged(wave: Wave, largest: float) -> Wave:

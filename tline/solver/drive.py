@@ -1,5 +1,7 @@
 """Waveforms on slabs: sampled where they are smooth, L2-projected in slabs that hold a jump or a corner."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,6 +36,41 @@ def on_slabs(waveform: Shape, breaks: NDArray, basis: Basis, h: float, first: in
     values[cut.astype(int)] = 0.0
     np.add.at(values, slab, (moments * seen.ravel()).reshape(basis.s, *t.shape).sum(axis=2).T)
     return values
+
+
+class Broken(NamedTuple):
+    """The part of one Thévenin wave in the slabs in which a source jumps or has a corner."""
+
+    slab: NDArray  # (slabs,) their numbers
+    anew: NDArray  # (slabs,) whether there is a front at the slab's start
+    parts: NDArray  # (slabs,) number of pieces
+    start: NDArray  # (pieces,) in slab time
+    stop: NDArray
+    coef: NDArray  # (pieces, s) Legendre coefficients
+
+
+def places_of(parts: list[tuple[Shape, float]], t_end: float, h: float) -> NDArray:
+    """Instants in slabs, sorted, at which the waveforms of one drive row jump or bend; t = 0 is always one."""
+    places = np.concatenate([[0.0], *(waveform.breaks(t_end) for waveform, _ in parts)]) / h
+    near = np.round(places)
+    places = np.where(np.abs(places - near) < EDGE, near, places)
+    return np.unique(places[(places >= 0) & (places < t_end / h)])
+
+
+def broken(parts: list[tuple[Shape, float]], places: NDArray, basis: Basis, h: float, first: int, n: int) -> Broken:
+    """Sampled piece by piece in those of n slabs, from number `first` on, that hold one of the places."""
+    places = places[(places >= first) & (places < first + n)]
+    cut = np.unique(np.floor(places))
+    edges = np.unique(np.concatenate([cut, places, cut + 1]))
+    start, stop = edges[:-1], edges[1:]
+    slab = np.floor((start + stop) / 2)
+    of_cut = np.isin(slab, cut)  # the others lie between cut slabs
+    start, stop, slab = start[of_cut], stop[of_cut], slab[of_cut]
+    t, inside = h * (start[:, None] + (stop - start)[:, None] * basis.c), h * (start + stop)[:, None] / 2
+    values = sum((share * waveform.value(t, inside) for waveform, share in parts), np.zeros(t.shape))
+    count = np.unique(slab, return_counts=True)[1]
+    numbers = cut.astype(int)
+    return Broken(numbers, np.isin(cut, places), count, start - slab, stop - slab, values @ basis.to_legendre.T)
 
 
 def just_before(waveform: Shape) -> float:

@@ -138,21 +138,3 @@ def load_step(system: StateSpace, basis: Basis, h: float) -> LoadStep:
     u[:, :s] += system.d * np.eye(s)
     end = x[(s - 1) * n :]
     return LoadStep(u[:, :s], u[:, s:], end[:, :s], end[:, s:])
-
-
-def stepwise(pieces: list[tuple[float, float, StateSpace]], basis: Basis, h: float) -> LoadStep:
-    """One slab in which the node changes: pieces (start, end, system) in slab time cover [0, 1].
-
-    One Radau step per piece; the effort, a polynomial on each piece, is L2-projected on the slab.
-    """
-    if len(pieces) == 1:
-        return load_step(pieces[0][2], basis, h)
-    s, n = basis.s, len(pieces[0][2].A)
-    state = np.concatenate([np.zeros((n, s)), np.eye(n)], axis=1)  # of the piece's start, from (w, x0)
-    u = np.zeros((s, s + n))
-    for start, end, system in pieces:
-        step = load_step(system, basis, (end - start) * h)
-        wave = np.concatenate([basis.restriction(start, end), np.zeros((s, n))], axis=1)
-        u += basis.projection(start, end) @ (step.u_w @ wave + step.u_x @ state)
-        state = step.x_w @ wave + step.x_x @ state
-    return LoadStep(u[:, :s], u[:, s:], state[:, :s], state[:, s:])

@@ -1,8 +1,11 @@
-"""The time loop: projects the sources chunk by chunk and lets the kernel advance all nodes."""
+"""The time loop: samples the sources chunk by chunk and lets the kernel advance all nodes.
+
+Where no front is under way inside a slab, nodes are advanced in blocks; where one is, slab by slab in pieces.
+"""
 
 import time
-from collections import defaultdict
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,20 +16,39 @@ from tline.errors import InputError
 from tline.scene.mistakes import place
 from tline.scene.rational_load import Rational
 from tline.solver.assemble import Assembly
-from tline.solver.drive import on_slabs
+from tline.solver.drive import EDGE, broken, on_slabs, places_of
+from tline.solver.fronts import LIVE, LULL, NOTED, Fronts, Tally, fronts_of, sources_of, tally
 
 CHUNK = 2e7  # line-end samples between two looks at the progress bar
+STRETCH = 1024  # slabs advanced in pieces between two looks for fronts
 
 
-def march(assembly: Assembly, n: int, *, progress: bool = False) -> tuple[NDArray, float]:
+class Noted(NamedTuple):
+    """Recorded slabs in pieces, in order of time."""
+
+    row: NDArray  # (pieces,) of the record
+    slab: NDArray  # (pieces,)
+    span: NDArray  # (pieces, 2) start and end in slab time
+    values: NDArray  # (pieces, 2, s) what arrived, and what left
+
+
+class Run(NamedTuple):
+    """What there is to say of a run beside its record."""
+
+    seconds: float  # without compiling or loading the kernel
+    pieces: Noted
+    fronts: Tally
+
+
+def march(assembly: Assembly, n: int, *, progress: bool = False) -> tuple[NDArray, Run]:
     """Advance an assembled scene by n slabs.
 
     Returns
     -------
     record : ndarray, shape (recorded ends, 2, n * s)
-        What arrived at each recorded end, and what left it.
-    seconds : float
-        Time it took, without compiling or loading the kernel.
+        What arrived at each recorded end, and what left it, at the points of each slab.
+    run : Run
+        Time it took, recorded pieces, and what became of fronts.
 
     Raises
     ------
@@ -35,35 +57,118 @@ def march(assembly: Assembly, n: int, *, progress: bool = False) -> tuple[NDArra
     """
     from tqdm import tqdm
 
-    from tline.solver.kernel import advance
-
-    network, state, s, h = assembly.network, assembly.state, assembly.resolution.s, assembly.resolution.h
-    breaks = [[waveform.breaks(n * h) for waveform, _ in parts] for parts in assembly.drives]
+    s = assembly.basis.s
     record = np.empty((2 * len(assembly.recorded), 2, n * s))
-    advance(network, state, 0, np.zeros((len(breaks), 0)), record, 0)  # compiled now, or loaded
-    chunk = max(int(CHUNK / (2 * len(network.delay) * s)), 1)
-    changes = defaultdict(list)
-    for slab, node, row in assembly.changes:
-        changes[slab].append((node, row))
-    edges = sorted({*range(0, n, chunk), n, *(slab for slab in changes if slab < n)})
+    steps = Stepper(assembly, n, record)
+    steps.compile()
+    chunk = max(int(CHUNK / (len(assembly.network.ends) * s)), 1)
     started = time.perf_counter()
     with tqdm(total=n, disable=not progress, delay=2, unit="slab", unit_scale=True) as bar:
-        for low, high in pairwise(edges):
-            for node, row in changes[low]:
-                network.step_row[node] = row
-            if advance(network, state, high - low, _drive(assembly, breaks, low, high - low), record, low) >= 0:
-                _refuse(assembly)
+        for low, high in pairwise([*range(0, n, chunk), n]):
+            steps.advance(low, high)
             bar.update(high - low)
-    return record, time.perf_counter() - started
+    return record, steps.run(time.perf_counter() - started)
 
 
-def _drive(assembly: Assembly, breaks: list[list[NDArray]], first: int, n: int) -> NDArray:
-    """The sources' parts of the Thévenin waves on n slabs, shape (drives, n * s)."""
-    drive = np.zeros((len(breaks), n, assembly.resolution.s))
-    for row, parts, marks in zip(drive, assembly.drives, breaks, strict=True):
-        for (waveform, share), mark in zip(parts, marks, strict=True):
-            row += share * on_slabs(waveform, mark, assembly.basis, assembly.resolution.h, first, n)
-    return drive.reshape(len(breaks), n * assembly.resolution.s)
+class Stepper:
+    """An assembled scene under way."""
+
+    def __init__(self, assembly: Assembly, n: int, record: NDArray):
+        self.assembly, self.record, self.h = assembly, record, assembly.resolution.h
+        self.breaks = [[waveform.breaks(n * self.h) for waveform, _ in parts] for parts in assembly.drives]
+        fractional = bool((assembly.network.shift_row >= 0).any())
+        self.places = [_inside(places_of(p, n * self.h, self.h), fractional) for p in assembly.drives]
+        moves = [(t, node, row) for t, node, row in _snapped(assembly.changes) if t < n]
+        self.at_edges = [] if fractional else [move for move in moves if move[0] % 1 == 0]
+        inside = [move for move in moves if fractional or move[0] % 1 != 0]
+        self.events = np.unique(np.floor(np.concatenate([*self.places, [t for t, _, _ in inside]])).astype(int))
+        self.fronts: Fronts | None = fronts_of(assembly, n, inside) if len(self.events) else None
+        self.noted: list[Noted] = []
+
+    def compile(self) -> None:
+        """Compile the kernels that will be needed, or load them."""
+        from tline.solver.kernel import advance, advance_fronts
+
+        network, state, silent = self.assembly.network, self.assembly.state, np.zeros((len(self.places), 0))
+        advance(network, state, 0, silent, self.record, 0)
+        if self.fronts is not None:
+            nothing = sources_of([], self.assembly.basis.s)
+            advance_fronts(network, state, self.fronts, nothing, silent, 0, 0, self.record)
+
+    def advance(self, low: int, high: int) -> None:
+        """Advance from slab `low` to slab `high`."""
+        edges = sorted({low, high, *(int(t) for t, _, _ in self.at_edges if low < t < high)})
+        for first, last in pairwise(edges):
+            for t, node, row in self.at_edges:
+                if t == first:
+                    self.assembly.network.step_row[node] = row
+            while first < last:
+                first += self._stretch(first, last)
+
+    def _stretch(self, low: int, high: int) -> int:
+        """Advance by some slabs, at most to `high`."""
+        if self.fronts is not None:
+            ahead = self.events[np.searchsorted(self.events, low) :]
+            quiet = (int(ahead[0]) if len(ahead) else high) - low
+            if self.fronts.counts[LIVE] or quiet < LULL:
+                return self._in_pieces(low, min(high - low, STRETCH))
+            high = min(high, low + quiet)
+        from tline.solver.kernel import advance
+
+        network, state = self.assembly.network, self.assembly.state
+        if advance(network, state, high - low, self._drive(low, high - low), self.record, low) >= 0:
+            _refuse(self.assembly)
+        if self.fronts is not None:
+            self.fronts.pieces.width[:] = 0.0
+        return high - low
+
+    def _in_pieces(self, first: int, n: int) -> int:
+        """Advance by at most n slabs with fronts as breakpoints; returns by how many."""
+        from tline.solver.kernel import advance_fronts
+
+        assembly, fronts = self.assembly, self.fronts
+        assert fronts is not None
+        sources = sources_of(
+            [
+                broken(parts, places, assembly.basis, self.h, first, n)
+                for parts, places in zip(assembly.drives, self.places, strict=True)
+            ],
+            assembly.basis.s,
+        )
+        node, done = advance_fronts(
+            assembly.network, assembly.state, fronts, sources, self._drive(first, n), first, n, self.record
+        )
+        if node >= 0:
+            _refuse(assembly)
+        noted, fronts.counts[NOTED] = fronts.counts[NOTED], 0
+        where, span, values = (part[:noted].copy() for part in fronts.log)
+        self.noted.append(Noted(where[:, 0], where[:, 1], span, values))
+        return done
+
+    def _drive(self, first: int, n: int) -> NDArray:
+        """The sources' parts of the Thévenin waves on n slabs, shape (drives, n * s)."""
+        drive = np.zeros((len(self.breaks), n, self.assembly.basis.s))
+        for row, parts, marks in zip(drive, self.assembly.drives, self.breaks, strict=True):
+            for (waveform, share), mark in zip(parts, marks, strict=True):
+                row += share * on_slabs(waveform, mark, self.assembly.basis, self.h, first, n)
+        return drive.reshape(len(self.breaks), n * self.assembly.basis.s)
+
+    def run(self, seconds: float) -> Run:
+        """What there is to say now."""
+        s = self.assembly.basis.s
+        nothing = Noted(np.empty(0, int), np.empty(0, int), np.empty((0, 2)), np.empty((0, 2, s)))
+        pieces = Noted(*(np.concatenate(parts) for parts in zip(nothing, *self.noted, strict=True)))
+        return Run(seconds, pieces, Tally() if self.fronts is None else tally(self.fronts))
+
+
+def _inside(places: NDArray, fractional: bool) -> NDArray:
+    """The places that need pieces: where all delays are whole, a front at a slab's edge stays there."""
+    return places if fractional else places[places % 1 != 0]
+
+
+def _snapped(changes: list[tuple[float, int, int]]) -> list[tuple[float, int, int]]:
+    """Instants as good as on a slab's edge put there."""
+    return [(float(round(t)) if abs(t - round(t)) < EDGE else t, node, row) for t, node, row in changes]
 
 
 def _refuse(assembly: Assembly) -> None:

@@ -27,7 +27,7 @@ class Network(NamedTuple):
     weight: Floats  # (2 L,) share of an arriving wave in the node's Thévenin wave
     drive_row: Integers  # (N,) row of the source's part of that wave, -1 for none
     load_row: Integers  # (N,) row of the node's load state, -1 for an algebraic node
-    step_row: Integers  # (N,) row in step of the load's map over a slab; switches rewrite it
+    step_row: Integers  # (N,) row in step of the load's map over a slab; switches that move rewrite it
     step: Floats  # (rows, s + n, s + n) from (Thévenin wave, state) to (effort, next state), padded with zeros
     record_row: Integers  # (2 L,) row in the record of an end, -1 if it is not recorded
 

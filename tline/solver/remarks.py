@@ -6,24 +6,27 @@ import numpy as np
 
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
-from tline.solver.curve import unresolved
+from tline.solver.fronts import Tally
 from tline.solver.result import ProbeResult
 from tline.solver.steady import parts
 
 LISTED = 4  # nodes
+VISIBLE = 1e-6  # of the largest wave
 
 
-def ringing(probes: Mapping[str, ProbeResult]) -> list[str]:
-    """Probes on lines whose waves vary faster than some slabs can follow."""
-    notes = []
-    for name, probe in probes.items():
-        off = unresolved(probe.record)
-        if off:
-            notes.append(
-                f"{place('probes', name)}: in slabs that hold a front the waves are off by up to {off:.0%} of their "
-                "range; a slab that divides all delays and instants avoids it, a smaller one narrows it"
-            )
-    return notes
+def smeared(fronts: Tally) -> list[str]:
+    """Fronts that were not followed, if that shows."""
+    if fronts.lost < VISIBLE:
+        return []
+    by = (
+        f"by up to {fronts.lost:.1g} of the largest wave"
+        if np.isfinite(fronts.lost)
+        else "corners of sources among them"
+    )
+    return [
+        f"fronts: {fronts.dropped} breakpoints beyond the number that a slab may hold were smeared over their slabs, "
+        f"{by}; a smaller slab keeps more"
+    ]
 
 
 def untouched(probes: Mapping[str, ProbeResult]) -> list[str]:

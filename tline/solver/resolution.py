@@ -1,10 +1,11 @@
 """Order and slab width of a run: as the user fixed them, or fine enough for what the scene holds."""
 
 from fractions import Fraction
-from math import ceil, inf, isfinite, lcm
+from math import ceil, inf, lcm
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.load import Switch
@@ -13,9 +14,10 @@ from tline.scene.scene import Scene
 from tline.solver.nodes import Node
 
 ORDER = 5
+POINTS = 2  # of a slab, at least, in the time scale of what is to be resolved
 SLABS_PER_DELAY, SLABS_PER_RUN = 4, 500  # at least, where they cost little
-SLABS_FOR_FRONTS = 20_000  # at most, to see the short pieces of waveforms: what passes them is right anyway
-CHEAP = 1e9  # line-end samples computed without asking whether that fine is needed
+SLABS_FOR_FRONTS = 20_000  # at most, to give the short pieces of waveforms slabs of their own
+CHEAP = 1e7  # line-end samples computed without asking whether that fine is needed
 ROOM = 4e7  # samples on the lines or in the record that are kept without asking
 LARGEST = 4e8  # samples on the lines at once
 MOST_SLABS = 1e9
@@ -29,11 +31,12 @@ class Resolution(NamedTuple):
 
     s: int
     h: float
-    notes: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+    blind: bool = False  # whether an oscillation may pass unseen, so that no comparison with another order tells
 
 
-def resolution(scene: Scene, nodes: dict[str, Node]) -> Resolution:
-    """Order and slab width of a scene, and notes on what is too fast for them.
+def resolution(scene: Scene, nodes: dict[str, Node], s: int | None = None, h: float | None = None) -> Resolution:
+    """Order and slab width of a scene, if they are not given, and notes on what is too fast for them.
 
     Raises
     ------
@@ -41,41 +44,41 @@ def resolution(scene: Scene, nodes: dict[str, Node]) -> Resolution:
         The waves under way would not fit in memory, or the run has too many slabs or ends within the first.
     """
     delays = {name: line.parameters.delay or 0.0 for name, line in scene.lines.items()}
-    s = scene.solver.order or ORDER
-    gaps, scales = _gaps(scene), _time_scales(scene, nodes)
-    if scene.solver.slab is not None:
-        h = float(scene.solver.slab)
-    else:
-        shortest = min(delays.values())
-        fronts = [max(gap, scene.t_end / SLABS_FOR_FRONTS) for gap in gaps.values()]
-        wanted = min(shortest / SLABS_PER_DELAY, scene.t_end / SLABS_PER_RUN, *fronts, *scales.values(), inf)
-        affordable = min(_affordable(scene, list(delays.values()), s), shortest)
-        h = _aligned(list(delays.values()), _marks(scene), max(wanted, affordable), affordable)
-    _check(scene, delays, s, h)
-    late = [
-        f"{where}: it changes within {gap:.3g} s, less than the slab of {h:.3g} s; this is seen at slab ends only"
-        for where, gap in gaps.items()
-        if gap < h * (1 - 1e-9)
-    ]
-    damped = [
+    s = s or scene.solver.order or ORDER
+    by_hand = h is None and scene.solver.slab is not None
+    scales = _time_scales(scene, nodes)
+    h = h or float(scene.solver.slab or 0.0) or _slab(scene, list(delays.values()), scales)
+    _check(scene, delays, s, h, by_hand)
+    seen = h * min(POINTS / s, 1.0) * (1 - 1e-9)
+    notes = [
         f"{where}: its time scale of {scale:.3g} s is shorter than the slab of {h:.3g} s; "
         "what is faster than the slab is damped, not resolved"
-        for where, scale in scales.items()
-        if scale < h * (1 - 1e-9)
+        for where, (scale, _) in scales.items()
+        if scale < seen
     ]
-    return Resolution(s, h, (*late, *damped))
+    return Resolution(s, h, tuple(notes), any(period < seen for _, period in scales.values()))
 
 
-def _affordable(scene: Scene, delays: list[float], s: int) -> float:
+def _slab(scene: Scene, delays: list[float], scales: dict[str, tuple[float, float]]) -> float:
+    """A slab that is fine enough for what the scene holds, if that is affordable."""
+    shortest = min(delays)
+    fronts = [max(gap, scene.t_end / SLABS_FOR_FRONTS) for gap in _gaps(scene)]
+    wanted = min(
+        shortest / SLABS_PER_DELAY, scene.t_end / SLABS_PER_RUN, *fronts, *(scale for scale, _ in scales.values())
+    )
+    affordable = min(_affordable(scene, delays), shortest)
+    return _aligned(delays, _marks(scene), max(wanted, affordable), affordable)
+
+
+def _affordable(scene: Scene, delays: list[float]) -> float:
     """The narrowest slab, s, that neither time nor memory forbids."""
     probed = min(len(scene.probes), len(delays))
     stepping = 2 * len(delays) * scene.t_end / CHEAP
     kept = max(4 * probed * scene.t_end, 2 * sum(delays)) / ROOM
-    return s * max(stepping, kept)
+    return ORDER * max(stepping, kept)
 
 
-def _check(scene: Scene, delays: dict[str, float], s: int, h: float) -> None:
-    by_hand = scene.solver.slab is not None
+def _check(scene: Scene, delays: dict[str, float], s: int, h: float, by_hand: bool) -> None:
     shortest, longest = (place("lines", choose(delays, key=lambda name: delays[name])) for choose in (min, max))
     under_way = 2 * s * sum(delays.values()) / h
     if under_way > LARGEST:
@@ -96,26 +99,31 @@ def _check(scene: Scene, delays: dict[str, float], s: int, h: float) -> None:
         raise InputError("t_end", problem, expected, f"{scene.t_end:.3g} s")
 
 
-def _gaps(scene: Scene) -> dict[str, float]:
+def _gaps(scene: Scene) -> list[float]:
     """The shortest piece between two breaks of each waveform that has one, s; below rounding it is a jump."""
-    gaps = {}
+    pieces = [np.diff(source.value.breaks(scene.t_end)) for source in scene.sources.values()]
+    return [float(p.min()) for p in (p[p > WHOLE * scene.t_end] for p in pieces) if p.size]
+
+
+def _time_scales(scene: Scene, nodes: dict[str, Node]) -> dict[str, tuple[float, float]]:
+    """Of each curved waveform and dynamic load the shortest time scale, and that of its oscillations, s."""
+    scales = {}
     for name, source in scene.sources.items():
-        pieces = np.diff(source.value.breaks(scene.t_end))
-        pieces = pieces[pieces > WHOLE * scene.t_end]
-        if pieces.size:
-            gaps[place("sources", name)] = float(pieces.min())
-    return gaps
-
-
-def _time_scales(scene: Scene, nodes: dict[str, Node]) -> dict[str, float]:
-    """The shortest time scale of each curved waveform and each dynamic load, s."""
-    scales = {place("sources", name): source.value.fastest() for name, source in scene.sources.items()}
+        fastest = source.value.fastest()
+        scales[place("sources", name)] = fastest, fastest
     for node in nodes.values():
         if node.load is not None and node.held is None:
             states = {node.switched(t) for t in (0.0, *(float(switch.time) for switch in node.switches), inf)}
-            largest = max(np.abs(np.linalg.eigvals(node.effort(g).A)).max() for g in states)
-            scales[node.load_name] = 1 / largest if largest else inf
-    return {where: float(scale) for where, scale in scales.items() if isfinite(scale)}
+            poles = np.concatenate([np.linalg.eigvals(node.effort(g).A) for g in states])
+            ringing = poles[np.abs(poles.imag) > np.abs(poles.real)]
+            scales[node.load_name] = (_shortest(poles), _shortest(ringing))
+    return scales
+
+
+def _shortest(poles: NDArray) -> float:
+    """Time scale of the fastest pole, s; infinite if there is none."""
+    fastest = float(np.abs(poles).max(initial=0.0))
+    return 1 / fastest if fastest else inf
 
 
 def _marks(scene: Scene) -> list[float]:

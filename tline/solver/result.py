@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,20 +12,33 @@ from tline.errors import InputError
 from tline.scene.medium import MEDIA, Medium
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
+from tline.solver.fronts import Tally
 from tline.solver.radau import Basis
 from tline.solver.resolution import Resolution
 
+if TYPE_CHECKING:
+    from tline.solver.accuracy import Accuracy
+
 NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
+
+
+class Pieces(NamedTuple):
+    """The slabs of a wave that hold fronts: between two fronts a polynomial of its own."""
+
+    slab: NDArray  # (pieces,) number of the slab, in order of time
+    span: NDArray  # (pieces, 2) start and end in slab time
+    values: NDArray  # (pieces, s) at the Radau points of the piece
 
 
 @dataclass(frozen=True, eq=False)
 class Wave:
     """A wave as slab polynomials; constant before t = 0."""
 
-    values: NDArray  # (slabs, s) at the Radau points
+    values: NDArray  # (slabs, s) at the Radau points, also where the slab is in pieces
     before: float
     basis: Basis
     h: float
+    pieces: Pieces
 
     def __call__(self, t: ArrayLike) -> NDArray:
         """Value at any instants up to the end of the run, same shape as t; at a jump the value before it."""
@@ -34,7 +48,22 @@ class Wave:
         inside = np.clip(slab, 0, len(self.values) - 1)
         local = np.clip(place - inside, 0.0, 1.0)
         wave = np.einsum("ns,ns->n", self.basis.evaluation(local), self.values[inside])
+        if len(self.pieces.slab):
+            self._in_pieces(place, inside, wave)
         return np.where(slab < 0, self.before, wave).reshape(t.shape)
+
+    def _in_pieces(self, place: NDArray, slab: NDArray, wave: NDArray) -> None:
+        """Put right what lies in slabs in pieces."""
+        seen = np.flatnonzero(np.isin(slab, self.pieces.slab))
+        start, stop = (self.pieces.slab[:, None] + self.pieces.span).T
+        piece = np.minimum(np.searchsorted(stop, place[seen] - NEAR), len(stop) - 1)
+        local = np.clip((place[seen] - start[piece]) / (stop[piece] - start[piece]), 0.0, 1.0)
+        wave[seen] = np.einsum("ns,ns->n", self.basis.evaluation(local), self.pieces.values[piece])
+
+    def breakpoints(self) -> NDArray:
+        """Instants of the fronts inside slabs."""
+        start = self.pieces.span[:, 0]
+        return (self.pieces.slab + start)[start > 0.0] * self.h
 
     def at_slab_ends(self) -> NDArray:
         """Values at t = 0, h, 2h, …: where they are most accurate."""
@@ -51,6 +80,7 @@ class LineRecord:
     b1: Wave
     a2: Wave
     b2: Wave
+    smeared: bool  # whether fronts were left out
 
     def waves(self, t: ArrayLike, share: float) -> tuple[NDArray, NDArray]:
         """Waves (a, b) at instants t, at a place given as a share of the delay."""
@@ -144,12 +174,16 @@ class Result:
         LineRecord of each recorded line by name.
     resolution : Resolution
         Order s and slab width h.
-    notes : tuple of str
-        What was not resolved, and other remarks; empty if all is well.
+    unresolved, remarks : tuple of str
+        What was not resolved, and other remarks; empty if all is well. `notes` has both.
     samples : int
         Line-end samples computed.
     seconds : float
         Time spent stepping.
+    fronts : Tally
+        What became of the fronts that did not fit the slabs.
+    accuracy : Accuracy or None
+        Estimated errors; None for a run whose order or slab is fixed by hand, without a tolerance.
     """
 
     scene: Scene
@@ -157,9 +191,17 @@ class Result:
     probes: Mapping[str, ProbeResult]
     lines: Mapping[str, LineRecord]
     resolution: Resolution
-    notes: tuple[str, ...]
+    unresolved: tuple[str, ...]
+    remarks: tuple[str, ...]
     samples: int
     seconds: float
+    fronts: Tally
+    accuracy: "Accuracy | None" = None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """All there is to remark."""
+        return (*self.remarks, *self.unresolved)
 
     @property
     def medium(self) -> Medium:

@@ -1,46 +1,62 @@
-"""Run a scene: assemble it, step the kernel in chunks, and hand back what the probes saw."""
+"""Simulate a scene: to a tolerance, by runs of rising order or on narrower slabs, or once as fixed by hand."""
 
 import warnings
-from collections.abc import Iterable
-from math import ceil
-
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Generator, Iterable
+from dataclasses import replace
 
 from tline.errors import ActiveError, InputError
-from tline.scene.mistakes import nearest
+from tline.scene.quantity import TOLERANCE
 from tline.scene.scene import Scene
-from tline.solver.assemble import Assembly, assemble
-from tline.solver.march import march
-from tline.solver.remarks import ringing, unconnected, untouched
-from tline.solver.result import LineRecord, ProbeResult, Result, Wave
+from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside, extrapolated, taken_as_errors, worst
+from tline.solver.nodes import nodes_of
+from tline.solver.resolution import Resolution, resolution
+from tline.solver.result import Result
+from tline.solver.run import run
 from tline.solver.stability.growth import active_loads, growth_sentence
 
-LARGEST_RECORD = 4e8  # samples
+TOL = 1e-6  # where nothing is asked or fixed
+FIRST, LAST = 2, 12  # orders
+HELPS = 0.5  # a step that leaves more of the difference than this does not converge
+MOST_SAMPLES = 3e9  # line-end samples in all runs together
 
 
 class UnresolvedWarning(UserWarning):
     """Something in the scene is faster than the slabs can follow."""
 
 
-def simulate(scene: Scene, *, record: Iterable[str] = (), active: bool = False, progress: bool = False) -> Result:
+def simulate(
+    scene: Scene,
+    *,
+    tol: float | None = None,
+    record: Iterable[str] = (),
+    active: bool = False,
+    progress: bool = False,
+) -> Result:
     """Simulate a scene from t = 0 to its end time.
+
+    Order and slab are raised and narrowed until the estimated error of all probes is within the tolerance: runs are
+    compared at common slab ends, and where a higher order leaves more than half of the difference, the slab is halved
+    instead. From two differences in a row, d1 and d2, the error of the last run is taken to be d2 times d2/d1. A scene
+    that fixes order or slab by hand and asks for no tolerance is run once.
 
     Parameters
     ----------
     scene : Scene
         What to simulate.
+    tol : float, 1e-13 to 0.1
+        Largest error of effort and flow at slab ends, relative to their amplitudes at each probe, instead of the
+        scene's ``solver.tol``; 1e-6 where there is neither.
     record : iterable of str
         Lines whose end waves are kept in addition to those of the probes.
     active : bool
         Run even with a load that is not positive real. What it does to the scene is then the first of the notes.
     progress : bool
-        Show a progress bar on stderr if the run takes more than two seconds.
+        Show a progress bar on stderr if a run takes more than two seconds.
 
     Returns
     -------
     Result
-        Probes, recorded lines, and how it was computed.
+        Probes, recorded lines, how it was computed, and how accurate it is: ``Result.accuracy``.
 
     Raises
     ------
@@ -57,29 +73,115 @@ def simulate(scene: Scene, *, record: Iterable[str] = (), active: bool = False, 
     References
     ----------
     docs/theory.md has the scheme and the proof that it cannot create energy.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="electrical", t_end="40 ns", probes={"far": {"at": "far"}},
+    ...     lines={"line": {"nodes": ["near", "far"], "z0": 50, "delay": "5 ns"}},
+    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 20}},
+    ...     loads={"c": {"at": "far", "kind": "parallel", "resistance": 100, "capacitance": "10 pF"}},
+    ... )
+    >>> result = simulate(scene, tol=1e-9)
+    >>> result.accuracy.met, result.accuracy.estimates["far"].u < 1e-9
+    (True, True)
     """
-    warned = _active(scene, active)
-    kept = {*record, *_probed(scene)}
-    for name in sorted(kept - scene.lines.keys()):
-        raise InputError("record", "no such line", nearest(name, list(scene.lines)), f"'{name}'")
-    assembly = assemble(scene, kept)
-    h, s = assembly.resolution.h, assembly.resolution.s
-    n = max(ceil(scene.t_end / h - 1e-9), 1)
-    if 4 * len(kept) * n * s > LARGEST_RECORD:
-        problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
-        raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
-    waves, seconds = march(assembly, n, progress=progress)
-    lines = {name: _record(assembly, name, waves) for name in assembly.recorded}
-    ends = np.arange(n + 1) * h
-    probes = {}
-    for name, probe in scene.probes.items():
-        line = probe.line or next(iter(_lines_at(scene, probe.at)))
-        probes[name] = ProbeResult(name, line, probe.fraction(scene.lines[line]), lines[line], ends)
-    unresolved = (*assembly.resolution.notes, *ringing(probes))
-    for note in unresolved:
+    warned, record = _active(scene, active), list(record)
+    tol = _tolerance(scene, tol)
+    if tol is None or (scene.solver.order and scene.solver.slab):
+        result = run(scene, resolution(scene, nodes_of(scene)), record, progress=progress)
+        result = replace(result, accuracy=tol and _by_hand(result, tol))
+    else:
+        result = _within(scene, tol, record, progress)
+    for note in result.unresolved:
         warnings.warn(note, UnresolvedWarning, stacklevel=2)
-    notes = (*warned, *unresolved, *untouched(probes), *unconnected(scene))
-    return Result(scene, ends, probes, lines, assembly.resolution, notes, 2 * len(scene.lines) * n * s, seconds)
+    return replace(result, remarks=(*warned, *result.remarks))
+
+
+def judged(result: Result) -> Accuracy:
+    """How accurate a run fixed by hand is: its difference to one of the next order.
+
+    Parameters
+    ----------
+    result : Result
+        Of a run without a tolerance.
+    """
+    s, h = result.resolution.s, result.resolution.h
+    better = run(result.scene, Resolution(s + 1, h, ()))
+    estimates = taken_as_errors(apart(result, better))
+    worst_of_all = Accuracy(None, estimates, ()).worst
+    attempts = (_attempt(result, worst_of_all), _attempt(better, None))
+    return Accuracy(None, estimates, attempts, apart_inside(result, better))
+
+
+def _by_hand(result: Result, tol: float) -> Accuracy:
+    found = judged(result)
+    return replace(found, tol=tol, limit="" if found.worst <= tol else "order and slab are fixed by hand")
+
+
+def _tolerance(scene: Scene, tol: float | None) -> float | None:
+    """What is asked; None if order or slab are fixed by hand and nothing is."""
+    by_hand = scene.solver.order is not None or scene.solver.slab is not None
+    asked = scene.solver.tol
+    if tol is not None:
+        try:
+            asked = TOLERANCE.parse(tol, "")
+        except InputError as error:
+            raise InputError("tol", error.problem, error.expected, error.got) from None
+    return asked if asked is not None or by_hand else TOL
+
+
+def _within(scene: Scene, tol: float, record: list[str], progress: bool) -> Result:
+    """Run until the estimated error is within the tolerance, or a limit is reached."""
+    steps, attempts, limit = _finer(scene), [], ""
+    result, earlier, differences, helps = run(scene, next(steps), record, progress=progress), None, {}, True
+    while True:
+        coarse, d = earlier, apart(earlier, result) if earlier else {}
+        estimates = extrapolated(differences, d) if differences else taken_as_errors(d)
+        accuracy = Accuracy(tol, estimates, ())
+        attempts.append(_attempt(result, accuracy.worst if d else None))
+        if differences and accuracy.met and not result.resolution.blind:
+            break
+        if differences or result.resolution.blind:
+            helps = not result.resolution.blind and worst(d) <= HELPS * worst(differences)
+        if sum(a.samples for a in attempts) + 2 * result.samples > MOST_SAMPLES:
+            limit = f"a finer run would take the total beyond {MOST_SAMPLES:.0e} line-end samples"
+            break
+        earlier, differences = result, d
+        try:
+            result = run(scene, steps.send(helps), record, progress=progress)
+        except StopIteration:
+            limit = "order and slab are as fine as they may be"
+            break
+        except InputError as error:
+            limit = f"{error.where}: {error.problem}"
+            break
+    damped = () if limit else result.resolution.notes  # that does not matter where the tolerance is met
+    unresolved = tuple(note for note in result.unresolved if note not in damped)
+    inside = apart_inside(coarse, result) if coarse else {}
+    accuracy = Accuracy(tol, accuracy.estimates, tuple(attempts), inside, limit)
+    return replace(result, unresolved=unresolved, accuracy=accuracy)
+
+
+def _finer(scene: Scene) -> Generator[Resolution, bool]:
+    """Ever finer orders and slabs; what is sent in tells whether the last step helped."""
+    nodes, solver = nodes_of(scene), scene.solver
+    s = solver.order or FIRST
+    chosen = resolution(scene, nodes, s)
+    h = chosen.h
+    while True:
+        helped = yield chosen
+        if solver.order is None and s < LAST and (helped or solver.slab is not None):
+            s += 1
+        elif solver.slab is None:
+            h /= 2
+        else:
+            return
+        chosen = resolution(scene, nodes, s, h)
+
+
+def _attempt(result: Result, estimate: float | None) -> Attempt:
+    return Attempt(result.resolution.s, result.resolution.h, estimate, result.samples, result.seconds)
 
 
 def _active(scene: Scene, allowed: bool) -> list[str]:
@@ -91,23 +193,3 @@ def _active(scene: Scene, allowed: bool) -> list[str]:
     if not allowed:
         raise ActiveError("", problem, "passive loads, or active=True to run it all the same")
     return [problem]
-
-
-def _lines_at(scene: Scene, node: str | None) -> Iterable[str]:
-    return (name for name, line in scene.lines.items() if node in line.nodes)
-
-
-def _probed(scene: Scene) -> set[str]:
-    return {probe.line or next(iter(_lines_at(scene, probe.at))) for probe in scene.probes.values()}
-
-
-def _record(assembly: Assembly, name: str, waves: NDArray) -> LineRecord:
-    row, (a, b) = assembly.recorded[name], assembly.start[name]
-    parameters = assembly.scene.lines[name].parameters
-    s, h = assembly.resolution.s, assembly.resolution.h
-
-    def wave(values: NDArray, before: float) -> Wave:
-        return Wave(values.reshape(-1, s), before, assembly.basis, h)
-
-    (b1, a1), (a2, b2) = waves[row], waves[row + 1]
-    return LineRecord(parameters.z0, parameters.delay or 0.0, wave(a1, a), wave(b1, b), wave(a2, a), wave(b2, b))

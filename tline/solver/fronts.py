@@ -1,0 +1,210 @@
+"""Fronts as breakpoints that travel: what slabs in several pieces need beside a network and its state.
+
+A jump or corner of a source, or a switch that moves, is a front. A slab with fronts inside is held as pieces, each a
+polynomial of degree s - 1 in Legendre coefficients; places are in slab time, 0 to 1. A slab that begins with a front is
+marked as starting anew: on a line with a fractional rest its start becomes a breakpoint too.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.solver.assemble import Assembly
+from tline.solver.drive import Broken
+from tline.solver.load_step import StateSpace
+from tline.solver.network import Floats, Integers
+from tline.solver.radau import gauss
+
+MOST = 16  # pieces of a slab
+AT_NODE = 2 * MOST  # pieces of a slab on which a node works
+WORK = 4e7  # pieces computed without asking; in runs that could hold more, a slab has fewer
+MEMORY = 2e8  # bytes for slabs in pieces
+LOGGED = 4096  # pieces recorded between two looks
+LULL = 16  # slabs without a front that are worth a return to blocks
+LIVE, PEAK, MERGED, DISSOLVED, DROPPED, NOTED = range(6)  # places in the counts
+SCALE, LOST = range(2)  # places in the sizes
+
+
+class Tools(NamedTuple):
+    """Matrices of the basis."""
+
+    c: Floats  # (s,)
+    to_points: Floats  # (s, s)
+    to_legendre: Floats  # (s, s)
+    radau: Floats  # (s, s)
+    gauss: Floats  # (2, s) nodes and weights on [0, 1]
+
+
+class Systems(NamedTuple):
+    """From Thévenin wave to effort, of each row in the network's step: dx/dt = A x + b w, u = c x + d w."""
+
+    A: Floats  # (rows, n, n)
+    b: Floats  # (rows, n)
+    c: Floats  # (rows, n)
+    d: Floats  # (rows,)
+    n: Integers  # (rows,)
+
+
+class Moves(NamedTuple):
+    """Switches that move."""
+
+    first: Integers  # (N + 1,) those of node k are first[k] to first[k + 1], in order of time
+    at: Floats  # instants, in slabs
+    row: Integers  # row in step from then on
+    due: Integers  # (N,) the next one of each node
+
+
+class Pieces(NamedTuple):
+    """Slabs under way that are held in pieces, one a row."""
+
+    of_slab: Integers  # (slabs in the wave buffers,) row, -1 for a slab in one piece
+    before: Integers  # (2 L,) row of the slab that arrived last
+    last: Floats  # (2 L, s) the last piece that left an end
+    width: Floats  # (2 L,) and its width; 0 if unknown
+    number: Integers  # (rows,) of pieces
+    anew: Floats  # (rows,) size of the front at the slab's start, 0 for none
+    start: Floats  # (rows, MOST + 1) edges
+    size: Floats  # (rows, MOST) of the front at each start
+    coef: Floats  # (rows, MOST, s)
+    free: Integers  # (rows,) those behind the first LIVE are free
+
+
+class Log(NamedTuple):
+    """Recorded pieces."""
+
+    where: Integers  # (places, 2) row of the record, slab
+    span: Floats  # (places, 2) start and end in slab time
+    values: Floats  # (places, 2, s) what arrived, and what left
+
+
+class Fronts(NamedTuple):
+    """All that slabs in pieces need."""
+
+    most: int  # pieces of a slab under way
+    at_node: int
+    step: float  # slab width h
+    fractional: bool  # whether any delay has a fractional rest
+    rest: Floats  # (L,) fractional rest of each delay
+    tools: Tools
+    systems: Systems
+    moves: Moves
+    pieces: Pieces
+    log: Log
+    counts: Integers  # (6,)
+    sizes: Floats  # (2,) largest wave so far, largest front dropped
+
+
+class Tally(NamedTuple):
+    """What became of the fronts of a run.
+
+    Attributes
+    ----------
+    most : int
+        Slabs in several pieces under way at once, at most.
+    merged : int
+        Fronts that reached a node together with another one.
+    dissolved : int
+        Breakpoints taken away because the pieces beside them continue each other.
+    dropped : int
+        Breakpoints taken away because a slab had too many.
+    lost : float
+        The largest of those, as a share of the largest wave.
+    """
+
+    most: int = 0
+    merged: int = 0
+    dissolved: int = 0
+    dropped: int = 0
+    lost: float = 0.0
+
+
+def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]]) -> Fronts:
+    """What a run of n slabs needs; moves are (instant in slabs, node, row in step), sorted."""
+    network, state, basis, h = assembly.network, assembly.state, assembly.basis, assembly.resolution.h
+    s, ends, slabs = basis.s, len(network.ends), state.waves.size // basis.s
+    most = int(min(max(WORK / (ends * n), 1), MOST))
+    rows = int(min(slabs + ends, MEMORY / (8 * most * (s + 2))))
+    node = np.array([k for _, k, _ in moves], int)
+    order = np.argsort(node, kind="stable")
+    first = np.searchsorted(node[order], np.arange(len(network.first)))
+    places = max(LOGGED, 2 * 2 * len(assembly.recorded) * AT_NODE)
+    delays = np.array([line.parameters.delay or 0.0 for line in assembly.scene.lines.values()])
+    return Fronts(
+        most,
+        AT_NODE,
+        h,
+        bool((network.shift_row >= 0).any()),
+        np.where(network.shift_row >= 0, delays / h - network.delay, 0.0),
+        Tools(basis.c, basis.to_points, basis.to_legendre, basis.A, np.array(gauss(s))),
+        _stacked(assembly.systems, network.step.shape[1] - s),
+        Moves(
+            first,
+            np.array([t for t, _, _ in moves])[order],
+            np.array([row for _, _, row in moves], int)[order],
+            first[:-1].copy(),
+        ),
+        Pieces(
+            np.full(slabs, -1),
+            np.full(ends, -1),
+            np.empty((ends, s)),
+            np.zeros(ends),
+            np.empty(rows, int),
+            np.empty(rows),
+            np.empty((rows, most + 1)),
+            np.empty((rows, most)),
+            np.empty((rows, most, s)),
+            np.arange(rows),
+        ),
+        Log(np.empty((places, 2), int), np.empty((places, 2)), np.empty((places, 2, s))),
+        np.zeros(6, int),
+        np.zeros(2),
+    )
+
+
+def _stacked(systems: list[StateSpace], n: int) -> Systems:
+    """Padded with zeros to n states."""
+    A, b, c = np.zeros((len(systems), n, n)), np.zeros((len(systems), n)), np.zeros((len(systems), n))
+    for k, system in enumerate(systems):
+        m = len(system.A)
+        A[k, :m, :m], b[k, :m], c[k, :m] = system.A, system.b, system.c
+    return Systems(A, b, c, np.array([x.d for x in systems]), np.array([len(x.A) for x in systems], int))
+
+
+class Sources(NamedTuple):
+    """The sources' parts of the Thévenin waves in slabs that hold fronts of theirs."""
+
+    first: Integers  # (rows + 1,) the slabs of drive row k are first[k] to first[k + 1]
+    slab: Integers
+    anew: NDArray[np.bool_]  # whether it begins with a front
+    begin: Integers  # (slabs + 1,) its pieces
+    start: Floats
+    stop: Floats
+    coef: Floats  # (pieces, s)
+
+
+def sources_of(broken: list[Broken], s: int) -> Sources:
+    """Slabs of all drive rows, one after the other."""
+    first = np.cumsum([0, *(len(one.slab) for one in broken)])
+    begin = np.cumsum([0, *(count for one in broken for count in one.parts)])
+
+    def joined(parts: list[NDArray], empty: NDArray) -> NDArray:
+        return np.concatenate([empty, *parts])
+
+    return Sources(
+        first,
+        joined([one.slab for one in broken], np.empty(0, int)),
+        joined([one.anew for one in broken], np.empty(0, bool)),
+        begin,
+        joined([one.start for one in broken], np.empty(0)),
+        joined([one.stop for one in broken], np.empty(0)),
+        joined([one.coef for one in broken], np.empty((0, s))),
+    )
+
+
+def tally(fronts: Fronts) -> Tally:
+    """The counts of a run so far."""
+    counts, (scale, lost) = fronts.counts, fronts.sizes
+    share = float(lost / scale) if scale else 0.0
+    most, merged, dissolved, dropped = (int(counts[k]) for k in (PEAK, MERGED, DISSOLVED, DROPPED))
+    return Tally(most, merged, dissolved, dropped, share)

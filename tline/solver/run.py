@@ -1,0 +1,67 @@
+"""One run of a scene at a stated resolution: assemble it, step the kernel, and hand back what the probes saw."""
+
+from collections.abc import Iterable
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.scene import Scene
+from tline.solver.assemble import Assembly, assemble
+from tline.solver.march import Run, march
+from tline.solver.remarks import VISIBLE, smeared, unconnected, untouched
+from tline.solver.resolution import Resolution
+from tline.solver.result import LineRecord, Pieces, ProbeResult, Result, Wave
+
+LARGEST_RECORD = 4e8  # samples
+
+
+def run(scene: Scene, chosen: Resolution, record: Iterable[str] = (), *, progress: bool = False) -> Result:
+    """Run a scene with slabs of a given width and order; `record` names lines to keep beside those of the probes.
+
+    Raises
+    ------
+    InputError
+        The scene cannot be assembled, the record would be too large, or the waves grow beyond all bounds.
+    """
+    kept = {*record, *_probed(scene)}
+    assembly = assemble(scene, kept, chosen)
+    s, h = chosen.s, chosen.h
+    n = max(ceil(scene.t_end / h - 1e-9), 1)
+    if 4 * len(kept) * n * s > LARGEST_RECORD:
+        problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
+        raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
+    waves, done = march(assembly, n, progress=progress)
+    lines = {name: _record(assembly, name, waves, done) for name in assembly.recorded}
+    ends = np.arange(n + 1) * h
+    probes = {}
+    for name, probe in scene.probes.items():
+        line = probe.line or next(iter(_lines_at(scene, probe.at)))
+        probes[name] = ProbeResult(name, line, probe.fraction(scene.lines[line]), lines[line], ends)
+    unresolved = (*chosen.notes, *smeared(done.fronts))
+    remarks = (*untouched(probes), *unconnected(scene))
+    samples = 2 * len(scene.lines) * n * s
+    return Result(scene, ends, probes, lines, chosen, unresolved, remarks, samples, done.seconds, done.fronts)
+
+
+def _lines_at(scene: Scene, node: str | None) -> Iterable[str]:
+    return (name for name, line in scene.lines.items() if node in line.nodes)
+
+
+def _probed(scene: Scene) -> set[str]:
+    return {probe.line or next(iter(_lines_at(scene, probe.at))) for probe in scene.probes.values()}
+
+
+def _record(assembly: Assembly, name: str, waves: NDArray, done: Run) -> LineRecord:
+    row, (a, b) = assembly.recorded[name], assembly.start[name]
+    parameters = assembly.scene.lines[name].parameters
+    s, h = assembly.resolution.s, assembly.resolution.h
+
+    def wave(end: int, side: int, before: float) -> Wave:
+        here, noted = done.pieces.row == row + end, done.pieces
+        pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side])
+        return Wave(waves[row + end, side].reshape(-1, s), before, assembly.basis, h, pieces)
+
+    a1, b1, a2, b2 = wave(0, 1, a), wave(0, 0, b), wave(1, 0, a), wave(1, 1, b)
+    return LineRecord(parameters.z0, parameters.delay or 0.0, a1, b1, a2, b2, done.fronts.lost > VISIBLE)
