@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/bin
 
-.PHONY: demo test lint bench docs clean
+.PHONY: demo test lint bench docs charts clean
 
 demo: $(VENV)/ready-run
 	$(BIN)/tline line hydraulic --radius "10 cm" --wave-speed 1500 --density 980
@@ -28,6 +28,9 @@ bench: $(VENV)/ready-bench
 docs: $(VENV)/ready-dev
 	$(BIN)/python docs/generate.py
 	$(BIN)/python docs/generate_drives.py
+
+charts: $(VENV)/ready-dev
+	$(BIN)/python docs/generate_charts.py
 
 clean:
 	rm -rf $(VENV) out

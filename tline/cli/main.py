@@ -24,6 +24,7 @@ COMMANDS = {
     ),
     "friction": ("tline.cli.friction:friction", "Friction models on a testbench, and where methods fail."),
     "drives": ("tline.cli.drives:drives", "Two spools, a belt, a pulley: from equations to control and animation."),
+    "chart": ("tline.cli.chart:chart", "Speed against accuracy: methods and programs compared, measured now."),
     "schema": ("tline.cli.schema:schema", "JSON schema of scene files, for editors."),
 }
 

@@ -1,0 +1,36 @@
+"""Measures the charts of speed against accuracy and draws them into docs/charts/. Run: python docs/generate_charts.py.
+
+Without arguments all; with names, those scenes or "growth" or "stability" only.
+"""
+
+import sys
+from pathlib import Path
+
+from tline.charts import growth, stability
+from tline.charts.peers import peers
+from tline.charts.picture import draw
+from tline.charts.scenes import NAMES
+from tline.charts.table import Table
+from tline.charts.work_precision import work_precision
+from tline.pictures.style import save_figure
+
+FOLDER = Path(__file__).parent / "charts"
+BESIDE_PEERS = ("rc", "rlc", "y", "chain", "inductor", "hammer")
+
+
+def written(table: Table, name: str) -> None:
+    """Table and picture of one chart."""
+    table.save(FOLDER / f"{name}.csv")
+    save_figure(draw(table), FOLDER / f"{name}.png")
+
+
+if __name__ == "__main__":
+    wanted = sys.argv[1:] or [*NAMES, "growth", "stability"]
+    FOLDER.mkdir(exist_ok=True)
+    for name in wanted:
+        if name in ("growth", "stability"):
+            {"growth": growth, "stability": stability}[name].generate(FOLDER)
+            continue
+        written(work_precision(name, progress=True), f"work_precision_{name}")
+        if name in BESIDE_PEERS:
+            written(peers(name, progress=True), f"peers_{name}")

@@ -1,0 +1,146 @@
+"""Rival methods fall at the order they declare, against closed forms of one line, and say what they cannot do."""
+
+from math import comb
+
+import numpy as np
+import pytest
+
+from tline.errors import InputError
+from tline.rivals import RIVALS
+from tline.scene.scene import Scene
+from tline.scene.waveform import Shape
+
+LAST = 1.5  # s, of the bell
+COUNTS = {  # steps per delay from which on each error falls as it should; odd ones are not whole delays
+    "moc_trapezoid": (16.4, 32.4, 64.4, 128.4),
+    "moc_forward_euler": (16.4, 32.4, 64.4, 128.4),
+    "moc_backward_euler": (16.4, 32.4, 64.4, 128.4),
+    "moc_linear": (64, 128, 256),
+    "moc_cubic": (32, 64, 128),
+    "upwind": (500, 1000, 2000),
+    "lax_wendroff": (80, 160, 320),
+    "fdtd": (80, 160, 320),
+    "lumped_t": (20, 40),
+    "lumped_pi": (20, 40),
+    "pade": (24, 48),
+    "slabs_pointwise": (8, 12, 16, 24, 32),
+}
+
+
+class Bell(Shape):
+    """A pulse with nine continuous derivatives, so that nothing but the method limits the order."""
+
+    def breaks(self, t_end):
+        return np.array([0.0, LAST])
+
+    def value(self, t, inside):
+        return np.where((inside > 0) & (inside < LAST), np.sin(np.pi * t / LAST) ** 10, 0.0)
+
+
+def line(source: float, load: dict, t_end: float) -> Scene:
+    scene = Scene(
+        medium="electrical",
+        t_end=t_end,
+        lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
+        sources={"s": {"at": "near", "kind": "voltage", "resistance": source, "value": 1}},
+        loads={"load": {"at": "far"} | load},
+        probes={"far": {"at": "far"}},
+    )
+    return scene.model_copy(update={"sources": {"s": scene.sources["s"].model_copy(update={"value": Bell()})}})
+
+
+def bounces(t):
+    """Behind 1/2 ohm into 3 ohm: H1 = -1/3, H2 = 1/2, every round trip of 2 multiplies by their product."""
+    return sum(2 / 3 * 1.5 * (-1 / 6) ** k * Bell().value(t - 2 * k - 1, t - 2 * k - 1) for k in range(3))
+
+
+def charge(t):
+    """Behind 1 ohm into 2 ohm beside 0.3 F: u' = (w - u)/C - u/(R C), the bell's ten sines one by one."""
+    rate, t = (1 + 1 / 2) / 0.3, t - 1
+    seen, u = np.clip(t, 0, LAST), 0
+    for k in range(11):
+        turn = 1j * (10 - 2 * k) * np.pi / LAST
+        u = u - comb(10, k) * (-1) ** k / 1024 * (np.exp(turn * seen) - np.exp(-rate * seen)) / (rate + turn)
+    return np.real(u) / 0.3 * np.exp(-rate * np.maximum(t - LAST, 0))
+
+
+def slope(name: str, scene: Scene, exact, counts) -> float:
+    errors = []
+    for n in counts:
+        trace = RIVALS[name].run(scene, n)
+        errors.append(np.abs(trace.u["far"] - exact(trace.t)).max())
+    return -np.polyfit(np.log(counts), np.log(errors), 1)[0]
+
+
+@pytest.mark.parametrize("name", RIVALS)
+def test_lines_converge_at_the_declared_order(name):
+    scene = line(0.5, {"kind": "resistor", "resistance": 3}, 4.0)
+    assert slope(name, scene, bounces, COUNTS[name]) == pytest.approx(RIVALS[name].order, abs=0.35)
+
+
+@pytest.mark.parametrize("name", RIVALS)
+def test_loads_converge_at_the_declared_order(name):
+    scene = line(1.0, {"kind": "parallel", "resistance": 2, "capacitance": 0.3}, 4.0)
+    rival, counts = RIVALS[name], COUNTS[name]
+    whole = [round(n) for n in counts]
+    lowest = rival.load_order if name.startswith("moc_") else min(rival.order, rival.load_order)
+    assert slope(name, scene, charge, whole) == pytest.approx(lowest, abs=0.35)
+
+
+def test_characteristics_at_courant_1_are_exact_between_resistances():
+    trace = RIVALS["moc_trapezoid"].run(line(0.5, {"kind": "resistor", "resistance": 3}, 5.0), 16)
+    assert np.abs(trace.u["far"] - bounces(trace.t)).max() < 1e-14
+
+
+@pytest.mark.parametrize(
+    ("changed", "sentence"),
+    [
+        ({"probes": {"p": {"line": "line", "position": "25 %"}}}, "probes.p: rivals are recorded at nodes only"),
+        ({"start": "steady"}, "start: rivals start at rest only"),
+        (
+            {"loads": {"v": {"at": "far", "kind": "switch", "before": 1, "after": 2, "time": 1}}},
+            "loads.v: rivals have no switches",
+        ),
+    ],
+)
+@pytest.mark.parametrize("name", ["moc_linear", "pade"])
+def test_what_no_rival_can_do(name, changed, sentence):
+    base = {
+        "medium": "electrical",
+        "t_end": 3.0,
+        "lines": {"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
+        "sources": {"s": {"at": "near", "kind": "voltage", "resistance": 1, "value": 1}},
+        "probes": {"far": {"at": "far"}},
+    }
+    scene = Scene(**base | changed)
+    assert RIVALS[name].misfit(scene) == sentence
+    with pytest.raises(InputError, match=sentence):
+        RIVALS[name].run(scene, 4)
+
+
+def test_inductances_take_no_jump_of_flow():
+    scene = Scene(
+        medium="electrical",
+        t_end=3.0,
+        lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
+        sources={"s": {"at": "near", "kind": "current", "value": 1}},
+        probes={"far": {"at": "far"}},
+    )
+    assert "would have to jump in the inductances" in str(RIVALS["lumped_t"].misfit(scene))
+    assert RIVALS["lumped_pi"].misfit(scene) is None
+
+
+@pytest.mark.parametrize("name", ["moc_trapezoid", "fdtd", "upwind", "lumped_pi", "slabs_pointwise"])
+def test_bounds_on_n(name):
+    scene = line(0.5, {"kind": "resistor", "resistance": 3}, 5.0)
+    with pytest.raises(InputError, match="too few steps per shortest delay, expected at least 2, got 1"):
+        RIVALS[name].run(scene, 1)
+    with pytest.raises(InputError, match=r"n: takes .* numbers"):
+        RIVALS[name].run(scene, 1e8)
+
+
+def test_a_stiff_load_is_integrated_implicitly():
+    """A load ten thousand times faster than a section: still the closed form of a resistor."""
+    load = {"kind": "parallel", "resistance": 3, "capacitance": 1e-6}
+    trace = RIVALS["lumped_t"].run(line(0.5, load, 4.0), 40)
+    assert np.abs(trace.u["far"] - bounces(trace.t)).max() < 0.03  # as far off as with the resistor alone

@@ -1,0 +1,142 @@
+"""Tables, pictures, scenes and the judge of the work-precision charts."""
+
+import csv
+from math import inf
+
+import numpy as np
+import pytest
+
+from tline.charts import ngspice, peers, rthym, work_precision
+from tline.charts.clock import QUICK, Run
+from tline.charts.judge import Judge
+from tline.charts.picture import draw
+from tline.charts.scenes import NAMES, chart_scene
+from tline.charts.table import Row, Table
+from tline.charts.work_precision import add, fixed, refined, simulated
+from tline.errors import InputError
+from tline.reference import exact
+
+pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")  # coarse on purpose
+
+
+def row(method="slabs s = 2", kind="ours", error=1e-3, **more):
+    return Row(method, kind, "8 slabs", error, error / 2, 0.01, 0.02, **more)
+
+
+def test_a_table_is_saved_with_its_notes(tmp_path):
+    table = Table("rc", "A title", [row(), row(kind="tolerance", asked=1e-3, estimated=2e-4)], ["absent: nobody"])
+    table.save(tmp_path / "t.csv")
+    lines = (tmp_path / "t.csv").read_text(encoding="utf-8").splitlines()
+    assert lines[:2] == ["# A title", "# absent: nobody"]
+    rows = list(csv.DictReader(lines[2:]))
+    assert [float(r["error"]) for r in rows] == [1e-3, 1e-3]
+    assert [float(r["asked"]) for r in rows] == [inf, 1e-3]
+
+
+def test_a_picture_has_a_curve_for_each_method_and_units():
+    rows = [row(), row("MOC", "rival", 2.0), row("MOC", "rival", inf), row("ngspice", "peer", 0.0)]
+    rows.append(row("to a tolerance", "tolerance", 1e-5, asked=1e-4, estimated=3e-5))
+    (axes,) = draw(Table("rc", "A title", rows)).axes
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert labels[:3] == ["slabs s = 2", "MOC", "ngspice"]
+    assert axes.get_xlabel().endswith("[s]")
+    low, high = axes.get_ylim()
+    curves = {line.get_label(): line.get_ydata() for line in axes.lines}
+    assert all(((low <= y) & (y <= high)).all() for y in map(np.asarray, curves.values()))
+    assert list(curves["… asked"]) == [1e-4]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_chart_scenes_have_titles_of_their_own_and_probes_at_nodes(name):
+    given = chart_scene(name)
+    assert given.scene.title == given.title
+    assert all(probe.at for probe in given.scene.probes.values())
+
+
+def test_an_unknown_scene_is_refused():
+    with pytest.raises(InputError, match="no such chart scene, expected 'chain'"):
+        chart_scene("chian")
+
+
+def test_the_judge_weighs_errors_by_the_amplitude():
+    scene = chart_scene("rc").scene
+    judge = Judge(scene, 40)
+    t = np.linspace(0, scene.t_end, 2001)
+    u = exact(scene, t.tolist(), "far").efforts
+    assert max(judge.errors(t, {"far": u})) < 1e-16  # rounded from so many digits
+    off = judge.errors(t, {"far": u + 0.01 * judge.amplitude})
+    assert off == pytest.approx((0.01, 0.01), rel=1e-12)
+    assert judge.errors(t, {"far": np.where(t > 1e-8, np.nan, u)})[0] == inf
+
+
+def test_refinement_ends_where_it_is_exact_or_too_slow():
+    class Fixed:
+        def errors(self, t, u):
+            return u, u
+
+    def rows(errors, seconds):
+        effort = QUICK._replace(refinements=9, runs=1, longest=0.0)
+        runs = iter([Run(0, e, t, t) for e, t in zip(errors, seconds, strict=True) for _ in range(2)])
+        return len(list(refined("m", "rival", lambda n: next(runs), "steps", Fixed(), effort)))
+
+    assert rows([0.1, 0.01, 1e-15, 1.0], 4 * [0.0]) == 3
+    assert rows(5 * [0.1], [0, 0, 0, 1, 1]) == 4
+    assert rows(20 * [0.1], 20 * [0]) == 9
+
+
+def test_a_method_that_never_runs_is_named():
+    table = Table("rc", "")
+
+    def broken(n):
+        raise InputError("it", "is broken")
+
+    add(table, "broken", "peer", broken, Judge(chart_scene("rc").scene, 5), QUICK)
+    assert table.notes == ["absent: broken (it: is broken)"]
+    assert not table.rows
+
+
+def test_a_quick_chart_has_all_methods_and_errors_that_fall_with_the_order():
+    table = work_precision.work_precision("rc", quick=True)
+    curves = dict(table.curves())
+    assert {"slabs s = 5", "MOC, Courant 1", "to a tolerance", "FDTD leapfrog"} <= curves.keys()
+    coarsest = [curves[f"slabs s = {s}"][0].error for s in (2, 3, 5, 8)]
+    assert coarsest[0] > 2 * coarsest[1] > 20 * coarsest[2] > 2000 * coarsest[3]
+    assert all(r.error <= 3 * r.asked and r.estimated <= r.asked for r in curves["to a tolerance"])
+    assert all(0 < r.seconds <= r.first for r in table.rows)
+
+
+def test_peers_that_are_not_installed_are_named(monkeypatch):
+    monkeypatch.setattr("shutil.which", lambda name: None)
+    notes = peers.peers("hammer", quick=True).notes
+    assert [note.split(" (")[0] for note in notes][:2] == ["absent: ngspice", "absent: scikit-rf, inverse FFT"]
+    assert "apt install ngspice" in notes[0]
+
+
+def test_the_scene_in_spice():
+    cards = ngspice.netlist(chart_scene("rlc").scene, 1e-12).splitlines()
+    assert "V0 s0 0 PWL(0.0 0.0 1e-10 1.0 2e-08 1.0)" in cards
+    assert cards[3] == "RG0 s0 near 25.0"
+    assert cards[4:7] == ["RS0 far x0_1 10.0", "LS0 x0_1 x0_2 5e-08", "CS0 x0_2 0 2e-12"]
+    parallel = ngspice.netlist(chart_scene("rc").scene, 1e-12).splitlines()
+    assert parallel[4:6] == ["RP0 far 0 100.0", "CP0 far 0 4e-12"]
+
+
+def test_a_raw_file_is_read():
+    data = np.array([[0.0, 1.0], [0.5, 2.0], [1.0, 4.0]])
+    head = b"Title: x\nVariables:\n\t0\ttime\ttime\n\t1\tv(far)\tvoltage\nBinary:\n"
+    columns = ngspice.columns_of(head + data.tobytes())
+    assert columns["time"].tolist() == [0.0, 0.5, 1.0]
+    assert columns["v(far)"].tolist() == [1.0, 2.0, 4.0]
+
+
+def test_ngspice_is_offered_no_jumps_and_no_curves():
+    assert "jumps" in str(ngspice.misfit_of_sources(chart_scene("step").scene))
+    assert "jumps" in str(ngspice.misfit_of_sources(chart_scene("smooth").scene))
+    assert ngspice.misfit_of_sources(chart_scene("inductor").scene) is None
+    assert rthym.misfit(chart_scene("rc").scene) == "for water only"
+
+
+def test_a_fixed_run_is_what_was_fixed():
+    done = simulated(fixed(chart_scene("rc").scene, 3, 2.5e-10))
+    assert np.diff(done.t).max() == pytest.approx(2.5e-10)
+    assert done.estimated == inf

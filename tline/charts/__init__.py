@@ -1,0 +1,1 @@
+"""Charts of speed against accuracy: measured, never typed."""

@@ -1,0 +1,52 @@
+"""How wrong a run is, against the exact solution."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.charts.clock import Traces
+from tline.reference import Solution
+from tline.scene.scene import Scene
+
+DIGITS = 18
+SEED = 0
+
+
+class Judge:
+    """Errors of efforts on a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    instants : int
+        How many times are drawn at random, the same for all runs; a run is compared at its own instants next to them.
+        Errors are largest behind fronts: a tenth as many fronts are followed by instants at distances from the shortest
+        delay down to a 2^14th of it.
+    """
+
+    def __init__(self, scene: Scene, instants: int):
+        self.scene = scene
+        self.solutions = {probe: Solution(scene, probe) for probe in scene.probes}
+        shortest = min(line.parameters.delay or 0.0 for line in scene.lines.values())
+        behind = np.append(0.0, shortest * 0.5 ** np.arange(15))
+        anywhere = np.random.default_rng(SEED).uniform(0, scene.t_end, instants)
+        self.times = {
+            probe: np.append(anywhere, solution.fronts[: instants // 10, None] + behind)
+            for probe, solution in self.solutions.items()
+        }
+        self.amplitude = max(np.abs(self._exact(probe, anywhere)).max() for probe in scene.probes)
+
+    def _exact(self, probe: str, t: NDArray) -> NDArray:
+        return self.solutions[probe].at(t.tolist(), DIGITS).efforts
+
+    def errors(self, t: NDArray, u: Traces) -> tuple[float, float]:
+        """Largest and root mean square error, relative to the largest effort."""
+        wrong = []
+        for probe, wanted in self.times.items():
+            k = np.unique(np.searchsorted(t, wanted))
+            k = k[(k > 0) & (k < len(t))]
+            k = k[t[k] <= self.scene.t_end]
+            wrong.append(u[probe][k] - self._exact(probe, t[k]))
+        relative = np.concatenate(wrong) / self.amplitude
+        relative = np.where(np.isfinite(relative), relative, np.inf)
+        with np.errstate(over="ignore"):
+            return float(np.abs(relative).max()), float(np.sqrt(np.mean(relative**2)))

@@ -1,0 +1,139 @@
+"""Error against run time of the production method, of runs to a tolerance, and of rival methods, on one scene."""
+
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from tline.charts.clock import FULL, QUICK, Effort, Run, compilation, timed
+from tline.charts.judge import Judge
+from tline.charts.scenes import chart_scene
+from tline.charts.table import Row, Table
+from tline.errors import InputError
+from tline.scene.rational_load import Rational
+from tline.scene.scene import Scene
+
+ORDERS = (2, 3, 5, 8)
+TOLERANCES = tuple(10.0**-k for k in range(3, 11))
+GOOD = 1e-13  # an error that needs no refinement
+
+
+def work_precision(name: str, quick: bool = False, progress: bool = False) -> Table:
+    """Measure all methods on one scene of the charts.
+
+    Parameters
+    ----------
+    name : str
+        One of `tline.charts.scenes.NAMES`.
+    quick : bool
+        Few refinements, each run once: a look, not a measurement.
+    progress : bool
+        Show a progress bar on stderr.
+
+    Raises
+    ------
+    InputError
+        There is no such scene.
+
+    Examples
+    --------
+    >>> table = work_precision("rc", quick=True)
+    >>> all(row.error <= row.asked for row in table.rows if row.kind == "tolerance")
+    True
+    """
+    from tqdm import tqdm
+
+    from tline.rivals import RIVALS
+
+    given, effort = chart_scene(name), QUICK if quick else FULL
+    judge, table = Judge(given.scene, effort.instants), Table(name, given.title, notes=[] if quick else [compilation()])
+    with tqdm(total=len(RIVALS) + 1, disable=not progress, unit="method") as bar, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        table.rows += production(given.scene, judge, effort)
+        bar.update()
+        dynamic = any(isinstance(load, Rational) for load in given.scene.loads.values())
+        for key, rival in RIVALS.items():
+            why = rival.misfit(given.scene) or ("" if dynamic or not key.endswith("_euler") else "no load to integrate")
+            if why:
+                table.notes.append(f"absent: {rival.label} ({why})")
+            else:
+                run = partial(_rival, rival, given.scene)
+                add(table, rival.label, "rival", run, judge, effort)
+            bar.update()
+    return table
+
+
+def production(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:
+    """The production method: each order over its slabs, and runs to tolerances."""
+    for s in ORDERS:
+        yield from refined(f"slabs s = {s}", "ours", partial(_slabs, scene, s), "slabs", judge, effort)
+    yield from to_tolerances(scene, judge, effort)
+
+
+def add(table: Table, label: str, kind: str, run: Callable[[int], Run], judge: Judge, effort: Effort) -> None:
+    """Put a method on a table, or say why it is absent."""
+    try:
+        table.rows += refined(label, kind, run, "steps", judge, effort)
+    except InputError as error:
+        table.notes.append(f"absent: {label} ({error})")
+
+
+def refined(label: str, kind: str, run: Callable[[int], Run], unit: str, judge: Judge, effort: Effort) -> Iterator[Row]:
+    """One method, its step halved until it is too slow or as good as exact."""
+    ran = False
+    for k in range(effort.refinements):
+        n = 2**k
+        try:
+            done = timed(partial(run, n), effort)
+        except InputError:
+            if k + 1 == effort.refinements and not ran:
+                raise
+            if ran:  # so many steps are too many
+                return
+            continue  # so few are too few
+        ran = True
+        error, rms = judge.errors(done.t, done.u)
+        yield Row(label, kind, f"{n} {unit} per shortest delay", error, rms, done.seconds, done.first)
+        if done.seconds > effort.longest or error < GOOD:
+            return
+
+
+def _slabs(scene: Scene, order: int, n: int) -> Run:
+    shortest = min(line.parameters.delay or 0.0 for line in scene.lines.values())
+    return simulated(fixed(scene, order, shortest / n))
+
+
+def fixed(scene: Scene, order: int, slab: float) -> Scene:
+    """The scene with order and slab fixed."""
+    return Scene(**scene.table() | {"solver": {"order": order, "slab": slab}})
+
+
+def simulated(scene: Scene, tol: float | None = None) -> Run:
+    """One run of the production method, or all that a tolerance takes."""
+    from tline.solver.simulate import simulate
+
+    begun = time.perf_counter()
+    result = simulate(scene, tol=tol)
+    first = time.perf_counter() - begun
+    accuracy = result.accuracy
+    seconds = sum(attempt.seconds for attempt in accuracy.attempts) if accuracy else result.seconds
+    u = {name: probe.u for name, probe in result.probes.items()}
+    return Run(result.t, u, seconds, first, accuracy.worst if accuracy else np.inf)
+
+
+def _rival(rival: Any, scene: Scene, n: int) -> Run:
+    begun = time.perf_counter()
+    trace = rival.run(scene, n)
+    return Run(trace.t, trace.u, trace.seconds, time.perf_counter() - begun)
+
+
+def to_tolerances(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:
+    """What runs to a tolerance cost, all attempts counted, what they think they reached, and what is true."""
+    for tol in TOLERANCES[:: 3 if effort is QUICK else 1]:
+        done = timed(partial(simulated, scene, tol), effort)
+        error, rms = judge.errors(done.t, done.u)
+        setting = f"tolerance {tol:.0e}"
+        yield Row("to a tolerance", "tolerance", setting, error, rms, done.seconds, done.first, tol, done.estimated)
