@@ -136,7 +136,7 @@ class Stepper:
             assembly.basis.s,
         )
         node, done = advance_fronts(
-            assembly.network, assembly.state, fronts, sources, self._drive(first, n), first, n, self.record
+            assembly.network, assembly.state, fronts, sources, self._drive(first, n, plain=True), first, n, self.record
         )
         if node >= 0:
             _refuse(assembly)
@@ -145,12 +145,12 @@ class Stepper:
         self.noted.append(Noted(where[:, 0], where[:, 1], span, values))
         return done
 
-    def _drive(self, first: int, n: int) -> NDArray:
-        """The sources' parts of the Thévenin waves on n slabs, shape (drives, n * s)."""
+    def _drive(self, first: int, n: int, *, plain: bool = False) -> NDArray:
+        """The sources' parts of the Thévenin waves on n slabs, shape (drives, n * s); plain: but for broken slabs."""
         drive = np.zeros((len(self.breaks), n, self.assembly.basis.s))
         for row, parts, marks in zip(drive, self.assembly.drives, self.breaks, strict=True):
             for (waveform, share), mark in zip(parts, marks, strict=True):
-                row += share * on_slabs(waveform, mark, self.assembly.basis, self.h, first, n)
+                row += share * on_slabs(waveform, mark[:0] if plain else mark, self.assembly.basis, self.h, first, n)
         return drive.reshape(len(self.breaks), n * self.assembly.basis.s)
 
     def run(self, seconds: float) -> Run:

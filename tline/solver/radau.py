@@ -77,6 +77,7 @@ class Basis:
         return legendre.legvander(2 * np.asarray(x, float) - 1, self.s - 1)
 
 
+@lru_cache
 def gauss(n: int) -> tuple[Matrix, Matrix]:
     """Gauss-Legendre nodes and weights on [0, 1], exact to degree 2n - 1."""
     x, weights = legendre.leggauss(n)
