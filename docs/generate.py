@@ -1,5 +1,6 @@
 """Writes what in docs/ is generated: the scene reference and the pictures. Run: python docs/generate.py."""
 
+import runpy
 import warnings
 from pathlib import Path
 from typing import Any
@@ -8,13 +9,25 @@ from tline.scene.file import read_scene, schema
 from tline.scene.medium import ELECTRICAL, HYDRAULIC
 
 DOCS = Path(__file__).parent
+example = runpy.run_path(str(DOCS / "examples.py"))["example"]
 SECTIONS = {
     "lines": ("Lines", "A line runs from its first node (end 1) to its second (end 2); flow counts positive that way."),
-    "sources": ("Sources", "`value` is a number or text, or one of the waveforms below."),
-    "loads": ("Loads", "What a node lets pass to earth, or to zero pressure; several stand side by side."),
-    "probes": ("Probes", "Where effort, flow and waves are recorded."),
+    "sources": (
+        "Sources",
+        "`value` is a number or text, or one of the waveforms below. A flow or current counts positive into the node.",
+    ),
+    "loads": (
+        "Loads",
+        "What a node lets pass to earth, or to zero pressure; several stand side by side. Flow counts positive out of "
+        "the node.",
+    ),
+    "probes": (
+        "Probes",
+        "Where effort, flow and waves are recorded. Flow counts positive from the line's end 1 to its end 2, wherever "
+        "the probe stands: at end 1 it comes out of the node, at end 2 it goes into the node.",
+    ),
 }
-SHAPES = ("Step", "Ramp", "PiecewiseLinear", "Table", "Pulses", "Sine", "Exponential", "DoubleExponential")
+SHAPES = ("Constant", "Step", "Ramp", "PiecewiseLinear", "Table", "Pulses", "Sine", "Exponential", "DoubleExponential")
 
 
 def reference() -> str:
@@ -69,6 +82,10 @@ def _model(model: dict[str, Any], name: str, *, heading: bool, level: int = 3) -
         model.get("description", "").split("\n\n")[0].replace("\n", " "),
         "",
         *_keys(keys, model.get("required", [])),
+        "",
+        "```toml",
+        example(name).rstrip(),
+        "```",
     ]
 
 
@@ -114,6 +131,7 @@ def pictures() -> None:
 
     from passivity import RationalFunction, check_positive_real
     from passivity.one_port.picture import draw_verdict
+    from tline.frequency.resonances import resonances
     from tline.frequency.response import respond
     from tline.pictures.bode import plot_bode
     from tline.pictures.lattice import plot_lattice
@@ -132,7 +150,10 @@ def pictures() -> None:
     save_figure(plot_lattice(result), str(DOCS / "pictures" / "lattice.png"))
     cable, f = read_scene(DOCS.parent / "scenes" / "cable_rlc.toml"), np.geomspace(1e6, 1e9, 1001)
     seen = {name: probe.u for name, probe in respond(cable, 2j * np.pi * f).items()}
-    save_figure(plot_bode(f, seen, "|voltage / source|", cable.title), str(DOCS / "pictures" / "bode.png"))
+    save_figure(
+        plot_bode(f, seen, "voltage / source", "V/V", resonances(cable, f[-1]), cable.title),
+        str(DOCS / "pictures" / "bode.png"),
+    )
     refuted = check_positive_real(RationalFunction.from_expression("(s + 2)/(s^2 + s + 1)"))
     save_figure(styled(draw_verdict)(refuted, refuted.margins), str(DOCS / "pictures" / "passivity.png"))
 

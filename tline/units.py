@@ -34,6 +34,7 @@ PREFIXABLE: dict[str, Factor] = {
     "K": (Fraction(1), (0, 0, 0, 0, 1)),
     "Hz": (Fraction(1), (0, 0, -1, 0, 0)),
     "N": (Fraction(1), (1, 1, -2, 0, 0)),
+    "Nm": (Fraction(1), (1, 2, -2, 0, 0)),  # a torque as everyone writes it
     "Pa": (Fraction(1), (1, -1, -2, 0, 0)),
     "bar": (Fraction(100_000), (1, -1, -2, 0, 0)),
     "J": (Fraction(1), (1, 2, -2, 0, 0)),
@@ -139,6 +140,19 @@ def engineering(value: float, unit: str) -> str:
     return f"{digits} {prefix}{unit}".rstrip()
 
 
+def half_digit(text: str) -> float:
+    """Half a unit in the last digit typed of a quantity above zero, relative to it.
+
+    Examples
+    --------
+    >>> half_digit("50 ohm"), half_digit("50.0 ohm"), half_digit("2.5e-1 m")
+    (0.01, 0.001, 0.02)
+    """
+    number = _NUMBER.match(text.strip().translate(_ALIKE))
+    mantissa = number[0].lower().partition("e")[0] if number else "0"
+    return 0.5 / float(re.sub("[^0-9]", "", mantissa))
+
+
 def _nearest_float(exact: numbers.Real) -> float:
     try:
         return float(exact)
@@ -160,7 +174,7 @@ def _text_to_si(text: str, unit: str | None, where: str) -> float:
     except InputError as error:
         raise InputError(where, error.problem, error.expected, error.got) from None
     if units and unit is not None and dimension != _parse(unit)[1]:
-        raise InputError(where, "this unit measures something else", _expected(unit), _shown(text))
+        raise InputError(where, _mistaken(units, unit), _expected(unit), _shown(text))
     rough = float(number[0])
     if not math.isfinite(rough):
         return rough
@@ -214,7 +228,7 @@ KINDS = {
     "m": "a length", "m^2": "an area", "m^3": "a volume", "s": "a time", "Hz": "a frequency",
     "m/s": "a speed", "kg": "a mass", "kg/m^3": "a density", "Pa": "a pressure", "m^3/s": "a volume flow",
     "kg/s": "a mass flow", "Pa s": "a viscosity", "m^2/s": "a kinematic viscosity",
-    "Pa s/m^3": "a hydraulic impedance",
+    "Pa s/m^3": "a hydraulic impedance", "N m": "a torque",
     "V": "a voltage", "A": "a current", "ohm": "a resistance", "F": "a capacitance", "H": "an inductance",
     "F/m": "a capacitance per length", "H/m": "an inductance per length", "K": "a temperature",
 }  # fmt: skip
@@ -235,6 +249,12 @@ def _suggestion(name: str) -> str:
     return " or ".join(f"'{unit}'" for unit in near)
 
 
+def _mistaken(given: str, expected: str) -> str:
+    """What is wrong with a unit of another dimension; of a temperature, that it is a unit with the same letter."""
+    letter = {"C": "coulomb", "F": "farad"}.get(given) if expected == "K" else None
+    return f"{given} is the {letter}" if letter else "this unit measures something else"
+
+
 def _expected(unit: str | None) -> str:
     """How a quantity of this unit is written."""
     if unit is None:
@@ -242,8 +262,10 @@ def _expected(unit: str | None) -> str:
     dimension = _parse(unit)[1]
     if dimension == NONE:
         return "a plain number such as '0.5'"
+    if unit == "K":
+        return "a temperature such as '20 degC' or '300 K'"
     kind = next((kind for key, kind in KINDS.items() if _parse(key)[1] == dimension), "a quantity")
-    return f"{kind} such as '{'300' if unit == 'K' else '1'} {unit}'"
+    return f"{kind} such as '1 {unit}'"
 
 
 def _shown(value: object) -> str:

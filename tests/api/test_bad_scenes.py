@@ -251,7 +251,7 @@ kind = "reservoir" | pressure = "5 bar"
 kind = "resistor" | resistence = 1 => .resistence: unknown key, expected 'resistance'
 kind = "resistor" | resistance = 1 | parameters = {} => .parameters: unknown key, expected one of 'at', 'kind'
 kind = "resistor" | resistance = nan => .resistance: not a finite number, expected a resistance such as '1 ohm', got nan
-kind = "resistor" | resistance = -1 => .resistance: resistance out of range, expected at least 0, got -1
+kind = "resistor" | resistance = -1 => .resistance: resistance out of range, expected at least 0, or kind = 'impedance'
 kind = "resistor" | resistance = 5e-324 => .resistance: resistance out of range, expected at least 1e-100
 kind = "resistor" | resistance = "1e400 ohm" => .resistance: resistance out of range, expected at most 1e+100
 kind = "resistor" | resistance = {} => .resistance: not a number, expected a resistance such as '1 ohm', got {}

@@ -57,6 +57,37 @@ def test_transfer_function_and_oscillations() -> None:
     assert [mode["frequency"] for mode in modes] == pytest.approx([0.5e9, 1e9], rel=1e-9)
     decay = -np.log(0.6 * 7 / 9) / 2e-9
     assert modes[0]["quality"] == pytest.approx(np.hypot(decay, np.pi * 1e9) / (2 * decay), rel=1e-9)
+    assert modes[0]["decay_time"] == pytest.approx(1 / decay, rel=1e-9)
+    assert told["unit"] == "V/V"
+    table = run("cable.toml --from '1 MHz' --to '1.1 GHz'").stdout
+    assert re.match(r"voltage / source +lowest size \[V/V\] +at \[Hz\] +highest size \[V/V\] +at \[Hz\]\nfar ", table)
+    assert f"\n  5e+08 Hz, Q = {modes[0]['quality']:.4g}, decays by a factor e in {1 / decay:.4g} s\n" in table
+
+
+def test_waves_that_grow_are_listed_even_below_the_lowest_frequency(folder: Path) -> None:
+    active = CABLE.replace('"resistor"\nresistance = 400', '"impedance"\nexpression = "-90"')
+    (folder / "cable.toml").write_text(active, encoding="utf-8")
+    done = run("cable.toml --from '100 MHz' --to '0.9 GHz' --plot b.png")
+    assert done.exit_code == 0, done.output
+    rate = np.log(0.6 * 140 / 40) / 2e-9
+    assert f"waves that grow:\n  0 Hz, grow by a factor e in {1 / rate:.4g} s\n  5e+08 Hz, grow by" in done.stdout
+    told = json.loads(run("cable.toml --from '100 MHz' --to '0.9 GHz' --json").stdout)
+    assert [mode["decay_time"] for mode in told["natural_oscillations"]] == pytest.approx([-1 / rate] * 2, rel=1e-9)
+
+
+def test_oscillations_that_are_not_found_are_noted() -> None:
+    done = run("cable.toml --to 1e15")
+    assert done.exit_code == 0
+    assert done.stderr == "note: no natural oscillations are listed: too many waves on the lines to be searched\n"
+
+
+def test_flows_have_their_units_too(folder: Path) -> None:
+    pipe = CABLE.replace("electrical", "hydraulic").replace('"voltage"', '"flow"')
+    (folder / "cable.toml").write_text(pipe, encoding="utf-8")
+    assert run("cable.toml --csv r.csv --points 2").exit_code == 0
+    units = ["[Pa/(m^3/s)]"] * 2 + ["[m^3/s/(m^3/s)]"] * 2
+    names = [f"far {part} {unit}" for part, unit in zip(("re u", "im u", "re y", "im y"), units, strict=True)]
+    assert (folder / "r.csv").read_text().partition("\n")[0] == ",".join(["frequency [Hz]", *names])
 
 
 def test_files(folder: Path) -> None:
@@ -64,7 +95,7 @@ def test_files(folder: Path) -> None:
     assert done.exit_code == 0, done.output
     table = np.genfromtxt(folder / "r.csv", delimiter=",", names=True)
     assert len(table) == 50
-    assert table.dtype.names == ("frequency_Hz", "far_re_u", "far_im_u", "far_re_y", "far_im_y")
+    assert table.dtype.names == ("frequency_Hz", "far_re_u_VV", "far_im_u_VV", "far_re_y_AV", "far_im_y_AV")
     assert (folder / "b.png").stat().st_size > 10_000
 
 
@@ -93,6 +124,10 @@ def test_touchstone_is_read_by_others(folder: Path, ports: str) -> None:
         ("cable.toml --points 1", "--points: not a number of frequencies"),
         ("cable.toml --save a.s1p", "--save: is about S-parameters, expected --ports beside it, or --csv"),
         ("cable.toml --z0 50", "--z0: is about S-parameters"),
+        (
+            "cable.toml --ports near --source pump",
+            "--source: between ports no source counts, expected either --source or --ports",
+        ),
         ("cable.toml --ports near --csv a.csv", "--csv: is about a source"),
         ("cable.toml --ports near --save a.s2p", "a.s2p: does not fit the number of ports, expected .s1p or .csv"),
         ("cable.toml --plot a.txt", "--plot: unknown kind of file"),

@@ -66,7 +66,7 @@ MISTAKES = [
     ),
     (
         "hydraulic --radius 1 --diameter 3",
-        "hydraulic line: radius and diameter clash: 2*radius gives 2 but diameter is 3",
+        "hydraulic line: radius and diameter clash: 2*radius gives 2 m but diameter is 3 m, 33.3 % apart",
     ),
     ("hydraulic --radius -1", "--radius: not positive, expected more than 0, got '-1'"),
     ("hydraulic --radius=-1m", "--radius: not positive, expected more than 0, got '-1m'"),
@@ -93,8 +93,8 @@ MISTAKES = [
         "--fluid: unknown fluid, expected 'water' (known are 'water' or 'hydraulic",
     ),
     (
-        "hydraulic --radius 1 --fluid water --density 1",
-        "--density: clashes with the fluid, expected 998.206546 or",
+        "hydraulic --radius 1 --fluid water --temperature '15 C'",
+        "--temperature: C is the coulomb, expected a temperature such as '20 degC' or '300 K', got '15 C'",
     ),
     (
         "hydraulic --radius 1 --fluid water --temperature 20",
@@ -116,6 +116,12 @@ def test_a_mistake_is_one_sentence_on_stderr_and_exit_2(arguments: str, sentence
     assert result.stdout == ""
     assert result.stderr.startswith(sentence)
     assert result.stderr.count("\n") == 1
+
+
+def test_what_is_odd_is_a_note_on_stderr() -> None:
+    result = run("line", "hydraulic", "--radius", "10 cm", "--fluid", "water", "--density", "1000", "--json")
+    assert (result.exit_code, json.loads(result.stdout)["density"]) == (0, 1000)
+    assert result.stderr == "note: density: 1000 kg/m^3 as given, instead of 998.207 kg/m^3 of the fluid\n"
 
 
 @pytest.mark.parametrize("arguments", ["--radios 1", "--radius", "extra", "--json yes"])

@@ -101,14 +101,41 @@ def test_resonances_are_roots_of_the_closed_form():
     found = resonances(cable({"kind": "resistor", "resistance": 400}, sources=source), 2.1e9)
     decay = np.log(150 / 250 * 350 / 450) / (2 * T)
     assert [mode.s for mode in found] == pytest.approx([complex(decay, np.pi * k / T) for k in (1, 2, 3, 4)], rel=1e-9)
+    assert [mode.decay_time for mode in found] == pytest.approx([-1 / decay] * 4, rel=1e-9)
     C = 3e-12
     shorted = {"s": {"at": "near", "kind": "voltage", "value": 1}}
     modes = resonances(cable({"kind": "parallel", "capacitance": C}, sources=shorted), 1e9)
     for mode in modes:
         w = mode.s.imag
-        assert mode.quality > 1e9
+        assert mode.quality == mode.decay_time == np.inf
         assert abs(np.cos(w * T) - w * C * Z0 * np.sin(w * T)) < 1e-8
     assert len(modes) == 2
+
+
+def test_two_equal_undamped_lines_do_not_grow():
+    """Open quarter waves on either side of a short: double zeros on the axis."""
+    lines = {name: {"nodes": ["mid", name], "z0": Z0, "delay": T} for name in ("left", "right")}
+    loads = {"s": {"at": "mid", "kind": "short"}}
+    scene = Scene(medium="electrical", t_end=1, lines=lines, loads=loads, probes={"p": {"at": "left"}})
+    found = resonances(scene, 1.4e9)
+    assert [mode.frequency for mode in found] == pytest.approx([0.25e9, 0.75e9, 1.25e9], rel=1e-8)
+    assert min(mode.decay_time for mode in found) > 1e8 * T  # double zeros are found to some 1e-9 of 1/T
+
+
+@pytest.mark.parametrize(("source", "load"), [(25, -90), (200, -90), (200, -51)])
+def test_waves_that_grow_are_found_however_fast(source, load):
+    """s = (ln|H_s H_L| + j(k pi or 2 k pi))/(2T) where the product is negative or positive; k = 0 does not turn."""
+    drive = {"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": source}}
+    found = resonances(cable({"kind": "impedance", "expression": str(load)}, sources=drive), 1.1e9)
+    product = (source - Z0) / (source + Z0) * (load - Z0) / (load + Z0)
+    first = 0 if product > 0 else 1
+    turns = np.arange(first, 2 * T * 1.1e9 * 2, 2)
+    exact = [complex(np.log(abs(product)), np.pi * k) / (2 * T) for k in turns if k <= 4.4]
+    assert [mode.s for mode in found] == pytest.approx(exact, rel=1e-9)
+    for mode in found:
+        assert mode.decay_time == pytest.approx(-2 * T / np.log(abs(product)), rel=1e-9)
+        assert mode.decay_time < 0
+        assert mode.quality < 0
 
 
 @pytest.mark.parametrize(

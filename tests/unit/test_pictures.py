@@ -3,6 +3,7 @@
 import json
 import re
 import warnings
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -136,7 +137,16 @@ def test_the_way_of_least_delay_is_taken() -> None:
         (FORK, (), "path: the lines form no chain, expected the two nodes between which to look"),
         ({"a": ("p", "q", "1 ns"), "b": ("r", "s", "1 ns")}, (), "path: the lines form no chain"),
         ({"a": ("p", "q", "1 ns"), "b": ("q", "p", "1 ns")}, (), "path: the lines form no chain"),
-        ({"a": ("p", "q", "1 ns"), "b": ("r", "r", "1 ns")}, (), "path: the lines form no chain"),
+        (
+            {"a": ("p", "q", "1 ns"), "b": ("r", "r", "1 ns")},
+            (),
+            "path: the lines form no chain, for one has both ends at node 'r', expected the two nodes between which",
+        ),
+        (
+            {"a": ("p", "p", "1 ns")},
+            (),
+            "path: the lines form no chain, for one has both ends at node 'p', expected a scene with two nodes or more",
+        ),
         (FORK, ("in", "donw"), "path: no such node, expected 'down', got 'donw'"),
         (FORK, ("in", "in"), "path: leads nowhere, expected two different nodes, got 'in' twice"),
         ({"a": ("p", "q", "1 ns"), "b": ("r", "s", "1 ns")}, ("p", "s"), "path: no lines lead there, got 'p' and 's'"),
@@ -302,6 +312,20 @@ def test_lattice_tells_corners_from_jumps_and_ends_after_twelve_legs() -> None:
     assert not any("+" in text for text in texts(picture))
     assert picture.axes[0].get_xlabel() == "dotted: a corner, where a slope changes"
     assert picture.axes[0].get_ylim()[0] < 50
+
+
+@pytest.mark.parametrize("width", ["3 ns", "0.5 ns", "0.3 ns"])
+def test_numbers_on_close_legs_do_not_cover_each_other(width: str) -> None:
+    """The end of a pulse runs close behind its begin; matplotlib itself measures the texts."""
+    value = {"shape": "pulses", "high": 1, "width": width, "at": "1 ns"}
+    pulse = {"at": "near", "kind": "voltage", "resistance": 10, "value": value}
+    picture = plot_lattice(quietly(cables({"c": ("near", "far", "5 ns")}, sources={"in": pulse})))
+    picture.draw_without_rendering()
+    boxes = [
+        text.get_window_extent() for text in picture.axes[0].texts if text.get_text()[:1] in {"+", "\N{MINUS SIGN}"}
+    ]
+    assert len(boxes) >= 8
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
 
 
 def test_lattice_shows_one_line_only(fork: tuple[Result, Route]) -> None:

@@ -101,7 +101,7 @@ def quantity(where: str, given: Any, unit: str) -> float:
         raise InputError(where, "the unit is missing", example, repr(given)[:40])
     if unit == "rad/s" and "Hz" in given:
         raise InputError(where, "a frequency, not an angular one", example, repr(given)[:40])
-    return to_si(given.replace("Nm", "N m"), unit, where)  # as everyone writes it
+    return to_si(given, unit, where)
 
 
 def torques(t1: str | None, t2: str | None, rise: str | None, table: str | None, hold: bool) -> "tuple[Torque, Torque]":

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 PICTURE = (".png", ".svg", ".pdf")
 MOST_POINTS = 1_000_000
-MOST_MODES = 12  # oscillations that are printed
+MOST_MODES = 12  # oscillations that are printed, of those that grow and of the others
 EXAMPLES = """\b
 Examples:
   tline frequency cable.toml --from "1 MHz" --to "1 GHz" --plot bode.png --csv response.csv
@@ -47,10 +47,9 @@ def frequency(scene: str, points: int, as_json: bool, **given: str | None) -> No
 
     SCENE is a TOML file as for `tline run`. Waveforms do not count: the answer is what each probe sees per unit of the
     source. Natural oscillations are located as zeros of the scene's characteristic function, not read off a curve; left
-    out are those that decay by more than exp(-3) within the shortest delay, and those that grow, of which a note tells.
+    out are those that decay by more than exp(-3) within the shortest delay. Those that grow are listed even below the
+    lowest frequency.
     """
-    import numpy as np
-
     from tline.scene.file import read_scene
     from tline.solver.stability.growth import active_loads, growth_sentence
 
@@ -64,20 +63,19 @@ def frequency(scene: str, points: int, as_json: bool, **given: str | None) -> No
         told, curves = _responses(read, f, given)
     else:
         told, curves = {"source": None}, {}
-    told |= {"natural_oscillations": [{"frequency": m.frequency, "quality": _text(m.quality)} for m in _modes(read, f)]}
+    modes = _modes(read, f)
     if given["plot"]:
         from tline.pictures.bode import plot_bode
         from tline.pictures.style import save_figure
 
-        size = "|S|" if given["ports"] else f"|{MEDIA[read.medium].effort} / source|"
-        save_figure(plot_bode(f, curves, size, read.title), given["plot"])
+        save_figure(plot_bode(f, curves, *_asked(read, told), modes, read.title), given["plot"])
     if active := active_loads(read):
         click.echo(f"note: {growth_sentence(read, active)}", err=True)
     if as_json:
-        numbers = {name: {"re": np.real(c).tolist(), "im": np.imag(c).tolist()} for name, c in curves.items()}
-        click.echo(json.dumps(told | {"frequency": f.tolist(), "values": numbers}, indent=2, ensure_ascii=False))
+        click.echo(_as_json(told, f, curves, modes))
     else:
-        click.echo("\n".join([*_table(f, curves), *_oscillations(told), *(f"wrote {file}" for file in files.values())]))
+        written = [f"wrote {file}" for file in files.values()]
+        click.echo("\n".join([*_table(f, curves, *_asked(read, told)), *_oscillations(modes), *written]))
 
 
 def _check(given: dict[str, str | None], files: dict[str, Any], points: int) -> None:
@@ -88,9 +86,10 @@ def _check(given: dict[str, str | None], files: dict[str, Any], points: int) -> 
     for option, instead in (("save", ", or --csv"), ("z0", "")):
         if given[option] and not given["ports"]:
             raise InputError(f"--{option}", "is about S-parameters", f"--ports beside it{instead}")
-    for option in ("csv", "source"):
-        if given[option] and given["ports"]:
-            raise InputError(f"--{option}", "is about a source", "--save for S-parameters, or no --ports")
+    if given["source"] and given["ports"]:
+        raise InputError("--source", "between ports no source counts", "either --source or --ports")
+    if given["csv"] and given["ports"]:
+        raise InputError("--csv", "is about a source", "--save for S-parameters, or no --ports")
     for option, suffixes in (("csv", (".csv",)), ("plot", PICTURE)):
         if option in files and not files[option].lower().endswith(suffixes):
             raise InputError(f"--{option}", "unknown kind of file", " or ".join(suffixes), f"'{files[option]}'")
@@ -121,9 +120,13 @@ def _responses(scene: "Scene", f: "NDArray", given: dict[str, str | None]) -> "t
     from tline.frequency.save import save_response
 
     seen = respond(scene, 2j * np.pi * f, given["source"])
+    name, units = given["source"] or next(iter(scene.sources)), MEDIA[scene.medium].units
+    source = units["effort" if scene.sources[name].is_effort else "flow"]
+    per = f"({source})" if "/" in source else source
+    unit = f"{units['effort']}/{per}"
     if given["csv"]:
-        save_response(f, seen, given["csv"])
-    return {"source": given["source"] or next(iter(scene.sources))}, {name: probe.u for name, probe in seen.items()}
+        save_response(f, seen, (unit, f"{units['flow']}/{per}"), given["csv"])
+    return {"source": name, "unit": unit}, {name: probe.u for name, probe in seen.items()}
 
 
 def _parameters(scene: "Scene", f: "NDArray", given: dict[str, str | None]) -> "tuple[dict[str, Any], dict[str, Any]]":
@@ -144,36 +147,62 @@ def _parameters(scene: "Scene", f: "NDArray", given: dict[str, str | None]) -> "
 
 
 def _modes(scene: "Scene", f: "NDArray") -> "list[Resonance]":
-    """Natural oscillations in the range; none if they are too many to be found."""
+    """Natural oscillations in the range, and those that grow below it; none, and a note, if they are not found."""
     from tline.frequency.resonances import resonances
 
     try:
-        return [mode for mode in resonances(scene, float(f[-1])) if mode.frequency >= f[0]]
-    except InputError:
+        return [mode for mode in resonances(scene, float(f[-1])) if mode.frequency >= f[0] or mode.decay_time < 0]
+    except InputError as error:
+        click.echo(f"note: no natural oscillations are listed: {error.problem}", err=True)
         return []
 
 
-def _table(f: "NDArray", curves: dict[str, Any]) -> list[str]:
+def _asked(scene: "Scene", told: dict[str, Any]) -> tuple[str, str]:
+    """What the curves are, and their unit."""
+    return (f"{MEDIA[scene.medium].effort} / source", told["unit"]) if "unit" in told else ("S", "1")
+
+
+def _as_json(told: dict[str, Any], f: "NDArray", curves: dict[str, Any], modes: "list[Resonance]") -> str:
+    import numpy as np
+
+    found = [{key: _text(getattr(mode, key)) for key in ("frequency", "quality", "decay_time")} for mode in modes]
+    values = {name: {"re": np.real(c).tolist(), "im": np.imag(c).tolist()} for name, c in curves.items()}
+    numbers = {"natural_oscillations": found, "frequency": f.tolist(), "values": values}
+    return json.dumps(told | numbers, indent=2, ensure_ascii=False)
+
+
+def _table(f: "NDArray", curves: dict[str, Any], what: str, unit: str) -> list[str]:
     import numpy as np
 
     if not curves:
         return ["no source: natural oscillations only"]
-    rows = [("", "lowest |.|", "at [Hz]", "highest |.|", "at [Hz]")]
+    rows = [(what, f"lowest size [{unit}]", "at [Hz]", f"highest size [{unit}]", "at [Hz]")]
     for name, values in curves.items():
         size = np.abs(values)
         low, high = int(np.nanargmin(size)), int(np.nanargmax(size))
         rows.append((name, f"{size[low]:.4g}", f"{f[low]:.6g}", f"{size[high]:.4g}", f"{f[high]:.6g}"))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return ["  ".join(map(str.rjust, row, widths)) for row in rows]
+    return ["  ".join([row[0].ljust(widths[0]), *map(str.rjust, row[1:], widths[1:])]) for row in rows]
 
 
-def _oscillations(told: dict[str, Any]) -> list[str]:
-    found = told["natural_oscillations"]
-    damping = ["undamped" if m["quality"] == "inf" else f"Q = {m['quality']:.4g}" for m in found[:MOST_MODES]]
-    lines = [f"  {m['frequency']:.6g} Hz, {text}" for m, text in zip(found, damping, strict=False)]
-    more = len(found) - MOST_MODES
-    return ["", "natural oscillations:", *lines, *([f"  and {more} more"] * (more > 0))] if found else []
+def _oscillations(modes: "list[Resonance]") -> list[str]:
+    """Those that grow, and the others, each the slowest first."""
+    lines = []
+    for title, growing in (("waves that grow:", True), ("natural oscillations:", False)):
+        found = [mode for mode in modes if (mode.decay_time < 0) == growing]
+        more = [f"  and {len(found) - MOST_MODES} more"] * (len(found) > MOST_MODES)
+        lines += ["", title, *(f"  {_described(mode)}" for mode in found[:MOST_MODES]), *more] if found else []
+    return lines
 
 
-def _text(quality: float) -> float | str:
-    return quality if math.isfinite(quality) else "inf"
+def _described(mode: "Resonance") -> str:
+    turning = f"{mode.frequency:.6g} Hz"
+    if mode.decay_time < 0:
+        return f"{turning}, grow by a factor e in {-mode.decay_time:.4g} s"
+    if math.isinf(mode.decay_time):
+        return f"{turning}, undamped"
+    return f"{turning}, Q = {mode.quality:.4g}, decays by a factor e in {mode.decay_time:.4g} s"
+
+
+def _text(number: float) -> float | str:
+    return number if math.isfinite(number) else "inf"

@@ -70,6 +70,8 @@ def command(medium: Medium) -> click.Command:
         except InputError as error:
             where = _option(error.where) if error.where else f"{medium.name} line"
             raise InputError(where, error.problem, error.expected, error.got) from error
+        for remark in parameters.remarks:
+            click.echo(f"note: {remark}", err=True)
         click.echo(as_json(medium, parameters) if json else as_table(medium, parameters))
 
     helps = {item.name: f"{item.symbol}: {item.help}" for item in medium.quantities} | medium.names

@@ -7,11 +7,14 @@ import numpy as np
 from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.stability.characteristic import Characteristic
+from tline.solver.stability.growth import right_of_all, active_loads
 from tline.solver.stability.zeros import MOST_SAMPLES, Box, UncountableError, all_zeros
 
 DEEP = 3.0  # exp(-DEEP) in the shortest delay: what decays faster is no oscillation
 LOWEST = 1e-9  # of the highest frequency; slower is no oscillation
-ABOVE = 1e-3  # how far right of the axis is searched, in the same unit
+ABOVE = 1e-3  # how far right of the axis is searched where nothing can grow, in the same unit
+NEUTRAL = 1e-9  # in the same unit; what grows or decays by less does neither
+UNDAMPED = 1e-12  # of |s|; a smaller real part is rounding
 SAMPLES = 4.0  # per radian that the delays turn
 MOST_WORK = 3e10  # entries of all matrices times their size
 
@@ -22,7 +25,7 @@ class Resonance(NamedTuple):
     Attributes
     ----------
     s : complex
-        Exponent, 1/s; Im s > 0.
+        Exponent, 1/s; Im s > 0, or Im s = 0 for what grows without turning.
     """
 
     s: complex
@@ -34,15 +37,20 @@ class Resonance(NamedTuple):
 
     @property
     def quality(self) -> float:
-        """|s|/(-2 Re s): 2 pi times the energy over what is lost in a cycle; infinite if nothing is."""
-        return abs(self.s) / (-2 * self.s.real) if self.s.real < -1e-12 * abs(self.s) else np.inf
+        """|s|/(-2 Re s): energy over what is lost of it in a radian; infinite if nothing is, negative if it grows."""
+        return abs(self.s) / (-2 * self.s.real) if abs(self.s.real) > UNDAMPED * abs(self.s) else np.inf
+
+    @property
+    def decay_time(self) -> float:
+        """Time in which the amplitude falls by a factor e, s; infinite if it stays, negative if it grows."""
+        return -1 / self.s.real if abs(self.s.real) > UNDAMPED * abs(self.s) else np.inf
 
 
 def resonances(scene: Scene, highest: float) -> list[Resonance]:
-    """Natural oscillations up to a frequency, slowest first.
+    """Natural oscillations up to a frequency, slowest first, and what grows without turning.
 
     Sources are silent: ideal efforts are shorts, ideal flows are open. Counted by the argument principle and polished;
-    what decays by more than exp(-3) within the shortest delay, or grows, is left out.
+    what decays by more than exp(-3) within the shortest delay is left out.
 
     Parameters
     ----------
@@ -76,8 +84,13 @@ def resonances(scene: Scene, highest: float) -> list[Resonance]:
             "highest", "too many waves on the lines to be searched", "a lower frequency", f"{highest:.4g} Hz"
         )
     try:
-        zeros = all_zeros(D.log, Box(-DEEP, ABOVE, -1.3e-4 * top, top * (1 + 1e-7)), step)
+        active = active_loads(scene)
+        right = right_of_all(D, top, ABOVE) if active else ABOVE
+        zeros = all_zeros(D.log, Box(-DEEP, right, -1.3e-4 * top, top * (1 + 1e-7)), step)
     except UncountableError:
         raise InputError("scene", "its oscillations lie too close together to be told apart") from None
-    found = [z / D.second for z in zeros if z.imag > LOWEST * top]
-    return [Resonance(s) for s in sorted(found, key=lambda s: s.imag)]
+    if not active:  # a double zero on the axis is found beside it, and nothing passive grows
+        zeros = [complex(min(z.real, 0.0), z.imag) for z in zeros]
+    turning = [z / D.second for z in zeros if z.imag > LOWEST * top]
+    growing = [complex(z.real) / D.second for z in zeros if abs(z.imag) <= LOWEST * top and z.real > NEUTRAL]
+    return [Resonance(s) for s in sorted(growing + turning, key=lambda s: s.imag)]

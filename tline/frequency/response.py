@@ -65,7 +65,7 @@ def respond(scene: Scene, s: ArrayLike, source: str | None = None) -> dict[str, 
     s = np.asarray(s, complex)
     if not np.isfinite(s).all():
         raise InputError("s", "not finite", "finite complex numbers", f"{s.ravel()[~np.isfinite(s.ravel())][0]}")
-    name = _source(scene, source)
+    name = source_named(scene, source)
     given, network = scene.sources[name], Scattering(scene)
     held, flows = np.zeros(len(network.names)), np.zeros(len(network.names))
     at = network.names.index(given.at)
@@ -114,7 +114,14 @@ def _seen(scene: Scene, network: Scattering, probe: str, arriving: NDArray, effo
     return Response(*(part.reshape(s.shape) for part in parts))
 
 
-def _source(scene: Scene, name: str | None) -> str:
+def source_named(scene: Scene, name: str | None) -> str:
+    """The name, or that of the only source.
+
+    Raises
+    ------
+    InputError
+        There is no such source, or several and none is named.
+    """
     sources: Mapping[str, object] = scene.sources
     if name is None:
         if len(sources) != 1:

@@ -13,8 +13,10 @@ from tline.solver.atomic import replacing
 TOUCHSTONE = "s{}p"
 
 
-def save_response(f: NDArray, probes: Mapping[str, Response], path: str | Path) -> None:
+def save_response(f: NDArray, probes: Mapping[str, Response], units: tuple[str, str], path: str | Path) -> None:
     """Write transfer functions as CSV: frequency in Hz, then real and imaginary part of effort and flow at each probe.
+
+    `units` are those of effort and flow per unit of the source, such as ("V/V", "A/V").
 
     Raises
     ------
@@ -23,9 +25,9 @@ def save_response(f: NDArray, probes: Mapping[str, Response], path: str | Path) 
     """
     columns, names = [f], ["frequency [Hz]"]
     for name, seen in probes.items():
-        for letter, values in (("u", seen.u), ("y", seen.y)):
+        for letter, values, unit in (("u", seen.u, units[0]), ("y", seen.y, units[1])):
             columns += [np.real(values), np.imag(values)]
-            names += [f"{name} re {letter}", f"{name} im {letter}"]
+            names += [f"{name} re {letter} [{unit}]", f"{name} im {letter} [{unit}]"]
     _write(path, names, np.stack(columns, axis=1))
 
 
@@ -39,7 +41,7 @@ def save_parameters(f: NDArray, S: NDArray, ports: Sequence[str], z0: float, pat
     """
     suffix, count = Path(path).suffix.lower(), len(ports)
     if suffix == ".csv":
-        names = [f"{part} S({i},{j})" for i in ports for j in ports for part in ("re", "im")]
+        names = [f"{part} S({i},{j}) [1]" for i in ports for j in ports for part in ("re", "im")]
         flat = S.reshape(len(f), -1)
         _write(path, ["frequency [Hz]", *names], np.column_stack([f, _interleaved(flat)]))
         return

@@ -79,8 +79,8 @@ class ElectricalLine(LineParameters):
     ------
     InputError
         A bad value, an incomplete, mixed or impossible geometry, a wave faster than light, quantities that
-        contradict each other by more than a relative 1e-6, or too few of them: z0 and one of wave_speed and
-        delay must follow.
+        contradict each other by more than a relative 1e-6 and by more than the digits typed in
+        a text tell, or too few of them: z0 and one of wave_speed and delay must follow.
 
     Notes
     -----
@@ -133,16 +133,15 @@ class ElectricalLine(LineParameters):
     ):
         arguments = {name: value for name, value in locals().items() if name != "self"}
         given = read(QUANTITIES, arguments)
-        shape = {name: given.pop(name) for name in SHAPE if name in given}
-        sources: dict[str, tuple[str, ...]] = {}
+        shape = {name: given.values.pop(name) for name in SHAPE if name in given.values}
         if shape:
             # first in line, so that a contradiction is told of a quantity the user knows
-            given = {"geometry_factor": _geometry_factor(shape), **given}
-            sources["geometry_factor"] = tuple(shape)
+            given.values = {"geometry_factor": _geometry_factor(shape), **given.values}
+            given.sources["geometry_factor"] = tuple(shape)
         offered = [quantity.name for quantity in QUANTITIES if quantity.name not in SHAPE]
-        values = determine(SYSTEM, given, sources, TARGETS, offered) | shape
-        _check_speed(values.get("wave_speed", 0.0), given)
-        self._settle(QUANTITIES, values, arguments)
+        values = determine(SYSTEM, given, TARGETS, offered) | shape
+        _check_speed(values.get("wave_speed", 0.0), given.values)
+        self._settle(QUANTITIES, values, arguments, given.remarks)
 
 
 def _geometry_factor(shape: Mapping[str, float]) -> float:

@@ -50,8 +50,9 @@ def water(temperature: float = ROOM) -> Fluid:
     998.207
     """
     if not LOWEST <= temperature <= HIGHEST:
+        problem = "no liquid water at 0.1 MPa" + ": it boils at 99.6 degC" * (temperature > HIGHEST)
         expected = "'-20 degC' to '110 degC' (a bare number is in kelvin)"
-        raise InputError("temperature", "no liquid water at 0.1 MPa", expected, f"{temperature:.6g} K")
+        raise InputError("temperature", problem, expected, _shown(temperature))
     alpha, beta = SCALE / (593.0 - temperature), SCALE / (temperature - 232.0)
     v = R * SCALE / P0 * (1.93763157e-2 + _series(V_ALPHA, alpha) + _series(V_BETA, beta))
     v_T = R / P0 * (_series(V_ALPHA, alpha, 1) - _series(V_BETA, beta, 1))
@@ -76,12 +77,36 @@ def fluid(name: str, temperature: float | str | None = None) -> Fluid:
     InputError
         Unknown name, a temperature out of range, or one for a fluid that is known at one temperature only.
     """
-    found = choose({"water": None, "hydraulic oil": HYDRAULIC_OIL}, name, "fluid")
+    found = choose(FLUIDS, name, "fluid")
     if found is None:
         return water(ROOM if temperature is None else to_si(temperature, "K", "temperature"))
     if temperature is not None:
         raise InputError("temperature", "only water is known at other temperatures", got=repr(temperature))
     return found
+
+
+def metastable(temperature: float | str | None) -> list[str]:
+    """A sentence on water that boils or freezes at 0.1 MPa; none on water that does not.
+
+    Examples
+    --------
+    >>> metastable("20 degC")
+    []
+    """
+    kelvin = ROOM if temperature is None else to_si(temperature, "K", "temperature")
+    if FREEZES <= kelvin <= BOILS:
+        return []
+    what, kept = ("boils", "overheated") if kelvin > BOILS else ("freezes", "undercooled")
+    values = f"density and bulk modulus are those of the {kept} liquid"
+    return [f"temperature: water of {_shown(kelvin)} {what} at 0.1 MPa; {values}"]
+
+
+def _shown(temperature: float) -> str:
+    return f"{temperature:.6g} K ({temperature - 273.15:.5g} degC)"
+
+
+# by name; that of water depends on temperature
+FLUIDS: dict[str, Fluid | None] = {"water": None, "hydraulic oil": HYDRAULIC_OIL}
 
 
 def _series(terms: Mapping[int, float], x: float, derivative: int = 0) -> float:
@@ -91,7 +116,7 @@ def _series(terms: Mapping[int, float], x: float, derivative: int = 0) -> float:
 
 
 # coefficients of SR6-08: power -> coefficient
-LOWEST, HIGHEST = 253.15, 383.15  # K
+LOWEST, FREEZES, BOILS, HIGHEST = 253.15, 273.15, 372.76, 383.15  # K
 R, SCALE, P0 = 461.51805, 10.0, 1e5  # J/(kg K), K, Pa
 G_ALPHA = {4: -1.661470539e5, 5: 2.708781640e6, 7: -1.557191544e8}
 G_BETA = {2: -8.237426256e-1, 3: 1.908956353, 4: -2.017597384, 5: 8.546361348e-1}

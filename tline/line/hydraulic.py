@@ -5,8 +5,10 @@ from collections.abc import Mapping
 
 from tline.errors import InputError
 from tline.line.fluids import fluid as named_fluid
-from tline.line.parameters import LineParameters, Quantity, include, read
-from tline.line.relations import AGREE, Law, System, determine
+from tline.line.fluids import metastable
+from tline.line.given import AGREE, Given
+from tline.line.parameters import LineParameters, Quantity, read
+from tline.line.relations import Law, System, determine
 from tline.line.walls import youngs_modulus as named_modulus
 
 QUANTITIES = (
@@ -101,19 +103,19 @@ class HydraulicLine(LineParameters):
         1/β = 1/K + ψd/(Ee). With Poisson's ratio ν, ψ is 1 with expansion joints (default), 1-ν² anchored
         all along, 1-ν/2 held at one end only. The wall is rigid if neither e nor E is given.
     fluid : str, optional
-        ``"water"`` or ``"hydraulic oil"``: gives density and bulk modulus. A wave speed given beside it may be
-        lower than the fluid's own: the wall then yields by as much as that takes.
+        ``"water"`` or ``"hydraulic oil"``: gives density and bulk modulus, unless these are given. A
+        wave speed given beside it may be lower than the fluid's own: the wall then yields by as much as that takes.
     temperature : float or str, optional
         Of water: K, or ``"20 degC"``, which is the default.
     wall : str, optional
         ``"steel"``, ``"ductile iron"``, ``"cast iron"``, ``"copper"``, ``"aluminium"``, ``"concrete"``,
-        ``"pvc"`` or ``"hdpe"``: gives Young's modulus.
+        ``"pvc"`` or ``"hdpe"``: gives Young's modulus, unless it is given.
 
     Raises
     ------
     InputError
-        A bad value, an unknown name, quantities that contradict each other by more than a relative 1e-6, or
-        too few of them: z0 and one of wave_speed and delay must follow.
+        A bad value, an unknown name, quantities that contradict each other by more than a relative 1e-6 and by
+        more than the digits typed in a text tell, or too few of them: z0 and one of wave_speed and delay must follow.
 
     References
     ----------
@@ -168,20 +170,25 @@ class HydraulicLine(LineParameters):
     ):
         arguments = {name: value for name, value in locals().items() if name != "self"}
         given = read(QUANTITIES, arguments)
-        sources: dict[str, tuple[str, ...]] = {}
         if fluid is not None:
-            include(given, sources, "fluid", named_fluid(fluid, temperature)._asdict())
-            effective = given["density"] * given.get("wave_speed", math.inf) ** 2
-            slowed = effective < given["bulk_modulus"] * (1 - AGREE)  # by a wall that yields
-            if slowed and "effective_bulk_modulus" not in given:
-                given["effective_bulk_modulus"] = effective
-                sources["effective_bulk_modulus"] = ("wave_speed", "fluid")
+            given.include("fluid", named_fluid(fluid, temperature)._asdict())
+            given.remarks += metastable(temperature)
+            _slow(given)
         elif temperature is not None:
             raise InputError("temperature", "counts only with a fluid", "fluid = 'water'")
         if wall is not None:
-            include(given, sources, "wall", {"youngs_modulus": named_modulus(wall)})
-        values = determine(_system(given, sources), given, sources, TARGETS, _offered(given))
-        self._settle(QUANTITIES, values, arguments)
+            given.include("wall", {"youngs_modulus": named_modulus(wall)})
+        values = determine(_system(given), given, TARGETS, _offered(given.values))
+        self._settle(QUANTITIES, values, arguments, given.remarks)
+
+
+def _slow(given: Given) -> None:
+    """A wave slower than in the fluid itself: the wall yields."""
+    values = given.values
+    effective = values["density"] * values.get("wave_speed", math.inf) ** 2
+    if effective < values["bulk_modulus"] * (1 - AGREE) and "effective_bulk_modulus" not in values:
+        values["effective_bulk_modulus"] = effective
+        given.sources["effective_bulk_modulus"] = ("wave_speed", "fluid")
 
 
 def _is_elastic(given: Mapping[str, float]) -> bool:
@@ -190,13 +197,14 @@ def _is_elastic(given: Mapping[str, float]) -> bool:
     return differ or not WALL.isdisjoint(given)
 
 
-def _system(given: dict[str, float], sources: dict[str, tuple[str, ...]]) -> System:
+def _system(given: Given) -> System:
     """The ties for a rigid or an elastic wall; the latter gets its restraint, 1 unless given."""
-    if _is_elastic(given):
-        if "restraint" not in given and not WALL.isdisjoint(given):
-            given["restraint"], sources["restraint"] = 1.0, ()
+    values = given.values
+    if _is_elastic(values):
+        if "restraint" not in values and not WALL.isdisjoint(values):
+            values["restraint"], given.sources["restraint"] = 1.0, ()
         return ELASTIC
-    if "restraint" in given:
+    if "restraint" in values:
         raise InputError("restraint", "counts only with an elastic wall", "wall_thickness and youngs_modulus")
     return RIGID
 

@@ -4,8 +4,9 @@ from collections.abc import Iterable, Mapping
 from typing import NamedTuple, TypeVar
 
 from tline.errors import InputError
-from tline.line.relations import AGREE, listed
-from tline.units import to_si
+from tline.line.given import Given
+from tline.line.relations import listed
+from tline.units import half_digit, to_si
 
 Entry = TypeVar("Entry")
 
@@ -21,18 +22,29 @@ class Quantity(NamedTuple):
 
 
 class LineParameters:
-    """Base of the lines: immutable, equal by value, printed as it was given."""
+    """Base of the lines: immutable, equal by value, printed as it was given.
 
+    Attributes
+    ----------
+    remarks : tuple of str
+        Sentences on what is odd in what was given.
+    """
+
+    remarks: tuple[str, ...]
     _values: dict[str, float | None]
     _given: dict[str, object]
 
     def _settle(
-        self, quantities: Iterable[Quantity], values: Mapping[str, float], arguments: Mapping[str, object]
+        self,
+        quantities: Iterable[Quantity],
+        values: Mapping[str, float],
+        arguments: Mapping[str, object],
+        remarks: Iterable[str],
     ) -> None:
         """Set the attributes, once; a quantity that did not follow is None."""
         settled = {quantity.name: values.get(quantity.name) for quantity in quantities}
         given = {name: value for name, value in arguments.items() if value is not None}
-        self.__dict__.update(settled, _values=settled, _given=given)
+        self.__dict__.update(settled, _values=settled, _given=given, remarks=tuple(remarks))
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{type(self).__name__} is immutable, {name} cannot be set")
@@ -53,27 +65,18 @@ class LineParameters:
         return f"{type(self).__name__}({given})"
 
 
-def read(quantities: Iterable[Quantity], arguments: Mapping[str, float | str | None]) -> dict[str, float]:
-    """SI values of the quantities given among `arguments` (None is not given), each positive and finite."""
-    values = {}
+def read(quantities: Iterable[Quantity], arguments: Mapping[str, float | str | None]) -> Given:
+    """The quantities given among `arguments` (None is not given), each positive and finite."""
+    values, roundings, units = {}, {}, {}
     for name, _, unit, _, _ in quantities:
-        given = arguments[name]
+        given, units[name] = arguments[name], unit
         if given is not None:
             values[name] = to_si(given, unit, name)
             if values[name] <= 0:
                 raise InputError(name, "not positive", "more than 0", repr(given))
-    return values
-
-
-def include(
-    given: dict[str, float], sources: dict[str, tuple[str, ...]], what: str, values: Mapping[str, float]
-) -> None:
-    """Add the quantities that a named fluid or wall stands for; one that was given as well must agree."""
-    for name, value in values.items():
-        there = given.setdefault(name, value)
-        if abs(there / value - 1) > AGREE:
-            raise InputError(name, f"clashes with the {what}", f"{value:.9g} or none", f"{there:.9g}")
-        sources[name] = (what,)
+        if isinstance(given, str):
+            roundings[name] = half_digit(given)
+    return Given(values, roundings=roundings, units=units)
 
 
 def choose(table: Mapping[str, Entry], name: object, where: str) -> Entry:

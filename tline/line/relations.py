@@ -15,8 +15,9 @@ from itertools import combinations, islice
 from typing import NamedTuple
 
 from tline.errors import InputError
+from tline.line.given import AGREE, Given
 
-AGREE = 1e-6  # relative; quantities given twice over may differ by the digits that tables drop
+COARSEST = 0.01  # relative; digits typed excuse no larger difference
 LISTED = 6  # suggestions shown when something is missing
 
 
@@ -76,26 +77,23 @@ def _raised(name: str, power: Fraction) -> str:
     return name if power == 1 else f"{name}^{power}" if power.denominator == 1 else f"{name}^({power})"
 
 
-def solve(
-    system: System, given: Mapping[str, float], sources: Mapping[str, tuple[str, ...]] | None = None
-) -> dict[str, float]:
+def solve(system: System, given: Given) -> dict[str, float]:
     """Every quantity that follows from the given ones, with these themselves.
 
     Parameters
     ----------
     system : System
         Relations, constants and law.
-    given : mapping
-        Positive SI values by name.
-    sources : mapping, optional
-        Of a given quantity that the user knows by other names: those names.
+    given : Given
+        Gets a remark where quantities agree to the digits typed only.
 
     Raises
     ------
     InputError
-        Given quantities contradict each other by more than a relative 1e-6, or a value leaves the floats.
+        Given quantities contradict each other by more than a relative 1e-6 and more than half a unit in the last digit
+        typed of one of them (at most 1 %), or a value leaves the floats.
     """
-    solution = _Solution(system, given, sources or {})
+    solution = _Solution(system, given)
     values, law = solution.values, system.law
     while True:
         known = {**system.constants, **values}
@@ -115,17 +113,13 @@ def solve(
 
 
 def determine(
-    system: System,
-    given: Mapping[str, float],
-    sources: Mapping[str, tuple[str, ...]],
-    targets: tuple[tuple[str, ...], ...],
-    offered: Iterable[str],
+    system: System, given: Given, targets: tuple[tuple[str, ...], ...], offered: Iterable[str]
 ) -> dict[str, float]:
     """As `solve`, but of each tuple in `targets` at least one quantity must follow.
 
     If not, the InputError names the shortest sets out of `offered` that would do, up to two quantities more.
     """
-    values = solve(system, given, sources)
+    values = solve(system, given)
     left_open = [listed(target, "or") for target in targets if values.keys().isdisjoint(target)]
     if not left_open:
         return values
@@ -204,9 +198,9 @@ def _by_law(law: Law, name: str, values: Mapping[str, float]) -> float:
 class _Solution:
     """The values known so far and the given quantities that each rests on."""
 
-    def __init__(self, system: System, given: Mapping[str, float], sources: Mapping[str, tuple[str, ...]]):
-        self.system, self.values = system, dict(given)
-        self.origin = {name: sources.get(name, (name,)) for name in given}
+    def __init__(self, system: System, given: Given):
+        self.system, self.given, self.values = system, given, dict(given.values)
+        self.origin = {name: given.sources.get(name, (name,)) for name in given.values}
         self.order = dict.fromkeys(source for names in self.origin.values() for source in names)
 
     def givens(self, parts: Set[str]) -> tuple[str, ...]:
@@ -224,9 +218,14 @@ class _Solution:
             return
         there = self.values[name]
         apart = abs(value / there - 1)
-        if apart > AGREE:
-            digits = 4 if apart > 1e-3 else 9
-            names = listed(self.givens({name, *parts}))
-            problem = f"{names} clash: {formula()} gives {value:.{digits}g} but {name} is {there:.{digits}g}"
-            remedies = [self.system.remedies[part] for part in (name, *parts) if part in self.system.remedies]
-            raise InputError("", "; ".join([f"{problem}, {100 * apart:.3g} % apart", *remedies[:1]]))
+        if apart <= AGREE:
+            return
+        names, digits = self.givens({name, *parts}), 4 if apart > 1e-3 else 9
+        two = f"{formula()} gives {self.given.shown(name, value, digits)}"
+        two += f" but {name} is {self.given.shown(name, there, digits)}, {100 * apart:.3g} % apart"
+        if apart <= min(max(self.given.roundings.get(source, 0.0) for source in names), COARSEST):
+            remark = f"{listed(names)} agree to the digits typed: {two}"
+            self.given.remarks += [remark] * (remark not in self.given.remarks)
+            return
+        remedies = [self.system.remedies[part] for part in (name, *parts) if part in self.system.remedies]
+        raise InputError("", "; ".join([f"{listed(names)} clash: {two}", *remedies[:1]]))

@@ -1,5 +1,7 @@
 """The bounce diagram of a scene with one line."""
 
+from typing import NamedTuple
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -11,6 +13,9 @@ from tline.solver.result import Result
 
 FLAT = 1e-6  # of the largest effort; a smaller one is zero
 ROOM = 0.03  # of the diagram's height, for a number
+LETTER = 0.028  # of the line's length, for a letter of a number
+SHARES = (0.42, 0.3, 0.54, 0.22, 0.62, 0.14)  # of a leg, where its number may stand, the best first
+ENOUGH = 0.65  # of a leg, to carry a number
 
 
 @styled
@@ -46,6 +51,8 @@ def plot_lattice(result: Result) -> Figure:
     axes = picture.subplots()
     for front in shown.fronts:
         _draw_leg(axes, front, shown)
+    for number in _numbers(shown):
+        _draw_number(axes, number)
     for stay in shown.stays:
         if stay.stop - stay.start > ROOM * shown.until:
             _draw_level(axes, stay, zero)
@@ -67,15 +74,14 @@ def _draw_leg(axes: Axes, front: Front, shown: Bounces) -> None:
     """A leg from end to end, or as far as it comes."""
     forth = 1 - 2 * front.end
     share = min((shown.until - front.t) / shown.delay, 1.0)
-    corner, known = front.jump == 0, abs(front.jump) > 0
-    colour = (UP if front.jump > 0 else DOWN) if known else FAINT
+    corner = front.jump == 0
     axes.annotate(
         "",
         (front.end + forth * share, front.t + share * shown.delay),
         (front.end, front.t),
         arrowprops={
             "arrowstyle": "-|>" if share == 1.0 else "-",
-            "color": colour,
+            "color": _colour(front.jump),
             "linewidth": 1.0 if corner else 1.8,
             "linestyle": ":" if corner else "-",
             "shrinkA": 0,
@@ -83,17 +89,49 @@ def _draw_leg(axes: Axes, front: Front, shown: Bounces) -> None:
             "mutation_scale": 13,
         },
     )
-    if known and share > 0.65:
-        axes.annotate(
-            _text(front.jump, "+"),
-            (front.end + 0.42 * forth, front.t + 0.42 * shown.delay),
-            color=colour,
-            fontweight="bold",
-            ha="center",
-            va="center",
-            zorder=5,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
-        )
+
+
+class _Number(NamedTuple):
+    """What a front carries, written on its leg."""
+
+    x: float
+    t: float
+    jump: float
+
+    @property
+    def half_width(self) -> float:
+        return LETTER / 2 * len(_text(self.jump, "+"))
+
+
+def _numbers(shown: Bounces) -> list[_Number]:
+    """Where the numbers stand: off each other, and if possible off other legs."""
+    placed: list[_Number] = []
+    for front in shown.fronts:
+        if abs(front.jump) > 0 and shown.until - front.t > ENOUGH * shown.delay:
+            forth = 1 - 2 * front.end
+            tried = [_Number(front.end + forth * k, front.t + k * shown.delay, front.jump) for k in SHARES]
+            placed.append(min(tried, key=lambda number: _covers(number, front, placed, shown)))
+    return placed
+
+
+def _covers(number: _Number, own: Front, placed: list[_Number], shown: Bounces) -> tuple[int, int]:
+    """How many numbers and how many other legs it would cover."""
+    x, t, _ = number
+    height, width = ROOM * shown.until, number.half_width
+    numbers = sum(abs(t - other.t) < height and abs(x - other.x) < width + other.half_width for other in placed)
+    passing = (leg.t + shown.delay * abs(x - leg.end) for leg in shown.fronts if leg is not own)
+    return numbers, sum(abs(t - instant) < height / 2 + shown.delay * width for instant in passing)
+
+
+def _draw_number(axes: Axes, number: _Number) -> None:
+    x, t, jump = number
+    box = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+    look = {"color": _colour(jump), "fontweight": "bold", "zorder": 5, "bbox": box}
+    axes.annotate(_text(jump, "+"), (x, t), ha="center", va="center", **look)
+
+
+def _colour(jump: float) -> str:
+    return UP if jump > 0 else DOWN if jump < 0 else FAINT
 
 
 def _draw_level(axes: Axes, stay: Stay, zero: float) -> None:

@@ -84,7 +84,10 @@ def _chain_ends(ends: dict[str, list[tuple[str, bool, str]]]) -> tuple[str, str]
         grown = {other for node in grown for _, _, other in ends[node]} - connected
         connected |= grown
     if len(outer) != 2 or len(connected) < len(ends) or max(map(len, ends.values())) > 2:
-        raise InputError("path", "the lines form no chain", "the two nodes between which to look")
+        rings = [node for node, here in ends.items() if any(other == node for _, _, other in here)]
+        why = f", for one has both ends at node '{rings[0]}'" if rings else ""
+        expected = "the two nodes between which to look" if len(ends) > 1 else "a scene with two nodes or more"
+        raise InputError("path", f"the lines form no chain{why}", expected)
     return outer[0], outer[1]
 
 

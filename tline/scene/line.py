@@ -8,13 +8,19 @@ from pydantic import BeforeValidator, Field, PrivateAttr, create_model, model_va
 from tline.errors import InputError
 from tline.line import ElectricalLine, HydraulicLine
 from tline.line.electrical import QUANTITIES as ELECTRICAL
+from tline.line.fluids import FLUIDS
 from tline.line.hydraulic import QUANTITIES as HYDRAULIC
 from tline.line.parameters import Quantity as LineQuantity
+from tline.line.relations import listed
+from tline.line.walls import WALLS
 from tline.scene.element import Element, Name
 from tline.scene.mistakes import shown
 from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
 
-MATERIALS = {"fluid": "name of a fluid", "wall": "name of a wall material"}
+MATERIALS = {
+    "fluid": f"gives density and bulk modulus: {listed(FLUIDS, 'or')}",
+    "wall": f"gives Young's modulus: {listed(WALLS, 'or')}",
+}
 
 
 def _two(nodes: Any) -> Any:
@@ -35,7 +41,7 @@ class SceneLine(Element):
         return self._parameters
 
     def _settle(self, kind: type[HydraulicLine] | type[ElectricalLine]):
-        given = {name: value for name, value in self if name != "nodes" and value is not None}
+        given = {name: getattr(value, "typed", value) for name, value in self if name != "nodes" and value is not None}
         self._parameters = kind(**given)
         if self._parameters.delay is None:
             raise InputError("", "its delay does not follow", "length (with wave_speed), or delay")
@@ -84,7 +90,7 @@ Pipe = _model(
     **{word: (str | None, Field(default=None, description=text)) for word, text in MATERIALS.items()},
     temperature=(
         _optional(Role("temperature", "K", above=0)),
-        Field(default=None, description="temperature of the fluid"),
+        Field(default=None, description="of the water, 20 degC if not given"),
     ),
 )
 Cable = _model("Cable", _Cable, ELECTRICAL)

@@ -7,7 +7,7 @@ from pydantic import Field, ValidationInfo, field_validator
 from tline.errors import InputError
 from tline.scene.element import AtNode
 from tline.scene.medium import MEDIA
-from tline.scene.quantity import Pressure, Resistance, Time
+from tline.scene.quantity import LoadResistance, Pressure, Resistance, Time
 from tline.scene.rational_load import Impedance, Parallel, Series
 
 
@@ -60,7 +60,7 @@ class Resistor(AtNode):
     """A resistance, zero and infinity included."""
 
     kind: Literal["resistor"] = "resistor"
-    resistance: Resistance = Field(description="effort over flow")
+    resistance: LoadResistance = Field(description="effort over flow")
 
 
 class Switch(AtNode):

@@ -17,7 +17,7 @@ LONGEST = 20  # characters of a whole number
 
 
 class Quantity(float):
-    """A value in SI; ``typed`` is the number or text it was given as.
+    """A value in SI; ``typed`` is the number or text it was given as, ``unit`` the SI unit, None if any would do.
 
     Examples
     --------
@@ -27,21 +27,23 @@ class Quantity(float):
     """
 
     typed: float | str
+    unit: str | None
 
     def __new__(cls, typed: float | str, unit: str | None, where: str = "", *, allow_infinite: bool = False):
         """Parse what was typed; unit None takes any."""
-        return _restored(to_si(typed, unit, where, allow_infinite=allow_infinite), typed)
+        return _restored(to_si(typed, unit, where, allow_infinite=allow_infinite), typed, unit)
 
     def __reduce__(self):
-        return _restored, (float(self), self.typed)
+        return _restored, (float(self), self.typed, self.unit)
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.float_schema()
 
 
-def _restored(value: float, typed: float | str) -> Quantity:
+def _restored(value: float, typed: float | str, unit: str | None) -> Quantity:
     quantity = float.__new__(Quantity, value)
+    quantity.unit = unit
     plain = str if isinstance(typed, str) else int if isinstance(typed, int) else float  # a file knows no others
     quantity.typed = plain(typed)
     return quantity
@@ -61,6 +63,7 @@ class Role:
     above: float | None = None
     at_most: float = LARGEST
     allow_infinite: bool = False
+    if_negative: str = ""  # what a user who gives a negative value may want instead
 
     def read(self, typed: Any, info: ValidationInfo) -> Quantity:
         """Parse and check one value."""
@@ -74,9 +77,9 @@ class Role:
         except RecursionError:  # a table in tables in tables
             raise InputError("", "not a number", got=shown(typed)) from None
         if self.above is not None and not value > self.above:
-            expected = f"more than {self.above:g}"
+            expected = f"more than {self.above:g}{self._instead(value)}"
         elif self.at_least is not None and not value >= self.at_least:
-            expected = f"at least {self.at_least:g}"
+            expected = f"at least {self.at_least:g}{self._instead(value)}"
         elif abs(value) > self.at_most and "inf" not in str(typed).lower():
             expected = f"at most {self.at_most:g}"
         elif 0 < value < SMALLEST and (self.above, self.at_least) != (None, None):
@@ -84,6 +87,9 @@ class Role:
         else:
             return value
         raise InputError("", f"{self.name} out of range", expected, shown(typed))
+
+    def _instead(self, value: float) -> str:
+        return f", or {self.if_negative.format(value)}" if value < 0 and self.if_negative else ""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         typed = core_schema.plain_serializer_function_ser_schema(lambda value: value.typed)
@@ -137,7 +143,9 @@ Angle = Annotated[Quantity, Role("angle", "rad")]
 Position = Annotated[Quantity, Role("position", at_least=0)]  # a length, or a share of the line
 Pressure = Annotated[Quantity, Role("pressure", "Pa")]
 Resistance = Annotated[Quantity, Role("resistance", at_least=0, allow_infinite=True)]
-PositiveResistance = Annotated[Quantity, Role("resistance", above=0)]
+ACTIVE = "kind = 'impedance' with expression = '{:.9g}', which runs with --active"
+LoadResistance = Annotated[Quantity, Role("resistance", at_least=0, allow_infinite=True, if_negative=ACTIVE)]
+PositiveResistance = Annotated[Quantity, Role("resistance", above=0, if_negative=ACTIVE)]
 Inductance = Annotated[Quantity, Role("inductance", above=0)]
 Capacitance = Annotated[Quantity, Role("capacitance", above=0)]
 Parameter = Annotated[Quantity, Role("parameter")]  # of an expression, which forgets its unit

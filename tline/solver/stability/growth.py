@@ -68,7 +68,7 @@ def growth(scene: Scene) -> Growth | None:
         return None
     least = NEGLIGIBLE * D.second / float(scene.t_end)
     try:
-        box = Box(least, _right_of_all(D, high, least), -1.37e-4 * high, high)
+        box = Box(least, right_of_all(D, high, least), -1.37e-4 * high, high)
         if count(D.log, box, step) == 0:
             return Growth(None, high / D.second)
         s = rightmost(D.log, box, step)
@@ -84,7 +84,7 @@ def _below(s: complex, box: Box) -> Box:
     return box._replace(left=s.real * (1 - ALIKE), high=max(s.imag - ALIKE * box.high, box.low + ALIKE * box.high))
 
 
-def _right_of_all(D: Characteristic, high: float, least: float) -> float:
+def right_of_all(D: Characteristic, high: float, least: float) -> float:
     """A real part beyond which what comes back is always less than what was sent."""
     right = max(D.corner, least, 1.0)
     while True:

@@ -1,0 +1,93 @@
+"""A scene as a state space in which every delay is a Padé approximation."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.scene import Scene
+from tline.solver.nodes import Node, nodes_of
+
+if TYPE_CHECKING:
+    from control import StateSpace
+
+HIGHEST = 12  # order; the coefficients of higher ones are too far apart for floats
+
+
+def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "StateSpace":
+    """From the source whose level is 1 at last, all others being silent, to u, y, a or b at a probe.
+
+    Raises
+    ------
+    InputError
+        The order is out of range.
+    """
+    import control
+    from scipy.linalg import block_diag
+
+    if type(order) is not int or not 1 <= order <= HIGHEST:
+        raise InputError("order", "not an order", f"a whole number from 1 to {HIGHEST}", f"{order}")
+    lines, nodes = list(scene.lines.values()), list(nodes_of(scene).values())
+    delays = np.array([line.parameters.delay or 0.0 for line in lines])
+    z0, second = np.array([line.parameters.z0 for line in lines]), float(delays.min())
+    place = scene.probes[probe]
+    name = place.line or next(name for name, line in scene.lines.items() if place.at in line.nodes)
+    k, share = list(scene.lines).index(name), place.fraction(scene.lines[name])
+
+    # each end's sent wave is delayed by its line; those of the probe's line also on their way to a probe inside
+    fed_by = [*range(2 * len(lines)), 2 * k, 2 * k + 1]
+    chains = [_delay(t, order) for t in [*np.repeat(delays / second, 2), share * delays[k] / second]]
+    chains.append(_delay((1 - share) * delays[k] / second, order))
+    A, b, c, d = (np.array(block_diag(*parts)) for parts in zip(*chains, strict=True))
+    n = len(A)
+
+    # rows over the states of delays, those of loads, and the source
+    systems = [node.effort(node.switched(np.inf)) for node in nodes]
+    own, into, out, through = (
+        np.array(block_diag(*parts))
+        for parts in zip(*((s.A * second, s.b[:, None] * second, s.c[None], [[s.d]]) for s in systems), strict=True)
+    )
+    m = len(own)
+    arriving = np.zeros((2 * len(lines), n + m + 1))
+    arriving[:, :n] = c[[e ^ 1 for e in range(2 * len(lines))]]
+    thevenin = _weights(nodes, z0) @ arriving
+    thevenin[:, -1] = [sum(f * float(w.value(np.array(1.0), np.array(1.0))) for w, f in node.drives) for node in nodes]
+    states = np.eye(n + m + 1)[n : n + m]
+    efforts = through @ thevenin + out @ states
+    sent = 2 * efforts[_node_of_end(nodes)] - arriving
+
+    rates = np.vstack([b @ sent[fed_by], own @ states + into @ thevenin])
+    rates[:n, :n] += A
+    wave_a, wave_b = c[-2:] @ np.eye(n, n + m + 1) + d[-2:] @ sent[fed_by]
+    row = {"a": wave_a, "b": wave_b, "u": (wave_a + wave_b) / 2, "y": (wave_a - wave_b) / (2 * z0[k])}[quantity][None]
+    return control.StateSpace(rates[:, :-1] / second, rates[:, -1:] / second, row[:, :-1], row[:, -1:])
+
+
+def _delay(t: float, order: int) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    """A, b, c, d of the Padé approximation of exp(-ts) with a numerator of one degree less; of no delay at all."""
+    import control
+
+    if t == 0:
+        return np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1))
+    up, down = control.pade(1.0, order, order - 1)
+    A = np.diag(np.ones(order - 1), 1)
+    A[-1] = -np.array(down[:0:-1]) / down[0]
+    c = np.array(up[::-1]) / down[0]
+    b = np.zeros((order, 1))
+    b[-1] = 1.0
+    return A / t, b / t, c[None], np.zeros((1, 1))
+
+
+def _weights(nodes: list[Node], z0: NDArray) -> NDArray:
+    """Share of each arriving wave in each node's Thévenin wave."""
+    weights = np.zeros((len(nodes), 2 * len(z0)))
+    for row, node in zip(weights, nodes, strict=True):
+        if node.held is None:
+            row[node.ends] = 1 / z0[np.array(node.ends) // 2] / node.total
+    return weights
+
+
+def _node_of_end(nodes: list[Node]) -> list[int]:
+    at = {end: k for k, node in enumerate(nodes) for end in node.ends}
+    return [at[end] for end in range(len(at))]

@@ -1,0 +1,121 @@
+"""What is valid in a scene and yet probably not meant: sentences for the notes of a run."""
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from math import isfinite
+from typing import Any
+
+from tline.scene.element import Element
+from tline.scene.load import Switch
+from tline.scene.mistakes import place
+from tline.scene.quantity import Quantity
+from tline.scene.scene import Scene
+from tline.units import engineering
+
+VACUUM = -101_325.0  # Pa, gauge
+EVERYDAY = {"ohm", "V", "A", ""}  # units in which a bare number is what people mean
+LISTED = 3
+
+
+def doubts(scene: Scene) -> list[str]:
+    """What a user may have overlooked in a scene.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="electrical", t_end="1 us", probes={"far": {"at": "far"}},
+    ...     lines={"cable": {"nodes": ["near", "far"], "z0": 50, "length": "300", "wave_speed": 2e8}},
+    ...     loads={"breaker": {"at": "far", "kind": "switch", "before": 0, "after": "inf", "time": "1 ms"}},
+    ... )
+    >>> for doubt in doubts(scene):
+    ...     print(doubt)
+    loads.breaker (0.001 s): nothing changes there before the run ends at 1e-06 s
+    taken as SI for want of a unit: lines.cable.length = '300' (m)
+    """
+    return [*_of_lines(scene), *_rings(scene), *_idle(scene), *_bare(scene)]
+
+
+def below_vacuum(scene: Scene, lowest: Mapping[str, float]) -> list[str]:
+    """Whether pressures fall below those that a liquid can have.
+
+    Parameters
+    ----------
+    scene : Scene
+    lowest : mapping of str to float
+        Lowest effort by probe, Pa or V.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="hydraulic", t_end=1, probes={"valve": {"at": "b"}},
+    ...     lines={"pipe": {"nodes": ["a", "b"], "z0": 1e8, "delay": 1}},
+    ... )
+    >>> below_vacuum(scene, {"valve": -2e5})
+    ['probes.valve: the pressure falls to -2 bar; a liquid cavitates below -1.013 bar gauge (0 absolute): not modelled']
+    """
+    deep = [name for name, pressure in lowest.items() if pressure < VACUUM]
+    if scene.medium != "hydraulic" or not deep:
+        return []
+    deep.sort(key=lambda name: lowest[name])
+    falls = f"the pressure falls to {engineering(lowest[deep[0]], 'bar')}"
+    limit = f"a liquid cavitates below {engineering(VACUUM, 'bar')} gauge (0 absolute): not modelled"
+    return [f"{_first([place('probes', name) for name in deep], 1)}: {falls}; {limit}"]
+
+
+def _of_lines(scene: Scene) -> Iterator[str]:
+    """What is odd about the quantities of lines, once for all lines of which it is true."""
+    lines = defaultdict(list)
+    for name, line in scene.lines.items():
+        for remark in line.parameters.remarks:
+            lines[remark].append(place("lines", name))
+    return (f"{_first(names)}: {remark}" for remark, names in lines.items())
+
+
+def _rings(scene: Scene) -> list[str]:
+    rings = [place("lines", name) for name, line in scene.lines.items() if line.nodes[0] == line.nodes[1]]
+    return [f"{_first(rings)}: both ends are at one node"] if rings else []
+
+
+def _idle(scene: Scene) -> list[str]:
+    """Valves and switches that do not move within the run, and waveforms that begin after it."""
+    moves = {place("loads", name): load.time for name, load in scene.loads.items() if isinstance(load, Switch)}
+    begins = {place("sources", name): getattr(source.value, "at", 0.0) for name, source in scene.sources.items()}
+    late = [f"{where} ({t:.6g} s)" for where, t in (moves | begins).items() if t >= scene.t_end]
+    early = [f"{where} ({t:.6g} s)" for where, t in moves.items() if t < 0]
+    return [
+        *([f"{_first(late)}: nothing changes there before the run ends at {scene.t_end:.6g} s"] if late else []),
+        *([f"{_first(early)}: moved before the run begins"] if early else []),
+    ]
+
+
+def _bare(scene: Scene) -> list[str]:
+    """Texts that are a number and no unit where most people would write one."""
+    found = [
+        f"{place(*where)} = {quantity.typed!r} ({quantity.unit})"
+        for where, quantity in _quantities(scene)
+        if isinstance(quantity.typed, str) and _is_number(quantity.typed) and quantity.unit not in {None, *EVERYDAY}
+    ]
+    return [f"taken as SI for want of a unit: {_first(found)}"] if found else []
+
+
+def _quantities(part: Any, where: tuple[str | int, ...] = ()) -> Iterator[tuple[tuple[str | int, ...], Quantity]]:
+    """All quantities in a scene with the keys that lead to them."""
+    if isinstance(part, Quantity):
+        yield where, part
+    elif isinstance(part, Element | dict):
+        for key, value in part.items() if isinstance(part, dict) else part:
+            yield from _quantities(value, (*where, key.rstrip("_")))
+    elif isinstance(part, list | tuple):
+        for k, value in enumerate(part):
+            yield from _quantities(value, (*where, k))
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def _first(texts: list[str], most: int = LISTED) -> str:
+    return ", ".join(texts[:most]) + f" and {len(texts) - most} more" * (len(texts) > most)
