@@ -28,6 +28,7 @@ bench: $(VENV)/ready-bench
 docs: $(VENV)/ready-dev
 	$(BIN)/python docs/generate.py
 	$(BIN)/python docs/generate_drives.py
+	$(BIN)/python docs/generate_losses.py
 
 charts: $(VENV)/ready-dev
 	$(BIN)/python docs/generate_charts.py

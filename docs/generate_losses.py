@@ -1,0 +1,149 @@
+"""Writes the tables and pictures of docs/losses.md. Run: python docs/generate_losses.py."""
+
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from tline.loss import (
+    Constant,
+    DielectricLoss,
+    LaminarFriction,
+    Law,
+    LossyLine,
+    RoundWire,
+    SkinEffect,
+    TurbulentFriction,
+    hagen_poiseuille,
+    realise,
+)
+from tline.loss.arithmetic import Arithmetic
+from tline.pictures.style import COLOURS, DASHES, figure, save_figure, styled
+from tline.reference.lossy import lossy_response
+
+PAGE = Path(__file__).parent / "losses.md"
+PICTURES = Path(__file__).parent / "pictures"
+TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8)
+
+PIPE = {"density": 878.0, "viscosity": 0.0347, "radius": 12.7e-3}  # Holmboe and Rouleau (1967): oil, copper tube
+LAMINAR = LaminarFriction(**PIPE)
+COMPLIANCE = math.pi * PIPE["radius"] ** 2 / (PIPE["density"] * 1324.0**2)
+LENGTH = 36.09
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+WIRE = RoundWire(0.5e-3, 5.8e7)
+FIELD = Constant(0, 250e-9)
+INSULATION = DielectricLoss(100e-12, 0.02, 1e9, (1e4, 1e12))
+
+
+class Alone(Law):
+    """What a law adds to its storage."""
+
+    def __init__(self, law: Law):
+        super().__init__(law.loss, 0.0)
+        self.law = law
+
+    def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
+        """All there is."""
+        return self.law.beyond(s, arithmetic)
+
+
+CASES = {  # law, what it adds alone, lowest frequency of five decades
+    "laminar friction (Zielke)": (LAMINAR, Alone(LAMINAR), 0.1),
+    "turbulent friction, Re = 10⁵": (law := TurbulentFriction(1000, 1e-3, 0.01, 1e5), Alone(law), 0.1),
+    "round wire of 1 mm": (WIRE + FIELD, WIRE, 1e4),
+    "skin effect √(R² + k²s), from the corner": (SkinEffect(1, 1e-3) + FIELD, SkinEffect(1, 1e-3), 1.6e5),
+    "skin effect k√s": (SkinEffect(0, 1e-3) + FIELD, SkinEffect(0, 1e-3), 1.6e5),
+    "dielectric, tan δ = 0.02": (INSULATION, Alone(INSULATION), 1e6),
+}
+
+
+def terms() -> str:
+    """Number of terms for each tolerance over five decades, of the law and of what it adds alone."""
+    rows = [
+        "| over five decades | " + " | ".join(f"{tolerance:.0e}" for tolerance in TOLERANCES) + " |",
+        "|---|" + "---|" * len(TOLERANCES),
+    ]
+    for name, (law, alone, low) in CASES.items():
+        counts = []
+        for tolerance in TOLERANCES:
+            both = (realise(each, (low, 1e5 * low), tolerance) for each in (law, alone))
+            counts.append(" / ".join(str(len(found.circuit.rates)) for found in both))
+        rows.append(f"| {name} | " + " | ".join(counts) + " |")
+    return "\n".join(rows)
+
+
+def responses() -> str:
+    """What a realisation costs in time: the step response with the circuits against that with the laws."""
+    tolerances = TOLERANCES[:3]
+    rows = ["| step response over 10 delays | " + " | ".join(f"{tolerance:.0e}" for tolerance in tolerances) + " |"]
+    rows.append("|---|" + "---|" * len(tolerances))
+    pipe = LossyLine(LAMINAR, Constant(0, COMPLIANCE), LENGTH)
+    cable = LossyLine(WIRE + FIELD, INSULATION, 0.2)
+    for name, line, source, load in (
+        ("pipe of Holmboe and Rouleau, closed end", pipe, 0.0, math.inf),
+        ("0.2 m of the cable above, 25 ohm into 75 ohm", cable, 25.0, 75.0),
+    ):
+        times = (np.arange(1, 10) + 0.3) * line.delay
+        exact = lossy_response(line, times, line.length, source=source, load=load, digits=12).efforts
+        errors = []
+        for tolerance in tolerances:
+            band = (1e-3 / line.delay, 1e2 / line.delay)
+            series, shunt = (realise(law, band, tolerance).circuit for law in (line.series, line.shunt))
+            near = LossyLine(series, shunt, line.length)
+            found = lossy_response(near, times, line.length, source=source, load=load, digits=12).efforts
+            errors.append(f"{np.abs(found - exact).max():.0e}")
+        rows.append(f"| {name} | " + " | ".join(errors) + " |")
+    return "\n".join(rows)
+
+
+@styled
+def ripples() -> Figure:
+    """Error of the circuits for laminar friction over frequency."""
+    picture = figure(7.5, 4.2, "Circuits for laminar friction, tolerances 10⁻² to 10⁻⁸")
+    axes = picture.subplots()
+    f = np.geomspace(1e-3, 1e6, 3000)
+    for k, tolerance in enumerate(TOLERANCES):
+        found = realise(LAMINAR, (0.1, 1e4), tolerance)
+        label = f"{len(found.circuit.rates)} terms"
+        axes.loglog(f, found.errors(f), color=COLOURS[k], linestyle=DASHES[k], label=label, linewidth=1.3)
+    axes.axvspan(0.1, 1e4, color="#F0F0F0", zorder=0)
+    axes.set(xlabel="frequency / Hz", ylabel="|circuit − law| / |law|", ylim=(1e-12, 1), xlim=(f[0], f[-1]))
+    axes.text(31, 0.2, "band", ha="center")
+    for axis, decades in ((axes.xaxis, range(-3, 7)), (axes.yaxis, range(-12, 1, 2))):
+        axis.set_ticks([10.0**k for k in decades], [f"10{str(k).translate(RAISED)}" for k in decades])
+    axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
+    return picture
+
+
+@styled
+def closing() -> Figure:
+    """Pressure at a valve after a step, with friction of two kinds and without."""
+    picture = figure(7.5, 4.2, "Frequency-dependent friction rounds fronts and damps faster")
+    axes = picture.subplots()
+    steady = hagen_poiseuille(**PIPE)
+    kinds = {"no friction": Constant(0, LAMINAR.storage), "constant": steady, "frequency-dependent": LAMINAR}
+    for k, (name, law) in enumerate(kinds.items()):
+        line = LossyLine(law, Constant(0, COMPLIANCE), LENGTH)
+        times = (np.arange(1, 480) + 0.5) / 480 * 14 * line.delay
+        u = lossy_response(line, times, LENGTH, source=0, load=math.inf, digits=6).efforts
+        axes.plot(times * 1e3, u, color=COLOURS[k], linestyle=DASHES[k], label=name, linewidth=1.4)
+    axes.set(xlabel="time / ms", ylabel="pressure at the closed end / step at the other", xlim=(0, None))
+    axes.legend(loc="upper left", bbox_to_anchor=(1, 1))
+    return picture
+
+
+def page() -> str:
+    """The page with fresh tables."""
+    text = PAGE.read_text(encoding="utf-8")
+    for name, table in (("terms", terms()), ("responses", responses())):
+        text = re.sub(rf"(<!-- {name} -->\n).*?(\n<!-- end -->)", rf"\g<1>{table}\g<2>", text, flags=re.DOTALL)
+    return text
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
+    save_figure(ripples(), PICTURES / "losses_ripples.png")
+    save_figure(closing(), PICTURES / "losses_step.png")

@@ -1,0 +1,46 @@
+"""The functions that laws are made of, in doubles and in balls: a law is written once and evaluated in both."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from flint import acb
+from numpy.typing import NDArray
+
+SMALL, LARGE = 1e-4, 1e8  # of |z|: there two terms of its expansions give the quotient to rounding
+
+
+class Arithmetic(NamedTuple):
+    """Functions of a complex argument, principal branches.
+
+    Parameters
+    ----------
+    sqrt, log1p : callable
+    quotient : callable
+        (n, z) to z I_n(z)/I_{n+1}(z), I the modified Bessel functions: 2(n+1) + z²/(2(n+2)) + ... at 0 and
+        z + n + 1/2 + ... far out.
+    """
+
+    sqrt: Callable[[Any], Any]
+    log1p: Callable[[Any], Any]
+    quotient: Callable[[int, Any], Any]
+
+
+def _quotient(n: int, z: NDArray) -> NDArray:
+    from scipy.special import ive
+
+    size = np.abs(z)
+    ordinary = (size > SMALL) & (size < LARGE)
+    inside = np.where(ordinary, z, 1)
+    beside = np.where(size <= SMALL, 2 * (n + 1) + z * z / (2 * (n + 2)), z + n + 0.5)
+    return np.where(ordinary, inside * ive(n, inside) / ive(n + 1, inside), beside)
+
+
+def _ball_quotient(n: int, z: acb) -> acb:
+    if z == 0:
+        return acb(2 * (n + 1))
+    return z * z.bessel_i(acb(n), scaled=True) / z.bessel_i(acb(n + 1), scaled=True)
+
+
+DOUBLES = Arithmetic(np.sqrt, np.log1p, _quotient)
+BALLS = Arithmetic(lambda z: z.sqrt(), lambda z: z.log1p(), _ball_quotient)

@@ -1,0 +1,138 @@
+"""A law: the series impedance or the shunt admittance of a metre of line, exactly."""
+
+from abc import ABC, abstractmethod
+from math import ceil, log2
+from typing import Any
+
+import numpy as np
+from flint import acb, ctx
+from numpy.typing import ArrayLike, NDArray
+
+from tline.errors import InputError
+from tline.loss.arithmetic import BALLS, DOUBLES, Arithmetic
+
+MOST_DIGITS = 1_000
+MOST_BITS = 20_000
+
+
+class Law(ABC):
+    """F(s) = s·storage + beyond(s): a passive immittance per metre that never resonates.
+
+    All laws are complete Bernstein functions: analytic off the negative real axis, with arg F between 0 and arg s. So
+    they are positive real, roots of products of two are analytic there too, and each is the limit of circuits as in
+    `Foster`. The doubles below count as exact at any precision.
+
+    Parameters
+    ----------
+    loss : float
+        F(0): resistance or conductance to steady flow, ohm/m or S/m (Pa s/m⁴ or m²/(Pa s)).
+    storage : float
+        What a front meets: lim F(s)/s for s to infinity, H/m or F/m (kg/m⁵ or m²/Pa).
+
+    Notes
+    -----
+    Laws add up: ``+`` puts impedances in series, admittances side by side.
+
+    References
+    ----------
+    R. L. Schilling, R. Song, Z. Vondracek, Bernstein Functions, 2nd ed., De Gruyter 2012, chapters 6 and 7,
+    doi:10.1515/9783110269338.
+    """
+
+    def __init__(self, loss: float, storage: float):
+        self.loss, self.storage = float(loss), float(storage)
+
+    @abstractmethod
+    def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
+        """F(s) - s·storage, without cancellation, in the arithmetic of s."""
+
+    def value(self, s: Any, arithmetic: Arithmetic) -> Any:
+        """F(s) in the arithmetic of s."""
+        return s * self.storage + self.beyond(s, arithmetic)
+
+    def at(self, s: ArrayLike) -> NDArray[np.complex128]:
+        """F(s) in doubles.
+
+        Parameters
+        ----------
+        s : array_like of complex
+            Laplace variable, 1/s, off the negative real axis.
+
+        Returns
+        -------
+        ndarray of complex, shape of s
+
+        Raises
+        ------
+        InputError
+            A point that is not finite, or negative.
+        """
+        return self.value(points(s), DOUBLES)
+
+    def at_precision(self, s: complex | acb, digits: int) -> acb:
+        """F(s) as a ball whose radius is below 10^-digits of it: a proved value.
+
+        Parameters
+        ----------
+        s : complex or flint.acb
+            Laplace variable, 1/s, off the negative real axis; taken as exact.
+        digits : int
+            From 1 to 1000.
+
+        Raises
+        ------
+        InputError
+            Bad digits, or a point on which no ball gets that small.
+        """
+        if not 1 <= digits <= MOST_DIGITS:
+            raise InputError("digits", "not in range", f"1 to {MOST_DIGITS}", repr(digits))
+        asked = ceil(digits * log2(10)) + 1
+        bits = asked + 32
+        while bits <= MOST_BITS:
+            with ctx.workprec(bits):
+                value: Any = self.value(acb(s), BALLS)
+            if value.is_zero() or value.rel_accuracy_bits() >= asked:
+                return value
+            bits *= 2
+        raise InputError("s", f"no {digits} digits there", "a point off the negative real axis", f"{s}")
+
+    def __add__(self, other: "Law") -> "Sum":
+        return Sum(self, other)
+
+
+class Sum(Law):
+    """The sum of laws.
+
+    Parameters
+    ----------
+    *laws : Law
+
+    Examples
+    --------
+    >>> from tline.loss import Constant, SkinEffect
+    >>> print((Constant(5.0, 250e-9) + SkinEffect(0.0, 1e-3)).at(1e6j).round(3))
+    (5.707+0.957j)
+    """
+
+    def __init__(self, *laws: Law):
+        super().__init__(sum(law.loss for law in laws), sum(law.storage for law in laws))
+        self.laws = laws
+
+    def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
+        """All of theirs."""
+        return sum((law.beyond(s, arithmetic) for law in self.laws), start=0 * s)
+
+
+def points(s: ArrayLike) -> NDArray[np.complex128]:
+    """Points of the plane cut along the negative real axis.
+
+    Raises
+    ------
+    InputError
+        Naming the first that is not one.
+    """
+    found: NDArray[np.complex128] = np.asarray(s, np.complex128)
+    bad = ~np.isfinite(found) | ((found.imag == 0) & (found.real < 0))
+    if bad.any():
+        raise InputError("s", "no value there", "finite points off the negative real axis", f"{found[bad].flat[0]}")
+    return found
