@@ -46,14 +46,17 @@ def ring(lines: int, s: int, *, fractional: bool, seed: int = 0) -> tuple[Networ
         ends,
         weight,
         none,
+        np.arange(lines + 1),
         none,
         none,
-        np.zeros((0, s, s)),
+        np.zeros(0, np.int64),
+        np.zeros(0, np.int64),
+        np.zeros(0),
         np.full(2 * lines, -1),
     )
     zeros = np.zeros(lines, np.int64)
     waves = rng.normal(size=int(2 * delay.sum() * s))
-    return network, State(waves, zeros, zeros.copy(), np.zeros((2 * lines, s)), np.zeros((0, 0)))
+    return network, State(waves, zeros, zeros.copy(), np.zeros((2 * lines, s)), np.zeros(0))
 
 
 def timed(work) -> float:

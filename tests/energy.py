@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from tline.scene.load import Parallel, Series
+from tline.scene.load import Load, Parallel, Series
 from tline.scene.scene import Scene
 from tline.solver.assemble import Assembly
-from tline.solver.load_step import reflection
+from tline.solver.load_step import StateSpace, reflection
 from tline.solver.nodes import nodes_of
 
 
@@ -14,7 +14,7 @@ def on_lines(assembly: Assembly) -> float:
     net, state, basis, h = assembly.network, assembly.state, assembly.basis, assembly.resolution.h
     weights = basis.to_legendre.T @ np.diag(1 / (2 * np.arange(basis.s) + 1)) @ basis.to_legendre
     total = 0.0
-    for k, line in enumerate(assembly.scene.lines.values()):
+    for k, line in enumerate(assembly.lines.values()):
         o, n = net.offset[k], 2 * net.delay[k] * basis.s
         slabs = [state.waves[o : o + n].reshape(-1, basis.s)]
         if net.shift_row[k] >= 0:
@@ -26,28 +26,58 @@ def on_lines(assembly: Assembly) -> float:
 
 
 class InLoads:
-    """Energy of the inductance and capacitance of each series or parallel load, one load at a node."""
+    """Energy of each inductance and capacitance: one series or parallel load at a node, and lumped lines."""
 
     def __init__(self, scene: Scene, assembly: Assembly):
         self.forms = []
-        nodes = nodes_of(scene)
-        for load in scene.loads.values():
-            if not isinstance(load, Series | Parallel) or (load.inductance is None and load.capacitance is None):
-                continue
-            z = 1 / nodes[load.at].total
-            A, _, c, _ = reflection(load.rational().reduced(), z, "")
-            # effort, flow and their slopes as functions of the state; what depends on the wave cancels
-            u, i, du, di = c / 2, -c / (2 * z), c @ A / 2, -c @ A / (2 * z)
-            L, C, R = load.inductance, load.capacitance, load.resistance
-            if isinstance(load, Series):
-                parts = [(L or 0.0, i), (C or 0.0, u - (R or 0.0) * i - (L or 0.0) * di)]
-            else:
-                parts = [(C or 0.0, u), (L or 0.0, i - (u / R if R else 0.0) - (C or 0.0) * du)]
-            form = sum(size / 2 * np.outer(v, v) for size, v in parts)
-            row = assembly.network.load_row[assembly.nodes.index(load.at)]
-            self.forms.append((row, form))
+        cells, names, net = assembly.resolution.cells, list(assembly.nodes), assembly.network
+        nodes = nodes_of(scene, cells)
+        loads = {load.at: load for load in scene.loads.values() if dynamic(load)}
+        for low, high, at in zip(net.group[:-1], net.group[1:], net.load_at, strict=True):
+            for name in names[low:high]:
+                node = nodes[name]
+                if node.held is None and node.load is not None:
+                    beside = sum(
+                        capacitance(scene, line) / 2 / n * ends(scene, line, name) for line, n in cells.items()
+                    )
+                    form = stored(reflection(node.load, 1 / node.total, ""), node.total, loads.get(name), beside)
+                    self.forms.append((at, form))
+                    at += len(form)
+            for line, n in cells.items():
+                if scene.lines[line].nodes[0] in names[low:high]:
+                    self.forms.append((at, np.eye(2 * n - 1) * capacitance(scene, line) / n / 2))
+                    at += 2 * n - 1
 
     def __call__(self, assembly: Assembly) -> float:
         """Sum over the loads, J."""
-        states = ((assembly.state.load[row][: len(form)], form) for row, form in self.forms)
+        states = ((assembly.state.load[at : at + len(form)], form) for at, form in self.forms)
         return float(sum(x @ form @ x for x, form in states))
+
+
+def dynamic(load: Load) -> bool:
+    """Whether it is of inductances and capacitances."""
+    return isinstance(load, Series | Parallel) and (load.inductance, load.capacitance) != (None, None)
+
+
+def capacitance(scene: Scene, line: str) -> float:
+    """Of a whole line: T/z0."""
+    return scene.lines[line].parameters.delay / scene.lines[line].parameters.z0
+
+
+def ends(scene: Scene, line: str, node: str) -> int:
+    """How many ends a line has at a node."""
+    return scene.lines[line].nodes.count(node)
+
+
+def stored(system: StateSpace, g: float, load: Series | Parallel | None, beside: float) -> np.ndarray:
+    """Quadratic form of the state of a load, realised by its reflection against 1/g, with a capacitance beside it."""
+    A, _, c, _ = system
+    # effort, flow and their slopes as functions of the state; what depends on the wave cancels
+    u, i = c / 2, -c * g / 2
+    i, du = i - beside * u @ A, u @ A
+    L, C, R = (load.inductance, load.capacitance, load.resistance) if load else (None, None, None)
+    if isinstance(load, Series):
+        parts = [(L or 0.0, i), (C or 0.0, u - (R or 0.0) * i - (L or 0.0) * i @ A), (beside, u)]
+    else:
+        parts = [((C or 0.0) + beside, u), (L or 0.0, i - (u / R if R else 0.0) - (C or 0.0) * du)]
+    return sum(size / 2 * np.outer(v, v) for size, v in parts)

@@ -158,13 +158,13 @@ def scattering(scene: Scene, nodes: list[Node], dt: float, rule: Callable[[NDArr
     dynamic = [node.load is not None and node.held is None for node in nodes]
     systems = [node.effort(0.0) for node, moves in zip(nodes, dynamic, strict=True) if moves]
     m = max((len(system.A) for system in systems), default=0)
-    maps = [(*rule(dt * system.A, dt * system.b), system.c) for system in systems]
+    maps = [(*rule(dt * system.A, dt * system.b[:, 0]), system.c[0]) for system in systems]
     x_x, x_before, x_now, u_x = (
         np.array([np.pad(each[k], (0, m - len(each[3]))) for each in maps]).reshape(len(maps), *(m,) * (2 - (k > 0)))
         for k in range(4)
     )
     ends, first = np.array([end for node in nodes for end in node.ends]), np.cumsum([0, *(len(n.ends) for n in nodes)])
-    row, u_w = np.where(dynamic, np.cumsum(dynamic) - 1, -1), np.array([float(system.d) for system in systems])
+    row, u_w = np.where(dynamic, np.cumsum(dynamic) - 1, -1), np.array([system.d[0, 0] for system in systems])
     return Scattering(first, ends, np.concatenate(own), row, x_x, x_before, x_now, u_x, u_w)
 
 
@@ -421,8 +421,8 @@ def pade(scene: Scene, n: float) -> Trace:
     systems = []
     for node in nodes.values():
         A, b, c, d = node.effort(0.0)
-        both = np.repeat(unit * b[:, None], 2, axis=1)
-        systems.append(HELD if node.held else System(unit * A, both, c[None, :], np.full((1, 2), d)))
+        both = np.repeat(unit * b, 2, axis=1)
+        systems.append(HELD if node.held else System(unit * A, both, c, np.repeat(d, 2, axis=1)))
     return _integrated(scene, n, chains, systems, order=3, thevenin=True)
 
 

@@ -11,6 +11,9 @@ from tline.scene.scene import Scene
 from tline.solver.assemble import assemble
 from tline.solver.kernel import SCRATCH
 from tline.solver.march import Stepper
+from tline.solver.nodes import nodes_of
+from tline.solver.resolution import Resolution, resolution
+from tline.solver.run import run
 from tline.solver.simulate import simulate
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -18,6 +21,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.Unresolve
 SOLVER = {"order": 4, "slab": 0.12}
 # 170 slabs through some ten operations each; the amplitude is below 2
 SAME = 1e-11
+LUMPED = st.dictionaries(st.sampled_from(["l0", "l1", "l2"]), st.integers(1, 3), max_size=2)  # cells
 
 
 def apart(one: Scene, other: Scene) -> float:
@@ -27,6 +31,11 @@ def apart(one: Scene, other: Scene) -> float:
     n = min(len(probe.u) for probe in seen)
     smeared = sum(result.fronts.lost * np.abs(probe.a).max() for result, probe in zip(results, seen, strict=True))
     return np.abs(seen[0].u[:n] - seen[1].u[:n]).max() - smeared
+
+
+def lumping(scene: Scene, lumped: dict[str, int]) -> Resolution:
+    """As the scene says, with some lines in so many cells, but not the one that is probed."""
+    return resolution(scene, nodes_of(scene), cells={k: n for k, n in lumped.items() if k != scene.probes["p"].line})
 
 
 def changed(scene: Scene, **sections) -> Scene:
@@ -94,14 +103,14 @@ def test_rescaling_time(seed, factor):
 
 
 @settings(max_examples=25, deadline=None)
-@given(seed=SEEDS, order=st.integers(1, 6), slab=st.floats(0.05, 0.45))
-@example(seed=7, order=6, slab=0.003)  # a block of more slabs than one tile holds
-@example(seed=8, order=1, slab=0.0009)
-def test_the_kernel_is_its_plain_twin(seed, order, slab):
-    """Block by block, no front followed."""
+@given(seed=SEEDS, order=st.integers(1, 6), slab=st.floats(0.05, 0.45), lumped=LUMPED)
+@example(seed=7, order=6, slab=0.003, lumped={})  # a block of more slabs than one tile holds
+@example(seed=8, order=1, slab=0.0009, lumped={})
+def test_the_kernel_is_its_plain_twin(seed, order, slab, lumped):
+    """Block by block, no front followed; lumped lines join nodes to groups."""
     scene = random_scene(seed, sources=True, switches=False, solver={"order": order, "slab": slab})
     line = scene.probes["p"].line
-    assembly = assemble(scene, {line})
+    assembly = assemble(scene, {line}, lumping(scene, lumped))
     node, n = assembly.nodes.index(scene.probes["p"].at), max(60, 2 * SCRATCH // order)
     plain = efforts(assembly, n)[node, :, -1]
     record = np.empty((2, 2, n * order))
@@ -113,14 +122,15 @@ def test_the_kernel_is_its_plain_twin(seed, order, slab):
 
 
 @settings(max_examples=15, deadline=None)
-@given(seed=SEEDS, order=st.integers(1, 6), slab=st.floats(0.1, 0.45), whole=st.booleans())
-def test_the_kernel_with_fronts_is_its_plain_twin(seed, order, slab, whole):
-    """Every front followed from end to end, sources and switches at any instants."""
-    scene = random_scene(seed, lines=3, sources=True, solver={"order": order, "slab": slab})
+@given(seed=SEEDS, order=st.integers(1, 6), slab=st.floats(0.1, 0.45), whole=st.booleans(), lumped=LUMPED)
+def test_the_kernel_with_fronts_is_its_plain_twin(seed, order, slab, whole, lumped):
+    """Every front followed from end to end, sources and switches at any instants; or lumped lines."""
+    scene = random_scene(seed, lines=3, sources=True, switches=not lumped, solver={"order": order, "slab": slab})
     if whole:
         lines = {k: line | {"delay": max(round(line["delay"] / slab), 1) * slab} for k, line in lines_of(scene).items()}
         scene = changed(scene, lines=lines)
-    result, assembly = simulate(changed(scene, t_end=8.0)), assemble(scene, set())
+    chosen = lumping(scene, lumped)
+    result, assembly = run(changed(scene, t_end=8.0), chosen), assemble(scene, set(), chosen)
     assume(result.fronts.dropped == result.fronts.dissolved == 0)
     seen = result.probes["p"].u[1:]
     plain = efforts_in_pieces(assembly, len(seen))[assembly.nodes.index(scene.probes["p"].at)]

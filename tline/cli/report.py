@@ -47,6 +47,7 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
         "end_time": float(result.t[-1]),
         "order": result.resolution.s,
         "slab": result.resolution.h,
+        "lumped": dict(result.resolution.cells),
         "slabs": len(result.t) - 1,
         "line_end_samples": result.samples,
         "seconds": result.seconds,

@@ -46,7 +46,7 @@ def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "St
     systems = [node.effort(node.switched(np.inf)) for node in nodes]
     own, into, out, through = (
         np.array(block_diag(*parts))
-        for parts in zip(*((s.A * second, s.b[:, None] * second, s.c[None], [[s.d]]) for s in systems), strict=True)
+        for parts in zip(*((s.A * second, s.b * second, s.c, s.d) for s in systems), strict=True)
     )
     m = len(own)
     arriving = np.zeros((2 * len(lines), n + m + 1))

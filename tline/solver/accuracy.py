@@ -49,6 +49,8 @@ class Attempt:
         Line-end samples computed.
     seconds : float
         Time spent stepping.
+    cells : int
+        Cells of L and C of each lumped line; 0 if no line was lumped.
     """
 
     order: int
@@ -56,6 +58,7 @@ class Attempt:
     estimate: float | None
     samples: int
     seconds: float
+    cells: int = 0
 
 
 @dataclass(frozen=True)
@@ -141,6 +144,11 @@ def extrapolated(earlier: Mapping[str, NDArray], later: Mapping[str, NDArray]) -
 def taken_as_errors(differences: Mapping[str, NDArray]) -> dict[str, Estimate]:
     """Errors of a run, from its differences to a much better one."""
     return {name: _estimate(d) for name, d in differences.items()}
+
+
+def added(one: Mapping[str, Estimate], other: Mapping[str, Estimate]) -> dict[str, Estimate]:
+    """Sums by probe."""
+    return {name: Estimate(e.u + other[name].u, e.y + other[name].y) for name, e in one.items()}
 
 
 def _estimate(errors: NDArray) -> Estimate:

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.scene.line import SceneLine
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
 from tline.solver.drive import just_before
 from tline.solver.load_step import StateSpace
+from tline.solver.lumps import grouped
 from tline.solver.network import Network, State
 from tline.solver.node_maps import node_maps
 from tline.solver.nodes import Node, nodes_of
@@ -27,11 +29,18 @@ class Assembly:
     network: Network
     state: State
     drives: list[list[tuple[Shape, float]]]  # of each drive row: waveforms and their shares of the Thévenin wave
-    systems: list[StateSpace]  # of each row in the network's step
-    changes: list[tuple[float, int, int]]  # (instant in slabs, node, step row from then on), sorted
+    systems: list[StateSpace]  # of each row of the network's maps
+    changes: list[tuple[float, int, int]]  # (instant in slabs, group, row of the map from then on), sorted
     nodes: list[str]
+    lines: dict[str, SceneLine]  # those that are not lumped
     recorded: dict[str, int]  # line name -> first of its two rows in the record
     start: dict[str, tuple[float, float]]  # line name -> (a, b) before t = 0
+    settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
+
+    @property
+    def follows_edges(self) -> bool:
+        """Whether fronts at slabs' edges need pieces: where delays are whole and nothing is lumped they stay there."""
+        return bool((self.network.shift_row >= 0).any() or self.settle.any())
 
 
 def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -> Assembly:
@@ -39,33 +48,39 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     nodes = nodes_of(scene)
     chosen = chosen or resolution(scene, nodes)
     order, h = basis(chosen.s), chosen.h
-    z0 = np.array([line.parameters.z0 for line in scene.lines.values()])
-    u, y = steady_state(scene, nodes) if scene.start == "steady" else (0.0 * z0, 0.0 * z0)
-    arriving = np.stack([u - z0 * y, u + z0 * y], axis=1).ravel()  # at end 1 the wave b, at end 2 the wave a
+    u, y = steady_state(scene, nodes) if scene.start == "steady" else np.zeros((2, len(scene.lines)))
+    groups, nodes = grouped(scene, chosen.cells, nodes_of(scene, chosen.cells) if chosen.cells else nodes, u, y)
+    lines = {name: line for name, line in scene.lines.items() if name not in chosen.cells}
+    z0 = np.array([line.parameters.z0 for line in lines.values()])
+    kept = np.array([name in lines for name in scene.lines])
+    arriving = np.stack([u[kept] - z0 * y[kept], u[kept] + z0 * y[kept]], axis=1).ravel()  # b at end 1, a at end 2
 
-    delay, shift_row, shift = _delays(scene, order, h)
+    delay, shift_row, shift = _delays(lines, order, h)
     drives = [node.drives for node in nodes.values()]
     ends = np.array([end for node in nodes.values() for end in node.ends])
-    first = np.cumsum([0, *(len(node.ends) for node in nodes.values())])
+    degree = [len(node.ends) for node in nodes.values()]
     weight = np.concatenate([_weights(node, z0) for node in nodes.values()])
-    thevenin = np.add.reduceat(weight * arriving[ends], first[:-1])
+    thevenin = np.bincount(np.repeat(np.arange(len(nodes)), degree), weight * arriving[ends], len(nodes))
     if scene.start == "steady":
         thevenin += [sum(share * just_before(waveform) for waveform, share in parts) for parts in drives]
     driven = np.array([bool(parts) for parts in drives])
-    maps = node_maps(nodes, order, h, thevenin)
-    recorded, record_row = _recorded(scene, record)
+    maps = node_maps(groups, order, h, thevenin)
+    recorded, record_row = _recorded(lines, record)
     network = Network(
         delay,
         offset=np.concatenate([[0], np.cumsum(2 * delay * chosen.s)[:-1]]),
         shift_row=shift_row,
         shift=shift,
-        first=first,
+        first=np.cumsum([0, *degree]),
         ends=ends,
         weight=weight,
         drive_row=np.where(driven, np.cumsum(driven) - 1, -1),
-        load_row=maps.load_row,
+        group=np.cumsum([0, *(len(group.nodes) for group in groups)]),
+        load_at=maps.load_at,
         step_row=maps.step_row,
-        step=maps.steps,
+        step_at=maps.step_at,
+        step_states=maps.step_states,
+        step=maps.step,
         record_row=record_row,
     )
     state = State(
@@ -75,7 +90,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         before=np.repeat(arriving[:, None], chosen.s, axis=1),
         load=maps.states,
     )
-    start = {name: (arriving[2 * k + 1], arriving[2 * k]) for k, name in enumerate(scene.lines)}
+    start = {name: (arriving[2 * k + 1], arriving[2 * k]) for k, name in enumerate(lines)}
     return Assembly(
         scene=scene,
         resolution=chosen,
@@ -86,25 +101,27 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         systems=maps.systems,
         changes=maps.changes,
         nodes=list(nodes),
+        lines=lines,
         recorded=recorded,
         start=start,
+        settle=np.array([chosen.settle if group.lumps else 0.0 for group in groups]),
     )
 
 
-def _recorded(scene: Scene, names: set[str]) -> tuple[dict[str, int], NDArray]:
+def _recorded(lines: dict[str, SceneLine], names: set[str]) -> tuple[dict[str, int], NDArray]:
     """Of each recorded line the first of its two rows, and of each end its row or -1."""
-    record_row = np.full(2 * len(scene.lines), -1)
+    record_row = np.full(2 * len(lines), -1)
     recorded: dict[str, int] = {}
-    for k, name in enumerate(scene.lines):
+    for k, name in enumerate(lines):
         if name in names:
             recorded[name] = 2 * len(recorded)
             record_row[2 * k : 2 * k + 2] = recorded[name], recorded[name] + 1
     return recorded, record_row
 
 
-def _delays(scene: Scene, order: Basis, h: float) -> tuple[NDArray, NDArray, NDArray]:
+def _delays(lines: dict[str, SceneLine], order: Basis, h: float) -> tuple[NDArray, NDArray, NDArray]:
     """Whole slabs of each delay, and row and matrices of the fractional rest, one pair for each different rest."""
-    slabs = np.array([line.parameters.delay or 0.0 for line in scene.lines.values()]) / h
+    slabs = np.array([line.parameters.delay or 0.0 for line in lines.values()]) / h
     near = np.round(slabs)
     whole = np.abs(slabs - near) <= WHOLE * near
     delay = np.where(whole, near, np.floor(slabs)).astype(np.int64)
@@ -116,5 +133,5 @@ def _delays(scene: Scene, order: Basis, h: float) -> tuple[NDArray, NDArray, NDA
 
 def _weights(node: Node, z0: NDArray) -> NDArray:
     """Share of each end's arriving wave in the node's Thévenin wave; none reach an effort that is held."""
-    own = 1 / z0[np.array(node.ends) // 2]
+    own = 1 / z0[np.array(node.ends, int) // 2]
     return 0.0 * own if node.held is not None else own / (own.sum() + node.conductance)

@@ -37,22 +37,19 @@ class Tools(NamedTuple):
 
 
 class Systems(NamedTuple):
-    """From Thévenin wave to effort, of each row in the network's step: dx/dt = A x + b w, u = c x + d w."""
+    """From Thévenin waves to efforts, of each row of the network's maps: dx/dt = A x + b w, u = c x + d w."""
 
-    A: Floats  # (rows, n, n)
-    b: Floats  # (rows, n)
-    c: Floats  # (rows, n)
-    d: Floats  # (rows,)
-    n: Integers  # (rows,)
+    at: Integers  # (rows,) place of each system's first entry
+    entries: Floats  # matrices [A b; c d] of shape (n + k, n + k), one after the other
 
 
 class Moves(NamedTuple):
     """Switches that move."""
 
-    first: Integers  # (N + 1,) those of node k are first[k] to first[k + 1], in order of time
+    first: Integers  # (G + 1,) those of group g are first[g] to first[g + 1], in order of time
     at: Floats  # instants, in slabs
-    row: Integers  # row in step from then on
-    due: Integers  # (N,) the next one of each node
+    row: Integers  # row of the map from then on
+    due: Integers  # (G,) the next one of each group
 
 
 class Pieces(NamedTuple):
@@ -84,7 +81,9 @@ class Fronts(NamedTuple):
     most: int  # pieces of a slab under way
     at_node: int
     step: float  # slab width h
-    fractional: bool  # whether any delay has a fractional rest
+    fractional: bool  # whether a front at the start of a slab needs to be followed
+    settle: Floats  # (G,) slabs that a group with lumped lines takes to settle after a front, else 0
+    settled: Floats  # (G,) instant at which it will have, in slabs
     rest: Floats  # (L,) fractional rest of each delay
     tools: Tools
     systems: Systems
@@ -120,24 +119,26 @@ class Tally(NamedTuple):
 
 
 def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]]) -> Fronts:
-    """What a run of n slabs needs; moves are (instant in slabs, node, row in step), sorted."""
+    """What a run of n slabs needs; moves are (instant in slabs, group, row of the map), sorted."""
     network, state, basis, h = assembly.network, assembly.state, assembly.basis, assembly.resolution.h
     s, ends, slabs = basis.s, len(network.ends), state.waves.size // basis.s
     most = int(min(max(WORK / (ends * n), 1), MOST))
     rows = int(min(slabs + ends, MEMORY / (8 * most * (s + 2))))
-    node = np.array([k for _, k, _ in moves], int)
-    order = np.argsort(node, kind="stable")
-    first = np.searchsorted(node[order], np.arange(len(network.first)))
+    group = np.array([g for _, g, _ in moves], int)
+    order = np.argsort(group, kind="stable")
+    first = np.searchsorted(group[order], np.arange(len(network.group)))
     places = max(LOGGED, 2 * 2 * len(assembly.recorded) * AT_NODE)
-    delays = np.array([line.parameters.delay or 0.0 for line in assembly.scene.lines.values()])
+    delays = np.array([line.parameters.delay or 0.0 for line in assembly.lines.values()])
     return Fronts(
         most,
         AT_NODE,
         h,
-        bool((network.shift_row >= 0).any()),
+        assembly.follows_edges,
+        assembly.settle / h,
+        np.full(len(assembly.settle), -np.inf),
         np.where(network.shift_row >= 0, delays / h - network.delay, 0.0),
         Tools(basis.c, basis.to_points, basis.to_legendre, basis.A, np.array(gauss(s))),
-        _stacked(assembly.systems, network.step.shape[1] - s),
+        _packed(assembly.systems),
         Moves(
             first,
             np.array([t for t, _, _ in moves])[order],
@@ -162,13 +163,10 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]]) -
     )
 
 
-def _stacked(systems: list[StateSpace], n: int) -> Systems:
-    """Padded with zeros to n states."""
-    A, b, c = np.zeros((len(systems), n, n)), np.zeros((len(systems), n)), np.zeros((len(systems), n))
-    for k, system in enumerate(systems):
-        m = len(system.A)
-        A[k, :m, :m], b[k, :m], c[k, :m] = system.A, system.b, system.c
-    return Systems(A, b, c, np.array([x.d for x in systems]), np.array([len(x.A) for x in systems], int))
+def _packed(systems: list[StateSpace]) -> Systems:
+    entries = [np.block([[system.A, system.b], [system.c, system.d]]).ravel() for system in systems]
+    at = np.cumsum([0, *map(len, entries)])[:-1]
+    return Systems(at, np.concatenate([np.empty(0), *entries]))
 
 
 class Sources(NamedTuple):

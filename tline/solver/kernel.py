@@ -18,37 +18,37 @@ OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "nsz"
 
 
 @njit(inline="always", **OPTIONS)
-def begin(u, n, drive, row, start):
-    """Start the node's Thévenin wave with the sources' part."""
+def begin(u, q, n, drive, row, start):
+    """Start the Thévenin wave of a node, at place q of u, with the sources' part."""
     if row < 0:
         for i in range(n):
-            u[i] = 0.0
+            u[q + uint64(i)] = 0.0
     else:
         for i in range(n):
-            u[i] = drive[row, start + i]
+            u[q + uint64(i)] = drive[row, start + i]
 
 
 @njit(inline="always", **OPTIONS)
-def gather(u, n, waves, o, share):
+def gather(u, q, n, waves, o, share):
     """Add an end's share of its arriving wave."""
     for i in range(n):
-        u[i] += share * waves[o + uint64(i)]
+        u[q + uint64(i)] += share * waves[o + uint64(i)]
 
 
 @njit(inline="always", **OPTIONS)
-def scatter(u, n, waves, o):
+def scatter(u, q, n, waves, o):
     """Send back from an end what the node's effort leaves of the arriving wave."""
     for i in range(n):
-        back = 2.0 * u[i] - waves[o + uint64(i)]
+        back = 2.0 * u[q + uint64(i)] - waves[o + uint64(i)]
         waves[o + uint64(i)] = 0.0 if abs(back) < TINY else back
 
 
 @njit(inline="always", **OPTIONS)
-def note(u, n, waves, o, record, row, column):
+def note(u, q, n, waves, o, record, row, column):
     """Keep the waves that arrive at an end and leave it."""
     for i in range(n):
         record[row, 0, column + i] = waves[o + uint64(i)]
-        record[row, 1, column + i] = 2.0 * u[i] - waves[o + uint64(i)]
+        record[row, 1, column + i] = 2.0 * u[q + uint64(i)] - waves[o + uint64(i)]
 
 
 @njit(inline="always", **OPTIONS)
@@ -72,21 +72,42 @@ def shift(waves, o, m, before, end, shifts, r, history, row):
 
 
 @njit(inline="always", **OPTIONS)
-def load(u, m, s, steps, r, states, x, row):
-    """Turn the Thévenin wave of m slabs into the node's effort, through the load's state."""
-    n = states.shape[1]
-    for k in range(m):
-        for i in range(s + n):
+def load(u, k, m, s, step, at, states, x, n, row):
+    """Turn the Thévenin waves of m slabs at a group's k nodes into the nodes' efforts, through the group's state."""
+    width = uint64(k * s + n)
+    for slab in range(m):
+        for p in range(k):
+            for i in range(s):
+                row[uint64(p * s + i)] = u[uint64((p * m + slab) * s + i)]
+        for i in range(n):
+            row[uint64(k * s + i)] = states[uint64(x + i)]
+        place = uint64(at)
+        for p in range(k):
+            for i in range(s):
+                total = 0.0
+                for j in range(width):
+                    total += step[place + j] * row[j]
+                place += width
+                u[uint64((p * m + slab) * s + i)] = total
+        for i in range(n):
             total = 0.0
-            for j in range(s):
-                total += steps[r, i, j] * u[k * s + j]
-            for j in range(n):
-                total += steps[r, i, s + j] * states[x, j]
-            row[i] = total
-        for i in range(s):
-            u[k * s + i] = row[i]
-        for j in range(n):
-            states[x, j] = 0.0 if abs(row[s + j]) < TINY else row[s + j]
+            for j in range(width):
+                total += step[place + j] * row[j]
+            place += width
+            states[uint64(x + i)] = 0.0 if abs(total) < TINY else total
+
+
+@njit(**OPTIONS)
+def largest_group(network):
+    """Most nodes of a group, most line ends at one, and most rows of a map over a slab."""
+    nodes, ends, rows = 1, 0, 0
+    for g in range(network.group.size - 1):
+        k = network.group[g + 1] - network.group[g]
+        nodes = max(nodes, k)
+        ends = max(ends, network.first[network.group[g + 1]] - network.first[network.group[g]])
+    for r in range(network.step_states.size):
+        rows = max(rows, network.step_states[r])
+    return nodes, ends, rows
 
 
 @njit(**OPTIONS)
@@ -96,19 +117,25 @@ def advance(network, state, n_slabs, drive, record, column):
     Returns -1, or the number of a node whose effort is no longer finite; the number after the last node's if a wave
     under way is not.
     """
-    (delay, offset, shift_row, shifts, first, ends, weight, drive_row, load_row, step_row, steps, record_row) = network
+    (
+        delay, offset, shift_row, shifts, first, ends, weight, drive_row,
+        group, load_at, step_row, step_at, step_states, step, record_row,
+    ) = network  # fmt: skip
     waves, slots, sides, before, states = state
     s = before.shape[1]
     tile = max(SCRATCH // s, 1)
-    u, scratch, history = np.empty(tile * s), np.empty(max(tile, steps.shape[1])), np.empty((s, tile + 1))
+    most_nodes, _, most_states = largest_group(network)
+    u, history = np.empty(most_nodes * tile * s), np.empty((s, tile + 1))
+    scratch = np.empty(max(tile, most_nodes * s + most_states))
     position = np.empty(ends.size, np.uint64)
     shortest, done = n_slabs, 0
     for line in range(delay.size):
         shortest = min(shortest, delay[line])
     while done < n_slabs:
         block = min(shortest, n_slabs - done)
-        for node in range(first.size - 1):
-            low, high, ahead = first[node], first[node + 1], 0
+        for g in range(group.size - 1):
+            one, after, ahead = group[g], group[g + 1], 0
+            low, high = first[one], first[after]
             while ahead < block:
                 m = min(block - ahead, tile)
                 for e in range(low, high):
@@ -119,20 +146,25 @@ def advance(network, state, n_slabs, drive, record, column):
                     m = min(m, delay[line] - slot)
                     position[e] = offset[line] + (side * delay[line] + slot) * s
                 here = (done + ahead) * s
-                begin(u, m * s, drive, drive_row[node], here)
-                for e in range(low, high):
-                    row = shift_row[ends[e] >> 1]
-                    if row >= 0:
-                        shift(waves, position[e], m, before, ends[e], shifts, row, history, scratch)
-                    gather(u, m * s, waves, position[e], weight[e])
-                if load_row[node] >= 0:
-                    load(u, m, s, steps, step_row[node], states, load_row[node], scratch)
-                for e in range(low, high):
-                    if record_row[ends[e]] >= 0:
-                        note(u, m * s, waves, position[e], record, record_row[ends[e]], column * s + here)
-                    scatter(u, m * s, waves, position[e])
-                if not np.isfinite(u[m * s - 1]):
-                    return node
+                for node in range(one, after):
+                    q = uint64((node - one) * m * s)
+                    begin(u, q, m * s, drive, drive_row[node], here)
+                    for e in range(first[node], first[node + 1]):
+                        row = shift_row[ends[e] >> 1]
+                        if row >= 0:
+                            shift(waves, position[e], m, before, ends[e], shifts, row, history, scratch)
+                        gather(u, q, m * s, waves, position[e], weight[e])
+                if load_at[g] >= 0:
+                    r = step_row[g]
+                    load(u, after - one, m, s, step, step_at[r], states, load_at[g], step_states[r], scratch)
+                for node in range(one, after):
+                    q = uint64((node - one) * m * s)
+                    for e in range(first[node], first[node + 1]):
+                        if record_row[ends[e]] >= 0:
+                            note(u, q, m * s, waves, position[e], record, record_row[ends[e]], column * s + here)
+                        scatter(u, q, m * s, waves, position[e])
+                    if not np.isfinite(u[q + uint64(m * s - 1)]):
+                        return node
                 ahead += m
         for line in range(delay.size):
             slots[line] += block
@@ -151,6 +183,7 @@ def advance(network, state, n_slabs, drive, record, column):
 MERGE = 1e-11  # slabs; fronts nearer than this to each other are one
 SAME = 1e-13  # of the largest wave; pieces that continue each other so well need no breakpoint
 LULL = 16  # slabs without a front after which to go back to blocks
+SUBSTEPS = 8  # in the time that a group with lumped lines takes to settle
 LIVE, PEAK, MERGED, DISSOLVED, DROPPED, NOTED = range(6)
 SCALE, LOST = range(2)
 
@@ -336,59 +369,147 @@ def regrouped(span, coef, n, edges, m, tools, whole, out):
 
 
 @njit(**OPTIONS)
-def collocate(A, b, c, d, n, h, radau, w, x, stages):
-    """One Radau IIA step of width h of dx/dt = A x + b w; w becomes u = c x + d w, x the state at the end."""
-    s = w.size
+def collocate(system, k, h, radau, w, x, stages, row):
+    """One Radau IIA step of width h of dx/dt = A x + B w, for k inputs; w becomes C x + D w, x the state at the end."""
+    s, n = radau.shape[0], system.shape[0] - k
     size = s * n
     for i in range(s):
         for p in range(n):
-            k = i * n + p
-            stages[k, size] = x[p]
+            at = i * n + p
+            stages[at, size] = x[p]
             for j in range(s):
-                stages[k, size] += h * radau[i, j] * b[p] * w[j]
+                for q in range(k):
+                    stages[at, size] += h * radau[i, j] * system[p, n + q] * w[q * s + j]
                 for q in range(n):
-                    stages[k, j * n + q] = (i == j and p == q) - h * radau[i, j] * A[p, q]
-    for k in range(size):
-        best = k
-        for i in range(k + 1, size):
-            if abs(stages[i, k]) > abs(stages[best, k]):
+                    stages[at, j * n + q] = (i == j and p == q) - h * radau[i, j] * system[p, q]
+    for pivot in range(size):
+        best = pivot
+        for i in range(pivot + 1, size):
+            if abs(stages[i, pivot]) > abs(stages[best, pivot]):
                 best = i
-        for j in range(k, size + 1):
-            stages[k, j], stages[best, j] = stages[best, j], stages[k, j]
-        for i in range(k + 1, size):
-            ratio = stages[i, k] / stages[k, k]
-            for j in range(k + 1, size + 1):
-                stages[i, j] -= ratio * stages[k, j]
-    for k in range(size - 1, -1, -1):
-        for j in range(k + 1, size):
-            stages[k, size] -= stages[k, j] * stages[j, size]
-        stages[k, size] /= stages[k, k]
+        for j in range(pivot, size + 1):
+            stages[pivot, j], stages[best, j] = stages[best, j], stages[pivot, j]
+        for i in range(pivot + 1, size):
+            ratio = stages[i, pivot] / stages[pivot, pivot]
+            for j in range(pivot + 1, size + 1):
+                stages[i, j] -= ratio * stages[pivot, j]
+    for pivot in range(size - 1, -1, -1):
+        for j in range(pivot + 1, size):
+            stages[pivot, size] -= stages[pivot, j] * stages[j, size]
+        stages[pivot, size] /= stages[pivot, pivot]
     for i in range(s):
-        w[i] *= d
-        for p in range(n):
-            w[i] += c[p] * stages[i * n + p, size]
+        for p in range(k):
+            row[p] = 0.0
+            for q in range(n):
+                row[p] += system[n + p, q] * stages[i * n + q, size]
+            for q in range(k):
+                row[p] += system[n + p, n + q] * w[q * s + i]
+        for p in range(k):
+            w[p * s + i] = row[p]
     for p in range(n):
         x[p] = stages[(s - 1) * n + p, size]
 
 
 @njit(**OPTIONS)
-def respond(network, state, fronts, node, slab, edges, m, u, stages, row):
-    """Turn the Thévenin wave of m pieces into the node's effort; switches move where pieces begin."""
-    systems, moves, s = fronts.systems, fronts.moves, u.shape[1]
-    x = network.load_row[node]
-    for k in range(m):
-        while moves.due[node] < moves.first[node + 1] and moves.at[moves.due[node]] - slab <= edges[k] + MERGE:
-            network.step_row[node] = moves.row[moves.due[node]]
-            moves.due[node] += 1
-        r = network.step_row[node]
+def settling(fronts, g, slab, edges, m, anew, outer, given):
+    """Add breakpoints where the group has settled after fronts; in `outer` leave out those that arrive before that.
+
+    Returns the number of pieces with all breakpoints, and without those left out.
+    """
+    until, n, kept = fronts.settled[g] - slab, 0, 0
+    for i in range(1, m + 1):
+        given[i] = edges[i]
+    if anew > 0.0:
+        until = fronts.settle[g]
+    for i in range(1, m + 1):
+        at = given[i]
+        if MERGE < until < at - MERGE and n + 2 < fronts.at_node:
+            n, kept = n + 1, kept + 1
+            edges[n], outer[kept] = until, until
+        if i < m and n + 2 < fronts.at_node:
+            n += 1
+            edges[n] = at
+            if at > until + MERGE:
+                kept += 1
+                outer[kept] = at
+            until = at + fronts.settle[g]
+        elif i < m:
+            fronts.counts[DROPPED] += 1
+    edges[n + 1], outer[kept + 1] = 1.0, 1.0
+    fronts.settled[g] = slab + until
+    return n + 1, kept + 1
+
+
+@njit(**OPTIONS)
+def rejoin(values, edges, n, outer, m, tools, span, coef, whole):
+    """Project n pieces on m wider ones."""
+    for j in range(n):
+        span[j, 0], span[j, 1] = edges[j], edges[j + 1]
+        times(tools.to_legendre, values[j], 0, coef[j])
+    regrouped(span, coef, n, outer, m, tools, whole, values)
+
+
+@njit(**OPTIONS)
+def collocate_finely(system, k, width, step, fronts, w, x, stages, row, parts):
+    """The same in steps of a given width, in slabs, as long as a group settles, and a last one; w is projected."""
+    tools, s = fronts.tools, fronts.tools.c.size
+    edges, whole_edges, span, coef, values, flat, out, whole = parts
+    m = 1
+    while m <= SUBSTEPS and m * step < width - MERGE:
+        edges[m] = m * step / width
+        m += 1
+    edges[0], edges[m], whole_edges[0], whole_edges[1] = 0.0, 1.0, 0.0, 1.0
+    for p in range(k):
+        span[0, 0], span[0, 1] = 0.0, 1.0
+        times(tools.to_legendre, w, p * s, coef[0])
+        regrouped(span, coef, 1, edges, m, tools, whole, values[p])
+    for j in range(m):
+        for p in range(k):
+            for i in range(s):
+                flat[p * s + i] = values[p, j, i]
+        h = fronts.step * width * (edges[j + 1] - edges[j])
+        collocate(system, k, h, tools.radau, flat, x, stages, row)
+        for p in range(k):
+            for i in range(s):
+                values[p, j, i] = flat[p * s + i]
+    for p in range(k):
+        for j in range(m):
+            span[j, 0], span[j, 1] = edges[j], edges[j + 1]
+            times(tools.to_legendre, values[p, j], 0, coef[j])
+        regrouped(span, coef, m, whole_edges, 1, tools, whole, out)
+        for i in range(s):
+            w[p * s + i] = out[0, i]
+
+
+@njit(**OPTIONS)
+def respond(network, state, fronts, g, slab, edges, m, u, stages, wave, row, parts):
+    """Turn the Thévenin waves of m pieces at a group into the nodes' efforts; switches move where pieces begin."""
+    systems, moves, s = fronts.systems, fronts.moves, u.shape[2]
+    x, k = network.load_at[g], network.group[g + 1] - network.group[g]
+    for piece in range(m):
+        while moves.due[g] < moves.first[g + 1] and moves.at[moves.due[g]] - slab <= edges[piece] + MERGE:
+            network.step_row[g] = moves.row[moves.due[g]]
+            moves.due[g] += 1
         if x < 0:
             continue
+        for p in range(k):
+            for i in range(s):
+                wave[p * s + i] = u[p, piece, i]
+        r = network.step_row[g]
+        n = network.step_states[r]
         if m == 1:
-            load(u[0], 1, s, network.step, r, state.load, x, row)
+            load(wave, k, 1, s, network.step, network.step_at[r], state.load, x, n, row)
         else:
-            h = fronts.step * (edges[k + 1] - edges[k])
-            A, b, c, d, n = systems.A[r], systems.b[r], systems.c[r], systems.d[r], systems.n[r]
-            collocate(A, b, c, d, n, h, fronts.tools.radau, u[k], state.load[x], stages)
+            width, states = edges[piece + 1] - edges[piece], state.load[x : x + n]
+            system = systems.entries[systems.at[r] : systems.at[r] + (n + k) ** 2].reshape((n + k, n + k))
+            if fronts.settle[g] > 0.0:
+                step = fronts.settle[g] / SUBSTEPS
+                collocate_finely(system, k, width, step, fronts, wave, states, stages, row, parts)
+            else:
+                collocate(system, k, fronts.step * width, fronts.tools.radau, wave, states, stages, row)
+        for p in range(k):
+            for i in range(s):
+                u[p, piece, i] = wave[p * s + i]
 
 
 @njit(**OPTIONS)
@@ -490,106 +611,177 @@ def keep(fronts, record, row, slab, edges, m, arrived, u, whole, point):
 
 
 @njit(**OPTIONS)
-def scatter_pieces(network, state, fronts, sources, drive, node, slab, k, position, due, record, work):
-    """One node, one slab, in pieces."""
-    waves, before, pieces, tools = state.waves, state.before, fronts.pieces, fronts.tools
-    place, size, edges, own, span, given, arrived, u, coef, whole, part, stages, row = work
-    s, low, high, r = before.shape[1], network.first[node], network.first[node + 1], network.drive_row[node]
-    n = 0
-    for i in range(low, high):
+def fronts_at(network, fronts, sources, g, slab, position, due, place, size):
+    """Gather the fronts that meet at a group in one slab. Returns how many."""
+    pieces, moves, n = fronts.pieces, fronts.moves, 0
+    for i in range(network.first[network.group[g]], network.first[network.group[g + 1]]):
         e = network.ends[i]
         rest = fronts.rest[e >> 1]
-        n = fronts_in(pieces, pieces.of_slab[position[e] // s], rest, place, size, n)
+        n = fronts_in(pieces, pieces.of_slab[position[e] // fronts.tools.c.size], rest, place, size, n)
         if rest > 0.0:
             n = fronts_in(pieces, pieces.before[e], rest - 1.0, place, size, n)
-    i = fronts.moves.due[node]
-    while i < fronts.moves.first[node + 1] and fronts.moves.at[i] - slab < 1.0 - MERGE / 2 and n < place.size:
-        place[n], size[n] = max(fronts.moves.at[i] - slab, 0.0), np.inf
+    i = moves.due[g]
+    while i < moves.first[g + 1] and moves.at[i] - slab < 1.0 - MERGE / 2 and n < place.size:
+        place[n], size[n] = max(moves.at[i] - slab, 0.0), np.inf
         i, n = i + 1, n + 1
-    driven = r >= 0 and due[r] < sources.first[r + 1] and sources.slab[due[r]] == slab
-    if driven:
-        for j in range(sources.begin[due[r]], sources.begin[due[r] + 1]):
-            if n < place.size and (sources.start[j] > 0.0 or sources.anew[due[r]]):
-                place[n], size[n] = sources.start[j], np.inf
-                n += 1
+    for node in range(network.group[g], network.group[g + 1]):
+        r = network.drive_row[node]
+        if drives_front(sources, r, slab, due):
+            for j in range(sources.begin[due[r]], sources.begin[due[r] + 1]):
+                if n < place.size and (sources.start[j] > 0.0 or sources.anew[due[r]]):
+                    place[n], size[n] = sources.start[j], np.inf
+                    n += 1
+    return n
+
+
+@njit(**OPTIONS)
+def drives_front(sources, r, slab, due):
+    """Whether a source has a front in the slab."""
+    return r >= 0 and due[r] < sources.first[r + 1] and sources.slab[due[r]] == slab
+
+
+@njit(**OPTIONS)
+def driven(sources, drive, r, slab, o, due, to_legendre, span, given):
+    """The sources' part of a Thévenin wave, as pieces. Returns how many."""
+    if not drives_front(sources, r, slab, due):
+        span[0, 0], span[0, 1] = 0.0, 1.0
+        times(to_legendre, drive[r], o, given[0])
+        return 1
+    first = sources.begin[due[r]]
+    n = sources.begin[due[r] + 1] - first
+    for j in range(n):
+        span[j, 0], span[j, 1] = sources.start[first + j], sources.stop[first + j]
+        copy(sources.coef[first + j], given[j])
+    return n
+
+
+@njit(**OPTIONS)
+def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position, due, record, work):
+    """One group, one slab, in pieces. Returns the sum of the efforts at the slab's end."""
+    waves, before, pieces, tools = state.waves, state.before, fronts.pieces, fronts.tools
+    place, size, edges, own, outer, span, given, arrived, u, coef, whole, part, stages, wave, row, parts = work
+    s, low, total = before.shape[1], network.first[network.group[g]], 0.0
+    n = fronts_at(network, fronts, sources, g, slab, position, due, place, size)
     m, anew = united(place, size, n, edges, fronts.at_node, fronts.counts, fronts.sizes)
+    fewer = 0
+    if fronts.settle[g] > 0.0:
+        m, fewer = settling(fronts, g, slab, edges, m, anew, outer, size)
     if not fronts.fractional:
         anew = 0.0
-    # arriving waves and the sources' part on these pieces
-    if driven:
-        n = sources.begin[due[r]]
-        n = sources.begin[due[r] + 1] - n
-        for j in range(n):
-            at = sources.begin[due[r]] + j
-            span[j, 0], span[j, 1] = sources.start[at], sources.stop[at]
-            copy(sources.coef[at], given[j])
-        regrouped(span, given, n, edges, m, tools, whole, u)
-    elif r >= 0:
-        span[0, 0], span[0, 1] = 0.0, 1.0
-        times(tools.to_legendre, drive[r], k * s, given[0])
-        regrouped(span, given, 1, edges, m, tools, whole, u)
-    else:
-        for j in range(m):
-            clear(u[j])
-    for i in range(low, high):
-        e = network.ends[i]
-        rest, now = fronts.rest[e >> 1], pieces.of_slab[position[e] // s]
-        n = 0
-        if rest > 0.0:
-            n = unfold(pieces, pieces.before[e], before[e], 0, tools.to_legendre, rest - 1.0, span, given, n)
-        n = unfold(pieces, now, waves, position[e], tools.to_legendre, rest, span, given, n)
-        regrouped(span, given, n, edges, m, tools, whole, arrived[i - low])
-        pieces.of_slab[position[e] // s] = -1
-        if rest > 0.0:
-            release(pieces, pieces.before[e], fronts.counts)
-            pieces.before[e] = now
-            for j in range(s):
-                before[e, j] = waves[position[e] + j]
+    for node in range(network.group[g], network.group[g + 1]):
+        mine, r = u[node - network.group[g]], network.drive_row[node]
+        if r >= 0:
+            n = driven(sources, drive, r, slab, k * s, due, tools.to_legendre, span, given)
+            regrouped(span, given, n, edges, m, tools, whole, mine)
         else:
-            release(pieces, now, fronts.counts)
-        for j in range(m):
-            for p in range(s):
-                u[j, p] += network.weight[i] * arrived[i - low, j, p]
-    respond(network, state, fronts, node, slab, edges, m, u, stages, row)
-    for i in range(low, high):
-        e = network.ends[i]
-        if network.record_row[e] >= 0:
-            keep(fronts, record, network.record_row[e], slab, edges, m, arrived[i - low], u, whole, part)
-        for j in range(m):
-            for p in range(s):
-                part[p] = 2.0 * u[j, p] - arrived[i - low, j, p]
-                fronts.sizes[SCALE] = max(fronts.sizes[SCALE], abs(part[p]))
-            times(tools.to_legendre, part, 0, coef[j])
-        copy(edges, own)
-        send(fronts, e, position[e] // s, waves, position[e], own, coef, size, m, anew, whole, part)
-    return u[m - 1, s - 1]
+            for j in range(m):
+                clear(mine[j])
+        for i in range(network.first[node], network.first[node + 1]):
+            e = network.ends[i]
+            rest, now = fronts.rest[e >> 1], pieces.of_slab[position[e] // s]
+            n = 0
+            if rest > 0.0:
+                n = unfold(pieces, pieces.before[e], before[e], 0, tools.to_legendre, rest - 1.0, span, given, n)
+            n = unfold(pieces, now, waves, position[e], tools.to_legendre, rest, span, given, n)
+            regrouped(span, given, n, edges, m, tools, whole, arrived[i - low])
+            pieces.of_slab[position[e] // s] = -1
+            if rest > 0.0:
+                release(pieces, pieces.before[e], fronts.counts)
+                pieces.before[e] = now
+                for j in range(s):
+                    before[e, j] = waves[position[e] + j]
+            else:
+                release(pieces, now, fronts.counts)
+            for j in range(m):
+                for p in range(s):
+                    mine[j, p] += network.weight[i] * arrived[i - low, j, p]
+    respond(network, state, fronts, g, slab, edges, m, u, stages, wave, row, parts)
+    if 0 < fewer < m:
+        for node in range(network.group[g], network.group[g + 1]):
+            rejoin(u[node - network.group[g]], edges, m, outer, fewer, tools, span, given, whole)
+            for i in range(network.first[node], network.first[node + 1]):
+                rejoin(arrived[i - low], edges, m, outer, fewer, tools, span, given, whole)
+        m = fewer
+        copy(outer, edges)
+    for node in range(network.group[g], network.group[g + 1]):
+        mine = u[node - network.group[g]]
+        for i in range(network.first[node], network.first[node + 1]):
+            e = network.ends[i]
+            if network.record_row[e] >= 0:
+                keep(fronts, record, network.record_row[e], slab, edges, m, arrived[i - low], mine, whole, part)
+            for j in range(m):
+                for p in range(s):
+                    part[p] = 2.0 * mine[j, p] - arrived[i - low, j, p]
+                    fronts.sizes[SCALE] = max(fronts.sizes[SCALE], abs(part[p]))
+                times(tools.to_legendre, part, 0, coef[j])
+            copy(edges, own)
+            send(fronts, e, position[e] // s, waves, position[e], own, coef, size, m, anew, whole, part)
+        total += mine[m - 1, s - 1]
+    return total
+
+
+@njit(**OPTIONS)
+def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, u, history, row):
+    """One group, one slab without fronts. Returns the sum of the efforts at the slab's end."""
+    waves, before, total = state.waves, state.before, 0.0
+    s = before.shape[1]
+    for node in range(network.group[g], network.group[g + 1]):
+        q = uint64((node - network.group[g]) * s)
+        begin(u, q, s, drive, network.drive_row[node], k * s)
+        for i in range(network.first[node], network.first[node + 1]):
+            e = network.ends[i]
+            o, r = uint64(position[e]), network.shift_row[e >> 1]
+            if r >= 0:
+                shift(waves, o, 1, before, e, network.shift, r, history, row)
+            gather(u, q, s, waves, o, network.weight[i])
+    if network.load_at[g] >= 0:
+        r, nodes = network.step_row[g], network.group[g + 1] - network.group[g]
+        n = network.step_states[r]
+        load(u, nodes, 1, s, network.step, network.step_at[r], state.load, network.load_at[g], n, row)
+    for node in range(network.group[g], network.group[g + 1]):
+        q = uint64((node - network.group[g]) * s)
+        for j in range(network.first[node], network.first[node + 1]):
+            e = network.ends[j]
+            o = uint64(position[e])
+            if network.record_row[e] >= 0:
+                note(u, q, s, waves, o, record, network.record_row[e], slab * s)
+            scatter(u, q, s, waves, o)
+            for i in range(s):
+                pieces.last[e, i] = waves[position[e] + i]
+            pieces.width[e] = 1.0
+        total += u[q + uint64(s - 1)]
+    return total
 
 
 @njit(**OPTIONS)
 def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, record):
     """Advance all nodes slab by slab with fronts as breakpoints, until none is left or the log is full.
 
-    Returns -1, or the number of a node whose effort is no longer finite; and the number of slabs done.
+    Returns -1, or the number of a node whose effort, or that of another in its group, is no longer finite; and the
+    number of slabs done.
     """
-    (delay, offset, shift_row, shifts, first, ends, weight, drive_row, load_row, step_row, steps, record_row) = network
-    waves, slots, sides, before, states = state
-    pieces, counts = fronts.pieces, fronts.counts
-    s, most = before.shape[1], fronts.at_node
-    degree = 0
-    for node in range(first.size - 1):
-        degree = max(degree, first[node + 1] - first[node])
+    first, ends, group, delay, slots, sides = (
+        network.first, network.ends, network.group, network.delay, state.slot, state.side,
+    )  # fmt: skip
+    pieces, counts, moves = fronts.pieces, fronts.counts, fronts.moves
+    s, most = state.before.shape[1], fronts.at_node
+    most_nodes, degree, n_states = largest_group(network)
     broken = 0
     for j in range(sources.slab.size):
         broken = max(broken, sources.begin[j + 1] - sources.begin[j])
     room = 2 * most * degree + most
-    n_states = steps.shape[1] - s
+    row = np.empty(most_nodes * s + n_states)
     work = (
-        np.empty(room), np.empty(max(room, most + 1)), np.empty(most + 1), np.empty(most + 1),
+        np.empty(room), np.empty(max(room, most + 1)), np.empty(most + 1), np.empty(most + 1), np.empty(most + 1),
         np.empty((max(broken, 2 * most + 2), 2)), np.empty((max(broken, 2 * most + 2), s)),
-        np.empty((degree, most, s)), np.empty((most, s)), np.empty((most + 1, s)), np.empty(s), np.empty(s),
-        np.empty((s * n_states, s * n_states + 1)), np.empty(s + n_states),
+        np.empty((degree, most, s)), np.empty((most_nodes, most, s)), np.empty((most + 1, s)), np.empty(s), np.empty(s),
+        np.empty((s * n_states, s * n_states + 1)), np.empty(most_nodes * s), row,
+        (
+            np.empty(SUBSTEPS + 2), np.empty(2), np.empty((SUBSTEPS + 1, 2)), np.empty((SUBSTEPS + 1, s)),
+            np.empty((most_nodes, SUBSTEPS + 1, s)), np.empty(most_nodes * s), np.empty((1, s)), np.empty(s),
+        ),
     )  # fmt: skip
-    u, history, row = np.empty(s), np.empty((s, 2)), np.empty(max(1, s + n_states))
+    u, history = np.empty(most_nodes * s), np.empty((s, 2))
     position, due = np.empty(ends.size, np.int64), sources.first[:-1].copy()
     for k in range(n_slabs):
         slab = first_slab + k
@@ -598,40 +790,25 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
         for r in range(due.size):
             while due[r] < sources.first[r + 1] and sources.slab[due[r]] < slab:
                 due[r] += 1
-        for node in range(first.size - 1):
-            r, i = drive_row[node], fronts.moves.due[node]
-            broken_here = r >= 0 and due[r] < sources.first[r + 1] and sources.slab[due[r]] == slab
-            broken_here |= i < fronts.moves.first[node + 1] and fronts.moves.at[i] - slab < 1.0 - MERGE / 2
-            for i in range(first[node], first[node + 1]):
-                e = ends[i]
-                line = e >> 1
-                position[e] = offset[line] + ((sides[line] ^ (e & 1)) * delay[line] + slots[line]) * s
-                broken_here |= pieces.of_slab[position[e] // s] >= 0 or pieces.before[e] >= 0
+        for g in range(group.size - 1):
+            i = moves.due[g]
+            broken_here = i < moves.first[g + 1] and moves.at[i] - slab < 1.0 - MERGE / 2
+            broken_here |= fronts.settled[g] > slab + MERGE
+            for node in range(group[g], group[g + 1]):
+                broken_here |= drives_front(sources, network.drive_row[node], slab, due)
+                for i in range(first[node], first[node + 1]):
+                    e = ends[i]
+                    line = e >> 1
+                    position[e] = network.offset[line] + ((sides[line] ^ (e & 1)) * delay[line] + slots[line]) * s
+                    broken_here |= pieces.of_slab[position[e] // s] >= 0 or pieces.before[e] >= 0
             if broken_here:
-                at_end = scatter_pieces(
-                    network, state, fronts, sources, drive, node, slab, k, position, due, record, work
-                )
-                if not np.isfinite(at_end):
-                    return node, k
-                continue
-            begin(u, s, drive, drive_row[node], k * s)
-            for i in range(first[node], first[node + 1]):
-                e = ends[i]
-                if shift_row[e >> 1] >= 0:
-                    shift(waves, np.uint64(position[e]), 1, before, e, shifts, shift_row[e >> 1], history, row)
-                gather(u, s, waves, np.uint64(position[e]), weight[i])
-            if load_row[node] >= 0:
-                load(u, 1, s, steps, step_row[node], states, load_row[node], row)
-            for j in range(first[node], first[node + 1]):
-                e = ends[j]
-                if record_row[e] >= 0:
-                    note(u, s, waves, np.uint64(position[e]), record, record_row[e], slab * s)
-                scatter(u, s, waves, np.uint64(position[e]))
-                for i in range(s):
-                    pieces.last[e, i] = waves[position[e] + i]
-                pieces.width[e] = 1.0
-            if not np.isfinite(u[s - 1]):
-                return node, k
+                at_end = scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position, due, record, work)
+            else:
+                at_end = scatter_whole(
+                    network, state, pieces, drive, g, slab, k, position, record, u, history, row
+                )  # fmt: skip
+            if not np.isfinite(at_end):
+                return group[g], k
         for line in range(delay.size):
             slots[line] += 1
             if slots[line] == delay[line]:

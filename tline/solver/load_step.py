@@ -17,20 +17,20 @@ from tline.solver.radau import Basis, Matrix
 
 
 class StateSpace(NamedTuple):
-    """dx/dt = A x + b w, output c x + d w, with n states."""
+    """dx/dt = A x + b w, output c x + d w, with n states and k inputs and outputs."""
 
     A: Matrix  # (n, n)
-    b: Matrix  # (n,)
-    c: Matrix  # (n,)
-    d: float
+    b: Matrix  # (n, k)
+    c: Matrix  # (k, n)
+    d: Matrix  # (k, k)
 
     def at_rest_under(self, wave: float) -> Matrix:
-        """State in the steady state under a constant input."""
-        forcing = self.b * wave
+        """State in the steady state under a constant input, the same at all ports."""
+        forcing = self.b.sum(axis=1) * wave
         return -np.linalg.solve(self.A, forcing) if forcing.any() else forcing
 
 
-NO_LOAD = StateSpace(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 1.0)  # an open circuit reflects all
+NO_LOAD = StateSpace(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))  # an open circuit
 
 
 def effort(reflection: StateSpace, g: float) -> StateSpace:
@@ -49,11 +49,12 @@ def effort(reflection: StateSpace, g: float) -> StateSpace:
         If a closed switch (g infinite) shorts a load that holds its effort, such as a capacitor.
     """
     A, b, c, d = reflection
+    direct = 1.0 + float(d[0, 0])
     if np.isinf(g):
-        back, passed = 1.0 / float(1.0 + d), 0.0
+        back, passed = 1.0 / direct, 0.0
     else:
-        back, passed = g / (2.0 + g * (1.0 + d)), 2.0 / (2.0 + g * (1.0 + d))
-    return StateSpace(A - back * np.outer(b, c), b * passed, c * passed / 2, (1.0 + d) * passed / 2)
+        back, passed = g / (2.0 + g * direct), 2.0 / (2.0 + g * direct)
+    return StateSpace(A - back * b @ c, b * passed, c * passed / 2, (1.0 + d) * passed / 2)
 
 
 def reflection(impedance: RationalFunction, z: float, where: str) -> StateSpace:
@@ -93,9 +94,9 @@ def reflection(impedance: RationalFunction, z: float, where: str) -> StateSpace:
     ]
     A = np.eye(n, k=-1)
     A[0] = [-a for a in monic[1:]]
-    b, c = np.eye(n)[0], np.array(output[1:])
+    b, c, d = np.eye(n)[:, :1], np.array([output[1:]]), np.array([[float(direct)]])
     scale = _balance(A)
-    return StateSpace(float(rate) * A / scale[:, None] * scale, float(rate) * b / scale, c * scale, float(direct))
+    return StateSpace(float(rate) * A / scale[:, None] * scale, float(rate) * b / scale[:, None], c * scale, d)
 
 
 def _root(ratio: Fraction, n: int) -> Fraction:
@@ -119,22 +120,18 @@ def _balance(A: Matrix) -> Matrix:
     return scale
 
 
-class LoadStep(NamedTuple):
-    """One slab: u = u_w w + u_x x, x_end = x_w w + x_x x; w and u at the s points, x at the slab's start."""
+def load_step(system: StateSpace, basis: Basis, h: float) -> Matrix:
+    """Radau IIA over one slab of width h for dx/dt = A x + b w, u = c x + d w (order 2s - 1 at the slab's end).
 
-    u_w: Matrix
-    u_x: Matrix
-    x_w: Matrix
-    x_x: Matrix
-
-
-def load_step(system: StateSpace, basis: Basis, h: float) -> LoadStep:
-    """Radau IIA over one slab of width h for dx/dt = A x + b w, u = c x + d w (order 2s - 1 at the slab's end)."""
-    s, n = basis.s, len(system.A)
-    stages = np.eye(s * n) - h * np.kron(basis.A, system.A)
-    drive = np.concatenate([h * np.kron(basis.A, system.b[:, None]), np.kron(np.ones((s, 1)), np.eye(n))], axis=1)
-    x = np.linalg.solve(stages, drive) if n else drive  # states at all points from (w, x0), shape (s n, s + n)
-    u = np.kron(np.eye(s), system.c[None, :]) @ x
-    u[:, :s] += system.d * np.eye(s)
-    end = x[(s - 1) * n :]
-    return LoadStep(u[:, :s], u[:, s:], end[:, :s], end[:, s:])
+    Returns
+    -------
+    ndarray, shape (k s + n, k s + n)
+        From (w, x) to (u, x at the slab's end): port by port the s points, then the states.
+    """
+    s, (n, k) = basis.s, system.b.shape
+    stages = np.eye(s * n) - h * np.kron(system.A, basis.A)
+    drive = np.hstack([h * np.kron(system.b, basis.A), np.kron(np.eye(n), np.ones((s, 1)))])
+    x = np.linalg.solve(stages, drive)  # states at all points, shape (n s, k s + n)
+    u = np.kron(system.c, np.eye(s)) @ x
+    u[:, : k * s] += np.kron(system.d, np.eye(s))
+    return np.vstack([u, x[s - 1 :: s]])

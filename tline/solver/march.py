@@ -76,11 +76,11 @@ class Stepper:
     def __init__(self, assembly: Assembly, n: int, record: NDArray):
         self.assembly, self.record, self.h = assembly, record, assembly.resolution.h
         self.breaks = [[waveform.breaks(n * self.h) for waveform, _ in parts] for parts in assembly.drives]
-        fractional = bool((assembly.network.shift_row >= 0).any())
-        self.places = [_inside(places_of(p, n * self.h, self.h), fractional) for p in assembly.drives]
-        moves = [(t, node, row) for t, node, row in _snapped(assembly.changes) if t < n]
-        self.at_edges = [] if fractional else [move for move in moves if move[0] % 1 == 0]
-        inside = [move for move in moves if fractional or move[0] % 1 != 0]
+        follows = assembly.follows_edges
+        self.places = [_inside(places_of(p, n * self.h, self.h), follows) for p in assembly.drives]
+        moves = [(t, group, row) for t, group, row in _snapped(assembly.changes) if t < n]
+        self.at_edges = [] if follows else [move for move in moves if move[0] % 1 == 0]
+        inside = [move for move in moves if follows or move[0] % 1 != 0]
         self.events = np.unique(np.floor(np.concatenate([*self.places, [t for t, _, _ in inside]])).astype(int))
         self.fronts: Fronts | None = fronts_of(assembly, n, inside) if len(self.events) else None
         self.noted: list[Noted] = []
@@ -99,9 +99,9 @@ class Stepper:
         """Advance from slab `low` to slab `high`."""
         edges = sorted({low, high, *(int(t) for t, _, _ in self.at_edges if low < t < high)})
         for first, last in pairwise(edges):
-            for t, node, row in self.at_edges:
+            for t, group, row in self.at_edges:
                 if t == first:
-                    self.assembly.network.step_row[node] = row
+                    self.assembly.network.step_row[group] = row
             while first < last:
                 first += self._stretch(first, last)
 
@@ -161,14 +161,14 @@ class Stepper:
         return Run(seconds, pieces, Tally() if self.fronts is None else tally(self.fronts))
 
 
-def _inside(places: NDArray, fractional: bool) -> NDArray:
-    """The places that need pieces: where all delays are whole, a front at a slab's edge stays there."""
-    return places if fractional else places[places % 1 != 0]
+def _inside(places: NDArray, follows_edges: bool) -> NDArray:
+    """The places that need pieces."""
+    return places if follows_edges else places[places % 1 != 0]
 
 
 def _snapped(changes: list[tuple[float, int, int]]) -> list[tuple[float, int, int]]:
     """Instants as good as on a slab's edge put there."""
-    return [(float(round(t)) if abs(t - round(t)) < EDGE else t, node, row) for t, node, row in changes]
+    return [(float(round(t)) if abs(t - round(t)) < EDGE else t, group, row) for t, group, row in changes]
 
 
 def _refuse(assembly: Assembly) -> None:

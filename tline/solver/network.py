@@ -4,6 +4,8 @@ A line end is numbered 2 * line (end 1) or 2 * line + 1 (end 2). Each line owns 
 is s samples. An end reads the wave that arrives and writes the one it sends back into the same place, in one buffer;
 each time a line's slot wraps, its ends change buffers. So every buffer slot is consumed and refilled exactly once per
 delay, and nothing is ever copied along a line.
+
+Nodes that see each other without delay, through a state space of their own, form a group. A node alone is one too.
 """
 
 from typing import NamedTuple
@@ -22,13 +24,16 @@ class Network(NamedTuple):
     offset: Integers  # (L,) first sample of a line's two buffers
     shift_row: Integers  # (L,) row in shift for the fractional rest of the delay, -1 if there is none
     shift: Floats  # (rows, 2, s, s) matrices that act on the slab arriving now and on the one before it
-    first: Integers  # (N + 1,) the ends at node k are ends[first[k]:first[k + 1]]
+    first: Integers  # (N + 1,) the ends at node k are ends[first[k]:first[k + 1]]; a group's nodes need not have any
     ends: Integers  # (2 L,)
     weight: Floats  # (2 L,) share of an arriving wave in the node's Thévenin wave
     drive_row: Integers  # (N,) row of the source's part of that wave, -1 for none
-    load_row: Integers  # (N,) row of the node's load state, -1 for an algebraic node
-    step_row: Integers  # (N,) row in step of the load's map over a slab; switches that move rewrite it
-    step: Floats  # (rows, s + n, s + n) from (Thévenin wave, state) to (effort, next state), padded with zeros
+    group: Integers  # (G + 1,) nodes group[g] to group[g + 1] are advanced together; most groups have one
+    load_at: Integers  # (G,) place of the group's first state, -1 for an algebraic node
+    step_row: Integers  # (G,) row of the group's map over a slab; switches that move rewrite it
+    step_at: Integers  # (rows,) place of a map in step
+    step_states: Integers  # (rows,) its number of states n
+    step: Floats  # maps (k s + n)² from (k Thévenin waves, state) to (k efforts, next state), one after the other
     record_row: Integers  # (2 L,) row in the record of an end, -1 if it is not recorded
 
 
@@ -39,4 +44,4 @@ class State(NamedTuple):
     slot: Integers  # (L,) slab of the buffers that is due
     side: Integers  # (L,) 0: end 1 uses the first buffer and end 2 the second; 1: the other way round
     before: Floats  # (2 L, s) the slab that arrived last, as sent; used where delays have a fractional rest
-    load: Floats  # (loads, n)
+    load: Floats  # of all groups, one after the other

@@ -1,7 +1,10 @@
 """What stands at each node of a scene, in numbers: conductances, prescribed efforts and flows, loads, switches."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
 
@@ -23,6 +26,7 @@ class Node:
 
     ends: list[int] = field(default_factory=list)  # 2 * line for an end 1, 2 * line + 1 for an end 2
     lines: float = 0.0  # sum of 1/z0 of the ends
+    lumped: float = 0.0  # sum of 1/z0 of the lumped lines' ends
     conductance: float = 0.0  # of resistors, constant loads and sources
     flows: list[tuple[Shape, float]] = field(default_factory=list)  # waveforms and what turns them into flows
     held: Shape | None = None  # the effort, where it is ideal
@@ -32,8 +36,13 @@ class Node:
 
     @property
     def total(self) -> float:
-        """Conductance that the waves see beside switches and dynamic loads."""
-        return self.lines + self.conductance
+        """Conductance that the waves see beside switches and dynamic loads; one for reference where it floats."""
+        return self.lumped if self.floating else self.lines + self.conductance
+
+    @property
+    def floating(self) -> bool:
+        """Whether nothing but lumped lines and dynamic loads conducts."""
+        return self.lumped > 0 and self.lines + self.conductance == 0
 
     @cached_property
     def reflection(self) -> StateSpace:
@@ -95,11 +104,11 @@ class Node:
             case Reservoir():
                 self.held = Constant(level=load.pressure)
             case Matched():
-                self.conductance += self.lines
+                self.conductance += self.lines + self.lumped
             case Switch():
                 self.switches.append(load)
             case Rational():
-                self._respond(load.rational().reduced(), where)
+                self.respond(load.rational().reduced(), where)
             case NoFlow():
                 pass
 
@@ -118,7 +127,7 @@ class Node:
         else:
             self.conductance += 1 / resistance
 
-    def _respond(self, impedance: RationalFunction, where: str) -> None:
+    def respond(self, impedance: RationalFunction, where: str) -> None:
         """Attach a rational impedance; one without dynamics is a resistance."""
         if impedance.degree == 0:
             self._conduct(float(impedance.at_zero()))
@@ -131,23 +140,34 @@ class Node:
 
 
 NOTHING = Constant(level=ZERO)
+NONE: Mapping[str, int] = MappingProxyType({})
 CANCELLED = 1e-9  # share of the lines' conductance that active loads must leave
 
 
-def nodes_of(scene: Scene) -> dict[str, Node]:
-    """The nodes of a scene by name, in the order in which the lines name them."""
+def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
+    """The nodes of a scene by name, in the order in which the lines name them; `cells` are those of lumped lines."""
     nodes: dict[str, Node] = {}
-    for k, line in enumerate(scene.lines.values()):
-        for side, name in enumerate(line.nodes):
-            node = nodes.setdefault(name, Node())
-            node.ends.append(2 * k + side)
-            node.lines += 1 / line.parameters.z0
+    kept = 0
+    for name, line in scene.lines.items():
+        for side, at in enumerate(line.nodes):
+            node = nodes.setdefault(at, Node())
+            if name in cells:
+                node.lumped += 1 / line.parameters.z0
+            else:
+                node.ends.append(2 * kept + side)
+                node.lines += 1 / line.parameters.z0
+        kept += name not in cells
     for source in scene.sources.values():
         nodes[source.at].prescribe(source.value, source.conductance, source.is_effort)
     for name, load in scene.loads.items():
         nodes[load.at].attach(load, place("loads", name))
+    for name, n in cells.items():
+        line = scene.lines[name]
+        half = Fraction(line.parameters.delay or 0.0) / (2 * n * Fraction(line.parameters.z0))
+        for at in line.nodes:
+            nodes[at].respond(RationalFunction.from_coefficients([1], [half, 0]), place("lines", name))
     for name, node in nodes.items():
-        if node.held is None and abs(node.total) < CANCELLED * node.lines:
+        if node.held is None and abs(node.total) < CANCELLED * (node.lines + node.lumped):
             active = next(n for n, load in scene.loads.items() if load.at == name and isinstance(load, Rational))
             problem = f"cancels the conductance of the lines at node '{name}': no wave is defined"
             raise InputError(place("loads", active), problem, "another resistance")

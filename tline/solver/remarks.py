@@ -7,10 +7,11 @@ import numpy as np
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.solver.fronts import Tally
+from tline.solver.resolution import Resolution
 from tline.solver.result import ProbeResult
 from tline.solver.steady import parts
 
-LISTED = 4  # nodes
+LISTED = 4  # names
 VISIBLE = 1e-6  # of the largest wave
 
 
@@ -35,6 +36,18 @@ def untouched(probes: Mapping[str, ProbeResult]) -> list[str]:
         f"{place('probes', name)}: no wave reached it before the end"
         for name, probe in probes.items()
         if not probe.a.any() and not probe.b.any()
+    ]
+
+
+def lumped(chosen: Resolution) -> list[str]:
+    """Lines that are lumped."""
+    if not chosen.cells:
+        return []
+    count, named = len(chosen.cells), ", ".join(map(repr, [*chosen.cells][:LISTED]))
+    n = max(chosen.cells.values())
+    return [
+        f"lines: {named}{' and more' * (count > LISTED)} {'is' if count == 1 else 'are'} far shorter than a slab and "
+        f"lumped: {n} {'cell' if n == 1 else 'cells'} of L and C each"
     ]
 
 

@@ -1,5 +1,6 @@
 """Order and slab width of a run: as the user fixed them, or fine enough for what the scene holds."""
 
+from collections.abc import Mapping
 from fractions import Fraction
 from math import ceil, inf, lcm
 from typing import NamedTuple
@@ -11,7 +12,7 @@ from tline.errors import InputError
 from tline.scene.load import Switch
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
-from tline.solver.nodes import Node
+from tline.solver.nodes import NONE, Node
 
 ORDER = 5
 POINTS = 2  # of a slab, at least, in the time scale of what is to be resolved
@@ -23,6 +24,7 @@ LARGEST = 4e8  # samples on the lines at once
 MOST_SLABS = 1e9
 MOST_MARKS = 100  # jumps, corners and switches that are worth a slab that divides their instants
 FINER = 20  # times, that a slab may be narrower than needed to divide all delays
+ROOMY = 16  # times that a slab is longer than lumped lines take to settle: so often a front may pass them unharmed
 WHOLE = 1e-12  # a delay this near to whole slabs, relatively, is whole
 
 
@@ -33,21 +35,33 @@ class Resolution(NamedTuple):
     h: float
     notes: tuple[str, ...] = ()
     blind: bool = False  # whether an oscillation may pass unseen, so that no comparison with another order tells
+    cells: Mapping[str, int] = NONE  # of each lumped line
+    settle: float = 0.0  # time in which these settle after a front, s
 
 
-def resolution(scene: Scene, nodes: dict[str, Node], s: int | None = None, h: float | None = None) -> Resolution:
+def resolution(
+    scene: Scene,
+    nodes: dict[str, Node],
+    s: int | None = None,
+    h: float | None = None,
+    cells: Mapping[str, int] = NONE,
+    settle: float = 0.0,
+) -> Resolution:
     """Order and slab width of a scene, if they are not given, and notes on what is too fast for them.
+
+    `cells` are those of lumped lines, which ask for no slabs; the nodes are those of the scene as it is. A slab is to
+    be longer, if the lines allow it, than the time in which lumped lines settle after a front.
 
     Raises
     ------
     InputError
         The waves under way would not fit in memory, or the run has too many slabs or ends within the first.
     """
-    delays = {name: line.parameters.delay or 0.0 for name, line in scene.lines.items()}
+    delays = {name: line.parameters.delay or 0.0 for name, line in scene.lines.items() if name not in cells}
     s = s or scene.solver.order or ORDER
     by_hand = h is None and scene.solver.slab is not None
     scales = _time_scales(scene, nodes)
-    h = h or float(scene.solver.slab or 0.0) or _slab(scene, list(delays.values()), scales)
+    h = h or float(scene.solver.slab or 0.0) or _slab(scene, list(delays.values()), scales, settle)
     _check(scene, delays, s, h, by_hand)
     seen = h * min(POINTS / s, 1.0) * (1 - 1e-9)
     notes = [
@@ -56,10 +70,10 @@ def resolution(scene: Scene, nodes: dict[str, Node], s: int | None = None, h: fl
         for where, (scale, _) in scales.items()
         if scale < seen
     ]
-    return Resolution(s, h, tuple(notes), any(period < seen for _, period in scales.values()))
+    return Resolution(s, h, tuple(notes), any(period < seen for _, period in scales.values()), cells, settle)
 
 
-def _slab(scene: Scene, delays: list[float], scales: dict[str, tuple[float, float]]) -> float:
+def _slab(scene: Scene, delays: list[float], scales: dict[str, tuple[float, float]], settle: float) -> float:
     """A slab that is fine enough for what the scene holds, if that is affordable."""
     shortest = min(delays)
     fronts = [max(gap, scene.t_end / SLABS_FOR_FRONTS) for gap in _gaps(scene)]
@@ -67,7 +81,8 @@ def _slab(scene: Scene, delays: list[float], scales: dict[str, tuple[float, floa
         shortest / SLABS_PER_DELAY, scene.t_end / SLABS_PER_RUN, *fronts, *(scale for scale, _ in scales.values())
     )
     affordable = min(_affordable(scene, delays), shortest)
-    return _aligned(delays, _marks(scene), max(wanted, affordable), affordable)
+    wanted = max(wanted, affordable, min(ROOMY * settle, shortest / SLABS_PER_DELAY))
+    return _aligned(delays, _marks(scene), wanted, affordable)
 
 
 def _affordable(scene: Scene, delays: list[float]) -> float:

@@ -10,7 +10,7 @@ from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.assemble import Assembly, assemble
 from tline.solver.march import Run, march
-from tline.solver.remarks import VISIBLE, smeared, unconnected, untouched
+from tline.solver.remarks import VISIBLE, lumped, smeared, unconnected, untouched
 from tline.solver.resolution import Resolution
 from tline.solver.result import LineRecord, Pieces, ProbeResult, Result, Wave
 
@@ -25,7 +25,7 @@ def run(scene: Scene, chosen: Resolution, record: Iterable[str] = (), *, progres
     InputError
         The scene cannot be assembled, the record would be too large, or the waves grow beyond all bounds.
     """
-    kept = {*record, *_probed(scene)}
+    kept = {*record, *probed(scene)}
     assembly = assemble(scene, kept, chosen)
     s, h = chosen.s, chosen.h
     n = max(ceil(scene.t_end / h - 1e-9), 1)
@@ -40,8 +40,8 @@ def run(scene: Scene, chosen: Resolution, record: Iterable[str] = (), *, progres
         line = probe.line or next(iter(_lines_at(scene, probe.at)))
         probes[name] = ProbeResult(name, line, probe.fraction(scene.lines[line]), lines[line], ends)
     unresolved = (*chosen.notes, *smeared(done.fronts))
-    remarks = (*untouched(probes), *unconnected(scene))
-    samples = 2 * len(scene.lines) * n * s
+    remarks = (*untouched(probes), *unconnected(scene), *lumped(chosen))
+    samples = len(assembly.network.ends) * n * s
     return Result(scene, ends, probes, lines, chosen, unresolved, remarks, samples, done.seconds, done.fronts)
 
 
@@ -49,7 +49,8 @@ def _lines_at(scene: Scene, node: str | None) -> Iterable[str]:
     return (name for name, line in scene.lines.items() if node in line.nodes)
 
 
-def _probed(scene: Scene) -> set[str]:
+def probed(scene: Scene) -> set[str]:
+    """Lines whose ends the probes see."""
     return {probe.line or next(iter(_lines_at(scene, probe.at))) for probe in scene.probes.values()}
 
 

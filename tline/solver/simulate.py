@@ -1,23 +1,21 @@
 """Simulate a scene: to a tolerance, by runs of rising order or on narrower slabs, or once as fixed by hand."""
 
 import warnings
-from collections.abc import Generator, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 
 from tline.errors import ActiveError, InputError
 from tline.scene.quantity import TOLERANCE
 from tline.scene.scene import Scene
-from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside, extrapolated, taken_as_errors, worst
+from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside, taken_as_errors
 from tline.solver.nodes import nodes_of
 from tline.solver.resolution import Resolution, resolution
 from tline.solver.result import Result
 from tline.solver.run import run
+from tline.solver.search import Search, within
 from tline.solver.stability.growth import active_loads, growth_sentence
 
 TOL = 1e-6  # where nothing is asked or fixed
-FIRST, LAST = 2, 12  # orders
-HELPS = 0.5  # a step that leaves more of the difference than this does not converge
-MOST_SAMPLES = 3e9  # line-end samples in all runs together
 
 
 class UnresolvedWarning(UserWarning):
@@ -36,8 +34,9 @@ def simulate(
 
     Order and slab are raised and narrowed until the estimated error of all probes is within the tolerance: runs are
     compared at common slab ends, and where a higher order leaves more than half of the difference, the slab is halved
-    instead. From two differences in a row, d1 and d2, the error of the last run is taken to be d2 times d2/d1. A scene
-    that fixes order or slab by hand and asks for no tolerance is run once.
+    instead. From two differences in a row, d1 and d2, the error of the last run is taken to be d2 times d2/d1. Lines
+    far shorter than a slab are lumped, each in as many cells of L and C as the tolerance needs; what twice as many
+    cells change is added to the error. A scene that fixes order or slab by hand and asks for no tolerance is run once.
 
     Parameters
     ----------
@@ -92,7 +91,7 @@ def simulate(
         result = run(scene, resolution(scene, nodes_of(scene)), record, progress=progress)
         result = replace(result, accuracy=tol and _by_hand(result, tol))
     else:
-        result = _within(scene, tol, record, progress)
+        result = within(Search(scene, tol, record, progress))
     for note in result.unresolved:
         warnings.warn(note, UnresolvedWarning, stacklevel=2)
     return replace(result, remarks=(*warned, *result.remarks))
@@ -110,7 +109,8 @@ def judged(result: Result) -> Accuracy:
     better = run(result.scene, Resolution(s + 1, h, ()))
     estimates = taken_as_errors(apart(result, better))
     worst_of_all = Accuracy(None, estimates, ()).worst
-    attempts = (_attempt(result, worst_of_all), _attempt(better, None))
+    runs = ((result, worst_of_all), (better, None))
+    attempts = tuple(Attempt(r.resolution.s, h, estimate, r.samples, r.seconds) for r, estimate in runs)
     return Accuracy(None, estimates, attempts, apart_inside(result, better))
 
 
@@ -129,59 +129,6 @@ def _tolerance(scene: Scene, tol: float | None) -> float | None:
         except InputError as error:
             raise InputError("tol", error.problem, error.expected, error.got) from None
     return asked if asked is not None or by_hand else TOL
-
-
-def _within(scene: Scene, tol: float, record: list[str], progress: bool) -> Result:
-    """Run until the estimated error is within the tolerance, or a limit is reached."""
-    steps, attempts, limit = _finer(scene), [], ""
-    result, earlier, differences, helps = run(scene, next(steps), record, progress=progress), None, {}, True
-    while True:
-        coarse, d = earlier, apart(earlier, result) if earlier else {}
-        estimates = extrapolated(differences, d) if differences else taken_as_errors(d)
-        accuracy = Accuracy(tol, estimates, ())
-        attempts.append(_attempt(result, accuracy.worst if d else None))
-        if differences and accuracy.met and not result.resolution.blind:
-            break
-        if differences or result.resolution.blind:
-            helps = not result.resolution.blind and worst(d) <= HELPS * worst(differences)
-        if sum(a.samples for a in attempts) + 2 * result.samples > MOST_SAMPLES:
-            limit = f"a finer run would take the total beyond {MOST_SAMPLES:.0e} line-end samples"
-            break
-        earlier, differences = result, d
-        try:
-            result = run(scene, steps.send(helps), record, progress=progress)
-        except StopIteration:
-            limit = "order and slab are as fine as they may be"
-            break
-        except InputError as error:
-            limit = f"{error.where}: {error.problem}"
-            break
-    damped = () if limit else result.resolution.notes  # that does not matter where the tolerance is met
-    unresolved = tuple(note for note in result.unresolved if note not in damped)
-    inside = apart_inside(coarse, result) if coarse else {}
-    accuracy = Accuracy(tol, accuracy.estimates, tuple(attempts), inside, limit)
-    return replace(result, unresolved=unresolved, accuracy=accuracy)
-
-
-def _finer(scene: Scene) -> Generator[Resolution, bool]:
-    """Ever finer orders and slabs; what is sent in tells whether the last step helped."""
-    nodes, solver = nodes_of(scene), scene.solver
-    s = solver.order or FIRST
-    chosen = resolution(scene, nodes, s)
-    h = chosen.h
-    while True:
-        helped = yield chosen
-        if solver.order is None and s < LAST and (helped or solver.slab is not None):
-            s += 1
-        elif solver.slab is None:
-            h /= 2
-        else:
-            return
-        chosen = resolution(scene, nodes, s, h)
-
-
-def _attempt(result: Result, estimate: float | None) -> Attempt:
-    return Attempt(result.resolution.s, result.resolution.h, estimate, result.samples, result.seconds)
 
 
 def _active(scene: Scene, allowed: bool) -> list[str]:

@@ -1,0 +1,151 @@
+"""Short lines as lumped inductors and capacitors, and the state space of the nodes that they join.
+
+A line cut in n cells is n inductors z0 T/n in a row, with a capacitor T/(n z0) between each two and half of one at each
+end. Its states are the inductors' flows times z0 and the inner capacitors' efforts, in order along the line; so all
+rates are n/T. The halves at the ends are part of the nodes' loads.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.scene.scene import Scene
+from tline.solver.load_step import StateSpace
+from tline.solver.nodes import Node
+from tline.solver.steady import parts
+
+
+class Lump(NamedTuple):
+    """A lumped line between two nodes of a group."""
+
+    name: str
+    first: int
+    second: int
+    z0: float
+    delay: float
+    cells: int
+    u: float = 0.0  # before t = 0
+    y: float = 0.0
+
+    @property
+    def states(self) -> int:
+        """Inductors and the capacitors between them."""
+        return 2 * self.cells - 1
+
+
+FAST = 3.0  # over the slab's width: poles beyond are not resolved
+LONG = 64.0  # delays, so that the steps of that time are too long for what rings in cells, but not in lines
+GONE = 20.0  # time constants after which 2e-9 is left
+
+
+class Group(NamedTuple):
+    """Nodes that short lines join, or one node."""
+
+    nodes: list[Node]
+    lumps: list[Lump]
+
+    @property
+    def dynamic(self) -> bool:
+        """Whether it has a state, or a switch."""
+        free = [node for node in self.nodes if node.held is None]
+        return bool(self.lumps) or any(node.load is not None or node.switches for node in free)
+
+    def system(self, switched: float) -> StateSpace:
+        """From the nodes' Thévenin waves to their efforts, with switches of that conductance if it is one node."""
+        if not self.lumps:
+            return self.nodes[0].effort(switched)
+        return coupled(self)
+
+    def settles(self, h: float) -> float:
+        """Time in which what lumped lines make faster than slabs of width h dies away, s."""
+        if not self.lumps:
+            return 0.0
+        poles = np.linalg.eigvals(self.system(0.0).A)
+        decay = -float(poles.real[np.abs(poles) * h > FAST].max(initial=-np.inf))
+        return max(GONE / decay, LONG * max(lump.delay for lump in self.lumps)) if decay > 0 else np.inf
+
+    def at_rest_under(self, waves: NDArray) -> NDArray:
+        """State before t = 0 under Thévenin waves, shape (nodes,), while the lumped lines carry their flows."""
+        if not self.lumps:
+            return self.nodes[0].effort(self.nodes[0].switched(0.0)).at_rest_under(waves[0])
+        states, out, level = [], np.zeros(len(self.nodes)), np.zeros(len(self.nodes))
+        for lump in self.lumps:
+            level[[lump.first, lump.second]] = lump.u
+            out[lump.first] += lump.y
+            out[lump.second] -= lump.y
+        for node, wave, flow, u in zip(self.nodes, waves, out, level, strict=True):
+            if node.held is None:
+                states.append(node.effort(0.0).at_rest_under(wave - flow / node.total + u * node.floating))
+        inner = [np.resize([lump.z0 * lump.y, lump.u], lump.states) for lump in self.lumps]
+        return np.concatenate([*states, *inner])
+
+
+HELD = StateSpace(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))  # the effort is the wave
+
+
+def coupled(group: Group) -> StateSpace:
+    """State space of a group with lumped lines: those of its nodes, whose Thévenin waves lose what the inductors take.
+
+    With g the conductance and i the flow out of a node into inductors, its wave becomes w - i/g. A node where nothing
+    but short lines conducts takes their sum for g, and gets back its own effort, w - i/g + u; with a capacitor there, u
+    does not depend on that wave but through the state.
+    """
+    own = [HELD if node.held is not None else node.effort(0.0) for node in group.nodes]
+    first = np.cumsum([0, *(len(system.A) for system in own), *(lump.states for lump in group.lumps)])
+    k, n = len(own), int(first[-1])
+    A, B, C, D = np.zeros((n, n)), np.zeros((n, k)), np.zeros((k, n)), np.zeros((k, k))
+    wave = np.zeros((k, n))  # what the states add to the waves
+    for p, (node, system) in enumerate(zip(group.nodes, own, strict=True)):
+        part = slice(first[p], first[p + 1])
+        A[part, part], B[part, p], C[p, part], D[p, p] = system.A, system.b[:, 0], system.c[0], system.d[0, 0]
+        if node.held is None and node.floating:
+            wave[p] += C[p]
+    for lump, at in zip(group.lumps, first[k:-1], strict=True):
+        last = at + lump.states - 1
+        for p, place, sign in ((lump.first, at, 1.0), (lump.second, last, -1.0)):
+            if group.nodes[p].held is None:
+                wave[p, place] -= sign / (lump.z0 * group.nodes[p].total)
+    A += B @ wave
+    C += D @ wave
+    for lump, at in zip(group.lumps, first[k:-1], strict=True):
+        last, rate = at + lump.states - 1, lump.cells / lump.delay
+        for j in range(at, last):  # neighbours along the line
+            A[j, j + 1], A[j + 1, j] = -rate, rate
+        for p, place, sign in ((lump.first, at, 1.0), (lump.second, last, -1.0)):
+            A[place] += sign * rate * C[p]
+            B[place] += sign * rate * D[p]
+    return StateSpace(A, B, C, D)
+
+
+def grouped(
+    scene: Scene, cells: Mapping[str, int], nodes: dict[str, Node], u: NDArray, y: NDArray
+) -> tuple[list[Group], dict[str, Node]]:
+    """Groups of the nodes that lumped lines join, and the nodes in their order.
+
+    Parameters
+    ----------
+    cells : mapping
+        Of each lumped line.
+    u, y : ndarray, shape (lines,)
+        Effort and flow of each line before t = 0.
+    """
+    if not cells:
+        return [Group([node], []) for node in nodes.values()], nodes
+    names, number = list(nodes), {name: k for k, name in enumerate(nodes)}
+    ends = {name: [number[at] for at in scene.lines[name].nodes] for name in cells}
+    first, second = np.array(list(ends.values())).T
+    part = parts(first, second, len(names))
+    order = np.argsort(part, kind="stable")
+    place = np.argsort(order) - np.searchsorted(part[order], part)  # of each node in its group
+    groups = [Group([], []) for _ in range(part.max() + 1)]
+    for k in order:
+        groups[part[k]].nodes.append(nodes[names[k]])
+    for k, (name, line) in enumerate(scene.lines.items()):
+        if name in cells:
+            one, other = ends[name]
+            z0, delay = line.parameters.z0, line.parameters.delay or 0.0
+            lump = Lump(name, place[one], place[other], z0, delay, cells[name], u[k], y[k])
+            groups[part[one]].lumps.append(lump)
+    return groups, {names[k]: nodes[names[k]] for k in order}

@@ -1,0 +1,146 @@
+"""Runs of rising order, on narrower slabs and with more cells of lumped lines, until a tolerance is met."""
+
+from collections.abc import Generator, Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+from tline.errors import InputError
+from tline.scene.scene import Scene
+from tline.solver.accuracy import Accuracy, Attempt, added, apart, apart_inside, extrapolated, taken_as_errors, worst
+from tline.solver.nodes import NONE, nodes_of
+from tline.solver.resolution import Resolution, resolution
+from tline.solver.result import Result
+from tline.solver.run import run
+from tline.solver.short import short_lines
+
+FIRST, LAST = 2, 12  # orders
+HELPS = 0.5  # a step that leaves more of the difference than this does not converge
+MOST_SAMPLES = 3e9  # line-end samples in all runs together
+MOST_CELLS = 8  # of a lumped line
+
+
+class Search(NamedTuple):
+    """What is looked for."""
+
+    scene: Scene
+    tol: float
+    record: list[str]
+    progress: bool
+    most: float = MOST_SAMPLES  # line-end samples that it may take
+    settle: float = 0.0  # time in which lumped lines settle after a front, s
+
+    def run(self, chosen: Resolution) -> Result:
+        """One run."""
+        return run(self.scene, chosen, self.record, progress=self.progress)
+
+
+def within(search: Search) -> Result:
+    """Run until the estimated error is within the tolerance, or a limit is reached.
+
+    Short lines are lumped if that is good enough. If it is not, and it is affordable, they are lines like others.
+    """
+    names, settle = short_lines(search.scene, search.record)
+    if not names:
+        return _refined(search, NONE)
+    cost, problem = _cost_of_lines(search.scene)
+    lumped = _lumped(search._replace(most=min(cost, search.most), settle=settle), dict.fromkeys(names, 1))
+    if lumped.accuracy is None or lumped.accuracy.met:
+        return lumped
+    if cost > search.most:
+        limit = f"{lumped.accuracy.limit}; lumped lines would need to be lines, {problem}"
+        return replace(lumped, accuracy=replace(lumped.accuracy, limit=limit))
+    result = _refined(search, NONE)
+    assert result.accuracy is not None
+    attempts = (*lumped.accuracy.attempts, *result.accuracy.attempts)
+    return replace(result, accuracy=replace(result.accuracy, attempts=attempts))
+
+
+def _cost_of_lines(scene: Scene) -> tuple[float, str]:
+    """Line-end samples of the first runs if no line is lumped, and why that may be too much."""
+    try:
+        h = resolution(scene, nodes_of(scene), FIRST).h
+    except InputError as error:
+        return float("inf"), f"and {error.problem}"
+    cost = 3 * FIRST * 2 * len(scene.lines) * scene.t_end / h
+    return cost, f"which takes {cost:.0e} line-end samples"
+
+
+def _lumped(search: Search, cells: Mapping[str, int]) -> Result:
+    """Refine with lines in one cell each, then double the cells until they are enough."""
+    result, earlier = _refined(search, cells), {}
+    accuracy = result.accuracy
+    assert accuracy is not None
+    refined, attempts = accuracy.estimates, list(accuracy.attempts)
+    while accuracy.limit == "":
+        cells = {name: 2 * n for name, n in cells.items()}
+        if max(cells.values()) > MOST_CELLS:
+            return replace(result, accuracy=replace(accuracy, limit=f"lumped lines would need over {MOST_CELLS} cells"))
+        coarse, result = result, search.run(result.resolution._replace(cells=cells))
+        d = apart(coarse, result)
+        estimates = added(refined, extrapolated(earlier, d) if earlier else taken_as_errors(d))
+        accuracy = replace(accuracy, estimates=estimates, inside=apart_inside(coarse, result))
+        attempts.append(_attempt(result, accuracy.worst))
+        result = replace(result, accuracy=replace(accuracy, attempts=tuple(attempts)))
+        if accuracy.met:
+            notes = result.unresolved
+            return replace(result, unresolved=tuple(n for n in notes if n not in result.resolution.notes))
+        earlier = d
+    return result
+
+
+def _refined(search: Search, cells: Mapping[str, int]) -> Result:
+    """Raise the order and narrow the slab, with lumped lines of as many cells."""
+    scene, tol = search.scene, search.tol
+    steps, attempts, limit = _finer(scene, cells, search.settle), [], ""
+    result, earlier, differences, helps = search.run(next(steps)), None, {}, True
+    while True:
+        coarse, d = earlier, apart(earlier, result) if earlier else {}
+        estimates = extrapolated(differences, d) if differences else taken_as_errors(d)
+        accuracy = Accuracy(tol, estimates, ())
+        attempts.append(_attempt(result, accuracy.worst if d else None))
+        if differences and accuracy.met and not result.resolution.blind:
+            break
+        if differences or result.resolution.blind:
+            helps = not result.resolution.blind and worst(d) <= HELPS * worst(differences)
+        if sum(a.samples for a in attempts) + 2 * result.samples > search.most:
+            limit = f"a finer run would take the total beyond {search.most:.0e} line-end samples"
+            break
+        earlier, differences = result, d
+        try:
+            result = search.run(steps.send(helps))
+        except StopIteration:
+            limit = "order and slab are as fine as they may be"
+            break
+        except InputError as error:
+            limit = f"{error.where}: {error.problem}"
+            break
+    damped = () if limit else result.resolution.notes  # that does not matter where the tolerance is met
+    unresolved = tuple(note for note in result.unresolved if note not in damped)
+    inside = apart_inside(coarse, result) if coarse else {}
+    accuracy = Accuracy(tol, accuracy.estimates, tuple(attempts), inside, limit)
+    return replace(result, unresolved=unresolved, accuracy=accuracy)
+
+
+def _finer(scene: Scene, cells: Mapping[str, int], settle: float) -> Generator[Resolution, bool]:
+    """Ever finer orders and slabs; what is sent in tells whether the last step helped.
+
+    Beside lumped lines slabs are not narrowed: fronts are blurred there for a time of its own.
+    """
+    nodes, solver = nodes_of(scene), scene.solver
+    s = solver.order or FIRST
+    chosen = resolution(scene, nodes, s, cells=cells, settle=settle)
+    h, fixed = chosen.h, solver.slab is not None or bool(cells)
+    while True:
+        helped = yield chosen
+        if solver.order is None and s < LAST and (helped or fixed):
+            s += 1
+        elif not fixed:
+            h /= 2
+        else:
+            return
+        chosen = resolution(scene, nodes, s, h, cells, settle)
+
+
+def _attempt(result: Result, estimate: float | None) -> Attempt:
+    cells = max(result.resolution.cells.values(), default=0)
+    return Attempt(result.resolution.s, result.resolution.h, estimate, result.samples, result.seconds, cells)
