@@ -7,7 +7,7 @@ import numpy as np
 from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.stability.characteristic import Characteristic
-from tline.solver.stability.growth import right_of_all, active_loads
+from tline.solver.stability.growth import active_loads, right_of_all
 from tline.solver.stability.zeros import MOST_SAMPLES, Box, UncountableError, all_zeros
 
 DEEP = 3.0  # exp(-DEEP) in the shortest delay: what decays faster is no oscillation
