@@ -7,7 +7,7 @@ from dataclasses import replace
 from tline.errors import ActiveError, InputError
 from tline.scene.quantity import TOLERANCE
 from tline.scene.scene import Scene
-from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside, extrapolated, taken_as_errors, worst
+from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside, taken_as_errors, worst
 from tline.solver.nodes import nodes_of
 from tline.solver.resolution import Resolution, resolution
 from tline.solver.result import Result
@@ -17,7 +17,8 @@ from tline.solver.stability.growth import active_loads, growth_sentence
 TOL = 1e-6  # where nothing is asked or fixed
 FIRST, LAST = 2, 12  # orders
 HELPS = 0.5  # a step that leaves more of the difference than this does not converge
-MOST_SAMPLES = 3e9  # line-end samples in all runs together
+STALE = 2  # halvings of the slab in a row that may bring nothing
+MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
 
 
 class UnresolvedWarning(UserWarning):
@@ -34,10 +35,10 @@ def simulate(
 ) -> Result:
     """Simulate a scene from t = 0 to its end time.
 
-    Order and slab are raised and narrowed until the estimated error of all probes is within the tolerance: runs are
-    compared at common slab ends, and where a higher order leaves more than half of the difference, the slab is halved
-    instead. From two differences in a row, d1 and d2, the error of the last run is taken to be d2 times d2/d1. A scene
-    that fixes order or slab by hand and asks for no tolerance is run once.
+    Order and slab are raised and narrowed until the estimated error of all probes is within the tolerance. The error
+    of a run is its difference, at common slab ends, to the next finer one; the result is the run before the last.
+    Where a higher order leaves more than half of the difference, the slab is halved instead. A scene that fixes order
+    or slab by hand and asks for no tolerance is run once.
 
     Parameters
     ----------
@@ -110,7 +111,7 @@ def judged(result: Result) -> Accuracy:
     better = run(result.scene, Resolution(s + 1, h, ()))
     estimates = taken_as_errors(apart(result, better))
     worst_of_all = Accuracy(None, estimates, ()).worst
-    attempts = (_attempt(result, worst_of_all), _attempt(better, None))
+    attempts = (_attempt(result, worst_of_all), _attempt(better))
     return Accuracy(None, estimates, attempts, apart_inside(result, better))
 
 
@@ -132,35 +133,45 @@ def _tolerance(scene: Scene, tol: float | None) -> float | None:
 
 
 def _within(scene: Scene, tol: float, record: list[str], progress: bool) -> Result:
-    """Run until the estimated error is within the tolerance, or a limit is reached."""
-    steps, attempts, limit = _finer(scene), [], ""
-    result, earlier, differences, helps = run(scene, next(steps), record, progress=progress), None, {}, True
-    while True:
-        coarse, d = earlier, apart(earlier, result) if earlier else {}
-        estimates = extrapolated(differences, d) if differences else taken_as_errors(d)
-        accuracy = Accuracy(tol, estimates, ())
-        attempts.append(_attempt(result, accuracy.worst if d else None))
-        if differences and accuracy.met and not result.resolution.blind:
-            break
-        if differences or result.resolution.blind:
-            helps = not result.resolution.blind and worst(d) <= HELPS * worst(differences)
-        if sum(a.samples for a in attempts) + 2 * result.samples > MOST_SAMPLES:
-            limit = f"a finer run would take the total beyond {MOST_SAMPLES:.0e} line-end samples"
-            break
-        earlier, differences = result, d
+    """Run until the difference to the next finer run is within the tolerance, or a limit is reached."""
+    steps, limit, stale, helps = _finer(scene), "", 0, True
+    result, d = run(scene, next(steps), record, progress=progress), {}
+    attempts, best, accuracy = [_attempt(result)], result, Accuracy(tol, {}, ())
+    while not limit:
         try:
-            result = run(scene, steps.send(helps), record, progress=progress)
+            finer = run(scene, steps.send(helps), record, progress=progress)
         except StopIteration:
             limit = "order and slab are as fine as they may be"
             break
         except InputError as error:
             limit = f"{error.where}: {error.problem}"
             break
-    damped = () if limit else result.resolution.notes  # that does not matter where the tolerance is met
-    unresolved = tuple(note for note in result.unresolved if note not in damped)
-    inside = apart_inside(coarse, result) if coarse else {}
-    accuracy = Accuracy(tol, accuracy.estimates, tuple(attempts), inside, limit)
-    return replace(result, unresolved=unresolved, accuracy=accuracy)
+        before, d = d, apart(result, finer)
+        found = Accuracy(tol, taken_as_errors(d), (), apart_inside(result, finer))
+        attempts[-1] = replace(attempts[-1], estimate=found.worst)
+        attempts.append(_attempt(finer))
+        if found.worst <= accuracy.worst:
+            best, accuracy = result, found
+        blind = finer.resolution.blind
+        if before and found.met and not blind:
+            break
+        helps = not blind and (not before or worst(d) <= HELPS * worst(before))
+        narrowed = finer.resolution.h < result.resolution.h
+        stale = stale + 1 if narrowed and not blind and worst(d) >= worst(before) else 0
+        limit = _limit(attempts, stale)
+        result = finer
+    damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
+    unresolved = tuple(note for note in best.unresolved if note not in damped)
+    return replace(best, unresolved=unresolved, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit))
+
+
+def _limit(attempts: list[Attempt], stale: int) -> str:
+    """What forbids a finer run; empty if nothing does."""
+    if sum(a.samples for a in attempts) + 2 * attempts[-1].samples > MOST_SAMPLES:
+        return f"a finer run would take the total beyond {MOST_SAMPLES:.0e} line-end samples"
+    if sum(a.seconds for a in attempts) + 2 * attempts[-1].seconds > MOST_SECONDS:
+        return f"a finer run would take the total beyond {MOST_SECONDS} s"
+    return "narrower slabs do not help" if stale == STALE else ""
 
 
 def _finer(scene: Scene) -> Generator[Resolution, bool]:
@@ -180,7 +191,7 @@ def _finer(scene: Scene) -> Generator[Resolution, bool]:
         chosen = resolution(scene, nodes, s, h)
 
 
-def _attempt(result: Result, estimate: float | None) -> Attempt:
+def _attempt(result: Result, estimate: float | None = None) -> Attempt:
     return Attempt(result.resolution.s, result.resolution.h, estimate, result.samples, result.seconds)
 
 
