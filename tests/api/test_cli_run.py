@@ -93,7 +93,7 @@ def test_the_table_says_what_the_probes_saw() -> None:
     result = ran("run valve.toml")
     title, chosen, accuracy, empty, *table = result.stdout.splitlines()
     assert title == "Closing valve"
-    assert re.fullmatch(r"order 4, 500 slabs of 4 ms, 4,000 line-end samples in [0-9.e-]+ s", chosen)
+    assert re.fullmatch(r"order 3, 500 slabs of 4 ms, 3,000 line-end samples in [0-9.e-]+ s", chosen)
     reached = (
         r"estimated error [0-9.e-]+ of the amplitude at '(probe|middle)', 1e-06 asked and met; 3 runs in [0-9.e-]+ s"
     )

@@ -39,8 +39,12 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
                 "end": float(values[-1]),
             }
             if accuracy and accuracy.estimates:
-                relative = getattr(accuracy.estimates[name], letter)
-                probes[name][word]["error"] = relative * float(np.abs(getattr(probe, letter)).max())
+                relative, amplitude = (
+                    getattr(accuracy.estimates[name], letter),
+                    float(np.abs(getattr(probe, letter)).max()),
+                )
+                probes[name][word]["error"] = relative * amplitude
+                probes[name][word]["error_inside_slabs"] = max(relative, accuracy.inside[name]) * amplitude
     return {
         "title": result.scene.title,
         "medium": result.medium.name,
@@ -60,7 +64,7 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
 def _told(accuracy: Accuracy) -> dict[str, Any]:
     return {
         "tol": accuracy.tol,
-        "met": accuracy.met,
+        "met": None if accuracy.tol is None else accuracy.met,
         "limit": accuracy.limit,
         "estimate": accuracy.worst,
         "inside_slabs": accuracy.inside,
@@ -93,7 +97,7 @@ def as_table(result: Result, accuracy: Accuracy | None) -> str:
                 seen["end"] / size,
             ]
             texts = [f"{number:.4g}" for number in numbers]
-            texts.append(f"{seen['error'] / size:.1g}" if "error" in seen else "?")
+            texts.append(f"{seen['error_inside_slabs'] / size:.1g}" if "error" in seen else "?")
             rows.append(["" if k else name, f"{word} [{unit}]", *texts])
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     table = [

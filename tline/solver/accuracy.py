@@ -72,9 +72,9 @@ class Accuracy:
     estimates : dict of str to Estimate
         By probe.
     attempts : tuple of Attempt
-        All runs; that of the result is the last, for a run fixed by hand the first.
+        All runs; that of the result is the one before the finest that it was compared with.
     inside : dict of str to float
-        Between slab ends the order is lower and fronts may pass: largest difference there to the last run but one,
+        Between slab ends the order is lower and fronts may pass: largest difference there to the next finer run,
         relative to the amplitude of u, by probe.
     limit : str
         What kept the tolerance from being met; empty if nothing did.
@@ -131,18 +131,8 @@ def worst(differences: Mapping[str, NDArray]) -> float:
     return max((float(d.max()) for d in differences.values()), default=0.0)
 
 
-def extrapolated(earlier: Mapping[str, NDArray], later: Mapping[str, NDArray]) -> dict[str, Estimate]:
-    """Errors of the last of three runs: the later difference, times what it is of the earlier one."""
-    estimates = {}
-    for name, d in later.items():
-        before = earlier[name]
-        ratio = np.minimum(np.divide(d, before, out=np.ones(2), where=before > 0), 1.0)
-        estimates[name] = _estimate(d * ratio)
-    return estimates
-
-
 def taken_as_errors(differences: Mapping[str, NDArray]) -> dict[str, Estimate]:
-    """Errors of a run, from its differences to a much better one."""
+    """Errors of a run, from its differences to a better one."""
     return {name: _estimate(d) for name, d in differences.items()}
 
 

@@ -26,7 +26,7 @@ def smeared(fronts: Tally) -> list[str]:
     )
     return [
         f"fronts: {fronts.dropped} breakpoints beyond the number that a slab may hold were smeared over their slabs, "
-        f"{by}; a smaller slab keeps more"
+        f"{by}"
     ]
 
 

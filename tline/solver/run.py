@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.plausible import below_vacuum, doubts
 from tline.scene.scene import Scene
 from tline.solver.assemble import Assembly, assemble
 from tline.solver.march import Run, march
@@ -40,7 +41,9 @@ def run(scene: Scene, chosen: Resolution, record: Iterable[str] = (), *, progres
         line = probe.line or next(iter(_lines_at(scene, probe.at)))
         probes[name] = ProbeResult(name, line, probe.fraction(scene.lines[line]), lines[line], ends)
     unresolved = (*chosen.notes, *smeared(done.fronts))
-    remarks = (*untouched(probes), *unconnected(scene), *lumped(chosen))
+    lowest = {name: float(probe.u.min()) for name, probe in probes.items()}
+    doubtful = (*doubts(scene), *below_vacuum(scene, lowest))
+    remarks = (*untouched(probes), *unconnected(scene), *lumped(chosen), *doubtful)
     samples = len(assembly.network.ends) * n * s
     return Result(scene, ends, probes, lines, chosen, unresolved, remarks, samples, done.seconds, done.fronts)
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver.accuracy import Accuracy, Attempt, added, apart, apart_inside, extrapolated, taken_as_errors, worst
+from tline.solver.accuracy import Accuracy, Attempt, added, apart, apart_inside, taken_as_errors, worst
 from tline.solver.nodes import NONE, nodes_of
 from tline.solver.resolution import Resolution, resolution
 from tline.solver.result import Result
@@ -15,7 +15,8 @@ from tline.solver.short import short_lines
 
 FIRST, LAST = 2, 12  # orders
 HELPS = 0.5  # a step that leaves more of the difference than this does not converge
-MOST_SAMPLES = 3e9  # line-end samples in all runs together
+STALE = 2  # halvings of the slab in a row that may bring nothing
+MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
 MOST_CELLS = 8  # of a lumped line
 
 
@@ -66,8 +67,8 @@ def _cost_of_lines(scene: Scene) -> tuple[float, str]:
 
 
 def _lumped(search: Search, cells: Mapping[str, int]) -> Result:
-    """Refine with lines in one cell each, then double the cells until they are enough."""
-    result, earlier = _refined(search, cells), {}
+    """Refine with lines in one cell each, then double the cells until another doubling would change little."""
+    result = _refined(search, cells)
     accuracy = result.accuracy
     assert accuracy is not None
     refined, attempts = accuracy.estimates, list(accuracy.attempts)
@@ -75,50 +76,58 @@ def _lumped(search: Search, cells: Mapping[str, int]) -> Result:
         cells = {name: 2 * n for name, n in cells.items()}
         if max(cells.values()) > MOST_CELLS:
             return replace(result, accuracy=replace(accuracy, limit=f"lumped lines would need over {MOST_CELLS} cells"))
-        coarse, result = result, search.run(result.resolution._replace(cells=cells))
-        d = apart(coarse, result)
-        estimates = added(refined, extrapolated(earlier, d) if earlier else taken_as_errors(d))
-        accuracy = replace(accuracy, estimates=estimates, inside=apart_inside(coarse, result))
-        attempts.append(_attempt(result, accuracy.worst))
-        result = replace(result, accuracy=replace(accuracy, attempts=tuple(attempts)))
+        finer = search.run(result.resolution._replace(cells=cells))
+        estimates = added(refined, taken_as_errors(apart(result, finer)))
+        attempts.append(_attempt(finer))
+        inside = apart_inside(result, finer)
+        accuracy = replace(accuracy, estimates=estimates, inside=inside, attempts=tuple(attempts))
         if accuracy.met:
-            notes = result.unresolved
-            return replace(result, unresolved=tuple(n for n in notes if n not in result.resolution.notes))
-        earlier = d
+            return replace(result, accuracy=accuracy)
+        damped = finer.resolution.notes
+        result = replace(finer, unresolved=tuple(note for note in finer.unresolved if note not in damped))
     return result
 
 
 def _refined(search: Search, cells: Mapping[str, int]) -> Result:
-    """Raise the order and narrow the slab, with lumped lines of as many cells."""
-    scene, tol = search.scene, search.tol
-    steps, attempts, limit = _finer(scene, cells, search.settle), [], ""
-    result, earlier, differences, helps = search.run(next(steps)), None, {}, True
-    while True:
-        coarse, d = earlier, apart(earlier, result) if earlier else {}
-        estimates = extrapolated(differences, d) if differences else taken_as_errors(d)
-        accuracy = Accuracy(tol, estimates, ())
-        attempts.append(_attempt(result, accuracy.worst if d else None))
-        if differences and accuracy.met and not result.resolution.blind:
-            break
-        if differences or result.resolution.blind:
-            helps = not result.resolution.blind and worst(d) <= HELPS * worst(differences)
-        if sum(a.samples for a in attempts) + 2 * result.samples > search.most:
-            limit = f"a finer run would take the total beyond {search.most:.0e} line-end samples"
-            break
-        earlier, differences = result, d
+    """Raise the order and narrow the slab until the next finer run differs by no more than the tolerance."""
+    steps, limit, stale, helps = _finer(search.scene, cells, search.settle), "", 0, True
+    result, d = search.run(next(steps)), {}
+    attempts, best, accuracy = [_attempt(result)], result, Accuracy(search.tol, {}, ())
+    while not limit:
         try:
-            result = search.run(steps.send(helps))
+            finer = search.run(steps.send(helps))
         except StopIteration:
             limit = "order and slab are as fine as they may be"
             break
         except InputError as error:
             limit = f"{error.where}: {error.problem}"
             break
-    damped = () if limit else result.resolution.notes  # that does not matter where the tolerance is met
-    unresolved = tuple(note for note in result.unresolved if note not in damped)
-    inside = apart_inside(coarse, result) if coarse else {}
-    accuracy = Accuracy(tol, accuracy.estimates, tuple(attempts), inside, limit)
-    return replace(result, unresolved=unresolved, accuracy=accuracy)
+        before, d = d, apart(result, finer)
+        found = Accuracy(search.tol, taken_as_errors(d), (), apart_inside(result, finer))
+        attempts[-1] = replace(attempts[-1], estimate=found.worst)
+        attempts.append(_attempt(finer))
+        if found.worst <= accuracy.worst:
+            best, accuracy = result, found
+        blind = finer.resolution.blind
+        if before and found.met and not blind:
+            break
+        helps = not blind and (not before or worst(d) <= HELPS * worst(before))
+        narrowed = finer.resolution.h < result.resolution.h
+        stale = stale + 1 if narrowed and not blind and worst(d) >= worst(before) else 0
+        limit = _limit(attempts, stale, search.most)
+        result = finer
+    damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
+    unresolved = tuple(note for note in best.unresolved if note not in damped)
+    return replace(best, unresolved=unresolved, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit))
+
+
+def _limit(attempts: list[Attempt], stale: int, most: float) -> str:
+    """What forbids a finer run; empty if nothing does."""
+    if sum(a.samples for a in attempts) + 2 * attempts[-1].samples > most:
+        return f"a finer run would take the total beyond {most:.0e} line-end samples"
+    if sum(a.seconds for a in attempts) + 2 * attempts[-1].seconds > MOST_SECONDS:
+        return f"a finer run would take the total beyond {MOST_SECONDS} s"
+    return "narrower slabs do not help" if stale == STALE else ""
 
 
 def _finer(scene: Scene, cells: Mapping[str, int], settle: float) -> Generator[Resolution, bool]:
@@ -141,6 +150,6 @@ def _finer(scene: Scene, cells: Mapping[str, int], settle: float) -> Generator[R
         chosen = resolution(scene, nodes, s, h, cells, settle)
 
 
-def _attempt(result: Result, estimate: float | None) -> Attempt:
+def _attempt(result: Result) -> Attempt:
     cells = max(result.resolution.cells.values(), default=0)
-    return Attempt(result.resolution.s, result.resolution.h, estimate, result.samples, result.seconds, cells)
+    return Attempt(result.resolution.s, result.resolution.h, None, result.samples, result.seconds, cells)

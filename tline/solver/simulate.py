@@ -32,11 +32,11 @@ def simulate(
 ) -> Result:
     """Simulate a scene from t = 0 to its end time.
 
-    Order and slab are raised and narrowed until the estimated error of all probes is within the tolerance: runs are
-    compared at common slab ends, and where a higher order leaves more than half of the difference, the slab is halved
-    instead. From two differences in a row, d1 and d2, the error of the last run is taken to be d2 times d2/d1. Lines
-    far shorter than a slab are lumped, each in as many cells of L and C as the tolerance needs; what twice as many
-    cells change is added to the error. A scene that fixes order or slab by hand and asks for no tolerance is run once.
+    Order and slab are raised and narrowed until the estimated error of all probes is within the tolerance. The error
+    of a run is its difference, at common slab ends, to the next finer one; the result is the run before the last.
+    Where a higher order leaves more than half of the difference, the slab is halved instead. Lines far shorter than a
+    slab are lumped, each in as many cells of L and C as the tolerance needs; what twice as many cells change is added
+    to the error. A scene that fixes order or slab by hand and asks for no tolerance is run once.
 
     Parameters
     ----------
