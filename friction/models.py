@@ -5,7 +5,6 @@ Stribeck velocity, σ0, σ1, σ2 stiffness, damping and viscous friction of the 
 exercise's numbers.
 """
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, ClassVar
 
@@ -21,10 +20,11 @@ LEAST = {"F_v": 0.0, "delta": 0.0, "sigma1": 0.0, "sigma2": 0.0, "z_ba": 0.0}  #
 
 
 @dataclass(frozen=True)
-class Model(ABC):
+class Model:
     """A friction law; checks its parameters."""
 
     name: ClassVar[str]
+    kind: ClassVar[str]  # its constant in the kernels
 
     def __post_init__(self):
         for field in fields(self):
@@ -47,9 +47,16 @@ class Model(ABC):
         return getattr(self, "F_s", self.sliding)
 
     @property
-    @abstractmethod
     def law(self) -> "Law":
         """The parameters as the kernels take them."""
+        from friction import kernel
+
+        own = {field.name: getattr(self, field.name) for field in fields(self)}
+        own.pop("F_s", None)
+        viscous = own.pop("F_v", 0.0) + own.pop("sigma2", 0.0)  # no model has both
+        return kernel.Law(
+            getattr(kernel, self.kind), own.pop("F_c"), self.stiction, viscous, own.pop("v_s", 1.0), **own
+        )
 
     def g(self, v: ArrayLike) -> NDArray:
         """Stribeck curve g(v) = F_c + (F_s − F_c)·e^(−(v/v_s)²) [N]: steady friction without its viscous part."""
@@ -78,15 +85,9 @@ class Coulomb(Model):
     """
 
     name = "coulomb"
+    kind = "SIGN"
     F_c: float = 1.0
     F_v: float = 0.0
-
-    @property
-    def law(self) -> "Law":
-        """The parameters as the kernels take them."""
-        from friction.kernel import SIGN, Law
-
-        return Law(SIGN, self.F_c, self.F_c, self.F_v, 1.0)
 
 
 @dataclass(frozen=True)
@@ -99,18 +100,12 @@ class Karnopp(Model):
     """
 
     name = "karnopp"
+    kind = "ZONE"
     F_c: float = 1.0
     F_s: float = 1.2
     F_v: float = 0.05
     v_s: float = 0.1
     delta: float = 0.0
-
-    @property
-    def law(self) -> "Law":
-        """The parameters as the kernels take them."""
-        from friction.kernel import ZONE, Law
-
-        return Law(ZONE, self.F_c, self.F_s, self.F_v, self.v_s, self.delta)
 
 
 @dataclass(frozen=True)
@@ -122,19 +117,13 @@ class LuGre(Model):
     """
 
     name = "lugre"
+    kind = "BRISTLE"
     F_c: float = 1.0
     F_s: float = 1.2
     v_s: float = 0.1
     sigma0: float = 500.0
     sigma1: float = 0.0
     sigma2: float = 0.05
-
-    @property
-    def law(self) -> "Law":
-        """The parameters as the kernels take them."""
-        from friction.kernel import BRISTLE, Law
-
-        return Law(BRISTLE, self.F_c, self.F_s, self.sigma2, self.v_s, 0.0, self.sigma0, self.sigma1)
 
 
 @dataclass(frozen=True)
@@ -145,15 +134,9 @@ class Dahl(Model):
     """
 
     name = "dahl"
+    kind = "BRISTLE"
     F_c: float = 1.0
     sigma0: float = 500.0
-
-    @property
-    def law(self) -> "Law":
-        """The parameters as the kernels take them."""
-        from friction.kernel import BRISTLE, Law
-
-        return Law(BRISTLE, self.F_c, self.F_c, 0.0, 1.0, 0.0, self.sigma0)
 
 
 @dataclass(frozen=True)
@@ -164,6 +147,7 @@ class ElastoPlastic(Model):
     """
 
     name = "elasto-plastic"
+    kind = "BRISTLE"
     F_c: float = 1.0
     F_s: float = 1.2
     v_s: float = 0.1
@@ -179,31 +163,18 @@ class ElastoPlastic(Model):
                 "model.z_ba", "too large", f"less than F_c/σ0 = {self.F_c / self.sigma0:g}", f"{self.z_ba:g}"
             )
 
-    @property
-    def law(self) -> "Law":
-        """The parameters as the kernels take them."""
-        from friction.kernel import BRISTLE, Law
-
-        return Law(BRISTLE, self.F_c, self.F_s, self.sigma2, self.v_s, 0.0, self.sigma0, self.sigma1, self.z_ba)
-
 
 @dataclass(frozen=True)
 class Tanh(Model):
     """g(v)·tanh(v/ε) + F_v·v: smooth, and never at rest under load."""
 
     name = "tanh"
+    kind = "TANH"
     F_c: float = 1.0
     F_s: float = 1.2
     F_v: float = 0.05
     v_s: float = 0.1
     epsilon: float = 0.001
-
-    @property
-    def law(self) -> "Law":
-        """The parameters as the kernels take them."""
-        from friction.kernel import TANH, Law
-
-        return Law(TANH, self.F_c, self.F_s, self.F_v, self.v_s, epsilon=self.epsilon)
 
     def steady_force(self, v: ArrayLike) -> NDArray:
         """Friction force [N] at velocities v [m/s]."""

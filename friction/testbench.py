@@ -69,8 +69,8 @@ class Sine:
 
 
 @dataclass(frozen=True)
-class Steps:
-    """`values[k]` [N] from `times[k]` [s] on; 0 before the first."""
+class _Points:
+    """Values [N] at times [s]."""
 
     times: Sequence[float]
     values: Sequence[float]
@@ -78,6 +78,11 @@ class Steps:
 
     def __post_init__(self):
         _check_table(self.times, self.values)
+
+
+@dataclass(frozen=True)
+class Steps(_Points):
+    """`values[k]` [N] from `times[k]` [s] on; 0 before the first."""
 
     def pieces(self) -> tuple[NDArray, NDArray, NDArray]:
         """One level piece each."""
@@ -88,15 +93,8 @@ class Steps:
 
 
 @dataclass(frozen=True)
-class Table:
+class Table(_Points):
     """Straight lines between points (times [s], values [N]); constant before the first and after the last."""
-
-    times: Sequence[float]
-    values: Sequence[float]
-    sine = (0.0, 0.0, 0.0)
-
-    def __post_init__(self):
-        _check_table(self.times, self.values)
 
     def pieces(self) -> tuple[NDArray, NDArray, NDArray]:
         """One straight piece each."""
