@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
-from tline.solver.nodes import Node, nodes_of
+from tline.solver.nodes import Node, node_of_end, nodes_of
 
 MOST_WORK = 2e9  # cells times steps
 MOST_KEPT = 1e8  # samples
@@ -316,7 +316,7 @@ def fdtd(scene: Scene, n: float, courant: float = COURANT) -> Trace:
     held = np.array([node.held is not None for node in nodes.values()])
     parts = [[(node.held, 1.0)] if node.held else node.flows for node in nodes.values()]
     C = cells * dt / _delays(scene)
-    loop = partial(advance_fdtd, cells, C, _z0(scene), _node_of_end(nodes), held, x_x, x_i)
+    loop = partial(advance_fdtd, cells, C, _z0(scene), node_of_end(nodes.values()), held, x_x, x_i)
     return _stepped(scene, loop, dt, steps, parts)
 
 
@@ -390,7 +390,7 @@ def lumped_t(scene: Scene, n: float) -> Trace:
     widths = _delays(scene) / cells / unit
     half = np.repeat(widths * _z0(scene) / 2, 2)  # inductance at each end
     behind = [1 / (1 / half[node.ends]).sum() for node in nodes.values()]
-    share = np.array([behind[k] for k in _node_of_end(nodes)]) / half
+    share = np.array([behind[k] for k in node_of_end(nodes.values())]) / half
     chains = []
     for j, (N, width) in enumerate(zip(cells, widths, strict=True)):
         A, ends, first_last = _skew(_differences(N)), np.zeros((2 * N + 1, 2)), np.zeros((2, 2 * N + 1))
@@ -498,7 +498,7 @@ def _integrated(
     from scipy.linalg import block_diag
 
     nodes, unit = nodes_of(scene), _shortest(scene)
-    at = _node_of_end(nodes)
+    at = node_of_end(nodes.values())
     select = sparse.csr_array((np.ones(len(at)), (range(len(at)), at)), (len(at), len(nodes)))
     lines = sparse.block_diag([chain.A for chain in chains], "csr")
     b = sparse.block_diag([chain.b for chain in chains], "csr") @ select
@@ -642,13 +642,6 @@ def _within(work: float, most: float) -> None:
     if work > most:
         problem = f"takes {work:.2g} numbers, for the delays are far apart or the run is long"
         raise InputError("n", problem, f"at most {most:.0e}")
-
-
-def _node_of_end(nodes: dict[str, Node]) -> NDArray:
-    at = np.empty(sum(len(node.ends) for node in nodes.values()), int)
-    for k, node in enumerate(nodes.values()):
-        at[node.ends] = k
-    return at
 
 
 def _probed(scene: Scene) -> list[int]:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver.nodes import Node, nodes_of
+from tline.solver.nodes import node_of_end, nodes_of
 
 if TYPE_CHECKING:
     from control import StateSpace
@@ -31,9 +31,8 @@ def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "St
     lines, nodes = list(scene.lines.values()), list(nodes_of(scene).values())
     delays = np.array([line.parameters.delay or 0.0 for line in lines])
     z0, second = np.array([line.parameters.z0 for line in lines]), float(delays.min())
-    place = scene.probes[probe]
-    name = place.line or next(name for name, line in scene.lines.items() if place.at in line.nodes)
-    k, share = list(scene.lines).index(name), place.fraction(scene.lines[name])
+    name = scene.probed_line(probe)
+    k, share = list(scene.lines).index(name), scene.probes[probe].fraction(scene.lines[name])
 
     # each end's sent wave is delayed by its line; those of the probe's line also on their way to a probe inside
     fed_by = [*range(2 * len(lines)), 2 * k, 2 * k + 1]
@@ -51,11 +50,11 @@ def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "St
     m = len(own)
     arriving = np.zeros((2 * len(lines), n + m + 1))
     arriving[:, :n] = c[[e ^ 1 for e in range(2 * len(lines))]]
-    thevenin = _weights(nodes, z0) @ arriving
+    thevenin = np.array([node.weights(z0) @ arriving[node.ends] for node in nodes])
     thevenin[:, -1] = [sum(f * float(w.value(np.array(1.0), np.array(1.0))) for w, f in node.drives) for node in nodes]
     states = np.eye(n + m + 1)[n : n + m]
     efforts = through @ thevenin + out @ states
-    sent = 2 * efforts[_node_of_end(nodes)] - arriving
+    sent = 2 * efforts[node_of_end(nodes)] - arriving
 
     rates = np.vstack([b @ sent[fed_by], own @ states + into @ thevenin])
     rates[:n, :n] += A
@@ -77,17 +76,3 @@ def _delay(t: float, order: int) -> tuple[NDArray, NDArray, NDArray, NDArray]:
     b = np.zeros((order, 1))
     b[-1] = 1.0
     return A / t, b / t, c[None], np.zeros((1, 1))
-
-
-def _weights(nodes: list[Node], z0: NDArray) -> NDArray:
-    """Share of each arriving wave in each node's Thévenin wave."""
-    weights = np.zeros((len(nodes), 2 * len(z0)))
-    for row, node in zip(weights, nodes, strict=True):
-        if node.held is None:
-            row[node.ends] = 1 / z0[np.array(node.ends) // 2] / node.total
-    return weights
-
-
-def _node_of_end(nodes: list[Node]) -> list[int]:
-    at = {end: k for k, node in enumerate(nodes) for end in node.ends}
-    return [at[end] for end in range(len(at))]

@@ -103,9 +103,8 @@ def _solved(network: Scattering, s: NDArray, held: NDArray, flows: NDArray) -> t
 
 def _seen(scene: Scene, network: Scattering, probe: str, arriving: NDArray, efforts: NDArray, s: NDArray) -> Response:
     """What a probe sees: the two waves on its line, each delayed by its way."""
-    place = scene.probes[probe]
-    line = place.line or next(name for name, line in scene.lines.items() if place.at in line.nodes)
-    k, share = list(scene.lines).index(line), place.fraction(scene.lines[line])
+    line = scene.probed_line(probe)
+    k, share = list(scene.lines).index(line), scene.probes[probe].fraction(scene.lines[line])
     nodes = [network.names.index(node) for node in scene.lines[line].nodes]
     a1, b2 = (2 * efforts[:, nodes[end]] - arriving[:, 2 * k + end] for end in (0, 1))
     way = s.ravel() * network.second * network.delays[k]

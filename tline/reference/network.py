@@ -98,9 +98,8 @@ class Network:
         """
         if probe not in self.scene.probes:
             raise InputError("probe", "no such probe", nearest(probe, list(self.scene.probes)), f"'{probe}'")
-        given, lines = self.scene.probes[probe], self.scene.lines
-        line = given.line or next(name for name in lines if given.at in lines[name].nodes)
-        return list(lines).index(line), decimal(given.fraction(lines[line]))
+        lines, line = self.scene.lines, self.scene.probed_line(probe)
+        return list(lines).index(line), decimal(self.scene.probes[probe].fraction(lines[line]))
 
     def loaded(self) -> Iterator[str]:
         """Nodes with a load that is no resistance."""

@@ -117,6 +117,11 @@ class Scene(Element):
         if found:
             raise SceneError(limited(found, untold))
 
+    def probed_line(self, probe: str) -> str:
+        """Name of the line that a probe is on, or of the first whose end it sees."""
+        place = self.probes[probe]
+        return place.line or next(name for name, line in self.lines.items() if place.at in line.nodes)
+
 
 def _sound_part(data: dict[str, Any], error: ValidationError, context: dict[str, Any]) -> Scene | None:
     """The scene without its bad elements, to see what the others do to each other; None if a line is bad."""

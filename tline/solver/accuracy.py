@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tline.solver.result import Result
 
@@ -60,6 +59,12 @@ class Attempt:
     seconds: float
     cells: int = 0
 
+    @classmethod
+    def of(cls, result: Result, estimate: float | None = None) -> "Attempt":
+        """The run that gave a result."""
+        s, h, cells = result.resolution.s, result.resolution.h, max(result.resolution.cells.values(), default=0)
+        return cls(s, h, estimate, result.samples, result.seconds, cells)
+
 
 @dataclass(frozen=True)
 class Accuracy:
@@ -97,8 +102,8 @@ class Accuracy:
         return self.tol is None or (self.worst <= self.tol and not self.limit)
 
 
-def apart(coarse: Result, fine: Result) -> dict[str, NDArray]:
-    """Largest differences of u and y at common slab ends, by probe, relative to their amplitudes."""
+def apart(coarse: Result, fine: Result) -> dict[str, Estimate]:
+    """Errors of a run by its largest differences, at common slab ends, to a finer one."""
     every = round(coarse.resolution.h / fine.resolution.h)
     found = {}
     for name, probe in fine.probes.items():
@@ -108,7 +113,8 @@ def apart(coarse: Result, fine: Result) -> dict[str, NDArray]:
         amplitude = np.abs(ours).max(axis=1)
         difference = np.abs(ours[:, :n] - theirs[:, :n]).max(axis=1)
         heard = amplitude > SILENT * amplitude.max()
-        found[name] = np.where(heard, difference / np.where(heard, amplitude, 1.0), 0.0)
+        relative = np.where(heard, difference / np.where(heard, amplitude, 1.0), 0.0)
+        found[name] = Estimate(*(max(float(e), ROUNDING) if e > 0 else 0.0 for e in relative))
     return found
 
 
@@ -126,21 +132,6 @@ def apart_inside(coarse: Result, fine: Result) -> dict[str, float]:
     return found
 
 
-def worst(differences: Mapping[str, NDArray]) -> float:
-    """The largest of all probes."""
-    return max((float(d.max()) for d in differences.values()), default=0.0)
-
-
-def taken_as_errors(differences: Mapping[str, NDArray]) -> dict[str, Estimate]:
-    """Errors of a run, from its differences to a better one."""
-    return {name: _estimate(d) for name, d in differences.items()}
-
-
 def added(one: Mapping[str, Estimate], other: Mapping[str, Estimate]) -> dict[str, Estimate]:
     """Sums by probe."""
     return {name: Estimate(e.u + other[name].u, e.y + other[name].y) for name, e in one.items()}
-
-
-def _estimate(errors: NDArray) -> Estimate:
-    u, y = (max(float(e), ROUNDING) if e > 0 else 0.0 for e in errors)
-    return Estimate(u, y)

@@ -13,7 +13,7 @@ from tline.solver.load_step import StateSpace
 from tline.solver.lumps import grouped
 from tline.solver.network import Network, State
 from tline.solver.node_maps import node_maps
-from tline.solver.nodes import Node, nodes_of
+from tline.solver.nodes import nodes_of
 from tline.solver.radau import Basis, basis
 from tline.solver.resolution import WHOLE, Resolution, resolution
 from tline.solver.steady import steady_state
@@ -59,7 +59,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     drives = [node.drives for node in nodes.values()]
     ends = np.array([end for node in nodes.values() for end in node.ends])
     degree = [len(node.ends) for node in nodes.values()]
-    weight = np.concatenate([_weights(node, z0) for node in nodes.values()])
+    weight = np.concatenate([node.weights(z0) for node in nodes.values()])
     thevenin = np.bincount(np.repeat(np.arange(len(nodes)), degree), weight * arriving[ends], len(nodes))
     if scene.start == "steady":
         thevenin += [sum(share * just_before(waveform) for waveform, share in parts) for parts in drives]
@@ -129,9 +129,3 @@ def _delays(lines: dict[str, SceneLine], order: Basis, h: float) -> tuple[NDArra
     pairs = [order.shift(f) for f in rest if f >= 0]
     shift = np.array(pairs) if pairs else np.zeros((0, 2, order.s, order.s))
     return delay, row - int(rest[0] < 0), shift
-
-
-def _weights(node: Node, z0: NDArray) -> NDArray:
-    """Share of each end's arriving wave in the node's Thévenin wave; none reach an effort that is held."""
-    own = 1 / z0[np.array(node.ends, int) // 2]
-    return 0.0 * own if node.held is not None else own / (own.sum() + node.conductance)

@@ -1,12 +1,13 @@
 """What stands at each node of a scene, in numbers: conductances, prescribed efforts and flows, loads, switches."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from passivity import RationalFunction
 from tline.errors import InputError
@@ -77,6 +78,11 @@ class Node:
         except ZeroDivisionError:
             problem = "a switch shorts it, and it holds its effort"
             raise InputError(self.load_name, problem, "a switch with a resistance above zero") from None
+
+    def weights(self, z0: NDArray) -> NDArray:
+        """Share of each end's arriving wave in the Thévenin wave; none reach an effort that is held."""
+        own = 1 / z0[np.array(self.ends, int) // 2]
+        return 0.0 * own if self.held is not None else own / (own.sum() + self.conductance)
 
     @property
     def drives(self) -> list[tuple[Shape, float]]:
@@ -172,3 +178,11 @@ def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
             problem = f"cancels the conductance of the lines at node '{name}': no wave is defined"
             raise InputError(place("loads", active), problem, "another resistance")
     return nodes
+
+
+def node_of_end(nodes: Collection[Node]) -> NDArray:
+    """Number of the node at which each line end is."""
+    at = np.empty(sum(len(node.ends) for node in nodes), int)
+    for k, node in enumerate(nodes):
+        at[node.ends] = k
+    return at

@@ -38,7 +38,7 @@ def run(scene: Scene, chosen: Resolution, record: Iterable[str] = (), *, progres
     ends = np.arange(n + 1) * h
     probes = {}
     for name, probe in scene.probes.items():
-        line = probe.line or next(iter(_lines_at(scene, probe.at)))
+        line = scene.probed_line(name)
         probes[name] = ProbeResult(name, line, probe.fraction(scene.lines[line]), lines[line], ends)
     unresolved = (*chosen.notes, *smeared(done.fronts))
     lowest = {name: float(probe.u.min()) for name, probe in probes.items()}
@@ -48,13 +48,9 @@ def run(scene: Scene, chosen: Resolution, record: Iterable[str] = (), *, progres
     return Result(scene, ends, probes, lines, chosen, unresolved, remarks, samples, done.seconds, done.fronts)
 
 
-def _lines_at(scene: Scene, node: str | None) -> Iterable[str]:
-    return (name for name, line in scene.lines.items() if node in line.nodes)
-
-
 def probed(scene: Scene) -> set[str]:
     """Lines whose ends the probes see."""
-    return {probe.line or next(iter(_lines_at(scene, probe.at))) for probe in scene.probes.values()}
+    return {scene.probed_line(name) for name in scene.probes}
 
 
 def _record(assembly: Assembly, name: str, waves: NDArray, done: Run) -> LineRecord:

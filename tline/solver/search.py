@@ -2,11 +2,12 @@
 
 from collections.abc import Generator, Mapping
 from dataclasses import replace
+from math import inf
 from typing import NamedTuple
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver.accuracy import Accuracy, Attempt, added, apart, apart_inside, taken_as_errors, worst
+from tline.solver.accuracy import Accuracy, Attempt, added, apart, apart_inside
 from tline.solver.nodes import NONE, nodes_of
 from tline.solver.resolution import Resolution, resolution
 from tline.solver.result import Result
@@ -61,7 +62,7 @@ def _cost_of_lines(scene: Scene) -> tuple[float, str]:
     try:
         h = resolution(scene, nodes_of(scene), FIRST).h
     except InputError as error:
-        return float("inf"), f"and {error.problem}"
+        return inf, f"and {error.problem}"
     cost = 3 * FIRST * 2 * len(scene.lines) * scene.t_end / h
     return cost, f"which takes {cost:.0e} line-end samples"
 
@@ -77,8 +78,8 @@ def _lumped(search: Search, cells: Mapping[str, int]) -> Result:
         if max(cells.values()) > MOST_CELLS:
             return replace(result, accuracy=replace(accuracy, limit=f"lumped lines would need over {MOST_CELLS} cells"))
         finer = search.run(result.resolution._replace(cells=cells))
-        estimates = added(refined, taken_as_errors(apart(result, finer)))
-        attempts.append(_attempt(finer))
+        estimates = added(refined, apart(result, finer))
+        attempts.append(Attempt.of(finer))
         inside = apart_inside(result, finer)
         accuracy = replace(accuracy, estimates=estimates, inside=inside, attempts=tuple(attempts))
         if accuracy.met:
@@ -91,8 +92,9 @@ def _lumped(search: Search, cells: Mapping[str, int]) -> Result:
 def _refined(search: Search, cells: Mapping[str, int]) -> Result:
     """Raise the order and narrow the slab until the next finer run differs by no more than the tolerance."""
     steps, limit, stale, helps = _finer(search.scene, cells, search.settle), "", 0, True
-    result, d = search.run(next(steps)), {}
-    attempts, best, accuracy = [_attempt(result)], result, Accuracy(search.tol, {}, ())
+    result = best = search.run(next(steps))
+    attempts, accuracy = [Attempt.of(result)], Accuracy(search.tol, {}, ())
+    found = accuracy  # of the last comparison
     while not limit:
         try:
             finer = search.run(steps.send(helps))
@@ -102,18 +104,17 @@ def _refined(search: Search, cells: Mapping[str, int]) -> Result:
         except InputError as error:
             limit = f"{error.where}: {error.problem}"
             break
-        before, d = d, apart(result, finer)
-        found = Accuracy(search.tol, taken_as_errors(d), (), apart_inside(result, finer))
+        before, found = found.worst, Accuracy(search.tol, apart(result, finer), (), apart_inside(result, finer))
         attempts[-1] = replace(attempts[-1], estimate=found.worst)
-        attempts.append(_attempt(finer))
+        attempts.append(Attempt.of(finer))
         if found.worst <= accuracy.worst:
             best, accuracy = result, found
         blind = finer.resolution.blind
-        if before and found.met and not blind:
+        if before < inf and found.met and not blind:
             break
-        helps = not blind and (not before or worst(d) <= HELPS * worst(before))
+        helps = not blind and found.worst <= HELPS * before
         narrowed = finer.resolution.h < result.resolution.h
-        stale = stale + 1 if narrowed and not blind and worst(d) >= worst(before) else 0
+        stale = stale + 1 if narrowed and not blind and found.worst >= before else 0
         limit = _limit(attempts, stale, search.most)
         result = finer
     damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
@@ -148,8 +149,3 @@ def _finer(scene: Scene, cells: Mapping[str, int], settle: float) -> Generator[R
         else:
             return
         chosen = resolution(scene, nodes, s, h, cells, settle)
-
-
-def _attempt(result: Result) -> Attempt:
-    cells = max(result.resolution.cells.values(), default=0)
-    return Attempt(result.resolution.s, result.resolution.h, None, result.samples, result.seconds, cells)

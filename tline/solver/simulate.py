@@ -7,7 +7,7 @@ from dataclasses import replace
 from tline.errors import ActiveError, InputError
 from tline.scene.quantity import TOLERANCE
 from tline.scene.scene import Scene
-from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside, taken_as_errors
+from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside
 from tline.solver.nodes import nodes_of
 from tline.solver.resolution import Resolution, resolution
 from tline.solver.result import Result
@@ -107,11 +107,9 @@ def judged(result: Result) -> Accuracy:
     """
     s, h = result.resolution.s, result.resolution.h
     better = run(result.scene, Resolution(s + 1, h, ()))
-    estimates = taken_as_errors(apart(result, better))
-    worst_of_all = Accuracy(None, estimates, ()).worst
-    runs = ((result, worst_of_all), (better, None))
-    attempts = tuple(Attempt(r.resolution.s, h, estimate, r.samples, r.seconds) for r, estimate in runs)
-    return Accuracy(None, estimates, attempts, apart_inside(result, better))
+    estimates = apart(result, better)
+    worst = max(estimate.worst for estimate in estimates.values())
+    return Accuracy(None, estimates, (Attempt.of(result, worst), Attempt.of(better)), apart_inside(result, better))
 
 
 def _by_hand(result: Result, tol: float) -> Accuracy:
