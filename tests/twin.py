@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from tline.solver.assemble import Assembly
-from tline.solver.drive import on_slabs
+from tline.solver.drive import sampled
 from tline.solver.load_step import load_step
 
 
@@ -38,8 +38,7 @@ def efforts(assembly: Assembly, n_slabs: int) -> np.ndarray:
                 u[node, k] += net.weight[e] * arriving[net.ends[e]]
             if net.drive_row[node] >= 0:
                 for waveform, share in assembly.drives[net.drive_row[node]]:
-                    breaks = waveform.breaks(1e9)
-                    u[node, k] += share * on_slabs(waveform, breaks, assembly.basis, h, k, 1)[0]
+                    u[node, k] += share * sampled(waveform, assembly.basis, h, k, 1)[0]
         for g, (low, high) in enumerate(pairwise(net.group)):
             if net.load_at[g] >= 0:
                 wave, state = u[low:high, k].ravel(), states_of(assembly, g, x)

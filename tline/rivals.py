@@ -34,7 +34,10 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
+from tline.scene.waveform import Shape
+from tline.solver.drive import EDGE, sampled
 from tline.solver.nodes import Node, node_of_end, nodes_of
+from tline.solver.radau import Basis, gauss
 
 MOST_WORK = 2e9  # cells times steps
 MOST_KEPT = 1e8  # samples
@@ -569,11 +572,37 @@ def pointwise(basis: Any, f: float) -> tuple[NDArray, NDArray]:
     return np.where(late, 0.0, basis.evaluation(basis.c - f)), np.where(late, basis.evaluation(basis.c - f + 1), 0.0)
 
 
+def projected(waveform: Shape, breaks: NDArray, basis: Basis, h: float, first: int, n: int) -> NDArray:
+    """A waveform at the Radau points of n slabs from number `first` on, shape (n, s).
+
+    Without breakpoints that travel a slab with a jump is L2-projected: that keeps the moments across it, so that what
+    passes it is right again at the slab's end.
+    """
+    start = (first + np.arange(n)) * h
+    values = sampled(waveform, basis, h, first, n)
+    place = breaks[(breaks > start[0]) & (breaks < start[-1] + h)] / h - first
+    near = place - np.floor(place)
+    place = place[(near > EDGE) & (near < 1 - EDGE)]
+    if not place.size:
+        return values
+    cut = np.unique(np.floor(place))
+    edges = np.unique(np.concatenate([cut, place, cut + 1]))
+    slab = np.floor((edges[:-1] + edges[1:]) / 2)
+    of_cut = np.isin(slab, cut)  # the others lie between cut slabs
+    slab, p, width = slab[of_cut].astype(int), edges[:-1][of_cut], np.diff(edges)[of_cut]
+    x, weights = gauss(basis.s + 4)
+    t = (p - slab)[:, None] + width[:, None] * x  # in slab time, shape (pieces, nodes)
+    seen = waveform.value(start[slab][:, None] + h * t, start[slab][:, None] + h * (p - slab + width / 2)[:, None])
+    moments = basis.moments(t.ravel(), (width[:, None] * weights).ravel())
+    values[cut.astype(int)] = 0.0
+    np.add.at(values, slab, (moments * seen.ravel()).reshape(basis.s, *t.shape).sum(axis=2).T)
+    return values
+
+
 def slabs_pointwise(scene: Scene, n: float, order: int = 4, offset: float = HALF) -> Trace:
     """The slabs of the production method, with interpolation in place of the projection; n slabs per delay."""
     from tline.scene.scene import Solver
     from tline.solver.assemble import assemble
-    from tline.solver.drive import on_slabs
     from tline.solver.kernel import advance
 
     h = _shortest(scene) / (n + offset)
@@ -592,7 +621,7 @@ def slabs_pointwise(scene: Scene, n: float, order: int = 4, offset: float = HALF
     drive = np.zeros((len(assembly.drives), steps, order))
     for row, parts in zip(drive, assembly.drives, strict=True):
         for waveform, share in parts:
-            row += share * on_slabs(waveform, waveform.breaks(steps * h), assembly.basis, h, 0, steps)
+            row += share * projected(waveform, waveform.breaks(steps * h), assembly.basis, h, 0, steps)
     advance(network, assembly.state, steps, drive.reshape(len(drive), -1), record, 0)
     seconds = time.perf_counter() - begun
     at_ends = record[:, :, order - 1 :: order] / 2

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from tline.errors import InputError
+from tline.rivals import projected
 from tline.scene.points import PiecewiseLinear, Ramp, Table, read_table
 from tline.scene.pulses import MOST_PULSES, Pulses
 from tline.scene.shape import Constant, Shape, Step
 from tline.scene.smooth import DoubleExponential, Exponential, Sine
-from tline.solver.drive import EDGE, just_before, on_slabs
+from tline.solver.drive import EDGE, just_before
 from tline.solver.radau import basis, gauss
 
 ROUNDING = 1e-14  # of a level of size 1; a handful of operations
@@ -221,7 +222,7 @@ MANY = [0.05, 0.1, 0.2, 0.25, 0.3, 0.35, 0.45, 0.5, 0.55, 0.6, 0.7, 0.75, 0.8, 0
 def test_projection_keeps_the_moments(order, waveform, cuts):
     """Slab 3 of width 0.2, from 0.6 to 0.8, holds the breaks."""
     b, h, slab = basis(order), 0.2, 3
-    values = on_slabs(waveform, waveform.breaks(2.0), b, h, 0, 6)[slab]
+    values = projected(waveform, waveform.breaks(2.0), b, h, 0, 6)[slab]
     x, weights = gauss(order)
     found = [weights @ (b.evaluation(x) @ values * x**k) for k in range(order)]
     exact = 1e-12 if isinstance(waveform, Sine | Exponential) else ROUNDING  # Gauss with order + 4 nodes a piece
@@ -230,14 +231,14 @@ def test_projection_keeps_the_moments(order, waveform, cuts):
 
 def test_a_jump_by_hand():
     """Order 2, jump at 1/4 of a slab: the straight line with the moments 3/4 and 15/32."""
-    u = on_slabs(Step(to=1, at=0.25), np.array([0.25]), basis(2), 1.0, 0, 1)[0]
+    u = projected(Step(to=1, at=0.25), np.array([0.25]), basis(2), 1.0, 0, 1)[0]
     # c0 + c1 x with c0 + c1/2 = 3/4 and c0/2 + c1/3 = 15/32: c1 = 9/8, c0 = 3/16, at the points x = 1/3 and 1
     assert u == pytest.approx([3 / 16 + 3 / 8, 3 / 16 + 9 / 8], abs=ROUNDING)
 
 
 def test_away_from_breaks_nothing_but_sampling():
     b, h = basis(5), 0.1
-    values = on_slabs(SINE, SINE.breaks(10.0), b, h, 15, 40)
+    values = projected(SINE, SINE.breaks(10.0), b, h, 15, 40)
     t = (15 + np.arange(40))[:, None] * h + h * b.c
     np.testing.assert_array_equal(values, SINE.value(t, t - h * 1e-3))
 
@@ -247,7 +248,7 @@ def test_away_from_breaks_nothing_but_sampling():
 def test_a_break_on_an_edge_is_clean(slab, off):
     h = 0.3
     step = Step(from_=2, to=5, at=(slab + off) * h)
-    values = on_slabs(step, step.breaks(1e9), basis(4), h, max(slab - 3, 0), 6)
+    values = projected(step, step.breaks(1e9), basis(4), h, max(slab - 3, 0), 6)
     expected = np.where(np.arange(max(slab - 3, 0), max(slab - 3, 0) + 6) < slab, 2.0, 5.0)
     np.testing.assert_array_equal(values, np.repeat(expected[:, None], 4, axis=1))
 
@@ -255,8 +256,8 @@ def test_a_break_on_an_edge_is_clean(slab, off):
 @pytest.mark.parametrize("waveform", [TRAIN, JUMPS, SINE, PULSE, Step(to=1, at=3.21)])
 def test_chunks_do_not_show(waveform):
     b, h, breaks = basis(3), 0.17, waveform.breaks(30.0)
-    whole = on_slabs(waveform, breaks, b, h, 0, 60)
-    parts = [on_slabs(waveform, breaks, b, h, first, 12) for first in range(0, 60, 12)]
+    whole = projected(waveform, breaks, b, h, 0, 60)
+    parts = [projected(waveform, breaks, b, h, first, 12) for first in range(0, 60, 12)]
     np.testing.assert_allclose(np.concatenate(parts), whole, rtol=0, atol=1e-12)
 
 
@@ -264,5 +265,5 @@ def test_a_late_break_is_projected_too():
     """In slab 10⁶ the place of a break is known to 10⁻¹⁰ slabs."""
     h, slab = 0.1, 1_000_000
     step = Step(to=1, at=(slab + 0.25) * h)
-    u = on_slabs(step, step.breaks(1e9), basis(2), h, slab - 1, 3)
+    u = projected(step, step.breaks(1e9), basis(2), h, slab - 1, 3)
     assert u.ravel() == pytest.approx([0, 0, 9 / 16, 21 / 16, 1, 1], abs=1e-9)

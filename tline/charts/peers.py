@@ -12,11 +12,9 @@ from collections.abc import Callable
 from functools import partial
 
 from tline.charts import inverse_fft, ngspice, rthym
-from tline.charts.clock import FULL, QUICK, Run, compilation
-from tline.charts.judge import Judge
-from tline.charts.scenes import chart_scene
+from tline.charts.clock import FULL, QUICK, Run
 from tline.charts.table import Table
-from tline.charts.work_precision import add, production
+from tline.charts.work_precision import add, begun, production
 from tline.scene.scene import Scene
 
 PATIENT = FULL._replace(longest=2.0)  # s; peers need it
@@ -54,17 +52,17 @@ def peers(name: str, quick: bool = False, progress: bool = False) -> Table:
     """
     from tqdm import tqdm
 
-    given, effort = chart_scene(name), QUICK if quick else PATIENT
-    judge, table = Judge(given.scene, effort.instants), Table(name, given.title, notes=[] if quick else [compilation()])
+    effort = QUICK if quick else PATIENT
+    scene, judge, table = begun(name, effort, quick)
     with tqdm(total=2 + len(PEERS), disable=not progress, unit="program") as bar, warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        table.rows += production(given.scene, judge, effort)
+        table.rows += production(scene, judge, effort)
         bar.update(2)
         for label, (misfit, run) in PEERS.items():
-            why = misfit(given.scene)
+            why = misfit(scene)
             if why:
                 table.notes.append(f"absent: {label} ({why})")
             else:
-                add(table, label, "peer", partial(run, given.scene), judge, effort)
+                add(table, label, "peer", partial(run, scene), judge, effort)
             bar.update()
     return table

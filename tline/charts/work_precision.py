@@ -48,22 +48,29 @@ def work_precision(name: str, quick: bool = False, progress: bool = False) -> Ta
 
     from tline.rivals import RIVALS
 
-    given, effort = chart_scene(name), QUICK if quick else FULL
-    judge, table = Judge(given.scene, effort.instants), Table(name, given.title, notes=[] if quick else [compilation()])
+    effort = QUICK if quick else FULL
+    scene, judge, table = begun(name, effort, quick)
     with tqdm(total=len(RIVALS) + 1, disable=not progress, unit="method") as bar, warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        table.rows += production(given.scene, judge, effort)
+        table.rows += production(scene, judge, effort)
         bar.update()
-        dynamic = any(isinstance(load, Rational) for load in given.scene.loads.values())
+        dynamic = any(isinstance(load, Rational) for load in scene.loads.values())
         for key, rival in RIVALS.items():
-            why = rival.misfit(given.scene) or ("" if dynamic or not key.endswith("_euler") else "no load to integrate")
+            why = rival.misfit(scene) or ("" if dynamic or not key.endswith("_euler") else "no load to integrate")
             if why:
                 table.notes.append(f"absent: {rival.label} ({why})")
             else:
-                run = partial(_rival, rival, given.scene)
+                run = partial(_rival, rival, scene)
                 add(table, rival.label, "rival", run, judge, effort)
             bar.update()
     return table
+
+
+def begun(name: str, effort: Effort, quick: bool) -> tuple[Scene, Judge, Table]:
+    """A scene of the charts, who judges runs of it, and the table that they will fill."""
+    given = chart_scene(name)
+    notes = [] if quick else [compilation()]
+    return given.scene, Judge(given.scene, effort.instants), Table(name, given.title, notes=notes)
 
 
 def production(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:

@@ -1,4 +1,4 @@
-"""Waveforms on slabs: sampled where they are smooth, L2-projected in slabs that hold a jump or a corner."""
+"""Waveforms on slabs: sampled at the points, piece by piece in slabs that hold a jump or a corner."""
 
 from typing import NamedTuple
 
@@ -6,36 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.waveform import Shape
-from tline.solver.radau import Basis, gauss
+from tline.solver.radau import Basis
 
 EDGE = 1e-9  # slabs; a break nearer than this to a slab's edge counts as on it
 
 
-def on_slabs(waveform: Shape, breaks: NDArray, basis: Basis, h: float, first: int, n: int) -> NDArray:
-    """Values at the Radau points of n slabs from number `first` on, shape (n, s).
-
-    Sampling keeps the order of Radau IIA at slab ends; projection keeps the moments across a jump, so that what passes
-    it is right again at the slab's end.
-    """
-    start = (first + np.arange(n)) * h
-    values = waveform.value(start[:, None] + h * basis.c, start[:, None] + h / 2)
-    place = breaks[(breaks > start[0]) & (breaks < start[-1] + h)] / h - first
-    near = place - np.floor(place)
-    place = place[(near > EDGE) & (near < 1 - EDGE)]
-    if not place.size:
-        return values
-    cut = np.unique(np.floor(place))
-    edges = np.unique(np.concatenate([cut, place, cut + 1]))
-    slab = np.floor((edges[:-1] + edges[1:]) / 2)
-    of_cut = np.isin(slab, cut)  # the others lie between cut slabs
-    slab, p, width = slab[of_cut].astype(int), edges[:-1][of_cut], np.diff(edges)[of_cut]
-    x, weights = gauss(basis.s + 4)
-    t = (p - slab)[:, None] + width[:, None] * x  # in slab time, shape (pieces, nodes)
-    seen = waveform.value(start[slab][:, None] + h * t, start[slab][:, None] + h * (p - slab + width / 2)[:, None])
-    moments = basis.moments(t.ravel(), (width[:, None] * weights).ravel())
-    values[cut.astype(int)] = 0.0
-    np.add.at(values, slab, (moments * seen.ravel()).reshape(basis.s, *t.shape).sum(axis=2).T)
-    return values
+def sampled(waveform: Shape, basis: Basis, h: float, first: int, n: int) -> NDArray:
+    """Values at the Radau points of n slabs from number `first` on, shape (n, s); without meaning in broken ones."""
+    start = ((first + np.arange(n)) * h)[:, None]
+    return waveform.value(start + h * basis.c, start + h / 2)
 
 
 class Broken(NamedTuple):

@@ -78,6 +78,7 @@ class Log(NamedTuple):
 class Fronts(NamedTuple):
     """All that slabs in pieces need."""
 
+    lull: int  # slabs without a front after which to go back to blocks
     most: int  # pieces of a slab under way
     at_node: int
     step: float  # slab width h
@@ -130,6 +131,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]]) -
     places = max(LOGGED, 2 * 2 * len(assembly.recorded) * AT_NODE)
     delays = np.array([line.parameters.delay or 0.0 for line in assembly.lines.values()])
     return Fronts(
+        LULL,
         most,
         AT_NODE,
         h,

@@ -182,7 +182,6 @@ def advance(network, state, n_slabs, drive, record, column):
 
 MERGE = 1e-11  # slabs; fronts nearer than this to each other are one
 SAME = 1e-13  # of the largest wave; pieces that continue each other so well need no breakpoint
-LULL = 16  # slabs without a front after which to go back to blocks
 SUBSTEPS = 8  # in the time that a group with lumped lines takes to settle
 LIVE, PEAK, MERGED, DISSOLVED, DROPPED, NOTED = range(6)
 SCALE, LOST = range(2)
@@ -785,7 +784,8 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
     position, due = np.empty(ends.size, np.int64), sources.first[:-1].copy()
     for k in range(n_slabs):
         slab = first_slab + k
-        if counts[NOTED] + 2 * record.shape[0] * most > fronts.log.where.shape[0] or (counts[LIVE] == 0 and k >= LULL):
+        log_is_full = counts[NOTED] + 2 * record.shape[0] * most > fronts.log.where.shape[0]
+        if log_is_full or (counts[LIVE] == 0 and k >= fronts.lull):
             return -1, k
         for r in range(due.size):
             while due[r] < sources.first[r + 1] and sources.slab[due[r]] < slab:

@@ -16,7 +16,7 @@ from tline.errors import InputError
 from tline.scene.mistakes import place
 from tline.scene.rational_load import Rational
 from tline.solver.assemble import Assembly
-from tline.solver.drive import EDGE, broken, on_slabs, places_of
+from tline.solver.drive import EDGE, broken, places_of, sampled
 from tline.solver.fronts import LIVE, LULL, NOTED, Fronts, Tally, fronts_of, sources_of, tally
 
 CHUNK = 2e7  # line-end samples between two looks at the progress bar
@@ -75,7 +75,6 @@ class Stepper:
 
     def __init__(self, assembly: Assembly, n: int, record: NDArray):
         self.assembly, self.record, self.h = assembly, record, assembly.resolution.h
-        self.breaks = [[waveform.breaks(n * self.h) for waveform, _ in parts] for parts in assembly.drives]
         follows = assembly.follows_edges
         self.places = [_inside(places_of(p, n * self.h, self.h), follows) for p in assembly.drives]
         moves = [(t, group, row) for t, group, row in _snapped(assembly.changes) if t < n]
@@ -136,7 +135,7 @@ class Stepper:
             assembly.basis.s,
         )
         node, done = advance_fronts(
-            assembly.network, assembly.state, fronts, sources, self._drive(first, n, plain=True), first, n, self.record
+            assembly.network, assembly.state, fronts, sources, self._drive(first, n), first, n, self.record
         )
         if node >= 0:
             _refuse(assembly)
@@ -145,13 +144,14 @@ class Stepper:
         self.noted.append(Noted(where[:, 0], where[:, 1], span, values))
         return done
 
-    def _drive(self, first: int, n: int, *, plain: bool = False) -> NDArray:
-        """The sources' parts of the Thévenin waves on n slabs, shape (drives, n * s); plain: but for broken slabs."""
-        drive = np.zeros((len(self.breaks), n, self.assembly.basis.s))
-        for row, parts, marks in zip(drive, self.assembly.drives, self.breaks, strict=True):
-            for (waveform, share), mark in zip(parts, marks, strict=True):
-                row += share * on_slabs(waveform, mark[:0] if plain else mark, self.assembly.basis, self.h, first, n)
-        return drive.reshape(len(self.breaks), n * self.assembly.basis.s)
+    def _drive(self, first: int, n: int) -> NDArray:
+        """The sources' parts of the Thévenin waves on n slabs, shape (drives, n * s); broken slabs are not in it."""
+        basis, drives = self.assembly.basis, self.assembly.drives
+        drive = np.zeros((len(drives), n, basis.s))
+        for row, parts in zip(drive, drives, strict=True):
+            for waveform, share in parts:
+                row += share * sampled(waveform, basis, self.h, first, n)
+        return drive.reshape(len(drives), n * basis.s)
 
     def run(self, seconds: float) -> Run:
         """What there is to say now."""
