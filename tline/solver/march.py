@@ -62,12 +62,13 @@ def march(assembly: Assembly, n: int, *, progress: bool = False) -> tuple[NDArra
     steps = Stepper(assembly, n, record)
     steps.compile()
     chunk = max(int(CHUNK / (len(assembly.network.ends) * s)), 1)
-    started = time.perf_counter()
     with tqdm(total=n, disable=not progress, delay=2, unit="slab", unit_scale=True) as bar:
+        started = time.perf_counter()
         for low, high in pairwise([*range(0, n, chunk), n]):
             steps.advance(low, high)
             bar.update(high - low)
-    return record, steps.run(time.perf_counter() - started)
+        seconds = time.perf_counter() - started
+    return record, steps.run(seconds)
 
 
 class Stepper:

@@ -76,14 +76,19 @@ def resolution(
 
 def _slab(scene: Scene, delays: list[float], scales: dict[str, tuple[float, float]], settle: float) -> float:
     """A slab that is fine enough for what the scene holds, if that is affordable."""
-    shortest = min(delays)
+    shortest, breaks = min(delays), _breaks(scene)
+    few = len(breaks) <= MOST_MARKS
+    resolved = min([shortest / SLABS_PER_DELAY, *(scale for scale, _ in scales.values())])
     fronts = [max(gap, scene.t_end / SLABS_FOR_FRONTS) for gap in _gaps(scene)]
-    wanted = min(
-        shortest / SLABS_PER_DELAY, scene.t_end / SLABS_PER_RUN, *fronts, *(scale for scale, _ in scales.values())
-    )
     affordable = min(_affordable(scene, delays, CHEAP), shortest)
-    wanted = max(wanted, affordable, min(ROOMY * settle, shortest / SLABS_PER_DELAY))
-    return _aligned(delays, _marks(scene), wanted, _affordable(scene, delays, CHEAP_IN_BLOCKS))
+    least = max(affordable, min(ROOMY * settle, shortest / SLABS_PER_DELAY))
+    wanted = max(min(resolved, scene.t_end / SLABS_PER_RUN, *fronts), least)
+    marks = [t for t in breaks if t > 0] if few else []
+    parts = _dividing(delays, marks, wanted, _affordable(scene, delays, CHEAP_IN_BLOCKS))
+    if not parts and breaks and few:  # fronts inside slabs, exact in any slab, and slabs with fronts cost
+        wanted = max(resolved, least)
+    parts = parts or 1
+    return shortest / (parts * ceil(shortest / parts / wanted - WHOLE))
 
 
 def _affordable(scene: Scene, delays: list[float], cheap: float) -> float:
@@ -142,21 +147,19 @@ def _shortest(poles: NDArray) -> float:
     return 1 / fastest if fastest else inf
 
 
-def _marks(scene: Scene) -> list[float]:
-    """Instants of the jumps, corners and switches, if there are few, s."""
+def _breaks(scene: Scene) -> list[float]:
+    """Instants of the jumps, corners and switches of a run, s."""
     instants = [float(load.time) for load in scene.loads.values() if isinstance(load, Switch)]
     for source in scene.sources.values():
         instants += source.value.breaks(scene.t_end).tolist()
-    instants = [t for t in instants if 0 < t < scene.t_end]
-    return instants if len(instants) <= MOST_MARKS else []
+    return [t for t in instants if 0 <= t < scene.t_end]
 
 
-def _aligned(delays: list[float], marks: list[float], wanted: float, affordable: float) -> float:
-    """A slab no wider than wanted that divides all delays and marks, or else the delays, or else the shortest."""
+def _dividing(delays: list[float], marks: list[float], wanted: float, affordable: float) -> int:
+    """The fewest parts of the shortest delay that divide all delays and marks, or else the delays; 0 for too many."""
     shortest = min(delays)
     most = int(shortest / max(wanted / FINER, affordable)) or 1
-    parts = _common([*delays, *marks], shortest, most) or _common(delays, shortest, most) or 1
-    return shortest / (parts * ceil(shortest / parts / wanted - WHOLE))
+    return _common([*delays, *marks], shortest, most) or _common(delays, shortest, most)
 
 
 def _common(times: list[float], unit: float, most: int) -> int:
