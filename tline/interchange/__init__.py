@@ -1,1 +1,1 @@
-"""Files of other programs, read into scenes."""
+"""Scenes from and for other programs."""
