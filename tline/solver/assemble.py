@@ -1,5 +1,6 @@
 """From a scene to arrays: the one place that knows both."""
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,12 +9,13 @@ from numpy.typing import NDArray
 from tline.scene.line import SceneLine
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
+from tline.solver.cells import InCells, cell, cells_of, rates
 from tline.solver.drive import just_before
 from tline.solver.load_step import StateSpace
 from tline.solver.lumps import grouped
 from tline.solver.network import Network, State
 from tline.solver.node_maps import node_maps
-from tline.solver.nodes import nodes_of
+from tline.solver.nodes import Node, nodes_of
 from tline.solver.radau import Basis, basis
 from tline.solver.resolution import WHOLE, Resolution, resolution
 from tline.solver.steady import steady_state
@@ -43,7 +45,7 @@ class Assembly:
         return bool((self.network.shift_row >= 0).any() or self.settle.any())
 
 
-def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -> Assembly:
+def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, lossy=None) -> Assembly:
     """Turn a scene into arrays; `record` names the lines whose end waves are kept."""
     nodes = nodes_of(scene)
     chosen = chosen or resolution(scene, nodes)
@@ -56,6 +58,12 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     arriving = np.stack([u[kept] - z0 * y[kept], u[kept] + z0 * y[kept]], axis=1).ravel()  # b at end 1, a at end 2
 
     delay, shift_row, shift = _delays(lines, order, h)
+    in_cells = {}
+    for k, name in enumerate(lines):
+        if lossy and name in lossy:
+            in_cells[k] = InCells(int(delay[k]), cell(rates(*lossy[name], h), chosen.s))
+            delay[k] = 1
+    cells, held = cells_of(in_cells)
     drives = [node.drives for node in nodes.values()]
     ends = np.array([end for node in nodes.values() for end in node.ends])
     degree = [len(node.ends) for node in nodes.values()]
@@ -64,7 +72,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     if scene.start == "steady":
         thevenin += [sum(share * just_before(waveform) for waveform, share in parts) for parts in drives]
     driven = np.array([bool(parts) for parts in drives])
-    maps = node_maps(groups, order, h, thevenin)
+    maps = node_maps(groups, order, h, thevenin, _echoes(nodes.values(), z0, in_cells))
     recorded, record_row = _recorded(lines, record)
     network = Network(
         delay,
@@ -82,6 +90,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         step_states=maps.step_states,
         step=maps.step,
         record_row=record_row,
+        cells=cells,
     )
     state = State(
         waves=np.repeat(arriving, np.repeat(delay * chosen.s, 2)),
@@ -89,6 +98,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         side=np.zeros(len(delay), np.int64),
         before=np.repeat(arriving[:, None], chosen.s, axis=1),
         load=maps.states,
+        cells=np.zeros(held),
     )
     start = {name: (arriving[2 * k + 1], arriving[2 * k]) for k, name in enumerate(lines)}
     return Assembly(
@@ -106,6 +116,16 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         start=start,
         settle=np.array([chosen.settle if group.lumps else 0.0 for group in groups]),
     )
+
+
+def _echoes(nodes: Iterable[Node], z0: NDArray, in_cells: Mapping[int, InCells]) -> dict[int, NDArray]:
+    """Of each node at lines in cells: from its effort to what comes back of it at once in the Thévenin wave."""
+    echoes: dict[int, NDArray] = {}
+    for k, node in enumerate(nodes):
+        for end, weight in zip(node.ends, node.weights(z0), strict=True):
+            if end // 2 in in_cells:
+                echoes[k] = echoes.get(k, 0.0) + 2 * weight * in_cells[end // 2].echo
+    return echoes
 
 
 def _recorded(lines: dict[str, SceneLine], names: set[str]) -> tuple[dict[str, int], NDArray]:

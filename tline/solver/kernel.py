@@ -97,6 +97,76 @@ def load(u, k, m, s, step, at, states, x, n, row):
             states[uint64(x + i)] = 0.0 if abs(total) < TINY else total
 
 
+@njit(inline="always", **OPTIONS)
+def add_product(matrix, at, rows, columns, x, o, out, q):
+    """Add the product of a matrix, held by columns, with part of an array to part of another."""
+    for j in range(columns):
+        factor, place = x[uint64(o + j)], uint64(at + j * rows)
+        for i in range(uint64(rows)):
+            out[uint64(q) + i] += matrix[place + i] * factor
+
+
+@njit(**OPTIONS)
+def pass_cells(network, state, enter, y):
+    """Advance lossy lines in cells by the slab in which the nodes have just worked.
+
+    At an end K is what comes back at once: w = y + K o arrives while o leaves, ŷ = R y with R = 1/(1 + K), and with
+    r = 2u - ŷ in the buffer o = r - Q (r + ŷ), Q = R K. Where cells meet, a and b leave them, and X a + Y b and X b + Y a
+    enter, with X = 1/(1 - K²) and Y = X K.
+    """
+    cells, waves, values, s = network.cells, state.waves, state.cells, state.before.shape[1]
+    for r in range(cells.line.size):
+        line, D, m, x0 = cells.line[r], cells.number[r], cells.held[r], cells.state[r]
+        each, maps, at = m + 2 * s, cells.maps, cells.at[r]
+        ends = x0 + D * each
+        into = at + each * m
+        X = into + each * 2 * s
+        Y, R, Q = X + s * s, X + 2 * s * s, X + 3 * s * s
+        for i in range(2 * s * D):
+            enter[i] = 0.0
+        for end in range(2):
+            o, here = 2 * s * (D - 1) + s if end else 0, network.offset[line] + (state.side[line] ^ end) * s
+            for i in range(s):
+                enter[o + i] = waves[here + i]
+                y[i] = enter[o + i] + values[ends + end * s + i]
+            for j in range(s):
+                for i in range(s):
+                    enter[o + i] -= maps[Q + j * s + i] * y[j]
+        for c in range(D - 1):
+            a, b = x0 + c * each + m, x0 + (c + 1) * each + m + s
+            add_product(maps, X, s, s, values, a, enter, 2 * s * (c + 1))
+            add_product(maps, Y, s, s, values, b, enter, 2 * s * (c + 1))
+            add_product(maps, X, s, s, values, b, enter, 2 * s * c + s)
+            add_product(maps, Y, s, s, values, a, enter, 2 * s * c + s)
+        for c in range(D):
+            x = x0 + c * each
+            for i in range(each):
+                y[i] = 0.0
+            add_product(maps, into, each, 2 * s, enter, 2 * s * c, y, 0)
+            add_product(maps, at, each, m, values, x, y, 0)
+            for i in range(each):
+                values[x + i] = 0.0 if abs(y[i]) < TINY else y[i]
+        for end in range(2):
+            o, there = (
+                x0 + (D - 1) * each + m if end else x0 + m + s,
+                network.offset[line] + (1 - state.side[line] ^ end) * s,
+            )
+            for i in range(s):
+                values[ends + end * s + i] = 0.0
+            add_product(maps, R, s, s, values, o, values, ends + end * s)
+            for i in range(s):
+                waves[there + i] = values[ends + end * s + i]
+
+
+@njit(**OPTIONS)
+def scratch_of_cells(cells, s):
+    """Room for what enters the cells of a line, and for what one holds and what leaves it."""
+    number, held = 0, 0
+    for r in range(cells.line.size):
+        number, held = max(number, cells.number[r]), max(held, cells.held[r])
+    return np.empty(2 * s * number), np.empty(held + 2 * s)
+
+
 @njit(**OPTIONS)
 def largest_group(network):
     """Most nodes of a group, most line ends at one, and most rows of a map over a slab."""
@@ -119,15 +189,17 @@ def advance(network, state, n_slabs, drive, record, column):
     """
     (
         delay, offset, shift_row, shifts, first, ends, weight, drive_row,
-        group, load_at, step_row, step_at, step_states, step, record_row,
+        group, load_at, step_row, step_at, step_states, step, record_row, cells,
     ) = network  # fmt: skip
-    waves, slots, sides, before, states = state
+    waves, slots, sides, before, states, _ = state
     s = before.shape[1]
     tile = max(SCRATCH // s, 1)
     most_nodes, _, most_states = largest_group(network)
     u, history = np.empty(most_nodes * tile * s), np.empty((s, tile + 1))
     scratch = np.empty(max(tile, most_nodes * s + most_states))
     position = np.empty(ends.size, np.uint64)
+    in_cells = cells.line.size > 0
+    enter, y = scratch_of_cells(cells, s)
     shortest, done = n_slabs, 0
     for line in range(delay.size):
         shortest = min(shortest, delay[line])
@@ -166,6 +238,8 @@ def advance(network, state, n_slabs, drive, record, column):
                     if not np.isfinite(u[q + uint64(m * s - 1)]):
                         return node
                 ahead += m
+        if in_cells:
+            pass_cells(network, state, enter, y)
         for line in range(delay.size):
             slots[line] += block
             if slots[line] >= delay[line]:
@@ -753,6 +827,48 @@ def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, u
 
 
 @njit(**OPTIONS)
+def levelled(pieces, row, tools, counts, sizes, whole):
+    """Project a slab in pieces on the whole slab, and give its row back. Counts what that loses."""
+    clear(whole)
+    for j in range(pieces.number[row]):
+        a, b = pieces.start[row, j], pieces.start[row, j + 1]
+        project(pieces.coef[row, j], a, b, 0.0, 1.0, tools.gauss, whole)
+        if j > 0:
+            counts[DROPPED] += 1
+            sizes[LOST] = max(sizes[LOST], pieces.size[row, j])
+    release(pieces, row, counts)
+
+
+@njit(**OPTIONS)
+def level(network, state, fronts, sources, drive, g, slab, k, position, due, whole):
+    """Leave out all fronts inside a slab that meet at a group; switches move at the nearest edge."""
+    pieces, tools, counts, sizes, moves = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.moves
+    waves, before, s = state.waves, state.before, fronts.tools.c.size
+    while moves.due[g] < moves.first[g + 1] and moves.at[moves.due[g]] - slab < 0.5:
+        counts[DROPPED] += 1
+        network.step_row[g] = moves.row[moves.due[g]]
+        moves.due[g] += 1
+    for node in range(network.group[g], network.group[g + 1]):
+        r = network.drive_row[node]
+        if drives_front(sources, r, slab, due):
+            clear(whole)
+            for j in range(sources.begin[due[r]], sources.begin[due[r] + 1]):
+                project(sources.coef[j], sources.start[j], sources.stop[j], 0.0, 1.0, tools.gauss, whole)
+            times(tools.to_points, whole, 0, drive[r, k * s : (k + 1) * s])
+        for i in range(network.first[node], network.first[node + 1]):
+            e = network.ends[i]
+            row = pieces.of_slab[position[e] // s]
+            if row >= 0:
+                levelled(pieces, row, tools, counts, sizes, whole)
+                times(tools.to_points, whole, 0, waves[position[e] : position[e] + s])
+                pieces.of_slab[position[e] // s] = -1
+            if pieces.before[e] >= 0:
+                levelled(pieces, pieces.before[e], tools, counts, sizes, whole)
+                times(tools.to_points, whole, 0, before[e])
+                pieces.before[e] = -1
+
+
+@njit(**OPTIONS)
 def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, record):
     """Advance all nodes slab by slab with fronts as breakpoints, until none is left or the log is full.
 
@@ -780,7 +896,9 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
             np.empty((most_nodes, SUBSTEPS + 1, s)), np.empty(most_nodes * s), np.empty((1, s)), np.empty(s),
         ),
     )  # fmt: skip
-    u, history = np.empty(most_nodes * s), np.empty((s, 2))
+    u, history, whole = np.empty(most_nodes * s), np.empty((s, 2)), np.empty(s)
+    in_cells = network.cells.line.size > 0
+    enter, y = scratch_of_cells(network.cells, s)
     position, due = np.empty(ends.size, np.int64), sources.first[:-1].copy()
     for k in range(n_slabs):
         slab = first_slab + k
@@ -801,6 +919,9 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
                     line = e >> 1
                     position[e] = network.offset[line] + ((sides[line] ^ (e & 1)) * delay[line] + slots[line]) * s
                     broken_here |= pieces.of_slab[position[e] // s] >= 0 or pieces.before[e] >= 0
+            if broken_here and fronts.levels[g]:
+                level(network, state, fronts, sources, drive, g, slab, k, position, due, whole)
+                broken_here = False
             if broken_here:
                 at_end = scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position, due, record, work)
             else:
@@ -809,6 +930,8 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
                 )  # fmt: skip
             if not np.isfinite(at_end):
                 return group[g], k
+        if in_cells:
+            pass_cells(network, state, enter, y)
         for line in range(delay.size):
             slots[line] += 1
             if slots[line] == delay[line]:

@@ -17,6 +17,26 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
+class Cells(NamedTuple):
+    """Lossy lines in cells one slab long, advanced slab by slab; to the nodes such a line has a delay of one slab.
+
+    A node sees what would arrive if nothing left it, ŷ, with its own share of what comes back at once left to the
+    node's map; so a buffer holds ŷ and then 2u - ŷ.
+    """
+
+    line: Integers  # (rows,)
+    number: Integers  # (rows,) cells of the line
+    held: Integers  # (rows,) values that a cell holds, m
+    at: Integers  # (rows,) place of the rows maps, all by columns
+    maps: Floats  # from what it holds, (m + 2 s, m), and from what enters, (m + 2 s, 2 s), to values and what leaves; X, Y, R, Q (s, s): see `pass_cells`
+    state: (
+        Integers  # (rows,) place of the row's state: of each cell m values and 2 s that leave it next; 2 s of the ends
+    )
+
+
+NO_CELLS = Cells(*(np.zeros(0, int),) * 4, np.zeros(0), np.zeros(0, int))
+
+
 class Network(NamedTuple):
     """The constant arrays of a scene; L lines, N nodes, s points per slab."""
 
@@ -35,6 +55,7 @@ class Network(NamedTuple):
     step_states: Integers  # (rows,) its number of states n
     step: Floats  # maps (k s + n)² from (k Thévenin waves, state) to (k efforts, next state), one after the other
     record_row: Integers  # (2 L,) row in the record of an end, -1 if it is not recorded
+    cells: Cells
 
 
 class State(NamedTuple):
@@ -45,3 +66,4 @@ class State(NamedTuple):
     side: Integers  # (L,) 0: end 1 uses the first buffer and end 2 the second; 1: the other way round
     before: Floats  # (2 L, s) the slab that arrived last, as sent; used where delays have a fractional rest
     load: Floats  # of all groups, one after the other
+    cells: Floats  # of all lossy lines in cells
