@@ -111,8 +111,8 @@ def pass_cells(network, state, enter, y):
     """Advance lossy lines in cells by the slab in which the nodes have just worked.
 
     At an end K is what comes back at once: w = y + K o arrives while o leaves, ŷ = R y with R = 1/(1 + K), and with
-    r = 2u - ŷ in the buffer o = r - Q (r + ŷ), Q = R K. Where cells meet, a and b leave them, and X a + Y b and X b + Y a
-    enter, with X = 1/(1 - K²) and Y = X K.
+    r = 2u - ŷ in the buffer o = r - Q (r + ŷ), Q = R K. Where cells meet, a and b leave them, and X a + Y b and
+    X b + Y a enter, with X = 1/(1 - K²) and Y = X K.
     """
     cells, waves, values, s = network.cells, state.waves, state.cells, state.before.shape[1]
     for r in range(cells.line.size):

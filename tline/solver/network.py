@@ -27,11 +27,10 @@ class Cells(NamedTuple):
     line: Integers  # (rows,)
     number: Integers  # (rows,) cells of the line
     held: Integers  # (rows,) values that a cell holds, m
-    at: Integers  # (rows,) place of the rows maps, all by columns
-    maps: Floats  # from what it holds, (m + 2 s, m), and from what enters, (m + 2 s, 2 s), to values and what leaves; X, Y, R, Q (s, s): see `pass_cells`
-    state: (
-        Integers  # (rows,) place of the row's state: of each cell m values and 2 s that leave it next; 2 s of the ends
-    )
+    at: Integers  # (rows,) place of the row's maps
+    maps: Floats  # by columns: to a cell's next values and what leaves it then, of those before, (m + 2 s, m), and of
+    # what enters, (m + 2 s, 2 s); X, Y, R, Q of `pass_cells`, (s, s)
+    state: Integers  # (rows,) place of the row's state: of each cell m values and 2 s that leave it next; 2 s of ends
 
 
 NO_CELLS = Cells(*(np.zeros(0, int),) * 4, np.zeros(0), np.zeros(0, int))
