@@ -1,5 +1,6 @@
 """From a scene to arrays: the one place that knows both."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from tline.scene.line import SceneLine
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
+from tline.solver.cells import InCells, cell, cells_of, rates
 from tline.solver.drive import just_before
 from tline.solver.elements import laws_of, states_of, with_basis
 from tline.solver.load_step import StateSpace
@@ -46,7 +48,7 @@ class Assembly:
         return bool((self.network.shift_row >= 0).any() or self.settle.any())
 
 
-def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -> Assembly:
+def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, lossy=None) -> Assembly:
     """Turn a scene into arrays; `record` names the lines whose end waves are kept."""
     nodes = nodes_of(scene)
     chosen = chosen or resolution(scene, nodes)
@@ -62,6 +64,11 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     ).ravel()  # b at end 1, a at end 2
 
     delay, shift_row, shift = _delays(lines, order, h)
+    in_cells = {}
+    for k, name in enumerate(lines):
+        if lossy and name in lossy:
+            in_cells[k] = InCells(int(delay[k]), cell(rates(*lossy[name], h), chosen.s))
+            delay[k] = 1
     drives = [node.drives for node in nodes.values()]
     ends = np.array([end for node in nodes.values() for end in node.ends])
     degree = [len(node.ends) for node in nodes.values()]
@@ -70,7 +77,11 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     if scene.start == "steady":
         thevenin += [sum(share * just_before(waveform) for waveform, share in parts) for parts in drives]
     driven = np.array([bool(parts) for parts in drives])
-    maps = node_maps(groups, order, h, thevenin)
+    echoes = [_echoes(group, z0, in_cells) for group in groups]
+    cells, held = cells_of(
+        in_cells, [e if group.elements else [None] * len(e) for e, group in zip(echoes, groups, strict=True)]
+    )
+    maps = node_maps(groups, order, h, thevenin, echoes)
     recorded, record_row = _recorded(lines, record)
     drives = list(filter(None, drives))
     elements, members = [group.elements for group in groups], _members(groups, nodes)
@@ -93,6 +104,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         step=maps.step,
         record_row=record_row,
         laws=with_basis(laws, order, h),
+        cells=cells,
     )
     state = State(
         waves=np.repeat(arriving, np.repeat(delay * chosen.s, 2)),
@@ -100,6 +112,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         side=np.zeros(len(delay), np.int64),
         before=np.repeat(arriving[:, None], chosen.s, axis=1),
         load=np.concatenate([maps.states, states_of([e for group in elements for e in group], effort)]),
+        cells=np.zeros(held),
     )
     start = {name: (arriving[2 * k + 1], arriving[2 * k]) for k, name in enumerate(lines)}
     return Assembly(
@@ -123,6 +136,19 @@ def _members(groups: list[Group], nodes: dict[str, Node]) -> list[list[str]]:
     """Names of the nodes of each group."""
     names = iter(nodes)
     return [[next(names) for _ in group.nodes] for group in groups]
+
+
+def _echoes(group: Group, z0: NDArray, in_cells: Mapping[int, InCells]) -> list[NDArray | None]:
+    """Of each node of a group at lines in cells: from its effort to what comes back of it at once."""
+    echoes: list[NDArray | None] = []
+    for node in group.nodes:
+        felt = [
+            2 * weight * in_cells[end // 2].echo
+            for end, weight in zip(node.ends, node.weights(z0), strict=True)
+            if end // 2 in in_cells
+        ]
+        echoes.append(np.sum(felt, axis=0) if felt else None)
+    return echoes
 
 
 def _recorded(lines: dict[str, SceneLine], names: set[str]) -> tuple[dict[str, int], NDArray]:
