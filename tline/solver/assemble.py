@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 from tline.scene.line import SceneLine
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
+from tline.solver.circuits import CYCLES_PER_RUN, CYCLES_PER_SLAB, Circuits, Fit, circuits_of
 from tline.solver.drive import just_before
 from tline.solver.load_step import StateSpace
+from tline.solver.lossy import lumps_of
 from tline.solver.lumps import grouped
 from tline.solver.network import Network, State
 from tline.solver.node_maps import node_maps
@@ -35,6 +37,7 @@ class Assembly:
     lines: dict[str, SceneLine]  # those that are not lumped
     recorded: dict[str, int]  # line name -> first of its two rows in the record
     start: dict[str, tuple[float, float]]  # line name -> (a, b) before t = 0
+    circuits: dict[str, Circuits]  # of lossy lines
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
 
     @property
@@ -56,6 +59,8 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     arriving = np.stack([u[kept] - z0 * y[kept], u[kept] + z0 * y[kept]], axis=1).ravel()  # b at end 1, a at end 2
 
     delay, shift_row, shift = _delays(lines, order, h)
+    circuits = circuits_of(lines, Fit(CYCLES_PER_RUN / scene.t_end, CYCLES_PER_SLAB / h, chosen.fit))
+    lumps, memory = lumps_of(lines, circuits, delay, order, h)
     drives = [node.drives for node in nodes.values()]
     ends = np.array([end for node in nodes.values() for end in node.ends])
     degree = [len(node.ends) for node in nodes.values()]
@@ -82,6 +87,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         step_states=maps.step_states,
         step=maps.step,
         record_row=record_row,
+        lumps=lumps,
     )
     state = State(
         waves=np.repeat(arriving, np.repeat(delay * chosen.s, 2)),
@@ -89,6 +95,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         side=np.zeros(len(delay), np.int64),
         before=np.repeat(arriving[:, None], chosen.s, axis=1),
         load=maps.states,
+        lumps=np.zeros(memory),
     )
     start = {name: (arriving[2 * k + 1], arriving[2 * k]) for k, name in enumerate(lines)}
     return Assembly(
@@ -104,6 +111,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         lines=lines,
         recorded=recorded,
         start=start,
+        circuits=circuits,
         settle=np.array([chosen.settle if group.lumps else 0.0 for group in groups]),
     )
 

@@ -15,6 +15,7 @@ from tline.scene.scene import Scene
 from tline.solver.nodes import NONE, Node
 
 ORDER = 5
+FIT = 1e-7
 POINTS = 2  # of a slab, at least, in the time scale of what is to be resolved
 SLABS_PER_DELAY, SLABS_PER_RUN = 4, 500  # at least, where they cost little
 SLABS_FOR_FRONTS = 20_000  # at most, to give the short pieces of waveforms slabs of their own
@@ -38,6 +39,7 @@ class Resolution(NamedTuple):
     blind: bool = False  # whether an oscillation may pass unseen, so that no comparison with another order tells
     cells: Mapping[str, int] = NONE  # of each lumped line
     settle: float = 0.0  # time in which these settle after a front, s
+    fit: float = FIT  # tolerance of the circuits of lossy lines, relative
 
 
 def resolution(
@@ -59,10 +61,11 @@ def resolution(
         The waves under way would not fit in memory, or the run has too many slabs or ends within the first.
     """
     delays = {name: line.parameters.delay or 0.0 for name, line in scene.lines.items() if name not in cells}
+    lossy = [delay for name, delay in delays.items() if scene.lines[name].losses is not None]
     s = s or scene.solver.order or ORDER
     by_hand = h is None and scene.solver.slab is not None
     scales = _time_scales(scene, nodes)
-    h = h or float(scene.solver.slab or 0.0) or _slab(scene, list(delays.values()), scales, settle)
+    h = h or float(scene.solver.slab or 0.0) or _slab(scene, list(delays.values()), lossy, scales, settle)
     _check(scene, delays, s, h, by_hand)
     seen = h * min(POINTS / s, 1.0) * (1 - 1e-9)
     notes = [
@@ -74,7 +77,9 @@ def resolution(
     return Resolution(s, h, tuple(notes), any(period < seen for _, period in scales.values()), cells, settle)
 
 
-def _slab(scene: Scene, delays: list[float], scales: dict[str, tuple[float, float]], settle: float) -> float:
+def _slab(
+    scene: Scene, delays: list[float], lossy: list[float], scales: dict[str, tuple[float, float]], settle: float
+) -> float:
     """A slab that is fine enough for what the scene holds, if that is affordable."""
     shortest = min(delays)
     fronts = [max(gap, scene.t_end / SLABS_FOR_FRONTS) for gap in _gaps(scene)]
@@ -83,7 +88,7 @@ def _slab(scene: Scene, delays: list[float], scales: dict[str, tuple[float, floa
     )
     affordable = min(_affordable(scene, delays, CHEAP), shortest)
     wanted = max(wanted, affordable, min(ROOMY * settle, shortest / SLABS_PER_DELAY))
-    return _aligned(delays, _marks(scene), wanted, _affordable(scene, delays, CHEAP_IN_BLOCKS))
+    return _aligned(delays, lossy, _marks(scene), wanted, _affordable(scene, delays, CHEAP_IN_BLOCKS))
 
 
 def _affordable(scene: Scene, delays: list[float], cheap: float) -> float:
@@ -151,11 +156,15 @@ def _marks(scene: Scene) -> list[float]:
     return instants if len(instants) <= MOST_MARKS else []
 
 
-def _aligned(delays: list[float], marks: list[float], wanted: float, affordable: float) -> float:
-    """A slab no wider than wanted that divides all delays and marks, or else the delays, or else the shortest."""
+def _aligned(delays: list[float], lossy: list[float], marks: list[float], wanted: float, affordable: float) -> float:
+    """A slab no wider than wanted that divides all delays and marks, or else some of them, or else the shortest.
+
+    Rather those of lossy lines than others: fronts are not followed past lumps inside slabs.
+    """
     shortest = min(delays)
     most = int(shortest / max(wanted / FINER, affordable)) or 1
-    parts = _common([*delays, *marks], shortest, most) or _common(delays, shortest, most) or 1
+    choices = ([*delays, *marks], delays, [shortest, *lossy, *marks], [shortest, *lossy])
+    parts = next(filter(None, (_common(times, shortest, most) for times in choices)), 1)
     return shortest / (parts * ceil(shortest / parts / wanted - WHOLE))
 
 

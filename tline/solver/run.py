@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.mistakes import place
 from tline.scene.plausible import below_vacuum, doubts
 from tline.scene.scene import Scene
 from tline.solver.assemble import Assembly, assemble
@@ -18,8 +19,12 @@ from tline.solver.result import LineRecord, Pieces, ProbeResult, Result, Wave
 LARGEST_RECORD = 4e8  # samples
 
 
-def run(scene: Scene, chosen: Resolution, record: Iterable[str] = (), *, progress: bool = False) -> Result:
-    """Run a scene with slabs of a given width and order; `record` names lines to keep beside those of the probes.
+def run(
+    scene: Scene, chosen: Resolution, record: Iterable[str] = (), *, progress: bool = False, slabs: int | None = None
+) -> Result:
+    """Run a scene with slabs of a given width and order, to its end time or for so many slabs.
+
+    `record` names lines to keep beside those of the probes.
 
     Raises
     ------
@@ -27,9 +32,10 @@ def run(scene: Scene, chosen: Resolution, record: Iterable[str] = (), *, progres
         The scene cannot be assembled, the record would be too large, or the waves grow beyond all bounds.
     """
     kept = {*record, *probed(scene)}
+    _refuse_inside(scene)
     assembly = assemble(scene, kept, chosen)
     s, h = chosen.s, chosen.h
-    n = max(ceil(scene.t_end / h - 1e-9), 1)
+    n = slabs or max(ceil(scene.t_end / h - 1e-9), 1)
     if 4 * len(kept) * n * s > LARGEST_RECORD:
         problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
         raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
@@ -45,7 +51,22 @@ def run(scene: Scene, chosen: Resolution, record: Iterable[str] = (), *, progres
     doubtful = (*doubts(scene), *below_vacuum(scene, lowest))
     remarks = (*untouched(probes), *unconnected(scene), *lumped(chosen), *doubtful)
     samples = len(assembly.network.ends) * n * s
-    return Result(scene, ends, probes, lines, chosen, unresolved, remarks, samples, done.seconds, done.fronts)
+    return Result(
+        scene, ends, probes, lines, chosen, unresolved, remarks, samples, done.seconds, done.fronts,
+        circuits=assembly.circuits,
+    )  # fmt: skip
+
+
+def _refuse_inside(scene: Scene) -> None:
+    """Refuse probes inside lines with losses."""
+    for name, probe in scene.probes.items():
+        line = scene.probed_line(name)
+        if scene.lines[line].losses is not None and 0.0 < probe.fraction(scene.lines[line]) < 1.0:
+            problem, expected = (
+                f"inside {place('lines', line)}, which has losses",
+                "its ends, or two lines that meet there",
+            )
+            raise InputError(place("probes", name, "position"), problem, expected)
 
 
 def probed(scene: Scene) -> set[str]:

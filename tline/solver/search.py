@@ -115,14 +115,14 @@ def _refined(search: Search, cells: Mapping[str, int]) -> Result:
         helps = not blind and found.worst <= HELPS * before
         narrowed = finer.resolution.h < result.resolution.h
         stale = stale + 1 if narrowed and not blind and found.worst >= before else 0
-        limit = _limit(attempts, stale, search.most)
+        limit = limit_of(attempts, stale, search.most)
         result = finer
     damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
     unresolved = tuple(note for note in best.unresolved if note not in damped)
     return replace(best, unresolved=unresolved, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit))
 
 
-def _limit(attempts: list[Attempt], stale: int, most: float) -> str:
+def limit_of(attempts: list[Attempt], stale: int, most: float) -> str:
     """What forbids a finer run; empty if nothing does."""
     if sum(a.samples for a in attempts) + 2 * attempts[-1].samples > most:
         return f"a finer run would take the total beyond {most:.0e} line-end samples"
