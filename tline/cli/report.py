@@ -8,6 +8,7 @@ import numpy as np
 from tline.pictures.handy import handy, quantities
 from tline.solver.accuracy import Accuracy
 from tline.solver.curve import curve, extreme
+from tline.solver.lossy import lumps_in
 from tline.solver.result import Result
 from tline.solver.simulate import judged
 
@@ -52,6 +53,7 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
         "order": result.resolution.s,
         "slab": result.resolution.h,
         "lumped": dict(result.resolution.cells),
+        "losses": _losses(result),
         "slabs": len(result.t) - 1,
         "line_end_samples": result.samples,
         "seconds": result.seconds,
@@ -59,6 +61,26 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
         "probes": probes,
         "notes": list(result.notes),
     }
+
+
+def _losses(result: Result) -> dict[str, Any]:
+    """Of each lossy line its lumps and what stands for its laws."""
+    told: dict[str, Any] = {}
+    for name, circuits in result.circuits.items():
+        line = result.scene.lines[name]
+        lumps = 1 if line.losses and line.losses.distortionless else lumps_in(line, result.resolution.h)
+        terms = len(circuits.series.rates) + len(circuits.shunt.rates)
+        told[name] = {"lumps": lumps, "terms": terms, "error": circuits.error}
+    return told
+
+
+def _losses_in_words(losses: dict[str, Any]) -> list[str]:
+    """The same for the eye, one line of text; of many lines only the extremes."""
+    if not losses:
+        return []
+    lumps, terms, error = (max(each[key] for each in losses.values()) for key in ("lumps", "terms", "error"))
+    exact = f"circuits of up to {terms} terms, {error:.1g} from their laws" if error else "laws as they are"
+    return [f"losses: {len(losses)} {'line' if len(losses) == 1 else 'lines'}, up to {lumps} lumps; {exact}"]
 
 
 def _told(accuracy: Accuracy) -> dict[str, Any]:
@@ -81,6 +103,7 @@ def as_table(result: Result, accuracy: Accuracy | None) -> str:
         f"order {told['order']}, {told['slabs']} slabs of {told['slab'] / slab:.4g} {slab_unit}, "
         f"{told['line_end_samples']:,} line-end samples in {told['seconds']:.2g} s",
         _in_words(accuracy),
+        *_losses_in_words(told["losses"]),
         "",
     ]
     at = f"at [{time_unit}]"

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from tline.scene.line import SceneLine
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
-from tline.solver.circuits import CYCLES_PER_RUN, CYCLES_PER_SLAB, Circuits, Fit, circuits_of
+from tline.solver.circuits import Circuits, circuits_of, fit_of
 from tline.solver.drive import just_before
 from tline.solver.load_step import StateSpace
 from tline.solver.lossy import lumps_of
@@ -59,7 +59,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     arriving = np.stack([u[kept] - z0 * y[kept], u[kept] + z0 * y[kept]], axis=1).ravel()  # b at end 1, a at end 2
 
     delay, shift_row, shift = _delays(lines, order, h)
-    circuits = circuits_of(lines, Fit(CYCLES_PER_RUN / scene.t_end, CYCLES_PER_SLAB / h, chosen.fit))
+    circuits = circuits_of(lines, fit_of(scene.t_end, h, chosen.fit))
     lumps, memory = lumps_of(lines, circuits, delay, order, h)
     drives = [node.drives for node in nodes.values()]
     ends = np.array([end for node in nodes.values() for end in node.ends])
