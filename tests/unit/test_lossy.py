@@ -15,7 +15,7 @@ from tline.scene.scene import Scene
 from tline.solver.assemble import assemble
 from tline.solver.circuits import one_step
 from tline.solver.kernel import lose
-from tline.solver.network import QUADRATIC, REMEMBERED
+from tline.solver.network import REMEMBERED, SQUARED
 from tline.solver.radau import basis
 from tline.solver.resolution import Resolution
 from tline.solver.simulate import simulate
@@ -34,7 +34,7 @@ def plainly(assembly, waves, t):
             w = slabs[a] + lumps.sign[r] * slabs[b]
             if lumps.kind[r] == REMEMBERED:
                 loss = lumps.entries[lumps.at[r] :][: s * s].reshape(s, s) @ w
-            elif lumps.kind[r] == QUADRATIC:
+            elif lumps.kind[r] == SQUARED:
                 c = lumps.strength[k]
                 loss = w - 2 * w / (1 + np.sqrt(1 + c * np.abs(w)))
             else:

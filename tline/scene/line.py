@@ -29,7 +29,8 @@ MATERIALS = {
 }
 
 
-def _two(nodes: Any) -> Any:
+def two_nodes(nodes: Any) -> Any:
+    """A pair of nodes as read, if it is a pair."""
     if not isinstance(nodes, list | tuple) or len(nodes) != 2:
         raise InputError("", "not two nodes", 'two names such as ["a", "b"]', shown(nodes))
     return nodes
@@ -38,7 +39,7 @@ def _two(nodes: Any) -> Any:
 class SceneLine(Element):
     """A line from its end 1 (the first node) to its end 2 (the second)."""
 
-    nodes: Annotated[tuple[Name, Name], BeforeValidator(_two)] = Field(description="node at end 1, node at end 2")
+    nodes: Annotated[tuple[Name, Name], BeforeValidator(two_nodes)] = Field(description="node at end 1, node at end 2")
     _parameters: HydraulicLine | ElectricalLine = PrivateAttr()
     _losses: Losses | None = PrivateAttr(default=None)
 

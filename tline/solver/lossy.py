@@ -17,7 +17,7 @@ from tline.loss import Foster
 from tline.scene.line import SceneLine
 from tline.scene.losses import Losses
 from tline.solver.circuits import Circuits, one_step
-from tline.solver.network import CONSTANT, NO_LUMPS, QUADRATIC, REMEMBERED, TABLED, Lumps
+from tline.solver.network import CONSTANT, NO_LUMPS, REMEMBERED, SQUARED, TABLED, Lumps
 from tline.solver.radau import Basis
 from tline.solver.resolution import WHOLE
 
@@ -117,7 +117,7 @@ def _friction(losses: Losses, z0: float, share: float) -> list[_Law]:
         return []
     if losses.curve is not None:
         return [_Law(TABLED, -1.0, 0.0, tabled(losses, z0, share))]
-    return [_Law(QUADRATIC, -1.0, losses.quadratic * losses.exact.length * share / z0**2)]
+    return [_Law(SQUARED, -1.0, losses.quadratic * losses.exact.length * share / z0**2)]
 
 
 def tabled(losses: Losses, z0: float, share: float) -> NDArray:

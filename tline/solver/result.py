@@ -19,6 +19,7 @@ from tline.solver.resolution import Resolution
 
 if TYPE_CHECKING:
     from tline.solver.accuracy import Accuracy
+    from tline.solver.envelope import Envelope
 
 NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
 
@@ -187,6 +188,8 @@ class Result:
         Estimated errors; None for a run whose order or slab is fixed by hand, without a tolerance.
     circuits : mapping of str to Circuits
         What stands for the laws of lossy lines, by line.
+    envelope : Envelope or None
+        Lowest and highest effort at every node; None if not asked for.
     """
 
     scene: Scene
@@ -201,6 +204,7 @@ class Result:
     fronts: Tally
     accuracy: "Accuracy | None" = None
     circuits: Mapping[str, Circuits] = field(default_factory=dict)
+    envelope: "Envelope | None" = None
 
     @property
     def notes(self) -> tuple[str, ...]:
