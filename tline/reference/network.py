@@ -44,6 +44,7 @@ class Network:
     """
 
     def __init__(self, scene: Scene):
+        scene.check_linear("exact solutions")
         lines = [line.parameters for line in scene.lines.values()]
         self.scene = scene
         self.delay = [decimal(line.delay or 0.0) for line in lines]

@@ -38,6 +38,7 @@ class Assembly:
     lines: dict[str, SceneLine]  # those that are not lumped
     recorded: dict[str, int]  # line name -> first of its two rows in the record
     start: dict[str, tuple[float, float]]  # line name -> (a, b) before t = 0
+    elements: list[list[str]]  # of each group, where its non-linear elements stand
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
 
     @property
@@ -115,6 +116,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         lines=lines,
         recorded=recorded,
         start=start,
+        elements=[[element.where for element in group.elements] for group in groups],
         settle=np.array([chosen.settle if group.lumps else 0.0 for group in groups]),
     )
 

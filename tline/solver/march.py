@@ -115,8 +115,9 @@ class Stepper:
         from tline.solver.kernel import advance
 
         network, state = self.assembly.network, self.assembly.state
-        if advance(network, state, high - low, self._drive(low, high - low), self.record, low) >= 0:
-            _refuse(self.assembly)
+        node = advance(network, state, high - low, self._drive(low, high - low), self.record, low)
+        if node >= 0:
+            _refuse(self.assembly, node)
         if self.fronts is not None:
             self.fronts.pieces.width[:] = 0.0
         return high - low
@@ -138,7 +139,7 @@ class Stepper:
             assembly.network, assembly.state, fronts, sources, self._drive(first, n), first, n, self.record
         )
         if node >= 0:
-            _refuse(assembly)
+            _refuse(assembly, node)
         noted, fronts.counts[NOTED] = fronts.counts[NOTED], 0
         where, span, values = (part[:noted].copy() for part in fronts.log)
         self.noted.append(Noted(where[:, 0], where[:, 1], span, values))
@@ -171,7 +172,11 @@ def _snapped(changes: list[tuple[float, int, int]]) -> list[tuple[float, int, in
     return [(float(round(t)) if abs(t - round(t)) < EDGE else t, group, row) for t, group, row in changes]
 
 
-def _refuse(assembly: Assembly) -> None:
+def _refuse(assembly: Assembly, node: int) -> None:
+    group = int(np.searchsorted(assembly.network.group, node, side="right")) - 1
+    if group < len(assembly.elements) and assembly.elements[group]:
+        where = " and ".join(assembly.elements[group])
+        raise InputError(where, "no flow was found that fits the waves", "narrower slabs, or a line between elements")
     loads = assembly.scene.loads.items()
     active = [
         place("loads", name)
