@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from random_elements import random_elements
 
 from tline.solver.assemble import Assembly, assemble
-from tline.solver.kernel import GAS, TANK, stored
+from tline.solver.kernel import GAS, stored
 from tline.solver.march import Stepper
 from tline.solver.simulate import simulate
 
@@ -22,12 +22,12 @@ def in_elements(assembly: Assembly) -> float:
     for kind, at, place in zip(laws.kind, laws.at, laws.state_at, strict=True):
         if place >= 0:
             c = laws.constants[at:]
-            unit = {GAS: c[2] * c[3], TANK: c[2]}[kind]
+            unit = c[2] * c[3] if kind == GAS else c[2]
             total += unit * stored(kind, laws.constants, at, assembly.state.load[place])[0] ** 2 / 2
     return total
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), order=st.integers(1, 8), slab=st.floats(0.02, 0.49))
 def test_stored_energy_never_grows(seed, order, slab):
     """Any order, any slab, any delays, openings that move: waves, gas and tanks together only lose."""
@@ -44,11 +44,11 @@ def test_stored_energy_never_grows(seed, order, slab):
         steps.advance(low, high)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), order=st.integers(1, 6), slab=st.floats(0.1, 0.49))
 def test_nothing_moves_where_nothing_is_operated(seed, order, slab):
     scene = random_elements(seed, operated=False, driven=True, start="steady", solver={"order": order, "slab": slab})
-    scene = type(scene)(**scene.table() | {"t_end": 200.0})
+    scene = type(scene)(**scene.table() | {"t_end": 60.0})
     result = simulate(scene, record=list(scene.lines))
     scale = scene.loads["tank"].pressure
     for line in result.lines.values():

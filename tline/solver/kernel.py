@@ -104,7 +104,7 @@ QUADRATIC, PUMP, RELIEF, LEAK, DEMAND, DIODE, TABLE, GAS, TANK, ROTOR = range(10
 SPARE, CLOSE = 4e-15, 1e-10  # residuals, relative to the efforts: where to stop, and what will do if no step helps
 STEPS, ULPS = 80, 4e-16  # of a scalar Newton, and the relative change at which it ends
 TRIES, LEAST_STRIDE = 40, 1e-8  # Newton steps for a part of the way, and the least part
-FAINT = 1e-12  # slope of the flow at a node where no element answers, for a step
+FAINT = 1e-9  # slope, for a step, of drops that have none at rest and of flows that answer to nothing
 FARTHEST = 2.0  # step, in units of the largest effort
 
 
@@ -432,7 +432,7 @@ def response(laws, g, low, nodes, slope, rest, system):
             system[i, j] = 0.0
         system[i, size] = rest[i]
     for k in range(count):
-        system[k, k] = 1.0 - laws.seen[first + k] * slope[k]
+        system[k, k] = max(1.0 - laws.seen[first + k] * slope[k], FAINT)
     for k in range(count):  # what the flow of element k does to each other
         for end, sign in ((laws.one[first + k], 1.0), (laws.other[first + k], -1.0)):
             if end < 0:
