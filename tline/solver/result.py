@@ -1,7 +1,7 @@
 """What a run gives back: the waves at the ends of recorded lines, and all that follows from them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -12,12 +12,14 @@ from tline.errors import InputError
 from tline.scene.medium import MEDIA, Medium
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
+from tline.solver.circuits import Circuits
 from tline.solver.fronts import Tally
 from tline.solver.radau import Basis
 from tline.solver.resolution import Resolution
 
 if TYPE_CHECKING:
     from tline.solver.accuracy import Accuracy
+    from tline.solver.envelope import Envelope
 
 NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
 
@@ -184,6 +186,10 @@ class Result:
         What became of the fronts that did not fit the slabs.
     accuracy : Accuracy or None
         Estimated errors; None for a run whose order or slab is fixed by hand, without a tolerance.
+    envelope : Envelope or None
+        Lowest and highest effort at every node; None if not asked for.
+    circuits : mapping of str to Circuits
+        What stands for the laws of lossy lines, by line.
     """
 
     scene: Scene
@@ -197,11 +203,18 @@ class Result:
     seconds: float
     fronts: Tally
     accuracy: "Accuracy | None" = None
+    envelope: "Envelope | None" = None
+    circuits: Mapping[str, Circuits] = field(default_factory=dict)
 
     @property
     def notes(self) -> tuple[str, ...]:
         """All there is to remark."""
         return (*self.remarks, *self.unresolved)
+
+    @property
+    def circuits_error(self) -> float:
+        """Largest error of circuits that stand for laws, relative; 0 if all laws are circuits."""
+        return max((circuits.error for circuits in self.circuits.values()), default=0.0)
 
     @property
     def medium(self) -> Medium:

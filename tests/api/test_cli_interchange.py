@@ -1,0 +1,81 @@
+"""The surface of `tline import` and `tline export`: files, texts, mistakes."""
+
+import re
+import shlex
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from tline.cli.export import export
+from tline.cli.import_ import import_
+from tline.cli.main import main
+from tline.scene.file import read_scene
+
+NET = "a cable\nV1 s 0 PULSE(0 1 0.5n 1n 1n 5n)\nR1 s a 25\nT1 a 0 b 0 Z0=50 TD=1n\nR2 b 0 100\n.tran 1p 9n uic\n.end\n"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "cable.cir").write_text(NET, encoding="utf-8")
+    return tmp_path
+
+
+def run(line: str):
+    return CliRunner().invoke(main, shlex.split(line), catch_exceptions=False)
+
+
+def test_there_and_back(folder: Path) -> None:
+    assert run("import cable.cir -o cable.toml").stdout == "wrote cable.toml\n"
+    printed = run("import cable.cir").stdout
+    assert printed == (folder / "cable.toml").read_text(encoding="utf-8")
+    assert run("export cable.toml -o again.cir").stdout == "wrote again.cir\n"
+    assert run("export cable.toml").stdout == (folder / "again.cir").read_text(encoding="utf-8")
+    assert run("import again.cir -o again.toml").exit_code == 0
+    first, second = read_scene("cable.toml"), read_scene("again.toml")
+    assert list(second.lines.values()) == list(first.lines.values())
+    assert [p.at for p in second.probes.values()] == [p.at for p in first.probes.values()]
+    assert run("run again.toml").exit_code == 0
+
+
+def test_jumps_take_the_time_that_is_given(folder: Path) -> None:
+    run("import cable.cir -o cable.toml")
+    text = (folder / "cable.toml").read_text(encoding="utf-8").replace("rise = 1e-09", "rise = 0")
+    (folder / "cable.toml").write_text(text, encoding="utf-8")
+    done = run("export cable.toml")
+    assert (done.exit_code, done.stderr.count("\n")) == (2, 1)
+    assert done.stderr.startswith("sources.V1.value: jumps at ")
+    assert "PWL(0.0 0.0 5e-10 0.0 5.01e-10 1.0 " in run("export cable.toml --rise '1 ps'").stdout
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ("import none.cir", "none.cir: cannot be read"),
+        ("import cable.txt", "cable.txt: unknown kind of file, expected .cir"),
+        ("import bad.cir", "bad.cir, line 3, K1: not known here, expected R, L, C"),
+        ("export none.toml", "none.toml: cannot be read"),
+        ("export cable.toml -o cable.net", "--output: unknown kind of file, expected .cir, got 'cable.net'"),
+        ("export cable.toml --rise 3V", "--rise: this unit measures something else"),
+        ("export cable.toml --rise 0", "--rise: not above zero"),
+    ],
+)
+def test_a_mistake_is_one_sentence(line: str, sentence: str, folder: Path) -> None:
+    (folder / "bad.cir").write_text(NET.replace("R1 s a 25", "K1 L1 L2 1"), encoding="utf-8")
+    done = run(line)
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert done.stderr.startswith(sentence)
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", [import_, export])
+def test_every_option_has_a_help_text_and_every_example_runs(command: click.Command) -> None:
+    assert all(option.help for option in command.params if isinstance(option, click.Option))
+    run("import cable.cir -o cable.toml")
+    examples = re.findall(rf"^ +tline ({command.name} [^|\n]*)", run(f"{command.name} --help").stdout, re.MULTILINE)
+    assert len(examples) == 2
+    for example in examples:
+        done = run(example)
+        assert done.exit_code == 0, done.output

@@ -1,0 +1,67 @@
+"""Netlists read against the nodal equations of their elements, written down in this file."""
+
+import numpy as np
+import pytest
+
+from tline.frequency.response import respond
+from tline.interchange.spice import read_spice
+
+GMIN = 1e9  # S, of a voltage source in the nodal equations
+
+
+def nodal(cards: list[str], s: complex) -> dict[str, complex]:
+    """Voltages of all nodes by the admittance matrix; a line is its exact two-port, V an admittance of GMIN."""
+    parsed = [card.split() for card in cards if card[0] in "RLCTVI"]
+    names = sorted(
+        {node for card in parsed for node in ((card[1], card[3]) if card[0][0] == "T" else card[1:3])} - {"0"}
+    )
+    Y, flow = np.zeros((len(names), len(names)), complex), np.zeros(len(names), complex)
+
+    def attach(first: str, second: str, matrix: np.ndarray) -> None:
+        here = [(k, names.index(node)) for k, node in enumerate((first, second)) if node != "0"]
+        for k, i in here:
+            for m, j in here:
+                Y[i, j] += matrix[k, m]
+
+    for name, *words in parsed:
+        if name[0] == "T":
+            z0, delay = (float(word.partition("=")[2]) for word in words[4:])
+            x = np.exp(-s * delay)
+            y = np.array([[1 + x**2, -2 * x], [-2 * x, 1 + x**2]]) / (1 - x**2) / z0
+            attach(words[0], words[2], y)
+        elif name[0] in "RLCV":
+            value = float(words[2])
+            y = {"R": 1 / value, "L": 1 / (s * value), "C": s * value, "V": GMIN}[name[0]]
+            attach(words[0], words[1], y * np.array([[1, -1], [-1, 1]]))
+        for node, sign in ((words[0], -1.0), (words[1], 1.0)):
+            if name[0] in "VI" and node != "0":
+                flow[names.index(node)] += float(words[2]) * (sign if name[0] == "I" else -GMIN * sign)
+    return dict(zip(names, np.linalg.solve(Y, flow), strict=True))
+
+
+NETS = {
+    "behind a resistor": ["V1 s 0 1", "R1 s a 25", "T1 a 0 b 0 Z0=50 TD=1e-9", "R2 b 0 100", "C2 b 0 4e-12"],
+    "series and rungs": [
+        "V1 s 0 1", "R1 s m 10", "R9 m a 15", "T1 a 0 b 0 Z0=50 TD=1e-9", "R2 b x 100", "L2 x y 5e-9", "C2 y 0 4e-12",
+        "C3 x 0 1e-12", "R4 b 0 200", "T2 b 0 c 0 Z0=75 TD=0.4e-9", "L5 c 0 3e-8",
+    ],
+    "a current, upside down": [
+        "I1 b 0 1", "T1 a 0 b 0 Z0=50 TD=1e-9", "R1 0 a 70", "L1 0 b 4e-9", "R2 b z 5", "C1 0 z 1e-12",
+    ],
+    "an ideal voltage, minus up": ["V1 0 a 1", "T1 a 0 b 0 Z0=50 TD=1e-9", "T2 b 0 a 0 Z0=30 TD=0.7e-9", "R2 b 0 100"],
+    "one source for two lines": [
+        "V1 s 0 1", "R1 s a 25", "R2 s b 75", "T1 a 0 c 0 Z0=50 TD=1e-9", "T2 b 0 c 0 Z0=60 TD=2e-9", "R3 c 0 33",
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NETS)
+def test_a_netlist_read_obeys_its_nodal_equations(name, tmp_path):
+    (tmp_path / "c.cir").write_text("\n".join([name, *NETS[name], ".tran 1p 9n"]), encoding="utf-8")
+    scene = read_spice(tmp_path / "c.cir")
+    for s in (1e8 + 3e9j, 2e8 - 7e8j, 1e9 + 1e7j):
+        exact = nodal(NETS[name], s)
+        for probe in scene.probes:
+            level = {source: float(scene.sources[source].value.level) for source in scene.sources}
+            found = sum(u * respond(scene, s, source)[probe].u for source, u in level.items())
+            assert abs(found - exact[probe]) < 1e-7 * abs(exact[probe])  # V has a resistance of 1/GMIN there

@@ -1,0 +1,289 @@
+"""SPICE netlists: numbers, cards, subcircuits, what becomes of each element, and each refusal by line and name."""
+
+import numpy as np
+import pytest
+
+from passivity import RationalFunction
+from tline.errors import InputError
+from tline.interchange.branches import Branch, as_load, element, reduced
+from tline.interchange.spice import read_spice
+from tline.interchange.spice_number import number, parse_value
+from tline.interchange.spice_text import spice_text
+from tline.scene.scene import Scene
+
+CABLE = ["a cable", "V1 s 0 1", "R1 s a 25", "T1 a 0 b 0 Z0=50 TD=1n", "R2 b 0 100", ".tran 1p 9n uic", ".end"]
+
+
+@pytest.fixture
+def read(tmp_path, monkeypatch):
+    """Read a netlist given as its lines."""
+    monkeypatch.chdir(tmp_path)
+
+    def from_lines(*lines: str) -> Scene:
+        (tmp_path / "c.cir").write_text("\n".join(lines), encoding="utf-8")
+        return read_spice("c.cir")
+
+    return from_lines
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("1.1n", 1.1e-9), ("3MEG", 3e6), ("3M", 3e-3), ("10pF", 1e-11), ("1F", 1e-15), ("-2.5kOhm", -2500.0),
+        ("1e3", 1e3), ("1e3k", 1e6), (".5u", 5e-7), ("4µs", 4e-6), ("2.", 2.0), ("10mil", 2.54e-4), ("7T", 7e12),
+        ("5V", 5.0), ("abc", None), ("1 n", None), ("", None), ("1e99999", None), ("0x10", None),
+    ],
+)  # fmt: skip
+def test_numbers(text, value):
+    assert number(text) == (pytest.approx(value, rel=1e-15) if value is not None else None)
+
+
+def test_values_know_parameters_and_expressions():
+    known = {"z": 50.0, "s": 3.0}
+    assert parse_value("Z", known, "") == 50.0
+    assert parse_value("{(z + 1k)/2 - s^2}", known, "") == 516.0
+    assert parse_value("'-z*1e-3'", known, "") == -0.05
+    for text in ("{y}", "{1/0}", "{sqrt(4)}", "{z +}", "z0", "1e400", "{}"):
+        with pytest.raises(InputError, match=r"^here: "):
+            parse_value(text, known, "here")
+
+
+def test_subcircuits_open_with_their_parameters(read):
+    scene = read(
+        "nested", ".param z=60", "T1 a 0 b 0 Z0={z/2} TD=1n", "X1 b load r={2*z}", "X2 a load",
+        ".subckt load in params: r=5 c=1p", ".param l={r*1n}", "R1 in m {r}", "X1 m tail c={3*c}", "L1 m 0 {l}",
+        ".ends",
+        ".subckt tail p c=7p", "C1 p GND {c}", ".ends tail", ".tran 1p 9n",
+    )  # fmt: skip
+    first, second = scene.loads.values()
+    assert list(scene.loads) == ["X1.R1 + X1.X1.C1 + X1.L1", "X2.R1 + X2.X1.C1 + X2.L1"]
+    parts = RationalFunction.from_expression(
+        "r + s*l*(1/(s*c))/(s*l + 1/(s*c))", {"r": 120, "l": "120 nH", "c": "3 pF"}
+    )
+    assert first.rational() == parts
+    assert second.rational()(1e9j) == pytest.approx(5 + 1 / (1e9j * 3e-12 + 1 / (1e9j * 5e-9)), rel=1e-12)
+    assert scene.lines["T1"].parameters.z0 == 30.0
+    assert scene.start == "steady"
+
+
+def test_continuation_comments_and_case(read):
+    scene = read(
+        "* T", "v1 S 0 pulse (0 1", "* between", "+ 1n, 0.1n ; rise", "+ 0.2n 3n 9n)", "r1 s A 25 $ generator",
+        "", "t1 a 0 B 0 z0 = 50 f=1g nl=0.5", "C1 b 0 4P", ".TRAN 10p 40n 0 1p UIC", ".Print TRAN V(b)", ".END",
+    )  # fmt: skip
+    assert scene.title == "T"
+    assert scene.lines["t1"].parameters.delay == 0.5e-9
+    assert scene.lines["t1"].nodes == ("A", "B")
+    value = scene.sources["v1"].table()["value"]
+    assert value == {
+        "shape": "pulses", "low": 0.0, "high": 1.0, "at": 1e-9, "rise": 1e-10, "fall": 2e-10, "width": 3e-9,
+        "period": 9e-9,
+    }  # fmt: skip
+    assert {name: probe.at for name, probe in scene.probes.items()} == {"B": "B"}
+
+
+def test_probes_are_all_ends_if_none_is_asked_for(read):
+    scene = read(*CABLE[:4], "T2 b 0 c 0 Z0=75 TD=2n", *CABLE[4:])
+    assert {name: probe.line for name, probe in scene.probes.items()} == {"a": "T1", "b": "T1", "c": "T2"}
+
+
+def after(begin, tau):
+    return lambda t: 1 - np.exp(-np.maximum(t - begin, 0) / tau)
+
+
+SPICE = {  # shape: its value by the formulas of the manual, TSTEP = 1e-10, TSTOP = 2e-8
+    "PULSE(1 3 2n 1n 2n 4n 10n)": lambda t: np.interp(
+        t, [2e-9, 3e-9, 7e-9, 9e-9, 12e-9, 13e-9, 17e-9, 19e-9], [1, 3, 3, 1, 1, 3, 3, 1]
+    ),
+    "PULSE(0 1 1n 0 0 4n)": lambda t: np.interp(t, [1e-9, 1.1e-9, 5.1e-9, 5.2e-9], [0, 1, 1, 0]),
+    "PULSE(0 1)": lambda t: np.interp(t, [0, 1e-10], [0, 1]),
+    "PWL(0 0 1n 2 3n -1)": lambda t: np.interp(t, [0, 1e-9, 3e-9], [0, 2, -1]),
+    "SIN(1 2 0.2G 3n 0 30)": lambda t: 1 + 2 * np.sin(4e8 * np.pi * np.maximum(t - 3e-9, 0) + np.pi / 6),
+    "SIN(0 1)": lambda t: np.sin(2 * np.pi * t / 2e-8),
+    "EXP(1 4 2n 3n 50n 1n)": lambda t: 1 + 3 * after(2e-9, 3e-9)(t),
+    "EXP(1 4 2n 3n 5n 1n)": lambda t: 1 + 3 * after(2e-9, 3e-9)(t) - 3 * after(5e-9, 1e-9)(t),
+    "EXP(0 4 2n 1n 2n 3n)": lambda t: 4 * after(2e-9, 1e-9)(t) - 4 * after(2e-9, 3e-9)(t),
+    "DC 5 PWL(0 1 1n 2)": lambda t: np.interp(t, [0, 1e-9], [1, 2]),
+    "DC 5": lambda t: 5 + 0 * t,
+    "-3m": lambda t: -3e-3 + 0 * t,
+}
+
+
+@pytest.mark.parametrize("text", SPICE)
+@pytest.mark.parametrize(
+    ("letter", "nodes", "sign"), [("V", "s 0", 1), ("V", "0 s", -1), ("I", "b 0", -1), ("I", "0 b", 1)]
+)
+def test_waveforms_are_those_of_the_manual(read, text, letter, nodes, sign):
+    scene = read(
+        "x", "T1 a 0 b 0 Z0=50 TD=1n", f"{letter}9 {nodes} {text}", *["R1 s a 25"] * (letter == "V"), ".tran 0.1n 20n"
+    )
+    t = np.linspace(1e-12, 2e-8, 777)  # no corner among them
+    seen = sum(
+        source.value.value(t, t) * (source.conductance * 25 if letter == "V" else 1)
+        for source in scene.sources.values()
+    )
+    assert np.abs(seen - sign * SPICE[text](t)).max() < 1e-9
+    if letter == "V":
+        assert sum(source.conductance for source in scene.sources.values()) == pytest.approx(1 / 25, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ((4, "L1 a b 3n"), "c.cir, line 5, L1: lies between nodes 'a' and 'b', expected R, L and C from"),
+        ((4, "C2 s 0 1p"), "c.cir, line 5, C2: lies between nodes 's' and '0'"),
+        ((4, "C2 s b 1p"), "c.cir, line 5, C2: lies between nodes 's' and 'b'"),
+        ((4, "R2 b x 1"), "c.cir, line 5, R2: lies between nodes 'b' and 'x'"),
+        ((4, "K1 L1 L2 0.5"), "c.cir, line 5, K1: not known here, expected R, L, C, V"),
+        ((4, "O1 a 0 b 0 lossy"), "c.cir, line 5, O1: not known here"),
+        ((4, "D1 b 0 d"), "c.cir, line 5, D1: not known here"),
+        ((4, ".model d d"), "c.cir, line 5, .model: not known here"),
+        ((4, ".include x.lib"), "c.cir, line 5, .include: not known here"),
+        ((4, ".ic v(a)=1"), "c.cir, line 5, .ic: not known here"),
+        ((4, "r1 b 0 1"), "c.cir, line 5, r1: named twice"),
+        ((4, "R2 b 0"), "c.cir, line 5, R2: is not whole"),
+        ((4, "R2 b 0 0"), "c.cir, line 5, R2: its value is not above zero, expected more than 0, got 0"),
+        ((4, "R2 b b 5"), "c.cir, line 5, R2: both ends are at one node"),
+        ((4, "C2 b 0 1p IC=1"), "c.cir, line 5, C2: has more than a value, expected two nodes and a number"),
+        ((4, "R2 b 0 rx"), "c.cir, line 5, R2: not a value, expected a number as 4.7n"),
+        ((4, "V2 b a 1"), "c.cir, line 5, V2: is not against the reference"),
+        ((4, "V2 x 0 1"), "c.cir, line 5, V2: drives no line"),
+        ((4, "I2 x 0 1"), "c.cir, line 5, I2: drives no line"),
+        ((4, "V2 s 0 1"), "c.cir, line 5, V2: node 's' is already held by V1"),
+        ((4, "V2 b 0 AC 1"), "c.cir, line 5, V2: not known here, expected DC, PULSE, PWL, SIN or EXP, got 'AC'"),
+        ((4, "V2 b 0 SFFM(0 1)"), "c.cir, line 5, V2: not a value"),
+        ((4, "V2 b 0 SIN(0 1 1G 0 5)"), "c.cir, line 5, V2: a sine that is damped"),
+        ((4, "V2 b 0 PWL(0 1 2n)"), "c.cir, line 5, V2: PWL with 3 numbers"),
+        ((4, "V2 b 0 PULSE(1)"), "c.cir, line 5, V2: PULSE with 1 numbers"),
+        ((4, "V2 b 0 EXP(0 1 1n 1n 2n 1n)"), "c.cir, line 5, V2: EXP that falls within the run, and no resistor"),
+        ((4, "V2 b 0 DC"), "c.cir, line 5, V2: DC without a level"),
+        ((3, "T1 a x b 0 Z0=50 TD=1n"), "c.cir, line 4, T1: a line that is not against the reference"),
+        ((3, "T1 a 0 0 0 Z0=50 TD=1n"), "c.cir, line 4, T1: an end at the reference"),
+        ((3, "T1 a 0 b 0 Z0=50"), "c.cir, line 4, T1: its z0 and delay are not given once"),
+        ((3, "T1 a 0 b 0 Z0=50 TD=1n IC=0"), "c.cir, line 4, T1: not a list of what a lossless line has"),
+        ((3, "T1 a 0 b 0 Z0=50 F=0"), "c.cir, line 4, T1: its frequency is not above zero"),
+        ((3, "T1 a 0 b 0 Z0=-50 TD=1n"), "lines.T1.z0: "),
+        ((4, "X1 b 0 load"), "c.cir, line 5, X1: no such subcircuit"),
+        ((4, ".subckt load a"), "c.cir, line 5, .subckt: never ends"),
+        ((4, ".ends"), "c.cir, line 5, .ends: ends no subcircuit"),
+        ((4, ".print tran i(V1)"), "c.cir, line 5, .print: asks for something else than voltages of nodes"),
+        ((4, ".save v(x)"), "c.cir, line 5, .save: no line ends at this node"),
+        ((5, "* no end time"), "c.cir: the end time is not given once, expected one .tran STEP END, got 0"),
+        ((5, ".tran 1p"), "c.cir, line 6, .tran: not a time step and an end"),
+        ((5, ".tran 1p 9n 2n"), "c.cir, line 6, .tran: results that begin later"),
+        ((5, ".tran 1p -9n"), "c.cir, line 6, .tran: a time that is not above zero"),
+        ((6, ".end\nR9 a 0 5"), "c.cir, line 8: stands behind .end"),
+        ((1, "+ 5"), "c.cir, line 2: continues nothing"),
+    ],
+)  # fmt: skip
+def test_what_no_scene_has_is_refused_by_line_and_name(read, change, sentence):
+    lines = list(CABLE)
+    lines[change[0]] = change[1]
+    with pytest.raises(InputError) as found:
+        read(*lines)
+    assert str(found.value).startswith(sentence)
+    assert "\n" not in str(found.value)
+
+
+def test_subcircuits_that_contain_themselves_end(read):
+    for inside in ("X1 a me", "X1 a me\nX2 a me"):
+        with pytest.raises(InputError, match=r"line \d, X1: subcircuits in subcircuits"):
+            read(*CABLE[:4], ".subckt me a", inside, ".ends", "X1 b me", *CABLE[4:])
+    doubling = [f".subckt s{k} a\nX1 a s{k + 1}\nX2 a s{k + 1}\n.ends" for k in range(19)]
+    with pytest.raises(InputError, match="the netlist is too long"):
+        read(*CABLE[:4], *doubling, ".subckt s19 a\nR1 a 0 1\n.ends", "X1 b s0", *CABLE[4:])
+
+
+def nodal(branches: list[Branch], at: str, s: complex) -> complex:
+    """Impedance from a node to 0 by the nodal equations."""
+    nodes = sorted({node for branch in branches for node in branch.nodes} - {"0"})
+    Y = np.zeros((len(nodes), len(nodes)), complex)
+    for branch in branches:
+        here = [nodes.index(node) for node in branch.nodes if node != "0"]
+        for i in here:
+            for j in here:
+                Y[i, j] += (1 if i == j else -1) / branch.impedance(s)
+    return np.linalg.inv(Y)[nodes.index(at), nodes.index(at)]
+
+
+def test_networks_reduce_to_what_the_nodal_equations_say():
+    rng = np.random.default_rng(5)
+    for _ in range(30):  # ladders with rungs of their own
+        branches, node = [], "a"
+        for k in range(rng.integers(1, 5)):
+            for other in (f"n{k}", "0", "0")[: rng.integers(1, 4)]:
+                kind = "RLC"[rng.integers(3)]
+                branches.append(
+                    Branch((node, other), element(kind, float(rng.uniform(0.5, 2))), [f"{kind}{len(branches)}"])
+                )
+            node = f"n{k}"
+        branches.append(Branch((node, "0"), element("R", 1.5), ["R"]))
+        left = reduced(branches, {"a", "0"})
+        assert {branch.nodes for branch in left} <= {("a", "0"), ("0", "a")}
+        assert sorted(name for branch in left for name in branch.names) == sorted(
+            name for b in branches for name in b.names
+        )
+        total = sum(1 / branch.impedance(0.3 + 0.7j) for branch in left)
+        assert 1 / total == pytest.approx(nodal(branches, "a", 0.3 + 0.7j), rel=1e-12)
+
+
+def test_bridges_stay():
+    arms = [("a", "x"), ("a", "y"), ("x", "y"), ("x", "0"), ("y", "0")]
+    branches = [Branch(nodes, element("R", 1.0 + k), [f"R{k}"]) for k, nodes in enumerate(arms)]
+    assert len(reduced(branches, {"a", "0"})) == 5
+
+
+def test_loads_are_recognised():
+    R, L, C = element("R", 50.0), element("L", 2e-9), element("C", 3e-12)
+    assert as_load(R + L + C) == {"kind": "series", "resistance": 50.0, "inductance": 2e-9, "capacitance": 3e-12}
+    assert as_load(L + C) == {"kind": "series", "inductance": 2e-9, "capacitance": 3e-12}
+    assert as_load(C.parallel(L)) == {"kind": "parallel", "inductance": 2e-9, "capacitance": 3e-12}
+    assert as_load(C) == {"kind": "series", "capacitance": 3e-12}
+    assert as_load(R.parallel(R)) == {"kind": "resistor", "resistance": 25.0}
+    assert as_load(R.parallel(C) + L)["kind"] == "impedance"
+
+
+STEP = {"shape": "step", "to": 1, "at": "1 ns"}
+BURST = {"shape": "sine", "amplitude": 1, "frequency": 1e9, "until": 1}
+SOURCE = {"at": "a b", "kind": "voltage", "value": STEP, "resistance": 50}
+SCENE = {
+    "medium": "electrical", "t_end": "9 ns", "probes": {"p": {"at": "a b"}},
+    "lines": {"main line": {"nodes": ["a b", "0"], "z0": 50, "delay": "1 ns"}},
+    "sources": {"s": SOURCE},
+}  # fmt: skip
+
+
+def test_names_that_are_no_words_of_a_netlist_are_numbered():
+    text = spice_text(Scene(**SCENE), rise=1e-12)
+    assert "* node n1 is 'a b'\n* node n2 is '0'\nTmain_line n1 0 n2 0 Z0=50.0 TD=1e-09\n" in text
+
+
+@pytest.mark.parametrize(
+    ("parts", "sentence"),
+    [
+        ({}, "sources.s.value: jumps at 1e-09 s, and SPICE has no jumps, expected a rise time below 8e-09 s, got none"),
+        ({"probes": {"p": {"line": "main line", "position": "50 %"}}, "sources": {}}, "probes.p: stands within a line"),
+        ({"loads": {"x": {"at": "0", "kind": "switch", "before": 1, "after": 2, "time": 1}}, "sources": {}},
+         "loads.x: a switch has no counterpart in a netlist"),
+        ({"loads": {"x": {"at": "0", "kind": "impedance", "expression": "-5"}}, "sources": {}},
+         "loads.x: its impedance is not R, L and C"),
+        ({"loads": {"x": {"at": "0", "kind": "impedance", "expression": "(s+1)/(s+2)"}}, "sources": {}},
+         "loads.x: its impedance is not R, L and C"),
+        ({"sources": {"s": SOURCE | {"value": BURST}}}, "sources.s.value: no source of SPICE does that"),
+    ],
+)  # fmt: skip
+def test_what_no_netlist_has_is_refused_by_name(parts, sentence):
+    with pytest.raises(InputError) as found:
+        spice_text(Scene(**SCENE | parts))
+    assert str(found.value).startswith(sentence)
+
+
+def test_pipes_have_no_netlist():
+    pipe = {
+        "medium": "hydraulic",
+        "t_end": 1,
+        "probes": {"p": {"at": "a"}},
+        "lines": {"l": {"nodes": ["a", "b"], "z0": 1, "delay": 1}},
+    }
+    with pytest.raises(InputError, match="medium: a netlist is electrical"):
+        spice_text(Scene(**pipe))

@@ -1,0 +1,158 @@
+"""Scenes from SPICE netlists: lossless lines, sources behind resistances, R, L and C to the reference."""
+
+from pathlib import Path
+from typing import Any
+
+from tline.errors import InputError
+from tline.interchange.branches import Branch, as_load, reduced
+from tline.interchange.elements import Drive, Netlist
+from tline.interchange.spice_source import Waveform, waveforms
+from tline.scene.file import scene_from
+from tline.scene.scene import Scene
+
+Tables = dict[str, dict[str, Any]]
+KINDS = {"V": "voltage", "I": "current"}
+
+
+def read_spice(path: str | Path) -> Scene:
+    """Read a scene from a SPICE netlist.
+
+    T elements are lines; R in series with V is the resistance of a source; networks of R, L and C between a line's end
+    and the reference are loads. ``.tran`` says the end time, and the state at its begin: that of rest with UIC, the
+    steady state without. The nodes of ``.print``, ``.plot``, ``.save`` and ``.probe`` are probes; without these all
+    ends of lines are.
+
+    Parameters
+    ----------
+    path : str or Path
+        The netlist, in UTF-8.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read; or naming the line and the element that no scene has. SceneError with all mistakes of
+        the scene.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = pathlib.Path(folder, "cable.cir")
+    ...     _ = file.write_text("cable\\nV1 s 0 1\\nR1 s a 25\\nT1 a 0 b 0 Z0=50 TD=1n\\nR2 b 0 100\\n.tran 1p 9n uic")
+    ...     scene = read_spice(file)
+    >>> scene.lines["T1"].parameters.z0, scene.sources["V1"].resistance, scene.loads["R2"].at
+    (50.0, 25.0, 'b')
+    """
+    return scene_from(_tables(Netlist(path)))
+
+
+def _tables(netlist: Netlist) -> dict[str, Any]:
+    """The scene as a file holds it."""
+    ends: dict[str, str] = {}  # node -> the first line there
+    for name, line in netlist.lines.items():
+        for node in line["nodes"]:
+            ends.setdefault(node, name)
+    held = _held(netlist)
+    sources: Tables = {}
+    groups: dict[str, list[Branch]] = {}  # side by side, to the reference
+    for branch in reduced(netlist.branches, {"0", *ends, *held}):
+        inner = [node for node in branch.nodes if node != "0"]
+        if len(inner) == 1 and inner[0] in ends:
+            groups.setdefault(inner[0], []).append(branch)
+        else:
+            sources |= _behind(netlist, branch, ends, held)
+    for drive in netlist.drives:
+        sources |= _ideal(netlist, drive, ends, {name.partition(" ")[0] for name in sources})
+    return {
+        "title": netlist.title,
+        "medium": "electrical",
+        "t_end": netlist.tran.end,
+        "start": "rest" if netlist.tran.uic else "steady",
+        "lines": netlist.lines,
+        "sources": sources,
+        "loads": {k: v for node, branches in groups.items() for k, v in _loads(node, branches).items()},
+        "probes": _probes(netlist, ends),
+    }
+
+
+def _held(netlist: Netlist) -> dict[str, Drive]:
+    """Voltage sources by node."""
+    held: dict[str, Drive] = {}
+    for drive in netlist.drives:
+        if drive.card.kind == "V" and held.setdefault(drive.node, drive) is not drive:
+            problem = f"node '{drive.node}' is already held by {held[drive.node].card.name}"
+            raise drive.card.refuse(problem, "one voltage source at a node")
+    return held
+
+
+def _behind(netlist: Netlist, branch: Branch, ends: dict[str, str], held: dict[str, Drive]) -> Tables:
+    """The source that a resistor between a voltage source and a line's end makes; nothing else may lie there."""
+    first, second = sorted(branch.nodes, key=lambda node: node not in held)
+    if first in held and second in ends and second not in held and branch.impedance.degree == 0:
+        drive = held[first]
+        name = drive.card.name if _is_only(netlist, first) else f"{drive.card.name} + {branch.name}"
+        return _source(netlist, drive, name, second, float(branch.impedance.at_zero()))
+    raise _no_place(netlist, branch)
+
+
+def _no_place(netlist: Netlist, branch: Branch) -> InputError:
+    """What is neither load nor resistance of a source."""
+    card = netlist.cards[branch.names[0].lower()]
+    which = f"with {', '.join(branch.names[1:6])} " if len(branch.names) > 1 else ""
+    problem = f"{which}lies between nodes '{branch.nodes[0]}' and '{branch.nodes[1]}'"
+    expected = "R, L and C from a line's end to 0, or R from a voltage source to a line's end"
+    return card.refuse(problem, expected)
+
+
+def _is_only(netlist: Netlist, node: str) -> bool:
+    """Whether one element alone is at a node beside its source."""
+    return sum(node in branch.nodes for branch in netlist.branches) == 1
+
+
+def _ideal(netlist: Netlist, drive: Drive, ends: dict[str, str], used: set[str]) -> Tables:
+    """A source at a line's end itself; one elsewhere must have been used behind its resistors."""
+    if drive.node in ends:
+        return _source(netlist, drive, drive.card.name, drive.node, None)
+    if drive.card.name not in used:
+        raise drive.card.refuse("drives no line", "a line's end, or a resistor to one, at its node", f"'{drive.node}'")
+    return {}
+
+
+def _source(netlist: Netlist, drive: Drive, name: str, at: str, resistance: float | None) -> Tables:
+    """A source of a scene, or two that add up."""
+    words, kind = drive.card.words[2:], KINDS[drive.card.kind]
+    parts = waveforms(drive.card, words, netlist.tran, drive.sign)
+    if len(parts) == 1:
+        return {name: _table(at, kind, parts[0], resistance)}
+    if kind == "voltage":  # each behind twice the resistance, twice as high
+        if resistance is None:
+            raise drive.card.refuse("EXP that falls within the run, and no resistor behind it", "a resistor in series")
+        parts, resistance = waveforms(drive.card, words, netlist.tran, 2 * drive.sign), 2 * resistance
+    names = (name, f"{name} (fall)")
+    return {key: _table(at, kind, part, resistance) for key, part in zip(names, parts, strict=True)}
+
+
+def _table(at: str, kind: str, value: Waveform, resistance: float | None) -> dict[str, Any]:
+    table = {"at": at, "kind": kind, "value": value}
+    return table if resistance is None else table | {"resistance": resistance}
+
+
+def _loads(node: str, branches: list[Branch]) -> Tables:
+    """Loads at a node: its single R, L and C as one, the others each as it is."""
+    single = [branch for branch in branches if len(branch.names) == 1]
+    loads = {b.name: {"at": node} | as_load(b.impedance) for b in branches if len(b.names) > 1}
+    if single:
+        impedance = single[0].impedance
+        for branch in single[1:]:
+            impedance = impedance.parallel(branch.impedance).reduced()
+        loads[" + ".join(branch.name for branch in single)] = {"at": node} | as_load(impedance)
+    return loads
+
+
+def _probes(netlist: Netlist, ends: dict[str, str]) -> Tables:
+    """Probes at the nodes that are asked for, or at all ends of lines; where lines meet, on the first of them."""
+    for card, name in netlist.shown:
+        if netlist.node(name) not in ends:
+            raise card.refuse("no line ends at this node", "a node of a T element", f"'{name}'")
+    nodes = [netlist.node(name) for _, name in netlist.shown] or list(ends)
+    return {node: {"at": node, "line": ends[node]} for node in nodes}

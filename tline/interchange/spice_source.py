@@ -1,0 +1,96 @@
+"""What a SPICE source does over time, as waveforms of a scene."""
+
+from typing import Any, NamedTuple
+
+from tline.interchange.deck import Card
+from tline.interchange.spice_waveform import surge_factor
+
+Waveform = float | dict[str, Any]  # as in a scene file
+SHAPES = ("PULSE", "PWL", "SIN", "EXP")
+MOST = {"PULSE": 7, "SIN": 6, "EXP": 6}  # numbers
+
+
+class Transient(NamedTuple):
+    """What .tran says."""
+
+    step: float
+    end: float
+    uic: bool
+
+
+def waveforms(card: Card, words: list[str], tran: Transient, factor: float) -> list[Waveform]:
+    """Waveforms whose sum is the source times a factor, after what its words say.
+
+    Raises
+    ------
+    InputError
+        The source is something else, or has numbers that no waveform has.
+
+    References
+    ----------
+    H. Vogt et al.: Ngspice User's Manual, chapter "Independent sources for voltage or current".
+    """
+    level, words = _constant(card, words)
+    if not words:
+        return [factor * (level or 0.0)]
+    shape, numbers = words[0].upper(), [card.value(word) for word in words[1:] if words[0].upper() in SHAPES]
+    if shape not in SHAPES:
+        raise card.refuse("not known here", "DC, PULSE, PWL, SIN or EXP", f"'{words[0]:.40}'")
+    if len(numbers) < 2 or len(numbers) > MOST.get(shape, len(numbers)):
+        expected = f"2 to {MOST[shape]}" if shape in MOST else "pairs of time and level"
+        raise card.refuse(f"{shape} with {len(numbers)} numbers", expected)
+    return {"PULSE": _pulse, "PWL": _points, "SIN": _sine, "EXP": _exponential}[shape](card, numbers, tran, factor)
+
+
+def _constant(card: Card, words: list[str]) -> tuple[float | None, list[str]]:
+    """The level in front, which counts only where no waveform follows, and the other words."""
+    if words and words[0].upper() == "DC":
+        if len(words) < 2:
+            raise card.refuse("DC without a level", "DC 5")
+        return card.value(words[1]), words[2:]
+    if words and words[0].upper() not in (*SHAPES, "AC"):
+        return card.value(words[0]), words[1:]
+    return None, words
+
+
+def _given(numbers: list[float], k: int, default: float) -> float:
+    """The k-th number; one that is left out or zero has a default."""
+    return numbers[k] if k < len(numbers) and numbers[k] else default
+
+
+def _pulse(card: Card, numbers: list[float], tran: Transient, factor: float) -> list[Waveform]:
+    rise, fall = (_given(numbers, k, tran.step) for k in (3, 4))
+    at, width, period = _given(numbers, 2, 0.0), _given(numbers, 5, tran.end), _given(numbers, 6, tran.end)
+    pulse: dict[str, Any] = {"shape": "pulses", "low": factor * numbers[0], "high": factor * numbers[1], "at": at}
+    pulse |= {"width": width, "rise": rise, "fall": fall}
+    return [pulse | ({"period": period} if at + period < tran.end else {})]
+
+
+def _points(card: Card, numbers: list[float], tran: Transient, factor: float) -> list[Waveform]:
+    if len(numbers) % 2:
+        raise card.refuse(f"PWL with {len(numbers)} numbers", "pairs of time and level")
+    points = [[t, factor * level] for t, level in zip(numbers[::2], numbers[1::2], strict=True)]
+    return [points[0][1]] if len(points) == 1 else [{"shape": "piecewise linear", "points": points}]
+
+
+def _sine(card: Card, numbers: list[float], tran: Transient, factor: float) -> list[Waveform]:
+    if _given(numbers, 4, 0.0):
+        raise card.refuse("a sine that is damped", "THETA = 0", f"{numbers[4]:g}")
+    sine: dict[str, Any] = {"shape": "sine", "offset": factor * numbers[0], "amplitude": factor * numbers[1]}
+    sine |= {"frequency": _given(numbers, 2, 1 / tran.end), "at": _given(numbers, 3, 0.0)}
+    return [sine | ({"phase": f"{numbers[5]!r} deg"} if len(numbers) > 5 else {})]
+
+
+def _exponential(card: Card, numbers: list[float], tran: Transient, factor: float) -> list[Waveform]:
+    """A rise, and a fall back that is added to it where it begins within the run."""
+    low, high = factor * numbers[0], factor * numbers[1]
+    begin, rise = _given(numbers, 2, 0.0), _given(numbers, 3, tran.step)
+    back, fall = _given(numbers, 4, begin + tran.step), _given(numbers, 5, tran.step)
+    if rise <= 0 or fall <= 0 or back < begin:
+        raise card.refuse("EXP with times that make no pulse", "TAU1, TAU2 above zero and TD2 not before TD1")
+    up = {"shape": "exponential", "from": low, "to": high, "at": begin, "time_constant": rise}
+    down = {"shape": "exponential", "from": 0.0, "to": low - high, "at": back, "time_constant": fall}
+    if low == 0 and back == begin and rise < fall:
+        peak = high / surge_factor(rise, fall)
+        return [{"shape": "double exponential", "peak": peak, "rise": rise, "decay": fall, "at": begin}]
+    return [up] if back >= tran.end else [up, down]

@@ -1,0 +1,151 @@
+"""SPICE netlists from scenes, so that other programs can run them."""
+
+import re
+from typing import Any
+
+import numpy as np
+
+from tline.errors import InputError
+from tline.interchange.branches import as_load
+from tline.interchange.spice_waveform import spice_waveform
+from tline.scene.load import Matched, NoFlow, Resistor, Short
+from tline.scene.mistakes import place
+from tline.scene.rational_load import Rational
+from tline.scene.scene import Scene
+
+SECTIONS = {"title", "medium", "t_end", "start", "solver", "lines", "sources", "loads", "probes"}
+STEPS = 20  # in the shortest delay
+LETTERS = {"resistance": "R", "inductance": "L", "capacitance": "C"}
+
+
+def spice_text(scene: Scene, rise: float | None = None, step: float | None = None) -> str:
+    """A scene as SPICE netlist: T elements, sources behind resistors, R, L and C.
+
+    Parameters
+    ----------
+    scene : Scene
+        Electrical; lossless lines, open, matched or shorted ends, R, L and C, probes at nodes.
+    rise : float, optional
+        Time that a jump takes in the netlist, s; without it jumps are refused, for SPICE has none.
+    step : float, optional
+        Longest time step that the netlist asks for, s; a twentieth of the shortest delay if not given.
+
+    Raises
+    ------
+    InputError
+        Naming the element that no netlist of that kind has.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="electrical", t_end="9 ns", probes={"far": {"at": "far"}},
+    ...     lines={"cable": {"nodes": ["near", "far"], "z0": 50, "delay": "1 ns"}},
+    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 25}},
+    ...     loads={"end": {"at": "far", "kind": "parallel", "resistance": 100, "capacitance": "4 pF"}},
+    ... )
+    >>> print(spice_text(scene), end="")
+    * a scene of tline
+    Tcable near 0 far 0 Z0=50.0 TD=1e-09
+    Vs Vs.s 0 DC 1.0
+    Rs Vs.s near 25.0
+    Rend far 0 100.0
+    Cend far 0 4e-12
+    .save v(far)
+    .tran 5e-11 9e-09 0 5e-11 uic
+    .end
+    """
+    if scene.medium != "electrical":
+        raise InputError("medium", "a netlist is electrical", "'electrical'", f"'{scene.medium}'")
+    for section in scene.table().keys() - SECTIONS:
+        raise InputError(section, "has no counterpart in a netlist")
+    names = _Names(scene)
+    cards = [f"* {' '.join(scene.title.split()) or 'a scene of tline'}", *names.comments]
+    for name, line in scene.lines.items():
+        i, j = (names.node[at] for at in line.nodes)
+        cards.append(f"{names.element('T', name)} {i} 0 {j} 0 Z0={line.parameters.z0!r} TD={line.parameters.delay!r}")
+    for name in scene.sources:
+        cards += _source(scene, name, names, rise)
+    for name in scene.loads:
+        cards += _load(scene, name, names)
+    for name, probe in scene.probes.items():
+        if probe.at is None:
+            raise InputError(place("probes", name), "stands within a line, and a netlist knows nodes only", "at = …")
+    step = step or min(line.parameters.delay or 0.0 for line in scene.lines.values()) / STEPS
+    probed = " ".join(dict.fromkeys(f"v({names.node[probe.at]})" for probe in scene.probes.values() if probe.at))
+    start = "" if scene.start == "steady" else " uic"
+    cards += [f".save {probed}", f".tran {step!r} {float(scene.t_end)!r} 0 {step!r}{start}", ".end"]
+    return "\n".join(cards) + "\n"
+
+
+class _Names:
+    """Words of a netlist for the names of a scene: these where they are words, and numbered ones elsewhere."""
+
+    def __init__(self, scene: Scene):
+        nodes = list(dict.fromkeys(at for line in scene.lines.values() for at in line.nodes))
+        self.used = {"0", "gnd"}
+        self.node = {at: self._word(at, f"n{k}") for k, at in enumerate(nodes, 1)}
+        self.comments = [f"* node {word} is {at!r}" for at, word in self.node.items() if word != at]
+        self.used = set()
+
+    def element(self, letter: str, name: str) -> str:
+        """A name for an element that begins with its letter, used for the first time."""
+        return self._word(letter + re.sub(r"\W", "_", name, flags=re.ASCII), letter)
+
+    def _word(self, wanted: str, other: str) -> str:
+        """What is wanted if it is a word that is free; else the other, made free by a number."""
+        word, k = (wanted if re.fullmatch(r"[A-Za-z_]\w*", wanted, re.ASCII) else other), 2
+        free = word
+        while free.lower() in self.used:
+            free, k = f"{word}_{k}", k + 1
+        self.used.add(free.lower())
+        return free
+
+
+def _source(scene: Scene, name: str, names: _Names, rise: float | None) -> list[str]:
+    source = scene.sources[name]
+    where, node = place("sources", name), names.node[source.at]
+    value = spice_waveform(source.value, scene, where, rise)
+    resistance = None if source.resistance is None else float(source.resistance)
+    if not source.is_effort:
+        beside = [] if resistance in (None, np.inf) else [f"{names.element('R', name)} {node} 0 {resistance!r}"]
+        return [f"{names.element('I', name)} 0 {node} {value}", *beside]
+    card = names.element("V", name)
+    if not resistance:
+        return [f"{card} {node} 0 {value}"]
+    if resistance == np.inf:
+        return []
+    inner = f"{card}.s"
+    return [f"{card} {inner} 0 {value}", f"{names.element('R', name)} {inner} {node} {resistance!r}"]
+
+
+def _load(scene: Scene, name: str, names: _Names) -> list[str]:
+    load, where = scene.loads[name], place("loads", name)
+    node = names.node[load.at]
+    match load:
+        case NoFlow():
+            return []
+        case Short():
+            return [f"{names.element('V', name)} {node} 0 DC 0"]
+        case Matched():
+            z0 = next(line.parameters.z0 for line in scene.lines.values() if load.at in line.nodes)
+            return [f"{names.element('R', name)} {node} 0 {z0!r}"]
+        case Resistor() if load.resistance == 0:
+            return [f"{names.element('V', name)} {node} 0 DC 0"]
+        case Resistor() if load.resistance == np.inf:
+            return []
+        case Resistor():
+            return [f"{names.element('R', name)} {node} 0 {float(load.resistance)!r}"]
+        case Rational() if not load.rational().is_zero and not load.rational().is_infinite:
+            return _elements(as_load(load.rational()), name, node, names, where)
+    raise InputError(where, f"a {load.kind} has no counterpart in a netlist", "R, L and C")
+
+
+def _elements(table: dict[str, Any], name: str, node: str, names: _Names, where: str) -> list[str]:
+    """R, L and C of a load that is made of them."""
+    parts = [(names.element(letter, name), table[key]) for key, letter in LETTERS.items() if key in table]
+    if not parts or min(value for _, value in parts) <= 0:
+        raise InputError(where, "its impedance is not R, L and C in series or side by side", "kind = 'series' or so")
+    if table["kind"] != "series":
+        return [f"{element} {node} 0 {value!r}" for element, value in parts]
+    nodes = [node, *(f"{element}.x" for element, _ in parts[1:]), "0"]
+    return [f"{element} {i} {j} {value!r}" for (element, value), i, j in zip(parts, nodes, nodes[1:], strict=False)]
