@@ -81,7 +81,7 @@ def test_a_load(load, message):
         ),
         ({"kind": "orifice", "kv": 1, "nodes": ["end"]}, "links.x.nodes: not two nodes"),
         ({"kind": "orifce", "kv": 1}, "links.x.kind: unknown, expected 'orifice'"),
-        ({"kv": 1}, "links.x.kind: is missing, expected one of 'diode', 'table', 'orifice'"),
+        ({"kv": 1}, "links.x.kind: is missing, expected one of .*'orifice'"),
         ({"kind": "orifice", "kv": 1, "at": "end"}, "links.x.at: unknown key"),
     ],
 )
