@@ -76,7 +76,7 @@ def _load(rng: np.random.Generator, operated: bool) -> dict:
             "required_pressure": _size(rng),
             "exponent": float(rng.uniform(0.4, 1.5)),
         },
-        {"kind": "diode", "saturation": 0.1, "temperature": 3000, "reverse": bool(rng.random() < 0.5)},
+        {"kind": "diode", "saturation": 0.1, "temperature": 3000, "emission": 4, "reverse": bool(rng.random() < 0.5)},
         {"kind": "table", "points": [[-1, -2], [0, 0], [0.5, 0.5], [0.5, 1], [3, 1]]},
     ][int(rng.integers(7))]
 
@@ -87,7 +87,7 @@ def _link(rng: np.random.Generator, operated: bool) -> dict:
         {"kind": "orifice"} | rated | _opening(rng, operated),
         {"kind": "check valve"} | rated,
         {"kind": "relief valve", "set_pressure": _size(rng), "band": _size(rng)} | rated,
-        {"kind": "diode", "saturation": 0.1, "temperature": 3000},
+        {"kind": "diode", "saturation": 0.1, "temperature": 3000, "emission": 4},
         {"kind": "table", "points": [[-1, -2], [0, 0], [0.5, 0.5], [1, 2]]},
     ][int(rng.integers(5))]
 

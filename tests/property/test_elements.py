@@ -50,7 +50,7 @@ def test_nothing_moves_where_nothing_is_operated(seed, order, slab):
     scene = random_elements(seed, operated=False, driven=True, start="steady", solver={"order": order, "slab": slab})
     scene = type(scene)(**scene.table() | {"t_end": 60.0})
     result = simulate(scene, record=list(scene.lines))
-    scale = scene.loads["tank"].pressure
+    scale = max(abs(wave.before) for line in result.lines.values() for wave in (line.a1, line.b1))
     for line in result.lines.values():
         for wave in (line.a1, line.b1, line.a2, line.b2):
             assert np.abs(wave.values - wave.before).max() <= 1e-9 * scale

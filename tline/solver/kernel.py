@@ -334,8 +334,9 @@ def unfilled(laws, e, radau, h, y, v, z, start, flow, rest):
         rest[j] = -x_start
     for j in range(s):
         flow[j], x, _, rate = filling(kind, c, at, y[j], v[j], z)
+        _, _, _, _, share, _ = stored(kind, c, at, y[j])
         rest[j] += x
-        scale = max(scale, abs(x))
+        scale = max(scale, abs(x), h * abs(share * v[j]) / z)  # a stiff step magnifies what v is rounded by
         for k in range(s):
             rest[k] -= h * radau[k, j] * rate
     for j in range(s):
