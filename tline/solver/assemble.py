@@ -10,7 +10,7 @@ from tline.scene.line import SceneLine
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
 from tline.solver.cells import InCells, cells_of, lines_in_cells
-from tline.solver.circuits import CYCLES_PER_RUN, CYCLES_PER_SLAB, Circuits, Fit, circuits_of
+from tline.solver.circuits import Circuits, circuits_of, fit_of
 from tline.solver.drive import just_before
 from tline.solver.elements import laws_of, states_of, with_basis
 from tline.solver.load_step import StateSpace
@@ -69,7 +69,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     ).ravel()  # b at end 1, a at end 2
 
     delay, shift_row, shift = _delays(lines, order, h)
-    circuits = circuits_of(lines, Fit(CYCLES_PER_RUN / scene.t_end, CYCLES_PER_SLAB / h, chosen.fit))
+    circuits = circuits_of(lines, fit_of(scene.t_end, h, chosen.fit))
     in_cells = lines_in_cells(lines, circuits, order, h)
     delay[list(in_cells)] = 1
     lumps, memory = lumps_of(lines, circuits, delay, order, h, in_cells)

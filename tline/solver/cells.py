@@ -26,8 +26,9 @@ from tline.solver.radau import Basis, Matrix, basis
 from tline.solver.resolution import WHOLE
 
 FINER = (2, 3, 4, 6, 8, 12, 16, 24, 32)  # lattices one after the other; their error is a series in 1/N²
-FEWEST, STIFF = 8, 6  # half the steps of the first lattice: at least, and rates over it
+FEWEST, STIFF = 8, 16  # half the steps of the first lattice: at least, and rates over it
 CLOSE = 1e-13  # where the series of lattices ends
+KNOWN = 0.01  # of what circuits are off the laws they stand for: so well cells are known
 MOST_DIFFERENT = 50  # cells, for each takes some hundredths of a second to find
 
 
@@ -138,16 +139,13 @@ def lines_in_cells(
     lines: Mapping[str, SceneLine], circuits: Mapping[str, Circuits], order: Basis, h: float
 ) -> dict[int, InCells]:
     """Lines that are cut in cells, by their numbers; none where one does not fit."""
-    if not fits(lines, h):
-        return {}
-    return {
-        k: InCells(
-            round((line.parameters.delay or 0.0) / h),
-            cell(rates(circuits[name].series, circuits[name].shunt, h), order.s),
-        )
-        for k, (name, line) in enumerate(lines.items())
-        if line.losses is not None and not line.losses.distortionless
-    }
+    found: dict[int, InCells] = {}
+    for k, (name, line) in enumerate(lines.items() if fits(lines, h) else ()):
+        if line.losses is not None and not line.losses.distortionless:
+            series, shunt, error = circuits[name]
+            made = cell(rates(series, shunt, h), order.s, max(CLOSE, KNOWN * error))
+            found[k] = InCells(round((line.parameters.delay or 0.0) / h), made)
+    return found
 
 
 def cells_of(lines: Mapping[int, InCells], groups: list[list[NDArray | None]]) -> tuple[Cells, int]:

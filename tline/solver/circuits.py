@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from functools import lru_cache
+from math import ceil, log
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,8 @@ from tline.loss import Constant, Foster, Law, Sum, realise
 from tline.scene.line import SceneLine
 from tline.solver.radau import Basis
 
-CYCLES_PER_RUN, CYCLES_PER_SLAB = 0.1, 2.0  # the band of a circuit
+CYCLES_PER_RUN, CYCLES_PER_SLAB = 0.1, 2.0  # the band of a circuit, at least
+STEP = 4.0  # its upper end is a power of this over its lower end, so that halved slabs share a circuit
 
 
 class Fit(NamedTuple):
@@ -36,6 +38,18 @@ class Circuits(NamedTuple):
     series: Foster
     shunt: Foster
     error: float
+
+
+def fit_of(t_end: float, h: float, tolerance: float) -> Fit:
+    """What a run of slabs of width h needs.
+
+    Examples
+    --------
+    >>> fit_of(t_end=10, h=1e-3, tolerance=1e-6)
+    Fit(low=0.01, high=2621.44, tolerance=1e-06)
+    """
+    low = CYCLES_PER_RUN / t_end
+    return Fit(low, low * STEP ** ceil(log(CYCLES_PER_SLAB / (h * low), STEP)), tolerance)
 
 
 def circuits_of(lines: Mapping[str, SceneLine], fit: Fit) -> dict[str, Circuits]:

@@ -17,8 +17,9 @@ from tline.loss import Foster
 from tline.scene.line import SceneLine
 from tline.scene.losses import Losses
 from tline.solver.circuits import Circuits, one_step
-from tline.solver.network import CONSTANT, NO_LUMPS, QUADRATIC, REMEMBERED, TABLED, Lumps
+from tline.solver.network import CONSTANT, NO_LUMPS, REMEMBERED, SQUARED, TABLED, Lumps
 from tline.solver.radau import Basis
+from tline.solver.resolution import WHOLE
 
 LOWEST, HIGHEST, POINTS = -10, 34, 256  # octaves of a wave in a table, and points in each
 HALVINGS = 60
@@ -41,6 +42,11 @@ class _Row(NamedTuple):
     line: int
     place: NDArray
     law: _Law
+
+
+def lumps_in(line: SceneLine, h: float) -> int:
+    """Number of places of lumps in a line: between any two slabs that meet inside."""
+    return 2 * int((line.parameters.delay or 0.0) / h * (1 + WHOLE)) - 1
 
 
 def lumps_of(
@@ -118,7 +124,7 @@ def _friction(losses: Losses, z0: float, share: float) -> list[_Law]:
         return []
     if losses.curve is not None:
         return [_Law(TABLED, -1.0, 0.0, tabled(losses, z0, share))]
-    return [_Law(QUADRATIC, -1.0, losses.quadratic * losses.exact.length * share / z0**2)]
+    return [_Law(SQUARED, -1.0, losses.quadratic * losses.exact.length * share / z0**2)]
 
 
 def tabled(losses: Losses, z0: float, share: float) -> NDArray:
