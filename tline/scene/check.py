@@ -120,7 +120,8 @@ def _waveforms(scene: Scene) -> Iterator[InputError]:
             if part != "sources":
                 check_range(waveform, scene.t_end, 1.0 if key == "opening" else inf)
         except InputError as error:
-            yield InputError(place(part, name, key, error.where), error.problem, error.expected, error.got)
+            where = place(part, name, key, *filter(None, [error.where]))
+            yield InputError(where, error.problem, error.expected, error.got)
 
 
 def _held(scene: Scene) -> Iterator[InputError]:

@@ -12,7 +12,7 @@ from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.link import Link
 from tline.scene.load import Load
 from tline.scene.medium import MEDIA
-from tline.scene.mistakes import MOST, limited, mistakes
+from tline.scene.mistakes import MOST, limited, mistakes, place
 from tline.scene.probe import Probe
 from tline.scene.quantity import Duration, Tolerance, Whole
 from tline.scene.shape import Shape
@@ -127,6 +127,17 @@ class Scene(Element):
         """Law of each non-linear element by section and name."""
         elements = [("loads", *one) for one in self.loads.items()] + [("links", *one) for one in self.links.items()]
         return {(part, name): element.law() for part, name, element in elements if isinstance(element, NonLinear)}
+
+    def check_linear(self, what: str) -> None:
+        """Refuse a scene with a non-linear element.
+
+        Raises
+        ------
+        InputError
+            Naming the first, and what it is that takes linear scenes only.
+        """
+        for part, name in self.laws:
+            raise InputError(place(part, name), "is non-linear", f"a linear scene for {what}")
 
     @property
     def waveforms(self) -> dict[tuple[str, str, str], Shape]:
