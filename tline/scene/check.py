@@ -40,6 +40,9 @@ def misplaced(data: Mapping[str, Any]) -> list[InputError]:
             if section == "probes" and lines and isinstance(line, str) and line not in lines:
                 where = place(section, name, "line")
                 found.append(InputError(where, "no such line", nearest(line, [*lines]), shown(line)))
+    for node in _tables(data, "nodes"):
+        if known and node not in there:
+            found.append(InputError(place("nodes", node), "no line ends at this node", nearest(node, nodes)))
     return found
 
 
@@ -62,6 +65,7 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
     yield from _slab(scene)
     yield from _waveforms(scene)
     yield from _held(scene)
+    yield from _heights(scene)
     for name, load in scene.loads.items():
         if isinstance(load, Matched) and len(ends.get(load.at, [""])) != 1:
             problem = f"node '{load.at}' is a junction, and only the end of one line can be matched"
@@ -113,6 +117,20 @@ def _held(scene: Scene) -> Iterator[InputError]:
         if isinstance(load, Switch) and 0 in (load.before, load.after) and holder:
             problem = f"shorts node '{load.at}', which {holder} holds"
             yield InputError(place("loads", name), problem, "a resistance above zero")
+
+
+def _heights(scene: Scene) -> Iterator[InputError]:
+    """Elevations, which turn a pressure into one on the wall where a density is known."""
+    dense = {
+        node
+        for line in scene.lines.values()
+        for node in line.nodes
+        if getattr(line.parameters, "density", None) is not None
+    }
+    for name, site in scene.nodes.items():
+        if site.elevation is not None and name not in dense:
+            where, expected = place("nodes", name, "elevation"), "none, or a density of a pipe that ends there"
+            yield InputError(where, "the weight of the liquid does not follow", expected)
 
 
 def _is_ideal(load: Any) -> bool:

@@ -12,7 +12,8 @@ from tline.scene.load import Load
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import MOST, limited, mistakes
 from tline.scene.probe import Probe
-from tline.scene.quantity import Duration, Tolerance, Whole
+from tline.scene.quantity import Duration, Effort, Tolerance, Whole
+from tline.scene.site import Site
 from tline.scene.source import Source
 
 SHORT = 1e-30  # s, an end time in place of a bad one, so short that no waveform has too many breaks
@@ -57,6 +58,10 @@ class Scene(Element):
         End time, s; a run goes on to the end of its last slab.
     lines, sources, loads, probes : dict
         Elements by name. Lines meet at the nodes they name, in any topology; a node with nothing else is closed.
+    nodes : dict
+        Elevation and position of nodes by name, where they are known.
+    rating : number or text
+        Largest pressure or voltage that all lines are made for; a run says where it is exceeded.
     start : str
         "rest", or "steady": the state that the sources imply by what they are just before t = 0.
     solver : Solver
@@ -93,6 +98,8 @@ class Scene(Element):
     sources: dict[Name, Source] = Field(default_factory=dict, description="sources by name")
     loads: dict[Name, Load] = Field(default_factory=dict, description="loads by name")
     probes: dict[Name, Probe] = Field(description="probes by name")
+    nodes: dict[Name, Site] = Field(default_factory=dict, description="height and place of nodes, by name")
+    rating: Effort | None = Field(default=None, description="largest pressure or voltage that all lines are made for")
 
     def __init__(self, folder: str = ".", /, **data: Any) -> None:
         """Validate everything and collect all mistakes."""
@@ -103,6 +110,7 @@ class Scene(Element):
             "lines": Pipe if medium == "hydraulic" else Cable,
             "sources": Source,
             "probes": Probe,
+            "nodes": Site,
             "solver": Solver,
         }
         try:
@@ -130,7 +138,7 @@ def _sound_part(data: dict[str, Any], error: ValidationError, context: dict[str,
     if "units" not in context or keys & {"lines", "medium"}:
         return None
     part = {"t_end": SHORT, "probes": {}} | {key: value for key, value in data.items() if key not in keys}
-    for section in keys & {"sources", "loads", "probes"}:
+    for section in keys & {"sources", "loads", "probes", "nodes"}:
         tables = data.get(section)
         if isinstance(tables, dict):
             part[section] = {name: table for name, table in tables.items() if (section, name) not in bad}
