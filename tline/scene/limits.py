@@ -66,7 +66,8 @@ def weight_at(scene: Scene) -> dict[str, float]:
     for line in scene.lines.values() if heights else ():
         if isinstance(line.parameters, HydraulicLine) and line.parameters.density is not None:
             densities |= dict.fromkeys(line.nodes, line.parameters.density)
-    return {name: densities[name] * GRAVITY * height for name, height in heights.items()}
+    other = next(iter(densities.values()), 0.0)  # at a node where no pipe ends
+    return {name: densities.get(name, other) * GRAVITY * height for name, height in heights.items()}
 
 
 def _first(places: list[str]) -> str:

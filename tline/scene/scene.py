@@ -7,12 +7,15 @@ from pydantic import Field, PlainValidator, SerializeAsAny, ValidationError, Val
 from tline.errors import InputError, SceneError
 from tline.scene.check import conflicts, misplaced
 from tline.scene.element import Element, Name
+from tline.scene.law import FACTORS, Law, NonLinear
 from tline.scene.line import Cable, Pipe, SceneLine
+from tline.scene.link import Link
 from tline.scene.load import Load
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import MOST, limited, mistakes
 from tline.scene.probe import Probe
 from tline.scene.quantity import Duration, Effort, Tolerance, Whole
+from tline.scene.shape import Shape
 from tline.scene.site import Site
 from tline.scene.source import Source
 
@@ -56,7 +59,7 @@ class Scene(Element):
         "hydraulic" or "electrical".
     t_end : number or text
         End time, s; a run goes on to the end of its last slab.
-    lines, sources, loads, probes : dict
+    lines, sources, loads, links, probes : dict
         Elements by name. Lines meet at the nodes they name, in any topology; a node with nothing else is closed.
     nodes : dict
         Elevation and position of nodes by name, where they are known.
@@ -97,6 +100,7 @@ class Scene(Element):
     lines: dict[Name, Line] = Field(description="lines by name")
     sources: dict[Name, Source] = Field(default_factory=dict, description="sources by name")
     loads: dict[Name, Load] = Field(default_factory=dict, description="loads by name")
+    links: dict[Name, Link] = Field(default_factory=dict, description="what stands between two nodes, by name")
     probes: dict[Name, Probe] = Field(description="probes by name")
     nodes: dict[Name, Site] = Field(default_factory=dict, description="height and place of nodes, by name")
     rating: Effort | None = Field(default=None, description="largest pressure or voltage that all lines are made for")
@@ -125,6 +129,21 @@ class Scene(Element):
         if found:
             raise SceneError(limited(found, untold))
 
+    @property
+    def laws(self) -> dict[tuple[str, str], Law]:
+        """Law of each non-linear element by section and name."""
+        elements = [("loads", *one) for one in self.loads.items()] + [("links", *one) for one in self.links.items()]
+        return {(part, name): element.law() for part, name, element in elements if isinstance(element, NonLinear)}
+
+    @property
+    def waveforms(self) -> dict[tuple[str, str, str], Shape]:
+        """All that is prescribed over time, by section, name and key."""
+        given = {("sources", name, "value"): source.value for name, source in self.sources.items()}
+        for (part, name), law in self.laws.items():
+            if law.factor is not None:
+                given[part, name, FACTORS[law.kind]] = law.factor
+        return given
+
     def probed_line(self, probe: str) -> str:
         """Name of the line that a probe is on, or of the first whose end it sees."""
         place = self.probes[probe]
@@ -138,7 +157,7 @@ def _sound_part(data: dict[str, Any], error: ValidationError, context: dict[str,
     if "units" not in context or keys & {"lines", "medium"}:
         return None
     part = {"t_end": SHORT, "probes": {}} | {key: value for key, value in data.items() if key not in keys}
-    for section in keys & {"sources", "loads", "probes", "nodes"}:
+    for section in keys & {"sources", "loads", "links", "probes", "nodes"}:
         tables = data.get(section)
         if isinstance(tables, dict):
             part[section] = {name: table for name, table in tables.items() if (section, name) not in bad}

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
+from tline.solver.elements import Element, elements_of
 from tline.solver.load_step import StateSpace
 from tline.solver.nodes import Node
 from tline.solver.steady import parts
@@ -41,10 +42,11 @@ GONE = 20.0  # time constants after which 2e-9 is left
 
 
 class Group(NamedTuple):
-    """Nodes that short lines join, or one node."""
+    """Nodes that short lines or non-linear elements join, or one node."""
 
     nodes: list[Node]
     lumps: list[Lump]
+    elements: list[Element]
 
     @property
     def dynamic(self) -> bool:
@@ -122,7 +124,7 @@ def coupled(group: Group) -> StateSpace:
 def grouped(
     scene: Scene, cells: Mapping[str, int], nodes: dict[str, Node], u: NDArray, y: NDArray
 ) -> tuple[list[Group], dict[str, Node]]:
-    """Groups of the nodes that lumped lines join, and the nodes in their order.
+    """Groups of the nodes that lumped lines or non-linear elements join, and the nodes in their order.
 
     Parameters
     ----------
@@ -131,17 +133,21 @@ def grouped(
     u, y : ndarray, shape (lines,)
         Effort and flow of each line before t = 0.
     """
-    if not cells:
-        return [Group([node], []) for node in nodes.values()], nodes
+    elements = elements_of(scene, nodes)
+    if not cells and not elements:
+        return [Group([node], [], []) for node in nodes.values()], nodes
     names, number = list(nodes), {name: k for k, name in enumerate(nodes)}
     ends = {name: [number[at] for at in scene.lines[name].nodes] for name in cells}
-    first, second = np.array(list(ends.values())).T
+    pairs = [*ends.values(), *([number[e.nodes[0]], number[e.nodes[-1]]] for e in elements)]
+    first, second = np.array(pairs).T
     part = parts(first, second, len(names))
     order = np.argsort(part, kind="stable")
     place = np.argsort(order) - np.searchsorted(part[order], part)  # of each node in its group
-    groups = [Group([], []) for _ in range(part.max() + 1)]
+    groups = [Group([], [], []) for _ in range(part.max() + 1)]
     for k in order:
         groups[part[k]].nodes.append(nodes[names[k]])
+    for element in elements:
+        groups[part[number[element.nodes[0]]]].elements.append(element)
     for k, (name, line) in enumerate(scene.lines.items()):
         if name in cells:
             one, other = ends[name]

@@ -17,6 +17,24 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
+class Laws(NamedTuple):
+    """Elements whose flow is no linear function of the effort across them; E elements, by group."""
+
+    first: Integers  # (G + 1,) those of group g are first[g] to first[g + 1]
+    kind: Integers  # (E,)
+    one: Integers  # (E,) node of the group from which its flow counts, -1 for the reference
+    other: Integers  # (E,) node to which it counts
+    drive_row: Integers  # (E,) row of what scales it over time, -1 for none
+    factor: Floats  # (E,) what scales it where there is none
+    at: Integers  # (E,) place of its first constant
+    constants: Floats
+    state_at: Integers  # (E,) place of its state, -1 for none
+    seen: Floats  # (E,) impedance that it sees, > 0
+    impedance: Floats  # (N,) Thévenin impedance of each node, 0 if its effort is held, -1 if nothing conducts there
+    radau: Floats  # (s, s) matrix of Radau IIA
+    step: float  # slab width, s
+
+
 class Network(NamedTuple):
     """The constant arrays of a scene; L lines, N nodes, s points per slab."""
 
@@ -35,6 +53,7 @@ class Network(NamedTuple):
     step_states: Integers  # (rows,) its number of states n
     step: Floats  # maps (k s + n)² from (k Thévenin waves, state) to (k efforts, next state), one after the other
     record_row: Integers  # (2 L,) row in the record of an end, -1 if it is not recorded
+    laws: Laws
 
 
 class State(NamedTuple):

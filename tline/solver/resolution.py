@@ -122,16 +122,16 @@ def _check(scene: Scene, delays: dict[str, float], s: int, h: float, by_hand: bo
 
 def _gaps(scene: Scene) -> list[float]:
     """The shortest piece between two breaks of each waveform that has one, s; below rounding it is a jump."""
-    pieces = [np.diff(source.value.breaks(scene.t_end)) for source in scene.sources.values()]
+    pieces = [np.diff(waveform.breaks(scene.t_end)) for waveform in scene.waveforms.values()]
     return [float(p.min()) for p in (p[p > WHOLE * scene.t_end] for p in pieces) if p.size]
 
 
 def _time_scales(scene: Scene, nodes: dict[str, Node]) -> dict[str, tuple[float, float]]:
     """Of each curved waveform and dynamic load the shortest time scale, and that of its oscillations, s."""
     scales = {}
-    for name, source in scene.sources.items():
-        fastest = source.value.fastest()
-        scales[place("sources", name)] = fastest, fastest
+    for (part, name, _), waveform in scene.waveforms.items():
+        fastest = waveform.fastest()
+        scales[place(part, name)] = fastest, fastest
     for node in nodes.values():
         if node.load is not None and node.held is None:
             states = {node.switched(t) for t in (0.0, *(float(switch.time) for switch in node.switches), inf)}
@@ -150,8 +150,8 @@ def _shortest(poles: NDArray) -> float:
 def _breaks(scene: Scene) -> list[float]:
     """Instants of the jumps, corners and switches of a run, s."""
     instants = [float(load.time) for load in scene.loads.values() if isinstance(load, Switch)]
-    for source in scene.sources.values():
-        instants += source.value.breaks(scene.t_end).tolist()
+    for waveform in scene.waveforms.values():
+        instants += waveform.breaks(scene.t_end).tolist()
     return [t for t in instants if 0 <= t < scene.t_end]
 
 
