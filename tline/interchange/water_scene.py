@@ -5,14 +5,13 @@ from typing import Any
 from tline.errors import InputError
 from tline.interchange.epanet import read_epanet
 from tline.interchange.head_loss import GRAVITY as EPANETS
-from tline.interchange.water_network import Basin, Junction, Pipe, Pump, Valve, WaterNetwork
+from tline.interchange.water_network import STILL, Basin, Junction, Pipe, Pump, Valve, WaterNetwork
 from tline.scene.file import scene_from
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
 
 T_END, TOL = "10 s", 1e-3  # of the scene, for the user to change
-STILL = 1e-9  # m³/s; a flow below it is none
 LEAST_DROP = 1e-3  # m; of a valve without loss
 
 
@@ -55,12 +54,12 @@ def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, 
     for name, pump in network.pumps.items():
         tables["links"][name] = _pump(network, name, pump, notes)
     for name, valve in network.valves.items():
-        if abs(valve.flow) > STILL:
-            tables["links"][name] = _valve(valve, weight)
-        else:
-            notes.append(f"left out, nothing flows through it: valve '{name}'")
+        tables["links"][name] = _valve(valve, weight)
     for name, node in network.nodes.items():
         _add_node(tables, network, name, node, weight, notes)
+    tanks = [repr(name) for name, basin in network.basins.items() if basin.kind == "tank"]
+    if tanks:
+        notes.append(f"tanks: held at their level: {', '.join(tanks)}")
     if network.valves:
         notes.append("valves: held at the opening that they have at the operating point")
     head = {"title": network.title, "medium": "hydraulic", "t_end": T_END, "start": "steady", "solver": {"tol": TOL}}
@@ -95,8 +94,6 @@ def _valve(valve: Valve, weight: float) -> dict[str, Any]:
 
 def _pump(network: WaterNetwork, name: str, pump: Pump, notes: list[str]) -> dict[str, Any]:
     """A pump whose parabola has head and slope of the curve at the operating point, and its shut-off head if it can."""
-    if pump.flow <= STILL:
-        raise InputError(f"pump '{name}'", "runs without a flow", "a pump that delivers, or is closed")
     weight, flow = network.density * GRAVITY, pump.flow / pump.speed
     if pump.curve is None:  # constant power: head·flow is constant
         one, two = (network.nodes[node].head for node in pump.nodes)
@@ -124,8 +121,6 @@ def _add_node(
     tables["nodes"][name] = {"elevation": node.elevation, "position": list(node.position)}
     if isinstance(node, Basin):
         tables["loads"][name] = {"at": name, "kind": "reservoir", "pressure": weight * node.head}
-        if node.kind == "tank":
-            notes.append(f"tank '{name}': held at its level")
         return
     outside = {"at": name, "kind": "check valve", "back_pressure": weight * node.elevation}
     height = node.head - node.elevation
