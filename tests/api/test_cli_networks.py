@@ -69,7 +69,7 @@ def test_a_mistake_is_one_sentence(line: str, sentence: str) -> None:
 def test_an_envelope_has_a_row_for_every_node(folder: Path) -> None:
     done = run(f"run {ROOT}/scenes/water_pipe.toml --envelope extremes.csv")
     assert (done.exit_code, done.stdout.splitlines()[-1]) == (0, "wrote extremes.csv")
-    head, *rows = csv.reader((folder / "extremes.csv").open())
+    head, *rows = csv.reader((folder / "extremes.csv").read_text(encoding="utf-8").splitlines())
     assert head == ["node", "start pressure [Pa]", "lowest pressure [Pa]", "at [s]", "highest pressure [Pa]", "at [s]"]
     assert [row[0] for row in rows] == ["reservoir", "valve"]
     # Joukowsky: 1 m/s at 980 kg/m³ and 1500 m/s, about 30 bar; the valve shuts at 0.2 s, the wave is back after 0.4 s
