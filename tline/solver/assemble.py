@@ -1,5 +1,6 @@
 """From a scene to arrays: the one place that knows both."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,9 +9,12 @@ from numpy.typing import NDArray
 from tline.scene.line import SceneLine
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
+from tline.solver.cells import InCells, cells_of, lines_in_cells
+from tline.solver.circuits import CYCLES_PER_RUN, CYCLES_PER_SLAB, Circuits, Fit, circuits_of
 from tline.solver.drive import just_before
 from tline.solver.elements import laws_of, states_of, with_basis
 from tline.solver.load_step import StateSpace
+from tline.solver.lossy import lumps_of
 from tline.solver.lumps import Group, grouped
 from tline.solver.network import Network, State
 from tline.solver.node_maps import node_maps
@@ -38,6 +42,8 @@ class Assembly:
     lines: dict[str, SceneLine]  # those that are not lumped
     recorded: dict[str, int]  # line name -> first of its two rows in the record
     start: dict[str, tuple[float, float]]  # line name -> (a, b) before t = 0
+    circuits: dict[str, Circuits]  # of lossy lines
+    echoes: dict[str, NDArray]  # of lines in cells, what an end sends into itself (s, s)
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
 
     @property
@@ -62,6 +68,10 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     ).ravel()  # b at end 1, a at end 2
 
     delay, shift_row, shift = _delays(lines, order, h)
+    circuits = circuits_of(lines, Fit(CYCLES_PER_RUN / scene.t_end, CYCLES_PER_SLAB / h, chosen.fit))
+    in_cells = lines_in_cells(lines, circuits, order, h)
+    delay[list(in_cells)] = 1
+    lumps, memory = lumps_of(lines, circuits, delay, order, h, in_cells)
     drives = [node.drives for node in nodes.values()]
     ends = np.array([end for node in nodes.values() for end in node.ends])
     degree = [len(node.ends) for node in nodes.values()]
@@ -70,7 +80,11 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     if scene.start == "steady":
         thevenin += [sum(share * just_before(waveform) for waveform, share in parts) for parts in drives]
     driven = np.array([bool(parts) for parts in drives])
-    maps = node_maps(groups, order, h, thevenin)
+    echoes = [_echoes(group, z0, in_cells) for group in groups]
+    cells, held = cells_of(
+        in_cells, [e if group.elements else [None] * len(e) for e, group in zip(echoes, groups, strict=True)]
+    )
+    maps = node_maps(groups, order, h, thevenin, echoes)
     recorded, record_row = _recorded(lines, record)
     drives = list(filter(None, drives))
     elements, members = [group.elements for group in groups], _members(groups, nodes)
@@ -93,6 +107,8 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         step=maps.step,
         record_row=record_row,
         laws=with_basis(laws, order, h),
+        cells=cells,
+        lumps=lumps,
     )
     state = State(
         waves=np.repeat(arriving, np.repeat(delay * chosen.s, 2)),
@@ -100,6 +116,8 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         side=np.zeros(len(delay), np.int64),
         before=np.repeat(arriving[:, None], chosen.s, axis=1),
         load=np.concatenate([maps.states, states_of([e for group in elements for e in group], effort)]),
+        cells=np.zeros(held),
+        lumps=np.zeros(memory),
     )
     start = {name: (arriving[2 * k + 1], arriving[2 * k]) for k, name in enumerate(lines)}
     return Assembly(
@@ -115,6 +133,8 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         lines=lines,
         recorded=recorded,
         start=start,
+        circuits=circuits,
+        echoes={list(lines)[k]: line.echo for k, line in in_cells.items()},
         settle=np.array([chosen.settle if group.lumps else 0.0 for group in groups]),
     )
 
@@ -123,6 +143,19 @@ def _members(groups: list[Group], nodes: dict[str, Node]) -> list[list[str]]:
     """Names of the nodes of each group."""
     names = iter(nodes)
     return [[next(names) for _ in group.nodes] for group in groups]
+
+
+def _echoes(group: Group, z0: NDArray, in_cells: Mapping[int, InCells]) -> list[NDArray | None]:
+    """Of each node of a group at lines in cells: from its effort to what comes back of it at once."""
+    echoes: list[NDArray | None] = []
+    for node in group.nodes:
+        felt = [
+            2 * weight * in_cells[end // 2].echo
+            for end, weight in zip(node.ends, node.weights(z0), strict=True)
+            if end // 2 in in_cells
+        ]
+        echoes.append(np.sum(felt, axis=0) if felt else None)
+    return echoes
 
 
 def _recorded(lines: dict[str, SceneLine], names: set[str]) -> tuple[dict[str, int], NDArray]:

@@ -14,6 +14,8 @@ from numba import njit, uint64
 
 TINY = 1e-150  # waves below are flushed to zero: subnormal numbers are slow, and their squares vanish anyway
 SCRATCH = 512  # samples per tile
+ABREAST = 64  # lumps advanced together
+CONSTANT, QUADRATIC, TABLED = range(3)  # kinds of lumps; the others have a memory
 OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "nsz"}}
 
 
@@ -95,6 +97,15 @@ def load(u, k, m, s, step, at, states, x, n, row):
                 total += step[place + j] * row[j]
             place += width
             states[uint64(x + i)] = 0.0 if abs(total) < TINY else total
+
+
+@njit(inline="always", **OPTIONS)
+def add_product(matrix, at, rows, columns, x, o, out, q):
+    """Add the product of a matrix, held by columns, with part of an array to part of another."""
+    for j in range(columns):
+        factor, place = x[uint64(o + j)], uint64(at + j * rows)
+        for i in range(uint64(rows)):
+            out[uint64(q) + i] += matrix[place + i] * factor
 
 
 # Elements whose flow is no linear function of the effort across them. Each sees a Thévenin source: an effort v behind
@@ -496,6 +507,39 @@ def pass_elements(laws, g, low, nodes, states, u, stride, n, factor, radau, h):
 
 
 @njit(**OPTIONS)
+def pass_elements_at_cells(network, g, states, u, factor):
+    """The same for one slab of a group at lines in cells, which feel its efforts at once: until these stay.
+
+    What they add is small, and the smaller the slab.
+    """
+    laws, cells, low, s = network.laws, network.cells, network.group[g], network.laws.radau.shape[0]
+    nodes, first = network.group[g + 1] - low, laws.first[g]
+    size, own = nodes * s, np.zeros(laws.first[g + 1] - first)
+    wave, last, change, scale = u[:size].copy(), u[:size].copy(), np.inf, 0.0
+    for k in range(own.size):
+        if laws.state_at[first + k] >= 0:
+            own[k] = states[laws.state_at[first + k]]
+    for _ in range(STEPS):
+        for k in range(own.size):
+            if laws.state_at[first + k] >= 0:
+                states[laws.state_at[first + k]] = own[k]
+        for p in range(nodes):
+            for i in range(s):
+                u[p * s + i] = wave[p * s + i]
+            if cells.echo_at[low + p] >= 0:
+                add_product(cells.echo, cells.echo_at[low + p], s, s, last, p * s, u, p * s)
+        pass_elements(laws, g, low, nodes, states, u, s, s, factor, laws.radau, laws.step)
+        change, scale = 0.0, 0.0
+        for i in range(size):
+            change, scale = max(change, abs(u[i] - last[i])), max(scale, abs(u[i]))
+            last[i] = u[i]
+        if not change > SPARE * scale:
+            return
+    if change > CLOSE * scale:
+        u[size - 1] = np.nan
+
+
+@njit(**OPTIONS)
 def opened(laws, g, drive, start, n, factor):
     """What scales the elements of a group at n samples."""
     for k in range(laws.first[g + 1] - laws.first[g]):
@@ -523,6 +567,208 @@ def flows_through(laws, factor, v, z):
 
 
 @njit(**OPTIONS)
+def pass_cells(network, state, enter, y):
+    """Advance lossy lines in cells by the slab in which the nodes have just worked.
+
+    At an end K is what comes back at once: w = y + K o arrives while o leaves, ŷ = R y with R = 1/(1 + K), and with
+    r = 2u - ŷ in the buffer o = r - Q (r + ŷ), Q = R K. Where cells meet, a and b leave them, and X a + Y b and
+    X b + Y a enter, with X = 1/(1 - K²) and Y = X K.
+    """
+    cells, waves, values, s = network.cells, state.waves, state.cells, state.before.shape[1]
+    for r in range(cells.line.size):
+        line, D, m, x0 = cells.line[r], cells.number[r], cells.held[r], cells.state[r]
+        each, maps, at = m + 2 * s, cells.maps, cells.at[r]
+        ends = x0 + D * each
+        into = at + each * m
+        X = into + each * 2 * s
+        Y, R, Q = X + s * s, X + 2 * s * s, X + 3 * s * s
+        for i in range(2 * s * D):
+            enter[i] = 0.0
+        for end in range(2):
+            o, here = 2 * s * (D - 1) + s if end else 0, network.offset[line] + (state.side[line] ^ end) * s
+            for i in range(s):
+                enter[o + i] = waves[here + i]
+                y[i] = enter[o + i] + values[ends + end * s + i]
+            for j in range(s):
+                for i in range(s):
+                    enter[o + i] -= maps[Q + j * s + i] * y[j]
+        for c in range(D - 1):
+            a, b = x0 + c * each + m, x0 + (c + 1) * each + m + s
+            add_product(maps, X, s, s, values, a, enter, 2 * s * (c + 1))
+            add_product(maps, Y, s, s, values, b, enter, 2 * s * (c + 1))
+            add_product(maps, X, s, s, values, b, enter, 2 * s * c + s)
+            add_product(maps, Y, s, s, values, a, enter, 2 * s * c + s)
+        for c in range(D):
+            x = x0 + c * each
+            for i in range(each):
+                y[i] = 0.0
+            add_product(maps, into, each, 2 * s, enter, 2 * s * c, y, 0)
+            add_product(maps, at, each, m, values, x, y, 0)
+            for i in range(each):
+                values[x + i] = 0.0 if abs(y[i]) < TINY else y[i]
+        for end in range(2):
+            o, there = (
+                x0 + (D - 1) * each + m if end else x0 + m + s,
+                network.offset[line] + (1 - state.side[line] ^ end) * s,
+            )
+            for i in range(s):
+                values[ends + end * s + i] = 0.0
+            add_product(maps, R, s, s, values, o, values, ends + end * s)
+            for i in range(s):
+                waves[there + i] = values[ends + end * s + i]
+
+
+@njit(**OPTIONS)
+def scratch_of_cells(cells, s):
+    """Room for what enters the cells of a line, and for what one holds and what leaves it."""
+    number, held = 0, 0
+    for r in range(cells.line.size):
+        number, held = max(number, cells.number[r]), max(held, cells.held[r])
+    return np.empty(2 * s * number), np.empty(held + 2 * s)
+
+
+@njit(inline="always", **OPTIONS)
+def passing(t, p, ring):
+    """Where in a line's ring the slabs stand that meet p half slabs from end 1, in slab t or half a slab later."""
+    a, b = t - (p >> 1), t + ((p + 1) >> 1)
+    if a < 0:
+        a += ring
+    if b >= ring:
+        b -= ring
+    return a, b
+
+
+@njit(inline="always", **OPTIONS)
+def looked_up(entries, at, size):
+    """Share e/w of a wave of some size, from a table over its logarithm."""
+    n = int(entries[at + 2])
+    x = (np.log2(max(size, TINY)) - entries[at]) * entries[at + 1]
+    x = min(max(x, 0.0), n - 1.0)
+    k = min(int(x), n - 2)
+    part = x - k
+    return (1.0 - part) * entries[at + 3 + k] + part * entries[at + 4 + k]
+
+
+@njit(**OPTIONS)
+def dissipate(waves, o, s, ring, t, m, place, strength, entries, at, sign, kind):
+    """Take away what lumps without memory dissipate of m slabs, lump by lump."""
+    for k in range(place.size):
+        done = 0
+        while done < m:
+            a, b = passing(t + done, place[k], ring)
+            n = min(m - done, ring - a, ring - b)
+            done += n
+            a, b, n, c = uint64(o + a * s), uint64(o + b * s), uint64(n * s), strength[k]
+            if kind == CONSTANT:
+                for i in range(n):
+                    loss = c * (waves[a + i] + sign * waves[b + i])
+                    waves[a + i] -= loss
+                    waves[b + i] -= sign * loss
+            elif kind == QUADRATIC:
+                for i in range(n):
+                    w = waves[a + i] + sign * waves[b + i]
+                    root = 1.0 + np.sqrt(1.0 + c * abs(w))
+                    loss = w * c * abs(w) / (root * root)
+                    waves[a + i] -= loss
+                    waves[b + i] -= sign * loss
+            else:
+                for i in range(n):
+                    w = waves[a + i] + sign * waves[b + i]
+                    loss = w * looked_up(entries, at, abs(w))
+                    waves[a + i] -= loss
+                    waves[b + i] -= sign * loss
+
+
+@njit(**OPTIONS)
+def dissipate_abreast(waves, a, b, n, sign, kind, strength, first):
+    """The same at n neighbouring lumps in one sample: one each at places a, a - 1, ... and b, b + 1, ..."""
+    first = uint64(first)
+    if kind == CONSTANT:
+        for i in range(uint64(n)):
+            loss = strength[first + i] * (waves[a - i] + sign * waves[b + i])
+            waves[a - i] -= loss
+            waves[b + i] -= sign * loss
+    else:
+        for i in range(uint64(n)):
+            w = waves[a - i] + sign * waves[b + i]
+            v = strength[first + i] * abs(w)
+            root = 1.0 + np.sqrt(1.0 + v)
+            loss = w * v / (root * root)
+            waves[a - i] -= loss
+            waves[b + i] -= sign * loss
+
+
+@njit(**OPTIONS)
+def remember(lumps, r, waves, o, s, ring, t, m, memory, w, out):
+    """Advance the circuits of a row by m slabs, some lumps at a time."""
+    low, high, modes, sign = lumps.first[r], lumps.first[r + 1], lumps.modes[r], lumps.sign[r]
+    direct = lumps.at[r]
+    read, write, decay = direct + s * s, direct + s * s + s * modes, direct + s * s + 2 * s * modes
+    entries, count = lumps.entries, high - low
+    while low < high:
+        n = min(high - low, ABREAST)
+        state = lumps.memory[r] + low - lumps.first[r]
+        for slab in range(t, t + m):
+            for j in range(n):
+                a, b = passing(slab, lumps.place[low + j], ring)
+                a, b = o + a * s, o + b * s
+                for i in range(s):
+                    w[i, j] = waves[a + i] + sign * waves[b + i]
+            for i in range(s):
+                for j in range(n):
+                    out[i, j] = 0.0
+                for q in range(s):
+                    share = entries[direct + i * s + q]
+                    for j in range(n):
+                        out[i, j] += share * w[q, j]
+            for k in range(modes):
+                x = uint64(state + k * count)
+                for i in range(s):
+                    share = entries[read + i * modes + k]
+                    for j in range(uint64(n)):
+                        out[i, j] += share * memory[x + j]
+                share = entries[decay + k]
+                for j in range(uint64(n)):
+                    memory[x + j] *= share
+                for i in range(s):
+                    share = entries[write + k * s + i]
+                    for j in range(uint64(n)):
+                        memory[x + j] += share * w[i, j]
+                for j in range(uint64(n)):
+                    memory[x + j] = 0.0 if abs(memory[x + j]) < TINY else memory[x + j]
+            for j in range(n):
+                a, b = passing(slab, lumps.place[low + j], ring)
+                a, b = o + a * s, o + b * s
+                for i in range(s):
+                    waves[a + i] -= out[i, j]
+                    waves[b + i] -= sign * out[i, j]
+        low += n
+
+
+@njit(**OPTIONS)
+def lose(network, state, m, w, out):
+    """Let all lumps inside lines take what is theirs of m slabs, no more than the gap between lumps."""
+    lumps, waves, s = network.lumps, state.waves, state.before.shape[1]
+    place, strength, entries = lumps.place, lumps.strength, lumps.entries
+    for r in range(lumps.line.size):
+        line, low, high, kind, sign, at = (
+            lumps.line[r], lumps.first[r], lumps.first[r + 1], lumps.kind[r], lumps.sign[r], lumps.at[r],
+        )  # fmt: skip
+        o, ring = network.offset[line], 2 * network.delay[line]
+        t = state.side[line] * network.delay[line] + state.slot[line]
+        if kind > TABLED:
+            remember(lumps, r, waves, o, s, ring, t, m, state.lumps, w, out)
+        elif s * m == 1 and kind != TABLED and place[high - 1] - place[low] == 2 * (high - 1 - low):
+            while low < high:
+                a, b = passing(t, place[low], ring)
+                n = min(high - low, a + 1, ring - b)
+                dissipate_abreast(waves, uint64(o + a), uint64(o + b), n, sign, kind, strength, low)
+                low += n
+        else:
+            dissipate(waves, o, s, ring, t, m, place[low:high], strength[low:high], entries, at, sign, kind)
+
+
+@njit(**OPTIONS)
 def largest_group(network):
     """Most nodes of a group, most line ends at one, and most rows of a map over a slab."""
     nodes, ends, rows = 1, 0, 0
@@ -544,9 +790,9 @@ def advance(network, state, n_slabs, drive, record, column):
     """
     (
         delay, offset, shift_row, shifts, first, ends, weight, drive_row,
-        group, load_at, step_row, step_at, step_states, step, record_row, laws,
+        group, load_at, step_row, step_at, step_states, step, record_row, laws, cells, lumps,
     ) = network  # fmt: skip
-    waves, slots, sides, before, states = state
+    waves, slots, sides, before, states, _, _ = state
     s = before.shape[1]
     tile = max(SCRATCH // s, 1)
     most_nodes, _, most_states = largest_group(network)
@@ -554,7 +800,10 @@ def advance(network, state, n_slabs, drive, record, column):
     scratch = np.empty(max(tile, most_nodes * s + most_states))
     factor = np.empty((most_elements(laws), tile * s))
     position = np.empty(ends.size, np.uint64)
-    shortest, done = n_slabs, 0
+    in_cells, lossy = cells.line.size > 0, lumps.line.size > 0
+    enter, y = scratch_of_cells(cells, s)
+    w, out = np.empty((s, ABREAST)), np.empty((s, ABREAST))
+    shortest, done = min(n_slabs, lumps.gap), 0
     for line in range(delay.size):
         shortest = min(shortest, delay[line])
     while done < n_slabs:
@@ -585,7 +834,10 @@ def advance(network, state, n_slabs, drive, record, column):
                     load(u, after - one, m, s, step, step_at[r], states, load_at[g], step_states[r], scratch)
                 if laws.first[g] < laws.first[g + 1]:
                     opened(laws, g, drive, here, m * s, factor)
-                    pass_elements(laws, g, one, after - one, states, u, m * s, m * s, factor, laws.radau, laws.step)
+                    if in_cells and cells.beside[g]:
+                        pass_elements_at_cells(network, g, states, u, factor)
+                    else:
+                        pass_elements(laws, g, one, after - one, states, u, m * s, m * s, factor, laws.radau, laws.step)
                 for node in range(one, after):
                     q = uint64((node - one) * m * s)
                     for e in range(first[node], first[node + 1]):
@@ -595,6 +847,10 @@ def advance(network, state, n_slabs, drive, record, column):
                     if not np.isfinite(u[q + uint64(m * s - 1)]):
                         return node
                 ahead += m
+        if in_cells:
+            pass_cells(network, state, enter, y)
+        if lossy:
+            lose(network, state, block, w, out)
         for line in range(delay.size):
             slots[line] += block
             if slots[line] >= delay[line]:
@@ -1183,7 +1439,10 @@ def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, u
     if laws.first[g] < laws.first[g + 1]:
         opened(laws, g, drive, k * s, s, factor)
         nodes = network.group[g + 1] - low
-        pass_elements(laws, g, low, nodes, state.load, u, s, s, factor, laws.radau, laws.step)
+        if network.cells.beside[g]:
+            pass_elements_at_cells(network, g, state.load, u, factor)
+        else:
+            pass_elements(laws, g, low, nodes, state.load, u, s, s, factor, laws.radau, laws.step)
     for node in range(network.group[g], network.group[g + 1]):
         q = uint64((node - network.group[g]) * s)
         for j in range(network.first[node], network.first[node + 1]):
@@ -1197,6 +1456,76 @@ def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, u
             pieces.width[e] = 1.0
         total += u[q + uint64(s - 1)]
     return total
+
+
+@njit(**OPTIONS)
+def levelled(pieces, row, tools, counts, sizes, whole):
+    """Project a slab in pieces on the whole slab, and give its row back. Counts what that loses."""
+    clear(whole)
+    for j in range(pieces.number[row]):
+        a, b = pieces.start[row, j], pieces.start[row, j + 1]
+        project(pieces.coef[row, j], a, b, 0.0, 1.0, tools.gauss, whole)
+        if j > 0:
+            counts[DROPPED] += 1
+            sizes[LOST] = max(sizes[LOST], pieces.size[row, j])
+    release(pieces, row, counts)
+
+
+@njit(**OPTIONS)
+def level_source(sources, r, due, tools, whole, out):
+    """Project a source with fronts in a slab on the whole slab."""
+    clear(whole)
+    for j in range(sources.begin[due[r]], sources.begin[due[r] + 1]):
+        project(sources.coef[j], sources.start[j], sources.stop[j], 0.0, 1.0, tools.gauss, whole)
+    times(tools.to_points, whole, 0, out)
+
+
+@njit(**OPTIONS)
+def level(network, state, fronts, sources, drive, g, slab, k, position, due, whole):
+    """Leave out all fronts inside a slab that meet at a group; switches move at the nearest edge."""
+    pieces, tools, counts, sizes, moves = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.moves
+    waves, before, s = state.waves, state.before, fronts.tools.c.size
+    while moves.due[g] < moves.first[g + 1] and moves.at[moves.due[g]] - slab < 0.5:
+        counts[DROPPED] += 1
+        network.step_row[g] = moves.row[moves.due[g]]
+        moves.due[g] += 1
+    for e in range(network.laws.first[g], network.laws.first[g + 1]):
+        r = network.laws.drive_row[e]
+        if drives_front(sources, r, slab, due):
+            level_source(sources, r, due, tools, whole, drive[r, k * s : (k + 1) * s])
+    for node in range(network.group[g], network.group[g + 1]):
+        r = network.drive_row[node]
+        if drives_front(sources, r, slab, due):
+            level_source(sources, r, due, tools, whole, drive[r, k * s : (k + 1) * s])
+        for i in range(network.first[node], network.first[node + 1]):
+            e = network.ends[i]
+            row = pieces.of_slab[position[e] // s]
+            if row >= 0:
+                levelled(pieces, row, tools, counts, sizes, whole)
+                times(tools.to_points, whole, 0, waves[position[e] : position[e] + s])
+                pieces.of_slab[position[e] // s] = -1
+            if pieces.before[e] >= 0:
+                levelled(pieces, pieces.before[e], tools, counts, sizes, whole)
+                times(tools.to_points, whole, 0, before[e])
+                pieces.before[e] = -1
+
+
+@njit(**OPTIONS)
+def level_at_lumps(network, state, fronts, whole):
+    """Project slabs in pieces that pass lumps on slabs in one piece: there fronts are no longer followed."""
+    lumps, pieces, tools, s = network.lumps, fronts.pieces, fronts.tools, whole.size
+    for r in range(lumps.line.size):
+        line = lumps.line[r]
+        ring = 2 * network.delay[line]
+        t = state.side[line] * network.delay[line] + state.slot[line]
+        for k in range(lumps.first[r], lumps.first[r + 1]):
+            for slab in passing(t, lumps.place[k], ring):
+                o = network.offset[line] + slab * s
+                row = pieces.of_slab[o // s]
+                if row >= 0:
+                    levelled(pieces, row, tools, fronts.counts, fronts.sizes, whole)
+                    times(tools.to_points, whole, 0, state.waves[o : o + s])
+                    pieces.of_slab[o // s] = -1
 
 
 @njit(**OPTIONS)
@@ -1229,6 +1558,9 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
         np.empty((most_elements(network.laws), most, s)),
     )  # fmt: skip
     u, history, factor = np.empty(most_nodes * s), np.empty((s, 2)), np.empty((most_elements(network.laws), s))
+    in_cells = network.cells.line.size > 0
+    enter, y = scratch_of_cells(network.cells, s)
+    w, out, whole = np.empty((s, ABREAST)), np.empty((s, ABREAST)), np.empty(s)
     position, due = np.empty(ends.size, np.int64), sources.first[:-1].copy()
     for k in range(n_slabs):
         slab = first_slab + k
@@ -1251,6 +1583,9 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
                     line = e >> 1
                     position[e] = network.offset[line] + ((sides[line] ^ (e & 1)) * delay[line] + slots[line]) * s
                     broken_here |= pieces.of_slab[position[e] // s] >= 0 or pieces.before[e] >= 0
+            if broken_here and fronts.levels[g]:
+                level(network, state, fronts, sources, drive, g, slab, k, position, due, whole)
+                broken_here = False
             if broken_here:
                 at_end = scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position, due, record, work)
             else:
@@ -1259,6 +1594,10 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
                 )  # fmt: skip
             if not np.isfinite(at_end):
                 return group[g], k
+        if in_cells:
+            pass_cells(network, state, enter, y)
+        level_at_lumps(network, state, fronts, whole)
+        lose(network, state, 1, w, out)
         for line in range(delay.size):
             slots[line] += 1
             if slots[line] == delay[line]:

@@ -6,6 +6,10 @@ each time a line's slot wraps, its ends change buffers. So every buffer slot is 
 delay, and nothing is ever copied along a line.
 
 Nodes that see each other without delay, through a state space of their own, form a group. A node alone is one too.
+
+The two buffers of a line are one ring of twice its delay D: in slab t end 1 works at place t, end 2 at t + D. What
+passes p slabs from end 1 in slab t is found at t - p (from end 1) and t + p (from end 2). Losses act there, in place,
+also half-way between: what is at t - p and t + p + 1 meets half a slab later and farther.
 """
 
 from typing import NamedTuple
@@ -35,6 +39,50 @@ class Laws(NamedTuple):
     step: float  # slab width, s
 
 
+class Cells(NamedTuple):
+    """Lossy lines in cells one slab long, advanced slab by slab; to the nodes such a line has a delay of one slab.
+
+    A node sees what would arrive if nothing left it, ŷ, with its own share of what comes back at once left to the
+    node's map; so a buffer holds ŷ and then 2u - ŷ.
+    """
+
+    line: Integers  # (rows,)
+    number: Integers  # (rows,) cells of the line
+    held: Integers  # (rows,) values that a cell holds, m
+    at: Integers  # (rows,) place of the row's maps
+    maps: Floats  # by columns: to a cell's next values and what leaves it then, of those before, (m + 2 s, m), and of
+    # what enters, (m + 2 s, 2 s); X, Y, R, Q of `pass_cells`, (s, s)
+    state: Integers  # (rows,) place of the row's state: of each cell m values and 2 s that leave it next; 2 s of ends
+    beside: NDArray[np.bool_]  # (G,) whether a group with elements has such lines
+    echo_at: Integers  # (N,) place of what such a node's effort adds to its Thévenin wave, by columns (s, s); or -1
+    echo: Floats
+
+
+CONSTANT, QUADRATIC, TABLED, REMEMBERED = range(4)  # kinds of lumps
+NO_GAP = 2**62
+
+
+class Lumps(NamedTuple):
+    """Losses, lumped at places inside lines, row by row: lumps of one line and one kind.
+
+    A lump sees w = a + sign b: a - b drives the flow through a series impedance, a + b the effort over a shunt
+    admittance. It takes away e(w): a becomes a - e, b becomes b - sign e.
+    """
+
+    gap: int  # slabs that may be advanced at once
+    line: Integers  # (rows,)
+    kind: Integers  # (rows,)
+    sign: Floats  # (rows,) -1 in series, 1 across
+    first: Integers  # (rows + 1,) the lumps of row r are first[r] to first[r + 1]
+    place: Integers  # half slabs from end 1
+    strength: Floats  # constant: e/w; quadratic: c, e = c|w| w/(1 + sqrt(1 + c|w|))²; else without meaning
+    at: Integers  # (rows,) place of the row's entries: of a table, or of its maps
+    modes: Integers  # (rows,) of a circuit
+    entries: Floats  # table: log2 of the first |w|, points per octave, number of points n, then e/w at n points;
+    # circuit: D (s, s), C (s, modes), B (modes, s), decay (modes,) of e = D w + C x, x' = B w + decay x
+    memory: Integers  # (rows,) place of the row's states, shape (modes, lumps)
+
+
 class Network(NamedTuple):
     """The constant arrays of a scene; L lines, N nodes, s points per slab."""
 
@@ -54,6 +102,8 @@ class Network(NamedTuple):
     step: Floats  # maps (k s + n)² from (k Thévenin waves, state) to (k efforts, next state), one after the other
     record_row: Integers  # (2 L,) row in the record of an end, -1 if it is not recorded
     laws: Laws
+    cells: Cells
+    lumps: Lumps
 
 
 class State(NamedTuple):
@@ -64,3 +114,21 @@ class State(NamedTuple):
     side: Integers  # (L,) 0: end 1 uses the first buffer and end 2 the second; 1: the other way round
     before: Floats  # (2 L, s) the slab that arrived last, as sent; used where delays have a fractional rest
     load: Floats  # of all groups, one after the other
+    cells: Floats  # of all lossy lines in cells
+    lumps: Floats  # of all circuits inside lines
+
+
+_NONE, _EMPTY = np.zeros(0, int), np.zeros(0)
+NO_LUMPS = Lumps(
+    NO_GAP,
+    line=_NONE,
+    kind=_NONE,
+    sign=_EMPTY,
+    first=np.zeros(1, int),
+    place=_NONE,
+    strength=_EMPTY,
+    at=_NONE,
+    modes=_NONE,
+    entries=_EMPTY,
+    memory=_NONE,
+)
