@@ -21,6 +21,10 @@ temperature = "12 degC"
 wall = "steel"
 wall_thickness = "6 mm"
 """,
+    "Site": """\
+[nodes.near]
+position = [120, 45.5]
+""",
     "Reservoir": """\
 [loads.tank]
 at = "near"

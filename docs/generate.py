@@ -31,6 +31,10 @@ SECTIONS = {
         "Where effort, flow and waves are recorded. Flow counts positive from the line's end 1 to its end 2, wherever "
         "the probe stands: at end 1 it comes out of the node, at end 2 it goes into the node.",
     ),
+    "nodes": (
+        "Nodes",
+        "Where nodes are, if that matters. With elevations pressures are piezometric, density·g·head.",
+    ),
 }
 SHAPES = ("Constant", "Step", "Ramp", "PiecewiseLinear", "Table", "Pulses", "Sine", "Exponential", "DoubleExponential")
 
