@@ -106,6 +106,8 @@ def _value(node: dict[str, Any]) -> str:
     choices = [one for one in node.get("anyOf", []) if one.get("type") != "null"]
     if len(choices) == 1:
         return _value(choices[0])
+    if "$ref" in node:
+        return "table"
     if "unit" in node:
         return _unit(node)
     if "enum" in node or "const" in node:

@@ -7,8 +7,9 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError
+from tline.scene.coupled import Coupled, ends_of
 from tline.scene.element import is_name
-from tline.scene.load import Matched, Reservoir, Resistor, Short, Switch
+from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.mistakes import nearest, place, shown
 from tline.scene.rational_load import Rational
 
@@ -27,9 +28,9 @@ def misplaced(data: Mapping[str, Any]) -> list[InputError]:
         if section in data and not data[section]:
             missing = "there is nothing to simulate" if section == "lines" else "nothing would be recorded"
             found.append(InputError(section, missing, f"at least one table [{section}.NAME]"))
-    ends = [line.get("nodes") for line in lines.values()]
-    known = bool(lines) and all(isinstance(p, list | tuple) and len(p) == 2 and all(map(is_name, p)) for p in ends)
-    nodes = sorted({node for pair in ends for node in pair or ()}) if known else []
+    ends = [_ends(line) for line in lines.values()]
+    known = bool(lines) and all(ends)
+    nodes = sorted({node for pair in ends for node in pair}) if known else []
     there = set(nodes)
     for section in ("sources", "loads", "probes"):
         for name, table in _tables(data, section).items():
@@ -41,6 +42,14 @@ def misplaced(data: Mapping[str, Any]) -> list[InputError]:
                 where = place(section, name, "line")
                 found.append(InputError(where, "no such line", nearest(line, [*lines]), shown(line)))
     return found
+
+
+def _ends(line: Mapping[str, Any]) -> list[str]:
+    """The nodes that a line's table names; none if they are no names."""
+    parts = [line.get("nodes1"), line.get("nodes2")] if "nodes1" in line else [line.get("nodes")]
+    if all(isinstance(p, list | tuple) and (len(p) == 2 or "nodes1" in line) and all(map(is_name, p)) for p in parts):
+        return [node for part in parts for node in part or ()]
+    return []
 
 
 def _tables(data: Mapping[str, Any], section: str) -> dict[str, dict[str, Any]]:
@@ -62,6 +71,7 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
     yield from _slab(scene)
     yield from _waveforms(scene)
     yield from _held(scene)
+    yield from _coupled(scene)
     for name, load in scene.loads.items():
         if isinstance(load, Matched) and len(ends.get(load.at, [""])) != 1:
             problem = f"node '{load.at}' is a junction, and only the end of one line can be matched"
@@ -75,11 +85,26 @@ def _slab(scene: Scene) -> Iterator[InputError]:
     slab = scene.solver.slab
     if slab is None or not scene.lines:
         return
-    delays = {name: line.parameters.delay or 0.0 for name, line in scene.lines.items()}
+    delays = {name: line.shortest for name, line in scene.lines.items()}
     shortest = min(delays, key=lambda name: delays[name])
     if slab > delays[shortest] * SAME:
         expected = f"at most that of {place('lines', shortest)}, {delays[shortest]:.6g} s"
         yield InputError("solver.slab", "longer than the shortest delay", expected, f"{slab:.6g} s")
+
+
+def _coupled(scene: Scene) -> Iterator[InputError]:
+    """Elements at coupled conductors that are not linear, or that a single line's z0 would make."""
+    coupled = {node for line in scene.lines.values() if isinstance(line, Coupled) for node in line.nodes}
+    modal = {node for end in ends_of(scene.lines) for node in end.modal}
+    modal |= {node.rpartition(",")[0] for node in modal}
+    for name in modal & {*scene.lines, *(node for line in scene.lines.values() for node in line.nodes)}:
+        yield InputError("lines", "a name that a mode of coupled conductors has", "another name", f"'{name}'")
+    if coupled and scene.start == "steady":
+        yield InputError("start", "coupled conductors have no steady state here", "'rest'", "'steady'")
+    for name, load in scene.loads.items():
+        if load.at in coupled and not isinstance(load, NoFlow | Short | Resistor | Rational):
+            problem = f"a {load.kind} load at node '{load.at}' of coupled conductors"
+            yield InputError(place("loads", name), problem, "R, L, C, an impedance, a short or an open end")
 
 
 def _waveforms(scene: Scene) -> Iterator[InputError]:
@@ -136,6 +161,8 @@ def _probe(scene: Scene, where: str, probe: Probe, ends: Ends) -> Iterator[Input
             yield InputError(f"{where}.line", f"does not end at '{probe.at}'", either, repr(probe.line))
     elif probe.line is None:
         yield InputError(f"{where}.line", "is missing")
+    elif isinstance(scene.lines[probe.line], Coupled):
+        yield InputError(f"{where}.position", "nothing is recorded within coupled conductors", "at = one of its nodes")
     else:
         try:
             probe.fraction(scene.lines[probe.line])

@@ -40,6 +40,11 @@ class SceneLine(Element):
         """All quantities of the line."""
         return self._parameters
 
+    @property
+    def shortest(self) -> float:
+        """Its delay, s."""
+        return self._parameters.delay or 0.0
+
     def _settle(self, kind: type[HydraulicLine] | type[ElectricalLine]):
         given = {name: getattr(value, "typed", value) for name, value in self if name != "nodes" and value is not None}
         self._parameters = kind(**given)

@@ -48,11 +48,11 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     nodes = nodes_of(scene)
     chosen = chosen or resolution(scene, nodes)
     order, h = basis(chosen.s), chosen.h
-    u, y = steady_state(scene, nodes) if scene.start == "steady" else np.zeros((2, len(scene.lines)))
+    u, y = steady_state(scene, nodes) if scene.start == "steady" else np.zeros((2, len(scene.single_lines)))
     groups, nodes = grouped(scene, chosen.cells, nodes_of(scene, chosen.cells) if chosen.cells else nodes, u, y)
-    lines = {name: line for name, line in scene.lines.items() if name not in chosen.cells}
+    lines = {name: line for name, line in scene.single_lines.items() if name not in chosen.cells}
     z0 = np.array([line.parameters.z0 for line in lines.values()])
-    kept = np.array([name in lines for name in scene.lines])
+    kept = np.array([name in lines for name in scene.single_lines])
     arriving = np.stack([u[kept] - z0 * y[kept], u[kept] + z0 * y[kept]], axis=1).ravel()  # b at end 1, a at end 2
 
     delay, shift_row, shift = _delays(lines, order, h)

@@ -55,7 +55,8 @@ def unconnected(scene: Scene) -> list[str]:
     """Parts of the scene that no line joins with the rest: often a node whose name is written in two ways."""
     nodes = list(dict.fromkeys(node for line in scene.lines.values() for node in line.nodes))
     number = {node: k for k, node in enumerate(nodes)}
-    first, second = np.array([[number[node] for node in line.nodes] for line in scene.lines.values()]).T
+    pairs = [(line.nodes[0], node) for line in scene.lines.values() for node in line.nodes[1:]]
+    first, second = np.array([[number[node] for node in pair] for pair in pairs]).T
     part = parts(first, second, len(nodes))
     if not part.any():
         return []

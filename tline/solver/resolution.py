@@ -58,7 +58,7 @@ def resolution(
     InputError
         The waves under way would not fit in memory, or the run has too many slabs or ends within the first.
     """
-    delays = {name: line.parameters.delay or 0.0 for name, line in scene.lines.items() if name not in cells}
+    delays = {name: line.parameters.delay or 0.0 for name, line in scene.single_lines.items() if name not in cells}
     s = s or scene.solver.order or ORDER
     by_hand = h is None and scene.solver.slab is not None
     scales = _time_scales(scene, nodes)

@@ -10,6 +10,7 @@ from tline.errors import InputError
 from tline.scene.plausible import below_vacuum, doubts
 from tline.scene.scene import Scene
 from tline.solver.assemble import Assembly, assemble
+from tline.solver.conductor import conductor, record_of
 from tline.solver.march import Run, march
 from tline.solver.remarks import VISIBLE, lumped, smeared, unconnected, untouched
 from tline.solver.resolution import Resolution
@@ -38,8 +39,11 @@ def run(scene: Scene, chosen: Resolution, record: Iterable[str] = (), *, progres
     ends = np.arange(n + 1) * h
     probes = {}
     for name, probe in scene.probes.items():
-        line = scene.probed_line(name)
-        probes[name] = ProbeResult(name, line, probe.fraction(scene.lines[line]), lines[line], ends)
+        line, at = scene.probed_line(name), conductor(scene, name)
+        if at is None:
+            probes[name] = ProbeResult(name, line, probe.fraction(scene.lines[line]), lines[line], ends)
+        else:
+            probes[name] = ProbeResult(name, line, float(at.end), record_of(at, lines), ends)
     unresolved = (*chosen.notes, *smeared(done.fronts))
     lowest = {name: float(probe.u.min()) for name, probe in probes.items()}
     doubtful = (*doubts(scene), *below_vacuum(scene, lowest))
@@ -49,13 +53,14 @@ def run(scene: Scene, chosen: Resolution, record: Iterable[str] = (), *, progres
 
 
 def probed(scene: Scene) -> set[str]:
-    """Lines whose ends the probes see."""
-    return {scene.probed_line(name) for name in scene.probes}
+    """Lines whose ends the probes see, those of all modes where they see a conductor of several."""
+    places = {name: conductor(scene, name) for name in scene.probes}
+    return {line for name, at in places.items() for line in (at.lines if at else [scene.probed_line(name)])}
 
 
 def _record(assembly: Assembly, name: str, waves: NDArray, done: Run) -> LineRecord:
     row, (a, b) = assembly.recorded[name], assembly.start[name]
-    parameters = assembly.scene.lines[name].parameters
+    parameters = assembly.lines[name].parameters
     s, h = assembly.resolution.s, assembly.resolution.h
 
     def wave(end: int, side: int, before: float) -> Wave:
