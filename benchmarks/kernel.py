@@ -15,6 +15,7 @@ from statistics import median
 import numpy as np
 
 from tline.solver.assemble import assemble
+from tline.solver.elements import laws_of
 from tline.solver.kernel import advance
 from tline.solver.network import Network, State
 from tline.solver.radau import basis
@@ -53,6 +54,7 @@ def ring(lines: int, s: int, *, fractional: bool, seed: int = 0) -> tuple[Networ
         np.zeros(0, np.int64),
         np.zeros(0),
         np.full(2 * lines, -1),
+        laws_of([[]] * lines, [[]] * lines, {}, 0, 0)[0],
     )
     zeros = np.zeros(lines, np.int64)
     waves = rng.normal(size=int(2 * delay.sum() * s))

@@ -11,6 +11,7 @@ from random_scenes import random_scene
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
+from tline.solver import fronts, kernel
 from tline.solver.assemble import assemble
 from tline.solver.kernel import TINY, advance
 from tline.solver.simulate import simulate
@@ -53,6 +54,12 @@ def test_waves_below_the_smallest_that_count_become_zero():
     assembly.state.waves[:] = 0.5 * TINY
     advance(assembly.network, assembly.state, 100, SILENT, UNRECORDED, 0)
     assert not assembly.state.waves.any()
+
+
+@pytest.mark.parametrize("name", ["LIVE", "PEAK", "MERGED", "DISSOLVED", "DROPPED", "NOTED", "SCALE", "LOST"])
+def test_kernel_and_fronts_count_in_the_same_places(name):
+    """The kernel is imported late, for numba is slow to load; so both have these numbers."""
+    assert getattr(kernel, name) == getattr(fronts, name)
 
 
 def test_no_access_outside_any_array(tmp_path):

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError
 from tline.scene.coupled import Coupled, ends_of
+from tline.scene.crowded import crowded
 from tline.scene.element import is_name
+from tline.scene.factor import check_range
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.mistakes import nearest, place, shown
 from tline.scene.rational_load import Rational
@@ -31,11 +34,14 @@ def misplaced(data: Mapping[str, Any]) -> list[InputError]:
     ends = [_ends(line) for line in lines.values()]
     known = bool(lines) and all(ends)
     nodes = sorted({node for pair in ends for node in pair}) if known else []
-    there = set(nodes)
+    there, linked = set(nodes), linked_nodes(_tables(data, "links"))
+    if known:
+        found += _loose_ends(data, nodes, linked)
     for section in ("sources", "loads", "probes"):
         for name, table in _tables(data, section).items():
             at, line = table.get("at"), table.get("line")
-            if known and isinstance(at, str) and at not in there:
+            within = there if section == "probes" else there | set(linked)
+            if known and isinstance(at, str) and at not in within:
                 where = place(section, name, "at")
                 found.append(InputError(where, "no line ends at this node", nearest(at, nodes), shown(at)))
             if section == "probes" and lines and isinstance(line, str) and line not in lines:
@@ -50,6 +56,27 @@ def _ends(line: Mapping[str, Any]) -> list[str]:
     if all(isinstance(p, list | tuple) and (len(p) == 2 or "nodes1" in line) and all(map(is_name, p)) for p in parts):
         return [node for part in parts for node in part or ()]
     return []
+
+
+def _is_pair(nodes: Any) -> bool:
+    return isinstance(nodes, list | tuple) and len(nodes) == 2 and all(map(is_name, nodes))
+
+
+def linked_nodes(links: Mapping[str, dict[str, Any]]) -> list[str]:
+    """Nodes that links name, as often as they do."""
+    pairs = [link.get("nodes") for link in links.values()]
+    return [node for pair in pairs if pair is not None and _is_pair(pair) for node in pair]
+
+
+def _loose_ends(data: Mapping[str, Any], nodes: list[str], linked: list[str]) -> Iterator[InputError]:
+    """Ends of links at nodes where nothing else is."""
+    there = [table.get("at") for part in ("sources", "loads") for table in _tables(data, part).values()]
+    for name, link in _tables(data, "links").items():
+        pair = link.get("nodes")
+        for k, node in enumerate(pair if pair is not None and _is_pair(pair) else ()):
+            if node not in nodes and node not in there and linked.count(node) == 1:
+                where = place("links", name, "nodes", k)
+                yield InputError(where, "nothing else is at this node", nearest(node, nodes), shown(node))
 
 
 def _tables(data: Mapping[str, Any], section: str) -> dict[str, dict[str, Any]]:
@@ -72,8 +99,12 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
     yield from _waveforms(scene)
     yield from _held(scene)
     yield from _coupled(scene)
+    yield from crowded(scene, {node for _, node in _ideal(scene)})
+    linked = {node for link in scene.links.values() for node in link.nodes} - set(ends)
     for name, load in scene.loads.items():
-        if isinstance(load, Matched) and len(ends.get(load.at, [""])) != 1:
+        if isinstance(load, Matched) and load.at in linked:
+            yield InputError(place("loads", name), f"no line ends at node '{load.at}' to be matched", "a resistor")
+        elif isinstance(load, Matched) and len(ends.get(load.at, [""])) != 1:
             problem = f"node '{load.at}' is a junction, and only the end of one line can be matched"
             yield InputError(place("loads", name), problem, "a resistor", f"{len(ends[load.at])} ends")
     for name, probe in scene.probes.items():
@@ -105,22 +136,27 @@ def _coupled(scene: Scene) -> Iterator[InputError]:
         if load.at in coupled and not isinstance(load, NoFlow | Short | Resistor | Rational):
             problem = f"a {load.kind} load at node '{load.at}' of coupled conductors"
             yield InputError(place("loads", name), problem, "R, L, C, an impedance, a short or an open end")
+    for name, link in scene.links.items():
+        for node in coupled.intersection(link.nodes):
+            yield InputError(
+                place("links", name), f"ends at node '{node}' of coupled conductors", "a node of single lines"
+            )
 
 
 def _waveforms(scene: Scene) -> Iterator[InputError]:
-    for name, source in scene.sources.items():
+    for (part, name, key), waveform in scene.waveforms.items():
         try:
-            source.value.breaks(scene.t_end)
+            waveform.breaks(scene.t_end)
+            if part != "sources":
+                check_range(waveform, scene.t_end, 1.0 if key == "opening" else inf)
         except InputError as error:
-            yield InputError(place("sources", name, "value", error.where), error.problem, error.expected, error.got)
+            yield InputError(place(part, name, key, error.where), error.problem, error.expected, error.got)
 
 
 def _held(scene: Scene) -> Iterator[InputError]:
     """Nodes where an effort is prescribed, or held by a capacitor, and what cannot stand beside that."""
     held: dict[str, str] = {}
-    ideal = [(place("sources", name), s.at) for name, s in scene.sources.items() if s.conductance == float("inf")]
-    ideal += [(place("loads", name), load.at) for name, load in scene.loads.items() if _is_ideal(load)]
-    for where, node in ideal:
+    for where, node in _ideal(scene):
         if node in held:
             problem = f"node '{node}' is already held by {held[node]}"
             yield InputError(where, problem, "one ideal effort or short at a node")
@@ -138,6 +174,12 @@ def _held(scene: Scene) -> Iterator[InputError]:
         if isinstance(load, Switch) and 0 in (load.before, load.after) and holder:
             problem = f"shorts node '{load.at}', which {holder} holds"
             yield InputError(place("loads", name), problem, "a resistance above zero")
+
+
+def _ideal(scene: Scene) -> list[tuple[str, str]]:
+    """Elements that prescribe an effort, and their nodes."""
+    ideal = [(place("sources", name), s.at) for name, s in scene.sources.items() if s.conductance == inf]
+    return ideal + [(place("loads", name), load.at) for name, load in scene.loads.items() if _is_ideal(load)]
 
 
 def _is_ideal(load: Any) -> bool:

@@ -23,7 +23,8 @@ MATERIALS = {
 }
 
 
-def _two(nodes: Any) -> Any:
+def two_nodes(nodes: Any) -> Any:
+    """A pair of nodes as read, if it is a pair."""
     if not isinstance(nodes, list | tuple) or len(nodes) != 2:
         raise InputError("", "not two nodes", 'two names such as ["a", "b"]', shown(nodes))
     return nodes
@@ -32,7 +33,7 @@ def _two(nodes: Any) -> Any:
 class SceneLine(Element):
     """A line from its end 1 (the first node) to its end 2 (the second)."""
 
-    nodes: Annotated[tuple[Name, Name], BeforeValidator(_two)] = Field(description="node at end 1, node at end 2")
+    nodes: Annotated[tuple[Name, Name], BeforeValidator(two_nodes)] = Field(description="node at end 1, node at end 2")
     _parameters: HydraulicLine | ElectricalLine = PrivateAttr()
 
     @property
@@ -44,6 +45,10 @@ class SceneLine(Element):
     def shortest(self) -> float:
         """Its delay, s."""
         return self._parameters.delay or 0.0
+
+    def steady_drop(self, y: float) -> tuple[float, float]:
+        """Fall of the effort from end 1 to end 2 in steady flow y, and its slope over y."""
+        return 0.0, 0.0
 
     def _settle(self, kind: type[HydraulicLine] | type[ElectricalLine]):
         given = {name: getattr(value, "typed", value) for name, value in self if name != "nodes" and value is not None}

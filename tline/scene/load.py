@@ -5,10 +5,14 @@ from typing import Annotated, Literal
 from pydantic import Field, ValidationInfo, field_validator
 
 from tline.errors import InputError
+from tline.scene.characteristic import Curve, Diode
 from tline.scene.element import AtNode
 from tline.scene.medium import MEDIA
+from tline.scene.outflow import Demand, Leak
 from tline.scene.quantity import LoadResistance, Pressure, Resistance, Time
 from tline.scene.rational_load import Impedance, Parallel, Series
+from tline.scene.valve import CheckValve, Orifice, ReliefValve
+from tline.scene.vessel import AirVessel, Cavity, SurgeTank
 
 
 def _check_word(kind: str, info: ValidationInfo, role: str) -> str:
@@ -78,6 +82,7 @@ class Switch(AtNode):
 
 
 Load = Annotated[
-    NoFlow | Short | Reservoir | Matched | Resistor | Switch | Series | Parallel | Impedance,
+    NoFlow | Short | Reservoir | Matched | Resistor | Switch | Series | Parallel | Impedance
+    | Orifice | CheckValve | ReliefValve | Leak | Demand | Diode | Curve | AirVessel | SurgeTank | Cavity,
     Field(discriminator="kind"),
-]
+]  # fmt: skip

@@ -13,8 +13,8 @@ from tline.errors import InputError
 
 UNKNOWN, MISSING = "unknown key", "is missing"
 WORDS = {"kind", "shape"}  # keys that tell apart what may stand in one place
-MODELS: dict[str, type[BaseModel]] = {}  # value of such a key -> the model it chooses
-WORD_AT = {"loads": 2, "sources": 3, "value": 1}  # where in the validator's locations that value stands
+MODELS: dict[tuple[str, str], type[BaseModel]] = {}  # (links or else "", such a value) -> what it chooses
+WORD_AT = {"loads": 2, "links": 2, "sources": 3, "value": 1}  # where in the validator's locations that value stands
 MOST = 100  # sentences; who makes more mistakes than that reads no further
 SEARCHED, LISTED = 2000, 16  # known words that are searched for a near one, and that are listed
 BARE = re.compile(r"[\w-]+")  # a key that needs no quotes
@@ -30,8 +30,9 @@ _short.maxlevel = 2
 
 def register(model: type[BaseModel]) -> None:
     """Remember the words that choose this model."""
+    section = getattr(model, "section", "")
     for word in model.model_fields.keys() & WORDS:
-        MODELS.update(dict.fromkeys(get_args(model.model_fields[word].annotation), model))
+        MODELS.update({(section, value): model for value in get_args(model.model_fields[word].annotation)})
 
 
 def mistakes(
@@ -72,7 +73,8 @@ def _sentence(
     location, got, context = finding["loc"], shown(finding["input"]), finding.get("ctx", {})
     word_at = WORD_AT.get(str(location[0])) if location else None
     word = location[word_at] if word_at is not None and len(location) > word_at else None
-    chosen = MODELS.get(word) if isinstance(word, str) else None
+    section = "links" if location and location[0] == "links" else ""
+    chosen = MODELS.get((section, word)) if isinstance(word, str) else None
     parts = [part for k, part in enumerate(location) if not (chosen and k == word_at) and part != "[key]"]
     where = place(*within, *parts)
     match finding["type"]:
@@ -83,7 +85,8 @@ def _sentence(
             return InputError(where, UNKNOWN, nearest(str(location[-1]), keys(model)))
         case "union_tag_not_found":
             key, own = context["discriminator"].strip("'"), sections.values()
-            words = [word for word, model in MODELS.items() if key in model.model_fields and model not in own]
+            known = [(word, model) for (part, word), model in MODELS.items() if part == section]
+            words = [word for word, model in known if key in model.model_fields and model not in own]
             return InputError(place(*within, *parts, key), MISSING, listed(words))
         case "union_tag_invalid":
             key, known = context["discriminator"].strip("'"), context["expected_tags"].strip("'").split("', '")

@@ -79,7 +79,7 @@ def _rings(scene: Scene) -> list[str]:
 def _idle(scene: Scene) -> list[str]:
     """Valves and switches that do not move within the run, and waveforms that begin after it."""
     moves = {place("loads", name): load.time for name, load in scene.loads.items() if isinstance(load, Switch)}
-    begins = {place("sources", name): getattr(source.value, "at", 0.0) for name, source in scene.sources.items()}
+    begins = {place(part, name): getattr(shape, "at", 0.0) for (part, name, _), shape in scene.waveforms.items()}
     late = [f"{where} ({t:.6g} s)" for where, t in (moves | begins).items() if t >= scene.t_end]
     early = [f"{where} ({t:.6g} s)" for where, t in moves.items() if t < 0]
     return [

@@ -32,11 +32,11 @@ class Points(Shape):
 
 def between(times: Floats, levels: Floats, t: Floats, inside: Floats) -> Floats:
     """Level at t of the straight piece that contains `inside`, continued."""
-    right = np.searchsorted(times, inside)
-    low, high = np.maximum(right - 1, 0), np.minimum(right, len(times) - 1)
-    span = times[high] - times[low]
-    slope = np.divide(levels[high] - levels[low], span, out=np.zeros_like(span), where=span > 0)
-    return levels[low] + slope * (t - times[low])
+    piece = np.searchsorted(times, inside)
+    begin = np.maximum(np.arange(len(times) + 1) - 1, 0)
+    span, slope = np.diff(times), np.zeros(len(times) + 1)
+    np.divide(np.diff(levels), span, out=slope[1:-1], where=span > 0)
+    return levels[begin][piece] + slope[piece] * (t - times[begin][piece])
 
 
 class Ramp(Points):

@@ -9,12 +9,15 @@ from tline.errors import InputError, SceneError
 from tline.scene.check import conflicts, misplaced
 from tline.scene.coupled import Coupled, single_lines
 from tline.scene.element import Element, Name
+from tline.scene.law import FACTORS, Law, NonLinear
 from tline.scene.line import Cable, Pipe, SceneLine
+from tline.scene.link import Link
 from tline.scene.load import Load
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import MOST, limited, mistakes
 from tline.scene.probe import Probe
 from tline.scene.quantity import Duration, Tolerance, Whole
+from tline.scene.shape import Shape
 from tline.scene.source import Source
 
 SHORT = 1e-30  # s, an end time in place of a bad one, so short that no waveform has too many breaks
@@ -54,39 +57,40 @@ Line = Annotated[
 class Scene(Element):
     """What a user describes; immutable, and valid once it exists.
 
-    Parameters
-    ----------
-    folder : str, by position
-        Where CSV tables are looked for; without it the working folder.
-    medium : str
-        "hydraulic" or "electrical".
-    t_end : number or text
-        End time, s; a run goes on to the end of its last slab.
-    lines, sources, loads, probes : dict
-        Elements by name. Lines meet at the nodes they name, in any topology; a node with nothing else is closed.
-    start : str
-        "rest", or "steady": the state that the sources imply by what they are just before t = 0.
-    solver : Solver
-        The tolerance (1e-6 without it), or order and slab width, where they are to be fixed by hand.
-    title : str
-        Said in plots and files.
+        Parameters
+        ----------
+        folder : str, by position
+            Where CSV tables are looked for; without it the working folder.
+        medium : str
+            "hydraulic" or "electrical".
+        t_end : number or text
+            End time, s; a run goes on to the end of its last slab.
+        lines, sources, loads, links, probes : dict
+            Elements by name. Lines meet at the nodes they name, in any topology; a node with nothing else is closed.
+        start : str
+            "rest", or "steady": the state that the sources imply by what they are just before t = 0.
+        solver : Solver
+            The tolerance (1e-6 without it), or order and slab width, where they are to be fixed by hand.
+        title : str
+            Said in plots and files.
 
-    Raises
-    ------
-    SceneError
-        With every mistake of the scene, each naming its element.
+        Raises
+        ------
+        SceneError
+            With every mistake of the scene, each naming its element.
 
-    Examples
-    --------
-    >>> from tline.scene.source import Source
-    >>> scene = Scene(
-    ...     medium="electrical", t_end="40 ns",
-    ...     lines={"cable": {"nodes": ["near", "far"], "z0": "50 ohm", "delay": "5 ns"}},
-    ...     sources={"pulse": {"at": "near", "kind": "voltage", "value": "1 V", "resistance": "50 ohm"}},
-    ...     probes={"far": {"at": "far"}},
-    ... )
-    >>> scene.lines["cable"].parameters.delay
-    5e-09
+        Examples
+        --------
+        >>> from tline.scene.shape import Shape
+    from tline.scene.source import Source
+        >>> scene = Scene(
+        ...     medium="electrical", t_end="40 ns",
+        ...     lines={"cable": {"nodes": ["near", "far"], "z0": "50 ohm", "delay": "5 ns"}},
+        ...     sources={"pulse": {"at": "near", "kind": "voltage", "value": "1 V", "resistance": "50 ohm"}},
+        ...     probes={"far": {"at": "far"}},
+        ... )
+        >>> scene.lines["cable"].parameters.delay
+        5e-09
     """
 
     title: str = Field(default="", description="said in plots and files")
@@ -99,6 +103,7 @@ class Scene(Element):
     lines: dict[Name, Line] = Field(description="lines by name")
     sources: dict[Name, Source] = Field(default_factory=dict, description="sources by name")
     loads: dict[Name, Load] = Field(default_factory=dict, description="loads by name")
+    links: dict[Name, Link] = Field(default_factory=dict, description="what stands between two nodes, by name")
     probes: dict[Name, Probe] = Field(description="probes by name")
 
     def __init__(self, folder: str = ".", /, **data: Any) -> None:
@@ -129,6 +134,21 @@ class Scene(Element):
         """The lines that carry waves: single ones, and one for each mode of coupled conductors."""
         return single_lines(self.lines)
 
+    @property
+    def laws(self) -> dict[tuple[str, str], Law]:
+        """Law of each non-linear element by section and name."""
+        elements = [("loads", *one) for one in self.loads.items()] + [("links", *one) for one in self.links.items()]
+        return {(part, name): element.law() for part, name, element in elements if isinstance(element, NonLinear)}
+
+    @property
+    def waveforms(self) -> dict[tuple[str, str, str], Shape]:
+        """All that is prescribed over time, by section, name and key."""
+        given = {("sources", name, "value"): source.value for name, source in self.sources.items()}
+        for (part, name), law in self.laws.items():
+            if law.factor is not None:
+                given[part, name, FACTORS[law.kind]] = law.factor
+        return given
+
     def probed_line(self, probe: str) -> str:
         """Name of the line that a probe is on, or of the first whose end it sees."""
         place = self.probes[probe]
@@ -142,7 +162,7 @@ def _sound_part(data: dict[str, Any], error: ValidationError, context: dict[str,
     if "units" not in context or keys & {"lines", "medium"}:
         return None
     part = {"t_end": SHORT, "probes": {}} | {key: value for key, value in data.items() if key not in keys}
-    for section in keys & {"sources", "loads", "probes"}:
+    for section in keys & {"sources", "loads", "links", "probes"}:
         tables = data.get(section)
         if isinstance(tables, dict):
             part[section] = {name: table for name, table in tables.items() if (section, name) not in bad}

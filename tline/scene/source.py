@@ -1,13 +1,11 @@
 """Sources: a prescribed effort or flow behind an internal resistance."""
 
-from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import (
     Field,
     PlainValidator,
     SerializeAsAny,
-    TypeAdapter,
     ValidationInfo,
     field_validator,
     model_validator,
@@ -16,20 +14,15 @@ from pydantic import (
 from tline.errors import InputError
 from tline.scene.element import AtNode
 from tline.scene.medium import MEDIA
-from tline.scene.quantity import LEVEL, Resistance
-from tline.scene.waveform import Constant, Shape, Waveform
+from tline.scene.quantity import Resistance
+from tline.scene.waveform import Shape, Waveform, read_waveform
 
 UNITS = {word: m.units[role] for m in MEDIA.values() for word, role in ((m.effort, "effort"), (m.flow, "flow"))}
-_WAVEFORM = TypeAdapter(Waveform)
 
 
 def _waveform(value: Any, info: ValidationInfo) -> Shape:
-    """A waveform whose levels have the unit of the source's kind; a number or text is a constant."""
-    unit = UNITS.get(info.data.get("kind", ""))
-    if not isinstance(value, Mapping | Shape):
-        return Constant(level=LEVEL.parse(value, unit))
-    units = {} if unit is None else {LEVEL.name: unit}
-    return _WAVEFORM.validate_python(value, context={**(info.context or {}), "units": units})
+    """A waveform whose levels have the unit of the source's kind."""
+    return read_waveform(value, UNITS.get(info.data.get("kind", "")), info)
 
 
 class Source(AtNode):

@@ -1,20 +1,31 @@
 """All shapes a waveform may have."""
 
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, TypeAdapter, ValidationInfo
 
 from tline.scene.points import PiecewiseLinear, Ramp, Table
 from tline.scene.pulses import Pulses
+from tline.scene.quantity import LEVEL
 from tline.scene.shape import Constant, Shape, Step
 from tline.scene.smooth import DoubleExponential, Exponential, Sine
 
 __all__ = [
     "Constant", "DoubleExponential", "Exponential", "PiecewiseLinear", "Pulses", "Ramp", "Shape", "Sine", "Step",
-    "Table", "Waveform",
+    "Table", "Waveform", "read_waveform",
 ]  # fmt: skip
 
 Waveform = Annotated[
     Constant | Step | Ramp | PiecewiseLinear | Table | Pulses | Sine | Exponential | DoubleExponential,
     Field(discriminator="shape"),
 ]
+_WAVEFORM = TypeAdapter(Waveform)
+
+
+def read_waveform(value: Any, unit: str | None, info: ValidationInfo) -> Shape:
+    """A waveform whose levels have that unit; a number or text is a constant."""
+    if not isinstance(value, Mapping | Shape):
+        return Constant(level=LEVEL.parse(value, unit))
+    units = {} if unit is None else {LEVEL.name: unit}
+    return _WAVEFORM.validate_python(value, context={**(info.context or {}), "units": units})

@@ -1,5 +1,6 @@
 """From a scene to arrays: the one place that knows both."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,15 +9,17 @@ from numpy.typing import NDArray
 from tline.scene.line import SceneLine
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
+from tline.solver.cells import InCells, cell, cells_of, rates
 from tline.solver.drive import just_before
+from tline.solver.elements import laws_of, states_of, with_basis
 from tline.solver.load_step import StateSpace
-from tline.solver.lumps import grouped
+from tline.solver.lumps import Group, grouped
 from tline.solver.network import Network, State
 from tline.solver.node_maps import node_maps
-from tline.solver.nodes import nodes_of
+from tline.solver.nodes import Node, nodes_of
 from tline.solver.radau import Basis, basis
 from tline.solver.resolution import WHOLE, Resolution, resolution
-from tline.solver.steady import steady_state
+from tline.solver.steady import rest, steady_state
 
 
 @dataclass
@@ -28,7 +31,9 @@ class Assembly:
     basis: Basis
     network: Network
     state: State
-    drives: list[list[tuple[Shape, float]]]  # of each drive row: waveforms and their shares of the Thévenin wave
+    drives: list[
+        list[tuple[Shape, float]]
+    ]  # of each drive row: waveforms and their shares of the Thévenin wave, or what scales an element
     systems: list[StateSpace]  # of each row of the network's maps
     changes: list[tuple[float, int, int]]  # (instant in slabs, group, row of the map from then on), sorted
     nodes: list[str]
@@ -43,19 +48,27 @@ class Assembly:
         return bool((self.network.shift_row >= 0).any() or self.settle.any())
 
 
-def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -> Assembly:
+def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, lossy=None) -> Assembly:
     """Turn a scene into arrays; `record` names the lines whose end waves are kept."""
     nodes = nodes_of(scene)
     chosen = chosen or resolution(scene, nodes)
     order, h = basis(chosen.s), chosen.h
-    u, y = steady_state(scene, nodes) if scene.start == "steady" else np.zeros((2, len(scene.single_lines)))
-    groups, nodes = grouped(scene, chosen.cells, nodes_of(scene, chosen.cells) if chosen.cells else nodes, u, y)
+    effort, y = steady_state(scene, nodes) if scene.start == "steady" else rest(scene, nodes)
+    u = np.array([[effort[at] for at in line.nodes] for line in scene.single_lines.values()])
+    groups, nodes = grouped(scene, chosen.cells, nodes_of(scene, chosen.cells) if chosen.cells else nodes, u[:, 0], y)
     lines = {name: line for name, line in scene.single_lines.items() if name not in chosen.cells}
     z0 = np.array([line.parameters.z0 for line in lines.values()])
     kept = np.array([name in lines for name in scene.single_lines])
-    arriving = np.stack([u[kept] - z0 * y[kept], u[kept] + z0 * y[kept]], axis=1).ravel()  # b at end 1, a at end 2
+    arriving = np.stack(
+        [u[kept, 0] - z0 * y[kept], u[kept, 1] + z0 * y[kept]], axis=1
+    ).ravel()  # b at end 1, a at end 2
 
     delay, shift_row, shift = _delays(lines, order, h)
+    in_cells = {}
+    for k, name in enumerate(lines):
+        if lossy and name in lossy:
+            in_cells[k] = InCells(int(delay[k]), cell(rates(*lossy[name], h), chosen.s))
+            delay[k] = 1
     drives = [node.drives for node in nodes.values()]
     ends = np.array([end for node in nodes.values() for end in node.ends])
     degree = [len(node.ends) for node in nodes.values()]
@@ -64,8 +77,16 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     if scene.start == "steady":
         thevenin += [sum(share * just_before(waveform) for waveform, share in parts) for parts in drives]
     driven = np.array([bool(parts) for parts in drives])
-    maps = node_maps(groups, order, h, thevenin)
+    echoes = [_echoes(group, z0, in_cells) for group in groups]
+    cells, held = cells_of(
+        in_cells, [e if group.elements else [None] * len(e) for e, group in zip(echoes, groups, strict=True)]
+    )
+    maps = node_maps(groups, order, h, thevenin, echoes)
     recorded, record_row = _recorded(lines, record)
+    drives = list(filter(None, drives))
+    elements, members = [group.elements for group in groups], _members(groups, nodes)
+    laws, factors = laws_of(elements, members, nodes, len(drives), len(maps.states))
+    drives += [[(factor, 1.0)] for factor in factors]
     network = Network(
         delay,
         offset=np.concatenate([[0], np.cumsum(2 * delay * chosen.s)[:-1]]),
@@ -82,13 +103,16 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         step_states=maps.step_states,
         step=maps.step,
         record_row=record_row,
+        laws=with_basis(laws, order, h),
+        cells=cells,
     )
     state = State(
         waves=np.repeat(arriving, np.repeat(delay * chosen.s, 2)),
         slot=np.zeros(len(delay), np.int64),
         side=np.zeros(len(delay), np.int64),
         before=np.repeat(arriving[:, None], chosen.s, axis=1),
-        load=maps.states,
+        load=np.concatenate([maps.states, states_of([e for group in elements for e in group], effort)]),
+        cells=np.zeros(held),
     )
     start = {name: (arriving[2 * k + 1], arriving[2 * k]) for k, name in enumerate(lines)}
     return Assembly(
@@ -97,7 +121,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         basis=order,
         network=network,
         state=state,
-        drives=list(filter(None, drives)),
+        drives=drives,
         systems=maps.systems,
         changes=maps.changes,
         nodes=list(nodes),
@@ -106,6 +130,25 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         start=start,
         settle=np.array([chosen.settle if group.lumps else 0.0 for group in groups]),
     )
+
+
+def _members(groups: list[Group], nodes: dict[str, Node]) -> list[list[str]]:
+    """Names of the nodes of each group."""
+    names = iter(nodes)
+    return [[next(names) for _ in group.nodes] for group in groups]
+
+
+def _echoes(group: Group, z0: NDArray, in_cells: Mapping[int, InCells]) -> list[NDArray | None]:
+    """Of each node of a group at lines in cells: from its effort to what comes back of it at once."""
+    echoes: list[NDArray | None] = []
+    for node in group.nodes:
+        felt = [
+            2 * weight * in_cells[end // 2].echo
+            for end, weight in zip(node.ends, node.weights(z0), strict=True)
+            if end // 2 in in_cells
+        ]
+        echoes.append(np.sum(felt, axis=0) if felt else None)
+    return echoes
 
 
 def _recorded(lines: dict[str, SceneLine], names: set[str]) -> tuple[dict[str, int], NDArray]:

@@ -13,8 +13,8 @@ EDGE = 1e-9  # slabs; a break nearer than this to a slab's edge counts as on it
 
 def sampled(waveform: Shape, basis: Basis, h: float, first: int, n: int) -> NDArray:
     """Values at the Radau points of n slabs from number `first` on, shape (n, s); without meaning in broken ones."""
-    start = ((first + np.arange(n)) * h)[:, None]
-    return waveform.value(start + h * basis.c, start + h / 2)
+    start = (first + np.arange(n)) * h
+    return waveform.value(start + h * basis.c[:, None], start + h / 2).T  # loops over slabs are longer than over points
 
 
 class Broken(NamedTuple):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tline.solver.assemble import Assembly
 from tline.solver.drive import Broken
 from tline.solver.load_step import StateSpace
-from tline.solver.network import Floats, Integers
+from tline.solver.network import Floats, Integers, Network
 from tline.solver.radau import gauss
 
 MOST = 16  # pieces of a slab
@@ -83,6 +83,7 @@ class Fronts(NamedTuple):
     at_node: int
     step: float  # slab width h
     fractional: bool  # whether a front at the start of a slab needs to be followed
+    levels: NDArray[np.bool_]  # (G,) whether a group leaves out fronts inside slabs, for it is at a line in cells
     settle: Floats  # (G,) slabs that a group with lumped lines takes to settle after a front, else 0
     settled: Floats  # (G,) instant at which it will have, in slabs
     rest: Floats  # (L,) fractional rest of each delay
@@ -128,7 +129,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]]) -
     group = np.array([g for _, g, _ in moves], int)
     order = np.argsort(group, kind="stable")
     first = np.searchsorted(group[order], np.arange(len(network.group)))
-    places = max(LOGGED, 2 * 2 * len(assembly.recorded) * AT_NODE)
+    places = max(LOGGED, 2 * int(network.record_row.max(initial=-1) + 1) * AT_NODE)
     delays = np.array([line.parameters.delay or 0.0 for line in assembly.lines.values()])
     return Fronts(
         LULL,
@@ -136,6 +137,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]]) -
         AT_NODE,
         h,
         assembly.follows_edges,
+        _at_cells(network),
         assembly.settle / h,
         np.full(len(assembly.settle), -np.inf),
         np.where(network.shift_row >= 0, delays / h - network.delay, 0.0),
@@ -163,6 +165,13 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]]) -
         np.zeros(6, int),
         np.zeros(2),
     )
+
+
+def _at_cells(network: Network) -> NDArray:
+    """Whether a line in cells ends at a group, shape (G,)."""
+    here = np.isin(network.ends // 2, network.cells.line)
+    ends = network.first[network.group]
+    return np.diff(np.concatenate([[0], np.cumsum(here)])[ends]) > 0
 
 
 def _packed(systems: list[StateSpace]) -> Systems:

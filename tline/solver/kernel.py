@@ -97,6 +97,534 @@ def load(u, k, m, s, step, at, states, x, n, row):
             states[uint64(x + i)] = 0.0 if abs(total) < TINY else total
 
 
+@njit(inline="always", **OPTIONS)
+def add_product(matrix, at, rows, columns, x, o, out, q):
+    """Add the product of a matrix, held by columns, with part of an array to part of another."""
+    for j in range(columns):
+        factor, place = x[uint64(o + j)], uint64(at + j * rows)
+        for i in range(uint64(rows)):
+            out[uint64(q) + i] += matrix[place + i] * factor
+
+
+# Elements whose flow is no linear function of the effort across them. Each sees a Thévenin source: an effort v behind
+# an impedance z. Where several see each other, Newton's method finds all flows at once, instant by instant.
+
+QUADRATIC, PUMP, RELIEF, LEAK, DEMAND, DIODE, TABLE, GAS, TANK, ROTOR = range(10)
+SPARE, CLOSE = 4e-15, 1e-9  # residuals, relative to the efforts: good enough to stop, bad enough to give up
+STEPS, HALVINGS = 80, 30
+
+
+@njit(**OPTIONS)
+def eliminate(system, size):
+    """Solve a linear system by Gauss with pivots; the right side is its last column, and becomes the solution."""
+    for pivot in range(size):
+        best = pivot
+        for i in range(pivot + 1, size):
+            if abs(system[i, pivot]) > abs(system[best, pivot]):
+                best = i
+        for j in range(pivot, size + 1):
+            system[pivot, j], system[best, j] = system[best, j], system[pivot, j]
+        for i in range(pivot + 1, size):
+            ratio = system[i, pivot] / system[pivot, pivot]
+            if ratio != 0.0:
+                for j in range(pivot + 1, size + 1):
+                    system[i, j] -= ratio * system[pivot, j]
+    for pivot in range(size - 1, -1, -1):
+        for j in range(pivot + 1, size):
+            system[pivot, size] -= system[pivot, j] * system[j, size]
+        system[pivot, size] /= system[pivot, pivot]
+
+
+@njit(**OPTIONS)
+def rooted(d, z, capacity, one_way):
+    """Flow i and di/dd where d = z i + i |i| / capacity²; without cancellation from shut to without loss."""
+    if capacity == 0.0 or (one_way > 0.0 and d < 0.0):
+        return 0.0, 0.0
+    if capacity == np.inf:
+        return d / z, 1.0 / z
+    sum_ = z * capacity + np.sqrt((z * capacity) ** 2 + 4.0 * abs(d))
+    if sum_ == 0.0:
+        return 0.0, 1.0 / z
+    i = 2.0 * d * capacity / sum_
+    return i, capacity**2 / (z * capacity**2 + 2.0 * abs(i))
+
+
+@njit(**OPTIONS)
+def parabolic(d, z, bend, one_way):
+    """Flow i and di/dd where d = z i + bend i |i|."""
+    if one_way > 0.0 and d < 0.0:
+        return 0.0, 0.0
+    sum_ = z + np.sqrt(z**2 + 4.0 * bend * abs(d))
+    if sum_ == 0.0:
+        return 0.0, 0.0
+    i = 2.0 * d / sum_
+    return i, 1.0 / (z + 2.0 * bend * abs(i))
+
+
+@njit(**OPTIONS)
+def conducted(kind, c, at, factor, u):
+    """Flow, and its slope over the effort u, of a law that gives it so."""
+    if kind == RELIEF:  # in its band
+        rate = c[at + 1] / c[at + 3]
+        root = np.sqrt(u)
+        return rate * (u - c[at + 2]) * root, rate * (root + 0.5 * (u - c[at + 2]) / root)
+    share = (u / c[at + 2]) ** c[at + 3] * factor * c[at + 1]  # LEAK, DEMAND
+    return share, c[at + 3] * share / u
+
+
+@njit(**OPTIONS)
+def bracketed(kind, c, at, factor, d, z, low, high):
+    """Flow i and di/dd where d = u + z i(u), and u lies between low and high: Newton, bisection where that fails."""
+    u = high
+    for _ in range(STEPS):
+        i, slope = conducted(kind, c, at, factor, u)
+        rest = u + z * i - d
+        if rest > 0.0:
+            high = u
+        else:
+            low = u
+        step = rest / (1.0 + z * slope)
+        after = u - step
+        if not low < after < high:
+            after = 0.5 * (low + high)
+        if abs(after - u) <= 1e-16 * abs(u) or after in (low, high):
+            break
+        u = after
+    i, slope = conducted(kind, c, at, factor, u)
+    if z * i > 0.5 * d:
+        i = (d - u) / z
+    return i, slope / (1.0 + z * slope)
+
+
+@njit(**OPTIONS)
+def diode(d, z, saturation, thermal):
+    """Flow i and di/dd where d = u + z i and i = saturation (exp(u/thermal) - 1): Newton from the right, monotone."""
+    u = d
+    if d > 0.0 and z > 0.0:
+        u = min(d, thermal * np.log1p(d / (z * saturation)))
+    elif d < 0.0:
+        u = 0.0
+    for _ in range(STEPS if z > 0.0 else 0):
+        growth = z * saturation * np.exp(u / thermal)
+        step = (u + z * saturation * np.expm1(u / thermal) - d) / (1.0 + growth / thermal)
+        u -= step
+        if abs(step) <= 1e-15 * abs(u) + 1e-300:
+            break
+    if z == 0.0 and d < 0.0:
+        u = d
+    slope = saturation / thermal * np.exp(u / thermal)
+    return saturation * np.expm1(u / thermal), slope / (1.0 + z * slope)
+
+
+@njit(**OPTIONS)
+def tabled(d, z, c, at, n):
+    """Flow i and di/dd where d = u + z i, and (u, i) lies on straight lines through n points, continued beyond."""
+    low, high = 0, n - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if c[at + middle] + z * c[at + n + middle] <= d:
+            low = middle
+        else:
+            high = middle
+    start, flow = c[at + low] + z * c[at + n + low], c[at + n + low]
+    width, rise = c[at + high] + z * c[at + n + high] - start, c[at + n + high] - flow
+    if width <= 0.0:
+        return flow, 0.0
+    return flow + rise * ((d - start) / width), rise / width
+
+
+@njit(**OPTIONS)
+def through(kind, c, at, factor, v, z):
+    """Flow i through an element without a state, behind the effort v and the impedance z, and di/dv."""
+    d = v - c[at]
+    if kind == QUADRATIC:
+        return rooted(d, z, c[at + 1] * max(factor, 0.0), c[at + 2])
+    if kind == PUMP:
+        speed = max(factor, 0.0)
+        return parabolic(d + speed**2 * c[at + 1], z + speed * c[at + 2], c[at + 3], c[at + 4])
+    if kind == DIODE:
+        return diode(d, z, c[at + 1], c[at + 2])
+    if kind == TABLE:
+        return tabled(d, z, c, at + 2, int(c[at + 1]))
+    least = c[at + 2] if kind == RELIEF else 0.0
+    if d <= least or factor <= 0.0:
+        return 0.0, 0.0
+    if kind == RELIEF:
+        i, slope = rooted(d, z, c[at + 1], 0.0)
+        high = least + c[at + 3]
+        if d - z * i >= high:
+            return i, slope
+    elif kind == DEMAND:
+        high = c[at + 2]
+        if d - z * factor * c[at + 1] >= high:
+            return factor * c[at + 1], 0.0
+    elif c[at + 3] == 0.5:
+        return rooted(d, z, factor * c[at + 1] / np.sqrt(c[at + 2]), 0.0)
+    else:
+        high = d
+    return bracketed(kind, c, at, factor, d, z, least, min(d, high))
+
+
+@njit(**OPTIONS)
+def gas(volume, n):
+    """Of gas with p V^n = 1 in air of pressure 1: effort, X with X²/2 the energy stored, and effort/X."""
+    d = volume - 1.0
+    if abs(d) < 0.4:
+        term, effort, energy, k = -n, n, n / 2.0, 1
+        while abs(term) > 1e-17 * abs(effort) and k < 60:
+            k += 1
+            term *= d * (-n - k + 1.0) / k
+            effort -= term
+            energy -= term / (k + 1.0)
+        return -d * effort, -d * np.sqrt(2.0 * energy), effort / np.sqrt(2.0 * energy)
+    low = np.log(volume)
+    work = -low if n == 1.0 else -np.expm1((1.0 - n) * low) / (1.0 - n)
+    x = np.sqrt(2.0 * (work + d))
+    x = -x if d > 0.0 else x
+    effort = np.expm1(-n * low)
+    return effort, x, effort / x
+
+
+@njit(**OPTIONS)
+def stored(kind, c, at, y):
+    """What the state y of an element says: X, dX/dy, and where v = e + l i + loss, dX/dt = (r + q i) i: e, l, r, q."""
+    if kind == GAS:  # y = ln(V / volume at zero effort)
+        effort, x, ratio = gas(np.exp(y), c[at + 4])
+        return x, -ratio * np.exp(y), c[at + 2] * effort, 0.0, ratio / c[at + 3], 0.0
+    if kind == TANK:  # y = effort
+        return y, 1.0, y, 0.0, 1.0 / c[at + 2], 0.0
+    # ROTOR, y = speed over rated speed
+    return (
+        y,
+        1.0,
+        -c[at + 1] * y * abs(y),
+        c[at + 2] * abs(y),
+        -c[at + 1] * abs(y) / c[at + 5],
+        c[at + 2] * (1.0 if y > 0.0 else -1.0) / c[at + 5],
+    )
+
+
+@njit(**OPTIONS)
+def filling(kind, c, at, y, v, z):
+    """Flow i into an element with a state y, X, dX/dy, and dX/dt."""
+    x, slope, effort, more, rate, bend = stored(kind, c, at, y)
+    if kind == ROTOR:
+        i, _ = parabolic(v - c[at] - effort, z + more, c[at + 3], c[at + 4])
+    else:
+        i, _ = rooted(v - c[at] - effort, z, c[at + 1], 0.0)
+    return i, x, slope, (rate + bend * i) * i
+
+
+@njit(**OPTIONS)
+def fill(laws, e, on, states, radau, h, v, z, flow, y, rest, system):
+    """One Radau IIA step of width h of an element with a state: flows at the points under the efforts v there.
+
+    The state is the root of twice the energy stored, so that the step cannot add energy (Hairer, Wanner: Solving
+    Ordinary Differential Equations II, 1996, theorem IV.12.9).
+    """
+    kind, c, at, s = laws.kind[e], laws.constants, laws.at[e], radau.shape[0]
+    start = states[laws.state_at[e]]
+    x_start, _, _, _, _, _ = stored(kind, c, at, start)
+    if kind == ROTOR and on > 0.5:
+        for j in range(s):
+            flow[j], _, _, _ = filling(kind, c, at, start, v[j], z)
+        return
+    for j in range(s):
+        y[j] = start
+    share, worst, scale = 0.0, np.inf, 0.0
+    for _ in range(STEPS * HALVINGS):
+        for j in range(s):
+            y[j] -= share * system[j, s]
+        now, scale = 0.0, abs(x_start)
+        for j in range(s):
+            rest[j] = -x_start
+        for j in range(s):
+            flow[j], x, _, rate = filling(kind, c, at, y[j], v[j], z)
+            rest[j] += x
+            scale = max(scale, abs(x))
+            for k in range(s):
+                rest[k] -= h * radau[k, j] * rate
+        for j in range(s):
+            now = max(now, abs(rest[j]))
+        if not now < worst and abs(share) > 2.0**-HALVINGS:  # too far: half of the way back
+            for j in range(s):
+                y[j] += share * system[j, s]
+            if worst <= CLOSE * scale and share < 1.0:
+                break
+            share *= 0.5
+            continue
+        worst = now
+        if now <= SPARE * scale:
+            break
+        reach = 0.0
+        for k in range(s):
+            delta = 1e-7 * max(abs(y[k]), 1.0)
+            _, _, slope, rate = filling(kind, c, at, y[k], v[k], z)
+            _, _, _, more = filling(kind, c, at, y[k] + delta, v[k], z)
+            for j in range(s):
+                system[j, k] = (slope if j == k else 0.0) - h * radau[j, k] * (more - rate) / delta
+            system[k, s] = rest[k]
+        eliminate(system, s)
+        for j in range(s):
+            reach = max(reach, abs(system[j, s]))
+        share = min(1.0, 2.0 / reach) if kind == GAS else 1.0
+    for j in range(s):
+        flow[j], _, _, _ = filling(kind, c, at, y[j], v[j], z)
+    states[laws.state_at[e]] = y[s - 1] if worst <= CLOSE * scale else np.nan
+    if not worst <= CLOSE * scale:
+        flow[s - 1] = np.nan
+
+
+@njit(**OPTIONS)
+def unbalance(laws, g, low, u, stride, q, factor, a, level, flow, slope, rest, taken):
+    """Residuals of a group whose elements see the efforts a behind their impedances; returns the largest, and a scale.
+
+    At nodes where nothing else conducts, u is the flow that is driven in, and `level` the effort.
+    """
+    first, n, worst, scale = laws.first[g], laws.first[g + 1] - laws.first[g], 0.0, 0.0
+    for p in range(taken.size):
+        taken[p] = 0.0
+    for k in range(n):
+        e = first + k
+        flow[k], slope[k] = through(laws.kind[e], laws.constants, laws.at[e], factor[k, q], a[k], laws.seen[e])
+        if laws.one[e] >= 0:
+            taken[laws.one[e]] += flow[k]
+        if laws.other[e] >= 0:
+            taken[laws.other[e]] -= flow[k]
+    for p in range(taken.size):
+        z = laws.impedance[low + p]
+        if z >= 0.0:
+            level[p] = u[p * stride + q] - z * taken[p]
+            scale = max(scale, abs(u[p * stride + q]), abs(z * taken[p]))
+        else:
+            rest[n + p] = laws.seen[first] * (taken[p] - u[p * stride + q])
+            worst = max(worst, abs(rest[n + p]))
+    for k in range(n):
+        e = first + k
+        rest[k] = a[k] - laws.seen[e] * flow[k]
+        if laws.one[e] >= 0:
+            rest[k] -= level[laws.one[e]]
+        if laws.other[e] >= 0:
+            rest[k] += level[laws.other[e]]
+        worst, scale = max(worst, abs(rest[k])), max(scale, abs(a[k]), abs(laws.seen[e] * flow[k]))
+    return worst, scale
+
+
+@njit(**OPTIONS)
+def meet(laws, g, low, nodes, u, stride, n, factor):
+    """Several elements that see each other: Newton's method at each of n instants, halving steps that stray."""
+    first, count = laws.first[g], laws.first[g + 1] - laws.first[g]
+    size = count + nodes
+    a, level, flow, slope = np.zeros(count), np.zeros(nodes), np.empty(count), np.empty(count)
+    rest, taken, system = np.zeros(size), np.empty(nodes), np.empty((size, size + 1))
+    for q in range(n):
+        share, worst, scale = 0.0, np.inf, 0.0
+        for _ in range(STEPS * HALVINGS):
+            for k in range(count):
+                a[k] -= share * system[k, size]
+            for p in range(nodes):
+                if laws.impedance[low + p] < 0.0:
+                    level[p] -= share * system[count + p, size]
+            now, scale = unbalance(laws, g, low, u, stride, q, factor, a, level, flow, slope, rest, taken)
+            if not now < worst and share > 2.0**-HALVINGS:
+                for k in range(count):
+                    a[k] += share * system[k, size]
+                for p in range(nodes):
+                    if laws.impedance[low + p] < 0.0:
+                        level[p] += share * system[count + p, size]
+                if worst <= CLOSE * scale and share < 1.0:
+                    now, scale = unbalance(laws, g, low, u, stride, q, factor, a, level, flow, slope, rest, taken)
+                    break
+                share *= 0.5
+                continue
+            worst = now
+            if now <= SPARE * scale:
+                break
+            for i in range(size):
+                for j in range(size):
+                    system[i, j] = 0.0
+                system[i, size] = rest[i]
+            for k in range(count):
+                e = first + k
+                system[k, k] = 1.0 - laws.seen[e] * slope[k]
+            for k in range(count):  # what the flow of element k does to each other
+                for end, sign in ((laws.one[first + k], 1.0), (laws.other[first + k], -1.0)):
+                    if end < 0:
+                        continue
+                    z = laws.impedance[low + end]
+                    if z < 0.0:
+                        system[count + end, k] += laws.seen[first] * sign * slope[k]
+                        system[k, count + end] -= sign
+                    else:
+                        for f in range(count):
+                            if laws.one[first + f] == end:
+                                system[f, k] += sign * z * slope[k]
+                            if laws.other[first + f] == end:
+                                system[f, k] -= sign * z * slope[k]
+            for p in range(nodes):
+                if laws.impedance[low + p] >= 0.0:
+                    system[count + p, count + p], system[count + p, size] = 1.0, 0.0
+                else:
+                    system[count + p, count + p] += 1e-30
+            eliminate(system, size)
+            share = 1.0
+        for p in range(nodes):
+            u[p * stride + q] = level[p] if worst <= CLOSE * scale else np.nan
+
+
+@njit(**OPTIONS)
+def pass_elements(laws, g, low, nodes, states, u, stride, n, factor, radau, h):
+    """Turn the Thévenin waves of n samples at a group's nodes into efforts, through its elements."""
+    e, dead = laws.first[g], False
+    for p in range(nodes):
+        dead |= laws.impedance[low + p] < 0.0
+    if dead or laws.first[g + 1] - e > 1:
+        meet(laws, g, low, nodes, u, stride, n, factor)
+        return
+    one, other, kind, at, c = laws.one[e], laws.other[e], laws.kind[e], laws.at[e], laws.constants
+    z_one = laws.impedance[low + one] if one >= 0 else 0.0
+    z_other = laws.impedance[low + other] if other >= 0 else 0.0
+    z, here, there, s = z_one + z_other, max(one, 0) * stride, max(other, 0) * stride, radau.shape[0]
+    sign_here, sign_there = (1.0 if one >= 0 else 0.0), (1.0 if other >= 0 else 0.0)
+    if laws.state_at[e] < 0:
+        for i in range(n):
+            v = sign_here * u[here + i] - sign_there * u[there + i]
+            flow, _ = through(kind, c, at, factor[0, i], v, z)
+            u[here + i] -= z_one * flow
+            u[there + i] += z_other * flow
+        return
+    flows, y, rest, system, v = np.empty(s), np.empty(s), np.empty(s), np.zeros((s, s + 1)), np.empty(s)
+    for slab in range(n // s):
+        for j in range(s):
+            i = slab * s + j
+            v[j] = sign_here * u[here + i] - sign_there * u[there + i]
+        fill(laws, e, factor[0, slab * s], states, radau, h, v, z, flows, y, rest, system)
+        for j in range(s):
+            u[here + slab * s + j] -= z_one * flows[j]
+            u[there + slab * s + j] += z_other * flows[j]
+
+
+@njit(**OPTIONS)
+def pass_elements_at_cells(network, g, states, u, factor):
+    """The same for one slab of a group at lines in cells, which feel its efforts at once: until these stay.
+
+    What they add is small, and the smaller the slab.
+    """
+    laws, cells, low, s = network.laws, network.cells, network.group[g], network.laws.radau.shape[0]
+    nodes, first = network.group[g + 1] - low, laws.first[g]
+    size, own = nodes * s, np.zeros(laws.first[g + 1] - first)
+    wave, last, change, scale = u[:size].copy(), u[:size].copy(), np.inf, 0.0
+    for k in range(own.size):
+        if laws.state_at[first + k] >= 0:
+            own[k] = states[laws.state_at[first + k]]
+    for _ in range(STEPS):
+        for k in range(own.size):
+            if laws.state_at[first + k] >= 0:
+                states[laws.state_at[first + k]] = own[k]
+        for p in range(nodes):
+            for i in range(s):
+                u[p * s + i] = wave[p * s + i]
+            if cells.echo_at[low + p] >= 0:
+                add_product(cells.echo, cells.echo_at[low + p], s, s, last, p * s, u, p * s)
+        pass_elements(laws, g, low, nodes, states, u, s, s, factor, laws.radau, laws.step)
+        change, scale = 0.0, 0.0
+        for i in range(size):
+            change, scale = max(change, abs(u[i] - last[i])), max(scale, abs(u[i]))
+            last[i] = u[i]
+        if not change > SPARE * scale:
+            return
+    if change > CLOSE * scale:
+        u[size - 1] = np.nan
+
+
+@njit(**OPTIONS)
+def opened(laws, g, drive, start, n, factor):
+    """What scales the elements of a group at n samples."""
+    for k in range(laws.first[g + 1] - laws.first[g]):
+        e = laws.first[g] + k
+        for i in range(n):
+            factor[k, i] = drive[laws.drive_row[e], start + i] if laws.drive_row[e] >= 0 else laws.factor[e]
+
+
+@njit(**OPTIONS)
+def most_elements(laws):
+    """Most elements of a group."""
+    most = 0
+    for g in range(laws.first.size - 1):
+        most = max(most, laws.first[g + 1] - laws.first[g])
+    return most
+
+
+@njit(**OPTIONS)
+def flows_through(laws, factor, v, z):
+    """Flow through each element without a state behind an effort and an impedance, and its slope."""
+    flow, slope = np.empty(v.size), np.empty(v.size)
+    for e in range(v.size):
+        flow[e], slope[e] = through(laws.kind[e], laws.constants, laws.at[e], factor[e], v[e], z[e])
+    return flow, slope
+
+
+@njit(**OPTIONS)
+def pass_cells(network, state, enter, y):
+    """Advance lossy lines in cells by the slab in which the nodes have just worked.
+
+    At an end K is what comes back at once: w = y + K o arrives while o leaves, ŷ = R y with R = 1/(1 + K), and with
+    r = 2u - ŷ in the buffer o = r - Q (r + ŷ), Q = R K. Where cells meet, a and b leave them, and X a + Y b and
+    X b + Y a enter, with X = 1/(1 - K²) and Y = X K.
+    """
+    cells, waves, values, s = network.cells, state.waves, state.cells, state.before.shape[1]
+    for r in range(cells.line.size):
+        line, D, m, x0 = cells.line[r], cells.number[r], cells.held[r], cells.state[r]
+        each, maps, at = m + 2 * s, cells.maps, cells.at[r]
+        ends = x0 + D * each
+        into = at + each * m
+        X = into + each * 2 * s
+        Y, R, Q = X + s * s, X + 2 * s * s, X + 3 * s * s
+        for i in range(2 * s * D):
+            enter[i] = 0.0
+        for end in range(2):
+            o, here = 2 * s * (D - 1) + s if end else 0, network.offset[line] + (state.side[line] ^ end) * s
+            for i in range(s):
+                enter[o + i] = waves[here + i]
+                y[i] = enter[o + i] + values[ends + end * s + i]
+            for j in range(s):
+                for i in range(s):
+                    enter[o + i] -= maps[Q + j * s + i] * y[j]
+        for c in range(D - 1):
+            a, b = x0 + c * each + m, x0 + (c + 1) * each + m + s
+            add_product(maps, X, s, s, values, a, enter, 2 * s * (c + 1))
+            add_product(maps, Y, s, s, values, b, enter, 2 * s * (c + 1))
+            add_product(maps, X, s, s, values, b, enter, 2 * s * c + s)
+            add_product(maps, Y, s, s, values, a, enter, 2 * s * c + s)
+        for c in range(D):
+            x = x0 + c * each
+            for i in range(each):
+                y[i] = 0.0
+            add_product(maps, into, each, 2 * s, enter, 2 * s * c, y, 0)
+            add_product(maps, at, each, m, values, x, y, 0)
+            for i in range(each):
+                values[x + i] = 0.0 if abs(y[i]) < TINY else y[i]
+        for end in range(2):
+            o, there = (
+                x0 + (D - 1) * each + m if end else x0 + m + s,
+                network.offset[line] + (1 - state.side[line] ^ end) * s,
+            )
+            for i in range(s):
+                values[ends + end * s + i] = 0.0
+            add_product(maps, R, s, s, values, o, values, ends + end * s)
+            for i in range(s):
+                waves[there + i] = values[ends + end * s + i]
+
+
+@njit(**OPTIONS)
+def scratch_of_cells(cells, s):
+    """Room for what enters the cells of a line, and for what one holds and what leaves it."""
+    number, held = 0, 0
+    for r in range(cells.line.size):
+        number, held = max(number, cells.number[r]), max(held, cells.held[r])
+    return np.empty(2 * s * number), np.empty(held + 2 * s)
+
+
 @njit(**OPTIONS)
 def largest_group(network):
     """Most nodes of a group, most line ends at one, and most rows of a map over a slab."""
@@ -119,15 +647,18 @@ def advance(network, state, n_slabs, drive, record, column):
     """
     (
         delay, offset, shift_row, shifts, first, ends, weight, drive_row,
-        group, load_at, step_row, step_at, step_states, step, record_row,
+        group, load_at, step_row, step_at, step_states, step, record_row, laws, cells,
     ) = network  # fmt: skip
-    waves, slots, sides, before, states = state
+    waves, slots, sides, before, states, _ = state
     s = before.shape[1]
     tile = max(SCRATCH // s, 1)
     most_nodes, _, most_states = largest_group(network)
     u, history = np.empty(most_nodes * tile * s), np.empty((s, tile + 1))
     scratch = np.empty(max(tile, most_nodes * s + most_states))
+    factor = np.empty((most_elements(laws), tile * s))
     position = np.empty(ends.size, np.uint64)
+    in_cells = cells.line.size > 0
+    enter, y = scratch_of_cells(cells, s)
     shortest, done = n_slabs, 0
     for line in range(delay.size):
         shortest = min(shortest, delay[line])
@@ -157,6 +688,12 @@ def advance(network, state, n_slabs, drive, record, column):
                 if load_at[g] >= 0:
                     r = step_row[g]
                     load(u, after - one, m, s, step, step_at[r], states, load_at[g], step_states[r], scratch)
+                if laws.first[g] < laws.first[g + 1]:
+                    opened(laws, g, drive, here, m * s, factor)
+                    if in_cells and cells.beside[g]:
+                        pass_elements_at_cells(network, g, states, u, factor)
+                    else:
+                        pass_elements(laws, g, one, after - one, states, u, m * s, m * s, factor, laws.radau, laws.step)
                 for node in range(one, after):
                     q = uint64((node - one) * m * s)
                     for e in range(first[node], first[node + 1]):
@@ -166,6 +703,8 @@ def advance(network, state, n_slabs, drive, record, column):
                     if not np.isfinite(u[q + uint64(m * s - 1)]):
                         return node
                 ahead += m
+        if in_cells:
+            pass_cells(network, state, enter, y)
         for line in range(delay.size):
             slots[line] += block
             if slots[line] >= delay[line]:
@@ -381,21 +920,7 @@ def collocate(system, k, h, radau, w, x, stages, row):
                     stages[at, size] += h * radau[i, j] * system[p, n + q] * w[q * s + j]
                 for q in range(n):
                     stages[at, j * n + q] = (i == j and p == q) - h * radau[i, j] * system[p, q]
-    for pivot in range(size):
-        best = pivot
-        for i in range(pivot + 1, size):
-            if abs(stages[i, pivot]) > abs(stages[best, pivot]):
-                best = i
-        for j in range(pivot, size + 1):
-            stages[pivot, j], stages[best, j] = stages[best, j], stages[pivot, j]
-        for i in range(pivot + 1, size):
-            ratio = stages[i, pivot] / stages[pivot, pivot]
-            for j in range(pivot + 1, size + 1):
-                stages[i, j] -= ratio * stages[pivot, j]
-    for pivot in range(size - 1, -1, -1):
-        for j in range(pivot + 1, size):
-            stages[pivot, size] -= stages[pivot, j] * stages[j, size]
-        stages[pivot, size] /= stages[pivot, pivot]
+    eliminate(stages, size)
     for i in range(s):
         for p in range(k):
             row[p] = 0.0
@@ -481,19 +1006,29 @@ def collocate_finely(system, k, width, step, fronts, w, x, stages, row, parts):
 
 
 @njit(**OPTIONS)
-def respond(network, state, fronts, g, slab, edges, m, u, stages, wave, row, parts):
+def respond(network, state, fronts, g, slab, edges, m, u, factor, stages, wave, row, parts):
     """Turn the Thévenin waves of m pieces at a group into the nodes' efforts; switches move where pieces begin."""
-    systems, moves, s = fronts.systems, fronts.moves, u.shape[2]
+    systems, moves, laws, s = fronts.systems, fronts.moves, network.laws, u.shape[2]
+    count, own = laws.first[g + 1] - laws.first[g], np.empty((factor.shape[0], s))
     x, k = network.load_at[g], network.group[g + 1] - network.group[g]
     for piece in range(m):
         while moves.due[g] < moves.first[g + 1] and moves.at[moves.due[g]] - slab <= edges[piece] + MERGE:
             network.step_row[g] = moves.row[moves.due[g]]
             moves.due[g] += 1
-        if x < 0:
+        if x < 0 and count == 0:
             continue
         for p in range(k):
             for i in range(s):
                 wave[p * s + i] = u[p, piece, i]
+        if count > 0:
+            for e in range(count):
+                copy(factor[e, piece], own[e])
+            width = fronts.step * (edges[piece + 1] - edges[piece])
+            pass_elements(laws, g, network.group[g], k, state.load, wave, s, s, own, fronts.tools.radau, width)
+            for p in range(k):
+                for i in range(s):
+                    u[p, piece, i] = wave[p * s + i]
+            continue
         r = network.step_row[g]
         n = network.step_states[r]
         if m == 1:
@@ -624,12 +1159,20 @@ def fronts_at(network, fronts, sources, g, slab, position, due, place, size):
         place[n], size[n] = max(moves.at[i] - slab, 0.0), np.inf
         i, n = i + 1, n + 1
     for node in range(network.group[g], network.group[g + 1]):
-        r = network.drive_row[node]
-        if drives_front(sources, r, slab, due):
-            for j in range(sources.begin[due[r]], sources.begin[due[r] + 1]):
-                if n < place.size and (sources.start[j] > 0.0 or sources.anew[due[r]]):
-                    place[n], size[n] = sources.start[j], np.inf
-                    n += 1
+        n = fronts_of_source(sources, network.drive_row[node], slab, due, place, size, n)
+    for e in range(network.laws.first[g], network.laws.first[g + 1]):
+        n = fronts_of_source(sources, network.laws.drive_row[e], slab, due, place, size, n)
+    return n
+
+
+@njit(**OPTIONS)
+def fronts_of_source(sources, r, slab, due, place, size, n):
+    """Append those of a source, or of what scales an element."""
+    if drives_front(sources, r, slab, due):
+        for j in range(sources.begin[due[r]], sources.begin[due[r] + 1]):
+            if n < place.size and (sources.start[j] > 0.0 or sources.anew[due[r]]):
+                place[n], size[n] = sources.start[j], np.inf
+                n += 1
     return n
 
 
@@ -658,7 +1201,7 @@ def driven(sources, drive, r, slab, o, due, to_legendre, span, given):
 def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position, due, record, work):
     """One group, one slab, in pieces. Returns the sum of the efforts at the slab's end."""
     waves, before, pieces, tools = state.waves, state.before, fronts.pieces, fronts.tools
-    place, size, edges, own, outer, span, given, arrived, u, coef, whole, part, stages, wave, row, parts = work
+    place, size, edges, own, outer, span, given, arrived, u, coef, whole, part, stages, wave, row, parts, factor = work
     s, low, total = before.shape[1], network.first[network.group[g]], 0.0
     n = fronts_at(network, fronts, sources, g, slab, position, due, place, size)
     m, anew = united(place, size, n, edges, fronts.at_node, fronts.counts, fronts.sizes)
@@ -694,7 +1237,16 @@ def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position,
             for j in range(m):
                 for p in range(s):
                     mine[j, p] += network.weight[i] * arrived[i - low, j, p]
-    respond(network, state, fronts, g, slab, edges, m, u, stages, wave, row, parts)
+    for i in range(network.laws.first[g], network.laws.first[g + 1]):
+        mine, r = factor[i - network.laws.first[g]], network.laws.drive_row[i]
+        if r >= 0:
+            n = driven(sources, drive, r, slab, k * s, due, tools.to_legendre, span, given)
+            regrouped(span, given, n, edges, m, tools, whole, mine)
+        else:
+            for j in range(m):
+                for p in range(s):
+                    mine[j, p] = network.laws.factor[i]
+    respond(network, state, fronts, g, slab, edges, m, u, factor, stages, wave, row, parts)
     if 0 < fewer < m:
         for node in range(network.group[g], network.group[g + 1]):
             rejoin(u[node - network.group[g]], edges, m, outer, fewer, tools, span, given, whole)
@@ -720,7 +1272,7 @@ def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position,
 
 
 @njit(**OPTIONS)
-def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, u, history, row):
+def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, u, history, row, factor):
     """One group, one slab without fronts. Returns the sum of the efforts at the slab's end."""
     waves, before, total = state.waves, state.before, 0.0
     s = before.shape[1]
@@ -737,6 +1289,14 @@ def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, u
         r, nodes = network.step_row[g], network.group[g + 1] - network.group[g]
         n = network.step_states[r]
         load(u, nodes, 1, s, network.step, network.step_at[r], state.load, network.load_at[g], n, row)
+    laws, low = network.laws, network.group[g]
+    if laws.first[g] < laws.first[g + 1]:
+        opened(laws, g, drive, k * s, s, factor)
+        nodes = network.group[g + 1] - low
+        if network.cells.beside[g]:
+            pass_elements_at_cells(network, g, state.load, u, factor)
+        else:
+            pass_elements(laws, g, low, nodes, state.load, u, s, s, factor, laws.radau, laws.step)
     for node in range(network.group[g], network.group[g + 1]):
         q = uint64((node - network.group[g]) * s)
         for j in range(network.first[node], network.first[node + 1]):
@@ -750,6 +1310,58 @@ def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, u
             pieces.width[e] = 1.0
         total += u[q + uint64(s - 1)]
     return total
+
+
+@njit(**OPTIONS)
+def levelled(pieces, row, tools, counts, sizes, whole):
+    """Project a slab in pieces on the whole slab, and give its row back. Counts what that loses."""
+    clear(whole)
+    for j in range(pieces.number[row]):
+        a, b = pieces.start[row, j], pieces.start[row, j + 1]
+        project(pieces.coef[row, j], a, b, 0.0, 1.0, tools.gauss, whole)
+        if j > 0:
+            counts[DROPPED] += 1
+            sizes[LOST] = max(sizes[LOST], pieces.size[row, j])
+    release(pieces, row, counts)
+
+
+@njit(**OPTIONS)
+def level_source(sources, r, due, tools, whole, out):
+    """Project a source with fronts in a slab on the whole slab."""
+    clear(whole)
+    for j in range(sources.begin[due[r]], sources.begin[due[r] + 1]):
+        project(sources.coef[j], sources.start[j], sources.stop[j], 0.0, 1.0, tools.gauss, whole)
+    times(tools.to_points, whole, 0, out)
+
+
+@njit(**OPTIONS)
+def level(network, state, fronts, sources, drive, g, slab, k, position, due, whole):
+    """Leave out all fronts inside a slab that meet at a group; switches move at the nearest edge."""
+    pieces, tools, counts, sizes, moves = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.moves
+    waves, before, s = state.waves, state.before, fronts.tools.c.size
+    while moves.due[g] < moves.first[g + 1] and moves.at[moves.due[g]] - slab < 0.5:
+        counts[DROPPED] += 1
+        network.step_row[g] = moves.row[moves.due[g]]
+        moves.due[g] += 1
+    for e in range(network.laws.first[g], network.laws.first[g + 1]):
+        r = network.laws.drive_row[e]
+        if drives_front(sources, r, slab, due):
+            level_source(sources, r, due, tools, whole, drive[r, k * s : (k + 1) * s])
+    for node in range(network.group[g], network.group[g + 1]):
+        r = network.drive_row[node]
+        if drives_front(sources, r, slab, due):
+            level_source(sources, r, due, tools, whole, drive[r, k * s : (k + 1) * s])
+        for i in range(network.first[node], network.first[node + 1]):
+            e = network.ends[i]
+            row = pieces.of_slab[position[e] // s]
+            if row >= 0:
+                levelled(pieces, row, tools, counts, sizes, whole)
+                times(tools.to_points, whole, 0, waves[position[e] : position[e] + s])
+                pieces.of_slab[position[e] // s] = -1
+            if pieces.before[e] >= 0:
+                levelled(pieces, pieces.before[e], tools, counts, sizes, whole)
+                times(tools.to_points, whole, 0, before[e])
+                pieces.before[e] = -1
 
 
 @njit(**OPTIONS)
@@ -779,8 +1391,13 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
             np.empty(SUBSTEPS + 2), np.empty(2), np.empty((SUBSTEPS + 1, 2)), np.empty((SUBSTEPS + 1, s)),
             np.empty((most_nodes, SUBSTEPS + 1, s)), np.empty(most_nodes * s), np.empty((1, s)), np.empty(s),
         ),
+        np.empty((most_elements(network.laws), most, s)),
     )  # fmt: skip
-    u, history = np.empty(most_nodes * s), np.empty((s, 2))
+    u, history, factor = np.empty(most_nodes * s), np.empty((s, 2)), np.empty((most_elements(network.laws), s))
+
+    u, history, whole = np.empty(most_nodes * s), np.empty((s, 2)), np.empty(s)
+    in_cells = network.cells.line.size > 0
+    enter, y = scratch_of_cells(network.cells, s)
     position, due = np.empty(ends.size, np.int64), sources.first[:-1].copy()
     for k in range(n_slabs):
         slab = first_slab + k
@@ -794,6 +1411,8 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
             i = moves.due[g]
             broken_here = i < moves.first[g + 1] and moves.at[i] - slab < 1.0 - MERGE / 2
             broken_here |= fronts.settled[g] > slab + MERGE
+            for e in range(network.laws.first[g], network.laws.first[g + 1]):
+                broken_here |= drives_front(sources, network.laws.drive_row[e], slab, due)
             for node in range(group[g], group[g + 1]):
                 broken_here |= drives_front(sources, network.drive_row[node], slab, due)
                 for i in range(first[node], first[node + 1]):
@@ -801,14 +1420,19 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
                     line = e >> 1
                     position[e] = network.offset[line] + ((sides[line] ^ (e & 1)) * delay[line] + slots[line]) * s
                     broken_here |= pieces.of_slab[position[e] // s] >= 0 or pieces.before[e] >= 0
+            if broken_here and fronts.levels[g]:
+                level(network, state, fronts, sources, drive, g, slab, k, position, due, whole)
+                broken_here = False
             if broken_here:
                 at_end = scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position, due, record, work)
             else:
                 at_end = scatter_whole(
-                    network, state, pieces, drive, g, slab, k, position, record, u, history, row
+                    network, state, pieces, drive, g, slab, k, position, record, u, history, row, factor
                 )  # fmt: skip
             if not np.isfinite(at_end):
                 return group[g], k
+        if in_cells:
+            pass_cells(network, state, enter, y)
         for line in range(delay.size):
             slots[line] += 1
             if slots[line] == delay[line]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tline.scene.coupled import ends_of
 from tline.scene.scene import Scene
 from tline.solver.coupled import EndPlaces, scattered
+from tline.solver.elements import Element, elements_of
 from tline.solver.load_step import StateSpace
 from tline.solver.nodes import Node
 from tline.solver.steady import parts
@@ -43,11 +44,12 @@ GONE = 20.0  # time constants after which 2e-9 is left
 
 
 class Group(NamedTuple):
-    """Nodes that short lines or ends of coupled conductors join, or one node."""
+    """Nodes that short lines, ends of coupled conductors or non-linear elements join, or one node."""
 
     nodes: list[Node]
     lumps: list[Lump]
     ends: list[EndPlaces]
+    elements: list[Element]
 
     @property
     def dynamic(self) -> bool:
@@ -132,7 +134,7 @@ def coupled(group: Group) -> StateSpace:
 def grouped(
     scene: Scene, cells: Mapping[str, int], nodes: dict[str, Node], u: NDArray, y: NDArray
 ) -> tuple[list[Group], dict[str, Node]]:
-    """Groups of the nodes that lumped lines or coupled conductors join, and the nodes in their order.
+    """Groups of the nodes that lumped or coupled lines or non-linear elements join, and the nodes in their order.
 
     Parameters
     ----------
@@ -141,19 +143,22 @@ def grouped(
     u, y : ndarray, shape (lines,)
         Effort and flow of each line before t = 0.
     """
-    coupled_ends = ends_of(scene.lines)
-    if not cells and not coupled_ends:
-        return [Group([node], [], []) for node in nodes.values()], nodes
+    elements, coupled_ends = elements_of(scene, nodes), ends_of(scene.lines)
+    if not cells and not elements and not coupled_ends:
+        return [Group([node], [], [], []) for node in nodes.values()], nodes
     names, number = list(nodes), {name: k for k, name in enumerate(nodes)}
     ends = {name: [number[at] for at in scene.lines[name].nodes] for name in cells}
-    joined = [(number[end.conductors[0]], number[at]) for end in coupled_ends for at in (*end.conductors, *end.modal)]
-    first, second = np.array([*ends.values(), *joined]).T
+    pairs = [*ends.values(), *([number[e.nodes[0]], number[e.nodes[-1]]] for e in elements)]
+    pairs += [[number[end.conductors[0]], number[at]] for end in coupled_ends for at in (*end.conductors, *end.modal)]
+    first, second = np.array(pairs).T
     part = parts(first, second, len(names))
     order = np.argsort(part, kind="stable")
     place = np.argsort(order) - np.searchsorted(part[order], part)  # of each node in its group
-    groups = [Group([], [], []) for _ in range(part.max() + 1)]
+    groups = [Group([], [], [], []) for _ in range(part.max() + 1)]
     for k in order:
         groups[part[k]].nodes.append(nodes[names[k]])
+    for element in elements:
+        groups[part[number[element.nodes[0]]]].elements.append(element)
     for end in coupled_ends:
         conductors, modal = (place[[number[at] for at in nodes]] for nodes in (end.conductors, end.modal))
         groups[part[number[end.modal[0]]]].ends.append(EndPlaces(conductors, modal, end.modes))

@@ -17,6 +17,7 @@ from tline.scene.mistakes import place
 from tline.scene.rational_load import Rational
 from tline.solver.assemble import Assembly
 from tline.solver.drive import EDGE, broken, places_of, sampled
+from tline.solver.envelope import Extremes
 from tline.solver.fronts import LIVE, LULL, NOTED, Fronts, Tally, fronts_of, sources_of, tally
 
 CHUNK = 2e7  # line-end samples between two looks at the progress bar
@@ -40,8 +41,12 @@ class Run(NamedTuple):
     fronts: Tally
 
 
-def march(assembly: Assembly, n: int, *, progress: bool = False) -> tuple[NDArray, Run]:
+def march(
+    assembly: Assembly, n: int, *, extremes: Extremes | None = None, progress: bool = False
+) -> tuple[NDArray, Run]:
     """Advance an assembled scene by n slabs.
+
+    With `extremes` to be watched, the kernel records into a window of one chunk, and only recorded lines are kept.
 
     Returns
     -------
@@ -58,16 +63,25 @@ def march(assembly: Assembly, n: int, *, progress: bool = False) -> tuple[NDArra
     from tqdm import tqdm
 
     s = assembly.basis.s
-    record = np.empty((2 * len(assembly.recorded), 2, n * s))
-    steps = Stepper(assembly, n, record)
+    chunk = min(max(int(CHUNK / (len(assembly.network.ends) * s)), 1), n)
+    kept, rows = 2 * len(assembly.recorded), int(assembly.network.record_row.max(initial=-1)) + 1
+    record = np.empty((kept, 2, n * s))
+    window = record if extremes is None else np.empty((rows, 2, chunk * s))
+    steps = Stepper(assembly, n, window)
     steps.compile()
-    chunk = max(int(CHUNK / (len(assembly.network.ends) * s)), 1)
-    started = time.perf_counter()
     with tqdm(total=n, disable=not progress, delay=2, unit="slab", unit_scale=True) as bar:
+        started = time.perf_counter()
         for low, high in pairwise([*range(0, n, chunk), n]):
-            steps.advance(low, high)
+            if extremes is None:
+                steps.advance(low, high)
+            else:
+                steps.begin_record(low)
+                steps.advance(low, high)
+                record[:, :, low * s : high * s] = window[:kept, :, : (high - low) * s]
+                extremes.see(window, s, low, high - low, steps.h)
             bar.update(high - low)
-    return record, steps.run(time.perf_counter() - started)
+        seconds = time.perf_counter() - started
+    return record, steps.run(seconds)
 
 
 class Stepper:
@@ -75,6 +89,7 @@ class Stepper:
 
     def __init__(self, assembly: Assembly, n: int, record: NDArray):
         self.assembly, self.record, self.h = assembly, record, assembly.resolution.h
+        self.origin = 0  # slab at the record's first column; the kernel of fronts counts from it
         follows = assembly.follows_edges
         self.places = [_inside(places_of(p, n * self.h, self.h), follows) for p in assembly.drives]
         moves = [(t, group, row) for t, group, row in _snapped(assembly.changes) if t < n]
@@ -94,6 +109,13 @@ class Stepper:
             nothing = sources_of([], self.assembly.basis.s)
             advance_fronts(network, state, self.fronts, nothing, silent, 0, 0, self.record)
 
+    def begin_record(self, slab: int) -> None:
+        """Let the record's first column be that of a slab, from now on."""
+        if self.fronts is not None:
+            self.fronts.moves.at[:] -= slab - self.origin
+            self.fronts.settled[:] -= slab - self.origin
+        self.origin = slab
+
     def advance(self, low: int, high: int) -> None:
         """Advance from slab `low` to slab `high`."""
         edges = sorted({low, high, *(int(t) for t, _, _ in self.at_edges if low < t < high)})
@@ -109,13 +131,14 @@ class Stepper:
         if self.fronts is not None:
             ahead = self.events[np.searchsorted(self.events, low) :]
             quiet = (int(ahead[0]) if len(ahead) else high) - low
-            if self.fronts.counts[LIVE] or quiet < LULL:
+            settling = (self.fronts.settled > low - self.origin).any()
+            if self.fronts.counts[LIVE] or settling or quiet < LULL:
                 return self._in_pieces(low, min(high - low, STRETCH))
             high = min(high, low + quiet)
         from tline.solver.kernel import advance
 
         network, state = self.assembly.network, self.assembly.state
-        if advance(network, state, high - low, self._drive(low, high - low), self.record, low) >= 0:
+        if advance(network, state, high - low, self._drive(low, high - low), self.record, low - self.origin) >= 0:
             _refuse(self.assembly)
         if self.fronts is not None:
             self.fronts.pieces.width[:] = 0.0
@@ -134,14 +157,15 @@ class Stepper:
             ],
             assembly.basis.s,
         )
-        node, done = advance_fronts(
-            assembly.network, assembly.state, fronts, sources, self._drive(first, n), first, n, self.record
-        )
+        sources.slab[:] -= self.origin
+        drive, column = self._drive(first, n), first - self.origin
+        node, done = advance_fronts(assembly.network, assembly.state, fronts, sources, drive, column, n, self.record)
         if node >= 0:
             _refuse(assembly)
         noted, fronts.counts[NOTED] = fronts.counts[NOTED], 0
-        where, span, values = (part[:noted].copy() for part in fronts.log)
-        self.noted.append(Noted(where[:, 0], where[:, 1], span, values))
+        of_kept = np.flatnonzero(fronts.log.where[:noted, 0] < 2 * len(assembly.recorded))
+        where, span, values = (part[of_kept] for part in fronts.log)
+        self.noted.append(Noted(where[:, 0], where[:, 1] + self.origin, span, values))
         return done
 
     def _drive(self, first: int, n: int) -> NDArray:

@@ -17,6 +17,43 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
+class Laws(NamedTuple):
+    """Elements whose flow is no linear function of the effort across them; E elements, by group."""
+
+    first: Integers  # (G + 1,) those of group g are first[g] to first[g + 1]
+    kind: Integers  # (E,)
+    one: Integers  # (E,) node of the group from which its flow counts, -1 for the reference
+    other: Integers  # (E,) node to which it counts
+    drive_row: Integers  # (E,) row of what scales it over time, -1 for none
+    factor: Floats  # (E,) what scales it where there is none
+    at: Integers  # (E,) place of its first constant
+    constants: Floats
+    state_at: Integers  # (E,) place of its state, -1 for none
+    seen: Floats  # (E,) impedance that it sees, > 0
+    impedance: Floats  # (N,) Thévenin impedance of each node, 0 if its effort is held, -1 if nothing conducts there
+    radau: Floats  # (s, s) matrix of Radau IIA
+    step: float  # slab width, s
+
+
+class Cells(NamedTuple):
+    """Lossy lines in cells one slab long, advanced slab by slab; to the nodes such a line has a delay of one slab.
+
+    A node sees what would arrive if nothing left it, ŷ, with its own share of what comes back at once left to the
+    node's map; so a buffer holds ŷ and then 2u - ŷ.
+    """
+
+    line: Integers  # (rows,)
+    number: Integers  # (rows,) cells of the line
+    held: Integers  # (rows,) values that a cell holds, m
+    at: Integers  # (rows,) place of the row's maps
+    maps: Floats  # by columns: to a cell's next values and what leaves it then, of those before, (m + 2 s, m), and of
+    # what enters, (m + 2 s, 2 s); X, Y, R, Q of `pass_cells`, (s, s)
+    state: Integers  # (rows,) place of the row's state: of each cell m values and 2 s that leave it next; 2 s of ends
+    beside: NDArray[np.bool_]  # (G,) whether a group with elements has such lines
+    echo_at: Integers  # (N,) place of what such a node's effort adds to its Thévenin wave, by columns (s, s); or -1
+    echo: Floats
+
+
 class Network(NamedTuple):
     """The constant arrays of a scene; L lines, N nodes, s points per slab."""
 
@@ -35,6 +72,8 @@ class Network(NamedTuple):
     step_states: Integers  # (rows,) its number of states n
     step: Floats  # maps (k s + n)² from (k Thévenin waves, state) to (k efforts, next state), one after the other
     record_row: Integers  # (2 L,) row in the record of an end, -1 if it is not recorded
+    laws: Laws
+    cells: Cells
 
 
 class State(NamedTuple):
@@ -45,3 +84,4 @@ class State(NamedTuple):
     side: Integers  # (L,) 0: end 1 uses the first buffer and end 2 the second; 1: the other way round
     before: Floats  # (2 L, s) the slab that arrived last, as sent; used where delays have a fractional rest
     load: Floats  # of all groups, one after the other
+    cells: Floats  # of all lossy lines in cells

@@ -38,8 +38,15 @@ class Node:
 
     @property
     def total(self) -> float:
-        """Conductance that the waves see beside switches and dynamic loads; one for reference where it floats."""
+        """Conductance that the waves see beside switches and dynamic loads; some reference where there is none."""
+        if self.dead:
+            return 1.0
         return self.lumped if self.floating else self.lines + self.conductance
+
+    @property
+    def dead(self) -> bool:
+        """Whether nothing conducts, so that non-linear elements alone say what its effort is."""
+        return self.held is None and self.lines + self.lumped == 0 == self.conductance
 
     @property
     def floating(self) -> bool:
@@ -152,7 +159,7 @@ CANCELLED = 1e-9  # share of the lines' conductance that active loads must leave
 
 
 def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
-    """The nodes of a scene by name, in the order in which the lines name them; `cells` are those of lumped lines."""
+    """The nodes of a scene by name, in the order in which lines and links name them; `cells` are of lumped lines."""
     nodes: dict[str, Node] = {}
     kept = 0
     for name, line in scene.single_lines.items():
@@ -167,6 +174,9 @@ def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
     for end in ends_of(scene.lines):
         for at, conductance in zip(end.conductors, np.diag(end.modes.admittance), strict=True):
             nodes.setdefault(at, Node()).lumped += float(conductance)
+    for link in scene.links.values():
+        for at in link.nodes:
+            nodes.setdefault(at, Node())
     for source in scene.sources.values():
         nodes[source.at].prescribe(source.value, source.conductance, source.is_effort)
     for name, load in scene.loads.items():

@@ -53,9 +53,10 @@ def lumped(chosen: Resolution) -> list[str]:
 
 def unconnected(scene: Scene) -> list[str]:
     """Parts of the scene that no line joins with the rest: often a node whose name is written in two ways."""
-    nodes = list(dict.fromkeys(node for line in scene.lines.values() for node in line.nodes))
+    pairs = [joint.nodes for joint in (*scene.lines.values(), *scene.links.values())]
+    nodes = list(dict.fromkeys(node for pair in pairs for node in pair))
     number = {node: k for k, node in enumerate(nodes)}
-    pairs = [(line.nodes[0], node) for line in scene.lines.values() for node in line.nodes[1:]]
+    pairs = [(pair[0], node) for pair in pairs for node in pair[1:]]
     first, second = np.array([[number[node] for node in pair] for pair in pairs]).T
     part = parts(first, second, len(nodes))
     if not part.any():

@@ -76,14 +76,19 @@ def resolution(
 
 def _slab(scene: Scene, delays: list[float], scales: dict[str, tuple[float, float]], settle: float) -> float:
     """A slab that is fine enough for what the scene holds, if that is affordable."""
-    shortest = min(delays)
+    shortest, breaks = min(delays), _breaks(scene)
+    few = len(breaks) <= MOST_MARKS
+    resolved = min([shortest / SLABS_PER_DELAY, *(scale for scale, _ in scales.values())])
     fronts = [max(gap, scene.t_end / SLABS_FOR_FRONTS) for gap in _gaps(scene)]
-    wanted = min(
-        shortest / SLABS_PER_DELAY, scene.t_end / SLABS_PER_RUN, *fronts, *(scale for scale, _ in scales.values())
-    )
     affordable = min(_affordable(scene, delays, CHEAP), shortest)
-    wanted = max(wanted, affordable, min(ROOMY * settle, shortest / SLABS_PER_DELAY))
-    return _aligned(delays, _marks(scene), wanted, _affordable(scene, delays, CHEAP_IN_BLOCKS))
+    least = max(affordable, min(ROOMY * settle, shortest / SLABS_PER_DELAY))
+    wanted = max(min(resolved, scene.t_end / SLABS_PER_RUN, *fronts), least)
+    marks = [t for t in breaks if t > 0] if few else []
+    parts = _dividing(delays, marks, wanted, _affordable(scene, delays, CHEAP_IN_BLOCKS))
+    if not parts and breaks and few:  # fronts inside slabs, exact in any slab, and slabs with fronts cost
+        wanted = max(resolved, least)
+    parts = parts or 1
+    return shortest / (parts * ceil(shortest / parts / wanted - WHOLE))
 
 
 def _affordable(scene: Scene, delays: list[float], cheap: float) -> float:
@@ -117,16 +122,16 @@ def _check(scene: Scene, delays: dict[str, float], s: int, h: float, by_hand: bo
 
 def _gaps(scene: Scene) -> list[float]:
     """The shortest piece between two breaks of each waveform that has one, s; below rounding it is a jump."""
-    pieces = [np.diff(source.value.breaks(scene.t_end)) for source in scene.sources.values()]
+    pieces = [np.diff(waveform.breaks(scene.t_end)) for waveform in scene.waveforms.values()]
     return [float(p.min()) for p in (p[p > WHOLE * scene.t_end] for p in pieces) if p.size]
 
 
 def _time_scales(scene: Scene, nodes: dict[str, Node]) -> dict[str, tuple[float, float]]:
     """Of each curved waveform and dynamic load the shortest time scale, and that of its oscillations, s."""
     scales = {}
-    for name, source in scene.sources.items():
-        fastest = source.value.fastest()
-        scales[place("sources", name)] = fastest, fastest
+    for (part, name, _), waveform in scene.waveforms.items():
+        fastest = waveform.fastest()
+        scales[place(part, name)] = fastest, fastest
     for node in nodes.values():
         if node.load is not None and node.held is None:
             states = {node.switched(t) for t in (0.0, *(float(switch.time) for switch in node.switches), inf)}
@@ -142,21 +147,19 @@ def _shortest(poles: NDArray) -> float:
     return 1 / fastest if fastest else inf
 
 
-def _marks(scene: Scene) -> list[float]:
-    """Instants of the jumps, corners and switches, if there are few, s."""
+def _breaks(scene: Scene) -> list[float]:
+    """Instants of the jumps, corners and switches of a run, s."""
     instants = [float(load.time) for load in scene.loads.values() if isinstance(load, Switch)]
-    for source in scene.sources.values():
-        instants += source.value.breaks(scene.t_end).tolist()
-    instants = [t for t in instants if 0 < t < scene.t_end]
-    return instants if len(instants) <= MOST_MARKS else []
+    for waveform in scene.waveforms.values():
+        instants += waveform.breaks(scene.t_end).tolist()
+    return [t for t in instants if 0 <= t < scene.t_end]
 
 
-def _aligned(delays: list[float], marks: list[float], wanted: float, affordable: float) -> float:
-    """A slab no wider than wanted that divides all delays and marks, or else the delays, or else the shortest."""
+def _dividing(delays: list[float], marks: list[float], wanted: float, affordable: float) -> int:
+    """The fewest parts of the shortest delay that divide all delays and marks, or else the delays; 0 for too many."""
     shortest = min(delays)
     most = int(shortest / max(wanted / FINER, affordable)) or 1
-    parts = _common([*delays, *marks], shortest, most) or _common(delays, shortest, most) or 1
-    return shortest / (parts * ceil(shortest / parts / wanted - WHOLE))
+    return _common([*delays, *marks], shortest, most) or _common(delays, shortest, most)
 
 
 def _common(times: list[float], unit: float, most: int) -> int:

@@ -18,6 +18,7 @@ from tline.solver.resolution import Resolution
 
 if TYPE_CHECKING:
     from tline.solver.accuracy import Accuracy
+    from tline.solver.envelope import Envelope
 
 NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
 
@@ -184,6 +185,8 @@ class Result:
         What became of the fronts that did not fit the slabs.
     accuracy : Accuracy or None
         Estimated errors; None for a run whose order or slab is fixed by hand, without a tolerance.
+    envelope : Envelope or None
+        Lowest and highest effort at every node; None if not asked for.
     """
 
     scene: Scene
@@ -197,6 +200,7 @@ class Result:
     seconds: float
     fronts: Tally
     accuracy: "Accuracy | None" = None
+    envelope: "Envelope | None" = None
 
     @property
     def notes(self) -> tuple[str, ...]:

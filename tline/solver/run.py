@@ -11,6 +11,7 @@ from tline.scene.plausible import below_vacuum, doubts
 from tline.scene.scene import Scene
 from tline.solver.assemble import Assembly, assemble
 from tline.solver.conductor import conductor, record_of
+from tline.solver.envelope import watch
 from tline.solver.march import Run, march
 from tline.solver.remarks import VISIBLE, lumped, smeared, unconnected, untouched
 from tline.solver.resolution import Resolution
@@ -19,7 +20,14 @@ from tline.solver.result import LineRecord, Pieces, ProbeResult, Result, Wave
 LARGEST_RECORD = 4e8  # samples
 
 
-def run(scene: Scene, chosen: Resolution, record: Iterable[str] = (), *, progress: bool = False) -> Result:
+def run(
+    scene: Scene,
+    chosen: Resolution,
+    record: Iterable[str] = (),
+    *,
+    envelope: bool = False,
+    progress: bool = False,
+) -> Result:
     """Run a scene with slabs of a given width and order; `record` names lines to keep beside those of the probes.
 
     Raises
@@ -34,7 +42,8 @@ def run(scene: Scene, chosen: Resolution, record: Iterable[str] = (), *, progres
     if 4 * len(kept) * n * s > LARGEST_RECORD:
         problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
         raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
-    waves, done = march(assembly, n, progress=progress)
+    extremes = watch(assembly) if envelope else None
+    waves, done = march(assembly, n, extremes=extremes, progress=progress)
     lines = {name: _record(assembly, name, waves, done) for name in assembly.recorded}
     ends = np.arange(n + 1) * h
     probes = {}
@@ -49,7 +58,19 @@ def run(scene: Scene, chosen: Resolution, record: Iterable[str] = (), *, progres
     doubtful = (*doubts(scene), *below_vacuum(scene, lowest))
     remarks = (*untouched(probes), *unconnected(scene), *lumped(chosen), *doubtful)
     samples = len(assembly.network.ends) * n * s
-    return Result(scene, ends, probes, lines, chosen, unresolved, remarks, samples, done.seconds, done.fronts)
+    return Result(
+        scene,
+        ends,
+        probes,
+        lines,
+        chosen,
+        unresolved,
+        remarks,
+        samples,
+        done.seconds,
+        done.fronts,
+        envelope=extremes and extremes.envelope(),
+    )
 
 
 def probed(scene: Scene) -> set[str]:

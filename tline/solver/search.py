@@ -30,10 +30,11 @@ class Search(NamedTuple):
     progress: bool
     most: float = MOST_SAMPLES  # line-end samples that it may take
     settle: float = 0.0  # time in which lumped lines settle after a front, s
+    envelope: bool = False
 
     def run(self, chosen: Resolution) -> Result:
         """One run."""
-        return run(self.scene, chosen, self.record, progress=self.progress)
+        return run(self.scene, chosen, self.record, envelope=self.envelope, progress=self.progress)
 
 
 def within(search: Search) -> Result:

@@ -8,6 +8,7 @@ import numpy as np
 from tline.errors import InputError
 from tline.scene.coupled import ends_of
 from tline.scene.scene import Scene
+from tline.solver.elements import elements_of
 from tline.solver.lumps import grouped
 from tline.solver.nodes import Node, nodes_of
 from tline.solver.resolution import SLABS_PER_DELAY, resolution
@@ -23,8 +24,8 @@ def short_lines(scene: Scene, record: Iterable[str]) -> tuple[list[str], float]:
 
     `record` names lines that may not be lumped.
 
-    Lines that probes see stay lines. So do lines at a node with a switch or an active resistance, and lines in which a
-    front would ring on for longer than a part of a slab.
+    Lines that probes see stay lines. So do lines at a node with a switch, a non-linear element or an active
+    resistance, and lines in which a front would ring on for longer than a part of a slab.
 
     Examples
     --------
@@ -38,6 +39,7 @@ def short_lines(scene: Scene, record: Iterable[str]) -> tuple[list[str], float]:
     """
     nodes = nodes_of(scene)
     barred = {name for name, node in nodes.items() if _barred(node)}
+    barred |= {node for element in elements_of(scene, nodes) for node in element.nodes}
     barred |= {node for end in ends_of(scene.lines) for node in (*end.conductors, *end.modal)}
     kept = {name for name, line in scene.single_lines.items() if barred & {*line.nodes}} | {*record} | probed(scene)
     while short := _far_shorter(scene, nodes, kept):

@@ -27,6 +27,7 @@ def simulate(
     *,
     tol: float | None = None,
     record: Iterable[str] = (),
+    envelope: bool = False,
     active: bool = False,
     progress: bool = False,
 ) -> Result:
@@ -47,6 +48,8 @@ def simulate(
         scene's ``solver.tol``; 1e-6 where there is neither.
     record : iterable of str
         Lines whose end waves are kept in addition to those of the probes.
+    envelope : bool
+        Keep the lowest and the highest effort at every node, and when: ``Result.envelope``.
     active : bool
         Run even with a load that is not positive real. What it does to the scene is then the first of the notes.
     progress : bool
@@ -88,10 +91,10 @@ def simulate(
     warned, record = _active(scene, active), list(record)
     tol = _tolerance(scene, tol)
     if tol is None or (scene.solver.order and scene.solver.slab):
-        result = run(scene, resolution(scene, nodes_of(scene)), record, progress=progress)
+        result = run(scene, resolution(scene, nodes_of(scene)), record, envelope=envelope, progress=progress)
         result = replace(result, accuracy=tol and _by_hand(result, tol))
     else:
-        result = within(Search(scene, tol, record, progress))
+        result = within(Search(scene, tol, record, progress, envelope=envelope))
     for note in result.unresolved:
         warnings.warn(note, UnresolvedWarning, stacklevel=2)
     return replace(result, remarks=(*warned, *result.remarks))

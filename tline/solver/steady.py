@@ -13,33 +13,85 @@ from tline.errors import InputError
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
+from tline.solver.balance import CLOSE, balanced
 from tline.solver.drive import just_before
+from tline.solver.edges import Edges
 from tline.solver.nodes import Node
 
 SAME = 1e-9  # efforts that differ by less than this, relatively, are equal
 SMALL = 300  # nodes
 ROUNDING = 1e-12  # of the flows that meet
+STUCK = 1e-9  # of the largest flow, that only a leak takes
 
 
-def steady_state(scene: Scene, nodes: dict[str, Node]) -> tuple[NDArray, NDArray]:
-    """Effort and flow of each line, immediately before t = 0, shapes (lines,).
+def rest(scene: Scene, nodes: dict[str, Node]) -> tuple[dict[str, float], NDArray]:
+    """Effort of each node and flow of each line where nothing has happened yet."""
+    return dict.fromkeys(nodes, 0.0), np.zeros(len(scene.single_lines))
+
+
+def steady_state(scene: Scene, nodes: dict[str, Node]) -> tuple[dict[str, float], NDArray]:
+    """Effort of each node and flow of each line, immediately before t = 0.
 
     Raises
     ------
     InputError
-        If there is none: different ideal efforts on connected lines, or a flow that nothing takes.
+        If there is none: different ideal efforts on connected lines, or a flow that nothing takes; or none was found.
     """
     number = {name: k for k, name in enumerate(nodes)}
     first, second = np.array([[number[node] for node in line.nodes] for line in scene.lines.values()]).T
     n = len(nodes)
-    part = parts(first, second, n)
+    lossy = np.array([any(line.steady_drop(1.0)) for line in scene.lines.values()])
+    stiff = ~lossy
+    part = parts(first[stiff], second[stiff], n)
     given, conductance, driven, tie = _balances(nodes)
-    effort = _efforts(scene, number, part, given, conductance, driven)[part]
+    _check_held(scene, number, part, given)
+    edges = Edges(scene, nodes, number, lossy)
+    if edges.count:
+        level, flow = _between_parts(scene, number, part, given, conductance, driven, edges)
+        out = edges.out_of_nodes(flow, n)
+    else:
+        level, flow, out = _efforts(scene, number, part, given, conductance, driven), np.zeros(0), np.zeros(n)
+    effort = level[part]
     unheld = np.isnan(_least(given, part))
     tie[np.unique(part, return_index=True)[1][unheld]] = np.inf  # the potential's zero, anywhere
     stiffness = np.array([1 / (line.parameters.z0 * (line.parameters.delay or 0.0)) for line in scene.lines.values()])
-    potential = _potential(first, second, stiffness, driven - conductance * effort, tie)
-    return effort[first], stiffness * (potential[first] - potential[second])
+    stiffness[lossy] = 0.0
+    flow_in = driven - conductance * effort - out
+    potential = _potential(first[stiff], second[stiff], stiffness[stiff], flow_in, tie)
+    y = stiffness * (potential[first] - potential[second])
+    y[lossy] = flow[: lossy.sum()]
+    return dict(zip(nodes, effort.tolist(), strict=True)), y
+
+
+def _between_parts(
+    scene: Scene,
+    number: dict[str, int],
+    part: NDArray,
+    given: NDArray,
+    conductance: NDArray,
+    driven: NDArray,
+    edges: Edges,
+) -> tuple[NDArray, NDArray]:
+    """The effort of each connected part, and the flow through each edge between them."""
+    total, source = (np.bincount(part, weights) for weights in (conductance, driven))
+    found = balanced(edges.laws(part), _least(given, part), total, source)
+    if not found.rest.max() <= CLOSE:
+        where = edges.where[int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))]
+        raise InputError(where, "no steady state found: efforts and flows do not settle here", "start = 'rest'")
+    stuck = np.flatnonzero(np.abs(found.leak) > STUCK * np.abs(found.flow).max(initial=np.abs(driven).max()))
+    if stuck.size:
+        _refuse_flow(scene, number, part, int(stuck[0]), float(found.leak[stuck[0]]))
+    return found.effort, found.flow
+
+
+def _refuse_flow(scene: Scene, number: dict[str, int], part: NDArray, stuck: int, flow: float) -> None:
+    """Say that nothing takes the flow into a part."""
+    where = next(
+        (place("sources", name) for name, source in scene.sources.items() if part[number[source.at]] == stuck),
+        f"node '{list(number)[int(np.flatnonzero(part == stuck)[0])]}'",
+    )
+    got = f"{flow:g} {MEDIA[scene.medium].units['flow']}"
+    raise InputError(where, "no steady state: nothing takes the flow", "a load that does", got)
 
 
 def parts(first: NDArray, second: NDArray, n: int) -> NDArray:
@@ -82,10 +134,8 @@ def _least(values: NDArray, part: NDArray) -> NDArray:
     return least
 
 
-def _efforts(
-    scene: Scene, number: dict[str, int], part: NDArray, given: NDArray, conductance: NDArray, driven: NDArray
-) -> NDArray:
-    """The effort of each connected part."""
+def _check_held(scene: Scene, number: dict[str, int], part: NDArray, given: NDArray) -> None:
+    """Refuse different ideal efforts in one part."""
     units, names = MEDIA[scene.medium].units, list(number)
     low, high = _least(given, part), -_least(-given, part)
     torn = np.flatnonzero(high - low > SAME * np.fmax(np.abs(low), np.abs(high)))
@@ -97,13 +147,17 @@ def _efforts(
             "no steady state: lossless lines join different ideal efforts",
             got=f"{low[k]:g} and {high[k]:g} {units['effort']}",
         )
+
+
+def _efforts(
+    scene: Scene, number: dict[str, int], part: NDArray, given: NDArray, conductance: NDArray, driven: NDArray
+) -> NDArray:
+    """The effort of each connected part, where nothing lies between parts."""
+    low = _least(given, part)
     total, flow, size = (np.bincount(part, weights) for weights in (conductance, driven, np.abs(driven)))
     stuck = np.flatnonzero(np.isnan(low) & (total == 0) & (np.abs(flow) > ROUNDING * size))
     if stuck.size:
-        k = stuck[0]
-        source = next(s for s, source in scene.sources.items() if part[number[source.at]] == k)
-        problem, got = "no steady state: nothing takes the flow", f"{flow[k]:g} {units['flow']}"
-        raise InputError(place("sources", source), problem, "a load that does", got)
+        _refuse_flow(scene, number, part, int(stuck[0]), float(flow[stuck[0]]))
     level = np.divide(flow, total, out=np.zeros_like(flow), where=total != 0)
     return np.where(np.isnan(low), level, low)
 

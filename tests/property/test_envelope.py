@@ -1,0 +1,59 @@
+"""An envelope taken on the way, window by window, is that of a run whose record is kept whole."""
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from random_scenes import random_scene
+
+from tline.errors import InputError
+from tline.solver import march
+from tline.solver.nodes import nodes_of
+from tline.solver.resolution import resolution
+from tline.solver.run import run
+
+SEEDS = st.integers(0, 10**6)
+SAME = 1e-12  # roundings of another order
+
+
+def windowed_as_whole(scene, chosen, window):
+    """Compare the two; `window` is in slabs."""
+    lines = scene.lines
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(march, "CHUNK", 2 * len(lines) * chosen.s * window)
+        whole = run(scene, chosen, record=lines)
+        windowed = run(scene, chosen, envelope=True)
+    assert windowed.envelope is not None
+    assert set(windowed.envelope.nodes) == {node for line in lines.values() for node in line.nodes}
+    # the probe's record, put together from the windows, and its pieces
+    t = np.linspace(0.0, whole.t[-1] * 0.99937, 777)  # no instant at which a front passes
+    once, again = whole.probes["p"].at(t).u, windowed.probes["p"].at(t).u
+    assert np.abs(once - again).max() <= SAME * np.abs(once).max()
+    for node in windowed.envelope.nodes:
+        name, line = next((name, line) for name, line in lines.items() if node in line.nodes)
+        record = whole.lines[name]
+        a, b = (record.a1, record.b1) if line.nodes[0] == node else (record.a2, record.b2)
+        u = (a.at_slab_ends() + b.at_slab_ends()) / 2
+        seen, close = windowed.envelope.of(node), SAME * np.abs(u).max()
+        assert seen["start"] == pytest.approx(u[0], abs=close)
+        assert seen["lowest"] == pytest.approx(u.min(), abs=close)
+        assert seen["highest"] == pytest.approx(u.max(), abs=close)
+        for at, level in (("lowest_at", u.min()), ("highest_at", u.max())):
+            assert u[round(seen[at] / chosen.h)] == pytest.approx(level, abs=close)
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=SEEDS, order=st.integers(1, 5), slab=st.floats(0.05, 0.45), window=st.integers(1, 400))
+@example(seed=3, order=3, slab=0.1, window=7)
+def test_window_by_window_as_from_the_whole(seed, order, slab, window):
+    """Fronts of switches and sources at any instants, delays without common measure."""
+    scene = random_scene(seed, sources=True, start="steady", solver={"order": order, "slab": slab})
+    windowed_as_whole(scene, resolution(scene, nodes_of(scene)), window)
+
+
+def test_a_node_that_is_not_there():
+    scene = random_scene(1, solver={"order": 2, "slab": 0.2})
+    envelope = run(scene, resolution(scene, nodes_of(scene)), envelope=True).envelope
+    assert envelope is not None
+    with pytest.raises(InputError, match="'nowhere'"):
+        envelope.of("nowhere")

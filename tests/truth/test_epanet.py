@@ -1,0 +1,116 @@
+"""What is read from EPANET files agrees with EPANET's own solution; its results are floats of 32 bits."""
+
+from collections import defaultdict
+from math import pi
+from pathlib import Path
+
+import pytest
+from networks import ring
+
+from tline.interchange.epanet import read_epanet
+from tline.interchange.head_loss import GRAVITY
+from tline.interchange.water_network import WaterNetwork
+
+wntr = pytest.importorskip("wntr")
+SHIPPED = Path(wntr.__file__).parent / "library" / "networks"
+NETWORKS = ["Net1", "Net2", "Net3", "Net6", "ky4", "ky10"]
+FLOAT32 = 6e-8
+
+
+def losses_agree(network: WaterNetwork) -> None:
+    """The friction factors give the heads: to rounding of the heads, and to flows of EPANET's last step."""
+    heads = {name: node.head for name, node in network.nodes.items()}
+    for name, pipe in network.pipes.items():
+        if not pipe.flow and pipe.one_way:
+            continue
+        speed = pipe.flow / (pi / 4 * pipe.diameter**2)
+        lost = pipe.factor * pipe.length / pipe.diameter * speed * abs(speed) / (2 * GRAVITY)
+        one, two = (heads[node] for node in pipe.nodes)
+        assert one - two == pytest.approx(lost, rel=2e-5, abs=4 * FLOAT32 * max(one, two) + 1e-4), name
+
+
+def flows_balance(network: WaterNetwork) -> None:
+    """What flows into a junction is its demand and what its emitter lets out."""
+    inflow, size = defaultdict(float), defaultdict(float)
+    for link in (*network.pipes.values(), *network.pumps.values(), *network.valves.values()):
+        one, two = link.nodes
+        inflow[one] -= link.flow
+        inflow[two] += link.flow
+        for node in link.nodes:
+            size[node] += abs(link.flow)
+    total = sum(size.values())
+    for name, node in network.junctions.items():
+        out = node.demand + node.emitter * max(node.head - node.elevation, 0.0) ** network.exponent
+        assert inflow[name] == pytest.approx(out, rel=1e-5, abs=1e-5 * size[name] + 1e-7 * total), name
+
+
+@pytest.mark.parametrize("name", NETWORKS)
+def test_shipped_networks(name):
+    network = read_epanet(SHIPPED / f"{name}.inp")
+    losses_agree(network)
+    flows_balance(network)
+
+
+@pytest.mark.parametrize(("law", "rough"), [("H-W", 120), ("C-M", 0.012), ("D-W", 0.2)])
+@pytest.mark.parametrize("units", ["LPS", "GPM"])
+@pytest.mark.parametrize("exponent", [0.5, 0.8])
+def test_laws_and_units(tmp_path, law, rough, units, exponent):
+    network = read_epanet(ring(tmp_path, units, law, rough, exponent))
+    losses_agree(network)
+    flows_balance(network)
+    heads = {name: node.head for name, node in network.nodes.items()}
+    pump = network.pumps["duty"]
+    assert pump.curve is not None
+    assert pump.curve.head(pump.flow) == pytest.approx(heads["lift"] - heads["suction"], rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "curve",
+    [
+        "lifting 90 75",
+        "lifting 0 100\n lifting 90 75\n lifting 150 20",
+        "lifting 0 90\n lifting 50 88\n lifting 90 70\n lifting 150 10",
+    ],
+)
+def test_pump_curves_and_speeds(tmp_path, curve):
+    for speed in (1.0, 0.9):
+        changes = {"lifting 90 75": curve, "HEAD lifting": f"HEAD lifting SPEED {speed}"}
+        network = read_epanet(ring(tmp_path, changes=changes))
+        heads = {name: node.head for name, node in network.nodes.items()}
+        pump = network.pumps["duty"]
+        assert pump.curve is not None
+        assert pump.speed == pytest.approx(speed, rel=FLOAT32)
+        rise = speed**2 * pump.curve.head(pump.flow / speed)
+        assert rise == pytest.approx(heads["lift"] - heads["suction"], rel=1e-5)
+
+
+def test_power_pump(tmp_path):
+    network = read_epanet(ring(tmp_path, changes={"HEAD lifting": "POWER 30"}))
+    heads = {name: node.head for name, node in network.nodes.items()}
+    pump = network.pumps["duty"]
+    assert pump.power == pytest.approx(30e3)
+    # EPANET works with 8.814 ft·ft³/s per horsepower
+    water = network.density * GRAVITY
+    assert water * pump.flow * (heads["lift"] - heads["suction"]) == pytest.approx(pump.power, rel=2e-3)
+
+
+@pytest.mark.parametrize(("drawn", "low", "high"), [(0.04, 500, 2000), (0.12, 2000, 4000), (0.25, 4000, 7000)])
+def test_laminar_transitional_turbulent(tmp_path, drawn, low, high):
+    """A single pipe of 50 mm by Darcy and Weisbach, in each regime of Reynolds numbers."""
+    text = f"""
+[JUNCTIONS]
+ end 0 {drawn}
+[RESERVOIRS]
+ lake 1
+[PIPES]
+ pipe lake end 1000 50 0.05 0 Open
+[OPTIONS]
+ UNITS LPS
+ HEADLOSS D-W
+[END]
+"""
+    (tmp_path / "pipe.inp").write_text(text)
+    network = read_epanet(tmp_path / "pipe.inp")
+    pipe = network.pipes["pipe"]
+    assert low < 4 * pipe.flow / (pi * pipe.diameter * network.viscosity) < high
+    losses_agree(network)

@@ -1,0 +1,108 @@
+"""Head of a pump over its flow, as EPANET draws it through points."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import log
+
+import numpy as np
+
+from tline.errors import InputError
+
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """head = a - b·flow^c, in m and m³/s.
+
+    Examples
+    --------
+    >>> law = PowerLaw(40.0, 1000.0, 2.0)
+    >>> law.head(0.1), law.slope(0.1), law.last
+    (30.0, -200.0, 0.2)
+    """
+
+    a: float
+    b: float
+    c: float
+
+    def head(self, flow: float) -> float:
+        """Head, m."""
+        return self.a - self.b * flow**self.c
+
+    def slope(self, flow: float) -> float:
+        """Change of the head with the flow, s/m²."""
+        return -self.b * self.c * flow ** (self.c - 1)
+
+    @property
+    def last(self) -> float:
+        """Flow without head, m³/s."""
+        return (self.a / self.b) ** (1 / self.c)
+
+
+@dataclass(frozen=True)
+class Polyline:
+    """Straight lines between points of rising flow, m³/s, and falling head, m; the outer ones go on.
+
+    Examples
+    --------
+    >>> line = Polyline((0.0, 0.1, 0.2), (40.0, 35.0, 10.0))
+    >>> round(line.head(0.15), 9), line.slope(0.15)
+    (22.5, -250.0)
+    """
+
+    flows: tuple[float, ...]
+    heads: tuple[float, ...]
+
+    def head(self, flow: float) -> float:
+        """Head, m."""
+        k = self._piece(flow)
+        return self.heads[k] + self.slope(flow) * (flow - self.flows[k])
+
+    def slope(self, flow: float) -> float:
+        """Change of the head with the flow, s/m²."""
+        k = self._piece(flow)
+        return (self.heads[k + 1] - self.heads[k]) / (self.flows[k + 1] - self.flows[k])
+
+    def _piece(self, flow: float) -> int:
+        return int(np.clip(np.searchsorted(self.flows, flow) - 1, 0, len(self.flows) - 2))
+
+    @property
+    def last(self) -> float:
+        """Largest flow, m³/s."""
+        return self.flows[-1]
+
+
+def pump_curve(points: Sequence[tuple[float, float]]) -> PowerLaw | Polyline:
+    """The curve through points (flow, head) in m³/s and m.
+
+    One point (q, h) gives the law 4/3·h - h/3·(flow/q)²; three of which the first has no flow give a - b·flow^c;
+    others are joined by straight lines.
+
+    Raises
+    ------
+    InputError
+        The points make no curve that falls.
+
+    References
+    ----------
+    EPANET 2.2 User Manual, section 3.1, pumps.
+
+    Examples
+    --------
+    >>> round(pump_curve([(0.1, 30.0)]).head(0.1), 9)
+    30.0
+    """
+    points = sorted((float(q), float(h)) for q, h in points)
+    flows, heads = tuple(q for q, _ in points), tuple(h for _, h in points)
+    level = [one for one, two in pairwise(points) if two[0] <= one[0] or two[1] >= one[1]]
+    if not points or level or flows[0] < 0 or heads[-1] < 0 or points == [(0.0, heads[0])]:
+        got = ", ".join(f"({q:g}, {h:g})" for q, h in points[:8]) or "no points"
+        raise InputError("", "its curve does not fall", "heads that fall as the flow rises", got)
+    if len(points) == 1:
+        q, h = points[0]
+        return PowerLaw(4 / 3 * h, h / 3 / q**2, 2.0)
+    if len(points) == 3 and flows[0] == 0:
+        a, one, two = heads
+        c = log((a - two) / (a - one)) / log(flows[2] / flows[1])
+        return PowerLaw(a, (a - one) / flows[1] ** c, c)
+    return Polyline(flows, heads)

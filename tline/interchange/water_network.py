@@ -1,0 +1,158 @@
+"""A water network at its operating point, as programs for steady flow know it; in SI, with heads in metres."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from tline.interchange.pump_curve import Polyline, PowerLaw
+
+Position = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Junction:
+    """A node where pipes meet.
+
+    Parameters
+    ----------
+    elevation, head : float
+        m
+    position : pair of float
+        Coordinates on a map, in whatever unit this has.
+    demand : float
+        Flow drawn, m³/s, without that of the emitter; negative where something flows in.
+    emitter : float
+        Flow of the emitter over (pressure head in m)^exponent.
+    """
+
+    elevation: float
+    head: float
+    position: Position
+    demand: float
+    emitter: float
+
+
+@dataclass(frozen=True)
+class Basin:
+    """A reservoir, or a tank at its level.
+
+    Parameters
+    ----------
+    kind : str
+        "reservoir" or "tank"
+    elevation, head : float
+        Of its bottom, or of the water for a reservoir; and of the water; m.
+    position : pair of float
+        Coordinates on a map.
+    """
+
+    kind: str
+    elevation: float
+    head: float
+    position: Position
+
+
+@dataclass(frozen=True)
+class Pipe:
+    """A pipe.
+
+    Parameters
+    ----------
+    nodes : pair of str
+    length, diameter : float
+        m
+    flow : float
+        From the first node to the second, m³/s.
+    factor : float
+        Darcy's friction factor at this flow, minor losses included, spread over the length.
+    one_way : bool
+        Whether a check valve lets water through toward the second node alone.
+    """
+
+    nodes: tuple[str, str]
+    length: float
+    diameter: float
+    flow: float
+    factor: float
+    one_way: bool
+
+
+@dataclass(frozen=True)
+class Pump:
+    """A pump that runs.
+
+    Parameters
+    ----------
+    nodes : pair of str
+        Suction, delivery.
+    curve : PowerLaw, Polyline or None
+        Head over flow at rated speed; None if the power is given.
+    power : float or None
+        Of the water, W.
+    speed : float
+        Relative to the rated one.
+    flow : float
+        m³/s
+    """
+
+    nodes: tuple[str, str]
+    curve: PowerLaw | Polyline | None
+    power: float | None
+    speed: float
+    flow: float
+
+
+@dataclass(frozen=True)
+class Valve:
+    """A valve that lets something pass.
+
+    Parameters
+    ----------
+    nodes : pair of str
+    kind : str
+        PRV, PSV, PBV, FCV, TCV or GPV.
+    flow : float
+        m³/s
+    drop : float
+        Head lost from the first node to the second, m.
+    """
+
+    nodes: tuple[str, str]
+    kind: str
+    flow: float
+    drop: float
+
+
+@dataclass(frozen=True)
+class WaterNetwork:
+    """All that is open at an instant, and notes on what is not.
+
+    Parameters
+    ----------
+    title : str
+    density : float
+        kg/m³
+    viscosity : float
+        Kinematic, m²/s.
+    exponent : float
+        Of all emitters.
+    junctions, basins, pipes, pumps, valves : mapping
+        By name; nodes and links each have names of their own.
+    notes : tuple of str
+        What was left out, and what is held.
+    """
+
+    title: str
+    density: float
+    viscosity: float
+    exponent: float
+    junctions: Mapping[str, Junction]
+    basins: Mapping[str, Basin]
+    pipes: Mapping[str, Pipe]
+    pumps: Mapping[str, Pump]
+    valves: Mapping[str, Valve]
+    notes: tuple[str, ...]
+
+    @property
+    def nodes(self) -> dict[str, Junction | Basin]:
+        """All nodes."""
+        return {**self.junctions, **self.basins}

@@ -1,0 +1,83 @@
+"""What scales an element over time: the opening of a valve, the speed of a pump."""
+
+from itertools import pairwise
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import PlainValidator, SerializeAsAny, ValidationInfo
+
+from tline.errors import InputError
+from tline.scene.quantity import LEVEL
+from tline.scene.shape import Constant, Shape
+from tline.scene.waveform import Waveform, read_waveform
+
+LOOKS = 1000  # instants at which a curved waveform is looked at
+ROUNDING = 1e-9
+
+
+def _factor(value: Any, info: ValidationInfo) -> Shape:
+    return read_waveform(value, "", info)
+
+
+Factor = Annotated[SerializeAsAny[Shape], PlainValidator(_factor, json_schema_input_type=Waveform | float | str)]
+ALWAYS = Constant(level=LEVEL.parse(1, ""))
+
+
+def check_range(factor: Shape, t_end: float, most: float) -> None:
+    """Refuse a factor that leaves 0 to `most` before t_end.
+
+    Raises
+    ------
+    InputError
+        With the value and the instant.
+    """
+    edges = np.unique(np.concatenate([[0.0, t_end], factor.breaks(t_end)]))
+    edges = edges[edges <= t_end]
+    inside = (edges[:-1] + edges[1:]) / 2 if len(edges) > 1 else edges
+    share = np.linspace(0.0, 1.0, max(LOOKS // len(inside), 2))
+    t = edges[: len(inside), None] + (np.diff(edges)[:, None] if len(edges) > 1 else 0.0) * share
+    value = factor.value(t, inside[:, None])
+    bad = (value < -ROUNDING) | (value > most * (1 + ROUNDING))
+    if bad.any():
+        got = f"{value[bad][0]:.6g} at {t[bad][0]:.6g} s"
+        expected = f"from 0 to {most:g}" if np.isfinite(most) else "zero or more"
+        raise InputError("", "out of range", expected, got)
+
+
+class Characterised(Shape):
+    """The share of its capacity that a valve has, by a table of openings and shares; made, not read from files."""
+
+    opening: SerializeAsAny[Shape]
+    shares: tuple[tuple[float, float], ...]
+
+    def breaks(self, t_end):  # noqa: D102
+        own = self.opening.breaks(t_end)
+        edges = np.unique(np.concatenate([[0.0, t_end], own]))
+        crossings = [
+            _crossing(self.opening, low, high, level) for low, high in pairwise(edges) for level, _ in self.shares[1:-1]
+        ]
+        return np.unique(np.concatenate([own, *crossings]))
+
+    def value(self, t, inside):  # noqa: D102
+        x, y = np.array(self.shares).T
+        levels = np.broadcast_to(self.opening.value(t, inside), np.broadcast_shapes(t.shape, inside.shape))
+        middle = self.opening.value(inside, inside)
+        piece = np.clip(np.searchsorted(x, middle) - 1, 0, len(x) - 2)
+        return y[piece] + (y[piece + 1] - y[piece]) * (levels - x[piece]) / (x[piece + 1] - x[piece])
+
+    def fastest(self):  # noqa: D102
+        return self.opening.fastest()
+
+
+def _crossing(opening: Shape, low: float, high: float, level: float) -> np.ndarray:
+    """Instants between two breaks at which the opening passes a level, by bisection of up to 64 parts."""
+    inside = np.array((low + high) / 2)
+    edges = np.linspace(low, high, 65)
+    above = opening.value(edges, inside) > level
+    parts = np.flatnonzero(above[:-1] != above[1:])
+    first, last = edges[parts], edges[parts + 1]
+    for _ in range(60):
+        middle = (first + last) / 2
+        same = (opening.value(middle, inside) > level) == above[parts]
+        first, last = np.where(same, middle, first), np.where(same, last, middle)
+    return last

@@ -1,0 +1,60 @@
+"""Outflows that depend on the pressure: leaks and demands."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from tline.errors import InputError
+from tline.scene.element import AtNode
+from tline.scene.factor import ALWAYS, Factor
+from tline.scene.law import Law, OfLiquids
+from tline.scene.quantity import ZERO, Quantity, Role
+
+Exponent = Annotated[Quantity, Role("exponent", "", at_least=0.1, at_most=4)]
+Flow = Annotated[Quantity, Role("flow", "m^3/s", above=0)]
+SOME = Quantity("0.5", "")
+
+
+class Leak(AtNode, OfLiquids):
+    """A leak: flow·(pressure/reference pressure)^exponent out of the node, nothing in."""
+
+    kind: Literal["leak"] = "leak"
+    flow: Flow = Field(description="flow at the reference pressure")
+    pressure: Annotated[Quantity, Role("pressure", "Pa", above=0)] = Field(description="reference pressure")
+    exponent: Exponent = Field(default=SOME, description="0.5 for a hole in a stiff wall")
+    opening: Factor = Field(default=ALWAYS, description="factor of the flow, constant or over time: 0 before it bursts")
+
+    def law(self) -> Law:  # noqa: D102
+        return Law("leak", (0.0, float(self.flow), float(self.pressure), float(self.exponent)), self.opening)
+
+
+class Demand(AtNode, OfLiquids):
+    """A demand that is met in full above the required pressure, in part down to the least, and not below.
+
+    The share met is ((p - least)/(required - least))^exponent.
+
+    References
+    ----------
+    J. M. Wagner, U. Shamir, D. H. Marks: Water distribution reliability: simulation methods. J. Water Resour. Plann.
+    Manage. 114 (1988) 276-294, doi:10.1061/(ASCE)0733-9496(1988)114:3(276).
+    """
+
+    kind: Literal["demand"] = "demand"
+    flow: Flow = Field(description="flow that is asked for")
+    required_pressure: Annotated[Quantity, Role("pressure", "Pa")] = Field(description="pressure from which it is met")
+    least_pressure: Annotated[Quantity, Role("pressure", "Pa")] = Field(
+        default=ZERO, description="pressure below which nothing comes"
+    )
+    exponent: Exponent = Field(default=SOME, description="of the share met")
+    pattern: Factor = Field(default=ALWAYS, description="factor of the flow, constant or over time")
+
+    @model_validator(mode="after")
+    def _rises(self):
+        if self.required_pressure <= self.least_pressure:
+            got, expected = f"{self.required_pressure:g} Pa", f"more than the least, {self.least_pressure:g} Pa"
+            raise InputError("required_pressure", "too low", expected, got)
+        return self
+
+    def law(self) -> Law:  # noqa: D102
+        band = float(self.required_pressure - self.least_pressure)
+        return Law("demand", (float(self.least_pressure), float(self.flow), band, float(self.exponent)), self.pattern)

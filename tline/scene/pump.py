@@ -1,0 +1,95 @@
+"""Pumps: a curve at rated speed, affinity laws, a prescribed speed or a run-down with inertia."""
+
+from math import pi
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+
+from tline.errors import InputError
+from tline.scene.between import Between
+from tline.scene.factor import ALWAYS, Factor
+from tline.scene.law import Law, OfLiquids
+from tline.scene.mistakes import shown
+from tline.scene.quantity import ZERO, Quantity, Role
+from tline.scene.shape import Step
+
+ONE_POINT = 4 / 3  # shut-off rise over that of the single point of a curve (L. A. Rossman, EPANET 2 manual, 2000)
+Flow = Annotated[Quantity, Role("flow", "m^3/s", at_least=0)]
+Instant = Annotated[Quantity, Role("time", "s", at_least=0)]
+Rise = Annotated[Quantity, Role("pressure", "Pa", at_least=0)]
+
+
+def _pair(point: Any) -> Any:
+    if not isinstance(point, list | tuple) or len(point) != 2:
+        raise InputError("", "not a point", "a pair [flow, pressure rise]", shown(point))
+    return point
+
+
+class Pump(Between, OfLiquids):
+    """A pump from the first node to the second: rise = N²·h0 - N·b·Q - c·Q·|Q|, N the speed over the rated one.
+
+    The parabola goes through the points of its curve; of a single point it makes one that shuts off at 4/3 of its rise
+    and has its summit there.
+    """
+
+    kind: Literal["pump"] = "pump"
+    curve: list[Annotated[tuple[Flow, Rise], BeforeValidator(_pair)]] = Field(
+        min_length=1, max_length=3, description="one to three points [flow, pressure rise] at rated speed"
+    )
+    speed: Factor = Field(default=ALWAYS, description="over the rated speed, constant or over time")
+    trip: Instant | None = Field(default=None, description="when the motor fails and it begins to run down")
+    inertia: Annotated[Quantity, Role("inertia", "kg m^2", above=0)] | None = Field(
+        default=None, description="of all that turns, the liquid in it included; needed with trip"
+    )
+    rated_speed: Annotated[Quantity, Role("frequency", "Hz", above=0)] | None = Field(
+        default=None, description="turns per second; needed with trip"
+    )
+    check_valve: bool = Field(default=False, description="whether a check valve behind it lets nothing back")
+    _parabola: tuple[float, float, float] = PrivateAttr()
+
+    @model_validator(mode="after")
+    def _runs(self):
+        self._parabola = _parabola([(float(q), float(h)) for q, h in self.curve])
+        needed = {"inertia": self.inertia, "rated_speed": self.rated_speed}
+        missing = [key for key, value in needed.items() if value is None]
+        if self.trip is not None and missing:
+            raise InputError(missing[0], "is missing", "with trip, both inertia and rated_speed")
+        if self.trip is None and len(missing) < 2:
+            raise InputError("trip", "is missing", "an instant, for inertia and rated_speed to matter")
+        if self.trip is not None and self.speed.model_dump() != ALWAYS.model_dump():
+            raise InputError("speed", "cannot be prescribed beside a trip", "one of speed and trip")
+        return self
+
+    def law(self) -> Law:  # noqa: D102
+        constants = (0.0, *self._parabola, float(self.check_valve))
+        if self.trip is None or self.inertia is None or self.rated_speed is None:
+            return Law("pump", constants, self.speed)
+        twice_the_energy = self.inertia * (2 * pi * self.rated_speed) ** 2  # J, at rated speed
+        motor = Step(from_=Quantity(1, ""), to=ZERO, at=self.trip)
+        return Law("rotor", (*constants, float(twice_the_energy)), motor)
+
+
+def _parabola(points: list[tuple[float, float]]) -> tuple[float, float, float]:
+    """Coefficients h0, b, c of rise = h0 - b Q - c Q² through the points.
+
+    Raises
+    ------
+    InputError
+        The points do not fall with the flow, or their parabola does not.
+    """
+    flows, rises = zip(*sorted(points), strict=True)
+    if len(points) == 1:
+        if flows[0] == 0 or rises[0] == 0:
+            raise InputError("curve", "its one point is no working point", "flow and rise above zero")
+        return ONE_POINT * rises[0], 0.0, (ONE_POINT - 1) * rises[0] / flows[0] ** 2
+    if len(set(flows)) < len(flows) or any(np.diff(rises) >= 0):
+        raise InputError("curve", "the rise does not fall with the flow", "a falling curve", shown(points))
+    q, h = np.array(flows), np.array(rises)
+    powers = q[:, None] ** (np.array([0, 2]) if len(points) == 2 else np.arange(3))
+    solved = np.linalg.solve(powers, h)
+    h0, c = solved[0], -solved[-1]
+    b = -solved[1] if len(points) == 3 else 0.0
+    if b < -1e-12 * h0 / q[-1] or c < -1e-12 * h0 / q[-1] ** 2:
+        raise InputError("curve", "its parabola rises somewhere", "a curve that falls ever more steeply", shown(points))
+    return float(h0), max(float(b), 0.0), max(float(c), 0.0)

@@ -1,0 +1,81 @@
+"""How much a valve or orifice lets pass: the ways in which data sheets say it."""
+
+from math import pi, sqrt
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from tline.errors import InputError
+from tline.scene.element import Element
+from tline.scene.quantity import Quantity, Role
+
+BAR, PSI = 1e5, 6894.757293168361  # Pa
+WATER = 1000.0  # kg/m³, to which Kv and Cv refer
+HOUR, MINUTE, GALLON = 3600.0, 60.0, 3.785411784e-3  # s, s, m³
+WAYS = (
+    ({"loss_coefficient"}, {"area"}),
+    ({"loss_coefficient"}, {"diameter"}),
+    ({"kv"}, set()),
+    ({"cv"}, set()),
+    ({"flow"}, {"pressure_drop"}),
+)
+EXPECTED = "kv, cv, flow with pressure_drop, or loss_coefficient with diameter or area"
+
+
+def _positive(name: str, unit: str) -> Role:
+    return Role(name, unit, above=0)
+
+
+class Rated(Element):
+    """An element with flow = C·sqrt(pressure drop), C given in one of the usual ways."""
+
+    loss_coefficient: Annotated[Quantity, _positive("loss coefficient", "")] | None = Field(
+        default=None, description="K: pressure drop over the dynamic pressure, with diameter or area"
+    )
+    diameter: Annotated[Quantity, _positive("diameter", "m")] | None = Field(
+        default=None, description="of the section that K refers to"
+    )
+    area: Annotated[Quantity, _positive("area", "m^2")] | None = Field(
+        default=None, description="of the section that K refers to"
+    )
+    kv: Annotated[Quantity, _positive("kv", "")] | None = Field(
+        default=None, description="m³/h of water at a drop of 1 bar"
+    )
+    cv: Annotated[Quantity, _positive("cv", "")] | None = Field(
+        default=None, description="US gallons of water a minute at a drop of 1 psi"
+    )
+    flow: Annotated[Quantity, _positive("flow", "m^3/s")] | None = Field(
+        default=None, description="flow at the pressure drop"
+    )
+    pressure_drop: Annotated[Quantity, _positive("pressure drop", "Pa")] | None = Field(
+        default=None, description="drop at that flow"
+    )
+    density: Annotated[Quantity, _positive("density", "kg/m^3")] = Field(
+        default=Quantity(WATER, "kg/m^3"), description="of the liquid; used with K, kv and cv"
+    )
+
+    @property
+    def capacity(self) -> float | None:
+        """C in m³/s per sqrt(Pa), wide open; None if it is not given."""
+        area = pi / 4 * self.diameter**2 if self.diameter is not None else self.area
+        if self.loss_coefficient is not None and area is not None:
+            return area * sqrt(2 / (self.loss_coefficient * self.density))
+        if self.kv is not None:
+            return self.kv / HOUR / sqrt(BAR * self.density / WATER)
+        if self.cv is not None:
+            return self.cv * GALLON / MINUTE / sqrt(PSI * self.density / WATER)
+        if self.flow is not None and self.pressure_drop is not None:
+            return self.flow / sqrt(self.pressure_drop)
+        return None
+
+    @property
+    def _may_lack_a_loss(self) -> bool:
+        return False
+
+    @model_validator(mode="after")
+    def _said_once(self):
+        given = {key for either in WAYS for part in either for key in part if getattr(self, key) is not None}
+        if any(given == first | second for first, second in WAYS) or (not given and self._may_lack_a_loss):
+            return self
+        problem = "its capacity is not given once" if given else "its capacity is not given"
+        raise InputError("", problem, EXPECTED, ", ".join(sorted(given)))

@@ -1,0 +1,100 @@
+"""Vessels at a node: gas above liquid, shut in or open to the air."""
+
+from math import inf, pi
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from tline.errors import InputError
+from tline.scene.element import AtNode
+from tline.scene.law import Law, OfLiquids
+from tline.scene.quantity import ZERO, Pressure, Quantity, Role
+from tline.scene.rating import Rated
+
+ATMOSPHERE = Quantity(101_325, "Pa")
+GRAVITY = Quantity(9.80665, "m/s^2")
+Absolute = Annotated[Quantity, Role("pressure", "Pa", above=0)]
+
+
+class _Vessel(Rated, AtNode, OfLiquids):
+    @property
+    def _may_lack_a_loss(self) -> bool:
+        return True
+
+
+class AirVessel(_Vessel):
+    """An air vessel: gas with p·V^n constant, p absolute, behind a loss if its capacity is given."""
+
+    kind: Literal["air vessel"] = "air vessel"
+    gas_volume: Annotated[Quantity, Role("volume", "m^3", above=0)] = Field(description="volume of the gas")
+    gas_pressure: Pressure = Field(description="pressure at which it has that volume, above the atmosphere's")
+    exponent: Annotated[Quantity, Role("exponent", "", at_least=1, at_most=2)] = Field(
+        default=Quantity("1.2", ""), description="n: 1 if the gas stays at one temperature, 1.4 if it has no time to"
+    )
+    atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
+
+    @model_validator(mode="after")
+    def _has_gas(self):
+        if self.gas_pressure <= -self.atmosphere:
+            got = f"{self.gas_pressure:g} Pa"
+            raise InputError("gas_pressure", "below vacuum", f"more than {-self.atmosphere:g} Pa", got)
+        return self
+
+    def law(self) -> Law:  # noqa: D102
+        n, outside = float(self.exponent), float(self.atmosphere)
+        at_zero = self.gas_volume * ((self.gas_pressure + outside) / outside) ** (1 / n)
+        return Law("gas", (0.0, self.capacity or inf, outside, at_zero, n))
+
+
+class Cavity(AtNode, OfLiquids):
+    """Column separation at a node: free gas at one temperature and vapour (DGCM).
+
+    (p - vapour pressure)·V is constant, p absolute.
+
+    References
+    ----------
+    E. B. Wylie: Simulation of vaporous and gaseous cavitation. J. Fluids Eng. 106 (1984) 307-311,
+    doi:10.1115/1.3243120.
+    """
+
+    kind: Literal["cavity"] = "cavity"
+    gas_volume: Annotated[Quantity, Role("volume", "m^3", above=0)] = Field(
+        description="volume of the free gas at the atmosphere's pressure: often 1e-7 of the liquid's nearby"
+    )
+    vapour_pressure: Absolute = Field(default=Quantity(2339, "Pa"), description="absolute; of water at 20 degC")
+    atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
+
+    @model_validator(mode="after")
+    def _boils_below(self):
+        if self.vapour_pressure >= self.atmosphere:
+            expected = f"less than the atmosphere's {self.atmosphere:g} Pa"
+            raise InputError("vapour_pressure", "too high", expected, f"{self.vapour_pressure:g} Pa")
+        return self
+
+    def law(self) -> Law:  # noqa: D102
+        return Law("gas", (0.0, inf, float(self.atmosphere - self.vapour_pressure), float(self.gas_volume), 1.0))
+
+
+class SurgeTank(_Vessel):
+    """A surge tank open to the air; its level above the node's zero of pressure is p/(density·gravity)."""
+
+    kind: Literal["surge tank"] = "surge tank"
+    tank_diameter: Annotated[Quantity, Role("diameter", "m", above=0)] | None = Field(
+        default=None, description="inner diameter of the tank"
+    )
+    tank_area: Annotated[Quantity, Role("area", "m^2", above=0)] | None = Field(
+        default=None, description="surface of the liquid"
+    )
+    gravity: Annotated[Quantity, Role("acceleration", "m/s^2", above=0)] = Field(
+        default=GRAVITY, description="of the earth"
+    )
+
+    @model_validator(mode="after")
+    def _has_a_surface(self):
+        if (self.tank_diameter is None) == (self.tank_area is None):
+            raise InputError("", "its surface is not given once", "either tank_diameter or tank_area")
+        return self
+
+    def law(self) -> Law:  # noqa: D102
+        area = pi / 4 * self.tank_diameter**2 if self.tank_diameter is not None else (self.tank_area or ZERO)
+        return Law("tank", (0.0, self.capacity or inf, float(area / (self.density * self.gravity))))

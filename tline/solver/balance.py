@@ -1,0 +1,124 @@
+"""Efforts and flows in equilibrium: laws of elements and lossy lines between parts of a network, solved by Newton.
+
+The unknowns are an effort of each free part, and of each law the effort it sees behind an impedance r of its own,
+a = drop + r·flow. Drop and flow are smooth functions of a even where a valve is shut or a check valve has no loss.
+
+References
+----------
+E. Todini, S. Pilati: A gradient method for the analysis of pipe networks (1987), whose unknowns are flows and heads.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+STEPS, HALVINGS = 400, 40
+SPARE, CLOSE = 1e-15, 1e-10  # residuals, relative to the largest effort: where to stop, and what will do
+LEAST = 1e-12  # slope of a drop, in units of the impedance, that is taken for a law which has none at rest
+LEAK = 1e-14  # conductance of a part, in those units, that gives it an effort where nothing else does
+SMALL = 300  # unknowns
+
+
+class Laws(NamedTuple):
+    """What lies between parts, by edge."""
+
+    one: NDArray  # (edges,) part from which the flow counts, -1 for the reference
+    other: NDArray  # (edges,) part to which it counts
+    impedance: NDArray  # (edges,) r, of the size of drop/flow, > 0
+    solved: Callable[[NDArray], tuple[NDArray, NDArray, NDArray, NDArray]]  # a -> drop, flow, and their slopes over a
+
+
+class Balance(NamedTuple):
+    """What was found."""
+
+    effort: NDArray  # (parts,)
+    flow: NDArray  # (edges,)
+    rest: NDArray  # (edges,) what is left of each law, relative to the largest effort
+    leak: NDArray  # (parts,) flow that only the leak takes
+
+
+def balanced(laws: Laws, given: NDArray, conductance: NDArray, driven: NDArray) -> Balance:
+    """Efforts at which all flows balance.
+
+    Parameters
+    ----------
+    laws : Laws
+    given : ndarray, shape (parts,)
+        Effort where it is prescribed, else nan.
+    conductance, driven : ndarray, shape (parts,)
+        To the reference; flow of sources.
+    """
+    n, count = len(given), len(laws.one)
+    free = np.flatnonzero(np.isnan(given))
+    number = np.full(n + 1, -1)  # the last one is the reference
+    number[free] = count + np.arange(len(free))
+    r = float(np.exp(np.log(laws.impedance).mean()))
+    leak = np.full(n, LEAK / r)
+    effort = np.where(np.isnan(given), 0.0, given)
+    effort[free] = np.nanmean(given) if len(free) < n else 0.0
+    largest = max(np.abs(effort).max(initial=0.0), r * np.abs(driven).max(initial=0.0)) or 1.0
+    a = np.full(count, largest)
+
+    def unbalance(a: NDArray, effort: NDArray) -> tuple[NDArray, float, float, NDArray, NDArray, NDArray]:
+        drop, flow, steep, slope = laws.solved(a)
+        ends = np.append(effort, 0.0)
+        rest = drop - (ends[laws.one] - ends[laws.other])
+        out = np.zeros(n + 1)
+        np.add.at(out, laws.one, flow)
+        np.add.at(out, laws.other, -flow)
+        balance = r * ((conductance + leak) * effort + out[:-1] - driven)[free]
+        whole = np.concatenate([rest, balance])
+        scale = max(np.abs(drop).max(), np.abs(effort).max(), r * np.abs(flow).max())
+        return whole, float(np.abs(whole).max()), float(scale), flow, steep, slope
+
+    whole, worst, scale, flow, steep, slope = unbalance(a, effort)
+    for _ in range(STEPS):
+        if worst <= SPARE * scale:
+            break
+        entries, rows, columns = _jacobian(laws, number, count, free, steep, slope, r, r * (conductance + leak))
+        step = _solved(entries, rows, columns, count + len(free), whole)
+        share = 1.0
+        for _ in range(HALVINGS):
+            b, level = a - share * step[:count], effort.copy()
+            level[free] -= share * step[count:]
+            now = unbalance(b, level)
+            if now[1] < worst:
+                break
+            share /= 2
+        else:
+            break
+        a, effort, (whole, worst, scale, flow, steep, slope) = b, level, now
+    return Balance(effort, flow, np.abs(whole[:count]) / scale, np.where(np.isnan(given), leak * effort, 0.0))
+
+
+def _jacobian(
+    laws: Laws, number: NDArray, count: int, free: NDArray, steep: NDArray, slope: NDArray, r: float, own: NDArray
+) -> tuple[NDArray, NDArray, NDArray]:
+    """Entries, rows and columns: laws first, then balances of the free parts."""
+    edges = np.arange(count)
+    entries, rows, columns = [np.maximum(steep, LEAST)], [edges], [edges]
+    for end, sign in ((laws.one, 1.0), (laws.other, -1.0)):
+        at = number[end]
+        seen = at >= 0
+        entries += [np.full(seen.sum(), -sign), r * sign * slope[seen]]
+        rows += [edges[seen], at[seen]]
+        columns += [at[seen], edges[seen]]
+    parts = number[free]
+    return (
+        np.concatenate([*entries, own[free]]),
+        np.concatenate([*rows, parts]),
+        np.concatenate([*columns, parts]),
+    )
+
+
+def _solved(entries: NDArray, rows: NDArray, columns: NDArray, n: int, whole: NDArray) -> NDArray:
+    if n <= SMALL:
+        matrix = np.zeros((n, n))
+        np.add.at(matrix, (rows, columns), entries)
+        return np.linalg.solve(matrix, whole)
+    from scipy.sparse import coo_array
+    from scipy.sparse.linalg import splu
+
+    return splu(coo_array((entries, (rows, columns)), shape=(n, n)).tocsc()).solve(whole)

@@ -1,0 +1,76 @@
+"""What lies between the lossless parts of a network in the steady state: lossy lines, and elements without a state."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.scene.mistakes import place
+from tline.scene.scene import Scene
+from tline.solver.balance import Laws
+from tline.solver.elements import Element, elements_of, laws_of
+from tline.solver.nodes import Node
+
+FILLED = {"gas", "tank"}  # kinds through which nothing flows in the end
+
+
+class Edges:
+    """Lossy lines first, then elements.
+
+    Attributes
+    ----------
+    where : list of str
+        Names for messages.
+    one, other : ndarray, shape (edges,)
+        Nodes, -1 for the reference.
+    """
+
+    def __init__(self, scene: Scene, nodes: dict[str, Node], number: dict[str, int], lossy: NDArray):
+        self.lines = [line for line, loses in zip(scene.lines.values(), lossy, strict=True) if loses]
+        self.elements = [_running(e) for e in elements_of(scene, nodes) if e.law.kind not in FILLED]
+        names = [name for name, loses in zip(scene.lines, lossy, strict=True) if loses]
+        self.where = [place("lines", name) for name in names] + [element.where for element in self.elements]
+        pairs = [line.nodes for line in self.lines] + [(element.one, element.other) for element in self.elements]
+        ends = [[-1 if node is None else number[node] for node in pair] for pair in pairs]
+        self.one, self.other = np.array(ends, int).reshape(-1, 2).T
+        self.packed, _ = laws_of([self.elements], [list(nodes)], nodes, 0, 0)
+
+    @property
+    def count(self) -> int:
+        """Lines and elements."""
+        return len(self.where)
+
+    def out_of_nodes(self, flow: NDArray, n: int) -> NDArray:
+        """Flow out of each of n nodes into the edges."""
+        out = np.zeros(n + 1)
+        np.add.at(out, self.one, flow)
+        np.add.at(out, self.other, -flow)
+        return out[:-1]
+
+    def laws(self, part: NDArray) -> Laws:
+        """The same between the parts that the nodes are in."""
+        ends = np.append(part, -1)
+        z0 = np.array([line.parameters.z0 for line in self.lines])
+        return Laws(ends[self.one], ends[self.other], np.concatenate([z0, self.packed.seen]), self._solved)
+
+    def _solved(self, a: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        """Drops and flows, and their slopes over the efforts a behind the impedances."""
+        from tline.solver.kernel import flows_through
+
+        count = len(self.lines)
+        z0 = np.array([line.parameters.z0 for line in self.lines])
+        y = a[:count] / z0
+        drops = np.array([line.steady_drop(flow) for line, flow in zip(self.lines, y, strict=True)]).reshape(-1, 2)
+        flow, slope = flows_through(self.packed, self.packed.factor, a[count:], self.packed.seen)
+        seen = self.packed.seen
+        return (
+            np.concatenate([drops[:, 0], a[count:] - seen * flow]),
+            np.concatenate([y, flow]),
+            np.concatenate([drops[:, 1] / z0, 1 - seen * slope]),
+            np.concatenate([1 / z0, slope]),
+        )
+
+
+def _running(element: Element) -> Element:
+    """A pump that will run down still runs."""
+    if element.law.kind != "rotor":
+        return element
+    return element._replace(law=element.law._replace(kind="pump", constants=element.law.constants[:5]))
