@@ -17,7 +17,7 @@ import numpy as np
 from tline.solver.assemble import assemble
 from tline.solver.elements import laws_of
 from tline.solver.kernel import advance
-from tline.solver.network import Network, State
+from tline.solver.network import NO_LUMPS, Network, State
 from tline.solver.radau import basis
 
 ROOT = Path(__file__).parent.parent
@@ -55,10 +55,11 @@ def ring(lines: int, s: int, *, fractional: bool, seed: int = 0) -> tuple[Networ
         np.zeros(0),
         np.full(2 * lines, -1),
         laws_of([[]] * lines, [[]] * lines, {}, 0, 0)[0],
+        NO_LUMPS,
     )
     zeros = np.zeros(lines, np.int64)
     waves = rng.normal(size=int(2 * delay.sum() * s))
-    return network, State(waves, zeros, zeros.copy(), np.zeros((2 * lines, s)), np.zeros(0))
+    return network, State(waves, zeros, zeros.copy(), np.zeros((2 * lines, s)), np.zeros(0), np.zeros(0))
 
 
 def timed(work) -> float:

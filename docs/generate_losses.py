@@ -22,9 +22,13 @@ from tline.loss import (
 )
 from tline.loss.arithmetic import Arithmetic
 from tline.pictures.style import COLOURS, DASHES, figure, save_figure, styled
+from tline.pictures.traces import plot_probes
 from tline.reference.lossy import lossy_response
+from tline.scene.file import read_scene
+from tline.solver.simulate import simulate
 
 PAGE = Path(__file__).parent / "losses.md"
+SCENE = Path(__file__).parent.parent / "scenes" / "pipe_friction.toml"
 PICTURES = Path(__file__).parent / "pictures"
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8)
 
@@ -147,3 +151,4 @@ if __name__ == "__main__":
     PAGE.write_text(page(), encoding="utf-8")
     save_figure(ripples(), PICTURES / "losses_ripples.png")
     save_figure(closing(), PICTURES / "losses_step.png")
+    save_figure(plot_probes(simulate(read_scene(SCENE))), PICTURES / "losses_pipe.png")

@@ -32,6 +32,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.lossless import refuse_losses
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
@@ -644,6 +645,7 @@ def _delays(scene: Scene) -> NDArray:
 
 
 def _z0(scene: Scene) -> NDArray:
+    refuse_losses(scene, "the other methods know none")
     return np.array([line.parameters.z0 for line in scene.lines.values()])
 
 

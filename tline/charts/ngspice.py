@@ -15,6 +15,7 @@ from tline.errors import InputError
 from tline.reference.network import decimal
 from tline.reference.waveforms import level, straight
 from tline.scene.load import Resistor
+from tline.scene.lossless import refuse_losses
 from tline.scene.rational_load import Parallel, Series
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
@@ -62,6 +63,7 @@ def netlist(scene: Scene, longest: float) -> str:
     >>> netlist(chart_scene("rc").scene, 1e-12).splitlines()[1]
     'T0 near 0 far 0 Z0=50.0 TD=1e-09'
     """
+    refuse_losses(scene, "no netlist")
     cards = [f"* {scene.title}"]
     for k, line in enumerate(scene.lines.values()):
         i, j = line.nodes

@@ -7,7 +7,9 @@ import numpy as np
 
 from tline.pictures.handy import handy, quantities
 from tline.solver.accuracy import Accuracy
+from tline.solver.cells import fits
 from tline.solver.curve import curve, extreme
+from tline.solver.lossy import lumps_in
 from tline.solver.result import Result
 from tline.solver.simulate import judged
 
@@ -52,6 +54,7 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
         "order": result.resolution.s,
         "slab": result.resolution.h,
         "lumped": dict(result.resolution.cells),
+        "losses": _losses(result),
         "slabs": len(result.t) - 1,
         "line_end_samples": result.samples,
         "seconds": result.seconds,
@@ -59,6 +62,40 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
         "probes": probes,
         "notes": list(result.notes),
     }
+
+
+def _losses(result: Result) -> dict[str, Any]:
+    """Of each lossy line its cells or lumps, and what stands for its laws."""
+    told: dict[str, Any] = {}
+    in_cells = fits(result.scene.lines, result.resolution.h)
+    for name, circuits in result.circuits.items():
+        line = result.scene.lines[name]
+        slabs, lumps = round((line.parameters.delay or 0.0) / result.resolution.h), lumps_in(line, result.resolution.h)
+        parts = (
+            {"lumps": 1}
+            if line.losses and line.losses.distortionless
+            else {"cells": slabs}
+            if in_cells
+            else {"lumps": lumps}
+        )
+        terms = len(circuits.series.rates) + len(circuits.shunt.rates)
+        told[name] = parts | {"terms": terms, "error": circuits.error}
+    return told
+
+
+def _losses_in_words(losses: dict[str, Any]) -> list[str]:
+    """The same for the eye, one line of text; of many lines only the extremes."""
+    if not losses:
+        return []
+    parts = [
+        f"up to {most} {kind}"
+        for kind in ("cells", "lumps")
+        if (most := max(each.get(kind, 0) for each in losses.values()))
+    ]
+    terms, error = (max(each[key] for each in losses.values()) for key in ("terms", "error"))
+    exact = f"circuits of up to {terms} terms, {error:.1g} from their laws" if error else "laws as they are"
+    lines = f"{len(losses)} {'line' if len(losses) == 1 else 'lines'}"
+    return [f"losses: {lines}, {', '.join(parts)}; {exact}"]
 
 
 def _told(accuracy: Accuracy) -> dict[str, Any]:
@@ -81,6 +118,7 @@ def as_table(result: Result, accuracy: Accuracy | None) -> str:
         f"order {told['order']}, {told['slabs']} slabs of {told['slab'] / slab:.4g} {slab_unit}, "
         f"{told['line_end_samples']:,} line-end samples in {told['seconds']:.2g} s",
         _in_words(accuracy),
+        *_losses_in_words(told["losses"]),
         "",
     ]
     at = f"at [{time_unit}]"

@@ -29,7 +29,7 @@ class DelaySystem:
     Parameters
     ----------
     scene : Scene
-        Lossless lines between linear nodes.
+        Linear lines between linear nodes.
     probe : str
         Name of the probe.
     source : str, optional

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.errors import InputError
+from tline.scene.lossless import refuse_losses
 from tline.scene.scene import Scene
 from tline.solver.stability.characteristic import Characteristic
 from tline.solver.stability.growth import active_loads, right_of_all
@@ -74,6 +75,7 @@ def resonances(scene: Scene, highest: float) -> list[Resonance]:
     >>> [f"{mode.frequency:.4g}" for mode in resonances(scene, 1e9)]  # quarter waves
     ['2.5e+08', '7.5e+08']
     """
+    refuse_losses(scene, "its oscillations are not searched")
     D = Characteristic(scene)
     if not 0 < highest < np.inf:
         raise InputError("highest", "not a positive frequency", "hertz", f"{highest}")

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from tline.errors import InputError
 from tline.scene.mistakes import nearest
 from tline.scene.scene import Scene
+from tline.solver.stability.lossy_line import inside
 from tline.solver.stability.scattering import Scattering
 
 CHUNK = 2e6  # complex entries held at once
@@ -32,7 +33,7 @@ def respond(scene: Scene, s: ArrayLike, source: str | None = None) -> dict[str, 
     Parameters
     ----------
     scene : Scene
-        Lossless lines between linear nodes.
+        Linear lines between linear nodes.
     s : array_like of complex
         Laplace variable, 1/s; ``2j*pi*f`` for a frequency f in Hz. Any shape.
     source : str, optional
@@ -93,7 +94,8 @@ def _solved(network: Scattering, s: NDArray, held: NDArray, flows: NDArray) -> t
     sent = np.zeros((len(s), network.size), complex)
     for k, ends in enumerate(network.ends):
         sent[:, ends] = 2 * own[:, k, None]
-    coming = (network.delayed(s) * sent)[:, np.arange(network.size) ^ 1]
+    across, back = network.carried(s)
+    coming = (across * sent)[:, np.arange(network.size) ^ 1] + back * sent
     arriving = np.linalg.solve(np.eye(network.size) - network.returned(s), coming[:, :, None])[:, :, 0]
     efforts = own.astype(complex)
     for k, ends in enumerate(network.ends):
@@ -106,9 +108,15 @@ def _seen(scene: Scene, network: Scattering, probe: str, arriving: NDArray, effo
     line = scene.probed_line(probe)
     k, share = list(scene.lines).index(line), scene.probes[probe].fraction(scene.lines[line])
     nodes = [network.names.index(node) for node in scene.lines[line].nodes]
-    a1, b2 = (2 * efforts[:, nodes[end]] - arriving[:, 2 * k + end] for end in (0, 1))
-    way = s.ravel() * network.second * network.delays[k]
-    a, b = a1 * np.exp(-way * share), b2 * np.exp(-way * (1 - share))
+    (b1, a2), (u1, u2) = arriving[:, 2 * k : 2 * k + 2].T, efforts[:, nodes].T
+    if share in (0.0, 1.0):
+        a, b = (2 * u1 - b1, b1) if share == 0.0 else (a2, 2 * u2 - a2)
+    elif k in network.lossy:
+        u, y = inside(network.lossy[k], s.ravel(), share, u1, u2)
+        a, b = u + network.z0[k] * y, u - network.z0[k] * y
+    else:
+        way = s.ravel() * network.second * network.delays[k]
+        a, b = (2 * u1 - b1) * np.exp(-way * share), (2 * u2 - a2) * np.exp(-way * (1 - share))
     parts = ((a + b) / 2, (a - b) / (2 * network.z0[k]), a, b)
     return Response(*(part.reshape(s.shape) for part in parts))
 

@@ -9,6 +9,7 @@ import numpy as np
 from tline.errors import InputError
 from tline.scene.coupled import refuse_coupled
 from tline.scene.load import Switch
+from tline.scene.lossless import refuse_losses
 from tline.scene.scene import Scene
 from tline.solver.curve import AFTER, drawable
 from tline.solver.result import LineRecord, Result, Wave
@@ -61,6 +62,7 @@ def only_line(scene: Scene) -> str:
     InputError
         There are several.
     """
+    refuse_losses(scene, "no bounce diagram")
     if len(scene.lines) != 1:
         expected = "a scene with one line"
         raise InputError("lattice", "a bounce diagram shows one line", expected, str(len(scene.lines)))

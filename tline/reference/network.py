@@ -8,6 +8,7 @@ from math import inf
 from passivity import RationalFunction
 from tline.errors import InputError
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
+from tline.scene.lossless import refuse_losses
 from tline.scene.mistakes import nearest, place
 from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
@@ -44,6 +45,7 @@ class Network:
     """
 
     def __init__(self, scene: Scene):
+        refuse_losses(scene, "no exact solution of that kind; see tline.reference.lossy")
         lines = [line.parameters for line in scene.lines.values()]
         self.scene = scene
         self.delay = [decimal(line.delay or 0.0) for line in lines]

@@ -75,6 +75,10 @@ class Coupled(Element):
         return float(self._modes.delay.min())
 
     @property
+    def losses(self) -> None:
+        """None: it loses nothing."""
+
+    @property
     def parameters(self):
         """What a single line has.
 

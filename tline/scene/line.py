@@ -1,6 +1,7 @@
 """Lines of a scene: two nodes and any sufficient set of the line's quantities."""
 
 from collections.abc import Iterable
+from math import pi
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, PrivateAttr, create_model, model_validator
@@ -13,10 +14,15 @@ from tline.line.hydraulic import QUANTITIES as HYDRAULIC
 from tline.line.parameters import Quantity as LineQuantity
 from tline.line.relations import listed
 from tline.line.walls import WALLS
+from tline.loss import Constant, Law, LossyLine, Sum, kelvin_voigt_wall
+from tline.scene.cable_loss import LossTangent, Skin, Wire
 from tline.scene.element import Element, Name
+from tline.scene.friction import AnyFriction
+from tline.scene.losses import Losses
 from tline.scene.mistakes import shown
 from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
 
+ROUNDING = 1e-9  # of a storage, that laws may miss of the lossless line's
 MATERIALS = {
     "fluid": f"gives density and bulk modulus: {listed(FLUIDS, 'or')}",
     "wall": f"gives Young's modulus: {listed(WALLS, 'or')}",
@@ -35,6 +41,7 @@ class SceneLine(Element):
 
     nodes: Annotated[tuple[Name, Name], BeforeValidator(two_nodes)] = Field(description="node at end 1, node at end 2")
     _parameters: HydraulicLine | ElectricalLine = PrivateAttr()
+    _losses: Losses | None = PrivateAttr(default=None)
 
     @property
     def parameters(self) -> HydraulicLine | ElectricalLine:
@@ -46,12 +53,20 @@ class SceneLine(Element):
         """Its delay, s."""
         return self._parameters.delay or 0.0
 
+    @property
+    def losses(self) -> Losses | None:
+        """What it loses; None if nothing. z0 and delay are what a front sees."""
+        return self._losses
+
     def steady_drop(self, y: float) -> tuple[float, float]:
         """Fall of the effort from end 1 to end 2 in steady flow y, and its slope over y."""
-        return 0.0, 0.0
+        return self._losses.steady_drop(y) if self._losses else (0.0, 0.0)
 
-    def _settle(self, kind: type[HydraulicLine] | type[ElectricalLine]):
-        given = {name: getattr(value, "typed", value) for name, value in self if name != "nodes" and value is not None}
+    def _settle(self, kind: type[HydraulicLine] | type[ElectricalLine], other: tuple[str, ...]):
+        others = {"nodes", *other}
+        given = {
+            name: getattr(value, "typed", value) for name, value in self if name not in others and value is not None
+        }
         self._parameters = kind(**given)
         if self._parameters.delay is None:
             raise InputError("", "its delay does not follow", "length (with wave_speed), or delay")
@@ -61,21 +76,99 @@ class SceneLine(Element):
                 raise InputError("", f"its {name} is out of range", f"{SMALLEST:g} to {LARGEST:g}", f"{value:g}")
         return self
 
+    def _needed(self, reason: str, *names: str) -> list[float]:
+        """Quantities without which a loss is not defined."""
+        missing = [name for name in names if getattr(self._parameters, name) is None]
+        if missing:
+            raise InputError("", f"{reason} needs its {' and '.join(missing)}")
+        return [getattr(self._parameters, name) for name in names]
+
+    def _lose(self, reason: str, series: list[Law], shunt: list[Law], **friction: Any) -> None:
+        """Set the losses; laws bring no storage but what the lossless line has."""
+        (length,) = self._needed(reason, "length")
+        inductance = self._parameters.z0 * (self._parameters.delay or 0.0) / length
+        self._losses = Losses(
+            LossyLine(_stored(inductance, series), _stored(self._capacitance(reason), shunt), length), **friction
+        )
+
+    def _capacitance(self, reason: str) -> float:
+        (length,) = self._needed(reason, "length")
+        return (self._parameters.delay or 0.0) / (self._parameters.z0 * length)
+
+
+def _stored(storage: float, laws: list[Law]) -> Law:
+    """All laws, and what of the storage is not theirs."""
+    if all(isinstance(law, Constant) for law in laws):
+        return Constant(sum(law.loss for law in laws), storage)
+    left = storage - sum(law.storage for law in laws)
+    return Sum(*laws, Constant(0.0, left if left > ROUNDING * storage else 0.0))
+
+
+class Creep(Element):
+    """One Kelvin-Voigt element of a wall that creeps."""
+
+    compliance: Annotated[Quantity, Role("creep compliance", "1/Pa", above=0)] = Field(description="J of the element")
+    time: Annotated[Quantity, Role("retardation time", "s", above=0)] = Field(description="τ of the element")
+
 
 class _Pipe(SceneLine):
     """A pipe: any sufficient set of quantities."""
 
+    friction: AnyFriction | None = Field(default=None, description="what the flow loses at the wall, by kind")
+    creep: list[Creep] | None = Field(default=None, description="Kelvin-Voigt elements of a wall that creeps")
+
     @model_validator(mode="after")
     def _determine(self):
-        return self._settle(HydraulicLine)
+        self._settle(HydraulicLine, ("friction", "creep"))
+        if self.friction is None and not self.creep:
+            return self
+        series: list[Law] = []
+        shunt: list[Law] = []
+        more: dict[str, Any] = {}
+        if self.friction is not None:
+            density, area = self._needed("friction", "density", "area")
+            law = self.friction.law(density, area)
+            series = [law] if law is not None else []
+            more = {"quadratic": self.friction.quadratic(density, area), "curve": self.friction.curve(density, area)}
+        if self.creep:
+            area, thickness = self._needed("creep", "area", "wall_thickness")
+            elements = [(float(each.compliance), float(each.time)) for each in self.creep]
+            restraint = getattr(self._parameters, "restraint", None) or 1.0
+            compliance = self._capacitance("creep")
+            shunt = [kelvin_voigt_wall(compliance, (area / pi) ** 0.5, thickness, elements, restraint)]
+        self._lose("friction" if self.friction is not None else "creep", series, shunt, **more)
+        return self
 
 
 class _Cable(SceneLine):
     """A cable: any sufficient set of quantities."""
 
+    resistance: Annotated[Quantity, Role("resistance per metre", "ohm/m", at_least=0)] | None = Field(
+        default=None, description="to steady current, per metre"
+    )
+    conductance: Annotated[Quantity, Role("conductance per metre", "S/m", at_least=0)] | None = Field(
+        default=None, description="of the insulation, per metre"
+    )
+    skin: Skin | None = Field(default=None, description="skin effect, by the resistance at a high frequency")
+    wire: Wire | None = Field(default=None, description="a round wire, by radius and conductivity")
+    loss_tangent: LossTangent | None = Field(default=None, description="of the insulation")
+
     @model_validator(mode="after")
     def _determine(self):
-        return self._settle(ElectricalLine)
+        own = ("resistance", "conductance", "skin", "wire", "loss_tangent")
+        self._settle(ElectricalLine, own)
+        given = [name for name in own if getattr(self, name) is not None]
+        if not given:
+            return self
+        if self.skin and self.wire:
+            raise InputError("", "skin and wire say the same in two ways", "one of them")
+        resistance = Constant(self.resistance or 0.0)
+        series = [self.skin.law(resistance.loss)] if self.skin else [resistance]
+        series += [self.wire.law()] if self.wire else []
+        shunt: list[Law] = [Constant(self.conductance or 0.0)]
+        shunt += [self.loss_tangent.law(self._capacitance(given[0]))] if self.loss_tangent else []
+        self._lose(given[0], series, shunt)
+        return self
 
 
 def _optional(role: Role) -> Any:

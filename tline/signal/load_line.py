@@ -7,10 +7,11 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.coupled import refuse_coupled
+from tline.scene.lossless import refuse_losses
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.solver.nodes import Node, nodes_of
-from tline.solver.steady import steady_state
+from tline.solver.steady import rest, steady_state
 
 
 class LoadLine(NamedTuple):
@@ -78,13 +79,14 @@ def bergeron(scene: Scene, hops: int = 12) -> Bergeron:
     if len(scene.lines) != 1:
         raise InputError("lines", "load lines are drawn for one line", "a scene with one line", f"{len(scene.lines)}")
     refuse_coupled(scene.lines, "a diagram of load lines")
+    refuse_losses(scene, "no load lines")
     (line,), nodes = scene.lines.values(), nodes_of(scene)
     z0, (near, far) = line.parameters.z0, line.nodes
     if near == far:
         raise InputError("lines", "both ends are at one node", "two nodes")
     ends = _load_line(scene, near, nodes[near], 1.0), _load_line(scene, far, nodes[far], -1.0)
-    before = steady_state(scene, nodes) if scene.start == "steady" else np.zeros((2, 1))
-    u, y = [float(before[0][0])], [float(before[1][0])]
+    effort, flow = steady_state(scene, nodes) if scene.start == "steady" else rest(scene, nodes)
+    u, y = [effort[near]], [float(flow[0])]
     for k in range(hops):
         slope = -z0 if k % 2 == 0 else z0  # of what arrives: u - z0 y at end 1, u + z0 y at end 2
         p, q, r = ends[k % 2]

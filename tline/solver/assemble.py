@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 from tline.scene.line import SceneLine
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
-from tline.solver.cells import InCells, cell, cells_of, rates
+from tline.solver.cells import InCells, cells_of, lines_in_cells
+from tline.solver.circuits import Circuits, circuits_of, fit_of
 from tline.solver.drive import just_before
 from tline.solver.elements import laws_of, states_of, with_basis
 from tline.solver.load_step import StateSpace
+from tline.solver.lossy import lumps_of
 from tline.solver.lumps import Group, grouped
 from tline.solver.network import Network, State
 from tline.solver.node_maps import node_maps
@@ -40,6 +42,8 @@ class Assembly:
     lines: dict[str, SceneLine]  # those that are not lumped
     recorded: dict[str, int]  # line name -> first of its two rows in the record
     start: dict[str, tuple[float, float]]  # line name -> (a, b) before t = 0
+    circuits: dict[str, Circuits]  # of lossy lines
+    echoes: dict[str, NDArray]  # of lines in cells, what an end sends into itself (s, s)
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
 
     @property
@@ -48,7 +52,7 @@ class Assembly:
         return bool((self.network.shift_row >= 0).any() or self.settle.any())
 
 
-def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, lossy=None) -> Assembly:
+def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -> Assembly:
     """Turn a scene into arrays; `record` names the lines whose end waves are kept."""
     nodes = nodes_of(scene)
     chosen = chosen or resolution(scene, nodes)
@@ -64,11 +68,10 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, l
     ).ravel()  # b at end 1, a at end 2
 
     delay, shift_row, shift = _delays(lines, order, h)
-    in_cells = {}
-    for k, name in enumerate(lines):
-        if lossy and name in lossy:
-            in_cells[k] = InCells(int(delay[k]), cell(rates(*lossy[name], h), chosen.s))
-            delay[k] = 1
+    circuits = circuits_of(lines, fit_of(scene.t_end, h, chosen.fit))
+    in_cells = lines_in_cells(lines, circuits, order, h)
+    delay[list(in_cells)] = 1
+    lumps, memory = lumps_of(lines, circuits, delay, order, h, in_cells)
     drives = [node.drives for node in nodes.values()]
     ends = np.array([end for node in nodes.values() for end in node.ends])
     degree = [len(node.ends) for node in nodes.values()]
@@ -105,6 +108,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, l
         record_row=record_row,
         laws=with_basis(laws, order, h),
         cells=cells,
+        lumps=lumps,
     )
     state = State(
         waves=np.repeat(arriving, np.repeat(delay * chosen.s, 2)),
@@ -113,6 +117,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, l
         before=np.repeat(arriving[:, None], chosen.s, axis=1),
         load=np.concatenate([maps.states, states_of([e for group in elements for e in group], effort)]),
         cells=np.zeros(held),
+        lumps=np.zeros(memory),
     )
     start = {name: (arriving[2 * k + 1], arriving[2 * k]) for k, name in enumerate(lines)}
     return Assembly(
@@ -128,6 +133,8 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, l
         lines=lines,
         recorded=recorded,
         start=start,
+        circuits=circuits,
+        echoes={list(lines)[k]: line.echo for k, line in in_cells.items()},
         settle=np.array([chosen.settle if group.lumps else 0.0 for group in groups]),
     )
 

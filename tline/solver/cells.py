@@ -19,12 +19,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.loss.foster import Foster
+from tline.scene.line import SceneLine
+from tline.solver.circuits import Circuits
 from tline.solver.network import Cells
-from tline.solver.radau import Matrix, basis
+from tline.solver.radau import Basis, Matrix, basis
+from tline.solver.resolution import WHOLE
 
 FINER = (2, 3, 4, 6, 8, 12, 16, 24, 32)  # lattices one after the other; their error is a series in 1/N²
-FEWEST, STIFF = 8, 6  # half the steps of the first lattice: at least, and rates over it
+FEWEST, STIFF = 8, 16  # half the steps of the first lattice: at least, and rates over it
 CLOSE = 1e-13  # where the series of lattices ends
+KNOWN = 0.01  # of what circuits are off the laws they stand for: so well cells are known
+MOST_DIFFERENT = 50  # cells, for each takes some hundredths of a second to find
 
 
 class Cell(NamedTuple):
@@ -38,8 +43,8 @@ class Cell(NamedTuple):
 
 def rates(series: Foster, shunt: Foster, h: float) -> Matrix:
     """Matrix of the equations without travel, for the fields (a, b, w.., q..), in slabs of width h."""
-    r0, r, p = (part * h for part in (series.loss / series.storage, series.strengths / series.storage, series.rates))
-    g0, g, q = (part * h for part in (shunt.loss / shunt.storage, shunt.strengths / shunt.storage, shunt.rates))
+    r0, r, p = h * series.loss / series.storage, h * series.strengths / series.storage, h * series.rates
+    g0, g, q = h * shunt.loss / shunt.storage, h * shunt.strengths / shunt.storage, h * shunt.rates
     m, n = len(p), 2 + len(p) + len(q)
     u, v = np.zeros(n), np.zeros(n)
     u[:2], v[:2] = 0.5, (0.5, -0.5)
@@ -116,6 +121,31 @@ class InCells(NamedTuple):
         X, R = np.linalg.inv(one - K @ K), np.linalg.inv(one + K)
         next_, then = np.vstack([held, left @ held]), np.vstack([entered, left @ entered])
         return np.concatenate([part.T.ravel() for part in (next_, then, X, X @ K, R, R @ K)])
+
+
+def fits(lines: Mapping[str, SceneLine], h: float) -> bool:
+    """Whether all lossy lines can be cut in cells: linear ones whose delay is whole slabs, unless too many differ."""
+    lossy = [line for line in lines.values() if line.losses is not None and not line.losses.distortionless]
+    different = {(line.losses.exact.series, line.losses.exact.shunt) for line in lossy if line.losses is not None}
+    return len(different) <= MOST_DIFFERENT and all(_fits(line, h) for line in lossy)
+
+
+def _fits(line: SceneLine, h: float) -> bool:
+    slabs = (line.parameters.delay or 0.0) / h
+    return line.losses is not None and line.losses.linear and abs(slabs - round(slabs)) <= WHOLE * slabs
+
+
+def lines_in_cells(
+    lines: Mapping[str, SceneLine], circuits: Mapping[str, Circuits], order: Basis, h: float
+) -> dict[int, InCells]:
+    """Lines that are cut in cells, by their numbers; none where one does not fit."""
+    found: dict[int, InCells] = {}
+    for k, (name, line) in enumerate(lines.items() if fits(lines, h) else ()):
+        if line.losses is not None and not line.losses.distortionless:
+            series, shunt, error = circuits[name]
+            made = cell(rates(series, shunt, h), order.s, max(CLOSE, KNOWN * error))
+            found[k] = InCells(round((line.parameters.delay or 0.0) / h), made)
+    return found
 
 
 def cells_of(lines: Mapping[int, InCells], groups: list[list[NDArray | None]]) -> tuple[Cells, int]:

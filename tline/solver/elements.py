@@ -68,7 +68,7 @@ def laws_of(
         varies = factor is not None and not isinstance(factor, Constant)
         rows.append(first_row + len(drives) if varies else -1)
         factors.append(1.0 if factor is None else just_before(factor))
-        drives += [factor] if varies else []
+        drives += [factor] if factor is not None and varies else []
         states.append(first_state if element.law.kind in WITH_STATE else -1)
         first_state += element.law.kind in WITH_STATE
         seen.append(sum(max(impedance[node], 0.0) for node in element.nodes) or largest)

@@ -14,6 +14,8 @@ from numba import njit, uint64
 
 TINY = 1e-150  # waves below are flushed to zero: subnormal numbers are slow, and their squares vanish anyway
 SCRATCH = 512  # samples per tile
+ABREAST = 64  # lumps advanced together
+CONSTANT, QUADRATIC, TABLED = range(3)  # kinds of lumps; the others have a memory
 OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "nsz"}}
 
 
@@ -625,6 +627,147 @@ def scratch_of_cells(cells, s):
     return np.empty(2 * s * number), np.empty(held + 2 * s)
 
 
+@njit(inline="always", **OPTIONS)
+def passing(t, p, ring):
+    """Where in a line's ring the slabs stand that meet p half slabs from end 1, in slab t or half a slab later."""
+    a, b = t - (p >> 1), t + ((p + 1) >> 1)
+    if a < 0:
+        a += ring
+    if b >= ring:
+        b -= ring
+    return a, b
+
+
+@njit(inline="always", **OPTIONS)
+def looked_up(entries, at, size):
+    """Share e/w of a wave of some size, from a table over its logarithm."""
+    n = int(entries[at + 2])
+    x = (np.log2(max(size, TINY)) - entries[at]) * entries[at + 1]
+    x = min(max(x, 0.0), n - 1.0)
+    k = min(int(x), n - 2)
+    part = x - k
+    return (1.0 - part) * entries[at + 3 + k] + part * entries[at + 4 + k]
+
+
+@njit(**OPTIONS)
+def dissipate(waves, o, s, ring, t, m, place, strength, entries, at, sign, kind):
+    """Take away what lumps without memory dissipate of m slabs, lump by lump."""
+    for k in range(place.size):
+        done = 0
+        while done < m:
+            a, b = passing(t + done, place[k], ring)
+            n = min(m - done, ring - a, ring - b)
+            done += n
+            a, b, n, c = uint64(o + a * s), uint64(o + b * s), uint64(n * s), strength[k]
+            if kind == CONSTANT:
+                for i in range(n):
+                    loss = c * (waves[a + i] + sign * waves[b + i])
+                    waves[a + i] -= loss
+                    waves[b + i] -= sign * loss
+            elif kind == QUADRATIC:
+                for i in range(n):
+                    w = waves[a + i] + sign * waves[b + i]
+                    root = 1.0 + np.sqrt(1.0 + c * abs(w))
+                    loss = w * c * abs(w) / (root * root)
+                    waves[a + i] -= loss
+                    waves[b + i] -= sign * loss
+            else:
+                for i in range(n):
+                    w = waves[a + i] + sign * waves[b + i]
+                    loss = w * looked_up(entries, at, abs(w))
+                    waves[a + i] -= loss
+                    waves[b + i] -= sign * loss
+
+
+@njit(**OPTIONS)
+def dissipate_abreast(waves, a, b, n, sign, kind, strength, first):
+    """The same at n neighbouring lumps in one sample: one each at places a, a - 1, ... and b, b + 1, ..."""
+    first = uint64(first)
+    if kind == CONSTANT:
+        for i in range(uint64(n)):
+            loss = strength[first + i] * (waves[a - i] + sign * waves[b + i])
+            waves[a - i] -= loss
+            waves[b + i] -= sign * loss
+    else:
+        for i in range(uint64(n)):
+            w = waves[a - i] + sign * waves[b + i]
+            v = strength[first + i] * abs(w)
+            root = 1.0 + np.sqrt(1.0 + v)
+            loss = w * v / (root * root)
+            waves[a - i] -= loss
+            waves[b + i] -= sign * loss
+
+
+@njit(**OPTIONS)
+def remember(lumps, r, waves, o, s, ring, t, m, memory, w, out):
+    """Advance the circuits of a row by m slabs, some lumps at a time."""
+    low, high, modes, sign = lumps.first[r], lumps.first[r + 1], lumps.modes[r], lumps.sign[r]
+    direct = lumps.at[r]
+    read, write, decay = direct + s * s, direct + s * s + s * modes, direct + s * s + 2 * s * modes
+    entries, count = lumps.entries, high - low
+    while low < high:
+        n = min(high - low, ABREAST)
+        state = lumps.memory[r] + low - lumps.first[r]
+        for slab in range(t, t + m):
+            for j in range(n):
+                a, b = passing(slab, lumps.place[low + j], ring)
+                a, b = o + a * s, o + b * s
+                for i in range(s):
+                    w[i, j] = waves[a + i] + sign * waves[b + i]
+            for i in range(s):
+                for j in range(n):
+                    out[i, j] = 0.0
+                for q in range(s):
+                    share = entries[direct + i * s + q]
+                    for j in range(n):
+                        out[i, j] += share * w[q, j]
+            for k in range(modes):
+                x = uint64(state + k * count)
+                for i in range(s):
+                    share = entries[read + i * modes + k]
+                    for j in range(uint64(n)):
+                        out[i, j] += share * memory[x + j]
+                share = entries[decay + k]
+                for j in range(uint64(n)):
+                    memory[x + j] *= share
+                for i in range(s):
+                    share = entries[write + k * s + i]
+                    for j in range(uint64(n)):
+                        memory[x + j] += share * w[i, j]
+                for j in range(uint64(n)):
+                    memory[x + j] = 0.0 if abs(memory[x + j]) < TINY else memory[x + j]
+            for j in range(n):
+                a, b = passing(slab, lumps.place[low + j], ring)
+                a, b = o + a * s, o + b * s
+                for i in range(s):
+                    waves[a + i] -= out[i, j]
+                    waves[b + i] -= sign * out[i, j]
+        low += n
+
+
+@njit(**OPTIONS)
+def lose(network, state, m, w, out):
+    """Let all lumps inside lines take what is theirs of m slabs, no more than the gap between lumps."""
+    lumps, waves, s = network.lumps, state.waves, state.before.shape[1]
+    place, strength, entries = lumps.place, lumps.strength, lumps.entries
+    for r in range(lumps.line.size):
+        line, low, high, kind, sign, at = (
+            lumps.line[r], lumps.first[r], lumps.first[r + 1], lumps.kind[r], lumps.sign[r], lumps.at[r],
+        )  # fmt: skip
+        o, ring = network.offset[line], 2 * network.delay[line]
+        t = state.side[line] * network.delay[line] + state.slot[line]
+        if kind > TABLED:
+            remember(lumps, r, waves, o, s, ring, t, m, state.lumps, w, out)
+        elif s * m == 1 and kind != TABLED and place[high - 1] - place[low] == 2 * (high - 1 - low):
+            while low < high:
+                a, b = passing(t, place[low], ring)
+                n = min(high - low, a + 1, ring - b)
+                dissipate_abreast(waves, uint64(o + a), uint64(o + b), n, sign, kind, strength, low)
+                low += n
+        else:
+            dissipate(waves, o, s, ring, t, m, place[low:high], strength[low:high], entries, at, sign, kind)
+
+
 @njit(**OPTIONS)
 def largest_group(network):
     """Most nodes of a group, most line ends at one, and most rows of a map over a slab."""
@@ -647,9 +790,9 @@ def advance(network, state, n_slabs, drive, record, column):
     """
     (
         delay, offset, shift_row, shifts, first, ends, weight, drive_row,
-        group, load_at, step_row, step_at, step_states, step, record_row, laws, cells,
+        group, load_at, step_row, step_at, step_states, step, record_row, laws, cells, lumps,
     ) = network  # fmt: skip
-    waves, slots, sides, before, states, _ = state
+    waves, slots, sides, before, states, _, _ = state
     s = before.shape[1]
     tile = max(SCRATCH // s, 1)
     most_nodes, _, most_states = largest_group(network)
@@ -657,9 +800,10 @@ def advance(network, state, n_slabs, drive, record, column):
     scratch = np.empty(max(tile, most_nodes * s + most_states))
     factor = np.empty((most_elements(laws), tile * s))
     position = np.empty(ends.size, np.uint64)
-    in_cells = cells.line.size > 0
+    in_cells, lossy = cells.line.size > 0, lumps.line.size > 0
     enter, y = scratch_of_cells(cells, s)
-    shortest, done = n_slabs, 0
+    w, out = np.empty((s, ABREAST)), np.empty((s, ABREAST))
+    shortest, done = min(n_slabs, lumps.gap), 0
     for line in range(delay.size):
         shortest = min(shortest, delay[line])
     while done < n_slabs:
@@ -705,6 +849,8 @@ def advance(network, state, n_slabs, drive, record, column):
                 ahead += m
         if in_cells:
             pass_cells(network, state, enter, y)
+        if lossy:
+            lose(network, state, block, w, out)
         for line in range(delay.size):
             slots[line] += block
             if slots[line] >= delay[line]:
@@ -1365,6 +1511,24 @@ def level(network, state, fronts, sources, drive, g, slab, k, position, due, who
 
 
 @njit(**OPTIONS)
+def level_at_lumps(network, state, fronts, whole):
+    """Project slabs in pieces that pass lumps on slabs in one piece: there fronts are no longer followed."""
+    lumps, pieces, tools, s = network.lumps, fronts.pieces, fronts.tools, whole.size
+    for r in range(lumps.line.size):
+        line = lumps.line[r]
+        ring = 2 * network.delay[line]
+        t = state.side[line] * network.delay[line] + state.slot[line]
+        for k in range(lumps.first[r], lumps.first[r + 1]):
+            for slab in passing(t, lumps.place[k], ring):
+                o = network.offset[line] + slab * s
+                row = pieces.of_slab[o // s]
+                if row >= 0:
+                    levelled(pieces, row, tools, fronts.counts, fronts.sizes, whole)
+                    times(tools.to_points, whole, 0, state.waves[o : o + s])
+                    pieces.of_slab[o // s] = -1
+
+
+@njit(**OPTIONS)
 def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, record):
     """Advance all nodes slab by slab with fronts as breakpoints, until none is left or the log is full.
 
@@ -1394,10 +1558,9 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
         np.empty((most_elements(network.laws), most, s)),
     )  # fmt: skip
     u, history, factor = np.empty(most_nodes * s), np.empty((s, 2)), np.empty((most_elements(network.laws), s))
-
-    u, history, whole = np.empty(most_nodes * s), np.empty((s, 2)), np.empty(s)
     in_cells = network.cells.line.size > 0
     enter, y = scratch_of_cells(network.cells, s)
+    w, out, whole = np.empty((s, ABREAST)), np.empty((s, ABREAST)), np.empty(s)
     position, due = np.empty(ends.size, np.int64), sources.first[:-1].copy()
     for k in range(n_slabs):
         slab = first_slab + k
@@ -1433,6 +1596,8 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
                 return group[g], k
         if in_cells:
             pass_cells(network, state, enter, y)
+        level_at_lumps(network, state, fronts, whole)
+        lose(network, state, 1, w, out)
         for line in range(delay.size):
             slots[line] += 1
             if slots[line] == delay[line]:

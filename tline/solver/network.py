@@ -6,6 +6,10 @@ each time a line's slot wraps, its ends change buffers. So every buffer slot is 
 delay, and nothing is ever copied along a line.
 
 Nodes that see each other without delay, through a state space of their own, form a group. A node alone is one too.
+
+The two buffers of a line are one ring of twice its delay D: in slab t end 1 works at place t, end 2 at t + D. What
+passes p slabs from end 1 in slab t is found at t - p (from end 1) and t + p (from end 2). Losses act there, in place,
+also half-way between: what is at t - p and t + p + 1 meets half a slab later and farther.
 """
 
 from typing import NamedTuple
@@ -54,6 +58,31 @@ class Cells(NamedTuple):
     echo: Floats
 
 
+CONSTANT, QUADRATIC, TABLED, REMEMBERED = range(4)  # kinds of lumps
+NO_GAP = 2**62
+
+
+class Lumps(NamedTuple):
+    """Losses, lumped at places inside lines, row by row: lumps of one line and one kind.
+
+    A lump sees w = a + sign b: a - b drives the flow through a series impedance, a + b the effort over a shunt
+    admittance. It takes away e(w): a becomes a - e, b becomes b - sign e.
+    """
+
+    gap: int  # slabs that may be advanced at once
+    line: Integers  # (rows,)
+    kind: Integers  # (rows,)
+    sign: Floats  # (rows,) -1 in series, 1 across
+    first: Integers  # (rows + 1,) the lumps of row r are first[r] to first[r + 1]
+    place: Integers  # half slabs from end 1
+    strength: Floats  # constant: e/w; quadratic: c, e = c|w| w/(1 + sqrt(1 + c|w|))²; else without meaning
+    at: Integers  # (rows,) place of the row's entries: of a table, or of its maps
+    modes: Integers  # (rows,) of a circuit
+    entries: Floats  # table: log2 of the first |w|, points per octave, number of points n, then e/w at n points;
+    # circuit: D (s, s), C (s, modes), B (modes, s), decay (modes,) of e = D w + C x, x' = B w + decay x
+    memory: Integers  # (rows,) place of the row's states, shape (modes, lumps)
+
+
 class Network(NamedTuple):
     """The constant arrays of a scene; L lines, N nodes, s points per slab."""
 
@@ -74,6 +103,7 @@ class Network(NamedTuple):
     record_row: Integers  # (2 L,) row in the record of an end, -1 if it is not recorded
     laws: Laws
     cells: Cells
+    lumps: Lumps
 
 
 class State(NamedTuple):
@@ -85,3 +115,20 @@ class State(NamedTuple):
     before: Floats  # (2 L, s) the slab that arrived last, as sent; used where delays have a fractional rest
     load: Floats  # of all groups, one after the other
     cells: Floats  # of all lossy lines in cells
+    lumps: Floats  # of all circuits inside lines
+
+
+_NONE, _EMPTY = np.zeros(0, int), np.zeros(0)
+NO_LUMPS = Lumps(
+    NO_GAP,
+    line=_NONE,
+    kind=_NONE,
+    sign=_EMPTY,
+    first=np.zeros(1, int),
+    place=_NONE,
+    strength=_EMPTY,
+    at=_NONE,
+    modes=_NONE,
+    entries=_EMPTY,
+    memory=_NONE,
+)

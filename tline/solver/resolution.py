@@ -15,6 +15,7 @@ from tline.scene.scene import Scene
 from tline.solver.nodes import NONE, Node
 
 ORDER = 5
+FIT = 1e-7
 POINTS = 2  # of a slab, at least, in the time scale of what is to be resolved
 SLABS_PER_DELAY, SLABS_PER_RUN = 4, 500  # at least, where they cost little
 SLABS_FOR_FRONTS = 20_000  # at most, to give the short pieces of waveforms slabs of their own
@@ -38,6 +39,7 @@ class Resolution(NamedTuple):
     blind: bool = False  # whether an oscillation may pass unseen, so that no comparison with another order tells
     cells: Mapping[str, int] = NONE  # of each lumped line
     settle: float = 0.0  # time in which these settle after a front, s
+    fit: float = FIT  # tolerance of the circuits of lossy lines, relative
 
 
 def resolution(
@@ -58,11 +60,13 @@ def resolution(
     InputError
         The waves under way would not fit in memory, or the run has too many slabs or ends within the first.
     """
-    delays = {name: line.parameters.delay or 0.0 for name, line in scene.single_lines.items() if name not in cells}
+    lines = scene.single_lines
+    delays = {name: line.parameters.delay or 0.0 for name, line in lines.items() if name not in cells}
+    lossy = [delay for name, delay in delays.items() if lines[name].losses is not None]
     s = s or scene.solver.order or ORDER
     by_hand = h is None and scene.solver.slab is not None
     scales = _time_scales(scene, nodes)
-    h = h or float(scene.solver.slab or 0.0) or _slab(scene, list(delays.values()), scales, settle)
+    h = h or float(scene.solver.slab or 0.0) or _slab(scene, list(delays.values()), lossy, scales, settle)
     _check(scene, delays, s, h, by_hand)
     seen = h * min(POINTS / s, 1.0) * (1 - 1e-9)
     notes = [
@@ -74,7 +78,9 @@ def resolution(
     return Resolution(s, h, tuple(notes), any(period < seen for _, period in scales.values()), cells, settle)
 
 
-def _slab(scene: Scene, delays: list[float], scales: dict[str, tuple[float, float]], settle: float) -> float:
+def _slab(
+    scene: Scene, delays: list[float], lossy: list[float], scales: dict[str, tuple[float, float]], settle: float
+) -> float:
     """A slab that is fine enough for what the scene holds, if that is affordable."""
     shortest, breaks = min(delays), _breaks(scene)
     few = len(breaks) <= MOST_MARKS
@@ -84,7 +90,7 @@ def _slab(scene: Scene, delays: list[float], scales: dict[str, tuple[float, floa
     least = max(affordable, min(ROOMY * settle, shortest / SLABS_PER_DELAY))
     wanted = max(min(resolved, scene.t_end / SLABS_PER_RUN, *fronts), least)
     marks = [t for t in breaks if t > 0] if few else []
-    parts = _dividing(delays, marks, wanted, _affordable(scene, delays, CHEAP_IN_BLOCKS))
+    parts = _dividing(delays, lossy, marks, wanted, _affordable(scene, delays, CHEAP_IN_BLOCKS))
     if not parts and breaks and few:  # fronts inside slabs, exact in any slab, and slabs with fronts cost
         wanted = max(resolved, least)
     parts = parts or 1
@@ -155,11 +161,16 @@ def _breaks(scene: Scene) -> list[float]:
     return [t for t in instants if 0 <= t < scene.t_end]
 
 
-def _dividing(delays: list[float], marks: list[float], wanted: float, affordable: float) -> int:
-    """The fewest parts of the shortest delay that divide all delays and marks, or else the delays; 0 for too many."""
+def _dividing(delays: list[float], lossy: list[float], marks: list[float], wanted: float, affordable: float) -> int:
+    """The fewest parts of the shortest delay that divide all delays and marks, or else some of them; 0 for too many.
+
+    Rather those of lossy lines than others: fronts are not followed past lumps inside slabs.
+    """
     shortest = min(delays)
     most = int(shortest / max(wanted / FINER, affordable)) or 1
-    return _common([*delays, *marks], shortest, most) or _common(delays, shortest, most)
+    choices = [[*delays, *marks], delays]
+    choices += [[shortest, *lossy, *marks], [shortest, *lossy]] if lossy else []
+    return next(filter(None, (_common(times, shortest, most) for times in choices)), 0)
 
 
 def _common(times: list[float], unit: float, most: int) -> int:

@@ -1,7 +1,7 @@
 """What a run gives back: the waves at the ends of recorded lines, and all that follows from them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -12,6 +12,7 @@ from tline.errors import InputError
 from tline.scene.medium import MEDIA, Medium
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
+from tline.solver.circuits import Circuits
 from tline.solver.fronts import Tally
 from tline.solver.radau import Basis
 from tline.solver.resolution import Resolution
@@ -187,6 +188,8 @@ class Result:
         Estimated errors; None for a run whose order or slab is fixed by hand, without a tolerance.
     envelope : Envelope or None
         Lowest and highest effort at every node; None if not asked for.
+    circuits : mapping of str to Circuits
+        What stands for the laws of lossy lines, by line.
     """
 
     scene: Scene
@@ -201,11 +204,17 @@ class Result:
     fronts: Tally
     accuracy: "Accuracy | None" = None
     envelope: "Envelope | None" = None
+    circuits: Mapping[str, Circuits] = field(default_factory=dict)
 
     @property
     def notes(self) -> tuple[str, ...]:
         """All there is to remark."""
         return (*self.remarks, *self.unresolved)
+
+    @property
+    def circuits_error(self) -> float:
+        """Largest error of circuits that stand for laws, relative; 0 if all laws are circuits."""
+        return max((circuits.error for circuits in self.circuits.values()), default=0.0)
 
     @property
     def medium(self) -> Medium:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.mistakes import place
 from tline.scene.plausible import below_vacuum, doubts
 from tline.scene.scene import Scene
 from tline.solver.assemble import Assembly, assemble
@@ -27,8 +28,11 @@ def run(
     *,
     envelope: bool = False,
     progress: bool = False,
+    slabs: int | None = None,
 ) -> Result:
-    """Run a scene with slabs of a given width and order; `record` names lines to keep beside those of the probes.
+    """Run a scene with slabs of a given width and order, to its end time or for so many slabs.
+
+    `record` names lines to keep beside those of the probes.
 
     Raises
     ------
@@ -36,9 +40,10 @@ def run(
         The scene cannot be assembled, the record would be too large, or the waves grow beyond all bounds.
     """
     kept = {*record, *probed(scene)}
+    _refuse_inside(scene)
     assembly = assemble(scene, kept, chosen)
     s, h = chosen.s, chosen.h
-    n = max(ceil(scene.t_end / h - 1e-9), 1)
+    n = slabs or max(ceil(scene.t_end / h - 1e-9), 1)
     if 4 * len(kept) * n * s > LARGEST_RECORD:
         problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
         raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
@@ -70,7 +75,17 @@ def run(
         done.seconds,
         done.fronts,
         envelope=extremes and extremes.envelope(),
+        circuits=assembly.circuits,
     )
+
+
+def _refuse_inside(scene: Scene) -> None:
+    """Refuse probes inside lines with losses."""
+    for name, probe in scene.probes.items():
+        line = scene.probed_line(name)
+        if scene.lines[line].losses is not None and 0.0 < probe.fraction(scene.lines[line]) < 1.0:
+            problem = f"inside {place('lines', line)}, which has losses"
+            raise InputError(place("probes", name, "position"), problem, "its ends, or two lines that meet there")
 
 
 def probed(scene: Scene) -> set[str]:
@@ -80,14 +95,18 @@ def probed(scene: Scene) -> set[str]:
 
 
 def _record(assembly: Assembly, name: str, waves: NDArray, done: Run) -> LineRecord:
-    row, (a, b) = assembly.recorded[name], assembly.start[name]
+    row, (a, b), echo = assembly.recorded[name], assembly.start[name], assembly.echoes.get(name)
     parameters = assembly.lines[name].parameters
     s, h = assembly.resolution.s, assembly.resolution.h
 
     def wave(end: int, side: int, before: float) -> Wave:
         here, noted = done.pieces.row == row + end, done.pieces
         pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side])
-        return Wave(waves[row + end, side].reshape(-1, s), before, assembly.basis, h, pieces)
+        values = waves[row + end, side].reshape(-1, s)
+        if echo is not None:  # arrives as well, and so was not sent
+            both = waves[row + end].sum(axis=0).reshape(-1, s)
+            values = values + (1 - 2 * side) * both @ echo.T
+        return Wave(values, before, assembly.basis, h, pieces)
 
     a1, b1, a2, b2 = wave(0, 1, a), wave(0, 0, b), wave(1, 0, a), wave(1, 1, b)
     return LineRecord(parameters.z0, parameters.delay or 0.0, a1, b1, a2, b2, done.fronts.lost > VISIBLE)

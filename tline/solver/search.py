@@ -9,7 +9,7 @@ from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.accuracy import Accuracy, Attempt, added, apart, apart_inside
 from tline.solver.nodes import NONE, nodes_of
-from tline.solver.resolution import Resolution, resolution
+from tline.solver.resolution import FIT, Resolution, resolution
 from tline.solver.result import Result
 from tline.solver.run import run
 from tline.solver.short import short_lines
@@ -30,6 +30,7 @@ class Search(NamedTuple):
     progress: bool
     most: float = MOST_SAMPLES  # line-end samples that it may take
     settle: float = 0.0  # time in which lumped lines settle after a front, s
+    fit: float = FIT  # tolerance of the circuits of lossy lines
     envelope: bool = False
 
     def run(self, chosen: Resolution) -> Result:
@@ -44,7 +45,7 @@ def within(search: Search) -> Result:
     """
     names, settle = short_lines(search.scene, search.record)
     if not names:
-        return _refined(search, NONE)
+        return refined(search, NONE)
     cost, problem = _cost_of_lines(search.scene)
     lumped = _lumped(search._replace(most=min(cost, search.most), settle=settle), dict.fromkeys(names, 1))
     if lumped.accuracy is None or lumped.accuracy.met:
@@ -52,7 +53,7 @@ def within(search: Search) -> Result:
     if cost > search.most:
         limit = f"{lumped.accuracy.limit}; lumped lines would need to be lines, {problem}"
         return replace(lumped, accuracy=replace(lumped.accuracy, limit=limit))
-    result = _refined(search, NONE)
+    result = refined(search, NONE)
     assert result.accuracy is not None
     attempts = (*lumped.accuracy.attempts, *result.accuracy.attempts)
     return replace(result, accuracy=replace(result.accuracy, attempts=attempts))
@@ -70,16 +71,16 @@ def _cost_of_lines(scene: Scene) -> tuple[float, str]:
 
 def _lumped(search: Search, cells: Mapping[str, int]) -> Result:
     """Refine with lines in one cell each, then double the cells until another doubling would change little."""
-    result = _refined(search, cells)
+    result = refined(search, cells)
     accuracy = result.accuracy
     assert accuracy is not None
-    refined, attempts = accuracy.estimates, list(accuracy.attempts)
+    before, attempts = accuracy.estimates, list(accuracy.attempts)
     while accuracy.limit == "":
         cells = {name: 2 * n for name, n in cells.items()}
         if max(cells.values()) > MOST_CELLS:
             return replace(result, accuracy=replace(accuracy, limit=f"lumped lines would need over {MOST_CELLS} cells"))
         finer = search.run(result.resolution._replace(cells=cells))
-        estimates = added(refined, apart(result, finer))
+        estimates = added(before, apart(result, finer))
         attempts.append(Attempt.of(finer))
         inside = apart_inside(result, finer)
         accuracy = replace(accuracy, estimates=estimates, inside=inside, attempts=tuple(attempts))
@@ -90,9 +91,9 @@ def _lumped(search: Search, cells: Mapping[str, int]) -> Result:
     return result
 
 
-def _refined(search: Search, cells: Mapping[str, int]) -> Result:
+def refined(search: Search, cells: Mapping[str, int]) -> Result:
     """Raise the order and narrow the slab until the next finer run differs by no more than the tolerance."""
-    steps, limit, stale, helps = _finer(search.scene, cells, search.settle), "", 0, True
+    steps, limit, stale, helps = _finer(search, cells), "", 0, True
     result = best = search.run(next(steps))
     attempts, accuracy = [Attempt.of(result)], Accuracy(search.tol, {}, ())
     found = accuracy  # of the last comparison
@@ -116,14 +117,14 @@ def _refined(search: Search, cells: Mapping[str, int]) -> Result:
         helps = not blind and found.worst <= HELPS * before
         narrowed = finer.resolution.h < result.resolution.h
         stale = stale + 1 if narrowed and not blind and found.worst >= before else 0
-        limit = _limit(attempts, stale, search.most)
+        limit = limit_of(attempts, stale, search.most)
         result = finer
     damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
     unresolved = tuple(note for note in best.unresolved if note not in damped)
     return replace(best, unresolved=unresolved, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit))
 
 
-def _limit(attempts: list[Attempt], stale: int, most: float) -> str:
+def limit_of(attempts: list[Attempt], stale: int, most: float) -> str:
     """What forbids a finer run; empty if nothing does."""
     if sum(a.samples for a in attempts) + 2 * attempts[-1].samples > most:
         return f"a finer run would take the total beyond {most:.0e} line-end samples"
@@ -132,21 +133,21 @@ def _limit(attempts: list[Attempt], stale: int, most: float) -> str:
     return "narrower slabs do not help" if stale == STALE else ""
 
 
-def _finer(scene: Scene, cells: Mapping[str, int], settle: float) -> Generator[Resolution, bool]:
+def _finer(search: Search, cells: Mapping[str, int]) -> Generator[Resolution, bool]:
     """Ever finer orders and slabs; what is sent in tells whether the last step helped.
 
     Beside lumped lines slabs are not narrowed: fronts are blurred there for a time of its own.
     """
-    nodes, solver = nodes_of(scene), scene.solver
-    s = solver.order or FIRST
-    chosen = resolution(scene, nodes, s, cells=cells, settle=settle)
-    h, fixed = chosen.h, solver.slab is not None or bool(cells)
+    scene, nodes = search.scene, nodes_of(search.scene)
+    s = scene.solver.order or FIRST
+    chosen = resolution(scene, nodes, s, cells=cells, settle=search.settle)
+    h, fixed = chosen.h, scene.solver.slab is not None or bool(cells)
     while True:
-        helped = yield chosen
-        if solver.order is None and s < LAST and (helped or fixed):
+        helped = yield chosen._replace(fit=search.fit)
+        if scene.solver.order is None and s < LAST and (helped or fixed):
             s += 1
         elif not fixed:
             h /= 2
         else:
             return
-        chosen = resolution(scene, nodes, s, h, cells, settle)
+        chosen = resolution(scene, nodes, s, h, cells, search.settle)

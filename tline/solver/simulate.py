@@ -14,6 +14,7 @@ from tline.solver.result import Result
 from tline.solver.run import run
 from tline.solver.search import Search, within
 from tline.solver.stability.growth import active_loads, growth_sentence
+from tline.solver.with_losses import is_lossy, with_losses
 
 TOL = 1e-6  # where nothing is asked or fixed
 
@@ -38,6 +39,9 @@ def simulate(
     Where a higher order leaves more than half of the difference, the slab is halved instead. Lines far shorter than a
     slab are lumped, each in as many cells of L and C as the tolerance needs; what twice as many cells change is added
     to the error. A scene that fixes order or slab by hand and asks for no tolerance is run once.
+
+    Losses are lumped inside lines, a lump every two slabs. With them, slabs are halved and the runs extrapolated; the
+    error is the difference to the entry before in Richardson's table (`tline.solver.with_losses`).
 
     Parameters
     ----------
@@ -90,18 +94,19 @@ def simulate(
     """
     warned, record = _active(scene, active), list(record)
     tol = _tolerance(scene, tol)
-    if tol is None or (scene.solver.order and scene.solver.slab):
+    lossy = is_lossy(scene)
+    if tol is None or (scene.solver.slab and (scene.solver.order or lossy)):
         result = run(scene, resolution(scene, nodes_of(scene)), record, envelope=envelope, progress=progress)
         result = replace(result, accuracy=tol and _by_hand(result, tol))
     else:
-        result = within(Search(scene, tol, record, progress, envelope=envelope))
+        result = (with_losses if lossy else within)(Search(scene, tol, record, progress, envelope=envelope))
     for note in result.unresolved:
         warnings.warn(note, UnresolvedWarning, stacklevel=2)
     return replace(result, remarks=(*warned, *result.remarks))
 
 
 def judged(result: Result) -> Accuracy:
-    """How accurate a run fixed by hand is: its difference to one of the next order.
+    """How accurate a run fixed by hand is: its difference to one of the next order, or on half the slab with losses.
 
     Parameters
     ----------
@@ -109,7 +114,7 @@ def judged(result: Result) -> Accuracy:
         Of a run without a tolerance.
     """
     s, h = result.resolution.s, result.resolution.h
-    better = run(result.scene, Resolution(s + 1, h, ()))
+    better = run(result.scene, Resolution(s, h / 2) if is_lossy(result.scene) else Resolution(s + 1, h))
     estimates = apart(result, better)
     worst = max(estimate.worst for estimate in estimates.values())
     return Accuracy(None, estimates, (Attempt.of(result, worst), Attempt.of(better)), apart_inside(result, better))

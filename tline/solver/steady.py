@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.lossless import refuse_losses
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
@@ -37,6 +38,7 @@ def steady_state(scene: Scene, nodes: dict[str, Node]) -> tuple[dict[str, float]
     InputError
         If there is none: different ideal efforts on connected lines, or a flow that nothing takes; or none was found.
     """
+    refuse_losses(scene, "no steady state is found")
     number = {name: k for k, name in enumerate(nodes)}
     first, second = np.array([[number[node] for node in line.nodes] for line in scene.lines.values()]).T
     n = len(nodes)

@@ -1,8 +1,9 @@
-"""A scene in s: delays between nodes that scatter waves.
+"""A scene in s: lines between nodes that scatter waves.
 
-Waves w that arrive at the line ends come back as w = P(s) (S(s) w + g), with the delays P = diag(exp(-sT)), the
-scattering S of the nodes and what the sources send, g. At a node with lines and resistances of conductance Y and a load
-Z = p/q, the effort is u = p/f (sum of w/z0 + J) with f = Y p + q and J the flow of its sources; 2u - w leaves each end.
+Waves w that arrive at the line ends come back as w = P(s) (S(s) w + g), with the lines' passage P, exp(-sT) without
+losses, the scattering S of the nodes and what the sources send, g. At a node with lines and resistances of conductance
+Y and a load Z = p/q, the effort is u = p/f (sum of w/z0 + J) with f = Y p + q and J the flow of its sources; 2u - w
+leaves each end.
 """
 
 from collections.abc import Mapping
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
 from tline.solver.nodes import Node, nodes_of
+from tline.solver.stability.lossy_line import carried, losses_of
 
 
 class Scattering:
@@ -38,6 +40,7 @@ class Scattering:
         self.totals = np.array([node.total + node.switched(np.inf) + more.get(k, 0.0) for k, node in nodes.items()])
         self.held = np.array([node.held is not None or np.isinf(node.switched(np.inf)) for node in nodes.values()])
         self.ends = [np.array(node.ends) for node in nodes.values()]
+        self.lossy = {k: losses_of(name, line) for k, (name, line) in enumerate(scene.lines.items()) if line.losses}
         self.loads = [self._polynomials(*each) for each in zip(nodes.values(), self.totals, self.held, strict=True)]
 
     def _polynomials(self, node: Node, total: float, held: bool) -> tuple[NDArray, NDArray]:
@@ -64,15 +67,20 @@ class Scattering:
         quotients = [np.polyval(over, s) / np.polyval(f, s) for over, f in self.loads]
         return np.stack(quotients, axis=1) / totals
 
-    def delayed(self, s: NDArray) -> NDArray:
-        """The diagonal of P by the end that sends, shape (n, ends)."""
-        return np.repeat(np.exp(-np.outer(s, self.delays)), 2, axis=1)
+    def carried(self, s: NDArray) -> tuple[NDArray, NDArray]:
+        """P by the end that sends: what arrives at the other end, and what comes back; two of shape (n, ends)."""
+        across = np.exp(-np.outer(s, self.delays))
+        back = np.zeros_like(across)
+        for k, line in self.lossy.items():
+            across[:, k], back[:, k] = carried(line, self.z0[k], s / self.second)
+        return np.repeat(across, 2, axis=1), np.repeat(back, 2, axis=1)
 
     def returned(self, s: NDArray) -> NDArray:
         """What comes back of the waves that arrive, P S, shape (n, ends, ends) for s of shape (n,)."""
         matrix = np.zeros((len(s), self.size, self.size), complex)
-        passed, delayed = 2 * self.passed(s), self.delayed(s)
+        passed, (across, back) = 2 * self.passed(s), self.carried(s)
         for k, ends in enumerate(self.ends):
             scattering = passed[:, k, None, None] / self.z0[ends // 2] - np.eye(len(ends))
-            matrix[:, (ends ^ 1)[:, None], ends] = delayed[:, ends, None] * scattering
+            matrix[:, (ends ^ 1)[:, None], ends] += across[:, ends, None] * scattering
+            matrix[:, ends[:, None], ends] += back[:, ends, None] * scattering
         return matrix

@@ -1,0 +1,36 @@
+"""How errors of lossy lines fall when slabs, and with them lumps, are halved."""
+
+import itertools
+
+import numpy as np
+import pytest
+from lossy_scenes import cable
+
+from tline.reference.lossy import lossy_response
+from tline.solver.extrapolate import extrapolated
+from tline.solver.resolution import Resolution
+from tline.solver.run import run
+
+SLABS = (8, 16, 32, 64, 128)
+STEP_ENDS = np.array([1, 3, 9, 13, 17, 30, 41])  # eighths of the delay
+
+
+def errors(order: int, powers: tuple[int, ...]) -> np.ndarray:
+    """Largest errors of runs extrapolated so often, at the coarsest slabs' ends."""
+    scene = cable(t_end="6 ns", resistance=200)
+    line = scene.lines["line"].losses.exact
+    exact = lossy_response(line, [f"{k / 8}e-9" for k in STEP_ENDS], 0.0, source=25, load=100, digits=15)
+    u = np.array([float(x) for x in exact.u])
+    column = [run(scene, Resolution(order, 1e-9 / n)) for n in SLABS]
+    for power in powers:
+        column = [extrapolated(*pair, power) for pair in itertools.pairwise(column)]
+    every = [round(1e-9 / 8 / result.resolution.h) for result in column]
+    return np.array([np.abs(r.probes["near"].u[e * STEP_ENDS] - u).max() for r, e in zip(column, every, strict=True)])
+
+
+@pytest.mark.parametrize("order", [1, 3])
+@pytest.mark.parametrize(("powers", "slope"), [((), 1), ((1,), 2), ((1, 2), 3)])
+def test_behind_a_step_each_extrapolation_adds_an_order(order, powers, slope):
+    found = errors(order, powers)
+    fitted = -np.polyfit(np.arange(len(found)), np.log2(found), 1)[0]
+    assert fitted == pytest.approx(slope, abs=0.25)

@@ -1,0 +1,146 @@
+"""Lumps inside lines: the kernel against its plain twin, maps of circuits, and what scenes with losses refuse."""
+
+import re
+
+import numpy as np
+import pytest
+from lossy_scenes import cable, pipe
+
+from tline.errors import InputError, SceneError
+from tline.frequency.resonances import resonances
+from tline.frequency.response import respond
+from tline.loss import Foster
+from tline.pictures.path import route
+from tline.scene.scene import Scene
+from tline.solver.assemble import assemble
+from tline.solver.circuits import one_step
+from tline.solver.kernel import lose
+from tline.solver.network import REMEMBERED, SQUARED
+from tline.solver.radau import basis
+from tline.solver.resolution import Resolution
+from tline.solver.simulate import simulate
+
+VISCOUS = {"viscosity": "0.0347 Pa s"}
+
+
+def plainly(assembly, waves, t):
+    """What lumps do in slab t: pair by pair, no memory of before."""
+    net, s = assembly.network, assembly.basis.s
+    lumps, ring = net.lumps, 2 * net.delay[0]
+    slabs = waves.reshape(ring, s).copy()
+    for r in range(len(lumps.line)):
+        for k in range(lumps.first[r], lumps.first[r + 1]):
+            a, b = (t - lumps.place[k] // 2) % ring, (t + (lumps.place[k] + 1) // 2) % ring
+            w = slabs[a] + lumps.sign[r] * slabs[b]
+            if lumps.kind[r] == REMEMBERED:
+                loss = lumps.entries[lumps.at[r] :][: s * s].reshape(s, s) @ w
+            elif lumps.kind[r] == SQUARED:
+                c = lumps.strength[k]
+                loss = w - 2 * w / (1 + np.sqrt(1 + c * np.abs(w)))
+            else:
+                loss = lumps.strength[k] * w
+            slabs[a] -= loss
+            slabs[b] -= lumps.sign[r] * loss
+    return slabs.ravel()
+
+
+@pytest.mark.parametrize("order", [1, 3])
+@pytest.mark.parametrize(
+    "scene",
+    [
+        cable(resistance=200, conductance=0.01),
+        cable(skin={"resistance": 60, "frequency": "10 GHz"}),
+        pipe(friction={"kind": "darcy", "factor": 2}),
+    ],
+)
+def test_the_kernel_is_its_plain_twin(scene, order):
+    delay = float(scene.lines["line"].parameters.delay)
+    for slab in range(12):
+        assembly = assemble(scene, set(), Resolution(order, delay / 5))
+        state = assembly.state
+        rng = np.random.default_rng(slab)
+        state.waves[:] = rng.normal(size=state.waves.shape) * 1e6
+        state.slot[0], state.side[0] = slab % 5, slab // 5 % 2
+        expected = plainly(assembly, state.waves, slab % 10)
+        lose(assembly.network, state, 1, np.empty((order, 64)), np.empty((order, 64)))
+        assert state.waves == pytest.approx(expected, rel=1e-12, abs=1e-6)
+
+
+def test_a_circuit_settles_to_its_resistance():
+    order = basis(3)
+    law, h = Foster(0.3, 0.0, [0.5, 2.0], [1.0, 30.0]), 0.1
+    parts = np.split(one_step(law, 1.0, order, h), np.cumsum([9, 6, 6]))
+    D, C, B, decay = parts[0].reshape(3, 3), parts[1].reshape(3, 2), parts[2].reshape(2, 3), parts[3]
+    x = np.zeros(2)
+    for _ in range(1000):
+        e, x = D @ np.ones(3) + C @ x, B @ np.ones(3) + decay * x
+    assert e == pytest.approx(0.3 / 2.3)  # e = w - 2 q, 2 q + 0.3 q = w
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ({"friction": {"kind": "darcey", "factor": 0.02}}, "lines.line.friction.kind: unknown, expected 'darcy'"),
+        ({"friction": {"factor": 0.02}}, "lines.line.friction.kind: is missing"),
+        ({"friction": {"kind": "darcy"}}, "lines.line.friction.factor: is missing"),
+        ({"friction": {"kind": "darcy", "factor": -1}}, "lines.line.friction.factor: friction factor out of range"),
+        ({"friction": 0.02}, "lines.line.friction: not a table"),
+        ({"creep": [{"compliance": 1e-10, "time": 1}]}, "lines.line: creep needs its wall_thickness"),
+    ],
+)
+def test_mistakes_in_pipes_are_one_sentence(line, sentence):
+    with pytest.raises(SceneError, match=re.escape(sentence)):
+        pipe(**line)
+
+
+def test_what_a_loss_needs_is_said_by_name():
+    line = {"nodes": ["a", "b"], "z0": 1e8, "delay": 1, "friction": {"kind": "laminar", **VISCOUS}}
+    with pytest.raises(SceneError, match=r"lines\.line: friction needs its density and area"):
+        Scene(medium="hydraulic", t_end=1, lines={"line": line}, probes={"p": {"at": "a"}})
+    line = {"nodes": ["a", "b"], "z0": 50, "delay": 1, "resistance": 1}
+    with pytest.raises(SceneError, match=r"lines\.line: resistance needs its length"):
+        Scene(medium="electrical", t_end=1, lines={"line": line}, probes={"p": {"at": "a"}})
+    with pytest.raises(SceneError, match="skin and wire say the same"):
+        cable(skin={"resistance": 1, "frequency": 1}, wire={"radius": "1 mm", "conductivity": 5e7})
+
+
+def test_what_is_not_known_of_lossy_lines_is_refused():
+    scene = cable(resistance=20)
+    for refused in (route, lambda scene: resonances(scene, 1e9)):
+        with pytest.raises(InputError, match=r"lines\.line: it has losses"):
+            refused(scene)
+    with pytest.raises(InputError, match=r"lines\.line: it has losses: no steady state"):
+        simulate(Scene(**scene.table() | {"start": "steady"}))
+    with pytest.raises(InputError, match=r"probes\.p\.position: inside lines\.line, which has losses"):
+        simulate(Scene(**scene.table() | {"probes": {"p": {"line": "line", "position": "10 cm"}}}))
+    with pytest.raises(InputError, match=r"lines\.line\.friction: depends on the size of the flow"):
+        respond(pipe(friction={"kind": "darcy", "factor": 0.02}), 1j)
+
+
+def test_steady_drops_and_their_slopes():
+    laminar = pipe(friction={"kind": "laminar", **VISCOUS}).lines["line"]
+    drop, slope = laminar.steady_drop(1e-4)
+    assert drop == pytest.approx(8 * 0.0347 * 36.09 / (np.pi * 0.0127**4) * 1e-4)
+    assert slope == pytest.approx(drop / 1e-4)
+    darcy = pipe(friction={"kind": "darcy", "factor": 0.02}).lines["line"]
+    speed = 1e-3 / (np.pi * 0.0127**2)
+    assert darcy.steady_drop(-1e-3)[0] == pytest.approx(-0.02 * 36.09 / 0.0254 * 878 * speed**2 / 2)
+    assert cable().lines["line"].steady_drop(1.0) == (0.0, 0.0)
+
+
+def test_quasi_steady_friction_is_laminar_below_and_colebrook_above():
+    pytest.importorskip("fluids")
+    friction = {"kind": "quasi-steady", "roughness": "0.1 mm", **VISCOUS}
+    line, plain = (pipe(friction=f).lines["line"] for f in (friction, {"kind": "laminar", **VISCOUS}))
+    assert line.steady_drop(1e-4) == pytest.approx(plain.steady_drop(1e-4))
+    flow = 1e-2
+    drop, slope = line.steady_drop(flow)
+    reynolds = 878 * flow / (np.pi * 0.0127**2) * 0.0254 / 0.0347
+    factor = drop / (36.09 / 0.0254 * 878 * (flow / (np.pi * 0.0127**2)) ** 2 / 2)
+    colebrook = -2 * np.log10(0.0001 / 0.0254 / 3.7 + 2.51 / (reynolds * np.sqrt(factor)))
+    assert 1 / np.sqrt(factor) == pytest.approx(colebrook, rel=1e-4)  # 3.7 and 2.51 are rounded there
+    assert slope == pytest.approx(
+        (line.steady_drop(1.001 * flow)[0] - line.steady_drop(0.999 * flow)[0]) / 2e-5, rel=1e-4
+    )
+    scene = pipe("1 bar", friction=friction)
+    assert simulate(scene, tol=1e-4).accuracy.met

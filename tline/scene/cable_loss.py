@@ -1,0 +1,56 @@
+"""Losses of cables beside constant resistance and conductance."""
+
+from math import atan, hypot, log, pi, sqrt
+from typing import Annotated
+
+from pydantic import Field
+
+from tline.errors import InputError
+from tline.loss import DielectricLoss, Law, RoundWire, SkinEffect
+from tline.scene.element import Element
+from tline.scene.quantity import Frequency, Quantity, Role
+
+
+class Skin(Element):
+    """Skin effect by the resistance at one high frequency: above its corner resistance goes like √f."""
+
+    resistance: Annotated[Quantity, Role("resistance per metre", "ohm/m", above=0)] = Field(
+        description="per metre, at that frequency"
+    )
+    frequency: Frequency = Field(description="far above the corner")
+
+    def law(self, resistance: float) -> Law:
+        """With the resistance to steady current, ohm/m."""
+        return SkinEffect(resistance, self.resistance / sqrt(pi * self.frequency))
+
+
+class Wire(Element):
+    """A round wire alone; the other conductor counts as perfect."""
+
+    radius: Annotated[Quantity, Role("radius", "m", above=0)] = Field(description="of the wire")
+    conductivity: Annotated[Quantity, Role("conductivity", "S/m", above=0)] = Field(description="of its metal")
+
+    def law(self) -> Law:
+        """Its internal impedance."""
+        return RoundWire(self.radius, self.conductivity)
+
+
+class LossTangent(Element):
+    """Insulation whose loss tangent hardly depends on frequency between two limits."""
+
+    value: Annotated[Quantity, Role("loss tangent", "", above=0, at_most=1)] = Field(description="at the frequency")
+    frequency: Frequency = Field(description="between the limits")
+    low: Frequency = Field(description="below it there is less loss")
+    high: Frequency = Field(description="above it there is less loss")
+
+    def law(self, capacitance: float) -> Law:
+        """With the capacitance that a front meets, F/m; at lower frequencies it is larger."""
+        f, low, high = float(self.frequency), float(self.low), float(self.high)
+        if not low < f < high:
+            raise InputError("loss_tangent.frequency", "not between its limits", "low < frequency < high", f"{f:g} Hz")
+        angle, fall = atan(f / low) - atan(f / high), log(hypot(high, f) / hypot(low, f))
+        left = 1 - float(self.value) * fall / angle
+        if left <= 0:
+            problem, most = "too much for limits so far apart", f"below {angle / fall:.3g}"
+            raise InputError("loss_tangent.value", problem, most, f"{self.value:g}")
+        return DielectricLoss(capacitance / left, self.value, f, (low, high))

@@ -1,0 +1,58 @@
+"""What a line of a scene loses, as exact laws: those over frequency, and friction that depends on the flow itself."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.loss import LossyLine
+
+Curve = Callable[[NDArray], tuple[NDArray, NDArray]]  # from |flow| to drop per metre and its slope
+
+
+@dataclass(frozen=True)
+class Losses:
+    """Of one line.
+
+    Parameters
+    ----------
+    exact : LossyLine
+        All that is linear; its storages are those of the lossless line, which a front meets.
+    quadratic : float
+        K, Pa s²/m⁷: K |y| y is added to the drop of pressure per metre.
+    curve : callable or None
+        Instead of that any odd function that rises, of flows from 0 on.
+    """
+
+    exact: LossyLine
+    quadratic: float = 0.0
+    curve: Curve | None = None
+
+    @property
+    def linear(self) -> bool:
+        """Whether nothing depends on the size of the flow."""
+        return self.quadratic == 0 and self.curve is None
+
+    @property
+    def distortionless(self) -> bool:
+        """Whether the line only delays and attenuates."""
+        return self.linear and self.exact.distortionless
+
+    @property
+    def attenuation(self) -> float:
+        """l sqrt(R G): what a distortionless line takes from the logarithm of a wave."""
+        return self.exact.length * sqrt(self.exact.series.loss * self.exact.shunt.loss)
+
+    def friction(self, y: NDArray) -> tuple[NDArray, NDArray]:
+        """Drop over the whole line that depends on the size of the flow y, and its slope."""
+        size = np.abs(y)
+        drop, slope = (self.quadratic * size**2, 2 * self.quadratic * size) if self.curve is None else self.curve(size)
+        return np.sign(y) * drop * self.exact.length, slope * self.exact.length
+
+    def steady_drop(self, y: float) -> tuple[float, float]:
+        """Fall of the effort from end 1 to end 2 in steady flow y, and its slope over y; leakage is not in it."""
+        drop, slope = self.friction(np.array(float(y)))
+        resistance = self.exact.series.loss * self.exact.length
+        return float(drop) + resistance * y, float(slope) + resistance

@@ -1,0 +1,142 @@
+"""Losses of lines as lumps inside them: where they stand, and what each takes away.
+
+A lump of series impedance Z sees 2 z0 y + Z y = a - b and takes e = Z y; one of shunt admittance Y sees
+2 u + z0 Y u = a + b and takes e = z0 Y u. Both read 2 q + ζ q = w, e = w - 2 q, with ζ = Z/z0 or z0 Y.
+
+Lumps stand half a slab apart, so that every slab of one wave meets every slab of the other: what a jump leaves behind
+then changes from slab to slab alike, and errors at slab ends are smooth.
+"""
+
+from collections.abc import Collection, Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.loss import Foster
+from tline.scene.line import SceneLine
+from tline.scene.losses import Losses
+from tline.solver.circuits import Circuits, one_step
+from tline.solver.network import CONSTANT, NO_LUMPS, REMEMBERED, SQUARED, TABLED, Lumps
+from tline.solver.radau import Basis
+from tline.solver.resolution import WHOLE
+
+LOWEST, HIGHEST, POINTS = -10, 34, 256  # octaves of a wave in a table, and points in each
+HALVINGS = 60
+EMPTY = np.empty(0)
+
+
+class _Law(NamedTuple):
+    """What equal lumps of one line do: kind, sign, strength, entries and modes as in `Lumps`."""
+
+    kind: int
+    sign: float
+    strength: float = 0.0
+    entries: NDArray = EMPTY
+    modes: int = 0
+
+
+class _Row(NamedTuple):
+    """Equal lumps of one line."""
+
+    line: int
+    place: NDArray
+    law: _Law
+
+
+def lumps_in(line: SceneLine, h: float) -> int:
+    """Number of places of lumps in a line: between any two slabs that meet inside."""
+    return 2 * int((line.parameters.delay or 0.0) / h * (1 + WHOLE)) - 1
+
+
+def lumps_of(
+    lines: Mapping[str, SceneLine],
+    circuits: Mapping[str, Circuits],
+    delay: NDArray,
+    order: Basis,
+    h: float,
+    without: Collection[int],
+) -> tuple[Lumps, int]:
+    """All lumps of a scene, and the number of their states.
+
+    Parameters
+    ----------
+    lines : mapping of str to SceneLine
+    circuits : mapping of str to Circuits
+        Of all lines that lose something.
+    delay : ndarray, shape (lines,)
+        Whole slabs of each delay.
+    without : collection of int
+        Numbers of lines whose losses are not lumped.
+    """
+    rows: list[_Row] = []
+    for k, (name, line) in enumerate(lines.items()):
+        if line.losses is not None and k not in without:
+            rows += _rows(k, line, circuits[name], int(delay[k]), order, h)
+    if not rows:
+        return NO_LUMPS, 0
+    laws, count = [row.law for row in rows], [len(row.place) for row in rows]
+    states = np.cumsum([0, *(law.modes * n for law, n in zip(laws, count, strict=True))])
+    lumps = Lumps(
+        gap=1,
+        line=np.array([row.line for row in rows]),
+        kind=np.array([law.kind for law in laws]),
+        sign=np.array([law.sign for law in laws]),
+        first=np.cumsum([0, *count]),
+        place=np.concatenate([row.place for row in rows]),
+        strength=np.repeat([law.strength for law in laws], count),
+        at=np.cumsum([0, *(len(law.entries) for law in laws)])[:-1],
+        modes=np.array([law.modes for law in laws]),
+        entries=np.concatenate([law.entries for law in laws]),
+        memory=states[:-1],
+    )
+    return lumps, int(states[-1])
+
+
+def _rows(k: int, line: SceneLine, circuits: Circuits, delay: int, order: Basis, h: float) -> list[_Row]:
+    """Lumps at whole slabs, then those between in reverse order, so that laws that do not commute take turns."""
+    losses, z0 = line.losses, line.parameters.z0
+    assert losses is not None
+    if losses.distortionless:
+        share = -float(np.expm1(-losses.attenuation)) / 2
+        return [_Row(k, np.array([delay]), _Law(CONSTANT, sign, share)) for sign in (-1.0, 1.0)]
+    part = losses.exact.length / (2 * delay - 1)
+    laws = [
+        *_linear(-1.0, circuits.series, part / z0, order, h),
+        *_friction(losses, z0, 1 / (2 * delay - 1)),
+        *_linear(1.0, circuits.shunt, part * z0, order, h),
+    ]
+    whole, between = np.arange(2, 2 * delay, 2), np.arange(1, 2 * delay, 2)
+    return [_Row(k, whole, law) for law in laws if delay > 1] + [_Row(k, between, law) for law in laws[::-1]]
+
+
+def _linear(sign: float, law: Foster, scale: float, order: Basis, h: float) -> list[_Law]:
+    """A circuit, times a scale."""
+    if law.strengths.size:
+        return [_Law(REMEMBERED, sign, 0.0, one_step(law, scale, order, h), law.rates.size)]
+    loss = scale * law.loss
+    return [_Law(CONSTANT, sign, loss / (2 + loss))] if loss else []
+
+
+def _friction(losses: Losses, z0: float, share: float) -> list[_Law]:
+    """A share of the friction that depends on the size of the flow."""
+    if losses.linear:
+        return []
+    if losses.curve is not None:
+        return [_Law(TABLED, -1.0, 0.0, tabled(losses, z0, share))]
+    return [_Law(SQUARED, -1.0, losses.quadratic * losses.exact.length * share / z0**2)]
+
+
+def tabled(losses: Losses, z0: float, share: float) -> NDArray:
+    """e/w of a lump over the logarithm of |w|, as the kernel looks it up; between 0 and 1, so it stays passive.
+
+    The flow in 2 z0 y + share F(y) = w is found by halving: the left side rises, though it may jump.
+    """
+    octaves = np.arange(LOWEST * POINTS, HIGHEST * POINTS + 1) / POINTS
+    w = 2.0**octaves
+    low, high = np.zeros(len(w)), w / (2 * z0)
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        below = 2 * z0 * middle + share * losses.friction(middle)[0] < w
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return np.concatenate([[octaves[0], POINTS, len(w)], np.clip(1 - (low + high) * z0 / w, 0.0, 1.0)])

@@ -1,0 +1,57 @@
+"""A lossy line in s, exactly: what it does to waves of its z0, and what stands inside it."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.loss import LossyLine
+from tline.scene.line import SceneLine
+from tline.scene.mistakes import place
+
+
+def losses_of(name: str, line: SceneLine) -> LossyLine:
+    """The exact laws of a line that has losses.
+
+    Raises
+    ------
+    InputError
+        Its friction depends on the size of the flow.
+    """
+    losses = line.losses
+    if losses is None or not losses.linear:
+        problem = "depends on the size of the flow: there is no transfer function"
+        raise InputError(place("lines", name, "friction"), problem, "kind = 'linear', 'laminar' or 'zielke'")
+    return losses.exact
+
+
+def carried(line: LossyLine, z0: float, s: NDArray) -> tuple[NDArray, NDArray]:
+    """What of a wave that enters the line arrives at its other end, and what comes back; each of the shape of s.
+
+    With A, B, C, A the chain matrix these are 2/(2A + B/z0 + C z0) and (B/z0 - C z0)/(2A + B/z0 + C z0).
+
+    References
+    ----------
+    D. M. Pozar, Microwave Engineering, 4th ed., Wiley 2012, table 4.2.
+    """
+    total = line.gamma(s) * line.length
+    fallen = np.exp(-total)
+    shape = _shape(total) * line.length  # sinh(Γl)/Γ exp(-Γl)
+    b, c = line.series.at(s) * shape / z0, line.shunt.at(s) * shape * z0
+    whole = 1 + fallen**2 + b + c
+    return 2 * fallen / whole, (b - c) / whole
+
+
+def inside(line: LossyLine, s: NDArray, share: float, u1: NDArray, u2: NDArray) -> tuple[NDArray, NDArray]:
+    """Effort and flow at a share of the length, between the efforts at the ends."""
+    total = line.gamma(s) * line.length
+    near, far = share, 1 - share
+    whole = _shape(total)
+    decay = np.exp(-total * np.array([near, far, 1 + near, 1 + far])[:, None])
+    u = (decay[0] * far * _shape(total * far) * u1 + decay[1] * near * _shape(total * near) * u2) / whole
+    slopes = (decay[0] + decay[3]) * u1 - (decay[1] + decay[2]) * u2
+    return u, slopes / (2 * line.series.at(s) * line.length * whole)
+
+
+def _shape(total: NDArray) -> NDArray:
+    """sinh(x)/x exp(-x)."""
+    return np.where(total == 0, 1, -np.expm1(-2 * total) / (2 * np.where(total == 0, 1, total)))

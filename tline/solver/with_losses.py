@@ -1,0 +1,105 @@
+"""Runs of scenes with losses to a tolerance; where losses are lumped, slabs and the distance of lumps are halved."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from tline.errors import InputError
+from tline.scene.scene import Scene
+from tline.solver.accuracy import Accuracy, Attempt, added, apart, apart_inside
+from tline.solver.cells import fits
+from tline.solver.extrapolate import extrapolated
+from tline.solver.nodes import NONE, nodes_of
+from tline.solver.resolution import Resolution, resolution
+from tline.solver.result import Result
+from tline.solver.run import run
+from tline.solver.search import Search, limit_of, refined
+
+ORDER = 3
+TABLE = ((2,), (2, 4), (2, 4, 6), (1,), (1, 2), (1, 2, 3), (1, 2, 3, 4))  # powers of h taken out, smooth and not
+CLOSER, CLOSEST = 0.1, 1e-9  # tolerance of circuits over that of the run, and the least
+
+Row = dict[tuple[int, ...], Result]
+
+
+def is_lossy(scene: Scene) -> bool:
+    """Whether a line loses something."""
+    return any(line.losses is not None for line in scene.lines.values())
+
+
+def with_losses(search: Search) -> Result:
+    """Run a scene with losses until the estimated error is within the tolerance, or a limit is reached.
+
+    Where all lossy lines can be cut in cells, order and slab are refined as without losses. Else slabs are halved.
+    Where circuits stand for exact laws, what closer ones change is added to the error.
+    """
+    fit, attempts = max(CLOSER * search.tol, CLOSEST), ()
+    cells = fits(search.scene.lines, resolution(search.scene, nodes_of(search.scene)).h)
+    while True:
+        search = search._replace(fit=fit)
+        result, last = (refined(search, NONE),) * 2 if cells else _halved(search)
+        accuracy = result.accuracy
+        assert accuracy is not None
+        closer = max(CLOSER * fit, CLOSEST)
+        attempts += accuracy.attempts
+        if not result.circuits_error or accuracy.limit or closer == fit:
+            return replace(result, accuracy=replace(accuracy, attempts=attempts))
+        again = _run(search, last.resolution._replace(fit=closer), last.t[-1])
+        attempts += (Attempt.of(again),)
+        accuracy = replace(accuracy, estimates=added(accuracy.estimates, apart(last, again)), attempts=attempts)
+        if accuracy.worst <= search.tol:
+            return replace(result, accuracy=accuracy)
+        fit = closer
+
+
+def _run(search: Search, chosen: Resolution, end: float) -> Result:
+    return run(search.scene, chosen, search.record, progress=search.progress, slabs=round(end / chosen.h))
+
+
+def _halved(search: Search) -> tuple[Result, Result]:
+    """Halve slabs; the best result, and the last run.
+
+    Each run adds a row to a table: itself, and what Richardson makes of it and the row above. The error of an entry is
+    its difference to the one above it; the result is the best entry of the last row.
+    """
+    nodes, order = nodes_of(search.scene), search.scene.solver.order or ORDER
+    chosen = resolution(search.scene, nodes, order)._replace(fit=search.fit)
+    best = last = search.run(chosen)
+    row: Row = {(): last}
+    attempts, limit, stale, accuracy = [Attempt.of(last)], "", 0, Accuracy(search.tol, {}, ())
+    while not limit:
+        try:
+            chosen = resolution(search.scene, nodes, order, chosen.h / 2)._replace(fit=search.fit)
+            last = _run(search, chosen, last.t[-1])
+        except InputError as error:
+            limit = f"{error.where}: {error.problem}"
+            break
+        above, row = row, _row(row, last)
+        result, found = min(_judged(above, row, search.tol), key=lambda entry: entry[1].worst)
+        attempts.append(Attempt.of(last, found.worst))
+        stale = stale + 1 if found.worst >= accuracy.worst else 0
+        if found.worst <= accuracy.worst:
+            best, accuracy = result, found
+        if found.worst <= search.tol and len(attempts) > 2 and not chosen.blind:
+            break
+        limit = limit_of(attempts, stale, search.most)
+    damped = () if limit else best.resolution.notes
+    unresolved = tuple(note for note in best.unresolved if note not in damped)
+    accuracy = replace(accuracy, attempts=tuple(attempts), limit=limit)
+    return replace(best, unresolved=unresolved, accuracy=accuracy), last
+
+
+def _row(above: Row, finer: Result) -> Row:
+    """A run, and what it and the row above extrapolate to."""
+    row: Row = {(): finer}
+    for powers in TABLE:
+        coarse, fine = above.get(powers[:-1]), row.get(powers[:-1])
+        if coarse and fine and (better := extrapolated(coarse, fine, powers[-1])):
+            row[powers] = better
+    return row
+
+
+def _judged(above: Row, row: Row, tol: float) -> Iterator[tuple[Result, Accuracy]]:
+    """Entries of a row with their differences to those above."""
+    for powers in above.keys() & row.keys():
+        coarse, fine = above[powers], row[powers]
+        yield fine, Accuracy(tol, apart(coarse, fine), (), apart_inside(coarse, fine))
