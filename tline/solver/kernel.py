@@ -15,7 +15,7 @@ from numba import njit, uint64
 TINY = 1e-150  # waves below are flushed to zero: subnormal numbers are slow, and their squares vanish anyway
 SCRATCH = 512  # samples per tile
 ABREAST = 64  # lumps advanced together
-CONSTANT, QUADRATIC, TABLED = range(3)  # kinds of lumps; the others have a memory
+CONSTANT, SQUARED, TABLED = range(3)  # kinds of lumps; the others have a memory
 OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "nsz"}}
 
 
@@ -664,7 +664,7 @@ def dissipate(waves, o, s, ring, t, m, place, strength, entries, at, sign, kind)
                     loss = c * (waves[a + i] + sign * waves[b + i])
                     waves[a + i] -= loss
                     waves[b + i] -= sign * loss
-            elif kind == QUADRATIC:
+            elif kind == SQUARED:
                 for i in range(n):
                     w = waves[a + i] + sign * waves[b + i]
                     root = 1.0 + np.sqrt(1.0 + c * abs(w))
@@ -847,10 +847,10 @@ def advance(network, state, n_slabs, drive, record, column):
                     if not np.isfinite(u[q + uint64(m * s - 1)]):
                         return node
                 ahead += m
-        if in_cells:
-            pass_cells(network, state, enter, y)
         if lossy:
             lose(network, state, block, w, out)
+        if in_cells:
+            pass_cells(network, state, enter, y)
         for line in range(delay.size):
             slots[line] += block
             if slots[line] >= delay[line]:
@@ -1513,7 +1513,8 @@ def level(network, state, fronts, sources, drive, g, slab, k, position, due, who
 @njit(**OPTIONS)
 def level_at_lumps(network, state, fronts, whole):
     """Project slabs in pieces that pass lumps on slabs in one piece: there fronts are no longer followed."""
-    lumps, pieces, tools, s = network.lumps, fronts.pieces, fronts.tools, whole.size
+    lumps, pieces, tools, counts, sizes = network.lumps, fronts.pieces, fronts.tools, fronts.counts, fronts.sizes
+    waves, s = state.waves, whole.size
     for r in range(lumps.line.size):
         line = lumps.line[r]
         ring = 2 * network.delay[line]
@@ -1523,8 +1524,10 @@ def level_at_lumps(network, state, fronts, whole):
                 o = network.offset[line] + slab * s
                 row = pieces.of_slab[o // s]
                 if row >= 0:
-                    levelled(pieces, row, tools, fronts.counts, fronts.sizes, whole)
-                    times(tools.to_points, whole, 0, state.waves[o : o + s])
+                    counts[DROPPED] += pieces.anew[row] > 0.0
+                    sizes[LOST] = max(sizes[LOST], pieces.anew[row])
+                    levelled(pieces, row, tools, counts, sizes, whole)
+                    times(tools.to_points, whole, 0, waves[o : o + s])
                     pieces.of_slab[o // s] = -1
 
 
@@ -1558,9 +1561,9 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
         np.empty((most_elements(network.laws), most, s)),
     )  # fmt: skip
     u, history, factor = np.empty(most_nodes * s), np.empty((s, 2)), np.empty((most_elements(network.laws), s))
-    in_cells = network.cells.line.size > 0
+    whole, w, out = np.empty(s), np.empty((s, ABREAST)), np.empty((s, ABREAST))
+    in_cells, lossy = network.cells.line.size > 0, network.lumps.line.size > 0
     enter, y = scratch_of_cells(network.cells, s)
-    w, out, whole = np.empty((s, ABREAST)), np.empty((s, ABREAST)), np.empty(s)
     position, due = np.empty(ends.size, np.int64), sources.first[:-1].copy()
     for k in range(n_slabs):
         slab = first_slab + k
@@ -1594,10 +1597,11 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
                 )  # fmt: skip
             if not np.isfinite(at_end):
                 return group[g], k
+        if lossy:
+            level_at_lumps(network, state, fronts, whole)
+            lose(network, state, 1, w, out)
         if in_cells:
             pass_cells(network, state, enter, y)
-        level_at_lumps(network, state, fronts, whole)
-        lose(network, state, 1, w, out)
         for line in range(delay.size):
             slots[line] += 1
             if slots[line] == delay[line]:

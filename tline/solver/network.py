@@ -21,6 +21,10 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
+CONSTANT, SQUARED, TABLED, REMEMBERED = range(4)  # kinds of lumps
+NO_GAP = 2**62
+
+
 class Laws(NamedTuple):
     """Elements whose flow is no linear function of the effort across them; E elements, by group."""
 
@@ -56,10 +60,6 @@ class Cells(NamedTuple):
     beside: NDArray[np.bool_]  # (G,) whether a group with elements has such lines
     echo_at: Integers  # (N,) place of what such a node's effort adds to its Thévenin wave, by columns (s, s); or -1
     echo: Floats
-
-
-CONSTANT, QUADRATIC, TABLED, REMEMBERED = range(4)  # kinds of lumps
-NO_GAP = 2**62
 
 
 class Lumps(NamedTuple):
@@ -115,7 +115,7 @@ class State(NamedTuple):
     before: Floats  # (2 L, s) the slab that arrived last, as sent; used where delays have a fractional rest
     load: Floats  # of all groups, one after the other
     cells: Floats  # of all lossy lines in cells
-    lumps: Floats  # of all circuits inside lines
+    lumps: Floats  # of all circuits in lumps
 
 
 _NONE, _EMPTY = np.zeros(0, int), np.zeros(0)
