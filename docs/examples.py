@@ -148,6 +148,20 @@ z0 = "50 ohm"
 velocity_factor = "66 %"
 length = "10 m"
 """,
+    "Coupled": """\
+[lines.traces]
+nodes1 = ["near", "a"]
+nodes2 = ["far", "b"]
+length = "0.2 m"
+inductance = [["310 nH/m", "60 nH/m"], ["60 nH/m", "310 nH/m"]]
+capacitance = [["130 pF/m", "-13 pF/m"], ["-13 pF/m", "130 pF/m"]]
+
+[lines.pair]               # or a symmetric pair by its modes
+nodes1 = ["c", "d"]
+nodes2 = ["e", "f"]
+even = { z0 = "60 ohm", delay = "1.1 ns" }
+odd = { z0 = "40 ohm", delay = "0.9 ns" }
+""",
     "Source": """\
 [sources.driver]
 at = "near"

@@ -115,6 +115,8 @@ def _value(node: dict[str, Any]) -> str:
     choices = [one for one in node.get("anyOf", []) if one.get("type") != "null"]
     if len(choices) == 1:
         return _value(choices[0])
+    if "$ref" in node:
+        return "table"
     if "unit" in node:
         return _unit(node)
     if "enum" in node or "const" in node:
@@ -163,8 +165,35 @@ def pictures() -> None:
         plot_bode(f, seen, "voltage / source", "V/V", resonances(cable, f[-1]), cable.title),
         str(DOCS / "pictures" / "bode.png"),
     )
+    _signals()
     refuted = check_positive_real(RationalFunction.from_expression("(s + 2)/(s^2 + s + 1)"))
     save_figure(styled(draw_verdict)(refuted, refuted.margins), str(DOCS / "pictures" / "passivity.png"))
+
+
+def _signals() -> None:
+    """Crosstalk, reflectometry, an eye and load lines."""
+    from tline.pictures.eye import plot_eye
+    from tline.pictures.load_lines import plot_load_lines
+    from tline.pictures.reflections import plot_reflections
+    from tline.pictures.style import save_figure
+    from tline.pictures.traces import plot_probes
+    from tline.signal.eye import eye
+    from tline.signal.load_line import bergeron
+    from tline.signal.tdr import reflectometry
+    from tline.solver.simulate import simulate
+
+    pair, cascade, ringing = (
+        read_scene(DOCS.parent / "scenes" / f"{name}.toml") for name in ("coupled_pair", "tdr", "load_lines")
+    )
+    seen = reflectometry(cascade, "near", "100 ps")
+    opened = eye(cascade, "far", "0.8 ns", "0.2 ns")
+    for name, picture in (
+        ("crosstalk", plot_probes(simulate(pair))),
+        ("tdr", plot_reflections(seen, ELECTRICAL, cascade.title)),
+        ("eye", plot_eye(opened, ELECTRICAL, cascade.title)),
+        ("load_lines", plot_load_lines(bergeron(ringing), ELECTRICAL, ringing.title)),
+    ):
+        save_figure(picture, str(DOCS / "pictures" / f"{name}.png"))
 
 
 if __name__ == "__main__":

@@ -18,6 +18,8 @@ COMMANDS = {
     ),
     "run": ("tline.cli.run:run", "Simulate a scene."),
     "frequency": ("tline.cli.frequency:frequency", "A scene over frequency: transfer functions, S-parameters."),
+    "tdr": ("tline.cli.tdr:tdr", "Time-domain reflectometry: a step into a node, and what comes back."),
+    "eye": ("tline.cli.eye:eye", "Eye diagram of a bit pattern at a probe."),
     "passivity": (
         "tline.cli.passivity:passivity",
         "Prove or refute that an impedance is positive real, or a reflection bounded real.",

@@ -27,6 +27,7 @@ SUFFIXES = {  # of what can be written
     "plot": PICTURE,
     "space_time": PICTURE,
     "lattice": PICTURE,
+    "load_lines": PICTURE,
     "animate": (".html", ".gif"),
 }
 ALONG = ("space_time", "animate")  # show a path
@@ -50,6 +51,7 @@ Examples:
 @click.option("--plot", metavar="FILE", help="Probes over time; .png, .svg or .pdf.")
 @click.option("--space-time", metavar="FILE", help="Image of the effort over place and time.")
 @click.option("--lattice", metavar="FILE", help="Bounce diagram, for a scene with one line.")
+@click.option("--load-lines", metavar="FILE", help="Bergeron's diagram, for one line between resistive ends.")
 @click.option("--animate", metavar="FILE", help="The effort along a path, moving; .html or .gif.")
 @click.option("--path", metavar="FROM,TO", help="Nodes between which --space-time and --animate look.")
 @click.option("--active", is_flag=True, help="Run even if a load is active, that is, not positive real.")
@@ -194,6 +196,11 @@ def _picture(result: "Result", way: "Route | None", kind: str) -> "Figure":
         from tline.pictures.lattice import plot_lattice
 
         return plot_lattice(result)
+    if kind == "load_lines":
+        from tline.pictures.load_lines import plot_load_lines
+        from tline.signal.load_line import bergeron
+
+        return plot_load_lines(bergeron(result.scene), result.medium, result.scene.title)
     from tline.pictures.traces import plot_probes
 
     return plot_probes(result)

@@ -8,7 +8,9 @@ import numpy as np
 from tline.errors import InputError
 from tline.interchange.branches import as_load
 from tline.interchange.spice_waveform import spice_waveform
+from tline.scene.coupled import refuse_coupled
 from tline.scene.load import Matched, NoFlow, Resistor, Short
+from tline.scene.lossless import refuse_losses
 from tline.scene.mistakes import place
 from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
@@ -58,6 +60,8 @@ def spice_text(scene: Scene, rise: float | None = None, step: float | None = Non
         raise InputError("medium", "a netlist is electrical", "'electrical'", f"'{scene.medium}'")
     for section in scene.table().keys() - SECTIONS:
         raise InputError(section, "has no counterpart in a netlist")
+    refuse_coupled(scene.lines, "a netlist of tline")
+    refuse_losses(scene, "no netlist")
     names = _Names(scene)
     cards = [f"* {' '.join(scene.title.split()) or 'a scene of tline'}", *names.comments]
     for name, line in scene.lines.items():

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.errors import InputError
+from tline.scene.coupled import refuse_coupled
 from tline.scene.load import Switch
 from tline.scene.lossless import refuse_losses
 from tline.scene.scene import Scene
@@ -65,6 +66,7 @@ def only_line(scene: Scene) -> str:
     if len(scene.lines) != 1:
         expected = "a scene with one line"
         raise InputError("lattice", "a bounce diagram shows one line", expected, str(len(scene.lines)))
+    refuse_coupled(scene.lines, "a bounce diagram")
     return next(iter(scene.lines))
 
 

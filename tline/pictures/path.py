@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.coupled import refuse_coupled
 from tline.scene.lossless import refuse_losses
 from tline.scene.mistakes import nearest
 from tline.scene.scene import Scene
@@ -54,6 +55,7 @@ def route(scene: Scene, start: str | None = None, end: str | None = None) -> Rou
     """
     refuse_losses(scene, "only its ends are known, not what is along it")
     ends: dict[str, list[tuple[str, bool, str]]] = defaultdict(list)  # node -> (line, forward, other node)
+    refuse_coupled(scene.lines, "a path")
     for name, line in scene.lines.items():
         near, far = line.nodes
         ends[near].append((name, True, far))

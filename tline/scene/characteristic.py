@@ -49,9 +49,7 @@ def _pair(point: Any) -> Any:
     return point
 
 
-Point = Annotated[
-    tuple[Annotated[Quantity, Role("effort")], Annotated[Quantity, Role("flow")]], BeforeValidator(_pair)
-]
+Point = Annotated[tuple[Annotated[Quantity, Role("effort")], Annotated[Quantity, Role("flow")]], BeforeValidator(_pair)]
 
 
 class _Curve(NonLinear):

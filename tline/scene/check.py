@@ -8,10 +8,11 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError
+from tline.scene.coupled import Coupled, ends_of
 from tline.scene.crowded import crowded
 from tline.scene.element import is_name
 from tline.scene.factor import check_range
-from tline.scene.load import Matched, Reservoir, Resistor, Short, Switch
+from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.mistakes import nearest, place, shown
 from tline.scene.rational_load import Rational
 
@@ -30,9 +31,9 @@ def misplaced(data: Mapping[str, Any]) -> list[InputError]:
         if section in data and not data[section]:
             missing = "there is nothing to simulate" if section == "lines" else "nothing would be recorded"
             found.append(InputError(section, missing, f"at least one table [{section}.NAME]"))
-    ends = [line.get("nodes") for line in lines.values()]
-    known = bool(lines) and all(map(_is_pair, ends))
-    nodes = sorted({node for pair in ends for node in pair or ()}) if known else []
+    ends = [_ends(line) for line in lines.values()]
+    known = bool(lines) and all(ends)
+    nodes = sorted({node for pair in ends for node in pair}) if known else []
     there, linked = set(nodes), Counter(linked_nodes(_tables(data, "links")))
     anywhere = there | linked.keys()
     if known:
@@ -51,6 +52,14 @@ def misplaced(data: Mapping[str, Any]) -> list[InputError]:
         if known and node not in anywhere:
             found.append(InputError(place("nodes", node), "no line ends at this node", nearest(node, nodes)))
     return found
+
+
+def _ends(line: Mapping[str, Any]) -> list[str]:
+    """The nodes that a line's table names; none if they are no names."""
+    parts = [line.get("nodes1"), line.get("nodes2")] if "nodes1" in line else [line.get("nodes")]
+    if all(isinstance(p, list | tuple) and (len(p) == 2 or "nodes1" in line) and all(map(is_name, p)) for p in parts):
+        return [node for part in parts for node in part or ()]
+    return []
 
 
 def _is_pair(nodes: Any) -> bool:
@@ -94,6 +103,7 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
     yield from _waveforms(scene)
     yield from _held(scene)
     yield from _heights(scene)
+    yield from _coupled(scene)
     yield from crowded(scene, {node for _, node in _ideal(scene)})
     linked = {node for link in scene.links.values() for node in link.nodes} - set(ends)
     for name, load in scene.loads.items():
@@ -111,11 +121,33 @@ def _slab(scene: Scene) -> Iterator[InputError]:
     slab = scene.solver.slab
     if slab is None or not scene.lines:
         return
-    delays = {name: line.parameters.delay or 0.0 for name, line in scene.lines.items()}
+    delays = {name: line.shortest for name, line in scene.lines.items()}
     shortest = min(delays, key=lambda name: delays[name])
     if slab > delays[shortest] * SAME:
         expected = f"at most that of {place('lines', shortest)}, {delays[shortest]:.6g} s"
         yield InputError("solver.slab", "longer than the shortest delay", expected, f"{slab:.6g} s")
+
+
+def _coupled(scene: Scene) -> Iterator[InputError]:
+    """Elements at coupled conductors that are not linear, or that a single line's z0 would make."""
+    coupled = {node for line in scene.lines.values() if isinstance(line, Coupled) for node in line.nodes}
+    modal = {node for end in ends_of(scene.lines) for node in end.modal}
+    modal |= {node.rpartition(",")[0] for node in modal}
+    for name in modal & {*scene.lines, *(node for line in scene.lines.values() for node in line.nodes)}:
+        yield InputError("lines", "a name that a mode of coupled conductors has", "another name", f"'{name}'")
+    for name in [name for name, line in scene.lines.items() if coupled and line.losses is not None]:
+        yield InputError(place("lines", name), "has losses, beside coupled conductors", "lossless lines")
+    if coupled and scene.start == "steady":
+        yield InputError("start", "coupled conductors have no steady state here", "'rest'", "'steady'")
+    for name, load in scene.loads.items():
+        if load.at in coupled and not isinstance(load, NoFlow | Short | Resistor | Rational):
+            problem = f"a {load.kind} load at node '{load.at}' of coupled conductors"
+            yield InputError(place("loads", name), problem, "R, L, C, an impedance, a short or an open end")
+    for name, link in scene.links.items():
+        for node in coupled.intersection(link.nodes):
+            yield InputError(
+                place("links", name), f"ends at node '{node}' of coupled conductors", "a node of single lines"
+            )
 
 
 def _waveforms(scene: Scene) -> Iterator[InputError]:
@@ -187,6 +219,8 @@ def _probe(scene: Scene, where: str, probe: Probe, ends: Ends) -> Iterator[Input
             yield InputError(f"{where}.line", f"does not end at '{probe.at}'", either, repr(probe.line))
     elif probe.line is None:
         yield InputError(f"{where}.line", "is missing")
+    elif isinstance(scene.lines[probe.line], Coupled):
+        yield InputError(f"{where}.position", "nothing is recorded within coupled conductors", "at = one of its nodes")
     else:
         try:
             probe.fraction(scene.lines[probe.line])

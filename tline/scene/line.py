@@ -49,6 +49,11 @@ class SceneLine(Element):
         return self._parameters
 
     @property
+    def shortest(self) -> float:
+        """Its delay, s."""
+        return self._parameters.delay or 0.0
+
+    @property
     def losses(self) -> Losses | None:
         """What it loses; None if nothing. z0 and delay are what a front sees."""
         return self._losses

@@ -36,14 +36,14 @@ def doubts(scene: Scene) -> list[str]:
 def _of_lines(scene: Scene) -> Iterator[str]:
     """What is odd about the quantities of lines, once for all lines of which it is true."""
     lines = defaultdict(list)
-    for name, line in scene.lines.items():
+    for name, line in scene.single_lines.items():
         for remark in line.parameters.remarks:
             lines[remark].append(place("lines", name))
     return (f"{_first(names)}: {remark}" for remark, names in lines.items())
 
 
 def _rings(scene: Scene) -> list[str]:
-    rings = [place("lines", name) for name, line in scene.lines.items() if line.nodes[0] == line.nodes[1]]
+    rings = [place("lines", name) for name, line in scene.single_lines.items() if line.nodes[0] == line.nodes[1]]
     return [f"{_first(rings)}: both ends are at one node"] if rings else []
 
 

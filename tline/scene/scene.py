@@ -1,11 +1,13 @@
 """A scene: lines, sources, loads and probes, an end time, and how finely to compute."""
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator, SerializeAsAny, ValidationError, ValidationInfo
 
 from tline.errors import InputError, SceneError
 from tline.scene.check import conflicts, misplaced
+from tline.scene.coupled import Coupled, single_lines
 from tline.scene.element import Element, Name
 from tline.scene.law import FACTORS, Law, NonLinear
 from tline.scene.line import Cable, Pipe, SceneLine
@@ -39,13 +41,18 @@ def _line_of_medium(value: Any, info: ValidationInfo) -> Any:
     if medium is None:
         return value  # a mistake of its own; no word on the lines before it is known what they are
     kind = Pipe if medium == "hydraulic" else Cable
+    if medium == "electrical" and (isinstance(value, Coupled) or (isinstance(value, dict) and "nodes1" in value)):
+        kind = Coupled
     if isinstance(value, Element) and not isinstance(value, kind):
         known = type(value).__name__
         raise InputError("", f"not a line of {medium} scenes", f"a table or a {kind.__name__}", f"a {known}")
     return kind.model_validate(value, context=info.context)
 
 
-Line = Annotated[SerializeAsAny[SceneLine], PlainValidator(_line_of_medium, json_schema_input_type=Pipe | Cable)]
+# Coupled stands in for a line: it has nodes and a shortest delay, and its parameters refuse
+Line = Annotated[
+    SerializeAsAny[SceneLine], PlainValidator(_line_of_medium, json_schema_input_type=Pipe | Cable | Coupled)
+]
 
 
 class Scene(Element):
@@ -128,6 +135,11 @@ class Scene(Element):
         found += conflicts(sound) if sound is not None else []
         if found:
             raise SceneError(limited(found, untold))
+
+    @property
+    def single_lines(self) -> Mapping[str, SceneLine]:
+        """The lines that carry waves: single ones, and one for each mode of coupled conductors."""
+        return single_lines(self.lines)
 
     @property
     def laws(self) -> dict[tuple[str, str], Law]:

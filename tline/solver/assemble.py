@@ -59,11 +59,11 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     chosen = chosen or resolution(scene, nodes)
     order, h = basis(chosen.s), chosen.h
     effort, y = steady_state(scene, nodes) if scene.start == "steady" else rest(scene, nodes)
-    u = np.array([[effort[at] for at in line.nodes] for line in scene.lines.values()])
+    u = np.array([[effort[at] for at in line.nodes] for line in scene.single_lines.values()])
     groups, nodes = grouped(scene, chosen.cells, nodes_of(scene, chosen.cells) if chosen.cells else nodes, u[:, 0], y)
-    lines = {name: line for name, line in scene.lines.items() if name not in chosen.cells}
+    lines = {name: line for name, line in scene.single_lines.items() if name not in chosen.cells}
     z0 = np.array([line.parameters.z0 for line in lines.values()])
-    kept = np.array([name in lines for name in scene.lines])
+    kept = np.array([name in lines for name in scene.single_lines])
     arriving = np.stack(
         [u[kept, 0] - z0 * y[kept], u[kept, 1] + z0 * y[kept]], axis=1
     ).ravel()  # b at end 1, a at end 2

@@ -11,7 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.scene.coupled import ends_of
 from tline.scene.scene import Scene
+from tline.solver.coupled import EndPlaces, scattered
 from tline.solver.elements import Element, elements_of
 from tline.solver.load_step import StateSpace
 from tline.solver.nodes import Node
@@ -42,20 +44,23 @@ GONE = 20.0  # time constants after which 2e-9 is left
 
 
 class Group(NamedTuple):
-    """Nodes that short lines or non-linear elements join, or one node."""
+    """Nodes that short lines, ends of coupled conductors or non-linear elements join, or one node."""
 
     nodes: list[Node]
     lumps: list[Lump]
+    ends: list[EndPlaces]
     elements: list[Element]
 
     @property
     def dynamic(self) -> bool:
         """Whether it has a state, or a switch."""
         free = [node for node in self.nodes if node.held is None]
-        return bool(self.lumps) or any(node.load is not None or node.switches for node in free)
+        return bool(self.lumps or self.ends) or any(node.load is not None or node.switches for node in free)
 
     def system(self, switched: float) -> StateSpace:
         """From the nodes' Thévenin waves to their efforts, with switches of that conductance if it is one node."""
+        if self.ends:
+            return scattered(self.nodes, self.ends)
         if not self.lumps:
             return self.nodes[0].effort(switched)
         return coupled(self)
@@ -69,7 +74,12 @@ class Group(NamedTuple):
         return max(GONE / decay, LONG * max(lump.delay for lump in self.lumps)) if decay > 0 else np.inf
 
     def at_rest_under(self, waves: NDArray) -> NDArray:
-        """State before t = 0 under Thévenin waves, shape (nodes,), while the lumped lines carry their flows."""
+        """State before t = 0 under Thévenin waves, shape (nodes,), while the lumped lines carry their flows.
+
+        Beside coupled conductors there is none but rest.
+        """
+        if self.ends:
+            return np.zeros(len(self.system(0.0).A))
         if not self.lumps:
             return self.nodes[0].effort(self.nodes[0].switched(0.0)).at_rest_under(waves[0])
         states, out, level = [], np.zeros(len(self.nodes)), np.zeros(len(self.nodes))
@@ -124,7 +134,7 @@ def coupled(group: Group) -> StateSpace:
 def grouped(
     scene: Scene, cells: Mapping[str, int], nodes: dict[str, Node], u: NDArray, y: NDArray
 ) -> tuple[list[Group], dict[str, Node]]:
-    """Groups of the nodes that lumped lines or non-linear elements join, and the nodes in their order.
+    """Groups of the nodes that lumped or coupled lines or non-linear elements join, and the nodes in their order.
 
     Parameters
     ----------
@@ -133,22 +143,26 @@ def grouped(
     u, y : ndarray, shape (lines,)
         Effort and flow of each line before t = 0.
     """
-    elements = elements_of(scene, nodes)
-    if not cells and not elements:
-        return [Group([node], [], []) for node in nodes.values()], nodes
+    elements, coupled_ends = elements_of(scene, nodes), ends_of(scene.lines)
+    if not cells and not elements and not coupled_ends:
+        return [Group([node], [], [], []) for node in nodes.values()], nodes
     names, number = list(nodes), {name: k for k, name in enumerate(nodes)}
     ends = {name: [number[at] for at in scene.lines[name].nodes] for name in cells}
     pairs = [*ends.values(), *([number[e.nodes[0]], number[e.nodes[-1]]] for e in elements)]
+    pairs += [[number[end.conductors[0]], number[at]] for end in coupled_ends for at in (*end.conductors, *end.modal)]
     first, second = np.array(pairs).T
     part = parts(first, second, len(names))
     order = np.argsort(part, kind="stable")
     place = np.argsort(order) - np.searchsorted(part[order], part)  # of each node in its group
-    groups = [Group([], [], []) for _ in range(part.max() + 1)]
+    groups = [Group([], [], [], []) for _ in range(part.max() + 1)]
     for k in order:
         groups[part[k]].nodes.append(nodes[names[k]])
     for element in elements:
         groups[part[number[element.nodes[0]]]].elements.append(element)
-    for k, (name, line) in enumerate(scene.lines.items()):
+    for end in coupled_ends:
+        conductors, modal = (place[[number[at] for at in nodes]] for nodes in (end.conductors, end.modal))
+        groups[part[number[end.modal[0]]]].ends.append(EndPlaces(conductors, modal, end.modes))
+    for k, (name, line) in enumerate(scene.single_lines.items()):
         if name in cells:
             one, other = ends[name]
             z0, delay = line.parameters.z0, line.parameters.delay or 0.0

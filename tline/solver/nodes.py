@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from passivity import RationalFunction
 from tline.errors import InputError
+from tline.scene.coupled import ends_of
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.mistakes import place
 from tline.scene.quantity import ZERO
@@ -27,7 +28,7 @@ class Node:
 
     ends: list[int] = field(default_factory=list)  # 2 * line for an end 1, 2 * line + 1 for an end 2
     lines: float = 0.0  # sum of 1/z0 of the ends
-    lumped: float = 0.0  # sum of 1/z0 of the lumped lines' ends
+    lumped: float = 0.0  # sum of 1/z0 of the lumped lines' ends, and of coupled conductors'
     conductance: float = 0.0  # of resistors, constant loads and sources
     flows: list[tuple[Shape, float]] = field(default_factory=list)  # waveforms and what turns them into flows
     held: Shape | None = None  # the effort, where it is ideal
@@ -49,7 +50,7 @@ class Node:
 
     @property
     def floating(self) -> bool:
-        """Whether nothing but lumped lines and dynamic loads conducts."""
+        """Whether nothing but lumped lines, coupled conductors and dynamic loads conducts."""
         return self.lumped > 0 and self.lines + self.conductance == 0
 
     @cached_property
@@ -161,7 +162,7 @@ def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
     """The nodes of a scene by name, in the order in which lines and links name them; `cells` are of lumped lines."""
     nodes: dict[str, Node] = {}
     kept = 0
-    for name, line in scene.lines.items():
+    for name, line in scene.single_lines.items():
         for side, at in enumerate(line.nodes):
             node = nodes.setdefault(at, Node())
             if name in cells:
@@ -170,6 +171,9 @@ def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
                 node.ends.append(2 * kept + side)
                 node.lines += 1 / line.parameters.z0
         kept += name not in cells
+    for end in ends_of(scene.lines):
+        for at, conductance in zip(end.conductors, np.diag(end.modes.admittance), strict=True):
+            nodes.setdefault(at, Node()).lumped += float(conductance)
     for link in scene.links.values():
         for at in link.nodes:
             nodes.setdefault(at, Node())

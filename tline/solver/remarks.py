@@ -56,6 +56,7 @@ def unconnected(scene: Scene) -> list[str]:
     pairs = [joint.nodes for joint in (*scene.lines.values(), *scene.links.values())]
     nodes = list(dict.fromkeys(node for pair in pairs for node in pair))
     number = {node: k for k, node in enumerate(nodes)}
+    pairs = [(pair[0], node) for pair in pairs for node in pair[1:]]
     first, second = np.array([[number[node] for node in pair] for pair in pairs]).T
     part = parts(first, second, len(nodes))
     if not part.any():

@@ -60,8 +60,9 @@ def resolution(
     InputError
         The waves under way would not fit in memory, or the run has too many slabs or ends within the first.
     """
-    delays = {name: line.parameters.delay or 0.0 for name, line in scene.lines.items() if name not in cells}
-    lossy = [delay for name, delay in delays.items() if scene.lines[name].losses is not None]
+    lines = scene.single_lines
+    delays = {name: line.parameters.delay or 0.0 for name, line in lines.items() if name not in cells}
+    lossy = [delay for name, delay in delays.items() if lines[name].losses is not None]
     s = s or scene.solver.order or ORDER
     by_hand = h is None and scene.solver.slab is not None
     scales = _time_scales(scene, nodes)

@@ -12,6 +12,7 @@ from tline.scene.mistakes import place
 from tline.scene.plausible import doubts
 from tline.scene.scene import Scene
 from tline.solver.assemble import Assembly, assemble
+from tline.solver.conductor import conductor, record_of
 from tline.solver.envelope import Envelope, watch
 from tline.solver.march import Run, march
 from tline.solver.remarks import VISIBLE, lumped, smeared, unconnected, untouched
@@ -53,8 +54,11 @@ def run(
     ends = np.arange(n + 1) * h
     probes = {}
     for name, probe in scene.probes.items():
-        line = scene.probed_line(name)
-        probes[name] = ProbeResult(name, line, probe.fraction(scene.lines[line]), lines[line], ends)
+        line, at = scene.probed_line(name), conductor(scene, name)
+        if at is None:
+            probes[name] = ProbeResult(name, line, probe.fraction(scene.lines[line]), lines[line], ends)
+        else:
+            probes[name] = ProbeResult(name, line, float(at.end), record_of(at, lines), ends)
     seen = extremes and extremes.envelope()
     unresolved = (*chosen.notes, *smeared(done.fronts))
     doubtful = (*doubts(scene), *beyond_limits(scene, _extremes(scene, probes, seen)))
@@ -102,13 +106,14 @@ def _refuse_inside(scene: Scene) -> None:
 
 
 def probed(scene: Scene) -> set[str]:
-    """Lines whose ends the probes see."""
-    return {scene.probed_line(name) for name in scene.probes}
+    """Lines whose ends the probes see, those of all modes where they see a conductor of several."""
+    places = {name: conductor(scene, name) for name in scene.probes}
+    return {line for name, at in places.items() for line in (at.lines if at else [scene.probed_line(name)])}
 
 
 def _record(assembly: Assembly, name: str, waves: NDArray, done: Run) -> LineRecord:
     row, (a, b), echo = assembly.recorded[name], assembly.start[name], assembly.echoes.get(name)
-    parameters = assembly.scene.lines[name].parameters
+    parameters = assembly.lines[name].parameters
     s, h = assembly.resolution.s, assembly.resolution.h
 
     def wave(end: int, side: int, before: float) -> Wave:

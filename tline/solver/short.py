@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from tline.errors import InputError
+from tline.scene.coupled import ends_of
 from tline.scene.scene import Scene
 from tline.solver.elements import elements_of
 from tline.solver.lumps import grouped
@@ -39,7 +40,8 @@ def short_lines(scene: Scene, record: Iterable[str]) -> tuple[list[str], float]:
     nodes = nodes_of(scene)
     barred = {name for name, node in nodes.items() if _barred(node)}
     barred |= {node for element in elements_of(scene, nodes) for node in element.nodes}
-    kept = {name for name, line in scene.lines.items() if barred & {*line.nodes}} | {*record} | probed(scene)
+    barred |= {node for end in ends_of(scene.lines) for node in (*end.conductors, *end.modal)}
+    kept = {name for name, line in scene.single_lines.items() if barred & {*line.nodes}} | {*record} | probed(scene)
     while short := _far_shorter(scene, nodes, kept):
         restless, settle = _restless(scene, nodes, short)
         if not restless:
@@ -54,7 +56,7 @@ def _barred(node: Node) -> bool:
 
 def _far_shorter(scene: Scene, nodes: dict[str, Node], kept: set[str]) -> list[str]:
     """The lines that are far shorter than a slab which suits all others."""
-    delays = {name: line.parameters.delay or 0.0 for name, line in scene.lines.items()}
+    delays = {name: line.parameters.delay or 0.0 for name, line in scene.single_lines.items()}
     floor = min(delays[name] for name in kept)
     for longer, bound in pairwise(sorted(set(delays.values()), reverse=True)):
         if bound < floor and bound * SLABS_PER_DELAY < SHORT * longer:
@@ -75,7 +77,7 @@ def _restless(scene: Scene, nodes: dict[str, Node], short: list[str]) -> tuple[s
         lumped = nodes_of(scene, cells)
     except InputError:  # loads of too high a degree, or too far apart
         return set(short), 0.0
-    none = np.zeros(len(scene.lines))
+    none = np.zeros(len(scene.single_lines))
     groups, _ = grouped(scene, cells, lumped, none, none)
     found: set[str] = set()
     slowest = 0.0

@@ -27,7 +27,7 @@ STUCK = 1e-9  # of the largest flow, that only a leak takes
 
 def rest(scene: Scene, nodes: dict[str, Node]) -> tuple[dict[str, float], NDArray]:
     """Effort of each node and flow of each line where nothing has happened yet."""
-    return dict.fromkeys(nodes, 0.0), np.zeros(len(scene.lines))
+    return dict.fromkeys(nodes, 0.0), np.zeros(len(scene.single_lines))
 
 
 def steady_state(scene: Scene, nodes: dict[str, Node]) -> tuple[dict[str, float], NDArray]:

@@ -1,0 +1,121 @@
+"""The surface of `tline tdr`, `tline eye` and `tline run --load-lines`: numbers, files, mistakes."""
+
+import json
+import re
+import shlex
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from tline.cli.eye import eye
+from tline.cli.main import main
+from tline.cli.tdr import tdr
+
+CABLE = """
+medium = "electrical"
+t_end = "8 ns"
+[lines.cable]
+nodes = ["near", "far"]
+z0 = 75
+delay = "1 ns"
+[sources.driver]
+at = "near"
+kind = "voltage"
+value = 1
+resistance = 75
+[loads.end]
+at = "far"
+kind = "resistor"
+resistance = 150
+[probes.far]
+at = "far"
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "cable.toml").write_text(CABLE, encoding="utf-8")
+    return tmp_path
+
+
+def run(line: str):
+    return CliRunner().invoke(main, shlex.split(line), catch_exceptions=False)
+
+
+def test_reflectometry(folder: Path) -> None:
+    done = run("tdr cable.toml --port near --rise '50 ps' --z0 50 --plot t.png --csv t.csv")
+    assert done.exit_code == 0, done.output
+    assert "step into 'near' from 50 ohm, reflected wave per step:" in done.stdout
+    told = json.loads(run("tdr cable.toml --port near --rise '50 ps' --z0 50 --json").stdout)
+    table = np.genfromtxt(folder / "t.csv", delimiter=",", names=True)
+    assert table["reflected"] == pytest.approx(told["reflected"], abs=1e-15)
+    assert np.interp(1e-9, told["t"], told["impedance"]) == pytest.approx(75, rel=1e-9)
+    assert (folder / "t.png").stat().st_size > 10_000
+
+
+def test_an_open_end_is_no_number_in_json(folder: Path) -> None:
+    (folder / "cable.toml").write_text(CABLE.replace("resistance = 150", "resistance = inf"), encoding="utf-8")
+    told = json.loads(run("tdr cable.toml --port near --rise '50 ps' --json").stdout)
+    assert max(told["reflected"]) == pytest.approx(1, abs=1e-9)
+
+
+def test_eye(folder: Path) -> None:
+    done = run("eye cable.toml --probe far --bit '1 ns' --rise '0.2 ns' --plot e.png --high '3 V'")
+    assert done.exit_code == 0, done.output
+    assert "height 2 V around 1 V, width 1e-09 s" in done.stdout  # 3 V over 75 + 150 ohm
+    assert (folder / "e.png").stat().st_size > 10_000
+    told = json.loads(run("eye cable.toml --probe far --bit '1 ns' --rise '0.2 ns' --bits 0011010111 --json").stdout)
+    assert told["height"] == pytest.approx(2 / 3, rel=1e-6)
+
+
+def test_a_closed_eye_exits_with_1(folder: Path) -> None:
+    slow = CABLE.replace('"resistor"', '"parallel"').replace("resistance = 150", 'capacitance = "1 nF"')
+    (folder / "cable.toml").write_text(slow, encoding="utf-8")
+    done = run("eye cable.toml --probe far --bit '1 ns' --rise '0.2 ns' --plot e.png")
+    assert done.exit_code == 1
+    assert "height -" in done.stdout
+
+
+def test_load_lines(folder: Path) -> None:
+    done = run("run cable.toml --load-lines b.png")
+    assert done.exit_code == 0, done.output
+    assert (folder / "b.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ("tdr cable.toml --port nar --rise 1e-10", "--port: no line ends at this node, expected 'near'"),
+        ("tdr cable.toml --port near --rise 3V", "--rise: this unit measures something else"),
+        ("tdr cable.toml --port near --rise 0", "--rise: not positive, expected more than 0, got '0'"),
+        ("tdr cable.toml --port near --rise 1e-10 --z0 -5", "--z0: not positive"),
+        ("tdr cable.toml --port near --rise 1e-10 --to 0", "--to: not positive"),
+        ("tdr cable.toml --port near --rise 1e-10 --plot a.txt", "--plot: unknown kind of file"),
+        ("tdr none.toml --port near --rise 1e-10", "none.toml: cannot be read"),
+        ("eye cable.toml --probe for --bit 1e-9 --rise 1e-10", "--probe: no such probe, expected 'far'"),
+        ("eye cable.toml --probe far --bit 0 --rise 1e-10", "--bit: not above zero"),
+        ("eye cable.toml --probe far --bit 1e-9 --rise 2e-9", "--rise: not a time within a bit, expected above zero"),
+        ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --bits 0120", "--bits: not a bit pattern"),
+        ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --bits 111", "--bits: not a bit pattern"),
+        ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --source x", "--source: no such source"),
+        ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --high 3s", "sources.driver.value"),
+    ],
+)
+def test_a_mistake_is_one_sentence(line: str, sentence: str) -> None:
+    done = run(line)
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert done.stderr.startswith(sentence)
+
+
+@pytest.mark.parametrize("command", [tdr, eye])
+def test_every_option_has_a_help_text_and_every_example_runs(command: click.Command) -> None:
+    assert all(option.help for option in command.params if isinstance(option, click.Option))
+    examples = re.findall(rf"^ +tline ({command.name} .*)$", run(f"{command.name} --help").stdout, re.MULTILINE)
+    assert len(examples) == 2
+    for example in examples:
+        done = run(example)
+        assert done.exit_code == 0, done.output

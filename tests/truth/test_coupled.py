@@ -1,0 +1,128 @@
+"""Coupled conductors against lattices of modes: single lines where symmetric, a recursion of matrices elsewhere."""
+
+import numpy as np
+import pytest
+
+from tline.scene.scene import Scene
+from tline.solver.simulate import simulate
+
+NS = 1e-9
+EVEN, ODD = (60.0, 1.1 * NS), (40.0, 0.9 * NS)
+PAIR = {
+    "nodes1": ["a1", "a2"], "nodes2": ["b1", "b2"], "even": {"z0": 60, "delay": "1.1 ns"},
+    "odd": {"z0": 40, "delay": "0.9 ns"},
+}  # fmt: skip
+RAMP = {"shape": "ramp", "to": 1, "at": "0.13 ns", "duration": "0.21 ns"}
+PROBES = {at: {"at": at} for at in ("a1", "a2", "b1", "b2")}
+
+
+def scene(**parts) -> Scene:
+    whole = {"medium": "electrical", "t_end": "12 ns", "lines": {"pair": PAIR}, "probes": PROBES}
+    return Scene(**whole | parts)
+
+
+def resistor(at: str, ohm: float) -> dict:
+    return {"at": at, "kind": "resistor", "resistance": ohm}
+
+
+def driver(at: str, ohm: float, value: object = RAMP) -> dict:
+    return {"at": at, "kind": "voltage", "resistance": ohm, "value": value}
+
+
+@pytest.mark.parametrize(
+    "load",
+    [
+        {"kind": "resistor", "resistance": 75},
+        {"kind": "parallel", "resistance": 90, "capacitance": "3 pF"},
+        {"kind": "series", "inductance": "4 nH"},
+        {"kind": "open"},
+    ],
+)
+def test_symmetric_ends_are_two_single_lines(load):
+    """Even and odd mode do not see each other: half the sum and half the difference of two single lines."""
+    coupled = simulate(
+        scene(
+            sources={"one": driver("a1", 30), "two": driver("a2", 30, 0)},
+            loads={at: {"at": at} | load for at in ("b1", "b2")},
+        ),
+        tol=1e-9,
+    )
+    seen = {}
+    for word, (z0, delay) in {"even": EVEN, "odd": ODD}.items():
+        single = Scene(
+            medium="electrical", t_end="12 ns", lines={"l": {"nodes": ["a", "b"], "z0": z0, "delay": delay}},
+            sources={"s": driver("a", 30)}, loads={"b": {"at": "b"} | load},
+            probes={"a": {"at": "a"}, "b": {"at": "b"}},
+        )  # fmt: skip
+        seen[word] = simulate(single, tol=1e-10).probes
+    t = coupled.t[coupled.t < 12 * NS]
+    for end in "ab":
+        even, odd = (seen[word][end].at(t) for word in ("even", "odd"))
+        for conductor, sign in ((1, 1), (2, -1)):
+            probe = coupled.probes[f"{end}{conductor}"].at(t)
+            assert np.abs(probe.u - (even.u + sign * odd.u) / 2).max() < 1e-8
+            assert np.abs(probe.y - (even.y + sign * odd.y) / 2).max() < 1e-8 / 40
+
+
+def lattice(T, z0, steps, conductances, driven, n):
+    """Voltages of all conductors at both ends by the recursion of modal waves in whole steps, driven at end 1."""
+    inverse = np.linalg.inv(T)
+    Y = inverse.T @ np.diag(1 / z0) @ inverse
+    arriving = np.zeros((2, len(z0), n + max(steps) + 1))
+    seen = np.zeros((2, len(z0), n))
+    for k in range(n):
+        for end in (0, 1):
+            w = arriving[end, :, k]
+            flow = conductances[end] * driven[k] * (end == 0)
+            flow[1:] = 0
+            v = np.linalg.solve(Y + np.diag(conductances[end]), Y @ T @ w + flow)
+            seen[end, :, k] = v
+            sent = 2 * inverse @ v - w
+            for m, delay in enumerate(steps):
+                arriving[1 - end, m, k + delay] = sent[m]
+    return seen
+
+
+def test_three_unlike_conductors_follow_the_recursion():
+    """L and C whose modes have delays of whole steps: the recursion is exact at its steps."""
+    steps, step, n = np.array([17, 20, 26]), 0.05 * NS, 240
+    C = np.array([[1.2, -0.3, -0.1], [-0.3, 1.4, -0.35], [-0.1, -0.35, 1.1]]) * 1e-10
+    vectors = np.linalg.eigh(C)[1] @ np.diag([1.0, 0.8, 1.25])  # of modes; L = v l v', C = v'^-1 c v^-1
+    inverse, unit = np.linalg.inv(vectors), 3e-7
+    L, C = unit * vectors @ vectors.T, inverse.T @ np.diag((steps * step) ** 2 / unit) @ inverse
+    assert (C[~np.eye(3, dtype=bool)] < 0).all()
+    size = np.linalg.norm(vectors, axis=0)
+    T, z0 = vectors / size, unit * size**2 / (steps * step)
+    near, far = ["a1", "a2", "a3"], ["b1", "b2", "b3"]
+    ohms = np.array([[35.0, 120.0, 60.0], [80.0, 45.0, 300.0]]) * z0.mean() / 50
+    loads = {at: resistor(at, ohm) for at, ohm in zip(near[1:] + far, ohms.ravel()[1:].tolist(), strict=True)}
+    wires = {"nodes1": near, "nodes2": far, "length": 1, "inductance": L.tolist(), "capacitance": C.tolist()}
+    ramp = {"shape": "ramp", "to": 1, "duration": 4 * step}
+    made = scene(
+        t_end=(n - 1) * step, lines={"wires": wires}, sources={"s": driver("a1", ohms[0, 0], ramp)}, loads=loads,
+        probes={at: {"at": at} for at in near + far},
+    )  # fmt: skip
+    assert made.lines["wires"].modes.delay == pytest.approx(steps * step, rel=1e-12)
+    exact = lattice(T, z0, steps, 1 / ohms, np.clip(np.arange(n) / 4, 0, 1), n)
+    result, times = simulate(made, tol=1e-10), np.arange(n) * step
+    for end, nodes in enumerate((near, far)):
+        for conductor, at in enumerate(nodes):
+            assert np.abs(result.probes[at].at(times).u - exact[end, conductor]).max() < 1e-10
+
+
+def test_what_a_short_wire_carries_back():
+    """Backward crosstalk of a matched pair, by the first-order formula of inductive and capacitive coupling."""
+    L, C, k = 3e-7, 1.2e-10, 1e-3
+    made = scene(
+        t_end="20 ns",
+        lines={"pair": {
+            "nodes1": ["a1", "a2"], "nodes2": ["b1", "b2"], "length": "0.5 m",
+            "inductance": [[L, k * L], [k * L, L]], "capacitance": [[C, -k * C], [-k * C, C]],
+        }},
+        sources={"one": driver("a1", 50, {"shape": "ramp", "to": 1, "duration": "0.1 ns"})},
+        loads={at: resistor(at, 50) for at in ("a2", "b1", "b2")},
+    )  # fmt: skip
+    probes = simulate(made, tol=1e-9).probes
+    # near end (1/4)(Lm/L + Cm/C) V, with V = 1/2, for a round trip; far end nothing, for k is the same in L and C
+    assert probes["a2"].u.max() == pytest.approx((k + k) / 4 / 2, rel=2e-6)
+    assert np.abs(probes["b2"].u).max() < 2 * k**2

@@ -1,0 +1,68 @@
+"""`tline eye`: a bit pattern as a probe sees it."""
+
+import json
+
+import click
+
+from tline.cli.options import PICTURE, check_files, options_named
+
+EXAMPLES = """\b
+Examples:
+  tline eye cable.toml --probe far --bit "1 ns" --rise "0.2 ns" --plot eye.png
+  tline eye cable.toml --probe far --bit "1 ns" --rise "0.2 ns" --bits 00101110 --high "3.3 V" --json
+"""
+
+
+@click.command("eye", epilog=EXAMPLES)
+@click.argument("scene")
+@click.option("--probe", metavar="NAME", required=True, help="Probe at which the eye is measured.")
+@click.option("--bit", metavar="TIME", required=True, help="Time of a bit.")
+@click.option("--rise", metavar="TIME", required=True, help="Time of a change from level to level.")
+@click.option("--bits", default="prbs7", show_default=True, help="Zeros and ones, or 'prbs7'.")
+@click.option("--source", metavar="NAME", help="Source that sends them; not needed if there is one only.")
+@click.option("--low", default="0", show_default=True, metavar="LEVEL", help="Level of a zero.")
+@click.option("--high", default="1", show_default=True, metavar="LEVEL", help="Level of a one.")
+@click.option("--plot", metavar="FILE", help="Eye diagram; .png, .svg or .pdf.")
+@click.option("--json", "as_json", is_flag=True, help="Print the numbers in SI and full precision.")
+def eye(scene: str, probe: str, bit: str, rise: str, bits: str, plot: str | None, as_json: bool, **given: str) -> None:
+    """Send a bit pattern through a scene, and measure how far the eye opens at a probe.
+
+    The pattern is sent twice, and the second round is measured. The width is taken half way between ones and zeros
+    where the eye is highest; the height in the middle of that width, the sampling instant. A closed eye exits with 1.
+    """
+    check_files({"--plot": (plot, PICTURE)})
+    from tline.scene.file import read_scene
+    from tline.scene.medium import MEDIA
+    from tline.signal.eye import eye as measure
+
+    read = read_scene(scene)
+    levels = {key: float(value) if _is_number(value) else value for key, value in given.items() if key != "source"}
+    names = {"period": "--bit", "rise": "--rise", "bits": "--bits", "probe": "--probe", "source": "--source"}
+    with options_named(names):
+        seen = measure(read, probe, bit, rise, bits, source=given["source"], **levels)
+    medium = MEDIA[read.medium]
+    if plot:
+        from tline.pictures.eye import plot_eye
+        from tline.pictures.style import save_figure
+
+        save_figure(plot_eye(seen, medium, read.title), plot)
+    unit = medium.units["effort"]
+    if as_json:
+        told = {"height": seen.height, "width": seen.width, "instant": seen.instant, "threshold": seen.threshold}
+        click.echo(json.dumps(told | {"bits": len(seen.bits), "period": seen.period, "unit": unit}))
+    else:
+        click.echo(f"{len(seen.bits)} bits of {seen.period:.6g} s at '{probe}'")
+        click.echo(f"height {seen.height:.6g} {unit} around {seen.threshold:.6g} {unit}, width {seen.width:.6g} s")
+        click.echo(f"sampled {seen.instant:.6g} s after the begin of a bit at the source")
+        if plot:
+            click.echo(f"wrote {plot}")
+    if seen.height <= 0:
+        raise click.exceptions.Exit(1)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

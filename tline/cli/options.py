@@ -1,0 +1,42 @@
+"""What commands share: files that can be written, and errors that name options."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+from tline.errors import InputError
+
+PICTURE = (".png", ".svg", ".pdf")
+
+
+def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None:
+    """Refuse files that could not be written, by option with its suffixes, before time is spent on them.
+
+    Raises
+    ------
+    InputError
+        Of another suffix, the same twice, or not to be written.
+    """
+    from tline.solver.atomic import check_writable
+
+    seen: dict[Path, str] = {}
+    for option, (file, suffixes) in files.items():
+        if file is None:
+            continue
+        if Path(file).suffix.lower() not in suffixes:
+            raise InputError(option, "unknown kind of file", " or ".join(suffixes), f"'{file}'")
+        other = seen.setdefault(Path(file).resolve(), option)
+        if other != option:
+            raise InputError(option, f"would overwrite what {other} writes", "another file", f"'{file}'")
+        check_writable(file)
+
+
+@contextmanager
+def options_named(options: Mapping[str, str]) -> Iterator[None]:
+    """Let errors name the option where the library names its argument."""
+    try:
+        yield
+    except InputError as error:
+        if error.where not in options:
+            raise
+        raise InputError(options[error.where], error.problem, error.expected, error.got) from error

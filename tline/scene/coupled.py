@@ -1,0 +1,156 @@
+"""Coupled conductors: one line with a node for each conductor at either end, lossless."""
+
+from collections.abc import Mapping
+from typing import Annotated, NamedTuple
+
+from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+
+from tline.errors import InputError
+from tline.line.modes import Modes, even_and_odd, modes
+from tline.scene.element import Element, Name
+from tline.scene.line import Cable, SceneLine
+from tline.scene.mistakes import place, shown
+from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
+
+MOST = 16  # conductors
+Row = list[Annotated[Quantity, Role("inductance per length", "H/m")]]
+RowOfC = list[Annotated[Quantity, Role("capacitance per length", "F/m")]]
+
+
+def _some(nodes: object) -> object:
+    if not isinstance(nodes, list | tuple) or not 2 <= len(nodes) <= MOST:
+        raise InputError("", "not a list of nodes", f"one for each conductor, 2 to {MOST}", shown(nodes))
+    return nodes
+
+
+Nodes = Annotated[tuple[Name, ...], BeforeValidator(_some)]
+
+
+class OneMode(Element):
+    """What a wave of one mode meets: each conductor's impedance, and the delay."""
+
+    z0: Annotated[Quantity, Role("z0", "ohm", above=0)] = Field(description="of each conductor against the reference")
+    delay: Annotated[Quantity, Role("delay", "s", above=0)] = Field(description="time from end to end")
+
+
+class Coupled(Element):
+    """Coupled conductors over a common reference, lossless: matrices and a length, or two modes of a symmetric pair.
+
+    Examples
+    --------
+    >>> pair = Coupled(
+    ...     nodes1=["a1", "a2"], nodes2=["b1", "b2"],
+    ...     even={"z0": "60 ohm", "delay": "1.1 ns"}, odd={"z0": "40 ohm", "delay": "0.9 ns"},
+    ... )
+    >>> pair.modes.z0.tolist(), pair.nodes
+    ([60.0, 40.0], ('a1', 'a2', 'b1', 'b2'))
+    """
+
+    nodes1: Nodes = Field(description="nodes at end 1, one for each conductor")
+    nodes2: Nodes = Field(description="nodes at end 2, in the same order")
+    inductance: list[Row] | None = Field(default=None, description="matrix L, its rows")
+    capacitance: list[RowOfC] | None = Field(
+        default=None, description="matrix C (Maxwell's: what is between two conductors counts negative), its rows"
+    )
+    length: Annotated[Quantity, Role("length", "m", above=0)] | None = Field(default=None, description="length")
+    even: OneMode | None = Field(
+        default=None, description="of two alike: z0 and delay where both voltages are the same"
+    )
+    odd: OneMode | None = Field(default=None, description="of two alike: z0 and delay where the voltages are opposite")
+    _modes: Modes = PrivateAttr()
+
+    @property
+    def modes(self) -> Modes:
+        """The modes it carries."""
+        return self._modes
+
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """All nodes, those of end 1 first."""
+        return (*self.nodes1, *self.nodes2)
+
+    @property
+    def shortest(self) -> float:
+        """The delay of its fastest mode, s."""
+        return float(self._modes.delay.min())
+
+    @property
+    def losses(self) -> None:
+        """None: it loses nothing."""
+
+    @property
+    def parameters(self):
+        """What a single line has.
+
+        Raises
+        ------
+        InputError
+            Always: what asks for it does not know coupled conductors.
+        """
+        raise InputError("lines", "coupled conductors are simulated over time, and not known here", "single lines")
+
+    @model_validator(mode="after")
+    def _settle(self):
+        k = len(self.nodes1)
+        if len(self.nodes2) != k:
+            raise InputError("nodes2", "another number of conductors", f"{k}", f"{len(self.nodes2)}")
+        given = {key for key, value in self if value is not None and not key.startswith("nodes")}
+        if given == {"even", "odd"} and self.even and self.odd:
+            self._modes = even_and_odd(*((float(mode.z0), float(mode.delay)) for mode in (self.even, self.odd)))
+        elif given == {"inductance", "capacitance", "length"} and self.inductance and self.capacitance and self.length:
+            self._modes = modes(self.inductance, self.capacitance, float(self.length))
+        else:
+            expected = "inductance, capacitance and length, or even and odd"
+            raise InputError("", "is not given once", expected, ", ".join(sorted(given)) or "none")
+        if len(self._modes.z0) != k:
+            raise InputError("nodes1", "another number of conductors", f"{len(self._modes.z0)}", f"{k}")
+        for value in (*self._modes.z0, *self._modes.delay):
+            if not SMALLEST <= value <= LARGEST:
+                raise InputError(
+                    "", "a mode's z0 or delay is out of range", f"{SMALLEST:g} to {LARGEST:g}", f"{value:g}"
+                )
+        return self
+
+
+class End(NamedTuple):
+    """One end of coupled conductors: the nodes of its conductors, and those of its modes."""
+
+    conductors: tuple[str, ...]
+    modal: tuple[str, ...]
+    modes: Modes
+
+
+def ends_of(lines: Mapping[str, SceneLine | Coupled]) -> list[End]:
+    """The ends of all coupled lines, end 1 and end 2 of each in turn."""
+    return [
+        End(nodes, tuple(f"{name}, mode {m + 1}, end {end}" for m in range(len(nodes))), line.modes)
+        for name, line in lines.items()
+        if isinstance(line, Coupled)
+        for end, nodes in ((1, line.nodes1), (2, line.nodes2))
+    ]
+
+
+def refuse_coupled(lines: Mapping[str, SceneLine], what: str) -> None:
+    """Refuse coupled conductors where something does not know them.
+
+    Raises
+    ------
+    InputError
+        Naming the first.
+    """
+    for name, line in lines.items():
+        if isinstance(line, Coupled):
+            raise InputError(place("lines", name), f"{what} knows no coupled conductors", "single lines")
+
+
+def single_lines(lines: Mapping[str, SceneLine]) -> Mapping[str, SceneLine]:
+    """The lines, with one for each mode, between nodes of its own, in place of coupled ones."""
+    ends = ends_of(lines)
+    if not ends:
+        return lines
+    found = {name: line for name, line in lines.items() if not isinstance(line, Coupled)}
+    for one, other in zip(ends[::2], ends[1::2], strict=True):
+        for first, second, z0, delay in zip(one.modal, other.modal, one.modes.z0, one.modes.delay, strict=True):
+            given = {"nodes": (first, second), "z0": float(z0), "delay": float(delay)}
+            found[first.removesuffix(", end 1")] = Cable.model_validate(given)
+    return found

@@ -1,0 +1,1 @@
+"""What one measures on a scene: reflections in time, eyes, load lines."""

@@ -1,0 +1,175 @@
+"""Eyes: what a probe sees of a bit pattern, bit laid upon bit, and how far it opens."""
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.frequency.response import source_named
+from tline.scene.mistakes import nearest, shown
+from tline.scene.scene import Scene
+from tline.solver.simulate import simulate
+from tline.units import to_si
+
+FINE = 128  # instants in a bit
+LONGEST = 4096  # bits
+LATE = 64  # bits, the largest delay of the pattern that is looked for
+
+
+@dataclass(frozen=True, eq=False)
+class Eye:
+    """A bit pattern as a probe sees it, the second of two rounds.
+
+    Attributes
+    ----------
+    bits : ndarray of bool, shape (n,)
+        The pattern.
+    period : float
+        Time of a bit, s.
+    u : ndarray, shape (n, 128)
+        Effort at the probe in each bit's time.
+    instant : float
+        The sampling instant, in the middle of the eye, after the begin of a sent bit, s.
+    ones, zeros : float
+        Lowest of the ones and highest of the zeros there.
+    threshold : float
+        Half way between ones and zeros where the eye is highest.
+    width : float
+        Time around that instant for which all ones are above the threshold and all zeros below it, s.
+    """
+
+    bits: NDArray
+    period: float
+    u: NDArray
+    instant: float
+    ones: float
+    zeros: float
+    threshold: float
+    width: float
+
+    @property
+    def height(self) -> float:
+        """Opening at the sampling instant: ones less zeros; at or below zero the eye is closed."""
+        return self.ones - self.zeros
+
+
+def prbs7() -> NDArray:
+    """The pseudo-random pattern x⁷ + x⁶ + 1: 127 bits in which all runs of seven bits but zeros come once.
+
+    Examples
+    --------
+    >>> prbs7().sum(), len(prbs7())
+    (np.int64(64), 127)
+    """
+    bits = [True] * 7
+    while len(bits) < 127:
+        bits.append(bits[-7] ^ bits[-6])
+    return np.array(bits)
+
+
+def eye(
+    scene: Scene,
+    probe: str,
+    period: float | str,
+    rise: float | str,
+    bits: str = "prbs7",
+    *,
+    source: str | None = None,
+    low: float | str = 0.0,
+    high: float | str = 1.0,
+) -> Eye:
+    """Drive a source with a bit pattern, and measure the eye at a probe; other sources do what they do.
+
+    Parameters
+    ----------
+    scene : Scene
+    probe : str
+        Name of the probe.
+    period, rise : float or str
+        Time of a bit, and of a change from level to level, straight, which begins with the bit; s.
+    bits : str
+        Zeros and ones, at least one of each, at most 4096; or "prbs7".
+    source : str, optional
+        Name of the source; not needed if there is one only.
+    low, high : float or str
+        Levels of zero and one, of the source's quantity.
+
+    Raises
+    ------
+    InputError
+        There is no such probe or source, the pattern is none, or the rise takes longer than a bit.
+
+    Notes
+    -----
+    The pattern is sent twice, and the second round measured, at 128 instants a bit. A delay of up to 64 bits between
+    source and probe is found by where the eye opens highest.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="electrical", t_end=1, probes={"far": {"at": "far"}},
+    ...     lines={"cable": {"nodes": ["near", "far"], "z0": 50, "delay": "1.5 ns"}},
+    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 0, "resistance": 50}},
+    ... )
+    >>> seen = eye(scene, "far", "1 ns", "0.2 ns", "0010111")
+    >>> round(seen.height, 9), round(seen.width * 1e9, 6)  # matched: nothing but the edges closes it
+    (1.0, 1.0)
+    """
+    if probe not in scene.probes:
+        raise InputError("probe", "no such probe", nearest(probe, list(scene.probes)), shown(probe))
+    name, pattern = source_named(scene, source), _pattern(bits)
+    T, edge = to_si(period, "s", "period"), to_si(rise, "s", "rise")
+    if not 0 < T < np.inf:
+        raise InputError("period", "not above zero", "a time", shown(period))
+    if not 0 < edge <= T:
+        raise InputError("rise", "not a time within a bit", f"above zero, at most {T:g} s", shown(rise))
+    table = scene.table()
+    points = _points(np.tile(pattern, 2), T, edge, low, high)
+    table["sources"][name]["value"] = {"shape": "piecewise linear", "points": points}
+    seen = simulate(Scene(**table | {"t_end": 2 * len(pattern) * T, "start": "rest"})).probes[probe]
+    t = T * (len(pattern) + np.arange(len(pattern) * FINE) / FINE)
+    return _measured(pattern, T, seen.at(t).u.reshape(-1, FINE))
+
+
+def _pattern(bits: str) -> NDArray:
+    if bits == "prbs7":
+        return prbs7()
+    if not re.fullmatch(r"[01]{2,}", bits) or len({*bits}) != 2 or len(bits) > LONGEST:
+        expected = f"zeros and ones, both of them, at most {LONGEST}; or 'prbs7'"
+        raise InputError("bits", "not a bit pattern", expected, shown(bits))
+    return np.array([bit == "1" for bit in bits])
+
+
+def _points(pattern: NDArray, T: float, edge: float, low: float | str, high: float | str) -> list[list[float | str]]:
+    """Corners of the pattern; a change begins with its bit."""
+    points: list[list[float | str]] = [[0.0, high if pattern[0] else low]]
+    for k in np.flatnonzero(np.diff(pattern)) + 1:
+        before, after = (low, high) if pattern[k] else (high, low)
+        points += [[float(k * T), before], [float(k * T + edge), after]]
+    return points
+
+
+def _measured(pattern: NDArray, T: float, u: NDArray) -> Eye:
+    """The eye where it opens highest, over all delays of the pattern up to some bits, sampled in its middle."""
+    late = np.arange(min(LATE, len(pattern)))
+    ones = np.concatenate([np.roll(u, -k, axis=0)[pattern].min(axis=0) for k in late])
+    zeros = np.concatenate([np.roll(u, -k, axis=0)[~pattern].max(axis=0) for k in late])
+    opening = ones - zeros
+    highest = int(opening.argmax())
+    threshold, middle, width = float(ones[highest] + zeros[highest]) / 2, highest, 0.0
+    if opening[highest] > 0:
+        above = np.minimum(ones - threshold, threshold - zeros)
+        before, after = _crossing(above[highest::-1]), _crossing(above[highest:])
+        middle, width = highest + round((after - before) / 2), (before + after) * T / FINE
+    return Eye(pattern, T, u, middle * T / FINE, float(ones[middle]), float(zeros[middle]), threshold, width)
+
+
+def _crossing(above: NDArray) -> float:
+    """Where values that begin above zero first fall to it, in instants."""
+    below = np.flatnonzero(above <= 0)
+    if not below.size:
+        return float(len(above) - 1)
+    k = int(below[0])
+    return float(k - 1 + above[k - 1] / (above[k - 1] - above[k]))

@@ -1,0 +1,108 @@
+"""Bergeron's graphical method: on one line between resistive ends, states at either end hop along characteristics."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.coupled import refuse_coupled
+from tline.scene.lossless import refuse_losses
+from tline.scene.mistakes import place
+from tline.scene.scene import Scene
+from tline.solver.nodes import Node, nodes_of
+from tline.solver.steady import rest, steady_state
+
+
+class LoadLine(NamedTuple):
+    """What an end asks for: all (u, y) with p u + q y = r; y counts from end 1 to end 2 at both ends."""
+
+    p: float
+    q: float
+    r: float
+
+
+class Bergeron(NamedTuple):
+    """The hops of a step.
+
+    Attributes
+    ----------
+    z0, delay : float
+        Of the line.
+    ends : tuple of LoadLine
+        After the sources have stepped at t = 0.
+    u, y : ndarray, shape (n + 1,)
+        State before t = 0, at end 1 just after it, at end 2 after one delay, at end 1 after two, and so on.
+    """
+
+    z0: float
+    delay: float
+    ends: tuple[LoadLine, LoadLine]
+    u: NDArray
+    y: NDArray
+
+
+def bergeron(scene: Scene, hops: int = 12) -> Bergeron:
+    """Follow the step of constant sources through the plane of effort and flow.
+
+    At end 2 arrives u + z0 y, as it left end 1; at end 1 arrives u - z0 y, as it left end 2. Each state is where such a
+    characteristic meets the end's load line.
+
+    Parameters
+    ----------
+    scene : Scene
+        One line, ends of resistors and sources that step at t = 0 and then stay: other waveforms count as a step to
+        what they are at the scene's end.
+    hops : int
+        How many states are followed, at least 1.
+
+    Raises
+    ------
+    InputError
+        There are several lines, or an end is not resistive.
+
+    References
+    ----------
+    L. Bergeron: Du coup de bélier en hydraulique au coup de foudre en électricité, Dunod 1950.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="electrical", t_end=1, probes={"p": {"at": "far"}},
+    ...     lines={"line": {"nodes": ["near", "far"], "z0": 50, "delay": 1}},
+    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 25}},
+    ...     loads={"end": {"at": "far", "kind": "resistor", "resistance": 150}},
+    ... )
+    >>> bergeron(scene, 3).u.round(6).tolist()  # 2/3, then half of it comes back, and a third of that is turned over
+    [0.0, 0.666667, 1.0, 0.888889]
+    """
+    if len(scene.lines) != 1:
+        raise InputError("lines", "load lines are drawn for one line", "a scene with one line", f"{len(scene.lines)}")
+    refuse_coupled(scene.lines, "a diagram of load lines")
+    refuse_losses(scene, "no load lines")
+    (line,), nodes = scene.lines.values(), nodes_of(scene)
+    z0, (near, far) = line.parameters.z0, line.nodes
+    if near == far:
+        raise InputError("lines", "both ends are at one node", "two nodes")
+    ends = _load_line(scene, near, nodes[near], 1.0), _load_line(scene, far, nodes[far], -1.0)
+    effort, flow = steady_state(scene, nodes) if scene.start == "steady" else rest(scene, nodes)
+    u, y = [effort[near]], [float(flow[0])]
+    for k in range(hops):
+        slope = -z0 if k % 2 == 0 else z0  # of what arrives: u - z0 y at end 1, u + z0 y at end 2
+        p, q, r = ends[k % 2]
+        found = np.linalg.solve([[p, q], [1.0, slope]], [r, u[-1] + slope * y[-1]])
+        u.append(float(found[0]))
+        y.append(float(found[1]))
+    return Bergeron(z0, line.parameters.delay or 0.0, ends, np.array(u), np.array(y))
+
+
+def _load_line(scene: Scene, name: str, node: Node, into_line: float) -> LoadLine:
+    """J - G u flows into the line, or the effort is held."""
+    if node.load is not None or node.switches:
+        where = next(place("loads", key) for key, load in scene.loads.items() if load.at == name)
+        raise InputError(where, "no load line: the end is not resistive", "resistors and sources")
+    late = np.array(float(scene.t_end))
+    if node.held is not None:
+        return LoadLine(1.0, 0.0, float(node.held.value(late, late)))
+    J = sum(factor * float(waveform.value(late, late)) for waveform, factor in node.flows)
+    return LoadLine(node.conductance, into_line, J)

@@ -1,0 +1,120 @@
+"""Time-domain reflectometry: a step with a real rise time sent into a node, and what comes back."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.mistakes import nearest, shown
+from tline.scene.scene import Scene
+from tline.solver.atomic import replacing
+from tline.solver.curve import curve
+from tline.solver.simulate import simulate
+from tline.units import to_si
+
+TOL = 1e-11  # at slab ends; between them, where most of the curve lies, the order is lower
+
+
+@dataclass(frozen=True, eq=False)
+class Reflections:
+    """What a reflectometer shows.
+
+    Attributes
+    ----------
+    t : ndarray, shape (n,)
+        Instants, s, from the begin of the step on; what lies a delay T down the line answers after 2 T.
+    incident, reflected : ndarray
+        Waves at the node, parts of its effort, in units of the step.
+    z0 : float
+        Of the instrument, ohm or Pa s/m³.
+    """
+
+    t: NDArray
+    incident: NDArray
+    reflected: NDArray
+    z0: float
+
+    @property
+    def impedance(self) -> NDArray:
+        """Profile z0 (1 + ρ)/(1 - ρ), as if each reflection had come back on its first way; infinite where ρ is 1."""
+        with np.errstate(divide="ignore"):
+            return np.where(self.reflected < 1, self.z0 * (1 + self.reflected) / (1 - self.reflected), np.inf)
+
+
+def reflectometry(
+    scene: Scene, node: str, rise: float | str, z0: float | str | None = None, t_end: float | str | None = None
+) -> Reflections:
+    """Send a step into a node and see what comes back; sources there are taken away, all others are silent.
+
+    Parameters
+    ----------
+    scene : Scene
+        At rest before the step.
+    node : str
+        Where the instrument is.
+    rise : float or str
+        Time that the step takes, a straight ramp, s, above zero.
+    z0 : float or str, optional
+        Resistance of the instrument, above zero; that of the first line at the node if not given.
+    t_end : float or str, optional
+        How long to look, s; until the scene's end if not given.
+
+    Raises
+    ------
+    InputError
+        There is no such node, or a number out of range.
+
+    References
+    ----------
+    D. M. Pozar, Microwave Engineering, 4th ed., Wiley 2012, section 2.3: z = z0 (1 + ρ)/(1 - ρ).
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="electrical", t_end="9 ns", probes={"p": {"at": "far"}},
+    ...     lines={"cable": {"nodes": ["near", "far"], "z0": 75, "delay": "2 ns"}},
+    ...     loads={"end": {"at": "far", "kind": "resistor", "resistance": 30}},
+    ... )
+    >>> seen = reflectometry(scene, "near", "0.1 ns", 50)
+    >>> float(np.interp(2e-9, seen.t, seen.impedance).round(6))  # the cable itself
+    75.0
+    """
+    lines = [line for line in scene.lines.values() if node in line.nodes]
+    if not lines:
+        nodes = [at for line in scene.lines.values() for at in line.nodes]
+        raise InputError("node", "no line ends at this node", nearest(node, nodes), shown(node))
+    resistance = lines[0].parameters.z0 if z0 is None else _above_zero(z0, None, "z0")
+    duration, table = _above_zero(rise, "s", "rise"), scene.table()
+    sources = {name: source | {"value": 0} for name, source in table.get("sources", {}).items() if source["at"] != node}
+    effort = "voltage" if scene.medium == "electrical" else "pressure"
+    ramp = {"shape": "ramp", "to": 2, "duration": duration}
+    sources["instrument"] = {"at": node, "kind": effort, "value": ramp, "resistance": resistance}
+    line = next(name for name, line in scene.lines.items() if node in line.nodes)
+    table |= {"sources": sources, "probes": {"node": {"at": node, "line": line}}, "start": "rest"}
+    table |= {} if t_end is None else {"t_end": _above_zero(t_end, "s", "t_end")}
+    seen = curve(simulate(Scene(**table), tol=TOL).probes["node"])
+    incident = np.clip(seen.t / duration, 0.0, 1.0)
+    return Reflections(seen.t, incident, seen.u - incident, resistance)
+
+
+def save_reflections(seen: Reflections, path: str | Path) -> None:
+    """Write as CSV: time in s, incident and reflected wave per step, impedance in SI (inf where all comes back).
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    rows = np.stack([seen.t, seen.incident, seen.reflected, seen.impedance], axis=1)
+    with replacing(path) as temporary:
+        head = "time [s],incident,reflected,impedance"
+        np.savetxt(temporary, rows, fmt="%.17g", delimiter=",", header=head, comments="", encoding="utf-8")
+
+
+def _above_zero(value: float | str, unit: str | None, where: str) -> float:
+    number = to_si(value, unit, where)
+    if not 0 < number < np.inf:
+        raise InputError(where, "not positive", "more than 0", shown(value))
+    return number
