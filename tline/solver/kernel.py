@@ -580,6 +580,17 @@ def pass_elements_at_cells(network, g, states, u, factor):
 
 
 @njit(**OPTIONS)
+def meet_elements(network, g, states, u, n, factor, laws, cells):
+    """Turn the Thévenin waves of n samples at a group with elements into efforts; beside cells n is one slab."""
+    low, nodes = network.group[g], network.group[g + 1] - network.group[g]
+    if cells is not None:
+        if cells.beside[g]:
+            pass_elements_at_cells(network, g, states, u, factor)
+            return
+    pass_elements(laws, g, low, nodes, states, u, n, n, factor, laws.radau, laws.step)
+
+
+@njit(**OPTIONS)
 def opened(laws, g, drive, start, n, factor):
     """What scales the elements of a group at n samples."""
     for k in range(laws.first[g + 1] - laws.first[g]):
@@ -821,16 +832,31 @@ def largest_group(network):
     return nodes, ends, rows
 
 
-@njit(**OPTIONS)
+def used(network):
+    """Elements, cells and lumps of a network, None where it has none: what it does not use is not compiled."""
+    laws, cells, lumps = network.laws, network.cells, network.lumps
+    return (
+        laws if laws.kind.size else None,
+        cells if cells.line.size else None,
+        lumps if lumps.line.size else None,
+    )
+
+
 def advance(network, state, n_slabs, drive, record, column):
     """Advance all nodes by n_slabs, writing the record from the given column (in slabs) on.
 
     Returns -1, or the number of a node whose effort is no longer finite; the number after the last node's if a wave
     under way is not.
     """
+    return advance_blocks(network, state, n_slabs, drive, record, column, *used(network))
+
+
+@njit(**OPTIONS)
+def advance_blocks(network, state, n_slabs, drive, record, column, laws, cells, lumps):
+    """The same; laws, cells and lumps are those of the network, or None."""
     (
         delay, offset, shift_row, shifts, first, ends, weight, drive_row,
-        group, load_at, step_row, step_at, step_states, step, record_row, laws, cells, lumps,
+        group, load_at, step_row, step_at, step_states, step, record_row, _, _, _,
     ) = network  # fmt: skip
     waves, slots, sides, before, states, _, _ = state
     s = before.shape[1]
@@ -838,12 +864,11 @@ def advance(network, state, n_slabs, drive, record, column):
     most_nodes, _, most_states = largest_group(network)
     u, history = np.empty(most_nodes * tile * s), np.empty((s, tile + 1))
     scratch = np.empty(max(tile, most_nodes * s + most_states))
-    factor = np.empty((most_elements(laws), tile * s))
+    factor = np.empty((most_elements(network.laws), tile * s))
     position = np.empty(ends.size, np.uint64)
-    in_cells, lossy = cells.line.size > 0, lumps.line.size > 0
-    enter, y = scratch_of_cells(cells, s)
+    enter, y = scratch_of_cells(network.cells, s)
     w, out = np.empty((s, ABREAST)), np.empty((s, ABREAST))
-    shortest, done = min(n_slabs, lumps.gap), 0
+    shortest, done = min(n_slabs, network.lumps.gap), 0
     for line in range(delay.size):
         shortest = min(shortest, delay[line])
     while done < n_slabs:
@@ -872,12 +897,10 @@ def advance(network, state, n_slabs, drive, record, column):
                 if load_at[g] >= 0:
                     r = step_row[g]
                     load(u, after - one, m, s, step, step_at[r], states, load_at[g], step_states[r], scratch)
-                if laws.first[g] < laws.first[g + 1]:
-                    opened(laws, g, drive, here, m * s, factor)
-                    if in_cells and cells.beside[g]:
-                        pass_elements_at_cells(network, g, states, u, factor)
-                    else:
-                        pass_elements(laws, g, one, after - one, states, u, m * s, m * s, factor, laws.radau, laws.step)
+                if laws is not None:
+                    if laws.first[g] < laws.first[g + 1]:
+                        opened(laws, g, drive, here, m * s, factor)
+                        meet_elements(network, g, states, u, m * s, factor, laws, cells)
                 for node in range(one, after):
                     q = uint64((node - one) * m * s)
                     for e in range(first[node], first[node + 1]):
@@ -887,9 +910,9 @@ def advance(network, state, n_slabs, drive, record, column):
                     if not np.isfinite(u[q + uint64(m * s - 1)]):
                         return node
                 ahead += m
-        if lossy:
+        if lumps is not None:
             lose(network, state, block, w, out)
-        if in_cells:
+        if cells is not None:
             pass_cells(network, state, enter, y)
         for line in range(delay.size):
             slots[line] += block
@@ -1192,10 +1215,10 @@ def collocate_finely(system, k, width, step, fronts, w, x, stages, row, parts):
 
 
 @njit(**OPTIONS)
-def respond(network, state, fronts, g, slab, edges, m, u, factor, stages, wave, row, parts):
+def respond(network, state, fronts, g, slab, edges, m, u, factor, stages, wave, row, parts, laws):
     """Turn the Thévenin waves of m pieces at a group into the nodes' efforts; switches move where pieces begin."""
-    systems, moves, laws, s = fronts.systems, fronts.moves, network.laws, u.shape[2]
-    count, own = laws.first[g + 1] - laws.first[g], np.empty((factor.shape[0], s))
+    systems, moves, s = fronts.systems, fronts.moves, u.shape[2]
+    count, own = network.laws.first[g + 1] - network.laws.first[g], np.empty((factor.shape[0], s))
     x, k = network.load_at[g], network.group[g + 1] - network.group[g]
     for piece in range(m):
         while moves.due[g] < moves.first[g + 1] and moves.at[moves.due[g]] - slab <= edges[piece] + MERGE:
@@ -1210,7 +1233,8 @@ def respond(network, state, fronts, g, slab, edges, m, u, factor, stages, wave, 
             for e in range(count):
                 copy(factor[e, piece], own[e])
             width = fronts.step * (edges[piece + 1] - edges[piece])
-            pass_elements(laws, g, network.group[g], k, state.load, wave, s, s, own, fronts.tools.radau, width)
+            if laws is not None:
+                pass_elements(laws, g, network.group[g], k, state.load, wave, s, s, own, fronts.tools.radau, width)
             for p in range(k):
                 for i in range(s):
                     u[p, piece, i] = wave[p * s + i]
@@ -1384,7 +1408,7 @@ def driven(sources, drive, r, slab, o, due, to_legendre, span, given):
 
 
 @njit(**OPTIONS)
-def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position, due, record, work):
+def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position, due, record, work, laws):
     """One group, one slab, in pieces. Returns the sum of the efforts at the slab's end."""
     waves, before, pieces, tools = state.waves, state.before, fronts.pieces, fronts.tools
     place, size, edges, own, outer, span, given, arrived, u, coef, whole, part, stages, wave, row, parts, factor = work
@@ -1432,7 +1456,7 @@ def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position,
             for j in range(m):
                 for p in range(s):
                     mine[j, p] = network.laws.factor[i]
-    respond(network, state, fronts, g, slab, edges, m, u, factor, stages, wave, row, parts)
+    respond(network, state, fronts, g, slab, edges, m, u, factor, stages, wave, row, parts, laws)
     if 0 < fewer < m:
         for node in range(network.group[g], network.group[g + 1]):
             rejoin(u[node - network.group[g]], edges, m, outer, fewer, tools, span, given, whole)
@@ -1458,7 +1482,7 @@ def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position,
 
 
 @njit(**OPTIONS)
-def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, u, history, row, factor):
+def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, u, history, row, factor, laws, cells):
     """One group, one slab without fronts. Returns the sum of the efforts at the slab's end."""
     waves, before, total = state.waves, state.before, 0.0
     s = before.shape[1]
@@ -1475,14 +1499,10 @@ def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, u
         r, nodes = network.step_row[g], network.group[g + 1] - network.group[g]
         n = network.step_states[r]
         load(u, nodes, 1, s, network.step, network.step_at[r], state.load, network.load_at[g], n, row)
-    laws, low = network.laws, network.group[g]
-    if laws.first[g] < laws.first[g + 1]:
-        opened(laws, g, drive, k * s, s, factor)
-        nodes = network.group[g + 1] - low
-        if network.cells.beside[g]:
-            pass_elements_at_cells(network, g, state.load, u, factor)
-        else:
-            pass_elements(laws, g, low, nodes, state.load, u, s, s, factor, laws.radau, laws.step)
+    if laws is not None:
+        if laws.first[g] < laws.first[g + 1]:
+            opened(laws, g, drive, k * s, s, factor)
+            meet_elements(network, g, state.load, u, s, factor, laws, cells)
     for node in range(network.group[g], network.group[g + 1]):
         q = uint64((node - network.group[g]) * s)
         for j in range(network.first[node], network.first[node + 1]):
@@ -1571,13 +1591,18 @@ def level_at_lumps(network, state, fronts, whole):
                     pieces.of_slab[o // s] = -1
 
 
-@njit(**OPTIONS)
 def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, record):
     """Advance all nodes slab by slab with fronts as breakpoints, until none is left or the log is full.
 
     Returns -1, or the number of a node whose effort, or that of another in its group, is no longer finite; and the
     number of slabs done.
     """
+    return advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, record, *used(network))
+
+
+@njit(**OPTIONS)
+def advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, record, laws, cells, lumps):
+    """The same; laws, cells and lumps are those of the network, or None."""
     first, ends, group, delay, slots, sides = (
         network.first, network.ends, network.group, network.delay, state.slot, state.side,
     )  # fmt: skip
@@ -1602,7 +1627,6 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
     )  # fmt: skip
     u, history, factor = np.empty(most_nodes * s), np.empty((s, 2)), np.empty((most_elements(network.laws), s))
     whole, w, out = np.empty(s), np.empty((s, ABREAST)), np.empty((s, ABREAST))
-    in_cells, lossy = network.cells.line.size > 0, network.lumps.line.size > 0
     enter, y = scratch_of_cells(network.cells, s)
     position, due = np.empty(ends.size, np.int64), sources.first[:-1].copy()
     for k in range(n_slabs):
@@ -1626,21 +1650,24 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
                     line = e >> 1
                     position[e] = network.offset[line] + ((sides[line] ^ (e & 1)) * delay[line] + slots[line]) * s
                     broken_here |= pieces.of_slab[position[e] // s] >= 0 or pieces.before[e] >= 0
-            if broken_here and fronts.levels[g]:
-                level(network, state, fronts, sources, drive, g, slab, k, position, due, whole)
-                broken_here = False
+            if cells is not None:
+                if broken_here and fronts.levels[g]:
+                    level(network, state, fronts, sources, drive, g, slab, k, position, due, whole)
+                    broken_here = False
             if broken_here:
-                at_end = scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position, due, record, work)
+                at_end = scatter_pieces(
+                    network, state, fronts, sources, drive, g, slab, k, position, due, record, work, laws
+                )  # fmt: skip
             else:
                 at_end = scatter_whole(
-                    network, state, pieces, drive, g, slab, k, position, record, u, history, row, factor
+                    network, state, pieces, drive, g, slab, k, position, record, u, history, row, factor, laws, cells
                 )  # fmt: skip
             if not np.isfinite(at_end):
                 return group[g], k
-        if lossy:
+        if lumps is not None:
             level_at_lumps(network, state, fronts, whole)
             lose(network, state, 1, w, out)
-        if in_cells:
+        if cells is not None:
             pass_cells(network, state, enter, y)
         for line in range(delay.size):
             slots[line] += 1
