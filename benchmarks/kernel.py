@@ -15,6 +15,7 @@ from statistics import median
 import numpy as np
 
 from tline.solver.assemble import assemble
+from tline.solver.cells import cells_of
 from tline.solver.elements import laws_of
 from tline.solver.kernel import advance
 from tline.solver.network import NO_LUMPS, Network, State
@@ -55,11 +56,12 @@ def ring(lines: int, s: int, *, fractional: bool, seed: int = 0) -> tuple[Networ
         np.zeros(0),
         np.full(2 * lines, -1),
         laws_of([[]] * lines, [[]] * lines, {}, 0, 0)[0],
+        cells_of({}, [[None]] * lines)[0],
         NO_LUMPS,
     )
     zeros = np.zeros(lines, np.int64)
     waves = rng.normal(size=int(2 * delay.sum() * s))
-    return network, State(waves, zeros, zeros.copy(), np.zeros((2 * lines, s)), np.zeros(0), np.zeros(0))
+    return network, State(waves, zeros, zeros.copy(), np.zeros((2 * lines, s)), np.zeros(0), np.zeros(0), np.zeros(0))
 
 
 def timed(work) -> float:

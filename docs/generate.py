@@ -21,10 +21,19 @@ SECTIONS = {
         "What a node lets pass to earth, or to zero pressure; several stand side by side. Flow counts positive out of "
         "the node.",
     ),
+    "links": (
+        "Links",
+        "What stands between two nodes without a delay. Flow counts positive from the first to the second; see "
+        "[non-linear elements](elements.md).",
+    ),
     "probes": (
         "Probes",
         "Where effort, flow and waves are recorded. Flow counts positive from the line's end 1 to its end 2, wherever "
         "the probe stands: at end 1 it comes out of the node, at end 2 it goes into the node.",
+    ),
+    "nodes": (
+        "Nodes",
+        "Where nodes are, if that matters. With elevations pressures are piezometric, density·g·head.",
     ),
 }
 SHAPES = ("Constant", "Step", "Ramp", "PiecewiseLinear", "Table", "Pulses", "Sine", "Exponential", "DoubleExponential")
@@ -56,7 +65,7 @@ def reference() -> str:
     for key, (title, text) in SECTIONS.items():
         parts += ["", f"## {title}: `[{key}.NAME]`", "", text]
         for name in _models_of(whole["properties"][key]["additionalProperties"]):
-            parts += _model(models[name], name, heading=key in ("lines", "loads"))
+            parts += _model(models[name], name, heading=key in ("lines", "loads", "links"))
         if key == "sources":
             parts += ["", "### Waveforms"]
             for name in SHAPES:

@@ -1,12 +1,16 @@
 """Energy stored in a scene: in the waves on its lines and in its inductances and capacitances."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from tline.scene.load import Load, Parallel, Series
 from tline.scene.scene import Scene
-from tline.solver.assemble import Assembly
+from tline.solver.assemble import Assembly, assemble
 from tline.solver.load_step import StateSpace, reflection
-from tline.solver.nodes import nodes_of
+from tline.solver.march import Stepper
+from tline.solver.nodes import NONE, nodes_of
+from tline.solver.resolution import resolution
 
 
 def on_lines(assembly: Assembly) -> float:
@@ -81,3 +85,47 @@ def stored(system: StateSpace, g: float, load: Series | Parallel | None, beside:
     else:
         parts = [((C or 0.0) + beside, u), (L or 0.0, i - (u / R if R else 0.0) - (C or 0.0) * du)]
     return sum(size / 2 * np.outer(v, v) for size, v in parts)
+
+
+def silent(scene, seed: int, cells: Mapping[str, int] = NONE) -> Assembly:
+    """The scene without sources, its lines filled with random waves; some may be lumped, in so many cells."""
+    chosen = resolution(scene, nodes_of(scene), cells=cells)
+    assembly = assemble(scene, set(), chosen)
+    rng = np.random.default_rng(seed)
+    assembly.state.waves[:] = rng.normal(size=assembly.state.waves.shape)
+    assembly.state.before[:] = rng.normal(size=assembly.state.before.shape)
+    return assembly
+
+
+def edges_of(pieces, row: int) -> tuple[np.ndarray, np.ndarray]:
+    """Starts and ends of the pieces of a row."""
+    edges = pieces.start[row, : pieces.number[row] + 1]
+    return edges[:-1], edges[1:]
+
+
+def in_pieces(steps: Stepper) -> float:
+    """Energy of the slabs under way that are in pieces, as `on_lines` counts the others."""
+    assembly, fronts = steps.assembly, steps.fronts
+    net, s, h = assembly.network, assembly.basis.s, assembly.resolution.h
+    pieces, total = fronts.pieces, 0.0
+
+    norms, (x, weights) = 1 / np.arange(1, 2 * s, 2), np.polynomial.legendre.leggauss(s)
+    z0 = [line.parameters.z0 for line in assembly.lines.values()]
+
+    def energy(row: int, line: int, start: float) -> float:
+        """Of what lies behind the start; by Parseval, or by Gauss where a piece is cut."""
+        part = 0.0
+        for a, b, coef in zip(*edges_of(pieces, row), pieces.coef[row], strict=False):
+            if a >= start:
+                part += (b - a) * float(norms @ coef**2)
+            elif b > start:
+                y = 2 * (start + (b - start) * (x + 1) / 2 - a) / (b - a) - 1
+                part += (b - start) / 2 * float(weights @ np.polynomial.legendre.legval(y, coef) ** 2)
+        return h * part / (4 * z0[line])
+
+    for slab in np.flatnonzero(pieces.of_slab >= 0):
+        line = int(np.searchsorted(net.offset, slab * s, side="right")) - 1
+        total += energy(pieces.of_slab[slab], line, 0.0)
+    for end in np.flatnonzero(pieces.before >= 0):
+        total += energy(pieces.before[end], end // 2, 1.0 - fronts.rest[end // 2])
+    return total

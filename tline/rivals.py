@@ -96,6 +96,8 @@ class Rival:
 
     def misfit(self, scene: Scene) -> str | None:
         """Why this method cannot do a scene; None if it can."""
+        for part, name in scene.laws:
+            return f"{place(part, name)}: rivals know linear elements only"
         for name, load in scene.loads.items():
             if load.kind in ("switch", "valve"):
                 return f"{place('loads', name)}: rivals have no switches"

@@ -160,6 +160,7 @@ def _nearest_float(exact: numbers.Real) -> float:
         return math.inf
 
 
+@lru_cache(4096)  # networks say the same again and again
 def _text_to_si(text: str, unit: str | None, where: str) -> float:
     if len(text) > LONGEST:
         raise InputError(where, f"a text of {len(text)} characters is no quantity", _expected(unit))

@@ -1,12 +1,11 @@
 """A passive scene never gains energy: any slab width, any order, any delays, any run length."""
 
 import dataclasses
-from collections.abc import Mapping
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from energy import InLoads, on_lines
+from energy import InLoads, in_pieces, on_lines, silent
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_scenes import random_scene
@@ -16,23 +15,13 @@ from tline.solver.assemble import Assembly, assemble
 from tline.solver.fronts import LIVE
 from tline.solver.kernel import advance
 from tline.solver.march import Stepper
-from tline.solver.nodes import NONE, nodes_of
+from tline.solver.nodes import nodes_of
 from tline.solver.radau import Basis
 from tline.solver.resolution import resolution
 
 SLABS, PART, SINGLY = 100_000, 2_000, 200
 ROUNDING = 1e-15  # of the energy at the start, per slab: each stored number is rounded a few times, either way
 AT_ONCE = 1e-14  # in a single slab, where those roundings have no slabs to cancel over
-
-
-def silent(scene, seed: int, cells: Mapping[str, int] = NONE) -> Assembly:
-    """The scene without sources, its lines filled with random waves; some may be lumped, in so many cells."""
-    chosen = resolution(scene, nodes_of(scene), cells=cells)
-    assembly = assemble(scene, set(), chosen)
-    rng = np.random.default_rng(seed)
-    assembly.state.waves[:] = rng.normal(size=assembly.state.waves.shape)
-    assembly.state.before[:] = rng.normal(size=assembly.state.before.shape)
-    return assembly
 
 
 def run(assembly: Assembly, first: int, slabs: int) -> None:
@@ -44,40 +33,6 @@ def run(assembly: Assembly, first: int, slabs: int) -> None:
             if int(slab) == low:
                 assembly.network.step_row[node] = row
         assert advance(assembly.network, assembly.state, high - low, np.zeros((0, 0)), np.zeros((0, 2, 0)), 0) == -1
-
-
-def edges_of(pieces, row: int) -> tuple[np.ndarray, np.ndarray]:
-    """Starts and ends of the pieces of a row."""
-    edges = pieces.start[row, : pieces.number[row] + 1]
-    return edges[:-1], edges[1:]
-
-
-def in_pieces(steps: Stepper) -> float:
-    """Energy of the slabs under way that are in pieces, as `on_lines` counts the others."""
-    assembly, fronts = steps.assembly, steps.fronts
-    net, s, h = assembly.network, assembly.basis.s, assembly.resolution.h
-    pieces, total = fronts.pieces, 0.0
-
-    norms, (x, weights) = 1 / np.arange(1, 2 * s, 2), np.polynomial.legendre.leggauss(s)
-    z0 = [line.parameters.z0 for line in assembly.lines.values()]
-
-    def energy(row: int, line: int, start: float) -> float:
-        """Of what lies behind the start; by Parseval, or by Gauss where a piece is cut."""
-        part = 0.0
-        for a, b, coef in zip(*edges_of(pieces, row), pieces.coef[row], strict=False):
-            if a >= start:
-                part += (b - a) * float(norms @ coef**2)
-            elif b > start:
-                y = 2 * (start + (b - start) * (x + 1) / 2 - a) / (b - a) - 1
-                part += (b - start) / 2 * float(weights @ np.polynomial.legendre.legval(y, coef) ** 2)
-        return h * part / (4 * z0[line])
-
-    for slab in np.flatnonzero(pieces.of_slab >= 0):
-        line = int(np.searchsorted(net.offset, slab * s, side="right")) - 1
-        total += energy(pieces.of_slab[slab], line, 0.0)
-    for end in np.flatnonzero(pieces.before >= 0):
-        total += energy(pieces.before[end], end // 2, 1.0 - fronts.rest[end // 2])
-    return total
 
 
 @settings(max_examples=40, deadline=None)

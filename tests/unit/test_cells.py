@@ -26,7 +26,7 @@ def whole(made) -> np.ndarray:
 @pytest.mark.parametrize("s", [1, 2, 5, 8])
 @pytest.mark.parametrize(("in_series", "across"), [(0, 0), (3, 0), (2, 3)])
 def test_a_cell_creates_no_energy(s, in_series, across):
-    """Stored are a²/4 + b²/4 + Σ r w²/(2 p) + Σ g q²/(2 p) over x, passed a²/4 or b²/4 over t; the map's norm in these."""
+    """Stored are a²/4 + b²/4 + Σ r w²/(2 p) + Σ g q²/(2 p) over x, passed a²/4 or b²/4 over t; the norm is in these."""
     series, shunt = circuit(s, in_series, 0.3), circuit(s + 100, across, 0.1)
     made = cell(rates(series, shunt, 1.0), s)
     weights = np.concatenate(

@@ -4,7 +4,7 @@ import pytest
 
 from tline.errors import InputError
 from tline.scene.load import Parallel
-from tline.scene.plausible import below_vacuum, doubts
+from tline.scene.plausible import doubts
 from tline.scene.scene import Scene
 
 PIPE = {"nodes": ["tank", "valve"], "length": "300 m", "radius": "10 cm", "fluid": "water"}
@@ -82,12 +82,6 @@ def test_ohms_and_volts_need_no_unit() -> None:
     lines, sources, loads, probes = {"cable": cable}, {"s": drive}, {"end": end}, {"far": {"at": "far"}}
     plain = Scene(medium="electrical", t_end="1 us", lines=lines, sources=sources, loads=loads, probes=probes)
     assert doubts(plain) == []
-
-
-def test_pressures_below_vacuum_are_told_once_with_the_lowest() -> None:
-    (told,) = below_vacuum(scene(), {"valve": -1.2e5, "middle": -12.7e5, "tank": 3e5})
-    assert told.startswith("probes.middle and 1 more: the pressure falls to -12.7 bar; a liquid cavitates below")
-    assert below_vacuum(scene(), {"valve": -1.01e5}) == []
 
 
 def test_a_negative_resistance_leads_to_an_active_impedance() -> None:

@@ -44,7 +44,7 @@ class TestWithWntr:
             {"duty"},
             {"ease"},
         )
-        assert network.notes == ("left out, closed: 'spare'",)
+        assert network.notes == ("left out, closed or without flow: 'spare'",)
         pipe = network.pipes["up"]
         assert (pipe.nodes, pipe.length, pipe.diameter, pipe.one_way) == (("b", "tower"), 300.0, 0.25, True)
         assert pipe.flow > 0

@@ -29,7 +29,7 @@ def misfit(scene: Scene) -> str | None:
     if shutil.which("ngspice") is None:
         return "not installed: apt install ngspice"
     if scene.medium != "electrical" or not all(
-        isinstance(x, Resistor | Series | Parallel) for x in scene.loads.values()
+        isinstance(x, Resistor | Series | Parallel) for x in (*scene.loads.values(), *scene.links.values())
     ):
         return "not made of lines, R, L and C"
     return misfit_of_sources(scene)

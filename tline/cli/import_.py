@@ -7,25 +7,27 @@ import click
 
 from tline.errors import InputError
 
-SPICE = "tline.interchange.spice:read_spice"
+SPICE, EPANET = "tline.interchange.spice:read_spice", "tline.interchange.water_scene:read_inp"
 READERS = {  # by suffix
-    ".cir": SPICE, ".ckt": SPICE, ".net": SPICE, ".sp": SPICE,
+    ".cir": SPICE, ".ckt": SPICE, ".net": SPICE, ".sp": SPICE, ".inp": EPANET,
 }  # fmt: skip
 EXAMPLES = """\b
 Examples:
   tline import cable.cir -o cable.toml
   tline import cable.cir | head
+  tline import town.inp --wave-speed "1000 m/s" -o town.toml
 """
 
 
 @click.command("import", epilog=EXAMPLES)
 @click.argument("file")
 @click.option("-o", "--output", metavar="SCENE.toml", help="Write the scene to a file instead of printing it.")
-def import_(file: str, output: str | None) -> None:
+@click.option("--wave-speed", metavar="SPEED", help="In the pipes of an .inp file, such as '1000 m/s'.")
+def import_(file: str, output: str | None, wave_speed: str | None) -> None:
     """Turn another program's file into a scene.
 
-    FILE is a SPICE netlist (.cir, .ckt, .net, .sp). What no scene has is refused, and the line and the element are
-    named; nothing is left out.
+    FILE is a SPICE netlist (.cir, .ckt, .net, .sp) or a network of EPANET (.inp). What no scene has is refused, and the
+    line or the element is named. Nothing is left out but what is closed in a network, and you are told.
     """
     from tline.scene.file import scene_text
     from tline.solver.atomic import replacing
@@ -33,8 +35,16 @@ def import_(file: str, output: str | None) -> None:
     suffix = Path(file).suffix.lower()
     if suffix not in READERS:
         raise InputError(file, "unknown kind of file", " or ".join(READERS), suffix or "no suffix")
+    if (wave_speed is None) == (READERS[suffix] == EPANET):
+        if wave_speed is None:
+            raise InputError("--wave-speed", "is missing, for an .inp file has none", "such as --wave-speed '1000 m/s'")
+        raise InputError("--wave-speed", "is for .inp files", "none", wave_speed)
     module, _, reader = READERS[suffix].partition(":")
-    text = scene_text(getattr(import_module(module), reader)(file))
+    read = getattr(import_module(module), reader)
+    scene, notes = (read(file), ()) if wave_speed is None else read(file, wave_speed)
+    text = scene_text(scene)
+    for note in notes:
+        click.echo(f"note: {note}", err=True)
     if output is None:
         click.echo(text, nl=False)
         return

@@ -23,6 +23,7 @@ PICTURE = (".png", ".svg", ".pdf")
 SUFFIXES = {  # of what can be written
     "csv": (".csv",),
     "npz": (".npz",),
+    "envelope": (".csv",),
     "plot": PICTURE,
     "space_time": PICTURE,
     "lattice": PICTURE,
@@ -30,6 +31,7 @@ SUFFIXES = {  # of what can be written
     "animate": (".html", ".gif"),
 }
 ALONG = ("space_time", "animate")  # show a path
+ENVELOPES = ("envelope",)  # show the extremes at nodes
 EXAMPLES = """\b
 Examples:
   tline run valve.toml --tol 1e-8 --plot valve.png
@@ -45,6 +47,7 @@ Examples:
 @click.option("--slab", metavar="TIME", help="Width of a time slab, such as '1 us', instead of the scene's.")
 @click.option("--csv", metavar="FILE.csv", help="Table of what the probes saw, SI, full precision.")
 @click.option("--npz", metavar="FILE.npz", help="The same as NumPy arrays, with the scene.")
+@click.option("--envelope", metavar="FILE.csv", help="Table of the extremes at every node, and when.")
 @click.option("--plot", metavar="FILE", help="Probes over time; .png, .svg or .pdf.")
 @click.option("--space-time", metavar="FILE", help="Image of the effort over place and time.")
 @click.option("--lattice", metavar="FILE", help="Bounce diagram, for a scene with one line.")
@@ -77,7 +80,7 @@ def run(
         _check_files(wanted)
         read = _read(scene, solver)
         way = _route(read, path, wanted)
-        result = _simulate(read, way, active)
+        result = _simulate(read, way, active, wanted)
         for kind, file in wanted.items():
             _write(result, way, kind, file)
     from tline.cli.report import as_table, judgement, summary
@@ -155,19 +158,25 @@ def _route(scene: "Scene", path: str | None, wanted: dict[str, str]) -> "Route |
     return route(scene, *nodes)
 
 
-def _simulate(scene: "Scene", way: "Route | None", active: bool) -> "Result":
+def _simulate(scene: "Scene", way: "Route | None", active: bool, wanted: dict[str, str]) -> "Result":
     from tline.solver.simulate import UnresolvedWarning, simulate
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnresolvedWarning)  # said as notes
-        return simulate(scene, record=way.lines if way else (), active=active, progress=sys.stderr.isatty())
+        return simulate(
+            scene,
+            record=way.lines if way else (),
+            envelope=any(kind in wanted for kind in ENVELOPES),
+            active=active,
+            progress=sys.stderr.isatty(),
+        )
 
 
 def _write(result: "Result", way: "Route | None", kind: str, file: str) -> None:
-    if kind in ("csv", "npz"):
-        from tline.solver.save import save_csv, save_npz
+    if kind in ("csv", "npz", "envelope"):
+        from tline.solver.save import save_csv, save_envelope, save_npz
 
-        (save_csv if kind == "csv" else save_npz)(result, file)
+        {"csv": save_csv, "npz": save_npz, "envelope": save_envelope}[kind](result, file)
     elif kind == "animate" and way:
         from tline.pictures.animation import animate
 

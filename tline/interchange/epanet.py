@@ -14,7 +14,7 @@ import numpy as np
 from tline.errors import InputError
 from tline.interchange.head_loss import GRAVITY, LAWS
 from tline.interchange.pump_curve import Polyline, PowerLaw, pump_curve
-from tline.interchange.water_network import Basin, Junction, Pipe, Pump, Valve, WaterNetwork
+from tline.interchange.water_network import STILL, Basin, Junction, Pipe, Pump, Valve, WaterNetwork
 
 WATER, VISCOSITY = 1000.0, 1.1e-5 * 0.3048**2  # kg/m³ and m²/s, EPANET's
 MULTIPLIER = 1e-3  # a viscosity above it is a multiple of that of water
@@ -92,7 +92,8 @@ def _network(model: Any, curves: dict[str, PowerLaw | Polyline], solution: Any, 
     viscosity = float(hydraulic.viscosity) * (VISCOSITY if hydraulic.viscosity > MULTIPLIER else 1.0)
     heads, drawn = (solution.node[key].iloc[0] for key in ("head", "demand"))
     flows, status, settings = (solution.link[key].iloc[0] for key in ("flowrate", "status", "setting"))
-    stopped = {name for name in model.pump_name_list if settings[name] <= 0}
+    stopped = {name for name in (*model.pump_name_list, *model.valve_name_list) if abs(flows[name]) < STILL}
+    stopped |= {name for name in model.pump_name_list if settings[name] <= 0}
     closed = {name for name in model.link_name_list if status[name] == CLOSED or name in stopped}
     one_way = {name for name, link in model.pipes() if link.check_valve}
     reached = _reached(model, closed)
@@ -203,7 +204,10 @@ def _position(node: Any) -> tuple[float, float]:
 
 def _notes(model: Any, closed: list[str], reached: set[str]) -> Iterator[str]:
     cut_off = [name for name in model.node_name_list if name not in reached]
-    for names, why in ((closed, "closed"), (cut_off, "no open link leads there from a reservoir or tank")):
+    for names, why in (
+        (closed, "closed or without flow"),
+        (cut_off, "no open link leads there from a reservoir or tank"),
+    ):
         if names:
             listed = ", ".join(map(repr, sorted(names)[:LISTED]))
             yield f"left out, {why}: {listed}" + f" and {len(names) - LISTED} more" * (len(names) > LISTED)

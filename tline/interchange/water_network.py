@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from tline.interchange.pump_curve import Polyline, PowerLaw
 
 Position = tuple[float, float]
+STILL = 1e-9  # m³/s; a flow below it is none
 
 
 @dataclass(frozen=True)

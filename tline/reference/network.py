@@ -45,6 +45,7 @@ class Network:
     """
 
     def __init__(self, scene: Scene):
+        scene.check_linear("exact solutions")
         refuse_losses(scene, "no exact solution of that kind; see tline.reference.lossy")
         lines = [line.parameters for line in scene.lines.values()]
         self.scene = scene

@@ -15,7 +15,6 @@ from tline.scene.quantity import Quantity, Role
 BOLTZMANN, CHARGE = 1.380649e-23, 1.602176634e-19  # J/K, C; exact in the SI
 Saturation = Annotated[Quantity, Role("flow", at_least=1e-30, at_most=1e3)]
 Emission = Annotated[Quantity, Role("emission", "", at_least=0.1, at_most=100)]
-Effort, Flow = Annotated[Quantity, Role("effort")], Annotated[Quantity, Role("flow")]
 COLDEST, HOTTEST = 1.0, 5000.0  # K
 
 
@@ -50,8 +49,11 @@ def _pair(point: Any) -> Any:
     return point
 
 
+Point = Annotated[tuple[Annotated[Quantity, Role("effort")], Annotated[Quantity, Role("flow")]], BeforeValidator(_pair)]
+
+
 class _Curve(NonLinear):
-    points: list[Annotated[tuple[Effort, Flow], BeforeValidator(_pair)]] = Field(
+    points: list[Point] = Field(
         min_length=2, max_length=1000, description="pairs [effort, flow], neither of which may fall"
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -34,19 +34,23 @@ def misplaced(data: Mapping[str, Any]) -> list[InputError]:
     ends = [_ends(line) for line in lines.values()]
     known = bool(lines) and all(ends)
     nodes = sorted({node for pair in ends for node in pair}) if known else []
-    there, linked = set(nodes), linked_nodes(_tables(data, "links"))
+    there, linked = set(nodes), Counter(linked_nodes(_tables(data, "links")))
+    anywhere = there | linked.keys()
     if known:
         found += _loose_ends(data, nodes, linked)
     for section in ("sources", "loads", "probes"):
         for name, table in _tables(data, section).items():
             at, line = table.get("at"), table.get("line")
-            within = there if section == "probes" else there | set(linked)
+            within = there if section == "probes" else anywhere
             if known and isinstance(at, str) and at not in within:
                 where = place(section, name, "at")
                 found.append(InputError(where, "no line ends at this node", nearest(at, nodes), shown(at)))
             if section == "probes" and lines and isinstance(line, str) and line not in lines:
                 where = place(section, name, "line")
                 found.append(InputError(where, "no such line", nearest(line, [*lines]), shown(line)))
+    for node in _tables(data, "nodes"):
+        if known and node not in anywhere:
+            found.append(InputError(place("nodes", node), "no line ends at this node", nearest(node, nodes)))
     return found
 
 
@@ -68,13 +72,13 @@ def linked_nodes(links: Mapping[str, dict[str, Any]]) -> list[str]:
     return [node for pair in pairs if pair is not None and _is_pair(pair) for node in pair]
 
 
-def _loose_ends(data: Mapping[str, Any], nodes: list[str], linked: list[str]) -> Iterator[InputError]:
+def _loose_ends(data: Mapping[str, Any], nodes: list[str], linked: Counter[str]) -> Iterator[InputError]:
     """Ends of links at nodes where nothing else is."""
-    there = [table.get("at") for part in ("sources", "loads") for table in _tables(data, part).values()]
+    there = {*nodes} | {str(table.get("at")) for part in ("sources", "loads") for table in _tables(data, part).values()}
     for name, link in _tables(data, "links").items():
         pair = link.get("nodes")
         for k, node in enumerate(pair if pair is not None and _is_pair(pair) else ()):
-            if node not in nodes and node not in there and linked.count(node) == 1:
+            if node not in there and linked[node] == 1:
                 where = place("links", name, "nodes", k)
                 yield InputError(where, "nothing else is at this node", nearest(node, nodes), shown(node))
 
@@ -99,6 +103,7 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
     yield from _waveforms(scene)
     yield from _held(scene)
     yield from _coupled(scene)
+    yield from _heights(scene)
     yield from crowded(scene, {node for _, node in _ideal(scene)})
     linked = {node for link in scene.links.values() for node in link.nodes} - set(ends)
     for name, load in scene.loads.items():
@@ -152,7 +157,8 @@ def _waveforms(scene: Scene) -> Iterator[InputError]:
             if part != "sources":
                 check_range(waveform, scene.t_end, 1.0 if key == "opening" else inf)
         except InputError as error:
-            yield InputError(place(part, name, key, error.where), error.problem, error.expected, error.got)
+            where = place(part, name, key, *filter(None, [error.where]))
+            yield InputError(where, error.problem, error.expected, error.got)
 
 
 def _held(scene: Scene) -> Iterator[InputError]:
@@ -176,6 +182,14 @@ def _held(scene: Scene) -> Iterator[InputError]:
         if isinstance(load, Switch) and 0 in (load.before, load.after) and holder:
             problem = f"shorts node '{load.at}', which {holder} holds"
             yield InputError(place("loads", name), problem, "a resistance above zero")
+
+
+def _heights(scene: Scene) -> Iterator[InputError]:
+    """Elevations, which turn a pressure into one on the wall where the liquid's density is known."""
+    high = [name for name, site in scene.nodes.items() if site.elevation is not None]
+    if high and all(getattr(line.parameters, "density", None) is None for line in scene.lines.values()):
+        where, expected = place("nodes", high[0], "elevation"), "none, or the density of a pipe"
+        yield InputError(where, "the weight of the liquid does not follow", expected)
 
 
 def _ideal(scene: Scene) -> list[tuple[str, str]]:

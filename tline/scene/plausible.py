@@ -1,7 +1,7 @@
 """What is valid in a scene and yet probably not meant: sentences for the notes of a run."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from math import isfinite
 from typing import Any
 
@@ -10,9 +10,7 @@ from tline.scene.load import Switch
 from tline.scene.mistakes import place
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
-from tline.units import engineering
 
-VACUUM = -101_325.0  # Pa, gauge
 EVERYDAY = {"ohm", "V", "A", ""}  # units in which a bare number is what people mean
 LISTED = 3
 
@@ -33,33 +31,6 @@ def doubts(scene: Scene) -> list[str]:
     taken as SI for want of a unit: lines.cable.length = '300' (m)
     """
     return [*_of_lines(scene), *_rings(scene), *_idle(scene), *_bare(scene)]
-
-
-def below_vacuum(scene: Scene, lowest: Mapping[str, float]) -> list[str]:
-    """Whether pressures fall below those that a liquid can have.
-
-    Parameters
-    ----------
-    scene : Scene
-    lowest : mapping of str to float
-        Lowest effort by probe, Pa or V.
-
-    Examples
-    --------
-    >>> scene = Scene(
-    ...     medium="hydraulic", t_end=1, probes={"valve": {"at": "b"}},
-    ...     lines={"pipe": {"nodes": ["a", "b"], "z0": 1e8, "delay": 1}},
-    ... )
-    >>> below_vacuum(scene, {"valve": -2e5})
-    ['probes.valve: the pressure falls to -2 bar; a liquid cavitates below -1.013 bar gauge (0 absolute): not modelled']
-    """
-    deep = [name for name, pressure in lowest.items() if pressure < VACUUM]
-    if scene.medium != "hydraulic" or not deep:
-        return []
-    deep.sort(key=lambda name: lowest[name])
-    falls = f"the pressure falls to {engineering(lowest[deep[0]], 'bar')}"
-    limit = f"a liquid cavitates below {engineering(VACUUM, 'bar')} gauge (0 absolute): not modelled"
-    return [f"{_first([place('probes', name) for name in deep], 1)}: {falls}; {limit}"]
 
 
 def _of_lines(scene: Scene) -> Iterator[str]:

@@ -11,7 +11,7 @@ from tline.scene.between import Between
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.law import Law, OfLiquids
 from tline.scene.mistakes import shown
-from tline.scene.quantity import ZERO, Quantity, Role
+from tline.scene.quantity import Quantity, Role
 from tline.scene.shape import Step
 
 ONE_POINT = 4 / 3  # shut-off rise over that of the single point of a curve (L. A. Rossman, EPANET 2 manual, 2000)
@@ -66,7 +66,7 @@ class Pump(Between, OfLiquids):
         if self.trip is None or self.inertia is None or self.rated_speed is None:
             return Law("pump", constants, self.speed)
         twice_the_energy = self.inertia * (2 * pi * self.rated_speed) ** 2  # J, at rated speed
-        motor = Step(from_=Quantity(1, ""), to=ZERO, at=self.trip)
+        motor = Step.model_validate({"from": 1, "to": 0, "at": self.trip})
         return Law("rotor", (*constants, float(twice_the_energy)), motor)
 
 

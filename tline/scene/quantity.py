@@ -142,6 +142,7 @@ Tolerance = Annotated[Quantity, TOLERANCE]
 Angle = Annotated[Quantity, Role("angle", "rad")]
 Position = Annotated[Quantity, Role("position", at_least=0)]  # a length, or a share of the line
 Pressure = Annotated[Quantity, Role("pressure", "Pa")]
+Effort = Annotated[Quantity, Role("effort", above=0)]
 Resistance = Annotated[Quantity, Role("resistance", at_least=0, allow_infinite=True)]
 ACTIVE = "kind = 'impedance' with expression = '{:.9g}', which runs with --active"
 LoadResistance = Annotated[Quantity, Role("resistance", at_least=0, allow_infinite=True, if_negative=ACTIVE)]

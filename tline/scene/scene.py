@@ -14,10 +14,11 @@ from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.link import Link
 from tline.scene.load import Load
 from tline.scene.medium import MEDIA
-from tline.scene.mistakes import MOST, limited, mistakes
+from tline.scene.mistakes import MOST, limited, mistakes, place
 from tline.scene.probe import Probe
-from tline.scene.quantity import Duration, Tolerance, Whole
+from tline.scene.quantity import Duration, Effort, Tolerance, Whole
 from tline.scene.shape import Shape
+from tline.scene.site import Site
 from tline.scene.source import Source
 
 SHORT = 1e-30  # s, an end time in place of a bad one, so short that no waveform has too many breaks
@@ -57,40 +58,43 @@ Line = Annotated[
 class Scene(Element):
     """What a user describes; immutable, and valid once it exists.
 
-        Parameters
-        ----------
-        folder : str, by position
-            Where CSV tables are looked for; without it the working folder.
-        medium : str
-            "hydraulic" or "electrical".
-        t_end : number or text
-            End time, s; a run goes on to the end of its last slab.
-        lines, sources, loads, links, probes : dict
-            Elements by name. Lines meet at the nodes they name, in any topology; a node with nothing else is closed.
-        start : str
-            "rest", or "steady": the state that the sources imply by what they are just before t = 0.
-        solver : Solver
-            The tolerance (1e-6 without it), or order and slab width, where they are to be fixed by hand.
-        title : str
-            Said in plots and files.
+    Parameters
+    ----------
+    folder : str, by position
+        Where CSV tables are looked for; without it the working folder.
+    medium : str
+        "hydraulic" or "electrical".
+    t_end : number or text
+        End time, s; a run goes on to the end of its last slab.
+    lines, sources, loads, links, probes : dict
+        Elements by name. Lines meet at the nodes they name, in any topology; a node with nothing else is closed.
+    nodes : dict
+        Elevation and position of nodes by name, where they are known.
+    rating : number or text
+        Largest pressure or voltage that all lines are made for; a run says where it is exceeded.
+    start : str
+        "rest", or "steady": the state that the sources imply by what they are just before t = 0.
+    solver : Solver
+        The tolerance (1e-6 without it), or order and slab width, where they are to be fixed by hand.
+    title : str
+        Said in plots and files.
 
-        Raises
-        ------
-        SceneError
-            With every mistake of the scene, each naming its element.
+    Raises
+    ------
+    SceneError
+        With every mistake of the scene, each naming its element.
 
-        Examples
-        --------
-        >>> from tline.scene.shape import Shape
-    from tline.scene.source import Source
-        >>> scene = Scene(
-        ...     medium="electrical", t_end="40 ns",
-        ...     lines={"cable": {"nodes": ["near", "far"], "z0": "50 ohm", "delay": "5 ns"}},
-        ...     sources={"pulse": {"at": "near", "kind": "voltage", "value": "1 V", "resistance": "50 ohm"}},
-        ...     probes={"far": {"at": "far"}},
-        ... )
-        >>> scene.lines["cable"].parameters.delay
-        5e-09
+    Examples
+    --------
+    >>> from tline.scene.source import Source
+    >>> scene = Scene(
+    ...     medium="electrical", t_end="40 ns",
+    ...     lines={"cable": {"nodes": ["near", "far"], "z0": "50 ohm", "delay": "5 ns"}},
+    ...     sources={"pulse": {"at": "near", "kind": "voltage", "value": "1 V", "resistance": "50 ohm"}},
+    ...     probes={"far": {"at": "far"}},
+    ... )
+    >>> scene.lines["cable"].parameters.delay
+    5e-09
     """
 
     title: str = Field(default="", description="said in plots and files")
@@ -105,6 +109,8 @@ class Scene(Element):
     loads: dict[Name, Load] = Field(default_factory=dict, description="loads by name")
     links: dict[Name, Link] = Field(default_factory=dict, description="what stands between two nodes, by name")
     probes: dict[Name, Probe] = Field(description="probes by name")
+    nodes: dict[Name, Site] = Field(default_factory=dict, description="height and place of nodes, by name")
+    rating: Effort | None = Field(default=None, description="largest pressure or voltage that all lines are made for")
 
     def __init__(self, folder: str = ".", /, **data: Any) -> None:
         """Validate everything and collect all mistakes."""
@@ -115,6 +121,7 @@ class Scene(Element):
             "lines": Pipe if medium == "hydraulic" else Cable,
             "sources": Source,
             "probes": Probe,
+            "nodes": Site,
             "solver": Solver,
         }
         try:
@@ -140,6 +147,17 @@ class Scene(Element):
         elements = [("loads", *one) for one in self.loads.items()] + [("links", *one) for one in self.links.items()]
         return {(part, name): element.law() for part, name, element in elements if isinstance(element, NonLinear)}
 
+    def check_linear(self, what: str) -> None:
+        """Refuse a scene with a non-linear element.
+
+        Raises
+        ------
+        InputError
+            Naming the first, and what it is that takes linear scenes only.
+        """
+        for part, name in self.laws:
+            raise InputError(place(part, name), "is non-linear", f"a linear scene for {what}")
+
     @property
     def waveforms(self) -> dict[tuple[str, str, str], Shape]:
         """All that is prescribed over time, by section, name and key."""
@@ -162,7 +180,7 @@ def _sound_part(data: dict[str, Any], error: ValidationError, context: dict[str,
     if "units" not in context or keys & {"lines", "medium"}:
         return None
     part = {"t_end": SHORT, "probes": {}} | {key: value for key, value in data.items() if key not in keys}
-    for section in keys & {"sources", "loads", "links", "probes"}:
+    for section in keys & {"sources", "loads", "links", "probes", "nodes"}:
         tables = data.get(section)
         if isinstance(tables, dict):
             part[section] = {name: table for name, table in tables.items() if (section, name) not in bad}

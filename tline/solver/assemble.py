@@ -42,6 +42,7 @@ class Assembly:
     lines: dict[str, SceneLine]  # those that are not lumped
     recorded: dict[str, int]  # line name -> first of its two rows in the record
     start: dict[str, tuple[float, float]]  # line name -> (a, b) before t = 0
+    elements: list[list[str]]  # of each group, where its non-linear elements stand
     circuits: dict[str, Circuits]  # of lossy lines
     echoes: dict[str, NDArray]  # of lines in cells, what an end sends into itself (s, s)
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
@@ -133,6 +134,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         lines=lines,
         recorded=recorded,
         start=start,
+        elements=[[element.where for element in group.elements] for group in groups],
         circuits=circuits,
         echoes={list(lines)[k]: line.echo for k, line in in_cells.items()},
         settle=np.array([chosen.settle if group.lumps else 0.0 for group in groups]),

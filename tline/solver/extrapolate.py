@@ -15,6 +15,16 @@ def extrapolated(coarse: Result, fine: Result, power: int) -> Result | None:
     The answer is on the coarse slabs: at their ends, and only there, the runs err alike. None if the runs differ in
     length, or fronts lie inside slabs.
     """
+    return _combined(coarse, fine, 1.0 / (2.0**power - 1.0))
+
+
+def seen_on(coarse: Result, fine: Result) -> Result | None:
+    """A run on the slabs of a coarser one; None in the same cases."""
+    return _combined(coarse, fine, 0.0)
+
+
+def _combined(coarse: Result, fine: Result, weight: float) -> Result | None:
+    """The fine run at the points of the coarse slabs, and a weight times its difference to the coarse one."""
     if fine.t[-1] < coarse.t[-1] - fine.resolution.h / 2:
         return None
     records = {}
@@ -22,14 +32,13 @@ def extrapolated(coarse: Result, fine: Result, power: int) -> Result | None:
         pairs = [(getattr(line, wave), getattr(fine.lines[name], wave)) for wave in WAVES]
         if any(len(wave.pieces.slab) for pair in pairs for wave in pair):
             return None
-        waves = {wave: _combined(*pair, 2.0**power) for wave, pair in zip(WAVES, pairs, strict=True)}
+        waves = {wave: _wave(*pair, weight) for wave, pair in zip(WAVES, pairs, strict=True)}
         records[name] = replace(line, **waves)
     probes = {name: replace(probe, record=records[probe.line]) for name, probe in coarse.probes.items()}
     return replace(coarse, lines=records, probes=probes)
 
 
-def _combined(coarse: Wave, fine: Wave, ratio: float) -> Wave:
-    """(ratio fine - coarse)/(ratio - 1) at the points of the coarse slabs."""
+def _wave(coarse: Wave, fine: Wave, weight: float) -> Wave:
     t = (np.arange(len(coarse.values))[:, None] + coarse.basis.c) * coarse.h
     seen = fine(t)
-    return replace(coarse, values=seen + (seen - coarse.values) / (ratio - 1.0))
+    return replace(coarse, values=seen + weight * (seen - coarse.values))

@@ -112,8 +112,11 @@ def add_product(matrix, at, rows, columns, x, o, out, q):
 # an impedance z. Where several see each other, Newton's method finds all flows at once, instant by instant.
 
 QUADRATIC, PUMP, RELIEF, LEAK, DEMAND, DIODE, TABLE, GAS, TANK, ROTOR = range(10)
-SPARE, CLOSE = 4e-15, 1e-9  # residuals, relative to the efforts: good enough to stop, bad enough to give up
-STEPS, HALVINGS = 80, 30
+SPARE, CLOSE = 4e-15, 1e-10  # residuals, relative to the efforts: where to stop, and what will do if no step helps
+STEPS, ULPS = 80, 4e-16  # of a scalar Newton, and the relative change at which it ends
+TRIES, LEAST_STRIDE = 40, 1e-8  # Newton steps for a part of the way, and the least part
+FAINT = 1e-9  # slope, for a step, of drops that have none at rest and of flows that answer to nothing
+FARTHEST = 2.0  # step, in units of the largest effort
 
 
 @njit(**OPTIONS)
@@ -187,13 +190,14 @@ def bracketed(kind, c, at, factor, d, z, low, high):
             low = u
         step = rest / (1.0 + z * slope)
         after = u - step
-        if not low < after < high:
+        if not low * (1.0 - ULPS) <= after <= high * (1.0 + ULPS):
             after = 0.5 * (low + high)
-        if abs(after - u) <= 1e-16 * abs(u) or after in (low, high):
-            break
+        close = abs(after - u) <= ULPS * u
         u = after
+        if close:
+            break
     i, slope = conducted(kind, c, at, factor, u)
-    if z * i > 0.5 * d:
+    if z * slope > 1.0:  # then u is known better than what it conducts
         i = (d - u) / z
     return i, slope / (1.0 + z * slope)
 
@@ -228,11 +232,14 @@ def tabled(d, z, c, at, n):
             low = middle
         else:
             high = middle
-    start, flow = c[at + low] + z * c[at + n + low], c[at + n + low]
-    width, rise = c[at + high] + z * c[at + n + high] - start, c[at + n + high] - flow
-    if width <= 0.0:
-        return flow, 0.0
-    return flow + rise * ((d - start) / width), rise / width
+    start, stop = c[at + low] + z * c[at + n + low], c[at + high] + z * c[at + n + high]
+    rise = c[at + n + high] - c[at + n + low]
+    if stop <= start:
+        return c[at + n + low], 0.0
+    slope = rise / (stop - start)
+    if d - start < stop - d:
+        return c[at + n + low] + slope * (d - start), slope
+    return c[at + n + high] - slope * (stop - d), slope
 
 
 @njit(**OPTIONS)
@@ -318,77 +325,94 @@ def filling(kind, c, at, y, v, z):
 
 
 @njit(**OPTIONS)
+def unfilled(laws, e, radau, h, y, v, z, start, flow, rest):
+    """Residuals of the stages of an element with a state, the largest, and a scale."""
+    kind, c, at, s = laws.kind[e], laws.constants, laws.at[e], radau.shape[0]
+    x_start, _, _, _, _, _ = stored(kind, c, at, start)
+    worst, scale = 0.0, abs(x_start)
+    for j in range(s):
+        rest[j] = -x_start
+    for j in range(s):
+        flow[j], x, _, rate = filling(kind, c, at, y[j], v[j], z)
+        _, _, _, _, share, _ = stored(kind, c, at, y[j])
+        rest[j] += x
+        scale = max(scale, abs(x), h * abs(share * v[j]) / z)  # a stiff step magnifies what v is rounded by
+        for k in range(s):
+            rest[k] -= h * radau[k, j] * rate
+    for j in range(s):
+        worst = max(worst, abs(rest[j]))
+    return worst, scale
+
+
+@njit(**OPTIONS)
 def fill(laws, e, on, states, radau, h, v, z, flow, y, rest, system):
     """One Radau IIA step of width h of an element with a state: flows at the points under the efforts v there.
 
     The state is the root of twice the energy stored, so that the step cannot add energy (Hairer, Wanner: Solving
-    Ordinary Differential Equations II, 1996, theorem IV.12.9).
+    Ordinary Differential Equations II, 1996, theorem IV.12.9). As in `meet`, the first residual is led to zero.
     """
     kind, c, at, s = laws.kind[e], laws.constants, laws.at[e], radau.shape[0]
     start = states[laws.state_at[e]]
-    x_start, _, _, _, _, _ = stored(kind, c, at, start)
     if kind == ROTOR and on > 0.5:
         for j in range(s):
             flow[j], _, _, _ = filling(kind, c, at, start, v[j], z)
         return
     for j in range(s):
         y[j] = start
-    share, worst, scale = 0.0, np.inf, 0.0
-    for _ in range(STEPS * HALVINGS):
-        for j in range(s):
-            y[j] -= share * system[j, s]
-        now, scale = 0.0, abs(x_start)
-        for j in range(s):
-            rest[j] = -x_start
-        for j in range(s):
-            flow[j], x, _, rate = filling(kind, c, at, y[j], v[j], z)
-            rest[j] += x
-            scale = max(scale, abs(x))
-            for k in range(s):
-                rest[k] -= h * radau[k, j] * rate
-        for j in range(s):
-            now = max(now, abs(rest[j]))
-        if not now < worst and abs(share) > 2.0**-HALVINGS:  # too far: half of the way back
+    unfilled(laws, e, radau, h, y, v, z, start, flow, rest)
+    first, safe = rest.copy(), y.copy()
+    done, stride = 0.0, 1.0
+    while done < 1.0 and stride > LEAST_STRIDE:
+        aim, before, sound, share = min(done + stride, 1.0), np.inf, False, 1.0
+        for _ in range(TRIES):
+            _, scale = unfilled(laws, e, radau, h, y, v, z, start, flow, rest)
+            now = 0.0
             for j in range(s):
-                y[j] += share * system[j, s]
-            if worst <= CLOSE * scale and share < 1.0:
+                rest[j] -= (1.0 - aim) * first[j]
+                now = max(now, abs(rest[j]))
+            if now <= SPARE * scale or (now <= CLOSE * scale and now >= 0.5 * before):
+                sound = True
                 break
-            share *= 0.5
-            continue
-        worst = now
-        if now <= SPARE * scale:
-            break
-        reach = 0.0
-        for k in range(s):
-            delta = 1e-7 * max(abs(y[k]), 1.0)
-            _, _, slope, rate = filling(kind, c, at, y[k], v[k], z)
-            _, _, _, more = filling(kind, c, at, y[k] + delta, v[k], z)
+            if not np.isfinite(now):
+                break
+            share = min(1.0, 2.0 * share) if now < before else 0.5 * share
+            before, reach = now, 1e-300
+            for k in range(s):
+                delta = 1e-7 * max(abs(y[k]), 1.0)
+                _, _, slope, rate = filling(kind, c, at, y[k], v[k], z)
+                _, _, _, more = filling(kind, c, at, y[k] + delta, v[k], z)
+                for j in range(s):
+                    system[j, k] = (slope if j == k else 0.0) - h * radau[j, k] * (more - rate) / delta
+                system[k, s] = rest[k]
+            eliminate(system, s)
             for j in range(s):
-                system[j, k] = (slope if j == k else 0.0) - h * radau[j, k] * (more - rate) / delta
-            system[k, s] = rest[k]
-        eliminate(system, s)
-        for j in range(s):
-            reach = max(reach, abs(system[j, s]))
-        share = min(1.0, 2.0 / reach) if kind == GAS else 1.0
-    for j in range(s):
-        flow[j], _, _, _ = filling(kind, c, at, y[j], v[j], z)
-    states[laws.state_at[e]] = y[s - 1] if worst <= CLOSE * scale else np.nan
-    if not worst <= CLOSE * scale:
+                reach = max(reach, abs(system[j, s]))
+            step = min(share, 2.0 / reach) if kind == GAS else share
+            for j in range(s):
+                y[j] -= step * system[j, s]
+        if sound:
+            copy(y, safe)
+            done, stride = aim, 2.0 * stride
+        else:
+            copy(safe, y)
+            stride *= 0.25
+    states[laws.state_at[e]] = y[s - 1]
+    if done < 1.0:
         flow[s - 1] = np.nan
 
 
 @njit(**OPTIONS)
-def unbalance(laws, g, low, u, stride, q, factor, a, level, flow, slope, rest, taken):
-    """Residuals of a group whose elements see the efforts a behind their impedances; returns the largest, and a scale.
+def unbalance(laws, g, low, u, stride, q, factor, x, level, flow, slope, rest, taken):
+    """Residuals of a group at sample q, and a scale; x has what elements see behind their impedances, then efforts.
 
-    At nodes where nothing else conducts, u is the flow that is driven in, and `level` the effort.
+    At nodes where nothing else conducts, u is the flow that is driven in, and x the effort.
     """
-    first, n, worst, scale = laws.first[g], laws.first[g + 1] - laws.first[g], 0.0, 0.0
+    first, n, scale = laws.first[g], laws.first[g + 1] - laws.first[g], 0.0
     for p in range(taken.size):
         taken[p] = 0.0
     for k in range(n):
         e = first + k
-        flow[k], slope[k] = through(laws.kind[e], laws.constants, laws.at[e], factor[k, q], a[k], laws.seen[e])
+        flow[k], slope[k] = through(laws.kind[e], laws.constants, laws.at[e], factor[k, q], x[k], laws.seen[e])
         if laws.one[e] >= 0:
             taken[laws.one[e]] += flow[k]
         if laws.other[e] >= 0:
@@ -396,82 +420,98 @@ def unbalance(laws, g, low, u, stride, q, factor, a, level, flow, slope, rest, t
     for p in range(taken.size):
         z = laws.impedance[low + p]
         if z >= 0.0:
-            level[p] = u[p * stride + q] - z * taken[p]
+            level[p], rest[n + p] = u[p * stride + q] - z * taken[p], 0.0
             scale = max(scale, abs(u[p * stride + q]), abs(z * taken[p]))
         else:
-            rest[n + p] = laws.seen[first] * (taken[p] - u[p * stride + q])
-            worst = max(worst, abs(rest[n + p]))
+            level[p], rest[n + p] = x[n + p], laws.seen[first] * (taken[p] - u[p * stride + q])
     for k in range(n):
         e = first + k
-        rest[k] = a[k] - laws.seen[e] * flow[k]
+        rest[k] = x[k] - laws.seen[e] * flow[k]
         if laws.one[e] >= 0:
             rest[k] -= level[laws.one[e]]
         if laws.other[e] >= 0:
             rest[k] += level[laws.other[e]]
-        worst, scale = max(worst, abs(rest[k])), max(scale, abs(a[k]), abs(laws.seen[e] * flow[k]))
-    return worst, scale
+        scale = max(scale, abs(x[k]), abs(laws.seen[e] * flow[k]))
+    return scale
+
+
+@njit(**OPTIONS)
+def response(laws, g, low, nodes, slope, rest, system):
+    """The linear system of a Newton step: laws first, then what flows into nodes where nothing else conducts."""
+    first, count, size = laws.first[g], laws.first[g + 1] - laws.first[g], rest.size
+    for i in range(size):
+        for j in range(size):
+            system[i, j] = 0.0
+        system[i, size] = rest[i]
+    for k in range(count):
+        system[k, k] = max(1.0 - laws.seen[first + k] * slope[k], FAINT)
+    for k in range(count):  # what the flow of element k does to each other
+        for end, sign in ((laws.one[first + k], 1.0), (laws.other[first + k], -1.0)):
+            if end < 0:
+                continue
+            z = laws.impedance[low + end]
+            if z < 0.0:
+                system[count + end, k] += laws.seen[first] * sign * slope[k]
+                system[k, count + end] -= sign
+            else:
+                for f in range(count):
+                    if laws.one[first + f] == end:
+                        system[f, k] += sign * z * slope[k]
+                    if laws.other[first + f] == end:
+                        system[f, k] -= sign * z * slope[k]
+    for p in range(nodes):
+        if laws.impedance[low + p] >= 0.0:
+            system[count + p, count + p], system[count + p, size] = 1.0, 0.0
+        else:
+            system[count + p, count + p] += FAINT
 
 
 @njit(**OPTIONS)
 def meet(laws, g, low, nodes, u, stride, n, factor):
-    """Several elements that see each other: Newton's method at each of n instants, halving steps that stray."""
-    first, count = laws.first[g], laws.first[g + 1] - laws.first[g]
+    """Several elements that see each other: Newton's method at each of n instants.
+
+    The laws are monotone, so that residuals and unknowns determine each other (a homeomorphism). Where Newton's full
+    steps fail, the residual is led from its first value to zero in smaller parts, which must succeed.
+    """
+    count = laws.first[g + 1] - laws.first[g]
     size = count + nodes
-    a, level, flow, slope = np.zeros(count), np.zeros(nodes), np.empty(count), np.empty(count)
-    rest, taken, system = np.zeros(size), np.empty(nodes), np.empty((size, size + 1))
+    x, safe, aimed, level = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(nodes)
+    flow, slope, rest, taken = np.empty(count), np.empty(count), np.zeros(size), np.empty(nodes)
+    system = np.empty((size, size + 1))
     for q in range(n):
-        share, worst, scale = 0.0, np.inf, 0.0
-        for _ in range(STEPS * HALVINGS):
-            for k in range(count):
-                a[k] -= share * system[k, size]
-            for p in range(nodes):
-                if laws.impedance[low + p] < 0.0:
-                    level[p] -= share * system[count + p, size]
-            now, scale = unbalance(laws, g, low, u, stride, q, factor, a, level, flow, slope, rest, taken)
-            if not now < worst and share > 2.0**-HALVINGS:
-                for k in range(count):
-                    a[k] += share * system[k, size]
-                for p in range(nodes):
-                    if laws.impedance[low + p] < 0.0:
-                        level[p] += share * system[count + p, size]
-                if worst <= CLOSE * scale and share < 1.0:
-                    now, scale = unbalance(laws, g, low, u, stride, q, factor, a, level, flow, slope, rest, taken)
+        unbalance(laws, g, low, u, stride, q, factor, x, level, flow, slope, rest, taken)
+        copy(rest, aimed)
+        done, part = 0.0, 1.0
+        while done < 1.0 and part > LEAST_STRIDE:
+            aim, before, sound, share = min(done + part, 1.0), np.inf, False, 1.0
+            for _ in range(TRIES):
+                scale = unbalance(laws, g, low, u, stride, q, factor, x, level, flow, slope, rest, taken)
+                now = 0.0
+                for i in range(size):
+                    rest[i] -= (1.0 - aim) * aimed[i]
+                    now = max(now, abs(rest[i]))
+                if now <= SPARE * scale or (now <= CLOSE * scale and now >= 0.5 * before):
+                    sound = True
                     break
-                share *= 0.5
-                continue
-            worst = now
-            if now <= SPARE * scale:
-                break
-            for i in range(size):
-                for j in range(size):
-                    system[i, j] = 0.0
-                system[i, size] = rest[i]
-            for k in range(count):
-                e = first + k
-                system[k, k] = 1.0 - laws.seen[e] * slope[k]
-            for k in range(count):  # what the flow of element k does to each other
-                for end, sign in ((laws.one[first + k], 1.0), (laws.other[first + k], -1.0)):
-                    if end < 0:
-                        continue
-                    z = laws.impedance[low + end]
-                    if z < 0.0:
-                        system[count + end, k] += laws.seen[first] * sign * slope[k]
-                        system[k, count + end] -= sign
-                    else:
-                        for f in range(count):
-                            if laws.one[first + f] == end:
-                                system[f, k] += sign * z * slope[k]
-                            if laws.other[first + f] == end:
-                                system[f, k] -= sign * z * slope[k]
-            for p in range(nodes):
-                if laws.impedance[low + p] >= 0.0:
-                    system[count + p, count + p], system[count + p, size] = 1.0, 0.0
-                else:
-                    system[count + p, count + p] += 1e-30
-            eliminate(system, size)
-            share = 1.0
+                if not np.isfinite(now):
+                    break
+                share = min(1.0, 2.0 * share) if now < before else 0.5 * share
+                before = now
+                response(laws, g, low, nodes, slope, rest, system)
+                eliminate(system, size)
+                reach = scale
+                for i in range(size):
+                    reach = max(reach, abs(system[i, size]))
+                for i in range(size):
+                    x[i] -= min(share, FARTHEST * scale / reach) * system[i, size]
+            if sound:
+                copy(x, safe)
+                done, part = aim, 2.0 * part
+            else:
+                copy(safe, x)
+                part *= 0.25
         for p in range(nodes):
-            u[p * stride + q] = level[p] if worst <= CLOSE * scale else np.nan
+            u[p * stride + q] = level[p] if done == 1.0 else np.nan
 
 
 @njit(**OPTIONS)

@@ -138,8 +138,10 @@ class Stepper:
         from tline.solver.kernel import advance
 
         network, state = self.assembly.network, self.assembly.state
-        if advance(network, state, high - low, self._drive(low, high - low), self.record, low - self.origin) >= 0:
-            _refuse(self.assembly)
+        waves, column = self._drive(low, high - low), low - self.origin
+        node = advance(network, state, high - low, waves, self.record, column)
+        if node >= 0:
+            _refuse(self.assembly, node)
         if self.fronts is not None:
             self.fronts.pieces.width[:] = 0.0
         return high - low
@@ -161,7 +163,7 @@ class Stepper:
         drive, column = self._drive(first, n), first - self.origin
         node, done = advance_fronts(assembly.network, assembly.state, fronts, sources, drive, column, n, self.record)
         if node >= 0:
-            _refuse(assembly)
+            _refuse(assembly, node)
         noted, fronts.counts[NOTED] = fronts.counts[NOTED], 0
         of_kept = np.flatnonzero(fronts.log.where[:noted, 0] < 2 * len(assembly.recorded))
         where, span, values = (part[of_kept] for part in fronts.log)
@@ -195,7 +197,11 @@ def _snapped(changes: list[tuple[float, int, int]]) -> list[tuple[float, int, in
     return [(float(round(t)) if abs(t - round(t)) < EDGE else t, group, row) for t, group, row in changes]
 
 
-def _refuse(assembly: Assembly) -> None:
+def _refuse(assembly: Assembly, node: int) -> None:
+    group = int(np.searchsorted(assembly.network.group, node, side="right")) - 1
+    if group < len(assembly.elements) and assembly.elements[group]:
+        where = " and ".join(assembly.elements[group])
+        raise InputError(where, "no flow was found that fits the waves", "narrower slabs, or a line between elements")
     loads = assembly.scene.loads.items()
     active = [
         place("loads", name)

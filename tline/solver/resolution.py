@@ -88,7 +88,8 @@ def _slab(
     fronts = [max(gap, scene.t_end / SLABS_FOR_FRONTS) for gap in _gaps(scene)]
     affordable = min(_affordable(scene, delays, CHEAP), shortest)
     least = max(affordable, min(ROOMY * settle, shortest / SLABS_PER_DELAY))
-    wanted = max(min(resolved, scene.t_end / SLABS_PER_RUN, *fronts), least)
+    many = [] if lossy else [scene.t_end / SLABS_PER_RUN]  # to lines with losses slabs are dear
+    wanted = max(min([resolved, *many, *fronts]), least)
     marks = [t for t in breaks if t > 0] if few else []
     parts = _dividing(delays, lossy, marks, wanted, _affordable(scene, delays, CHEAP_IN_BLOCKS))
     if not parts and breaks and few:  # fronts inside slabs, exact in any slab, and slabs with fronts cost

@@ -7,12 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.coupled import refuse_coupled
+from tline.scene.limits import beyond_limits, weight_at
 from tline.scene.mistakes import place
-from tline.scene.plausible import below_vacuum, doubts
+from tline.scene.plausible import doubts
 from tline.scene.scene import Scene
 from tline.solver.assemble import Assembly, assemble
 from tline.solver.conductor import conductor, record_of
-from tline.solver.envelope import watch
+from tline.solver.envelope import Envelope, watch
 from tline.solver.march import Run, march
 from tline.solver.remarks import VISIBLE, lumped, smeared, unconnected, untouched
 from tline.solver.resolution import Resolution
@@ -39,6 +41,8 @@ def run(
     InputError
         The scene cannot be assembled, the record would be too large, or the waves grow beyond all bounds.
     """
+    if envelope:
+        refuse_coupled(scene.lines, "an envelope")
     kept = {*record, *probed(scene)}
     _refuse_inside(scene)
     assembly = assemble(scene, kept, chosen)
@@ -58,9 +62,9 @@ def run(
             probes[name] = ProbeResult(name, line, probe.fraction(scene.lines[line]), lines[line], ends)
         else:
             probes[name] = ProbeResult(name, line, float(at.end), record_of(at, lines), ends)
+    seen = extremes and extremes.envelope()
     unresolved = (*chosen.notes, *smeared(done.fronts))
-    lowest = {name: float(probe.u.min()) for name, probe in probes.items()}
-    doubtful = (*doubts(scene), *below_vacuum(scene, lowest))
+    doubtful = (*doubts(scene), *beyond_limits(scene, _extremes(scene, probes, seen)))
     remarks = (*untouched(probes), *unconnected(scene), *lumped(chosen), *doubtful)
     samples = len(assembly.network.ends) * n * s
     return Result(
@@ -74,9 +78,25 @@ def run(
         samples,
         done.seconds,
         done.fronts,
-        envelope=extremes and extremes.envelope(),
+        envelope=seen,
         circuits=assembly.circuits,
     )
+
+
+def _extremes(
+    scene: Scene, probes: dict[str, ProbeResult], envelope: Envelope | None
+) -> dict[str, tuple[float, float]]:
+    """Lowest and highest effort at each probe and node; of pressures those on the wall."""
+    weight = weight_at(scene)
+    found = {}
+    for name, probe in probes.items():
+        less = weight.get(scene.probes[name].at or "", 0.0)
+        found[place("probes", name)] = float(probe.u.min()) - less, float(probe.u.max()) - less
+    if envelope is not None:
+        for node, low, high in zip(envelope.nodes, envelope.lowest, envelope.highest, strict=True):
+            less = weight.get(node, 0.0)
+            found[f"node '{node}'"] = float(low) - less, float(high) - less
+    return found
 
 
 def _refuse_inside(scene: Scene) -> None:

@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from tline.errors import InputError
 from tline.scene.file import scene_text
 from tline.solver.atomic import replacing
+from tline.solver.envelope import COLUMNS
 from tline.solver.result import Result
 
 ROWS = 10_000  # turned into text at a time
@@ -49,6 +51,33 @@ def save_csv(result: Result, path: str | Path) -> None:
         for start in range(0, len(result.t), ROWS):
             block = np.stack([column[start : start + ROWS] for column in columns], axis=1)
             writer.writerows(block.tolist())
+
+
+def save_envelope(result: Result, path: str | Path) -> None:
+    """Write the effort before t = 0 and its extremes at every node as a table, in SI and full precision.
+
+    Parameters
+    ----------
+    result : Result
+        Of ``simulate(scene, envelope=True)``.
+    path : str or Path
+        The file; one that exists is replaced.
+
+    Raises
+    ------
+    InputError
+        The run kept no envelope, or the file cannot be written.
+    """
+    envelope, unit = result.envelope, result.medium.units["effort"]
+    if envelope is None:
+        raise InputError(str(path), "the run kept no envelope", "simulate(scene, envelope=True)")
+    effort = result.medium.effort
+    start, lowest, highest = (f"{what} {effort} [{unit}]" for what in ("start", "lowest", "highest"))
+    columns = [getattr(envelope, name).tolist() for name in COLUMNS]
+    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["node", start, lowest, "at [s]", highest, "at [s]"])
+        writer.writerows(zip(envelope.nodes, *columns, strict=True))
 
 
 def save_npz(result: Result, path: str | Path) -> None:

@@ -7,14 +7,14 @@ from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.accuracy import Accuracy, Attempt, added, apart, apart_inside
 from tline.solver.cells import fits
-from tline.solver.extrapolate import extrapolated
+from tline.solver.extrapolate import extrapolated, seen_on
 from tline.solver.nodes import NONE, nodes_of
 from tline.solver.resolution import Resolution, resolution
 from tline.solver.result import Result
 from tline.solver.run import run
 from tline.solver.search import Search, limit_of, refined
 
-ORDER = 3
+ORDER, ORDER_IN_CELLS = 3, 4
 TABLE = ((2,), (2, 4), (2, 4, 6), (1,), (1, 2), (1, 2, 3), (1, 2, 3, 4))  # powers of h taken out, smooth and not
 CLOSER, CLOSEST = 0.1, 1e-9  # tolerance of circuits over that of the run, and the least
 
@@ -36,7 +36,7 @@ def with_losses(search: Search) -> Result:
     cells = fits(search.scene.lines, resolution(search.scene, nodes_of(search.scene)).h)
     while True:
         search = search._replace(fit=fit)
-        result, last = (refined(search, NONE),) * 2 if cells else _halved(search)
+        result, last = _refined(search) if cells else _halved(search)
         accuracy = result.accuracy
         assert accuracy is not None
         closer = max(CLOSER * fit, CLOSEST)
@@ -49,6 +49,45 @@ def with_losses(search: Search) -> Result:
         if accuracy.worst <= search.tol:
             return replace(result, accuracy=accuracy)
         fit = closer
+
+
+def _refined(search: Search) -> tuple[Result, Result]:
+    """A result in cells, and the last run.
+
+    Right behind a front, lines with a memory answer faster than a slab can follow; a slab or two later all is right.
+    So with a memory slabs are halved, and what is judged and given back is what the runs are at the ends of the first
+    run's slabs.
+    """
+    start = resolution(search.scene, nodes_of(search.scene), search.scene.solver.order or ORDER_IN_CELLS)
+    first = search.run(start._replace(fit=search.fit))
+    if not any(len(line.series.rates) + len(line.shunt.rates) for line in first.circuits.values()):
+        result = refined(search, NONE)
+        return result, result
+    seen, last, attempts, accuracy, limit, stale = (
+        first,
+        first,
+        [Attempt.of(first)],
+        Accuracy(search.tol, {}, ()),
+        "",
+        0,
+    )
+    result = first
+    while not limit:
+        last = _run(search, last.resolution._replace(h=last.resolution.h / 2), first.t[-1])
+        finer = seen_on(first, last)
+        if finer is None:
+            limit = "fronts lie inside slabs"
+            break
+        found = Accuracy(search.tol, apart(seen, finer), (), apart_inside(seen, finer))
+        attempts[-1] = replace(attempts[-1], estimate=found.worst)
+        attempts.append(Attempt.of(last))
+        stale = stale + 1 if found.worst >= accuracy.worst else 0
+        if found.worst <= accuracy.worst:
+            result, accuracy = seen, found
+        if found.met and len(attempts) > 2:
+            break
+        seen, limit = finer, limit_of(attempts, stale, search.most)
+    return replace(result, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit)), last
 
 
 def _run(search: Search, chosen: Resolution, end: float) -> Result:

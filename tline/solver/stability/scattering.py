@@ -29,6 +29,7 @@ class Scattering:
     """
 
     def __init__(self, scene: Scene, terminations: Mapping[str, float] | None = None):
+        scene.check_linear("transfer functions and growth rates")
         lines = list(scene.lines.values())
         delays = np.array([line.parameters.delay or 0.0 for line in lines])
         self.second = float(delays.min())

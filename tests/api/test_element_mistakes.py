@@ -1,0 +1,130 @@
+"""Mistakes with non-linear elements: one sentence each, that names the element and what to do."""
+
+import re
+
+import pytest
+
+from tline.errors import InputError
+from tline.scene.scene import Scene
+from tline.solver.simulate import simulate
+
+SOUND = {
+    "medium": "hydraulic",
+    "t_end": 1.0,
+    "lines": {"pipe": {"nodes": ["tank", "end"], "z0": 1e7, "delay": 0.1}},
+    "loads": {
+        "tank": {"at": "tank", "kind": "reservoir", "pressure": 5e5},
+        "v": {"at": "end", "kind": "orifice", "kv": 100},
+    },
+    "links": {"pump": {"kind": "pump", "nodes": ["sump", "tank2"], "curve": [[0.02, 3e5]]}},
+    "sources": {},
+    "probes": {"end": {"at": "end"}},
+}
+
+
+def scene(load: dict | None = None, link: dict | None = None, **more) -> Scene:
+    loads = SOUND["loads"] | ({"x": {"at": "end"} | load} if load else {})
+    links = {"x": {"nodes": ["end", "tank"]} | link} if link else {}
+    return Scene(**SOUND | {"loads": loads, "links": links} | more)
+
+
+@pytest.mark.parametrize(
+    ("load", "message"),
+    [
+        ({"kind": "orifice"}, "loads.x: its capacity is not given, expected kv, cv"),
+        ({"kind": "orifice", "kv": 3, "cv": 4}, "loads.x: its capacity is not given once"),
+        ({"kind": "orifice", "kv": -3}, "loads.x.kv: kv out of range, expected more than 0"),
+        ({"kind": "orifice", "loss_coefficient": -1, "area": 1}, "loss coefficient out of range, expected more than 0"),
+        (
+            {"kind": "orifice", "loss_coefficient": 1},
+            "its capacity is not given once",
+        ),
+        ({"kind": "orifice", "kv": 3, "opening": 1.5}, r"loads.x.opening: out of range, expected from 0 to 1, got 1.5"),
+        ({"kind": "orifice", "kv": 3, "opening": "3 bar"}, "loads.x.opening: "),
+        (
+            {"kind": "orifice", "kv": 3, "opening": {"shape": "ramp", "from": 1, "to": -1, "duration": 1}},
+            "loads.x.opening: out of range, expected from 0 to 1, got -",
+        ),
+        ({"kind": "orifice", "kv": 3, "characteristic": [[0, 0], [0.5, 2], [1, 1]]}, "share out of range"),
+        ({"kind": "orifice", "kv": 3, "characteristic": [[0, 0], [0.5, 1]]}, "does not cover all openings once"),
+        ({"kind": "orifice", "kv": 3, "openning": 1}, "loads.x.openning: unknown key, expected 'opening'"),
+        ({"kind": "relief valve", "kv": 3, "set_pressure": 1e5}, "loads.x.band: is missing"),
+        ({"kind": "demand", "flow": 1, "required_pressure": -1}, "loads.x.required_pressure: too low"),
+        ({"kind": "table", "points": [[0, 0], [1, -1]]}, r"loads.x.points\[1\]: the curve falls or stands still"),
+        ({"kind": "surge tank"}, "loads.x: its surface is not given once"),
+        ({"kind": "air vessel", "gas_volume": 1, "gas_pressure": -2e5}, "loads.x.gas_pressure: below vacuum"),
+        ({"kind": "air vessel", "gas_volume": 1, "gas_pressure": 1}, "an air vessel or cavity stands beside loads.v"),
+        (
+            {"kind": "series", "capacitance": 1e-8},
+            "loads.x: stands beside loads.v, .*, expected a line",
+        ),
+        ({"kind": "valve", "before": 1, "after": 2, "time": 3}, "loads.x: stands beside loads.v, which is non-linear"),
+    ],
+)
+def test_a_load(load, message):
+    with pytest.raises(InputError, match=message):
+        scene(load)
+
+
+@pytest.mark.parametrize(
+    ("link", "message"),
+    [
+        ({"kind": "pump", "curve": [[0, 3e5], [0.02, 4e5]]}, "links.x.curve: the rise does not fall with the flow"),
+        ({"kind": "pump", "curve": [[0, 3e5], [1, 2.9e5], [2, 1], [3, 0]]}, "links.x.curve: .*at most 3"),
+        ({"kind": "pump", "curve": [[0.02, 3e5]], "trip": 1}, "links.x.inertia: is missing"),
+        ({"kind": "pump", "curve": [[0.02, 3e5]], "inertia": 1, "rated_speed": 1}, "links.x.trip: is missing"),
+        ({"kind": "pump", "curve": [[0.02, 3e5]], "speed": -1}, "links.x.speed: out of range, expected zero or more"),
+        ({"kind": "orifice", "kv": 1, "nodes": ["end", "end"]}, "links.x.nodes: both ends are at one node"),
+        (
+            {"kind": "orifice", "kv": 1, "nodes": ["end", "tnak"]},
+            r"nodes\[1\]: nothing else is at this node, .*'tank'",
+        ),
+        ({"kind": "orifice", "kv": 1, "nodes": ["end"]}, "links.x.nodes: not two nodes"),
+        ({"kind": "orifce", "kv": 1}, "links.x.kind: unknown, expected 'orifice'"),
+        ({"kv": 1}, "links.x.kind: is missing, expected one of .*'orifice'"),
+        ({"kind": "orifice", "kv": 1, "at": "end"}, "links.x.at: unknown key"),
+    ],
+)
+def test_a_link(link, message):
+    with pytest.raises(InputError, match=message):
+        scene(link=link)
+
+
+def test_pumps_are_no_cables():
+    lines = {"cable": {"nodes": ["a", "b"], "z0": 50, "delay": 1}}
+    pump = {"kind": "pump", "nodes": ["a", "b"], "curve": [[0.02, 3e5]]}
+    with pytest.raises(InputError, match=re.escape("links.p.kind: not a word of electrical scenes")):
+        Scene(medium="electrical", t_end=1, lines=lines, links={"p": pump}, probes={"a": {"at": "a"}})
+
+
+def test_a_vessel_below_vacuum_is_named():
+    loads = {
+        "tank": {"at": "tank", "kind": "reservoir", "pressure": -2e5},
+        "vessel": {"at": "end", "kind": "air vessel", "gas_volume": 1, "gas_pressure": 0},
+    }
+    with pytest.raises(InputError, match=r"loads\.vessel: no state at rest: the pressure is below vacuum"):
+        simulate(Scene(**SOUND | {"loads": loads, "links": {}, "start": "steady"}))
+
+
+def test_a_flow_that_nothing_takes_has_no_steady_state():
+    sources = {"in": {"at": "end", "kind": "flow", "value": 0.01}}
+    loads = {"flap": {"at": "tank", "kind": "check valve", "kv": 10, "back_pressure": 1e5}}
+    loads["shut"] = {"at": "end", "kind": "orifice", "kv": 10, "opening": 0}
+    ending = Scene(**SOUND | {"loads": loads, "links": {}, "sources": sources, "start": "steady"})
+    simulate(ending)  # through the flap
+    shut = {"shut": loads["shut"]}
+    with pytest.raises(InputError, match=r"sources\.in: no steady state: nothing takes the flow"):
+        simulate(Scene(**SOUND | {"loads": shut, "links": {}, "sources": sources, "start": "steady"}))
+
+
+def test_linear_methods_refuse_a_valve_by_name():
+    from tline.frequency.response import respond
+    from tline.reference.network import Network
+    from tline.rivals import RIVALS
+
+    sources = {"s": {"at": "end", "kind": "flow", "value": 1}}
+    valve = scene(sources=sources)
+    for method in (lambda: respond(valve, 1.0), lambda: Network(valve)):
+        with pytest.raises(InputError, match=r"loads\.v: is non-linear, expected a linear scene"):
+            method()
+    assert all("loads.v: rivals know linear elements only" in rival.misfit(valve) for rival in RIVALS.values())

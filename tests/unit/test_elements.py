@@ -1,0 +1,107 @@
+"""Laws one by one: each flow fits its law behind its impedance, and its slope is its derivative."""
+
+import numpy as np
+import pytest
+
+from tline.scene.factor import Characterised
+from tline.scene.points import Ramp
+from tline.scene.pump import Pump
+from tline.solver import kernel
+from tline.solver.elements import KINDS
+
+LAWS = {
+    "quadratic": ((0.1, 0.7, 0.0), lambda u: 0.7 * np.sign(u) * np.sqrt(abs(u))),
+    "pump": ((0.0, 2.0, 0.3, 0.5, 0.0), None),
+    "relief": ((0.0, 0.7, 0.5, 0.25), lambda u: 0.7 * np.clip((u - 0.5) / 0.25, 0, 1) * np.sqrt(max(u, 0))),
+    "leak": ((0.0, 0.8, 1.3, 1.2), lambda u: 0.8 * (max(u, 0) / 1.3) ** 1.2),
+    "demand": ((0.2, 0.8, 1.3, 0.5), lambda u: 0.8 * np.clip(u / 1.3, 0, 1) ** 0.5),
+    "diode": ((0.0, 1e-12, 0.026), lambda u: 1e-12 * np.expm1(u / 0.026)),
+    "table": ((0.0, 3.0, -1.0, 0.5, 1.0, -2.0, 0.0, 4.0), lambda u: np.interp(u, [-1, 0.5, 1], [-2, 0, 4])),
+}
+
+
+def through(kind: str, v: float, z: float, factor: float = 1.0) -> tuple[float, float]:
+    constants = np.array(LAWS[kind][0])
+    return kernel.through(KINDS.index(kind), constants, 0, factor, v, z)
+
+
+@pytest.mark.parametrize("kind", [kind for kind, (_, law) in LAWS.items() if law])
+@pytest.mark.parametrize("z", [1e-3, 1.0, 300.0])
+def test_a_flow_fits_its_law(kind, z):
+    constants, law = LAWS[kind]
+    for v in (-0.9, -1e-9, 0.3, 0.6, 0.73, 0.99):
+        flow, _ = through(kind, v, z)
+        drop = v - constants[0] - z * flow
+        step = 1e-15 * max(abs(v), z * abs(flow))  # what rounding of the drop may change
+        assert law(drop - 8 * step) - 1e-15 <= flow <= law(drop + 8 * step) + 1e-15
+
+
+@pytest.mark.parametrize("kind", LAWS)
+def test_a_slope_is_the_derivative(kind):
+    for v in (-0.7, 0.37, 0.61, 1.4, 7.0):
+        step = 1e-6
+        difference = (through(kind, v + step, 2.0)[0] - through(kind, v - step, 2.0)[0]) / (2 * step)
+        assert through(kind, v, 2.0)[1] == pytest.approx(difference, rel=1e-4, abs=1e-9)
+
+
+def test_the_pumps_parabola_is_met_at_any_speed():
+    _, h0, b, c, _ = LAWS["pump"][0]
+    for speed in (0.0, 0.4, 1.0):
+        flow, _ = through("pump", -0.5, 0.3, speed)
+        assert -0.5 - 0.3 * flow == pytest.approx(-h0 * speed**2 + b * speed * flow + c * flow * abs(flow), abs=1e-14)
+
+
+@pytest.mark.parametrize("capacity", [0.0, 1e-200, 1e-9, 1.0, 1e9, 1e150, np.inf])
+def test_a_valve_is_sound_from_shut_to_without_loss(capacity):
+    flow, slope = kernel.rooted(3.0, 2.0, capacity, 0.0)
+    assert 0 <= flow <= 1.5
+    assert 0 <= slope <= 0.5
+    if capacity >= 1e9:
+        assert flow == pytest.approx(1.5, rel=1e-15)
+
+
+@pytest.mark.parametrize("v", [-1e6, 1e6, 1e100])
+def test_a_diode_does_not_overflow(v):
+    flow, slope = through("diode", v, 50.0)
+    assert np.isfinite([flow, slope]).all()
+    assert flow == pytest.approx(v / 50 if v > 0 else -1e-12, rel=1e-3)
+
+
+@pytest.mark.parametrize("n", [1.0, 1.2, 1.4])
+def test_gas_stores_what_its_pressure_does(n):
+    """X²/2 is the integral of the pressure; series near the atmosphere's and closed form beyond meet."""
+    for volume in (0.01, 0.59999, 0.60001, 0.95, 1.0, 1.3, 1.39999, 1.40001, 50.0):
+        effort, x, ratio = kernel.gas(volume, n)
+        y, weights = np.polynomial.legendre.leggauss(60)
+        low = np.log(volume) * (1 + y) / 2  # in ln V, from 1 to volume
+        work = -np.log(volume) / 2 * weights @ (np.expm1(-n * low) * np.exp(low))
+        assert x**2 / 2 == pytest.approx(work, rel=1e-12, abs=1e-30)
+        assert effort == pytest.approx(np.expm1(-n * np.log(volume)), rel=1e-13, abs=1e-30)
+        assert ratio * x == pytest.approx(effort, rel=1e-13, abs=1e-30)
+
+
+def test_kinds_are_numbered_alike():
+    numbers = [getattr(kernel, kind.upper()) for kind in KINDS]
+    assert numbers == list(range(len(KINDS)))
+
+
+@pytest.mark.parametrize(
+    ("curve", "parabola"),
+    [
+        ([(2.0, 3.0)], (4.0, 0.0, 0.25)),
+        ([(0.0, 4.0), (2.0, 3.0)], (4.0, 0.0, 0.25)),
+        ([(0.0, 4.0), (1.0, 3.5), (2.0, 2.0)], (4.0, 0.0, 0.5)),
+        ([(0.0, 4.0), (1.0, 3.0), (2.0, 1.0)], (4.0, 0.5, 0.5)),
+    ],
+)
+def test_a_curve_goes_through_its_points(curve, parabola):
+    pump = Pump(nodes=("a", "b"), curve=curve)
+    assert pump.law().constants[1:4] == pytest.approx(parabola, abs=1e-12)
+
+
+def test_a_characteristic_breaks_where_the_opening_passes_its_points():
+    opening = Ramp(from_=1, to=0, at=1, duration=2)
+    shape = Characterised.model_construct(opening=opening, shares=((0.0, 0.0), (0.25, 0.1), (1.0, 1.0)))
+    assert shape.breaks(5.0) == pytest.approx([1.0, 2.5, 3.0])
+    t = np.array([0.0, 1.0, 2.0, 2.5, 2.75, 4.0])
+    assert shape.value(t, t - 1e-9) == pytest.approx([1, 1, 0.4, 0.1, 0.05, 0], abs=1e-8)

@@ -1,0 +1,147 @@
+"""From a water network at its operating point to a scene that starts there."""
+
+from typing import Any
+
+from tline.errors import InputError
+from tline.interchange.epanet import read_epanet
+from tline.interchange.head_loss import GRAVITY as EPANETS
+from tline.interchange.water_network import STILL, Basin, Junction, Pipe, Pump, Valve, WaterNetwork
+from tline.scene.file import scene_from
+from tline.scene.quantity import Quantity
+from tline.scene.scene import Scene
+from tline.scene.site import GRAVITY
+
+T_END, TOL = "10 s", 1e-3  # of the scene, for the user to change
+LEAST_DROP = 1e-3  # m; of a valve without loss
+
+
+def read_inp(path: str, wave_speed: float | str) -> tuple[Scene, tuple[str, ...]]:
+    """Scene of an EPANET file, and notes on what is left out or held.
+
+    Parameters
+    ----------
+    path : str
+        An ``.inp`` file.
+    wave_speed : number or text
+        In all pipes, such as ``"1000 m/s"``.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or holds what no scene has.
+    """
+    Quantity(wave_speed, "m/s", "wave_speed")
+    return water_scene(read_epanet(path), wave_speed)
+
+
+def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, tuple[str, ...]]:
+    """The scene of a network, and notes.
+
+    Pressures are piezometric, density·g·head. The friction of a pipe is a loss in its middle, with the factor that the
+    operating point has. Reservoirs and tanks hold their level, valves their opening; a demand is what an opening to the
+    air lets out that gives the demand at the operating point. A pump has the parabola through its shut-off head with
+    head and slope at the operating point.
+
+    Raises
+    ------
+    InputError
+        An element that no scene has.
+    """
+    weight, notes = network.density * GRAVITY, list(network.notes)
+    tables: dict[str, Any] = {key: {} for key in ("lines", "links", "loads", "sources", "nodes")}
+    for name, pipe in network.pipes.items():
+        _add_pipe(tables, network, name, pipe, wave_speed)
+    for name, pump in network.pumps.items():
+        tables["links"][name] = _pump(network, name, pump, notes)
+    for name, valve in network.valves.items():
+        tables["links"][name] = _valve(valve, weight)
+    for name, node in network.nodes.items():
+        _add_node(tables, network, name, node, weight, notes)
+    tanks = [repr(name) for name, basin in network.basins.items() if basin.kind == "tank"]
+    if tanks:
+        notes.append(f"tanks: held at their level: {', '.join(tanks)}")
+    if network.valves:
+        notes.append("valves: held at the opening that they have at the operating point")
+    head = {"title": network.title, "medium": "hydraulic", "t_end": T_END, "start": "steady", "solver": {"tol": TOL}}
+    return scene_from(head | {key: table for key, table in tables.items() if table} | _probe(network)), tuple(notes)
+
+
+def _add_pipe(tables: dict[str, Any], network: WaterNetwork, name: str, pipe: Pipe, wave_speed: float | str) -> None:
+    one, two = f"{name}:1", f"{name}:2"
+    if {one, two} & network.nodes.keys():
+        raise InputError(f"pipe '{name}'", "its middle needs a name that a node has", f"no node '{one}' or '{two}'")
+    for half, ends in ((one, (pipe.nodes[0], one)), (two, (two, pipe.nodes[1]))):
+        tables["lines"][half] = {
+            "nodes": list(ends),
+            "length": pipe.length / 2,
+            "diameter": pipe.diameter,
+            "wave_speed": wave_speed,
+            "density": network.density,
+        }
+    tables["links"][name] = {
+        "kind": "check valve" if pipe.one_way else "orifice",
+        "nodes": [one, two],
+        "loss_coefficient": pipe.factor * pipe.length / pipe.diameter * (GRAVITY / EPANETS),  # of the same head
+        "diameter": pipe.diameter,
+        "density": network.density,
+    }
+
+
+def _valve(valve: Valve, weight: float) -> dict[str, Any]:
+    drop = weight * max(abs(valve.drop), LEAST_DROP)
+    return {"kind": "orifice", "nodes": list(valve.nodes), "flow": abs(valve.flow), "pressure_drop": drop}
+
+
+def _pump(network: WaterNetwork, name: str, pump: Pump, notes: list[str]) -> dict[str, Any]:
+    """A pump whose parabola has head and slope of the curve at the operating point, and its shut-off head if it can."""
+    weight, flow = network.density * GRAVITY, pump.flow / pump.speed
+    if pump.curve is None:  # constant power: head·flow is constant
+        one, two = (network.nodes[node].head for node in pump.nodes)
+        head = (two - one) / pump.speed**2
+        slope, shut_off = -head / flow, None
+    else:
+        head, slope, shut_off = pump.curve.head(flow), pump.curve.slope(flow), pump.curve.head(0.0)
+    fall = -slope * flow
+    if shut_off is not None and shut_off - head <= fall <= 2 * (shut_off - head) * (1 + 1e-12):
+        bend = fall - (shut_off - head)
+        half = shut_off - (2 * (shut_off - head) - fall) / 2 - bend / 4
+        points = [[0.0, shut_off], [flow / 2, half], [flow, head]]
+    else:
+        points = [[0.0, head + fall / 2], [flow, head]]
+        given = "constant power" if shut_off is None else f"{shut_off:.4g} m in the file"
+        notes.append(f"pump '{name}': no flow at a head of {head + fall / 2:.4g} m ({given})")
+    speed = {} if pump.speed == 1 else {"speed": pump.speed}
+    curve = [[q, weight * h] for q, h in points]
+    return {"kind": "pump", "nodes": list(pump.nodes), "curve": curve, "check_valve": True} | speed
+
+
+def _add_node(
+    tables: dict[str, Any], network: WaterNetwork, name: str, node: Junction | Basin, weight: float, notes: list[str]
+) -> None:
+    tables["nodes"][name] = {"elevation": node.elevation, "position": list(node.position)}
+    if isinstance(node, Basin):
+        tables["loads"][name] = {"at": name, "kind": "reservoir", "pressure": weight * node.head}
+        return
+    outside = {"at": name, "kind": "check valve", "back_pressure": weight * node.elevation}
+    height = node.head - node.elevation
+    if node.demand > STILL and height > LEAST_DROP:
+        tables["loads"][name] = outside | {"flow": node.demand, "pressure_drop": weight * height}
+    elif abs(node.demand) > STILL:
+        tables["sources"][name] = {"at": name, "kind": "flow", "value": -node.demand}
+        if node.demand > 0:
+            notes.append(f"junction '{name}': no pressure, so its demand is a constant flow")
+    if node.emitter and network.exponent != 0.5:
+        problem = f"the exponent of emitters is {network.exponent:g}, and a scene has square roots"
+        raise InputError(f"junction '{name}'", problem, "0.5")
+    if node.emitter:
+        tables["loads"][f"{name}:emitter"] = outside | {"flow": node.emitter, "pressure_drop": weight}
+
+
+def _probe(network: WaterNetwork) -> dict[str, Any]:
+    """A probe at the junction with the largest demand, for the user to move."""
+    ends = {node: f"{name}:{k}" for name, pipe in network.pipes.items() for k, node in enumerate(pipe.nodes, 1)}
+    if not ends:
+        raise InputError("pipes", "there are none in use", "a network with a pipe")
+    drawn = {node: network.junctions[node].demand for node in ends if node in network.junctions}
+    at = max(drawn, key=drawn.__getitem__, default=next(iter(ends)))
+    return {"probes": {at: {"at": at, "line": ends[at]}}}

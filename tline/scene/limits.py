@@ -1,0 +1,74 @@
+"""Where a run exceeds what a liquid or a wall can bear: sentences for its notes."""
+
+from collections.abc import Mapping
+from math import inf
+
+from tline.line import HydraulicLine
+from tline.scene.medium import HYDRAULIC, MEDIA
+from tline.scene.scene import Scene
+from tline.scene.site import GRAVITY
+from tline.units import engineering
+
+VACUUM = -101_325.0  # Pa, gauge
+
+
+def beyond_limits(scene: Scene, extremes: Mapping[str, tuple[float, float]]) -> list[str]:
+    """Whether pressures fall below those that a liquid can have, or an effort exceeds the scene's rating.
+
+    Parameters
+    ----------
+    scene : Scene
+    extremes : mapping of str to pair of float
+        Lowest and highest effort by place; a pressure is that on the wall, Pa; else V.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="hydraulic", t_end=1, probes={"valve": {"at": "b"}}, rating="16 bar",
+    ...     lines={"pipe": {"nodes": ["a", "b"], "z0": 1e8, "delay": 1}},
+    ... )
+    >>> for note in beyond_limits(scene, {"probes.valve": (-2e5, 2e6)}):
+    ...     print(note)
+    probes.valve: the pressure falls to -2 bar; a liquid cavitates below -1.013 bar gauge (0 absolute): not modelled
+    probes.valve: the pressure rises to 20 bar, above the rating of 16 bar
+    """
+    medium = MEDIA[scene.medium]
+    unit, found = medium.shown["effort"], []
+    deep = {where: low for where, (low, _) in extremes.items() if low < VACUUM}
+    if medium is HYDRAULIC and deep:
+        limit = f"a liquid cavitates below {engineering(VACUUM, unit)} gauge (0 absolute): not modelled"
+        falls = f"the pressure falls to {engineering(min(deep.values()), unit)}"
+        found.append(f"{_first(sorted(deep, key=deep.__getitem__))}: {falls}; {limit}")
+    rating = float(scene.rating or inf)
+    sizes = {where: high if medium is HYDRAULIC else max(high, -low) for where, (low, high) in extremes.items()}
+    high = {where: size for where, size in sizes.items() if size > rating}
+    if high:
+        rises = f"the {medium.effort} rises to {engineering(max(high.values()), unit)}"
+        above = f"above the rating of {engineering(rating, unit)}"
+        found.append(f"{_first(sorted(high, key=high.__getitem__, reverse=True))}: {rises}, {above}")
+    return found
+
+
+def weight_at(scene: Scene) -> dict[str, float]:
+    """Density·g·elevation of nodes, Pa: so much the piezometric pressure exceeds that on the wall.
+
+    Examples
+    --------
+    >>> pipe = {"nodes": ["a", "b"], "z0": 1e8, "delay": 1, "density": 1000}
+    >>> scene = Scene(
+    ...     medium="hydraulic", t_end=1, probes={"p": {"at": "a"}}, lines={"pipe": pipe}, nodes={"b": {"elevation": 10}}
+    ... )
+    >>> weight_at(scene)
+    {'b': 98066.5}
+    """
+    heights = {name: float(site.elevation) for name, site in scene.nodes.items() if site.elevation is not None}
+    densities: dict[str, float] = {}
+    for line in scene.lines.values() if heights else ():
+        if isinstance(line.parameters, HydraulicLine) and line.parameters.density is not None:
+            densities |= dict.fromkeys(line.nodes, line.parameters.density)
+    other = next(iter(densities.values()), 0.0)  # at a node where no pipe ends
+    return {name: densities.get(name, other) * GRAVITY * height for name, height in heights.items()}
+
+
+def _first(places: list[str]) -> str:
+    return places[0] + f" and {len(places) - 1} more" * (len(places) > 1)

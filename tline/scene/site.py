@@ -1,0 +1,32 @@
+"""Where a node is: its height, and its place on a map."""
+
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field
+
+from tline.errors import InputError
+from tline.scene.element import Element
+from tline.scene.mistakes import shown
+from tline.scene.quantity import Quantity, Role
+
+GRAVITY = 9.80665  # m/s²
+
+
+def _pair(position: Any) -> Any:
+    numbers = isinstance(position, list | tuple) and all(type(x) in (int, float) and abs(x) < 1e100 for x in position)
+    if not numbers or len(position) != 2:
+        raise InputError("", "not a place on a map", "two numbers such as [120, 45.5]", shown(position))
+    return position
+
+
+class Site(Element):
+    """Height and place of a node, for pictures, limits of pressures and elements of other programs.
+
+    In a scene with elevations the pressure u is the piezometric one, density·g·head, with g = 9.80665 m/s²: the same
+    along a pipe at rest whatever its slope. The pressure on the wall is u - density·g·elevation.
+    """
+
+    elevation: Annotated[Quantity, Role("length", "m")] | None = Field(default=None, description="height of the node")
+    position: Annotated[tuple[float, float], BeforeValidator(_pair)] | None = Field(
+        default=None, description="coordinates on a map, in any unit"
+    )
