@@ -102,8 +102,8 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
     yield from _slab(scene)
     yield from _waveforms(scene)
     yield from _held(scene)
-    yield from _coupled(scene)
     yield from _heights(scene)
+    yield from _coupled(scene)
     yield from crowded(scene, {node for _, node in _ideal(scene)})
     linked = {node for link in scene.links.values() for node in link.nodes} - set(ends)
     for name, load in scene.loads.items():
