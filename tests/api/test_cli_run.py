@@ -156,7 +156,8 @@ def test_a_table_beside_the_scene_is_found_when_the_solver_is_overridden(folder:
 
 
 def test_all_files_are_written_and_named(folder: Path) -> None:
-    files = {kind: f"out-{kind}{suffixes[0]}" for kind, suffixes in SUFFIXES.items()}
+    resistive = {"load_lines"}  # these are for resistive ends, and not for a valve that moves
+    files = {kind: f"out-{kind}{suffixes[0]}" for kind, suffixes in SUFFIXES.items() if kind not in resistive}
     options = " ".join(f"--{kind.replace('_', '-')} {file}" for kind, file in files.items())
     result = ran(f"run valve.toml {options} --path valve,tank")
     assert result.stdout.splitlines()[-len(files) :] == [f"wrote {file}" for file in files.values()]

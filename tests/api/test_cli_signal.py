@@ -84,11 +84,13 @@ def test_load_lines(folder: Path) -> None:
     done = run("run cable.toml --load-lines b.png")
     assert done.exit_code == 0, done.output
     assert (folder / "b.png").stat().st_size > 10_000
+    assert (folder / "b.png").read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize(
     ("line", "sentence"),
     [
+        ("run memory.toml --load-lines b.png", "loads.end: no load line: the end is not resistive"),
         ("tdr cable.toml --port nar --rise 1e-10", "--port: no line ends at this node, expected 'near'"),
         ("tdr cable.toml --port near --rise 3V", "--rise: this unit measures something else"),
         ("tdr cable.toml --port near --rise 0", "--rise: not positive, expected more than 0, got '0'"),
@@ -105,7 +107,9 @@ def test_load_lines(folder: Path) -> None:
         ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --high 3s", "sources.driver.value"),
     ],
 )
-def test_a_mistake_is_one_sentence(line: str, sentence: str) -> None:
+def test_a_mistake_is_one_sentence(line: str, sentence: str, folder: Path) -> None:
+    memory = CABLE.replace('"resistor"', '"parallel"\ncapacitance = 1e-12')
+    (folder / "memory.toml").write_text(memory, encoding="utf-8")
     done = run(line)
     assert (done.exit_code, done.stdout) == (2, "")
     assert done.stderr.startswith(sentence)

@@ -50,6 +50,16 @@ def test_an_instrument_of_another_impedance_sees_the_line_as_it_is():
     assert seen.impedance[seen.t > 0.2 * NS] == pytest.approx(50, rel=1e-5)
 
 
+def test_one_of_two_coupled_conductors_between_equal_modes_is_a_line():
+    """Modes alike do not couple: a conductor is then a single line of their z0."""
+    pair = {"nodes1": ["near", "x"], "nodes2": ["far", "y"]} | {m: {"z0": 75, "delay": NS} for m in ("even", "odd")}
+    made = scene({"pair": pair}, loads={"e": {"at": "far", "kind": "resistor", "resistance": 75}})
+    seen = reflectometry(made, "near", 0.1 * NS, 50)
+    assert seen.impedance[seen.t > 0.2 * NS] == pytest.approx(75, rel=1e-8)
+    with pytest.raises(InputError, match="z0: conductors that are coupled have none"):
+        reflectometry(made, "near", 0.1 * NS)
+
+
 def test_an_open_end_is_infinite_and_a_capacitor_begins_as_a_short():
     seen = reflectometry(scene({"l": line("near", "far", 50, 1)}), "near", 0.1 * NS, t_end=4 * NS)
     assert seen.reflected[seen.t > 2.2 * NS] == pytest.approx(1, abs=1e-6)

@@ -27,7 +27,7 @@ COMMANDS = {
     "friction": ("tline.cli.friction:friction", "Friction models on a testbench, and where methods fail."),
     "drives": ("tline.cli.drives:drives", "Two spools, a belt, a pulley: from equations to control and animation."),
     "chart": ("tline.cli.chart:chart", "Speed against accuracy: methods and programs compared, measured now."),
-    "import": ("tline.cli.import_:import_", "A scene from another program's file: SPICE netlists."),
+    "import": ("tline.cli.import_:import_", "A scene from another program's file: SPICE netlists, EPANET networks."),
     "export": ("tline.cli.export:export", "A scene as SPICE netlist."),
     "schema": ("tline.cli.schema:schema", "JSON schema of scene files, for editors."),
 }

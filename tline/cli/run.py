@@ -144,6 +144,10 @@ def _route(scene: "Scene", path: str | None, wanted: dict[str, str]) -> "Route |
         from tline.pictures.fronts import only_line
 
         only_line(scene)
+    if "load_lines" in wanted:
+        from tline.signal.load_line import bergeron
+
+        bergeron(scene)
     if not any(kind in wanted for kind in ALONG):
         if path is not None:
             raise InputError("path", "nothing shows it", "--space-time or --animate beside it")

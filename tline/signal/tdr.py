@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.coupled import Coupled
 from tline.scene.mistakes import nearest, shown
 from tline.scene.scene import Scene
 from tline.solver.atomic import replacing
@@ -85,6 +86,8 @@ def reflectometry(
     if not lines:
         nodes = [at for line in scene.lines.values() for at in line.nodes]
         raise InputError("node", "no line ends at this node", nearest(node, nodes), shown(node))
+    if z0 is None and isinstance(lines[0], Coupled):
+        raise InputError("z0", "conductors that are coupled have none of their own", "that of the instrument")
     resistance = lines[0].parameters.z0 if z0 is None else _above_zero(z0, None, "z0")
     duration, table = _above_zero(rise, "s", "rise"), scene.table()
     sources = {name: source | {"value": 0} for name, source in table.get("sources", {}).items() if source["at"] != node}

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.coupled import refuse_coupled
 from tline.scene.limits import beyond_limits, weight_at
 from tline.scene.mistakes import place
 from tline.scene.plausible import doubts
@@ -40,6 +41,8 @@ def run(
     InputError
         The scene cannot be assembled, the record would be too large, or the waves grow beyond all bounds.
     """
+    if envelope:
+        refuse_coupled(scene.lines, "an envelope")
     kept = {*record, *probed(scene)}
     _refuse_inside(scene)
     assembly = assemble(scene, kept, chosen)
