@@ -55,8 +55,8 @@ class DelaySystem:
     ...     loads={"c": {"at": "far", "kind": "parallel", "resistance": 100, "capacitance": "4 pF"}},
     ... )
     >>> H = DelaySystem(scene, "far")
-    >>> H(0), H.is_stable()
-    ((0.8+0j), True)
+    >>> bool(abs(H(0) - 0.8) < 1e-12), H.is_stable()
+    (True, True)
     >>> H.step([0.9e-9, 1e-6]).round(9).tolist()  # nothing arrives before the delay
     [0.0, 0.8]
     >>> bool(abs(H.to_control(6)(2e9j) - H(2e9j)) < 1e-6)

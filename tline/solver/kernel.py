@@ -1149,7 +1149,7 @@ def settling(fronts, g, slab, edges, m, anew, outer, given):
 
     Returns the number of pieces with all breakpoints, and without those left out.
     """
-    until, n, kept = fronts.settled[g] - slab, 0, 0
+    until, n, kept, outer[0] = fronts.settled[g] - slab, 0, 0, 0.0
     for i in range(1, m + 1):
         given[i] = edges[i]
     if anew > 0.0:
