@@ -1,5 +1,7 @@
 """An envelope taken on the way, window by window, is that of a run whose record is kept whole."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
@@ -7,10 +9,12 @@ from hypothesis import strategies as st
 from random_scenes import random_scene
 
 from tline.errors import InputError
+from tline.scene.file import read_scene
 from tline.solver import march
 from tline.solver.nodes import nodes_of
 from tline.solver.resolution import resolution
 from tline.solver.run import run
+from tline.solver.simulate import simulate
 
 SEEDS = st.integers(0, 10**6)
 SAME = 1e-12  # roundings of another order
@@ -57,3 +61,16 @@ def test_a_node_that_is_not_there():
     assert envelope is not None
     with pytest.raises(InputError, match="'nowhere'"):
         envelope.of("nowhere")
+
+
+@pytest.mark.parametrize("file", ["pipe_friction.toml", "lossy_cable.toml"])
+def test_a_run_to_a_tolerance_with_losses_has_its_envelope(file):
+    """In lumps and in cells; the extremes are those of slabs at least as narrow as the result's."""
+    scene = read_scene(Path(__file__).parents[2] / "scenes" / file)
+    result = simulate(scene, tol=1e-3, envelope=True)
+    assert result.envelope is not None
+    for name, probe in scene.probes.items():
+        k, u = result.envelope.nodes.index(probe.at), result.probes[name].u
+        off = 2e-3 * np.abs(u).max()
+        assert result.envelope.lowest[k] <= u.min() + off
+        assert result.envelope.highest[k] >= u.max() - off

@@ -35,7 +35,7 @@ def _combined(coarse: Result, fine: Result, weight: float) -> Result | None:
         waves = {wave: _wave(*pair, weight) for wave, pair in zip(WAVES, pairs, strict=True)}
         records[name] = replace(line, **waves)
     probes = {name: replace(probe, record=records[probe.line]) for name, probe in coarse.probes.items()}
-    return replace(coarse, lines=records, probes=probes)
+    return replace(coarse, lines=records, probes=probes, envelope=fine.envelope)
 
 
 def _wave(coarse: Wave, fine: Wave, weight: float) -> Wave:

@@ -141,6 +141,16 @@ def eliminate(system, size):
 
 
 @njit(**OPTIONS)
+def left_of(rest, first, aim):
+    """Take from residuals what they may have left, 1 - aim of the first ones. Returns the largest."""
+    largest = 0.0
+    for i in range(rest.size):
+        rest[i] -= (1.0 - aim) * first[i]
+        largest = max(largest, abs(rest[i]))
+    return largest
+
+
+@njit(**OPTIONS)
 def rooted(d, z, capacity, one_way):
     """Flow i and di/dd where d = z i + i |i| / capacity²; without cancellation from shut to without loss."""
     if capacity == 0.0 or (one_way > 0.0 and d < 0.0):
@@ -366,14 +376,9 @@ def fill(laws, e, on, states, radau, h, v, z, flow, y, rest, system):
         aim, before, sound, share = min(done + stride, 1.0), np.inf, False, 1.0
         for _ in range(TRIES):
             _, scale = unfilled(laws, e, radau, h, y, v, z, start, flow, rest)
-            now = 0.0
-            for j in range(s):
-                rest[j] -= (1.0 - aim) * first[j]
-                now = max(now, abs(rest[j]))
-            if now <= SPARE * scale or (now <= CLOSE * scale and now >= 0.5 * before):
-                sound = True
-                break
-            if not np.isfinite(now):
+            now = left_of(rest, first, aim)
+            sound = now <= SPARE * scale or (now <= CLOSE * scale and now >= 0.5 * before)
+            if sound or not np.isfinite(now):
                 break
             share = min(1.0, 2.0 * share) if now < before else 0.5 * share
             before, reach = now, 1e-300
@@ -486,14 +491,9 @@ def meet(laws, g, low, nodes, u, stride, n, factor):
             aim, before, sound, share = min(done + part, 1.0), np.inf, False, 1.0
             for _ in range(TRIES):
                 scale = unbalance(laws, g, low, u, stride, q, factor, x, level, flow, slope, rest, taken)
-                now = 0.0
-                for i in range(size):
-                    rest[i] -= (1.0 - aim) * aimed[i]
-                    now = max(now, abs(rest[i]))
-                if now <= SPARE * scale or (now <= CLOSE * scale and now >= 0.5 * before):
-                    sound = True
-                    break
-                if not np.isfinite(now):
+                now = left_of(rest, aimed, aim)
+                sound = now <= SPARE * scale or (now <= CLOSE * scale and now >= 0.5 * before)
+                if sound or not np.isfinite(now):
                     break
                 share = min(1.0, 2.0 * share) if now < before else 0.5 * share
                 before = now

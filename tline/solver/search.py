@@ -33,9 +33,10 @@ class Search(NamedTuple):
     fit: float = FIT  # tolerance of the circuits of lossy lines
     envelope: bool = False
 
-    def run(self, chosen: Resolution) -> Result:
-        """One run."""
-        return run(self.scene, chosen, self.record, envelope=self.envelope, progress=self.progress)
+    def run(self, chosen: Resolution, end: float | None = None) -> Result:
+        """One run, to the scene's end time or to another."""
+        slabs = None if end is None else round(end / chosen.h)
+        return run(self.scene, chosen, self.record, envelope=self.envelope, progress=self.progress, slabs=slabs)
 
 
 def within(search: Search) -> Result:

@@ -9,9 +9,8 @@ from tline.solver.accuracy import Accuracy, Attempt, added, apart, apart_inside
 from tline.solver.cells import fits
 from tline.solver.extrapolate import extrapolated, seen_on
 from tline.solver.nodes import NONE, nodes_of
-from tline.solver.resolution import Resolution, resolution
+from tline.solver.resolution import resolution
 from tline.solver.result import Result
-from tline.solver.run import run
 from tline.solver.search import Search, limit_of, refined
 
 ORDER, ORDER_IN_CELLS = 3, 4
@@ -43,7 +42,7 @@ def with_losses(search: Search) -> Result:
         attempts += accuracy.attempts
         if not result.circuits_error or accuracy.limit or closer == fit:
             return replace(result, accuracy=replace(accuracy, attempts=attempts))
-        again = _run(search, last.resolution._replace(fit=closer), last.t[-1])
+        again = search.run(last.resolution._replace(fit=closer), last.t[-1])
         attempts += (Attempt.of(again),)
         accuracy = replace(accuracy, estimates=added(accuracy.estimates, apart(last, again)), attempts=attempts)
         if accuracy.worst <= search.tol:
@@ -63,17 +62,10 @@ def _refined(search: Search) -> tuple[Result, Result]:
     if not any(len(line.series.rates) + len(line.shunt.rates) for line in first.circuits.values()):
         result = refined(search, NONE)
         return result, result
-    seen, last, attempts, accuracy, limit, stale = (
-        first,
-        first,
-        [Attempt.of(first)],
-        Accuracy(search.tol, {}, ()),
-        "",
-        0,
-    )
-    result = first
+    result = seen = last = first
+    attempts, limit, stale, accuracy = [Attempt.of(first)], "", 0, Accuracy(search.tol, {}, ())
     while not limit:
-        last = _run(search, last.resolution._replace(h=last.resolution.h / 2), first.t[-1])
+        last = search.run(last.resolution._replace(h=last.resolution.h / 2), first.t[-1])
         finer = seen_on(first, last)
         if finer is None:
             limit = "fronts lie inside slabs"
@@ -90,10 +82,6 @@ def _refined(search: Search) -> tuple[Result, Result]:
     return replace(result, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit)), last
 
 
-def _run(search: Search, chosen: Resolution, end: float) -> Result:
-    return run(search.scene, chosen, search.record, progress=search.progress, slabs=round(end / chosen.h))
-
-
 def _halved(search: Search) -> tuple[Result, Result]:
     """Halve slabs; the best result, and the last run.
 
@@ -108,7 +96,7 @@ def _halved(search: Search) -> tuple[Result, Result]:
     while not limit:
         try:
             chosen = resolution(search.scene, nodes, order, chosen.h / 2)._replace(fit=search.fit)
-            last = _run(search, chosen, last.t[-1])
+            last = search.run(chosen, last.t[-1])
         except InputError as error:
             limit = f"{error.where}: {error.problem}"
             break
