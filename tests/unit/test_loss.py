@@ -2,6 +2,7 @@
 
 import math
 from importlib import import_module
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from tline.loss import (
     tabulated,
 )
 from tline.reference.lossy import lossy_response
+from tline.scene.file import read_scene
 
 WATER = {"density": 998.0, "viscosity": 1e-3, "radius": 0.011}
 LAWS = {
@@ -228,3 +230,21 @@ def test_input_impedance_follows_from_the_chain_matrix(load):
     s = np.array([1e8j, 3e9j, 1e9 + 1e9j])
     (a, b), (c, d) = np.moveaxis(CABLE.chain(s), 0, -1)
     np.testing.assert_allclose(CABLE.input_impedance(s, load), (a * load + b) / (c * load + d), rtol=1e-13)
+
+
+@pytest.mark.parametrize("file", ["pipe_friction.toml", "lossy_cable.toml", "town.toml"])
+def test_scenes_with_losses_that_say_the_same_are_equal(file):
+    path = Path(__file__).parents[2] / "scenes" / file
+    assert read_scene(path) == read_scene(path)
+    lines = read_scene(path).lines.values()
+    assert {line.losses.exact for line in lines if line.losses} == {line.losses.exact for line in lines if line.losses}
+
+
+def test_laws_are_equal_by_what_they_are_made_of():
+    assert SkinEffect(0, 1e-3) + Constant(1, 2) == SkinEffect(0, 1e-3) + Constant(1, 2)
+    one, other = Foster(0.3, 0, [1, 2], [3, 4]), Foster(0.3, 0, [1, 2], [3, 4])
+    assert one.verdict
+    assert one == other
+    assert hash(one) == hash(other)
+    assert one != Foster(0.3, 0, [1, 2], [3, 5])
+    assert Constant(0, 1) != Foster(0, 1, [], [])

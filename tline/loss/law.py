@@ -10,12 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
 from tline.loss.arithmetic import BALLS, DOUBLES, Arithmetic
+from tline.loss.by_value import ByValue
 
 MOST_DIGITS = 1_000
 MOST_BITS = 20_000
 
 
-class Law(ABC):
+class Law(ByValue, ABC):
     """F(s) = s·storage + beyond(s): a passive immittance per metre that never resonates.
 
     All laws are complete Bernstein functions: analytic off the negative real axis, with arg F between 0 and arg s. So

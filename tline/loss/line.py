@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
 from tline.loss.arithmetic import Arithmetic
+from tline.loss.by_value import ByValue
 from tline.loss.check import positive
 from tline.loss.constant import Constant
 from tline.loss.law import Law, points
@@ -15,7 +16,7 @@ from tline.loss.law import Law, points
 ROUNDING = 1e-12  # relative difference of R C and G L that comes from typing decimals
 
 
-class LossyLine:
+class LossyLine(ByValue):
     """A length of line with series impedance Z'(s) and shunt admittance Y'(s) per metre.
 
     Parameters
