@@ -52,6 +52,13 @@ class Moves(NamedTuple):
     due: Integers  # (G,) the next one of each group
 
 
+class Drives(NamedTuple):
+    """Rows of the drive that belong to each group: of its nodes, and of its elements."""
+
+    first: Integers  # (G + 1,)
+    row: Integers
+
+
 class Pieces(NamedTuple):
     """Slabs under way that are held in pieces, one a row."""
 
@@ -90,6 +97,7 @@ class Fronts(NamedTuple):
     tools: Tools
     systems: Systems
     moves: Moves
+    drives: Drives
     pieces: Pieces
     log: Log
     counts: Integers  # (6,)
@@ -149,6 +157,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]]) -
             np.array([row for _, _, row in moves], int)[order],
             first[:-1].copy(),
         ),
+        _drives(network),
         Pieces(
             np.full(slabs, -1),
             np.full(ends, -1),
@@ -172,6 +181,14 @@ def _at_cells(network: Network) -> NDArray:
     here = np.isin(network.ends // 2, network.cells.line)
     ends = network.first[network.group]
     return np.diff(np.concatenate([[0], np.cumsum(here)])[ends]) > 0
+
+
+def _drives(network: Network) -> Drives:
+    laws, groups = network.laws, np.arange(len(network.group) - 1)
+    row = np.concatenate([network.drive_row, laws.drive_row])
+    group = np.concatenate([np.repeat(groups, np.diff(at)) for at in (network.group, laws.first)])[row >= 0]
+    order = np.argsort(group, kind="stable")
+    return Drives(np.searchsorted(group[order], np.arange(len(network.group))), row[row >= 0][order])
 
 
 def _packed(systems: list[StateSpace]) -> Systems:

@@ -9,6 +9,8 @@ do not vectorise. Helpers are inlined as source: as calls they would count refer
 which costs up to five times the arithmetic.
 """
 
+from typing import Any
+
 import numpy as np
 from numba import njit, uint64
 
@@ -16,7 +18,11 @@ TINY = 1e-150  # waves below are flushed to zero: subnormal numbers are slow, an
 SCRATCH = 512  # samples per tile
 ABREAST = 64  # lumps advanced together
 CONSTANT, SQUARED, TABLED = range(3)  # kinds of lumps; the others have a memory
-OPTIONS = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "nsz"}}
+OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "nsz"}}
+INNER: dict[str, Any] = OPTIONS | {
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+}  # for kernels alone, never Python
 
 
 @njit(inline="always", **OPTIONS)
@@ -119,7 +125,7 @@ FAINT = 1e-9  # slope, for a step, of drops that have none at rest and of flows 
 FARTHEST = 2.0  # step, in units of the largest effort
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def eliminate(system, size):
     """Solve a linear system by Gauss with pivots; the right side is its last column, and becomes the solution."""
     for pivot in range(size):
@@ -140,7 +146,7 @@ def eliminate(system, size):
         system[pivot, size] /= system[pivot, pivot]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def left_of(rest, first, aim):
     """Take from residuals what they may have left, 1 - aim of the first ones. Returns the largest."""
     largest = 0.0
@@ -164,7 +170,7 @@ def rooted(d, z, capacity, one_way):
     return i, capacity**2 / (z * capacity**2 + 2.0 * abs(i))
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def parabolic(d, z, bend, one_way):
     """Flow i and di/dd where d = z i + bend i |i|."""
     if one_way > 0.0 and d < 0.0:
@@ -176,7 +182,7 @@ def parabolic(d, z, bend, one_way):
     return i, 1.0 / (z + 2.0 * bend * abs(i))
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def conducted(kind, c, at, factor, u):
     """Flow, and its slope over the effort u, of a law that gives it so."""
     if kind == RELIEF:  # in its band
@@ -187,7 +193,7 @@ def conducted(kind, c, at, factor, u):
     return share, c[at + 3] * share / u
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def bracketed(kind, c, at, factor, d, z, low, high):
     """Flow i and di/dd where d = u + z i(u), and u lies between low and high: Newton, bisection where that fails."""
     u = high
@@ -212,7 +218,7 @@ def bracketed(kind, c, at, factor, d, z, low, high):
     return i, slope / (1.0 + z * slope)
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def diode(d, z, saturation, thermal):
     """Flow i and di/dd where d = u + z i and i = saturation (exp(u/thermal) - 1): Newton from the right, monotone."""
     u = d
@@ -232,7 +238,7 @@ def diode(d, z, saturation, thermal):
     return saturation * np.expm1(u / thermal), slope / (1.0 + z * slope)
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def tabled(d, z, c, at, n):
     """Flow i and di/dd where d = u + z i, and (u, i) lies on straight lines through n points, continued beyond."""
     low, high = 0, n - 1
@@ -323,7 +329,7 @@ def stored(kind, c, at, y):
     )
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def filling(kind, c, at, y, v, z):
     """Flow i into an element with a state y, X, dX/dy, and dX/dt."""
     x, slope, effort, more, rate, bend = stored(kind, c, at, y)
@@ -334,7 +340,7 @@ def filling(kind, c, at, y, v, z):
     return i, x, slope, (rate + bend * i) * i
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def unfilled(laws, e, radau, h, y, v, z, start, flow, rest):
     """Residuals of the stages of an element with a state, the largest, and a scale."""
     kind, c, at, s = laws.kind[e], laws.constants, laws.at[e], radau.shape[0]
@@ -354,7 +360,7 @@ def unfilled(laws, e, radau, h, y, v, z, start, flow, rest):
     return worst, scale
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def fill(laws, e, on, states, radau, h, v, z, flow, y, rest, system):
     """One Radau IIA step of width h of an element with a state: flows at the points under the efforts v there.
 
@@ -406,7 +412,7 @@ def fill(laws, e, on, states, radau, h, v, z, flow, y, rest, system):
         flow[s - 1] = np.nan
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def unbalance(laws, g, low, u, stride, q, factor, x, level, flow, slope, rest, taken):
     """Residuals of a group at sample q, and a scale; x has what elements see behind their impedances, then efforts.
 
@@ -440,7 +446,7 @@ def unbalance(laws, g, low, u, stride, q, factor, x, level, flow, slope, rest, t
     return scale
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def response(laws, g, low, nodes, slope, rest, system):
     """The linear system of a Newton step: laws first, then what flows into nodes where nothing else conducts."""
     first, count, size = laws.first[g], laws.first[g + 1] - laws.first[g], rest.size
@@ -471,7 +477,7 @@ def response(laws, g, low, nodes, slope, rest, system):
             system[count + p, count + p] += FAINT
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def meet(laws, g, low, nodes, u, stride, n, factor):
     """Several elements that see each other: Newton's method at each of n instants.
 
@@ -514,7 +520,7 @@ def meet(laws, g, low, nodes, u, stride, n, factor):
             u[p * stride + q] = level[p] if done == 1.0 else np.nan
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def pass_elements(laws, g, low, nodes, states, u, stride, n, factor, radau, h):
     """Turn the Thévenin waves of n samples at a group's nodes into efforts, through its elements."""
     e, dead = laws.first[g], False
@@ -546,13 +552,13 @@ def pass_elements(laws, g, low, nodes, states, u, stride, n, factor, radau, h):
             u[there + slab * s + j] += z_other * flows[j]
 
 
-@njit(**OPTIONS)
-def pass_elements_at_cells(network, g, states, u, factor):
+@njit(**INNER)
+def pass_elements_at_cells(network, g, states, u, factor, laws, cells):
     """The same for one slab of a group at lines in cells, which feel its efforts at once: until these stay.
 
     What they add is small, and the smaller the slab.
     """
-    laws, cells, low, s = network.laws, network.cells, network.group[g], network.laws.radau.shape[0]
+    low, s = network.group[g], laws.radau.shape[0]
     nodes, first = network.group[g + 1] - low, laws.first[g]
     size, own = nodes * s, np.zeros(laws.first[g + 1] - first)
     wave, last, change, scale = u[:size].copy(), u[:size].copy(), np.inf, 0.0
@@ -579,18 +585,18 @@ def pass_elements_at_cells(network, g, states, u, factor):
         u[size - 1] = np.nan
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def meet_elements(network, g, states, u, n, factor, laws, cells):
     """Turn the Thévenin waves of n samples at a group with elements into efforts; beside cells n is one slab."""
     low, nodes = network.group[g], network.group[g + 1] - network.group[g]
     if cells is not None:
         if cells.beside[g]:
-            pass_elements_at_cells(network, g, states, u, factor)
+            pass_elements_at_cells(network, g, states, u, factor, laws, cells)
             return
     pass_elements(laws, g, low, nodes, states, u, n, n, factor, laws.radau, laws.step)
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def opened(laws, g, drive, start, n, factor):
     """What scales the elements of a group at n samples."""
     for k in range(laws.first[g + 1] - laws.first[g]):
@@ -599,10 +605,18 @@ def opened(laws, g, drive, start, n, factor):
             factor[k, i] = drive[laws.drive_row[e], start + i] if laws.drive_row[e] >= 0 else laws.factor[e]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
+def elements_at(laws, g):
+    """Number of elements of a group."""
+    return 0 if laws is None else laws.first[g + 1] - laws.first[g]
+
+
+@njit(**INNER)
 def most_elements(laws):
     """Most elements of a group."""
     most = 0
+    if laws is None:
+        return most
     for g in range(laws.first.size - 1):
         most = max(most, laws.first[g + 1] - laws.first[g])
     return most
@@ -617,15 +631,15 @@ def flows_through(laws, factor, v, z):
     return flow, slope
 
 
-@njit(**OPTIONS)
-def pass_cells(network, state, enter, y):
+@njit(**INNER)
+def pass_cells(network, cells, state, enter, y):
     """Advance lossy lines in cells by the slab in which the nodes have just worked.
 
     At an end K is what comes back at once: w = y + K o arrives while o leaves, ŷ = R y with R = 1/(1 + K), and with
     r = 2u - ŷ in the buffer o = r - Q (r + ŷ), Q = R K. Where cells meet, a and b leave them, and X a + Y b and
     X b + Y a enter, with X = 1/(1 - K²) and Y = X K.
     """
-    cells, waves, values, s = network.cells, state.waves, state.cells, state.before.shape[1]
+    waves, values, s = state.waves, state.cells, state.before.shape[1]
     for r in range(cells.line.size):
         line, D, m, x0 = cells.line[r], cells.number[r], cells.held[r], cells.state[r]
         each, maps, at = m + 2 * s, cells.maps, cells.at[r]
@@ -669,10 +683,12 @@ def pass_cells(network, state, enter, y):
                 waves[there + i] = values[ends + end * s + i]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def scratch_of_cells(cells, s):
     """Room for what enters the cells of a line, and for what one holds and what leaves it."""
     number, held = 0, 0
+    if cells is None:
+        return np.empty(0), np.empty(0)
     for r in range(cells.line.size):
         number, held = max(number, cells.number[r]), max(held, cells.held[r])
     return np.empty(2 * s * number), np.empty(held + 2 * s)
@@ -700,7 +716,7 @@ def looked_up(entries, at, size):
     return (1.0 - part) * entries[at + 3 + k] + part * entries[at + 4 + k]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def dissipate(waves, o, s, ring, t, m, place, strength, entries, at, sign, kind):
     """Take away what lumps without memory dissipate of m slabs, lump by lump."""
     for k in range(place.size):
@@ -730,7 +746,7 @@ def dissipate(waves, o, s, ring, t, m, place, strength, entries, at, sign, kind)
                     waves[b + i] -= sign * loss
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def dissipate_abreast(waves, a, b, n, sign, kind, strength, first):
     """The same at n neighbouring lumps in one sample: one each at places a, a - 1, ... and b, b + 1, ..."""
     first = uint64(first)
@@ -749,7 +765,7 @@ def dissipate_abreast(waves, a, b, n, sign, kind, strength, first):
             waves[b + i] -= sign * loss
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def remember(lumps, r, waves, o, s, ring, t, m, memory, w, out):
     """Advance the circuits of a row by m slabs, some lumps at a time."""
     low, high, modes, sign = lumps.first[r], lumps.first[r + 1], lumps.modes[r], lumps.sign[r]
@@ -797,9 +813,9 @@ def remember(lumps, r, waves, o, s, ring, t, m, memory, w, out):
 
 
 @njit(**OPTIONS)
-def lose(network, state, m, w, out):
+def lose(network, lumps, state, m, w, out):
     """Let all lumps inside lines take what is theirs of m slabs, no more than the gap between lumps."""
-    lumps, waves, s = network.lumps, state.waves, state.before.shape[1]
+    waves, s = state.waves, state.before.shape[1]
     place, strength, entries = lumps.place, lumps.strength, lumps.entries
     for r in range(lumps.line.size):
         line, low, high, kind, sign, at = (
@@ -819,7 +835,7 @@ def lose(network, state, m, w, out):
             dissipate(waves, o, s, ring, t, m, place[low:high], strength[low:high], entries, at, sign, kind)
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def largest_group(network):
     """Most nodes of a group, most line ends at one, and most rows of a map over a slab."""
     nodes, ends, rows = 1, 0, 0
@@ -832,10 +848,11 @@ def largest_group(network):
     return nodes, ends, rows
 
 
-def used(network):
-    """Elements, cells and lumps of a network, None where it has none: what it does not use is not compiled."""
+def parted(network):
+    """A network without elements, cells and lumps, and these, or None: what a scene has not is not compiled."""
     laws, cells, lumps = network.laws, network.cells, network.lumps
     return (
+        network._replace(laws=None, cells=None, lumps=None),
         laws if laws.kind.size else None,
         cells if cells.line.size else None,
         lumps if lumps.line.size else None,
@@ -848,12 +865,13 @@ def advance(network, state, n_slabs, drive, record, column):
     Returns -1, or the number of a node whose effort is no longer finite; the number after the last node's if a wave
     under way is not.
     """
-    return advance_blocks(network, state, n_slabs, drive, record, column, *used(network))
+    network, *others = parted(network)
+    return advance_blocks(network, state, n_slabs, drive, record, column, *others)
 
 
 @njit(**OPTIONS)
 def advance_blocks(network, state, n_slabs, drive, record, column, laws, cells, lumps):
-    """The same; laws, cells and lumps are those of the network, or None."""
+    """The same; the network has its laws, cells and lumps beside it, or None."""
     (
         delay, offset, shift_row, shifts, first, ends, weight, drive_row,
         group, load_at, step_row, step_at, step_states, step, record_row, _, _, _,
@@ -864,11 +882,11 @@ def advance_blocks(network, state, n_slabs, drive, record, column, laws, cells, 
     most_nodes, _, most_states = largest_group(network)
     u, history = np.empty(most_nodes * tile * s), np.empty((s, tile + 1))
     scratch = np.empty(max(tile, most_nodes * s + most_states))
-    factor = np.empty((most_elements(network.laws), tile * s))
+    factor = np.empty((most_elements(laws), tile * s))
     position = np.empty(ends.size, np.uint64)
-    enter, y = scratch_of_cells(network.cells, s)
+    enter, y = scratch_of_cells(cells, s)
     w, out = np.empty((s, ABREAST)), np.empty((s, ABREAST))
-    shortest, done = min(n_slabs, network.lumps.gap), 0
+    shortest, done = n_slabs if lumps is None else min(n_slabs, lumps.gap), 0
     for line in range(delay.size):
         shortest = min(shortest, delay[line])
     while done < n_slabs:
@@ -911,9 +929,9 @@ def advance_blocks(network, state, n_slabs, drive, record, column, laws, cells, 
                         return node
                 ahead += m
         if lumps is not None:
-            lose(network, state, block, w, out)
+            lose(network, lumps, state, block, w, out)
         if cells is not None:
-            pass_cells(network, state, enter, y)
+            pass_cells(network, cells, state, enter, y)
         for line in range(delay.size):
             slots[line] += block
             if slots[line] >= delay[line]:
@@ -935,7 +953,7 @@ LIVE, PEAK, MERGED, DISSOLVED, DROPPED, NOTED = range(6)
 SCALE, LOST = range(2)
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def series(coef, y):
     """Sum of a Legendre series at y, -1 to 1."""
     total, last, here = coef[0], 1.0, y
@@ -945,7 +963,7 @@ def series(coef, y):
     return total
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def project(coef, a, b, p, q, gauss, out):
     """Add to the projection on [p, q] what a polynomial on [a, b] has there; a restriction is exact."""
     low, high = max(a, p), min(b, q)
@@ -962,21 +980,21 @@ def project(coef, a, b, p, q, gauss, out):
             last, here = here, ((2 * k + 1) * y * here - k * last) / (k + 1)
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def clear(out):
     """Set to zero; loops like this one compile many times faster than array expressions."""
     for i in range(out.size):
         out[i] = 0.0
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def copy(values, out):
     """Copy as many values as there is room for."""
     for i in range(out.size):
         out[i] = values[i]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def distance(one, other):
     """Sum of the absolute differences."""
     total = 0.0
@@ -985,7 +1003,7 @@ def distance(one, other):
     return total
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def weakest(size, low, high):
     """Index of the least of some values."""
     best = low
@@ -995,7 +1013,7 @@ def weakest(size, low, high):
     return best
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def times(matrix, values, o, out):
     """Product of a matrix with a part of an array."""
     for i in range(out.size):
@@ -1005,7 +1023,7 @@ def times(matrix, values, o, out):
         out[i] = total
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def joined(left, right, a, mid, b, gauss, whole, part):
     """Project two pieces on their union; returns what that changes in the wider one, and in the other."""
     clear(whole)
@@ -1020,7 +1038,7 @@ def joined(left, right, a, mid, b, gauss, whole, part):
     return (on_left, on_right) if mid - a >= b - mid else (on_right, on_left)
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def front_size(left, right, a, mid, b, least, gauss, whole, part):
     """Damage that joining two pieces would do to the wider one; of a plain jump, a quick estimate of it.
 
@@ -1036,7 +1054,7 @@ def front_size(left, right, a, mid, b, least, gauss, whole, part):
     return max(on_wider, TINY) if max(on_wider, on_other) > least else 0.0
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def fronts_in(pieces, row, offset, place, size, n):
     """Append those fronts of a slab that lie in the present one when moved by the offset."""
     if row < 0:
@@ -1050,7 +1068,7 @@ def fronts_in(pieces, row, offset, place, size, n):
     return n
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def united(place, size, n, edges, most, counts, sizes):
     """Edges of the pieces between n fronts. Returns how many pieces, and the size of a front at the start."""
     for i in range(1, n):
@@ -1084,7 +1102,7 @@ def united(place, size, n, edges, most, counts, sizes):
     return kept + 1, anew
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def unfold(pieces, row, values, o, to_legendre, offset, span, coef, n):
     """Append the pieces of a slab that lie in the present one when moved by the offset."""
     if row < 0:
@@ -1100,7 +1118,7 @@ def unfold(pieces, row, values, o, to_legendre, offset, span, coef, n):
     return n
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def regrouped(span, coef, n, edges, m, tools, whole, out):
     """Values at the points of m pieces of a wave that is given in n others: restricted, or projected."""
     i = 0
@@ -1115,7 +1133,7 @@ def regrouped(span, coef, n, edges, m, tools, whole, out):
         times(tools.to_points, whole, 0, out[k])
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def collocate(system, k, h, radau, w, x, stages, row):
     """One Radau IIA step of width h of dx/dt = A x + B w, for k inputs; w becomes C x + D w, x the state at the end."""
     s, n = radau.shape[0], system.shape[0] - k
@@ -1143,7 +1161,7 @@ def collocate(system, k, h, radau, w, x, stages, row):
         x[p] = stages[(s - 1) * n + p, size]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def settling(fronts, g, slab, edges, m, anew, outer, given):
     """Add breakpoints where the group has settled after fronts; in `outer` leave out those that arrive before that.
 
@@ -1173,7 +1191,7 @@ def settling(fronts, g, slab, edges, m, anew, outer, given):
     return n + 1, kept + 1
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def rejoin(values, edges, n, outer, m, tools, span, coef, whole):
     """Project n pieces on m wider ones."""
     for j in range(n):
@@ -1182,7 +1200,7 @@ def rejoin(values, edges, n, outer, m, tools, span, coef, whole):
     regrouped(span, coef, n, outer, m, tools, whole, values)
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def collocate_finely(system, k, width, step, fronts, w, x, stages, row, parts):
     """The same in steps of a given width, in slabs, as long as a group settles, and a last one; w is projected."""
     tools, s = fronts.tools, fronts.tools.c.size
@@ -1214,11 +1232,11 @@ def collocate_finely(system, k, width, step, fronts, w, x, stages, row, parts):
             w[p * s + i] = out[0, i]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def respond(network, state, fronts, g, slab, edges, m, u, factor, stages, wave, row, parts, laws):
     """Turn the Thévenin waves of m pieces at a group into the nodes' efforts; switches move where pieces begin."""
     systems, moves, s = fronts.systems, fronts.moves, u.shape[2]
-    count, own = network.laws.first[g + 1] - network.laws.first[g], np.empty((factor.shape[0], s))
+    count, own = elements_at(laws, g), np.empty((factor.shape[0], s))
     x, k = network.load_at[g], network.group[g + 1] - network.group[g]
     for piece in range(m):
         while moves.due[g] < moves.first[g + 1] and moves.at[moves.due[g]] - slab <= edges[piece] + MERGE:
@@ -1256,7 +1274,7 @@ def respond(network, state, fronts, g, slab, edges, m, u, factor, stages, wave, 
                 u[p, piece, i] = wave[p * s + i]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def release(pieces, row, counts):
     """Give a row back."""
     if row >= 0:
@@ -1264,7 +1282,7 @@ def release(pieces, row, counts):
         pieces.free[counts[LIVE]] = row
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def thinned(edges, coef, size, m, most, fronts, whole, part):
     """Take away breakpoints that are not needed, then the weakest beyond the number allowed. Returns pieces left."""
     counts, sizes, gauss = fronts.counts, fronts.sizes, fronts.tools.gauss
@@ -1295,7 +1313,7 @@ def thinned(edges, coef, size, m, most, fronts, whole, part):
     return m
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def send(fronts, e, slab, waves, o, edges, coef, size, m, anew, whole, part):
     """Put a wave of m pieces on a line."""
     pieces, tools, counts, sizes = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes
@@ -1330,7 +1348,7 @@ def send(fronts, e, slab, waves, o, edges, coef, size, m, anew, whole, part):
         waves[o + i] = 0.0
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def keep(fronts, record, row, slab, edges, m, arrived, u, whole, point):
     """Record m pieces, and their values at the points of the slab."""
     log, s = fronts.log, whole.size
@@ -1354,7 +1372,7 @@ def keep(fronts, record, row, slab, edges, m, arrived, u, whole, point):
         fronts.counts[NOTED] += 1
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def fronts_at(network, fronts, sources, g, slab, position, due, place, size):
     """Gather the fronts that meet at a group in one slab. Returns how many."""
     pieces, moves, n = fronts.pieces, fronts.moves, 0
@@ -1368,14 +1386,12 @@ def fronts_at(network, fronts, sources, g, slab, position, due, place, size):
     while i < moves.first[g + 1] and moves.at[i] - slab < 1.0 - MERGE / 2 and n < place.size:
         place[n], size[n] = max(moves.at[i] - slab, 0.0), np.inf
         i, n = i + 1, n + 1
-    for node in range(network.group[g], network.group[g + 1]):
-        n = fronts_of_source(sources, network.drive_row[node], slab, due, place, size, n)
-    for e in range(network.laws.first[g], network.laws.first[g + 1]):
-        n = fronts_of_source(sources, network.laws.drive_row[e], slab, due, place, size, n)
+    for i in range(fronts.drives.first[g], fronts.drives.first[g + 1]):
+        n = fronts_of_source(sources, fronts.drives.row[i], slab, due, place, size, n)
     return n
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def fronts_of_source(sources, r, slab, due, place, size, n):
     """Append those of a source, or of what scales an element."""
     if drives_front(sources, r, slab, due):
@@ -1386,13 +1402,13 @@ def fronts_of_source(sources, r, slab, due, place, size, n):
     return n
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def drives_front(sources, r, slab, due):
     """Whether a source has a front in the slab."""
-    return r >= 0 and due[r] < sources.first[r + 1] and sources.slab[due[r]] == slab
+    return due[r] < sources.first[r + 1] and sources.slab[due[r]] == slab
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def driven(sources, drive, r, slab, o, due, to_legendre, span, given):
     """The sources' part of a Thévenin wave, as pieces. Returns how many."""
     if not drives_front(sources, r, slab, due):
@@ -1407,7 +1423,7 @@ def driven(sources, drive, r, slab, o, due, to_legendre, span, given):
     return n
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position, due, record, work, laws):
     """One group, one slab, in pieces. Returns the sum of the efforts at the slab's end."""
     waves, before, pieces, tools = state.waves, state.before, fronts.pieces, fronts.tools
@@ -1447,15 +1463,16 @@ def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position,
             for j in range(m):
                 for p in range(s):
                     mine[j, p] += network.weight[i] * arrived[i - low, j, p]
-    for i in range(network.laws.first[g], network.laws.first[g + 1]):
-        mine, r = factor[i - network.laws.first[g]], network.laws.drive_row[i]
-        if r >= 0:
-            n = driven(sources, drive, r, slab, k * s, due, tools.to_legendre, span, given)
-            regrouped(span, given, n, edges, m, tools, whole, mine)
-        else:
-            for j in range(m):
-                for p in range(s):
-                    mine[j, p] = network.laws.factor[i]
+    if laws is not None:
+        for i in range(laws.first[g], laws.first[g + 1]):
+            mine, r = factor[i - laws.first[g]], laws.drive_row[i]
+            if r >= 0:
+                n = driven(sources, drive, r, slab, k * s, due, tools.to_legendre, span, given)
+                regrouped(span, given, n, edges, m, tools, whole, mine)
+            else:
+                for j in range(m):
+                    for p in range(s):
+                        mine[j, p] = laws.factor[i]
     respond(network, state, fronts, g, slab, edges, m, u, factor, stages, wave, row, parts, laws)
     if 0 < fewer < m:
         for node in range(network.group[g], network.group[g + 1]):
@@ -1481,7 +1498,7 @@ def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position,
     return total
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, u, history, row, factor, laws, cells):
     """One group, one slab without fronts. Returns the sum of the efforts at the slab's end."""
     waves, before, total = state.waves, state.before, 0.0
@@ -1518,7 +1535,7 @@ def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, u
     return total
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def levelled(pieces, row, tools, counts, sizes, whole):
     """Project a slab in pieces on the whole slab, and give its row back. Counts what that loses."""
     clear(whole)
@@ -1531,7 +1548,7 @@ def levelled(pieces, row, tools, counts, sizes, whole):
     release(pieces, row, counts)
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def level_source(sources, r, due, tools, whole, out):
     """Project a source with fronts in a slab on the whole slab."""
     clear(whole)
@@ -1540,7 +1557,7 @@ def level_source(sources, r, due, tools, whole, out):
     times(tools.to_points, whole, 0, out)
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def level(network, state, fronts, sources, drive, g, slab, k, position, due, whole):
     """Leave out all fronts inside a slab that meet at a group; switches move at the nearest edge."""
     pieces, tools, counts, sizes, moves = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.moves
@@ -1549,14 +1566,11 @@ def level(network, state, fronts, sources, drive, g, slab, k, position, due, who
         counts[DROPPED] += 1
         network.step_row[g] = moves.row[moves.due[g]]
         moves.due[g] += 1
-    for e in range(network.laws.first[g], network.laws.first[g + 1]):
-        r = network.laws.drive_row[e]
+    for i in range(fronts.drives.first[g], fronts.drives.first[g + 1]):
+        r = fronts.drives.row[i]
         if drives_front(sources, r, slab, due):
             level_source(sources, r, due, tools, whole, drive[r, k * s : (k + 1) * s])
     for node in range(network.group[g], network.group[g + 1]):
-        r = network.drive_row[node]
-        if drives_front(sources, r, slab, due):
-            level_source(sources, r, due, tools, whole, drive[r, k * s : (k + 1) * s])
         for i in range(network.first[node], network.first[node + 1]):
             e = network.ends[i]
             row = pieces.of_slab[position[e] // s]
@@ -1570,10 +1584,10 @@ def level(network, state, fronts, sources, drive, g, slab, k, position, due, who
                 pieces.before[e] = -1
 
 
-@njit(**OPTIONS)
-def level_at_lumps(network, state, fronts, whole):
+@njit(**INNER)
+def level_at_lumps(network, lumps, state, fronts, whole):
     """Project slabs in pieces that pass lumps on slabs in one piece: there fronts are no longer followed."""
-    lumps, pieces, tools, counts, sizes = network.lumps, fronts.pieces, fronts.tools, fronts.counts, fronts.sizes
+    pieces, tools, counts, sizes = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes
     waves, s = state.waves, whole.size
     for r in range(lumps.line.size):
         line = lumps.line[r]
@@ -1597,12 +1611,13 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
     Returns -1, or the number of a node whose effort, or that of another in its group, is no longer finite; and the
     number of slabs done.
     """
-    return advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, record, *used(network))
+    network, *others = parted(network)
+    return advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, record, *others)
 
 
 @njit(**OPTIONS)
 def advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, record, laws, cells, lumps):
-    """The same; laws, cells and lumps are those of the network, or None."""
+    """The same; the network has its laws, cells and lumps beside it, or None."""
     first, ends, group, delay, slots, sides = (
         network.first, network.ends, network.group, network.delay, state.slot, state.side,
     )  # fmt: skip
@@ -1623,11 +1638,11 @@ def advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, 
             np.empty(SUBSTEPS + 2), np.empty(2), np.empty((SUBSTEPS + 1, 2)), np.empty((SUBSTEPS + 1, s)),
             np.empty((most_nodes, SUBSTEPS + 1, s)), np.empty(most_nodes * s), np.empty((1, s)), np.empty(s),
         ),
-        np.empty((most_elements(network.laws), most, s)),
+        np.empty((most_elements(laws), most, s)),
     )  # fmt: skip
-    u, history, factor = np.empty(most_nodes * s), np.empty((s, 2)), np.empty((most_elements(network.laws), s))
+    u, history, factor = np.empty(most_nodes * s), np.empty((s, 2)), np.empty((most_elements(laws), s))
     whole, w, out = np.empty(s), np.empty((s, ABREAST)), np.empty((s, ABREAST))
-    enter, y = scratch_of_cells(network.cells, s)
+    enter, y = scratch_of_cells(cells, s)
     position, due = np.empty(ends.size, np.int64), sources.first[:-1].copy()
     for k in range(n_slabs):
         slab = first_slab + k
@@ -1641,10 +1656,9 @@ def advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, 
             i = moves.due[g]
             broken_here = i < moves.first[g + 1] and moves.at[i] - slab < 1.0 - MERGE / 2
             broken_here |= fronts.settled[g] > slab + MERGE
-            for e in range(network.laws.first[g], network.laws.first[g + 1]):
-                broken_here |= drives_front(sources, network.laws.drive_row[e], slab, due)
+            for i in range(fronts.drives.first[g], fronts.drives.first[g + 1]):
+                broken_here |= drives_front(sources, fronts.drives.row[i], slab, due)
             for node in range(group[g], group[g + 1]):
-                broken_here |= drives_front(sources, network.drive_row[node], slab, due)
                 for i in range(first[node], first[node + 1]):
                     e = ends[i]
                     line = e >> 1
@@ -1665,10 +1679,10 @@ def advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, 
             if not np.isfinite(at_end):
                 return group[g], k
         if lumps is not None:
-            level_at_lumps(network, state, fronts, whole)
-            lose(network, state, 1, w, out)
+            level_at_lumps(network, lumps, state, fronts, whole)
+            lose(network, lumps, state, 1, w, out)
         if cells is not None:
-            pass_cells(network, state, enter, y)
+            pass_cells(network, cells, state, enter, y)
         for line in range(delay.size):
             slots[line] += 1
             if slots[line] == delay[line]:

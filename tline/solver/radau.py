@@ -99,7 +99,7 @@ def basis(s: int) -> Basis:
     for _ in range(3):
         x -= legendre.legval(x, difference) / legendre.legval(x, legendre.legder(difference))
     x[-1] = 1.0
-    to_points = legendre.legvander(x, s - 1)
+    to_points = np.ascontiguousarray(legendre.legvander(x, s - 1))  # one layout, so that the kernel compiles once
     integrals = np.stack([legendre.legval(x, legendre.legint(row, lbnd=-1)) / 2 for row in np.eye(s)], axis=1)
     to_legendre = np.linalg.inv(to_points)
     return Basis(s, (x + 1) / 2, integrals @ to_legendre, to_points, to_legendre)
