@@ -35,7 +35,10 @@ def test_the_example_of_the_help_and_of_the_docs() -> None:
     page = (ROOT / "docs" / "networks.md").read_text(encoding="utf-8")
     (shown,) = re.findall(r"```console\ntline (.*)\n", page)
     assert run(shown.replace("scenes/", f"{ROOT}/scenes/").replace("town.toml", "shipped.toml")).exit_code == 0
-    assert read_scene("shipped.toml").lines == read_scene("town.toml").lines
+    shipped, own = (read_scene(file).lines for file in ("shipped.toml", "town.toml"))
+    assert [(name, line.parameters) for name, line in shipped.items()] == [
+        (n, line.parameters) for n, line in own.items()
+    ]
 
 
 def test_the_scene_that_is_shipped_is_the_network_that_is_shipped() -> None:
@@ -55,7 +58,7 @@ def test_the_scene_that_is_shipped_is_the_network_that_is_shipped() -> None:
         ("import town.inp --wave-speed 3kg", "wave_speed: this unit measures something else"),
         ("import none.inp --wave-speed 1000", "none.inp: cannot be read, got No such file"),
         ("import town.cir --wave-speed 1000", "--wave-speed: is for .inp files"),
-        ("import town.inp --wave-speed -3", "lines.intake:1.wave_speed"),
+        ("import town.inp --wave-speed -3", "lines.intake.wave_speed"),
     ],
 )
 def test_a_mistake_is_one_sentence(line: str, sentence: str) -> None:

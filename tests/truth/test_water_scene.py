@@ -67,7 +67,7 @@ def test_check_valves_let_nothing_back(tmp_path):
     scene, _ = read_inp(str(ring(tmp_path)), SPEED)
     table = scene.table()
     table["links"]["duty"]["speed"] = {"shape": "step", "from": 1, "to": 0, "at": 0.5}
-    table["probes"] = {"tower": {"at": "up:1"}, "pump": {"at": "lift"}}
+    table["probes"] = {"tower": {"at": "up:valve"}, "pump": {"at": "lift"}}
     result = simulate(Scene(**{**table, "t_end": 5.0}))
     for probe in result.probes.values():
         assert probe.y[0] > 1e-3
@@ -80,8 +80,8 @@ def test_check_valves_let_nothing_back(tmp_path):
     [
         ({"EXPONENT 0.5": "EXPONENT 0.8"}, "junction 'c': the exponent of emitters is 0.8"),
         (
-            {"\n a 20 30": "\n ab:1 5 0\n a 20 30", "spare a b": "spare a ab:1", "0 Closed": "0 Open"},
-            "pipe 'ab': its middle",
+            {"\n a 20 30": "\n up:valve 5 0\n a 20 30", "spare a b": "spare a up:valve", "0 Closed": "0 Open"},
+            "pipe 'up': its check valve",
         ),
     ],
 )

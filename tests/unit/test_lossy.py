@@ -62,7 +62,7 @@ def test_the_kernel_is_its_plain_twin(scene, order):
         state.waves[:] = rng.normal(size=state.waves.shape) * 1e6
         state.slot[0], state.side[0] = slab % 5, slab // 5 % 2
         expected = plainly(assembly, state.waves, slab % 10)
-        lose(assembly.network, state, 1, np.empty((order, 64)), np.empty((order, 64)))
+        lose(assembly.network, assembly.network.lumps, state, 1, np.empty((order, 64)), np.empty((order, 64)))
         assert state.waves == pytest.approx(expected, rel=1e-12, abs=1e-6)
 
 
@@ -109,8 +109,6 @@ def test_what_is_not_known_of_lossy_lines_is_refused():
     for refused in (route, lambda scene: resonances(scene, 1e9)):
         with pytest.raises(InputError, match=r"lines\.line: it has losses"):
             refused(scene)
-    with pytest.raises(InputError, match=r"lines\.line: it has losses: no steady state"):
-        simulate(Scene(**scene.table() | {"start": "steady"}))
     with pytest.raises(InputError, match=r"probes\.p\.position: inside lines\.line, which has losses"):
         simulate(Scene(**scene.table() | {"probes": {"p": {"line": "line", "position": "10 cm"}}}))
     with pytest.raises(InputError, match=r"lines\.line\.friction: depends on the size of the flow"):

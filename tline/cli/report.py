@@ -68,15 +68,16 @@ def _losses(result: Result) -> dict[str, Any]:
     """Of each lossy line its cells or lumps, and what stands for its laws."""
     told: dict[str, Any] = {}
     in_cells = fits(result.scene.lines, result.resolution.h)
+    lumps = lumps_in(result.scene.lines, result.resolution.h, result.resolution.lumps)
     for name, circuits in result.circuits.items():
         line = result.scene.lines[name]
-        slabs, lumps = round((line.parameters.delay or 0.0) / result.resolution.h), lumps_in(line, result.resolution.h)
+        slabs = round((line.parameters.delay or 0.0) / result.resolution.h)
         parts = (
             {"lumps": 1}
             if line.losses and line.losses.distortionless
             else {"cells": slabs}
             if in_cells
-            else {"lumps": lumps}
+            else {"lumps": lumps[name]}
         )
         terms = len(circuits.series.rates) + len(circuits.shunt.rates)
         told[name] = parts | {"terms": terms, "error": circuits.error}

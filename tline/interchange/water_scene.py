@@ -37,10 +37,10 @@ def read_inp(path: str, wave_speed: float | str) -> tuple[Scene, tuple[str, ...]
 def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, tuple[str, ...]]:
     """The scene of a network, and notes.
 
-    Pressures are piezometric, density·g·head. The friction of a pipe is a loss in its middle, with the factor that the
-    operating point has. Reservoirs and tanks hold their level, valves their opening; a demand is what an opening to the
-    air lets out that gives the demand at the operating point. A pump has the parabola through its shut-off head with
-    head and slope at the operating point.
+    Pressures are piezometric, density·g·head. The friction factor of a pipe is the one that the operating point has.
+    Reservoirs and tanks hold their level, valves their opening; a demand is what an opening to the air lets out that
+    gives the demand at the operating point. A pump has the parabola through its shut-off head with head and slope at
+    the operating point.
 
     Raises
     ------
@@ -67,23 +67,21 @@ def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, 
 
 
 def _add_pipe(tables: dict[str, Any], network: WaterNetwork, name: str, pipe: Pipe, wave_speed: float | str) -> None:
-    one, two = f"{name}:1", f"{name}:2"
-    if {one, two} & network.nodes.keys():
-        raise InputError(f"pipe '{name}'", "its middle needs a name that a node has", f"no node '{one}' or '{two}'")
-    for half, ends in ((one, (pipe.nodes[0], one)), (two, (two, pipe.nodes[1]))):
-        tables["lines"][half] = {
-            "nodes": list(ends),
-            "length": pipe.length / 2,
-            "diameter": pipe.diameter,
-            "wave_speed": wave_speed,
-            "density": network.density,
-        }
-    tables["links"][name] = {
-        "kind": "check valve" if pipe.one_way else "orifice",
+    one, two = pipe.nodes
+    if pipe.one_way:
+        valve = f"{name}:valve"
+        if valve in network.nodes:
+            problem = "its check valve needs a name that a node has"
+            raise InputError(f"pipe '{name}'", problem, f"no node '{valve}'")
+        tables["links"][name] = {"kind": "check valve", "nodes": [one, valve]}
+        one = valve
+    tables["lines"][name] = {
         "nodes": [one, two],
-        "loss_coefficient": pipe.factor * pipe.length / pipe.diameter * (GRAVITY / EPANETS),  # of the same head
+        "length": pipe.length,
         "diameter": pipe.diameter,
+        "wave_speed": wave_speed,
         "density": network.density,
+        "friction": {"kind": "darcy", "factor": pipe.factor * (GRAVITY / EPANETS)},  # of the same head
     }
 
 
@@ -139,7 +137,7 @@ def _add_node(
 
 def _probe(network: WaterNetwork) -> dict[str, Any]:
     """A probe at the junction with the largest demand, for the user to move."""
-    ends = {node: f"{name}:{k}" for name, pipe in network.pipes.items() for k, node in enumerate(pipe.nodes, 1)}
+    ends = {node: name for name, pipe in network.pipes.items() for node in pipe.nodes[pipe.one_way :]}
     if not ends:
         raise InputError("pipes", "there are none in use", "a network with a pipe")
     drawn = {node: network.junctions[node].demand for node in ends if node in network.junctions}

@@ -86,7 +86,7 @@ def bergeron(scene: Scene, hops: int = 12) -> Bergeron:
         raise InputError("lines", "both ends are at one node", "two nodes")
     ends = _load_line(scene, near, nodes[near], 1.0), _load_line(scene, far, nodes[far], -1.0)
     effort, flow = steady_state(scene, nodes) if scene.start == "steady" else rest(scene, nodes)
-    u, y = [effort[near]], [float(flow[0])]
+    u, y = [effort[near]], [float(flow[0, 0])]
     for k in range(hops):
         slope = -z0 if k % 2 == 0 else z0  # of what arrives: u - z0 y at end 1, u + z0 y at end 2
         p, q, r = ends[k % 2]

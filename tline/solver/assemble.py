@@ -22,6 +22,7 @@ from tline.solver.nodes import Node, nodes_of
 from tline.solver.radau import Basis, basis
 from tline.solver.resolution import WHOLE, Resolution, resolution
 from tline.solver.steady import rest, steady_state
+from tline.solver.steady_lines import Ends, fill_cells, fill_lumped, tables_of
 
 
 @dataclass
@@ -41,7 +42,7 @@ class Assembly:
     nodes: list[str]
     lines: dict[str, SceneLine]  # those that are not lumped
     recorded: dict[str, int]  # line name -> first of its two rows in the record
-    start: dict[str, tuple[float, float]]  # line name -> (a, b) before t = 0
+    start: dict[str, NDArray]  # line name -> (a1, b1, a2, b2) before t = 0
     elements: list[list[str]]  # of each group, where its non-linear elements stand
     circuits: dict[str, Circuits]  # of lossy lines
     echoes: dict[str, NDArray]  # of lines in cells, what an end sends into itself (s, s)
@@ -58,27 +59,27 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     nodes = nodes_of(scene)
     chosen = chosen or resolution(scene, nodes)
     order, h = basis(chosen.s), chosen.h
-    effort, y = steady_state(scene, nodes) if scene.start == "steady" else rest(scene, nodes)
-    u = np.array([[effort[at] for at in line.nodes] for line in scene.single_lines.values()])
-    groups, nodes = grouped(scene, chosen.cells, nodes_of(scene, chosen.cells) if chosen.cells else nodes, u[:, 0], y)
     lines = {name: line for name, line in scene.single_lines.items() if name not in chosen.cells}
-    z0 = np.array([line.parameters.z0 for line in lines.values()])
-    kept = np.array([name in lines for name in scene.single_lines])
-    arriving = np.stack(
-        [u[kept, 0] - z0 * y[kept], u[kept, 1] + z0 * y[kept]], axis=1
-    ).ravel()  # b at end 1, a at end 2
-
     delay, shift_row, shift = _delays(lines, order, h)
     circuits = circuits_of(lines, fit_of(scene.t_end, h, chosen.fit))
     in_cells = lines_in_cells(lines, circuits, order, h)
     delay[list(in_cells)] = 1
-    lumps, memory = lumps_of(lines, circuits, delay, order, h, in_cells)
+    lumps, memory = lumps_of(lines, circuits, delay, order, h, chosen.lumps, in_cells)
+    steady = scene.start == "steady"
+    effort, y = steady_state(scene, nodes, tables_of(lumps, list(lines))) if steady else rest(scene, nodes)
+    u = np.array([[effort[at] for at in line.nodes] for line in scene.single_lines.values()])
+    own = nodes_of(scene, chosen.cells) if chosen.cells else nodes
+    groups, nodes = grouped(scene, chosen.cells, own, u[:, 0], y[:, 0])
+    z0 = np.array([line.parameters.z0 for line in lines.values()])
+    kept = np.array([name in lines for name in scene.single_lines])
+    u, q = u[kept], z0[:, None] * y[kept]
+    arriving = (u + [-1, 1] * q).ravel()  # b at end 1, a at end 2
     drives = [node.drives for node in nodes.values()]
     ends = np.array([end for node in nodes.values() for end in node.ends])
     degree = [len(node.ends) for node in nodes.values()]
     weight = np.concatenate([node.weights(z0) for node in nodes.values()])
     thevenin = np.bincount(np.repeat(np.arange(len(nodes)), degree), weight * arriving[ends], len(nodes))
-    if scene.start == "steady":
+    if steady:
         thevenin += [sum(share * just_before(waveform) for waveform, share in parts) for parts in drives]
     driven = np.array([bool(parts) for parts in drives])
     echoes = [_echoes(group, z0, in_cells) for group in groups]
@@ -120,7 +121,11 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         cells=np.zeros(held),
         lumps=np.zeros(memory),
     )
-    start = {name: (arriving[2 * k + 1], arriving[2 * k]) for k, name in enumerate(lines)}
+    if steady:
+        flows = {k: Ends(line, u[k], y[kept][k]) for k, line in enumerate(lines.values()) if line.losses is not None}
+        fill_lumped(network, state, flows, order)
+        fill_cells(network, state, in_cells, flows, order)
+    start = dict(zip(lines, np.stack([u + q, u - q], axis=2).reshape(-1, 4), strict=True))
     return Assembly(
         scene=scene,
         resolution=chosen,

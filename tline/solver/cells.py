@@ -108,6 +108,7 @@ class InCells(NamedTuple):
 
     number: int
     cell: Cell
+    memories: tuple[int, int]  # of the series and of the shunt circuit
 
     @property
     def echo(self) -> Matrix:
@@ -144,7 +145,7 @@ def lines_in_cells(
         if line.losses is not None and not line.losses.distortionless:
             series, shunt, error = circuits[name]
             made = cell(rates(series, shunt, h), order.s, max(CLOSE, KNOWN * error))
-            found[k] = InCells(round((line.parameters.delay or 0.0) / h), made)
+            found[k] = InCells(round((line.parameters.delay or 0.0) / h), made, (len(series.rates), len(shunt.rates)))
     return found
 
 

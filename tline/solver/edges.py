@@ -1,5 +1,7 @@
 """What lies between the lossless parts of a network in the steady state: lossy lines, and elements without a state."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -8,6 +10,7 @@ from tline.scene.scene import Scene
 from tline.solver.balance import Laws
 from tline.solver.elements import Element, elements_of, laws_of
 from tline.solver.nodes import Node
+from tline.solver.steady_lines import Falls, Table
 
 FILLED = {"gas", "tank"}  # kinds through which nothing flows in the end
 
@@ -23,12 +26,19 @@ class Edges:
         Nodes, -1 for the reference.
     """
 
-    def __init__(self, scene: Scene, nodes: dict[str, Node], number: dict[str, int], lossy: NDArray):
-        self.lines = [line for line, loses in zip(scene.lines.values(), lossy, strict=True) if loses]
+    def __init__(
+        self,
+        scene: Scene,
+        nodes: dict[str, Node],
+        number: dict[str, int],
+        lossy: NDArray,
+        tables: Mapping[str, Table],
+    ):
+        lines = {name: line for (name, line), falls in zip(scene.lines.items(), lossy, strict=True) if falls}
+        self.falls = Falls(lines, tables)
         self.elements = [_running(e) for e in elements_of(scene, nodes) if e.law.kind not in FILLED]
-        names = [name for name, loses in zip(scene.lines, lossy, strict=True) if loses]
-        self.where = [place("lines", name) for name in names] + [element.where for element in self.elements]
-        pairs = [line.nodes for line in self.lines] + [(element.one, element.other) for element in self.elements]
+        self.where = [place("lines", name) for name in lines] + [element.where for element in self.elements]
+        pairs = [line.nodes for line in lines.values()] + [(element.one, element.other) for element in self.elements]
         ends = [[-1 if node is None else number[node] for node in pair] for pair in pairs]
         self.one, self.other = np.array(ends, int).reshape(-1, 2).T
         self.packed, _ = laws_of([self.elements], [list(nodes)], nodes, 0, 0)
@@ -48,24 +58,21 @@ class Edges:
     def laws(self, part: NDArray) -> Laws:
         """The same between the parts that the nodes are in."""
         ends = np.append(part, -1)
-        z0 = np.array([line.parameters.z0 for line in self.lines])
-        return Laws(ends[self.one], ends[self.other], np.concatenate([z0, self.packed.seen]), self._solved)
+        return Laws(ends[self.one], ends[self.other], np.concatenate([self.falls.z0, self.packed.seen]), self._solved)
 
     def _solved(self, a: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """Drops and flows, and their slopes over the efforts a behind the impedances."""
         from tline.solver.kernel import flows_through
 
-        count = len(self.lines)
-        z0 = np.array([line.parameters.z0 for line in self.lines])
-        y = a[:count] / z0
-        drops = np.array([line.steady_drop(flow) for line, flow in zip(self.lines, y, strict=True)]).reshape(-1, 2)
+        count = len(self.falls.z0)
+        fall, y, steep, dy = self.falls.solved(a[:count])
         flow, slope = flows_through(self.packed, self.packed.factor, a[count:], self.packed.seen)
         seen = self.packed.seen
         return (
-            np.concatenate([drops[:, 0], a[count:] - seen * flow]),
+            np.concatenate([fall, a[count:] - seen * flow]),
             np.concatenate([y, flow]),
-            np.concatenate([drops[:, 1] / z0, 1 - seen * slope]),
-            np.concatenate([1 / z0, slope]),
+            np.concatenate([steep, 1 - seen * slope]),
+            np.concatenate([dy, slope]),
         )
 
 

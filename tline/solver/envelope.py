@@ -81,5 +81,5 @@ def watch(assembly: Assembly) -> Extremes:
     one = network.ends[network.first[there]]
     new = one[network.record_row[one] < 0]
     network.record_row[new] = 2 * len(assembly.recorded) + np.arange(len(new))
-    before = np.array([sum(assembly.start[name]) / 2 for name in assembly.lines])
-    return Extremes(tuple(assembly.nodes[k] for k in there), network.record_row[one], before[one // 2])
+    before = np.array([assembly.start[name].reshape(2, 2).mean(axis=1) for name in assembly.lines]).ravel()
+    return Extremes(tuple(assembly.nodes[k] for k in there), network.record_row[one], before[one])

@@ -3,8 +3,8 @@
 A lump of series impedance Z sees 2 z0 y + Z y = a - b and takes e = Z y; one of shunt admittance Y sees
 2 u + z0 Y u = a + b and takes e = z0 Y u. Both read 2 q + ζ q = w, e = w - 2 q, with ζ = Z/z0 or z0 Y.
 
-Lumps stand half a slab apart, so that every slab of one wave meets every slab of the other: what a jump leaves behind
-then changes from slab to slab alike, and errors at slab ends are smooth.
+Where they are not too many, lumps stand half a slab apart, so that every slab of one wave meets every slab of the
+other: what a jump leaves behind then changes from slab to slab alike, and errors at slab ends are smooth.
 """
 
 from collections.abc import Collection, Mapping
@@ -44,9 +44,14 @@ class _Row(NamedTuple):
     law: _Law
 
 
-def lumps_in(line: SceneLine, h: float) -> int:
-    """Number of places of lumps in a line: between any two slabs that meet inside."""
-    return 2 * int((line.parameters.delay or 0.0) / h * (1 + WHOLE)) - 1
+def lumps_in(lines: Mapping[str, SceneLine], h: float, most: int) -> dict[str, int]:
+    """Number of places of lumps in lossy lines: between any two slabs that meet inside, if these are not too many."""
+    delays = {name: line.parameters.delay or 0.0 for name, line in lines.items() if line.losses is not None}
+    longest = max(delays.values(), default=0.0)
+    return {
+        name: min(2 * int(delay / h * (1 + WHOLE)) - 1, max(round(most * delay / longest), 1))
+        for name, delay in delays.items()
+    }
 
 
 def lumps_of(
@@ -55,6 +60,7 @@ def lumps_of(
     delay: NDArray,
     order: Basis,
     h: float,
+    most: int,
     without: Collection[int],
 ) -> tuple[Lumps, int]:
     """All lumps of a scene, and the number of their states.
@@ -66,25 +72,28 @@ def lumps_of(
         Of all lines that lose something.
     delay : ndarray, shape (lines,)
         Whole slabs of each delay.
+    most : int
+        Lumps of one law in the longest line.
     without : collection of int
         Numbers of lines whose losses are not lumped.
     """
     rows: list[_Row] = []
+    count = lumps_in(lines, h, most)
     for k, (name, line) in enumerate(lines.items()):
         if line.losses is not None and k not in without:
-            rows += _rows(k, line, circuits[name], int(delay[k]), order, h)
+            rows += _rows(k, line, circuits[name], int(delay[k]), count[name], order, h)
     if not rows:
         return NO_LUMPS, 0
-    laws, count = [row.law for row in rows], [len(row.place) for row in rows]
-    states = np.cumsum([0, *(law.modes * n for law, n in zip(laws, count, strict=True))])
+    laws, size = [row.law for row in rows], [len(row.place) for row in rows]
+    states = np.cumsum([0, *(law.modes * n for law, n in zip(laws, size, strict=True))])
     lumps = Lumps(
-        gap=1,
+        gap=_gap(rows, delay),
         line=np.array([row.line for row in rows]),
         kind=np.array([law.kind for law in laws]),
         sign=np.array([law.sign for law in laws]),
-        first=np.cumsum([0, *count]),
+        first=np.cumsum([0, *size]),
         place=np.concatenate([row.place for row in rows]),
-        strength=np.repeat([law.strength for law in laws], count),
+        strength=np.repeat([law.strength for law in laws], size),
         at=np.cumsum([0, *(len(law.entries) for law in laws)])[:-1],
         modes=np.array([law.modes for law in laws]),
         entries=np.concatenate([law.entries for law in laws]),
@@ -93,21 +102,31 @@ def lumps_of(
     return lumps, int(states[-1])
 
 
-def _rows(k: int, line: SceneLine, circuits: Circuits, delay: int, order: Basis, h: float) -> list[_Row]:
+def _gap(rows: list[_Row], delay: NDArray) -> int:
+    """Slabs that may be advanced at once: none that passes two lumps, or a lump and an end, nor two that meet there."""
+    places: dict[int, set[int]] = {}
+    for row in rows:
+        places.setdefault(row.line, {0, 2 * int(delay[row.line])}).update(row.place.tolist())
+    return max(min(int(np.diff(sorted(each)).min()) for each in places.values()) // 2, 1)
+
+
+def _rows(k: int, line: SceneLine, circuits: Circuits, delay: int, count: int, order: Basis, h: float) -> list[_Row]:
     """Lumps at whole slabs, then those between in reverse order, so that laws that do not commute take turns."""
     losses, z0 = line.losses, line.parameters.z0
     assert losses is not None
     if losses.distortionless:
         share = -float(np.expm1(-losses.attenuation)) / 2
         return [_Row(k, np.array([delay]), _Law(CONSTANT, sign, share)) for sign in (-1.0, 1.0)]
-    part = losses.exact.length / (2 * delay - 1)
+    part = losses.exact.length / count
     laws = [
         *_linear(-1.0, circuits.series, part / z0, order, h),
-        *_friction(losses, z0, 1 / (2 * delay - 1)),
+        *_friction(losses, z0, 1 / count),
         *_linear(1.0, circuits.shunt, part * z0, order, h),
     ]
-    whole, between = np.arange(2, 2 * delay, 2), np.arange(1, 2 * delay, 2)
-    return [_Row(k, whole, law) for law in laws if delay > 1] + [_Row(k, between, law) for law in laws[::-1]]
+    place = np.round(2 * delay * np.arange(1, count + 1) / (count + 1)).astype(int)
+    whole, between = place[place % 2 == 0], place[place % 2 == 1]
+    rows = [_Row(k, whole, law) for law in laws] + [_Row(k, between, law) for law in laws[::-1]]
+    return [row for row in rows if len(row.place)]
 
 
 def _linear(sign: float, law: Foster, scale: float, order: Basis, h: float) -> list[_Law]:

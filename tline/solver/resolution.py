@@ -16,6 +16,7 @@ from tline.solver.nodes import NONE, Node
 
 ORDER = 5
 FIT = 1e-7
+LUMPS, ALL_LUMPS = 64, 2**31
 POINTS = 2  # of a slab, at least, in the time scale of what is to be resolved
 SLABS_PER_DELAY, SLABS_PER_RUN = 4, 500  # at least, where they cost little
 SLABS_FOR_FRONTS = 20_000  # at most, to give the short pieces of waveforms slabs of their own
@@ -40,6 +41,7 @@ class Resolution(NamedTuple):
     cells: Mapping[str, int] = NONE  # of each lumped line
     settle: float = 0.0  # time in which these settle after a front, s
     fit: float = FIT  # tolerance of the circuits of lossy lines, relative
+    lumps: int = ALL_LUMPS  # of one law in the longest line, at most, and in others by their delay
 
 
 def resolution(
@@ -65,6 +67,7 @@ def resolution(
     lossy = [delay for name, delay in delays.items() if lines[name].losses is not None]
     s = s or scene.solver.order or ORDER
     by_hand = h is None and scene.solver.slab is not None
+    lumps = LUMPS if h is None and not by_hand else ALL_LUMPS
     scales = _time_scales(scene, nodes)
     h = h or float(scene.solver.slab or 0.0) or _slab(scene, list(delays.values()), lossy, scales, settle)
     _check(scene, delays, s, h, by_hand)
@@ -75,7 +78,9 @@ def resolution(
         for where, (scale, _) in scales.items()
         if scale < seen
     ]
-    return Resolution(s, h, tuple(notes), any(period < seen for _, period in scales.values()), cells, settle)
+    return Resolution(
+        s, h, tuple(notes), any(period < seen for _, period in scales.values()), cells, settle, lumps=lumps
+    )
 
 
 def _slab(

@@ -115,7 +115,7 @@ def probed(scene: Scene) -> set[str]:
 
 
 def _record(assembly: Assembly, name: str, waves: NDArray, done: Run) -> LineRecord:
-    row, (a, b), echo = assembly.recorded[name], assembly.start[name], assembly.echoes.get(name)
+    row, echo = assembly.recorded[name], assembly.echoes.get(name)
     parameters = assembly.lines[name].parameters
     s, h = assembly.resolution.s, assembly.resolution.h
 
@@ -128,5 +128,6 @@ def _record(assembly: Assembly, name: str, waves: NDArray, done: Run) -> LineRec
             values = values + (1 - 2 * side) * both @ echo.T
         return Wave(values, before, assembly.basis, h, pieces)
 
-    a1, b1, a2, b2 = wave(0, 1, a), wave(0, 0, b), wave(1, 0, a), wave(1, 1, b)
+    sides = (0, 1), (0, 0), (1, 0), (1, 1)
+    a1, b1, a2, b2 = (wave(*at, float(before)) for at, before in zip(sides, assembly.start[name], strict=True))
     return LineRecord(parameters.z0, parameters.delay or 0.0, a1, b1, a2, b2, done.fronts.lost > VISIBLE)

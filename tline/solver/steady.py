@@ -1,23 +1,25 @@
 """The steady state that constant sources imply: one effort on all lines that hang together, and a flow in each.
 
-A lossless line keeps effort and flow the same at both ends. The effort of a connected part follows from the
-sum of what its sources drive and its loads take. Where lines form loops, or several ideal efforts share a
-part, the flows are not unique; taken is the one that a slow rise from rest leads to: no net inertia round any
-loop, so that flow = difference of a potential over z0·T of the line.
+A lossless line keeps effort and flow the same at both ends. The effort of a connected part follows from the sum of what
+its sources drive, its loads take, and lossy lines and elements between parts carry away. Where lines form loops, or
+several ideal efforts share a part, the flows are not unique; taken is the one that a slow rise from rest leads to: no
+net inertia round any loop, so that flow = difference of a potential over z0·T of the line.
 """
+
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.lossless import refuse_losses
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.solver.balance import CLOSE, balanced
 from tline.solver.drive import just_before
 from tline.solver.edges import Edges
-from tline.solver.nodes import Node
+from tline.solver.nodes import NONE, Node
+from tline.solver.steady_lines import Table, pi
 
 SAME = 1e-9  # efforts that differ by less than this, relatively, are equal
 SMALL = 300  # nodes
@@ -26,28 +28,36 @@ STUCK = 1e-9  # of the largest flow, that only a leak takes
 
 
 def rest(scene: Scene, nodes: dict[str, Node]) -> tuple[dict[str, float], NDArray]:
-    """Effort of each node and flow of each line where nothing has happened yet."""
-    return dict.fromkeys(nodes, 0.0), np.zeros(len(scene.single_lines))
+    """Effort of each node and flows at both ends of each line where nothing has happened yet."""
+    return dict.fromkeys(nodes, 0.0), np.zeros((len(scene.single_lines), 2))
 
 
-def steady_state(scene: Scene, nodes: dict[str, Node]) -> tuple[dict[str, float], NDArray]:
-    """Effort of each node and flow of each line, immediately before t = 0.
+def steady_state(
+    scene: Scene, nodes: dict[str, Node], tables: Mapping[str, Table] = NONE
+) -> tuple[dict[str, float], NDArray]:
+    """Effort of each node and flows at both ends of each line, from end 1 to end 2, immediately before t = 0.
+
+    Parameters
+    ----------
+    tables : mapping of str to Table
+        Of lines whose friction is to be the one that their lumps have.
 
     Raises
     ------
     InputError
         If there is none: different ideal efforts on connected lines, or a flow that nothing takes; or none was found.
     """
-    refuse_losses(scene, "no steady state is found")
     number = {name: k for k, name in enumerate(nodes)}
     first, second = np.array([[number[node] for node in line.nodes] for line in scene.lines.values()]).T
     n = len(nodes)
     lossy = np.array([any(line.steady_drop(1.0)) for line in scene.lines.values()])
+    leak = np.array([pi(line)[1] for line in scene.lines.values()])
     stiff = ~lossy
     part = parts(first[stiff], second[stiff], n)
     given, conductance, driven, tie = _balances(nodes)
+    conductance += np.bincount(first, leak, n) + np.bincount(second, leak, n)
     _check_held(scene, number, part, given)
-    edges = Edges(scene, nodes, number, lossy)
+    edges = Edges(scene, nodes, number, lossy, tables)
     if edges.count:
         level, flow = _between_parts(scene, number, part, given, conductance, driven, edges)
         out = edges.out_of_nodes(flow, n)
@@ -62,7 +72,8 @@ def steady_state(scene: Scene, nodes: dict[str, Node]) -> tuple[dict[str, float]
     potential = _potential(first[stiff], second[stiff], stiffness[stiff], flow_in, tie)
     y = stiffness * (potential[first] - potential[second])
     y[lossy] = flow[: lossy.sum()]
-    return dict(zip(nodes, effort.tolist(), strict=True)), y
+    flows = np.stack([y + leak * effort[first], y - leak * effort[second]], axis=1)
+    return dict(zip(nodes, effort.tolist(), strict=True)), flows
 
 
 def _between_parts(

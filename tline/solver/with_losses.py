@@ -95,7 +95,8 @@ def _halved(search: Search) -> tuple[Result, Result]:
     attempts, limit, stale, accuracy = [Attempt.of(last)], "", 0, Accuracy(search.tol, {}, ())
     while not limit:
         try:
-            chosen = resolution(search.scene, nodes, order, chosen.h / 2)._replace(fit=search.fit)
+            finer = resolution(search.scene, nodes, order, chosen.h / 2)
+            chosen = finer._replace(fit=search.fit, lumps=2 * chosen.lumps)
             last = search.run(chosen, last.t[-1])
         except InputError as error:
             limit = f"{error.where}: {error.problem}"
