@@ -26,7 +26,7 @@ def steady(lines: dict, medium: str = "electrical", **parts) -> dict[str, tuple[
     probes = {"p": {"at": node, "line": first}}
     scene = Scene(medium=medium, t_end=10.0, start="steady", lines=lines, probes=probes, **parts)
     start = assemble(scene, set()).start
-    return {k: ((a + b) / 2, (a - b) / (2 * scene.lines[k].parameters.z0)) for k, (a, b) in start.items()}
+    return {k: ((a + b) / 2, (a - b) / (2 * scene.lines[k].parameters.z0)) for k, (a, b, _, _) in start.items()}
 
 
 def check(found: dict[str, tuple[float, float]], **expected: tuple[float, float]) -> None:

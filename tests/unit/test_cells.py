@@ -79,7 +79,7 @@ def test_stiff_circuits_are_found_to_the_digits_asked_for():
 
 def test_an_echo_is_what_an_end_sends_into_itself():
     """w = y + K (2u - w) means w = ŷ + 2 Q u."""
-    made = InCells(3, cell(rates(circuit(3, 1, 0.4), LOSSLESS, 1.0), 3))
+    made = InCells(3, cell(rates(circuit(3, 1, 0.4), LOSSLESS, 1.0), 3), (1, 0))
     K, Q = made.cell.back, made.echo
     y, u = np.random.default_rng(0).normal(size=(2, 3))
     w = np.linalg.solve(np.eye(3) + K, y + 2 * K @ u)
