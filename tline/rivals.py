@@ -32,7 +32,6 @@ from numba import njit
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.lossless import refuse_losses
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
@@ -75,6 +74,8 @@ class Rival:
         From a scene and n to a trace.
     unfit : callable
         From a scene to why this method cannot do it, or None.
+    lossy : bool
+        Whether it knows lines with a resistance.
 
     Examples
     --------
@@ -93,6 +94,7 @@ class Rival:
     load_order: int
     solve: Callable[[Scene, float], Trace]
     unfit: Callable[[Scene], str | None] = lambda scene: None
+    lossy: bool = False
 
     def misfit(self, scene: Scene) -> str | None:
         """Why this method cannot do a scene; None if it can."""
@@ -104,6 +106,9 @@ class Rival:
         for name, probe in scene.probes.items():
             if probe.at is None:
                 return f"{place('probes', name)}: rivals are recorded at nodes only"
+        for name, line in scene.lines.items():
+            if line.losses and not (self.lossy and line.losses.constant and not line.losses.constant[1]):
+                return f"{place('lines', name)}: loses what this method does not know"
         if scene.start != "rest":
             return "start: rivals start at rest only"
         return self.unfit(scene)
@@ -382,10 +387,12 @@ def lumped_pi(scene: Scene, n: float) -> Trace:
     """Each line a chain of sections, half of their capacitance before and half behind their inductance."""
     nodes, unit, cells = nodes_of(scene), _shortest(scene), _sections(scene, n)
     chains = []
-    for N, width, z0 in zip(cells, _delays(scene) / cells / unit, _z0(scene), strict=True):
+    for N, width, z0, decay in zip(cells, _delays(scene) / cells / unit, _z0(scene), _decays(scene), strict=True):
         D = _differences(N)  # states: z0 times the flows, then the efforts between
         ends = np.vstack([D[:, [0, N]], np.zeros((N - 1, 2))])
-        chains.append(Chain(_skew(D[:, 1:N]) / width, ends / width, -ends.T / z0))
+        A = _skew(D[:, 1:N]) / width
+        A[range(N), range(N)] -= decay * unit
+        chains.append(Chain(A, ends / width, -ends.T / z0))
     systems = [_on_capacitor(node, half, unit) for node, half in _half_cells(scene, nodes, cells)]
     return _integrated(scene, n, chains, systems, order=2)
 
@@ -647,8 +654,13 @@ def _delays(scene: Scene) -> NDArray:
 
 
 def _z0(scene: Scene) -> NDArray:
-    refuse_losses(scene, "the other methods know none")
     return np.array([line.parameters.z0 for line in scene.lines.values()])
+
+
+def _decays(scene: Scene) -> NDArray:
+    """Resistance over inductance of each line."""
+    series = [line.losses.exact.series if line.losses else None for line in scene.lines.values()]
+    return np.array([law.loss / law.storage if law else 0.0 for law in series])
 
 
 def _shortest(scene: Scene) -> float:
@@ -710,7 +722,7 @@ RIVALS: dict[str, Rival] = {
     "lax_wendroff": Rival("Lax-Wendroff", 2, 2, lax_wendroff),
     "fdtd": Rival("FDTD leapfrog", 2, 2, fdtd),
     "lumped_t": Rival("T sections", 2, 2, lumped_t, _pushes_inductors),
-    "lumped_pi": Rival("π sections", 2, 2, lumped_pi),
+    "lumped_pi": Rival("π sections", 2, 2, lumped_pi, lossy=True),
     "pade": Rival("Padé sections", 3, 3, pade),
     "slabs_pointwise": Rival("slabs, pointwise, s = 4", 4, 4, slabs_pointwise),
 }

@@ -7,8 +7,11 @@ from fractions import Fraction
 import mpmath
 import pytest
 
+from tline.errors import InputError
 from tline.loss import Constant, Foster, LaminarFriction, LossyLine, SkinEffect
 from tline.reference.lossy import Drive, lossy_response
+from tline.reference.lossy_scene import LossySolution
+from tline.scene.scene import Scene
 
 
 def close(found, expected, digits):
@@ -149,3 +152,49 @@ def test_more_digits_confirm_fewer():
     times = [1.001e-9, 3.2e-9, 7e-9]
     few, many = (lossy_response(line, times, 0.1, source=10, load=200, digits=d) for d in (8, 30))
     assert all(abs(a - b) <= Decimal("1e-8") * max(many.u) for a, b in zip(few.u, many.u, strict=True))
+
+
+def test_a_scene_with_one_lossy_line_adds_up_steps_and_ramps():
+    """A trapezoid of 1 V: two ramps up, two down, of the response that is proved above."""
+    cable = {"nodes": ["near", "far"], "z0": 50, "delay": "1 ns", "length": "0.2 m", "resistance": 20}
+    pulse = {"shape": "pulses", "low": 0, "high": 1, "rise": "0.1 ns", "width": "0.3 ns", "fall": "0.2 ns"}
+    scene = Scene(
+        medium="electrical",
+        t_end="10 ns",
+        lines={"line": cable},
+        sources={"s": {"at": "far", "kind": "voltage", "value": pulse, "resistance": 25}},
+        loads={"end": {"at": "near", "kind": "resistor", "resistance": 100}},
+        probes={"near": {"at": "near"}, "far": {"at": "far"}},
+    )
+    line, t = scene.lines["line"].losses.exact, 3.3
+    for probe, x in (("near", 0.2), ("far", 0.0)):
+        solution = LossySolution(scene, probe)
+        parts = [(0, 10), (0.1, -10), (0.4, -5), (0.6, 5)]  # start, ns, and change of slope, V/ns
+        ends = {"source": 25, "load": 100, "drive": Drive.RAMP}
+        each = [lossy_response(line, [f"{t - start:.1f}e-9"], x, **ends).u[0] for start, _ in parts]
+        expected = sum(float(u) * slope * 1e9 for u, (_, slope) in zip(each, parts, strict=True))
+        assert float(solution.at(["3.3e-9"]).u[0]) == pytest.approx(expected, abs=1e-12)
+        first = 1.0 if probe == "near" else 0.0
+        assert solution.fronts[:4] * 1e9 == pytest.approx([first, first + 0.1, first + 0.4, first + 0.6])
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"lines": {"line": {"nodes": ["near", "far"], "z0": 50, "delay": "1 ns"}}}, "lines.line: its losses are not"),
+        ({"loads": {"end": {"at": "far", "kind": "series", "resistance": 5, "inductance": 1}}}, "loads.end: no resis"),
+        ({"sources": {"s": {"at": "near", "kind": "current", "value": 1}}}, "sources.s: no effort at an end"),
+        ({"start": "steady"}, "start: exact solutions start at rest"),
+    ],
+)
+def test_what_has_no_exact_solution_with_losses(change, sentence):
+    cable = {"nodes": ["near", "far"], "z0": 50, "delay": "1 ns", "length": "0.2 m", "resistance": 20}
+    table = {
+        "medium": "electrical",
+        "t_end": "10 ns",
+        "lines": {"line": cable},
+        "sources": {"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 25}},
+        "probes": {"far": {"at": "far"}},
+    }
+    with pytest.raises(InputError, match=sentence):
+        LossySolution(Scene(**table | change), "far")

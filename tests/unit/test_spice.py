@@ -135,9 +135,9 @@ def test_waveforms_are_those_of_the_manual(read, text, letter, nodes, sign):
         ((4, "C2 s b 1p"), "c.cir, line 5, C2: lies between nodes 's' and 'b'"),
         ((4, "R2 b x 1"), "c.cir, line 5, R2: lies between nodes 'b' and 'x'"),
         ((4, "K1 L1 L2 0.5"), "c.cir, line 5, K1: not known here, expected R, L, C, V"),
-        ((4, "O1 a 0 b 0 lossy"), "c.cir, line 5, O1: not known here"),
+        ((4, "O1 a 0 b 0 lossy"), "c.cir, line 5, O1: its model is not there"),
+        ((4, "W1 a 0 b 0 lossy"), "c.cir, line 5, W1: not known here"),
         ((4, "D1 b 0 d"), "c.cir, line 5, D1: not known here"),
-        ((4, ".model d d"), "c.cir, line 5, .model: not known here"),
         ((4, ".include x.lib"), "c.cir, line 5, .include: not known here"),
         ((4, ".ic v(a)=1"), "c.cir, line 5, .ic: not known here"),
         ((4, "r1 b 0 1"), "c.cir, line 5, r1: named twice"),
@@ -287,3 +287,53 @@ def test_pipes_have_no_netlist():
     }
     with pytest.raises(InputError, match="medium: a netlist is electrical"):
         spice_text(Scene(**pipe))
+
+
+LTRA = ".model lossy LTRA(R=20 L=250n C=100p LEN=0.2 rel=1.2 nocontrol)"
+
+
+def lossy(model: str = LTRA) -> list[str]:
+    """The cable with resistance."""
+    return [*CABLE[:3], "O1 a 0 b 0 LOSSY", model, *CABLE[4:]]
+
+
+def test_a_line_with_resistance_is_read_and_written(read):
+    line = read(*lossy()).lines["O1"]
+    assert (line.parameters.z0, line.parameters.delay) == pytest.approx((50, 1e-9), rel=1e-12)
+    assert line.losses.constant == (20, 0)
+    assert line.losses.exact.length == 0.2
+    again = read(*spice_text(read(*lossy())).splitlines()).lines["OO1"]
+    assert again.losses == line.losses
+    assert read(*lossy(LTRA.replace("R=20", ""))).lines["O1"].losses is None
+
+
+@pytest.mark.parametrize(
+    ("model", "sentence"),
+    [
+        (".model d d(is=1n)", "c.cir, line 4, O1: its model is not there"),
+        (".model lossy d(is=1n)", "c.cir, line 5, .model: not known here, expected LTRA, got 'd'"),
+        (".model lossy", "c.cir, line 5, .model: not known here, expected LTRA"),
+        (LTRA.replace("R=20", "G=1"), "c.cir, line 5, .model: not a list of what a line with resistance has"),
+        (LTRA.replace("LEN=0.2", ""), "c.cir, line 5, .model: its LEN is not above zero"),
+        (LTRA.replace("R=20", "R=-2"), "c.cir, line 5, .model: its R is below zero"),
+        (LTRA.replace("R=20", "R"), "c.cir, line 5, .model: not a list of what a line with resistance has"),
+    ],
+)
+def test_a_model_that_is_none_of_a_line(read, model, sentence):
+    with pytest.raises(InputError) as caught:
+        read(*lossy(model))
+    assert str(caught.value).startswith(sentence)
+
+
+@pytest.mark.parametrize(
+    ("losses", "sentence"),
+    [
+        ({"skin": {"resistance": 1, "frequency": 1e9}}, "no element of a netlist has losses that change"),
+        ({"resistance": 1, "conductance": 1e-3}, "no element of a netlist has a conductance"),
+    ],
+)
+def test_losses_that_no_netlist_has(losses, sentence):
+    line = {"nodes": ["a", "b"], "z0": 50, "delay": "1 ns", "length": 0.2} | losses
+    scene = Scene(medium="electrical", t_end=1e-8, lines={"l": line}, probes={"p": {"at": "a"}})
+    with pytest.raises(InputError, match=f"lines.l: {sentence}"):
+        spice_text(scene)

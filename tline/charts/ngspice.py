@@ -1,4 +1,4 @@
-"""A scene in ngspice: T elements, sources of straight pieces, the largest step refined."""
+"""A scene in ngspice: T and O elements, sources of straight pieces, the largest step refined."""
 
 import re
 import shutil
@@ -12,11 +12,9 @@ from numpy.typing import NDArray
 
 from tline.charts.clock import Run
 from tline.errors import InputError
+from tline.interchange.spice_text import spice_text
 from tline.reference.network import decimal
 from tline.reference.waveforms import level, straight
-from tline.scene.load import Resistor
-from tline.scene.lossless import refuse_losses
-from tline.scene.rational_load import Parallel, Series
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
 
@@ -28,10 +26,8 @@ def misfit(scene: Scene) -> str | None:
     """Why it cannot do a scene; None if it can."""
     if shutil.which("ngspice") is None:
         return "not installed: apt install ngspice"
-    if scene.medium != "electrical" or not all(
-        isinstance(x, Resistor | Series | Parallel) for x in (*scene.loads.values(), *scene.links.values())
-    ):
-        return "not made of lines, R, L and C"
+    if scene.medium != "electrical":
+        return "for cables only"
     return misfit_of_sources(scene)
 
 
@@ -61,36 +57,9 @@ def netlist(scene: Scene, longest: float) -> str:
     --------
     >>> from tline.charts.scenes import chart_scene
     >>> netlist(chart_scene("rc").scene, 1e-12).splitlines()[1]
-    'T0 near 0 far 0 Z0=50.0 TD=1e-09'
+    'Tline near 0 far 0 Z0=50.0 TD=1e-09'
     """
-    refuse_losses(scene, "no netlist")
-    cards = [f"* {scene.title}"]
-    for k, line in enumerate(scene.lines.values()):
-        i, j = line.nodes
-        cards.append(f"T{k} {i} 0 {j} 0 Z0={line.parameters.z0!r} TD={float(line.parameters.delay or 0)!r}")
-    for k, source in enumerate(scene.sources.values()):
-        points = " ".join(f"{t!r} {u!r}" for t, u in corners(source.value, scene.t_end) or [])
-        if source.is_effort:
-            cards += [f"V{k} s{k} 0 PWL({points})", f"RG{k} s{k} {source.at} {float(source.resistance or 0)!r}"]
-        else:
-            cards.append(f"I{k} 0 {source.at} PWL({points})")
-    for k, load in enumerate(scene.loads.values()):
-        if isinstance(load, Resistor):
-            cards.append(f"RL{k} {load.at} 0 {float(load.resistance)!r}")
-        elif isinstance(load, Series | Parallel):
-            cards += _elements(load, k)
-    probed = " ".join(f"v({probe.at})" for probe in scene.probes.values())
-    cards += [f".save {probed}", ".options acct", f".tran {longest!r} {float(scene.t_end)!r} 0 {longest!r} uic", ".end"]
-    return "\n".join(cards) + "\n"
-
-
-def _elements(load: Series | Parallel, k: int) -> list[str]:
-    given = [("R", load.resistance), ("L", load.inductance), ("C", load.capacitance)]
-    parts = [(letter, float(value)) for letter, value in given if value is not None]
-    if isinstance(load, Parallel):
-        return [f"{letter}P{k} {load.at} 0 {value!r}" for letter, value in parts]
-    nodes = [load.at, *(f"x{k}_{n}" for n in range(1, len(parts))), "0"]
-    return [f"{letter}S{k} {i} {j} {value!r}" for (letter, value), i, j in zip(parts, nodes, nodes[1:], strict=False)]
+    return spice_text(scene, step=longest).replace(".tran", ".options acct\n.tran", 1)
 
 
 def run(scene: Scene, n: int) -> Run:

@@ -34,6 +34,12 @@ def _cable(
     )
 
 
+def _lossy() -> ChartScene:
+    given = _cable("Ramp of 0.1 ns into 0.2 m of 20 Ω/m, 20 transits", {"kind": "resistor", "resistance": 100}).scene
+    line = given.table()["lines"]["line"] | {"length": "0.2 m", "resistance": "20 ohm/m"}
+    return ChartScene(given.title, Scene(**given.table() | {"lines": {"line": line}}))
+
+
 def _smooth() -> ChartScene:
     value = {
         "shape": "sine", "amplitude": 0.5, "offset": 0.5, "phase": "-90 deg", "frequency": "0.5 GHz", "until": "2 ns",
@@ -125,6 +131,7 @@ MAKERS = {
     "step": lambda: _cable("Step at 0.371 ns into 100 Ω ∥ 4 pF", RC, {"shape": "step", "to": 1, "at": "0.371 ns"}),
     "rc": lambda: _cable("Ramp of 0.1 ns into 100 Ω ∥ 4 pF, 20 transits", RC),
     "rlc": lambda: _cable("Ramp of 0.1 ns into 10 Ω + 50 nH + 2 pF in series", SERIES_RLC),
+    "lossy": _lossy,
     "y": lambda: _y("Y of 1, √2 and 1/√3 ns, ramp of 0.1 ns", ("1 ns", "1.4142135623731 ns", "0.57735026918963 ns")),
     "long": lambda: _cable(
         "Lightly damped, 200 transits: 5 Ω into 1 kΩ ∥ 1 pF",

@@ -12,7 +12,12 @@ from tline.interchange.spice_source import Transient
 
 SHOWN = (".print", ".plot", ".save", ".probe")
 VOLTAGE = re.compile(r"v\(\s*([^\s,()]+)\s*\)", re.IGNORECASE)
-KNOWN = "R, L, C, V, I, T, X, .subckt, .param, .tran, .print, .plot, .save, .probe and .end"
+KNOWN = "R, L, C, V, I, T, O, X, .model, .subckt, .param, .tran, .print, .plot, .save, .probe and .end"
+PER_METRE = {"r", "l", "c", "len"}
+NUMERICAL = {  # of LTRA: how that program computes, not what the line is
+    "rel", "abs", "nosteplimit", "nocontrol", "lininterp", "quadinterp", "mixedinterp", "compactrel", "compactabs",
+    "truncnr", "truncdontcut", "steplimit",
+}  # fmt: skip
 
 
 class Drive(NamedTuple):
@@ -42,10 +47,11 @@ class Netlist:
         self.shown: list[tuple[Card, str]] = []  # nodes, and where they are asked for
         commands = [card for card in deck.cards if card.kind == "."]
         self.tran = self._transient([card for card in commands if card.name.lower() == ".tran"])
+        self.models = {card.words[0].lower(): card for card in commands if card.name.lower() == ".model" and card.words}
         for card in commands:
             if card.name.lower() in SHOWN:
                 self.shown += self._nodes_shown(card)
-            elif card.name.lower() != ".tran":
+            elif card.name.lower() not in (".tran", ".model"):
                 raise card.refuse("not known here", KNOWN)
         for card in deck.cards:
             if card.kind != ".":
@@ -82,24 +88,28 @@ class Netlist:
         kind, key = card.kind, card.name.lower()
         if key in self.cards:
             raise card.refuse("named twice", "another name")
-        if kind not in "RLCVIT":
+        if kind not in "RLCVITO":
             raise card.refuse("not known here", KNOWN)
-        if len(card.words) < (5 if kind == "T" else 3):
+        if len(card.words) < (5 if kind in "TO" else 3):
             raise card.refuse("is not whole", "its nodes and a value")
         self.cards[key] = card
-        if kind == "T":
-            self.lines[card.name] = self._line(card)
+        if kind in "TO":
+            line = self._line if kind == "T" else self._lossy_line
+            self.lines[card.name] = {"nodes": self._ends(card)} | line(card)
         elif kind in "RLC":
             self.branches.append(self._branch(card, kind))
         else:
             self.drives.append(self._drive(card, kind))
 
-    def _line(self, card: Card) -> dict[str, Any]:
+    def _ends(self, card: Card) -> list[str]:
         first, low, second, base = map(self.node, card.words[:4])
         if (low, base) != ("0", "0"):
             raise card.refuse("a line that is not against the reference", "0 for its second and fourth node")
         if "0" in (first, second):
             raise card.refuse("an end at the reference", "another node, and a resistor to 0 there")
+        return [first, second]
+
+    def _line(self, card: Card) -> dict[str, Any]:
         words = card.words[4:]
         given = {key.lower(): card.value(value) for key, value in zip(words[::3], words[2::3], strict=False)}
         names = "Z0 with TD, or with F (and NL)"
@@ -110,7 +120,33 @@ class Netlist:
         if given.get("f", 1.0) <= 0:
             raise card.refuse("its frequency is not above zero", "more than 0", f"{given['f']:g}")
         delay = given["td"] if "td" in given else given.get("nl", 0.25) / given["f"]
-        return {"nodes": [first, second], "z0": given["z0"], "delay": delay}
+        return {"z0": given["z0"], "delay": delay}
+
+    def _lossy_line(self, card: Card) -> dict[str, Any]:
+        """R, L and C per metre by an LTRA model."""
+        model = self.models.get(card.words[4].lower())
+        if model is None or len(card.words) > 5:
+            raise card.refuse("its model is not there", "the name of a .model", f"'{' '.join(card.words[4:]):.40}'")
+        kind, words = "".join(model.words[1:2]), model.words[2:]
+        if kind.lower() != "ltra":
+            raise model.refuse("not known here", "LTRA", f"'{kind}'")
+        given: dict[str, float] = {}
+        while words:
+            key, *words = words
+            valued = words[:1] == ["="] and len(words) > 1
+            if key.lower() not in PER_METRE | NUMERICAL or (key.lower() in PER_METRE and not valued):
+                raise model.refuse("not a list of what a line with resistance has", "R, L, C and LEN", f"'{key}'")
+            if valued:
+                given[key.lower()] = model.value(words[1])
+                words = words[2:]
+        for name in ("l", "c", "len"):
+            if given.get(name, 0.0) <= 0:
+                raise model.refuse(f"its {name.upper()} is not above zero", "more than 0", f"{given.get(name, 0.0):g}")
+        if given.get("r", 0.0) < 0:
+            raise model.refuse("its R is below zero", "0 or more", f"{given['r']:g}")
+        delay = given["len"] * (given["l"] * given["c"]) ** 0.5
+        line = {"z0": (given["l"] / given["c"]) ** 0.5, "delay": delay, "length": given["len"]}
+        return line | ({"resistance": given["r"]} if given.get("r") else {})
 
     def _branch(self, card: Card, kind: str) -> Branch:
         if len(card.words) > 3:

@@ -10,7 +10,6 @@ from tline.interchange.branches import as_load
 from tline.interchange.spice_waveform import spice_waveform
 from tline.scene.coupled import refuse_coupled
 from tline.scene.load import Matched, NoFlow, Resistor, Short
-from tline.scene.lossless import refuse_losses
 from tline.scene.mistakes import place
 from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
@@ -21,12 +20,13 @@ LETTERS = {"resistance": "R", "inductance": "L", "capacitance": "C"}
 
 
 def spice_text(scene: Scene, rise: float | None = None, step: float | None = None) -> str:
-    """A scene as SPICE netlist: T elements, sources behind resistors, R, L and C.
+    """A scene as SPICE netlist: T and O elements, sources behind resistors, R, L and C.
 
     Parameters
     ----------
     scene : Scene
-        Electrical; lossless lines, open, matched or shorted ends, R, L and C, probes at nodes.
+        Electrical; lines without losses or with a resistance, open, matched or shorted ends, R, L and C, probes at
+        nodes.
     rise : float, optional
         Time that a jump takes in the netlist, s; without it jumps are refused, for SPICE has none.
     step : float, optional
@@ -61,12 +61,10 @@ def spice_text(scene: Scene, rise: float | None = None, step: float | None = Non
     for section in scene.table().keys() - SECTIONS:
         raise InputError(section, "has no counterpart in a netlist")
     refuse_coupled(scene.lines, "a netlist of tline")
-    refuse_losses(scene, "no netlist")
     names = _Names(scene)
     cards = [f"* {' '.join(scene.title.split()) or 'a scene of tline'}", *names.comments]
-    for name, line in scene.lines.items():
-        i, j = (names.node[at] for at in line.nodes)
-        cards.append(f"{names.element('T', name)} {i} 0 {j} 0 Z0={line.parameters.z0!r} TD={line.parameters.delay!r}")
+    for name in scene.lines:
+        cards += _line(scene, name, names)
     for name in scene.sources:
         cards += _source(scene, name, names, rise)
     for name in scene.loads:
@@ -103,6 +101,22 @@ class _Names:
             free, k = f"{word}_{k}", k + 1
         self.used.add(free.lower())
         return free
+
+
+def _line(scene: Scene, name: str, names: _Names) -> list[str]:
+    line, where = scene.single_lines[name], place("lines", name)
+    (i, j), z0, delay = (names.node[at] for at in line.nodes), line.parameters.z0, line.parameters.delay or 0.0
+    if line.losses is None:
+        return [f"{names.element('T', name)} {i} 0 {j} 0 Z0={z0!r} TD={delay!r}"]
+    if line.losses.constant is None:
+        raise InputError(where, "no element of a netlist has losses that change with frequency", "resistance alone")
+    resistance, conductance = line.losses.constant
+    if conductance:
+        raise InputError(where, "no element of a netlist has a conductance beside an inductance", "resistance alone")
+    length = line.losses.exact.length
+    element, model = names.element("O", name), names.element("M", name)
+    values = f"r={resistance!r} l={z0 * delay / length!r} c={delay / (z0 * length)!r} len={length!r}"
+    return [f"{element} {i} 0 {j} 0 {model}", f".model {model} ltra({values})"]
 
 
 def _source(scene: Scene, name: str, names: _Names, rise: float | None) -> list[str]:

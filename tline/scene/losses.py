@@ -7,7 +7,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.loss import LossyLine
+from tline.loss import Constant, LossyLine
 
 Curve = Callable[[NDArray], tuple[NDArray, NDArray]]  # from |flow| to drop per metre and its slope
 
@@ -34,6 +34,14 @@ class Losses:
     def linear(self) -> bool:
         """Whether nothing depends on the size of the flow."""
         return self.quadratic == 0 and self.curve is None
+
+    @property
+    def constant(self) -> tuple[float, float] | None:
+        """Resistance and conductance per metre, if that is all."""
+        laws = self.exact.series, self.exact.shunt
+        if not self.linear or not all(isinstance(law, Constant) for law in laws):
+            return None
+        return laws[0].loss, laws[1].loss
 
     @property
     def distortionless(self) -> bool:
