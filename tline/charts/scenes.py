@@ -35,7 +35,9 @@ def _cable(
 
 
 def _lossy() -> ChartScene:
-    given = _cable("Ramp of 0.1 ns into 0.2 m of 20 Ω/m, 20 transits", {"kind": "resistor", "resistance": 100}).scene
+    """A ramp that ends on a slab's edge from eight slabs per transit on: inside slabs cells do not follow corners."""
+    title, end = "Ramp of 0.125 ns into 0.2 m of 20 Ω/m, 20 transits", {"kind": "resistor", "resistance": 100}
+    given = _cable(title, end, RAMP | {"duration": "0.125 ns"}).scene
     line = given.table()["lines"]["line"] | {"length": "0.2 m", "resistance": "20 ohm/m"}
     return ChartScene(given.title, Scene(**given.table() | {"lines": {"line": line}}))
 
