@@ -5,6 +5,8 @@
 | ngspice | T elements, its largest step refined | its own figure of the transient analysis, in milliseconds |
 | scikit-rf | two-ports in a row, inverse FFT over a damped window twice the run | all but the grid of frequencies |
 | rthym-moc | its friction, which cannot be switched off, as small as it allows | its run(), setting up included |
+
+TSNet, also for water, has no exact counterpart here: its demands are openings, and the flow of the scene is given.
 """
 
 import warnings
@@ -25,6 +27,9 @@ PEERS: dict[str, Peer] = {
     "scikit-rf, inverse FFT": (inverse_fft.misfit, inverse_fft.run),
     "rthym-moc, its friction on": (rthym.misfit, rthym.run),
 }
+
+
+UNLIKE = {"TSNet": "its demands are openings, and the scenes give flows or voltages"}
 
 
 def peers(name: str, quick: bool = False, progress: bool = False) -> Table:
@@ -65,4 +70,5 @@ def peers(name: str, quick: bool = False, progress: bool = False) -> Table:
             else:
                 add(table, label, "peer", partial(run, scene), judge, effort)
             bar.update()
+    table.notes += [f"absent: {label} ({why})" for label, why in UNLIKE.items()]
     return table

@@ -66,8 +66,7 @@ def work_precision(scene: str, plot: str | None, csv: str | None, quick: bool, a
 def peers(scene: str, plot: str | None, csv: str | None, quick: bool, as_json: bool) -> None:
     """Error against run time of other programs on the same scene, each measured now if it is installed.
 
-    ngspice is looked for on the PATH; scikit-rf, rthym-moc and TSNet among the installed packages. What is absent is
-    named.
+    ngspice is looked for on the PATH; scikit-rf and rthym-moc among the installed packages. What is absent is named.
     """
     from tline.charts.peers import peers as measure
 
