@@ -96,7 +96,8 @@ def _slab(
     many = [] if lossy else [scene.t_end / SLABS_PER_RUN]  # to lines with losses slabs are dear
     wanted = max(min([resolved, *many, *fronts]), least)
     marks = [t for t in breaks if t > 0] if few else []
-    parts = _dividing(delays, lossy, marks, wanted, _affordable(scene, delays, CHEAP_IN_BLOCKS))
+    cheap = CHEAP if lossy else CHEAP_IN_BLOCKS
+    parts = _dividing(delays, lossy, marks, wanted, _affordable(scene, delays, cheap))
     if not parts and breaks and few:  # fronts inside slabs, exact in any slab, and slabs with fronts cost
         wanted = max(resolved, least)
     parts = parts or 1
