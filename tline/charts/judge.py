@@ -1,5 +1,7 @@
 """How wrong a run is, against the exact solution."""
 
+from functools import partial
+
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
@@ -8,16 +10,30 @@ from tline.charts.clock import Traces
 from tline.reference import Solution
 from tline.reference.lossy_scene import LossySolution
 from tline.scene.scene import Scene
+from tline.solver.with_losses import is_lossy
 
 DIGITS, DIGITS_BETWEEN = 18, 15
 SEED = 0
 DEGREE = 16  # between fronts
 
 
+class Closed:
+    """An exact solution as it is."""
+
+    def __init__(self, scene: Scene, probe: str):
+        self._solution = Solution(scene, probe)
+        self.fronts = self._solution.fronts
+
+    def efforts(self, t: NDArray) -> NDArray:
+        """At times within the run."""
+        return self._solution.at(t.tolist(), DIGITS).efforts
+
+
 class Interpolated:
     """An exact solution that is slow, by a polynomial between any two fronts: there it is analytic."""
 
-    def __init__(self, solution: LossySolution, t_end: float):
+    def __init__(self, scene: Scene, probe: str):
+        solution, t_end = LossySolution(scene, probe), scene.t_end
         self.fronts = solution.fronts
         self._edges = np.unique([0.0, *self.fronts[(self.fronts > 0) & (self.fronts < t_end)], t_end])
         nodes = chebyshev.chebpts1(DEGREE + 1)
@@ -47,11 +63,8 @@ class Judge:
 
     def __init__(self, scene: Scene, instants: int):
         self.scene = scene
-        lossy = any(line.losses for line in scene.single_lines.values())
-        self.solutions = {
-            probe: Interpolated(LossySolution(scene, probe), scene.t_end) if lossy else Solution(scene, probe)
-            for probe in scene.probes
-        }
+        solve = partial(Interpolated, scene) if is_lossy(scene) else partial(Closed, scene)
+        self.solutions = {probe: solve(probe) for probe in scene.probes}
         shortest = min(line.parameters.delay or 0.0 for line in scene.lines.values())
         behind = np.append(0.0, shortest * 0.5 ** np.arange(15))
         anywhere = np.random.default_rng(SEED).uniform(0, scene.t_end, instants)
@@ -62,10 +75,7 @@ class Judge:
         self.amplitude = max(np.abs(self._exact(probe, anywhere)).max() for probe in scene.probes)
 
     def _exact(self, probe: str, t: NDArray) -> NDArray:
-        solution = self.solutions[probe]
-        if isinstance(solution, Interpolated):
-            return solution.efforts(t)
-        return solution.at(t.tolist(), DIGITS).efforts
+        return self.solutions[probe].efforts(t)
 
     def errors(self, t: NDArray, u: Traces) -> tuple[float, float]:
         """Largest and root mean square error, relative to the largest effort."""

@@ -59,7 +59,8 @@ def netlist(scene: Scene, longest: float) -> str:
     >>> netlist(chart_scene("rc").scene, 1e-12).splitlines()[1]
     'Tline near 0 far 0 Z0=50.0 TD=1e-09'
     """
-    return spice_text(scene, step=longest).replace(".tran", ".options acct\n.tran", 1)
+    cards, tran, end = spice_text(scene, step=longest).rpartition("\n.tran")
+    return f"{cards}\n.options acct{tran}{end}"
 
 
 def run(scene: Scene, n: int) -> Run:

@@ -2,7 +2,7 @@
 
 | peer | how | its clock |
 |---|---|---|
-| ngspice | T elements, its largest step refined | its own figure of the transient analysis, in milliseconds |
+| ngspice | T and O elements, its largest step refined | its own figure of the transient analysis, in milliseconds |
 | scikit-rf | two-ports in a row, inverse FFT over a damped window twice the run | all but the grid of frequencies |
 | rthym-moc | its friction, which cannot be switched off, as small as it allows | its run(), setting up included |
 

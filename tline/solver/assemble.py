@@ -72,7 +72,8 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     groups, nodes = grouped(scene, chosen.cells, own, u[:, 0], y[:, 0])
     z0 = np.array([line.parameters.z0 for line in lines.values()])
     kept = np.array([name in lines for name in scene.single_lines])
-    u, q = u[kept], z0[:, None] * y[kept]
+    u, y = u[kept], y[kept]
+    q = z0[:, None] * y
     arriving = (u + [-1, 1] * q).ravel()  # b at end 1, a at end 2
     drives = [node.drives for node in nodes.values()]
     ends = np.array([end for node in nodes.values() for end in node.ends])
@@ -122,7 +123,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         lumps=np.zeros(memory),
     )
     if steady:
-        flows = {k: Ends(line, u[k], y[kept][k]) for k, line in enumerate(lines.values()) if line.losses is not None}
+        flows = {k: Ends(line, u[k], y[k]) for k, line in enumerate(lines.values()) if line.losses is not None}
         fill_lumped(network, state, flows, order)
         fill_cells(network, state, in_cells, flows, order)
     start = dict(zip(lines, np.stack([u + q, u - q], axis=2).reshape(-1, 4), strict=True))

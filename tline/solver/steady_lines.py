@@ -114,8 +114,10 @@ class Ends(NamedTuple):
 def fill_lumped(network: Network, state: State, flows: Mapping[int, Ends], order: Basis) -> None:
     """Write waves between lumps and states of circuits in them."""
     lumps, s = network.lumps, order.s
-    for k in np.unique(lumps.line):
-        D, rows = int(network.delay[k]), np.flatnonzero(lumps.line == k)
+    first = np.flatnonzero(np.diff(lumps.line, prepend=-1))
+    for rows in np.split(np.arange(len(lumps.line)), first)[1:]:
+        k = int(lumps.line[rows[0]])
+        D = int(network.delay[k])
         places = np.unique(np.concatenate([lumps.place[lumps.first[r] : lumps.first[r + 1]] for r in rows]))
         passed = np.searchsorted(places, np.arange(2 * D), side="right") / len(places)
         u, q = flows[k].at(passed)  # between place p and the next
