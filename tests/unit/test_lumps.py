@@ -95,7 +95,8 @@ def test_a_group_at_rest_stays_there():
         ({"probes": {"p": {"at": "a"}, "q": {"line": "x", "position": "50 %"}}}, ["y"]),
         ({"probes": {"p": {"at": "d"}}}, []),  # the other would be the shorter one
         ({"loads": LOAD}, []),  # nothing damps y between two capacitors
-        ({"t_end": "1 ps"}, []),
+        ({"t_end": "1 ps"}, ["y"]),
+        ({"t_end": "10 fs"}, []),  # y would not settle in that time
         ({"solver": {"slab": "0.1 fs"}}, []),
         ({"loads": RESISTOR | {"s": {"at": "c", "kind": "switch", "before": 1, "after": 2, "time": "1 ns"}}}, []),
         ({"loads": RESISTOR | {"a": {"at": "b", "kind": "impedance", "expression": "-500"}}}, ["y"]),

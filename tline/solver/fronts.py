@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from tline.solver.assemble import Assembly
 from tline.solver.drive import Broken
-from tline.solver.load_step import StateSpace
 from tline.solver.network import Floats, Integers, Network
 from tline.solver.radau import gauss
+from tline.solver.settling import settling_step
 
 MOST = 16  # pieces of a slab
 AT_NODE = 2 * MOST  # pieces of a slab on which a node works
@@ -41,6 +41,8 @@ class Systems(NamedTuple):
 
     at: Integers  # (rows,) place of each system's first entry
     entries: Floats  # matrices [A b; c d] of shape (n + k, n + k), one after the other
+    settling_at: Integers  # (rows,) place of its map over the time in which its group settles
+    settling: Floats  # maps from (Thévenin waves, state) to (efforts, next state)
 
 
 class Moves(NamedTuple):
@@ -150,7 +152,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]]) -
         np.full(len(assembly.settle), -np.inf),
         np.where(network.shift_row >= 0, delays / h - network.delay, 0.0),
         Tools(basis.c, basis.to_points, basis.to_legendre, basis.A, np.array(gauss(s))),
-        _packed(assembly.systems),
+        _packed(assembly),
         Moves(
             first,
             np.array([t for t, _, _ in moves])[order],
@@ -191,10 +193,18 @@ def _drives(network: Network) -> Drives:
     return Drives(np.searchsorted(group[order], np.arange(len(network.group))), row[row >= 0][order])
 
 
-def _packed(systems: list[StateSpace]) -> Systems:
-    entries = [np.block([[system.A, system.b], [system.c, system.d]]).ravel() for system in systems]
-    at = np.cumsum([0, *map(len, entries)])[:-1]
-    return Systems(at, np.concatenate([np.empty(0), *entries]))
+def _packed(assembly: Assembly) -> Systems:
+    entries = [np.block([[system.A, system.b], [system.c, system.d]]).ravel() for system in assembly.systems]
+    maps = [np.empty(0)] * len(entries)
+    for r, time in zip(assembly.network.step_row, assembly.settle, strict=True):
+        if time > 0:
+            maps[r] = settling_step(assembly.systems[r], assembly.basis, time).ravel()
+    return Systems(*_joined(entries), *_joined(maps))
+
+
+def _joined(parts: list[NDArray]) -> tuple[NDArray, NDArray]:
+    """Where each begins, and all of them one after the other."""
+    return np.cumsum([0, *map(len, parts)])[:-1], np.concatenate([np.empty(0), *parts])
 
 
 class Sources(NamedTuple):

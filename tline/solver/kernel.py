@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 from numba import njit, uint64
 
+from tline.solver.borrowed import borrowed, hold
+
 TINY = 1e-150  # waves below are flushed to zero: subnormal numbers are slow, and their squares vanish anyway
 SCRATCH = 512  # samples per tile
 ABREAST = 64  # lumps advanced together
@@ -872,6 +874,20 @@ def advance(network, state, n_slabs, drive, record, column):
 @njit(**OPTIONS)
 def advance_blocks(network, state, n_slabs, drive, record, column, laws, cells, lumps):
     """The same; the network has its laws, cells and lumps beside it, or None."""
+    node = pass_blocks(network, state, 0, n_slabs, drive, record, column, laws, cells, lumps)
+    if node < 0:
+        for w in state.waves:
+            if not np.isfinite(w):
+                return network.first.size - 1
+    return node
+
+
+@njit(**INNER)
+def pass_blocks(network, state, k, n_slabs, drive, record, column, laws, cells, lumps):
+    """Advance all nodes by n_slabs, from slab k of the drive and of the record's part that begins in the column.
+
+    Returns -1, or the number of a node whose effort is no longer finite.
+    """
     (
         delay, offset, shift_row, shifts, first, ends, weight, drive_row,
         group, load_at, step_row, step_at, step_states, step, record_row, _, _, _,
@@ -903,7 +919,7 @@ def advance_blocks(network, state, n_slabs, drive, record, column, laws, cells, 
                         slot, side = slot - delay[line], 1 - side
                     m = min(m, delay[line] - slot)
                     position[e] = offset[line] + (side * delay[line] + slot) * s
-                here = (done + ahead) * s
+                here = (k + done + ahead) * s
                 for node in range(one, after):
                     q = uint64((node - one) * m * s)
                     begin(u, q, m * s, drive, drive_row[node], here)
@@ -938,9 +954,6 @@ def advance_blocks(network, state, n_slabs, drive, record, column, laws, cells, 
                 slots[line] -= delay[line]
                 sides[line] = 1 - sides[line]
         done += block
-    for w in waves:
-        if not np.isfinite(w):
-            return first.size - 1
     return -1
 
 
@@ -1162,10 +1175,10 @@ def collocate(system, k, h, radau, w, x, stages, row):
 
 
 @njit(**INNER)
-def settling(fronts, g, slab, edges, m, anew, outer, given):
+def settling(fronts, g, slab, edges, m, anew, outer, given, unsettled):
     """Add breakpoints where the group has settled after fronts; in `outer` leave out those that arrive before that.
 
-    Returns the number of pieces with all breakpoints, and without those left out.
+    Marks the pieces in which it settles. Returns the number of pieces with all breakpoints, and without those left out.
     """
     until, n, kept, outer[0] = fronts.settled[g] - slab, 0, 0, 0.0
     for i in range(1, m + 1):
@@ -1174,9 +1187,10 @@ def settling(fronts, g, slab, edges, m, anew, outer, given):
         until = fronts.settle[g]
     for i in range(1, m + 1):
         at = given[i]
+        unsettled[n] = until > edges[n] + MERGE
         if MERGE < until < at - MERGE and n + 2 < fronts.at_node:
             n, kept = n + 1, kept + 1
-            edges[n], outer[kept] = until, until
+            edges[n], outer[kept], unsettled[n] = until, until, False
         if i < m and n + 2 < fronts.at_node:
             n += 1
             edges[n] = at
@@ -1233,10 +1247,10 @@ def collocate_finely(system, k, width, step, fronts, w, x, stages, row, parts):
 
 
 @njit(**INNER)
-def respond(network, state, fronts, g, slab, edges, m, u, factor, stages, wave, row, parts, laws):
+def respond(network, state, fronts, g, slab, edges, unsettled, m, u, factor, opening, stages, wave, row, parts, laws):
     """Turn the Thévenin waves of m pieces at a group into the nodes' efforts; switches move where pieces begin."""
     systems, moves, s = fronts.systems, fronts.moves, u.shape[2]
-    count, own = elements_at(laws, g), np.empty((factor.shape[0], s))
+    count = elements_at(laws, g)
     x, k = network.load_at[g], network.group[g + 1] - network.group[g]
     for piece in range(m):
         while moves.due[g] < moves.first[g + 1] and moves.at[moves.due[g]] - slab <= edges[piece] + MERGE:
@@ -1249,10 +1263,10 @@ def respond(network, state, fronts, g, slab, edges, m, u, factor, stages, wave, 
                 wave[p * s + i] = u[p, piece, i]
         if count > 0:
             for e in range(count):
-                copy(factor[e, piece], own[e])
+                copy(factor[e, piece], opening[e])
             width = fronts.step * (edges[piece + 1] - edges[piece])
             if laws is not None:
-                pass_elements(laws, g, network.group[g], k, state.load, wave, s, s, own, fronts.tools.radau, width)
+                pass_elements(laws, g, network.group[g], k, state.load, wave, s, s, opening, fronts.tools.radau, width)
             for p in range(k):
                 for i in range(s):
                     u[p, piece, i] = wave[p * s + i]
@@ -1264,11 +1278,13 @@ def respond(network, state, fronts, g, slab, edges, m, u, factor, stages, wave, 
         else:
             width, states = edges[piece + 1] - edges[piece], state.load[x : x + n]
             system = systems.entries[systems.at[r] : systems.at[r] + (n + k) ** 2].reshape((n + k, n + k))
-            if fronts.settle[g] > 0.0:
+            if not unsettled[piece]:
+                collocate(system, k, fronts.step * width, fronts.tools.radau, wave, states, stages, row)
+            elif abs(width - fronts.settle[g]) < MERGE:
+                load(wave, k, 1, s, systems.settling, systems.settling_at[r], state.load, x, n, row)
+            else:
                 step = fronts.settle[g] / SUBSTEPS
                 collocate_finely(system, k, width, step, fronts, wave, states, stages, row, parts)
-            else:
-                collocate(system, k, fronts.step * width, fronts.tools.radau, wave, states, stages, row)
         for p in range(k):
             for i in range(s):
                 u[p, piece, i] = wave[p * s + i]
@@ -1427,13 +1443,16 @@ def driven(sources, drive, r, slab, o, due, to_legendre, span, given):
 def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position, due, record, work, laws):
     """One group, one slab, in pieces. Returns the sum of the efforts at the slab's end."""
     waves, before, pieces, tools = state.waves, state.before, fronts.pieces, fronts.tools
-    place, size, edges, own, outer, span, given, arrived, u, coef, whole, part, stages, wave, row, parts, factor = work
+    (
+        place, size, edges, own, outer, unsettled, span, given, arrived, u, coef, whole, part, stages, wave, row, parts,
+        factor, opening,
+    ) = work  # fmt: skip
     s, low, total = before.shape[1], network.first[network.group[g]], 0.0
     n = fronts_at(network, fronts, sources, g, slab, position, due, place, size)
     m, anew = united(place, size, n, edges, fronts.at_node, fronts.counts, fronts.sizes)
     fewer = 0
     if fronts.settle[g] > 0.0:
-        m, fewer = settling(fronts, g, slab, edges, m, anew, outer, size)
+        m, fewer = settling(fronts, g, slab, edges, m, anew, outer, size, unsettled)
     if not fronts.fractional:
         anew = 0.0
     for node in range(network.group[g], network.group[g + 1]):
@@ -1473,7 +1492,7 @@ def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position,
                 for j in range(m):
                     for p in range(s):
                         mine[j, p] = laws.factor[i]
-    respond(network, state, fronts, g, slab, edges, m, u, factor, stages, wave, row, parts, laws)
+    respond(network, state, fronts, g, slab, edges, unsettled, m, u, factor, opening, stages, wave, row, parts, laws)
     if 0 < fewer < m:
         for node in range(network.group[g], network.group[g + 1]):
             rejoin(u[node - network.group[g]], edges, m, outer, fewer, tools, span, given, whole)
@@ -1499,10 +1518,10 @@ def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position,
 
 
 @njit(**INNER)
-def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, u, history, row, factor, laws, cells):
+def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, work, laws, cells):
     """One group, one slab without fronts. Returns the sum of the efforts at the slab's end."""
     waves, before, total = state.waves, state.before, 0.0
-    s = before.shape[1]
+    s, (u, history, row, factor) = before.shape[1], work
     for node in range(network.group[g], network.group[g + 1]):
         q = uint64((node - network.group[g]) * s)
         begin(u, q, s, drive, network.drive_row[node], k * s)
@@ -1615,43 +1634,118 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
     return advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, record, *others)
 
 
+@njit(**INNER)
+def quiet_slabs(network, state, fronts, sources, slab, due, most):
+    """Number of slabs ahead, at most so many and none beyond the shortest delay, in which no group meets a front."""
+    delay, pieces, moves, s = network.delay, fronts.pieces, fronts.moves, state.before.shape[1]
+    for line in range(delay.size):
+        most = min(most, delay[line])
+    for g in range(moves.due.size):
+        if fronts.settled[g] > slab + MERGE:
+            return 0
+        if moves.due[g] < moves.first[g + 1]:
+            most = min(most, int(np.floor(moves.at[moves.due[g]] - slab + MERGE / 2)))
+    for r in range(due.size):
+        if due[r] < sources.first[r + 1]:
+            most = min(most, sources.slab[due[r]] - slab)
+    if fronts.counts[LIVE] == 0:
+        return most
+    for e in range(2 * delay.size):
+        if pieces.before[e] >= 0:
+            return 0
+    for line in range(delay.size):
+        for end in range(2):
+            slot, side = state.slot[line], state.side[line] ^ end
+            for ahead in range(most):
+                if slot == delay[line]:
+                    slot, side = 0, 1 - side
+                if pieces.of_slab[network.offset[line] // s + side * delay[line] + slot] >= 0:
+                    most = ahead
+                    break
+                slot += 1
+    return most
+
+
+@njit(**INNER)
+def note_last(network, state, pieces):
+    """Keep the last slab, in one piece, that left every end."""
+    s = state.before.shape[1]
+    for e in network.ends:
+        line = e >> 1
+        slot, side = state.slot[line] - 1, state.side[line] ^ (e & 1)
+        if slot < 0:
+            slot, side = slot + network.delay[line], 1 - side
+        o = network.offset[line] + (side * network.delay[line] + slot) * s
+        for i in range(s):
+            pieces.last[e, i] = state.waves[o + i]
+        pieces.width[e] = 1.0
+
+
 @njit(**OPTIONS)
 def advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, record, laws, cells, lumps):
     """The same; the network has its laws, cells and lumps beside it, or None."""
-    first, ends, group, delay, slots, sides = (
-        network.first, network.ends, network.group, network.delay, state.slot, state.side,
-    )  # fmt: skip
-    pieces, counts, moves = fronts.pieces, fronts.counts, fronts.moves
     s, most = state.before.shape[1], fronts.at_node
     most_nodes, degree, n_states = largest_group(network)
     broken = 0
     for j in range(sources.slab.size):
         broken = max(broken, sources.begin[j + 1] - sources.begin[j])
     room = 2 * most * degree + most
-    row = np.empty(most_nodes * s + n_states)
-    work = (
+    pieced = (
         np.empty(room), np.empty(max(room, most + 1)), np.empty(most + 1), np.empty(most + 1), np.empty(most + 1),
-        np.empty((max(broken, 2 * most + 2), 2)), np.empty((max(broken, 2 * most + 2), s)),
+        np.zeros(most, np.bool_), np.empty((max(broken, 2 * most + 2), 2)), np.empty((max(broken, 2 * most + 2), s)),
         np.empty((degree, most, s)), np.empty((most_nodes, most, s)), np.empty((most + 1, s)), np.empty(s), np.empty(s),
-        np.empty((s * n_states, s * n_states + 1)), np.empty(most_nodes * s), row,
+        np.empty((s * n_states, s * n_states + 1)), np.empty(most_nodes * s), np.empty(most_nodes * s + n_states),
         (
             np.empty(SUBSTEPS + 2), np.empty(2), np.empty((SUBSTEPS + 1, 2)), np.empty((SUBSTEPS + 1, s)),
             np.empty((most_nodes, SUBSTEPS + 1, s)), np.empty(most_nodes * s), np.empty((1, s)), np.empty(s),
         ),
-        np.empty((most_elements(laws), most, s)),
+        np.empty((most_elements(laws), most, s)), np.empty((most_elements(laws), s)),
     )  # fmt: skip
-    u, history, factor = np.empty(most_nodes * s), np.empty((s, 2)), np.empty((most_elements(laws), s))
-    whole, w, out = np.empty(s), np.empty((s, ABREAST)), np.empty((s, ABREAST))
-    enter, y = scratch_of_cells(cells, s)
-    position, due = np.empty(ends.size, np.int64), sources.first[:-1].copy()
-    for k in range(n_slabs):
+    whole = (
+        np.empty(most_nodes * s), np.empty((s, 2)), np.empty(most_nodes * s + n_states),
+        np.empty((most_elements(laws), s)),
+    )  # fmt: skip
+    others = (
+        np.empty(network.ends.size, np.int64), sources.first[:-1].copy(), np.empty(s), np.empty((s, ABREAST)),
+        np.empty((s, ABREAST)), *scratch_of_cells(cells, s),
+    )  # fmt: skip
+    done = pass_slabs(
+        borrowed(network), borrowed(state), borrowed(fronts), borrowed(sources), borrowed(drive), borrowed(record),
+        first_slab, n_slabs, borrowed(laws), borrowed(cells), borrowed(lumps),
+        borrowed(pieced), borrowed(whole), borrowed(others),
+    )  # fmt: skip
+    hold((pieced, whole, others))
+    return done
+
+
+@njit(**INNER)
+def pass_slabs(
+    network, state, fronts, sources, drive, record, first_slab, n_slabs, laws, cells, lumps, pieced, whole, others
+):
+    """The same with room to work."""
+    first, ends, group, delay, slots, sides = (
+        network.first, network.ends, network.group, network.delay, state.slot, state.side,
+    )  # fmt: skip
+    pieces, counts, moves = fronts.pieces, fronts.counts, fronts.moves
+    s, k = state.before.shape[1], 0
+    position, due, level_of, w, out, enter, y = others
+    while k < n_slabs:
         slab = first_slab + k
-        log_is_full = counts[NOTED] + 2 * record.shape[0] * most > fronts.log.where.shape[0]
+        log_is_full = counts[NOTED] + 2 * record.shape[0] * fronts.at_node > fronts.log.where.shape[0]
         if log_is_full or (counts[LIVE] == 0 and k >= fronts.lull):
             return -1, k
         for r in range(due.size):
             while due[r] < sources.first[r + 1] and sources.slab[due[r]] < slab:
                 due[r] += 1
+        if lumps is None:
+            quiet = quiet_slabs(network, state, fronts, sources, slab, due, n_slabs - k)
+            if quiet > 1:
+                node = pass_blocks(network, state, k, quiet, drive, record, first_slab, laws, cells, lumps)
+                if node >= 0:
+                    return node, k
+                note_last(network, state, pieces)
+                k += quiet
+                continue
         for g in range(group.size - 1):
             i = moves.due[g]
             broken_here = i < moves.first[g + 1] and moves.at[i] - slab < 1.0 - MERGE / 2
@@ -1666,20 +1760,20 @@ def advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, 
                     broken_here |= pieces.of_slab[position[e] // s] >= 0 or pieces.before[e] >= 0
             if cells is not None:
                 if broken_here and fronts.levels[g]:
-                    level(network, state, fronts, sources, drive, g, slab, k, position, due, whole)
+                    level(network, state, fronts, sources, drive, g, slab, k, position, due, level_of)
                     broken_here = False
             if broken_here:
                 at_end = scatter_pieces(
-                    network, state, fronts, sources, drive, g, slab, k, position, due, record, work, laws
+                    network, state, fronts, sources, drive, g, slab, k, position, due, record, pieced, laws
                 )  # fmt: skip
             else:
                 at_end = scatter_whole(
-                    network, state, pieces, drive, g, slab, k, position, record, u, history, row, factor, laws, cells
+                    network, state, pieces, drive, g, slab, k, position, record, whole, laws, cells
                 )  # fmt: skip
             if not np.isfinite(at_end):
                 return group[g], k
         if lumps is not None:
-            level_at_lumps(network, lumps, state, fronts, whole)
+            level_at_lumps(network, lumps, state, fronts, level_of)
             lose(network, lumps, state, 1, w, out)
         if cells is not None:
             pass_cells(network, cells, state, enter, y)
@@ -1687,4 +1781,5 @@ def advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, 
             slots[line] += 1
             if slots[line] == delay[line]:
                 slots[line], sides[line] = 0, 1 - sides[line]
+        k += 1
     return -1, n_slabs

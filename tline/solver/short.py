@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from itertools import pairwise
+from math import isfinite
 
 import numpy as np
 
@@ -39,6 +40,7 @@ def short_lines(scene: Scene, record: Iterable[str]) -> tuple[list[str], float]:
     """
     nodes = nodes_of(scene)
     barred = {name for name, node in nodes.items() if _barred(node)}
+    barred |= {node for link in scene.links.values() for node in link.nodes}
     barred |= {node for element in elements_of(scene, nodes) for node in element.nodes}
     barred |= {node for end in ends_of(scene.lines) for node in (*end.conductors, *end.modal)}
     kept = {name for name, line in scene.single_lines.items() if barred & {*line.nodes}} | {*record} | probed(scene)
@@ -72,13 +74,15 @@ def _far_shorter(scene: Scene, nodes: dict[str, Node], kept: set[str]) -> list[s
 def _restless(scene: Scene, nodes: dict[str, Node], short: list[str]) -> tuple[set[str], float]:
     """Those of them that lie in a group which settles too slowly, or is too large; and how slowly the others settle."""
     cells = dict.fromkeys(short, 1)
-    h = resolution(scene, nodes, cells=cells).h
     try:
         lumped = nodes_of(scene, cells)
     except InputError:  # loads of too high a degree, or too far apart
         return set(short), 0.0
     none = np.zeros(len(scene.single_lines))
     groups, _ = grouped(scene, cells, lumped, none, none)
+    h = resolution(scene, nodes, cells=cells).h
+    quick = [group.settles(h) for group in groups]
+    h = resolution(scene, nodes, cells=cells, settle=max(filter(isfinite, quick), default=0.0)).h
     found: set[str] = set()
     slowest = 0.0
     for group in groups:
