@@ -235,6 +235,44 @@ nodes = ["near", "far"]
 kind = "table"
 points = [[-1, "-1 mA"], [1, "1 mA"], [2, "20 mA"]]
 """,
+    "Transformer": """\
+[links.balun]
+nodes = ["near", "far"]
+kind = "transformer"
+ratio = 0.5                # raises the voltage to twice that at the first node
+""",
+    "Gyrator": """\
+[links.gyrator]
+nodes = ["near", "far"]
+kind = "gyrator"
+resistance = "50 ohm"
+""",
+    "ControlledSource": """\
+[links.amplifier]          # from the end of the line to its beginning: a loop
+nodes = ["far", "near"]
+kind = "controlled source"
+gain = -0.5
+resistance = "50 ohm"
+""",
+    "CoupledInductors": """\
+[links.windings]
+nodes = ["near", "far"]
+kind = "coupled inductors"
+inductance = ["1 uH", "4 uH"]
+coupling = 0.98
+""",
+    "Junction": """\
+[links.circulator]         # what comes from far goes to near, and what comes from near into the load
+nodes = ["near", "load", "far"]
+kind = "junction"
+z0 = "50 ohm"
+scattering = [[0, 0, 1], [1, 0, 0], [0, 1, 0]]
+
+[loads.load]
+at = "load"
+kind = "resistor"
+resistance = "50 ohm"
+""",
     "Probe": """\
 [probes.end]
 at = "far"

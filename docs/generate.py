@@ -23,8 +23,8 @@ SECTIONS = {
     ),
     "links": (
         "Links",
-        "What stands between two nodes without a delay. Flow counts positive from the first to the second; see "
-        "[non-linear elements](elements.md).",
+        "What stands between nodes without a delay: [non-linear elements](elements.md), with flow positive from "
+        "the first node to the second, and linear multiports, each port of which is a node and the reference.",
     ),
     "probes": (
         "Probes",

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from tline.scene.load import Load, Parallel, Series
+from tline.scene.multiport import CoupledInductors
 from tline.scene.scene import Scene
 from tline.solver.assemble import Assembly, assemble
 from tline.solver.load_step import StateSpace, reflection
@@ -30,7 +31,7 @@ def on_lines(assembly: Assembly) -> float:
 
 
 class InLoads:
-    """Energy of each inductance and capacitance: one series or parallel load at a node, and lumped lines."""
+    """Energy of each inductance and capacitance: one series or parallel load at a node, lumped lines, and windings."""
 
     def __init__(self, scene: Scene, assembly: Assembly):
         self.forms = []
@@ -51,6 +52,10 @@ class InLoads:
                 if scene.lines[line].nodes[0] in names[low:high]:
                     self.forms.append((at, np.eye(2 * n - 1) * capacitance(scene, line) / n / 2))
                     at += 2 * n - 1
+            for link in scene.links.values():
+                if isinstance(link, CoupledInductors) and link.nodes[0] in names[low:high]:
+                    self.forms.append((at, np.linalg.inv(link.ports().P) / 2))
+                    at += 2
 
     def __call__(self, assembly: Assembly) -> float:
         """Sum over the loads, J."""

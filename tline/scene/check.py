@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 from tline.errors import InputError
 from tline.scene.coupled import Coupled, ends_of
 from tline.scene.crowded import crowded
-from tline.scene.element import is_name
+from tline.scene.element import AtNode, is_name
 from tline.scene.factor import check_range
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.mistakes import nearest, place, shown
+from tline.scene.multiport import Multiport
 from tline.scene.rational_load import Rational
 
 if TYPE_CHECKING:
@@ -62,22 +63,22 @@ def _ends(line: Mapping[str, Any]) -> list[str]:
     return []
 
 
-def _is_pair(nodes: Any) -> bool:
-    return isinstance(nodes, list | tuple) and len(nodes) == 2 and all(map(is_name, nodes))
+def _named(link: Mapping[str, Any]) -> list[str]:
+    """The nodes that a link's table names; none if they are no names."""
+    nodes = link.get("nodes")
+    return [*nodes] if isinstance(nodes, list | tuple) and all(map(is_name, nodes)) else []
 
 
 def linked_nodes(links: Mapping[str, dict[str, Any]]) -> list[str]:
     """Nodes that links name, as often as they do."""
-    pairs = [link.get("nodes") for link in links.values()]
-    return [node for pair in pairs if pair is not None and _is_pair(pair) for node in pair]
+    return [node for link in links.values() for node in _named(link)]
 
 
 def _loose_ends(data: Mapping[str, Any], nodes: list[str], linked: Counter[str]) -> Iterator[InputError]:
     """Ends of links at nodes where nothing else is."""
     there = {*nodes} | {str(table.get("at")) for part in ("sources", "loads") for table in _tables(data, part).values()}
     for name, link in _tables(data, "links").items():
-        pair = link.get("nodes")
-        for k, node in enumerate(pair if pair is not None and _is_pair(pair) else ()):
+        for k, node in enumerate(_named(link)):
             if node not in there and linked[node] == 1:
                 where = place("links", name, "nodes", k)
                 yield InputError(where, "nothing else is at this node", nearest(node, nodes), shown(node))
@@ -104,6 +105,7 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
     yield from _held(scene)
     yield from _heights(scene)
     yield from _coupled(scene)
+    yield from _multiports(scene)
     yield from crowded(scene, {node for _, node in _ideal(scene)})
     linked = {node for link in scene.links.values() for node in link.nodes} - set(ends)
     for name, load in scene.loads.items():
@@ -148,6 +150,26 @@ def _coupled(scene: Scene) -> Iterator[InputError]:
             yield InputError(
                 place("links", name), f"ends at node '{node}' of coupled conductors", "a node of single lines"
             )
+
+
+def _multiports(scene: Scene) -> Iterator[InputError]:
+    """Elements at multiports that are not linear, or that move."""
+    linked = {
+        node: place("links", name)
+        for name, link in scene.links.items()
+        if isinstance(link, Multiport)
+        for node in link.nodes
+    }
+    if linked and scene.start == "steady":
+        yield InputError("start", f"{next(iter(linked.values()))} has no steady state here", "'rest'", "'steady'")
+    nonlinear = {(part, name) for part, name in scene.laws}
+    for part, elements in (("loads", scene.loads), ("links", scene.links)):
+        for name, element in elements.items():
+            if (part, name) in nonlinear or isinstance(element, Switch):
+                at = [element.at] if isinstance(element, AtNode) else element.nodes
+                for node in linked.keys() & at:
+                    problem = f"stands beside {linked[node]}, which takes linear elements that do not move"
+                    yield InputError(place(part, name), problem, "a line between them")
 
 
 def _waveforms(scene: Scene) -> Iterator[InputError]:

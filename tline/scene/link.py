@@ -5,9 +5,12 @@ from typing import Annotated
 from pydantic import Field
 
 from tline.scene.characteristic import CurveLink, DiodeLink
+from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Junction, Transformer
 from tline.scene.pump import Pump
 from tline.scene.valve import CheckValveLink, OrificeLink, ReliefValveLink
 
 Link = Annotated[
-    OrificeLink | CheckValveLink | ReliefValveLink | Pump | DiodeLink | CurveLink, Field(discriminator="kind")
-]
+    OrificeLink | CheckValveLink | ReliefValveLink | Pump | DiodeLink | CurveLink
+    | Transformer | Gyrator | ControlledSource | CoupledInductors | Junction,
+    Field(discriminator="kind"),
+]  # fmt: skip

@@ -148,15 +148,17 @@ class Scene(Element):
         return {(part, name): element.law() for part, name, element in elements if isinstance(element, NonLinear)}
 
     def check_linear(self, what: str) -> None:
-        """Refuse a scene with a non-linear element.
+        """Refuse a scene with a non-linear element, or one between nodes.
 
         Raises
         ------
         InputError
-            Naming the first, and what it is that takes linear scenes only.
+            Naming the first, and what it is that does without.
         """
         for part, name in self.laws:
             raise InputError(place(part, name), "is non-linear", f"a linear scene for {what}")
+        for name, link in self.links.items():
+            raise InputError(place("links", name), f"a {link.kind}", f"a scene without links for {what}")
 
     @property
     def waveforms(self) -> dict[tuple[str, str, str], Shape]:

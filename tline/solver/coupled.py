@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.line.modes import Modes
-from tline.solver.load_step import NO_LOAD, StateSpace
+from tline.solver.load_step import NO_LOAD, StateSpace, side_by_side
 from tline.solver.nodes import Node
 
 
@@ -33,7 +33,7 @@ def scattered(nodes: Sequence[Node], ends: Sequence[EndPlaces]) -> StateSpace:
     modal = {p for end in ends for p in end.modal}
     fixed = [p in modal or node.held is not None for p, node in enumerate(nodes)]
     own = [NO_LOAD if fix else node.effort(0.0) for fix, node in zip(fixed, nodes, strict=True)]
-    A, B, C, D = _side_by_side(own)
+    A, B, C, D = side_by_side(own)
     k = len(nodes)
     for p in modal:
         D[p, p] = 0.0
@@ -52,14 +52,3 @@ def scattered(nodes: Sequence[Node], ends: Sequence[EndPlaces]) -> StateSpace:
         to_modes = np.linalg.inv(end.modes.T)
         efforts[end.modal], through[end.modal] = to_modes @ efforts[end.conductors], to_modes @ through[end.conductors]
     return StateSpace(A, B, efforts, through)
-
-
-def _side_by_side(systems: Sequence[StateSpace]) -> StateSpace:
-    """All systems as one."""
-    first = np.cumsum([0, *(len(system.A) for system in systems)])
-    k, n = len(systems), int(first[-1])
-    A, B, C, D = np.zeros((n, n)), np.zeros((n, k)), np.zeros((k, n)), np.zeros((k, k))
-    for p, system in enumerate(systems):
-        part = slice(first[p], first[p + 1])
-        A[part, part], B[part, p], C[p, part], D[p, p] = system.A, system.b[:, 0], system.c[0], system.d[0, 0]
-    return StateSpace(A, B, C, D)

@@ -6,6 +6,7 @@ then a constant linear map from the Thévenin wave w at the points and the load'
 node's effort u at the points and the state at the slab's end.
 """
 
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -31,6 +32,17 @@ class StateSpace(NamedTuple):
 
 
 NO_LOAD = StateSpace(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))  # an open circuit
+
+
+def side_by_side(systems: Sequence[StateSpace]) -> StateSpace:
+    """All systems as one."""
+    first = np.cumsum([0, *(len(system.A) for system in systems)])
+    k, n = len(systems), int(first[-1])
+    A, B, C, D = np.zeros((n, n)), np.zeros((n, k)), np.zeros((k, n)), np.zeros((k, k))
+    for p, system in enumerate(systems):
+        part = slice(first[p], first[p + 1])
+        A[part, part], B[part, p], C[p, part], D[p, p] = system.A, system.b[:, 0], system.c[0], system.d[0, 0]
+    return StateSpace(A, B, C, D)
 
 
 def effort(reflection: StateSpace, g: float) -> StateSpace:

@@ -12,12 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.coupled import ends_of
+from tline.scene.mistakes import place as place_of
+from tline.scene.multiport import Multiport
 from tline.scene.scene import Scene
+from tline.solver.connected import parts
 from tline.solver.coupled import EndPlaces, scattered
 from tline.solver.elements import Element, elements_of
 from tline.solver.load_step import StateSpace
+from tline.solver.multiport import PortPlaces, joined
 from tline.solver.nodes import Node
-from tline.solver.steady import parts
 
 
 class Lump(NamedTuple):
@@ -44,23 +47,28 @@ GONE = 20.0  # time constants after which 2e-9 is left
 
 
 class Group(NamedTuple):
-    """Nodes that short lines, ends of coupled conductors or non-linear elements join, or one node."""
+    """Nodes that short lines, ends of coupled conductors, multiports or non-linear elements join, or one node."""
 
     nodes: list[Node]
     lumps: list[Lump]
     ends: list[EndPlaces]
+    ports: list[PortPlaces]
     elements: list[Element]
 
     @property
     def dynamic(self) -> bool:
         """Whether it has a state, or a switch."""
         free = [node for node in self.nodes if node.held is None]
-        return bool(self.lumps or self.ends) or any(node.load is not None or node.switches for node in free)
+        return bool(self.lumps or self.ends or self.ports) or any(
+            node.load is not None or node.switches for node in free
+        )
 
     def system(self, switched: float) -> StateSpace:
         """From the nodes' Thévenin waves to their efforts, with switches of that conductance if it is one node."""
         if self.ends:
             return scattered(self.nodes, self.ends)
+        if self.ports:
+            return joined(self.nodes, self.ports)
         if not self.lumps:
             return self.nodes[0].effort(switched)
         return coupled(self)
@@ -76,9 +84,9 @@ class Group(NamedTuple):
     def at_rest_under(self, waves: NDArray) -> NDArray:
         """State before t = 0 under Thévenin waves, shape (nodes,), while the lumped lines carry their flows.
 
-        Beside coupled conductors there is none but rest.
+        Beside coupled conductors and multiports there is none but rest.
         """
-        if self.ends:
+        if self.ends or self.ports:
             return np.zeros(len(self.system(0.0).A))
         if not self.lumps:
             return self.nodes[0].effort(self.nodes[0].switched(0.0)).at_rest_under(waves[0])
@@ -134,7 +142,7 @@ def coupled(group: Group) -> StateSpace:
 def grouped(
     scene: Scene, cells: Mapping[str, int], nodes: dict[str, Node], u: NDArray, y: NDArray
 ) -> tuple[list[Group], dict[str, Node]]:
-    """Groups of the nodes that lumped or coupled lines or non-linear elements join, and the nodes in their order.
+    """Groups of the nodes that lumped or coupled lines, multiports or elements join, and the nodes in their order.
 
     Parameters
     ----------
@@ -144,17 +152,19 @@ def grouped(
         Effort and flow of each line before t = 0.
     """
     elements, coupled_ends = elements_of(scene, nodes), ends_of(scene.lines)
-    if not cells and not elements and not coupled_ends:
-        return [Group([node], [], [], []) for node in nodes.values()], nodes
+    multiports = {name: link for name, link in scene.links.items() if isinstance(link, Multiport)}
+    if not cells and not elements and not coupled_ends and not multiports:
+        return [Group([node], [], [], [], []) for node in nodes.values()], nodes
     names, number = list(nodes), {name: k for k, name in enumerate(nodes)}
     ends = {name: [number[at] for at in scene.lines[name].nodes] for name in cells}
     pairs = [*ends.values(), *([number[e.nodes[0]], number[e.nodes[-1]]] for e in elements)]
     pairs += [[number[end.conductors[0]], number[at]] for end in coupled_ends for at in (*end.conductors, *end.modal)]
+    pairs += [[number[link.nodes[0]], number[at]] for link in multiports.values() for at in link.nodes]
     first, second = np.array(pairs).T
     part = parts(first, second, len(names))
     order = np.argsort(part, kind="stable")
     place = np.argsort(order) - np.searchsorted(part[order], part)  # of each node in its group
-    groups = [Group([], [], [], []) for _ in range(part.max() + 1)]
+    groups = [Group([], [], [], [], []) for _ in range(part.max() + 1)]
     for k in order:
         groups[part[k]].nodes.append(nodes[names[k]])
     for element in elements:
@@ -162,6 +172,9 @@ def grouped(
     for end in coupled_ends:
         conductors, modal = (place[[number[at] for at in nodes]] for nodes in (end.conductors, end.modal))
         groups[part[number[end.modal[0]]]].ends.append(EndPlaces(conductors, modal, end.modes))
+    for name, link in multiports.items():
+        at = [number[node] for node in link.nodes]
+        groups[part[at[0]]].ports.append(PortPlaces(place_of("links", name), place[at], link.ports()))
     for k, (name, line) in enumerate(scene.single_lines.items()):
         if name in cells:
             one, other = ends[name]

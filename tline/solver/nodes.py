@@ -15,6 +15,7 @@ from tline.errors import InputError
 from tline.scene.coupled import ends_of
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.mistakes import place
+from tline.scene.multiport import Multiport
 from tline.scene.quantity import ZERO
 from tline.scene.rational_load import MOST_STATES, Rational
 from tline.scene.scene import Scene
@@ -36,12 +37,13 @@ class Node:
     load: RationalFunction | None = None  # all dynamic loads side by side
     load_name: str = ""
     switches: list[Switch] = field(default_factory=list)
+    alone: float = 1.0  # reference where nothing conducts
 
     @property
     def total(self) -> float:
         """Conductance that the waves see beside switches and dynamic loads; some reference where there is none."""
         if self.dead:
-            return 1.0
+            return self.alone
         return self.lumped if self.floating else self.lines + self.conductance
 
     @property
@@ -175,9 +177,10 @@ def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
     for end in ends_of(scene.lines):
         for at, conductance in zip(end.conductors, np.diag(end.modes.admittance), strict=True):
             nodes.setdefault(at, Node()).lumped += float(conductance)
+    usual = len(scene.lines) / sum(line.parameters.z0 for line in scene.single_lines.values())
     for link in scene.links.values():
         for at in link.nodes:
-            nodes.setdefault(at, Node())
+            nodes.setdefault(at, Node()).alone = usual if isinstance(link, Multiport) else 1.0
     for source in scene.sources.values():
         nodes[source.at].prescribe(source.value, source.conductance, source.is_effort)
     for name, load in scene.loads.items():

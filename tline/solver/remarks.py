@@ -6,10 +6,10 @@ import numpy as np
 
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
+from tline.solver.connected import parts
 from tline.solver.fronts import Tally
 from tline.solver.resolution import Resolution
 from tline.solver.result import ProbeResult
-from tline.solver.steady import parts
 
 LISTED = 4  # names
 VISIBLE = 1e-6  # of the largest wave

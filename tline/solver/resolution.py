@@ -1,6 +1,6 @@
 """Order and slab width of a run: as the user fixed them, or fine enough for what the scene holds."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from math import ceil, inf, lcm
 from typing import NamedTuple
@@ -12,6 +12,7 @@ from tline.errors import InputError
 from tline.scene.load import Switch
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
+from tline.solver.lumps import grouped
 from tline.solver.nodes import NONE, Node
 
 ORDER = 5
@@ -92,7 +93,7 @@ def _slab(
     resolved = min([shortest / SLABS_PER_DELAY, *(scale for scale, _ in scales.values())])
     fronts = [max(gap, scene.t_end / SLABS_FOR_FRONTS) for gap in _gaps(scene)]
     affordable = min(_affordable(scene, delays, CHEAP), shortest)
-    least = max(affordable, min(ROOMY * settle, shortest / SLABS_PER_DELAY))
+    least = max(affordable, min(ROOMY * settle, min(shortest, scene.t_end) / SLABS_PER_DELAY))
     many = [] if lossy else [scene.t_end / SLABS_PER_RUN]  # to lines with losses slabs are dear
     wanted = max(min([resolved, *many, *fronts]), least)
     marks = [t for t in breaks if t > 0] if few else []
@@ -145,13 +146,23 @@ def _time_scales(scene: Scene, nodes: dict[str, Node]) -> dict[str, tuple[float,
     for (part, name, _), waveform in scene.waveforms.items():
         fastest = waveform.fastest()
         scales[place(part, name)] = fastest, fastest
-    for node in nodes.values():
-        if node.load is not None and node.held is None:
-            states = {node.switched(t) for t in (0.0, *(float(switch.time) for switch in node.switches), inf)}
-            poles = np.concatenate([np.linalg.eigvals(node.effort(g).A) for g in states])
-            ringing = poles[np.abs(poles.imag) > np.abs(poles.real)]
-            scales[node.load_name] = (_shortest(poles), _shortest(ringing))
+    for where, poles in _poles(scene, nodes):
+        ringing = poles[np.abs(np.imag(poles)) > np.abs(np.real(poles))]
+        scales[where] = (_shortest(poles), _shortest(ringing))
     return scales
+
+
+def _poles(scene: Scene, nodes: dict[str, Node]) -> Iterator[tuple[str, NDArray]]:
+    """Of each node with dynamic loads, alone or joined to others by multiports, in all states of its switches."""
+    none = np.zeros(len(scene.single_lines))
+    joined = [group for group in grouped(scene, NONE, nodes, none, none)[0] if group.ports]
+    elsewhere = {id(node) for group in joined for node in group.nodes}
+    for group in joined:
+        yield group.ports[0].where, np.linalg.eigvals(group.system(0.0).A)
+    for node in nodes.values():
+        if node.load is not None and node.held is None and id(node) not in elsewhere:
+            states = {node.switched(t) for t in (0.0, *(float(switch.time) for switch in node.switches), inf)}
+            yield node.load_name, np.concatenate([np.linalg.eigvals(node.effort(g).A) for g in states])
 
 
 def _shortest(poles: NDArray) -> float:

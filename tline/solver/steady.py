@@ -16,6 +16,7 @@ from tline.scene.medium import MEDIA
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.solver.balance import CLOSE, balanced
+from tline.solver.connected import parts
 from tline.solver.drive import just_before
 from tline.solver.edges import Edges
 from tline.solver.nodes import NONE, Node
@@ -105,18 +106,6 @@ def _refuse_flow(scene: Scene, number: dict[str, int], part: NDArray, stuck: int
     )
     got = f"{flow:g} {MEDIA[scene.medium].units['flow']}"
     raise InputError(where, "no steady state: nothing takes the flow", "a load that does", got)
-
-
-def parts(first: NDArray, second: NDArray, n: int) -> NDArray:
-    """Number of the connected part that each of n nodes lies in, for lines from the first nodes to the second."""
-    label, before = np.arange(n), np.full(n, -1)  # the least node of a part gives it its label, along the lines
-    while (label != before).any():
-        before = label.copy()
-        least = np.minimum(label[first], label[second])
-        np.minimum.at(label, first, least)
-        np.minimum.at(label, second, least)
-        label = label[label]
-    return np.unique(label, return_inverse=True)[1]
 
 
 def _balances(nodes: dict[str, Node]) -> tuple[NDArray, NDArray, NDArray, NDArray]:

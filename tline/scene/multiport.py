@@ -1,0 +1,168 @@
+"""Linear multiports: elements whose ports, each a node and the reference, know of each other without a delay."""
+
+from typing import Annotated, ClassVar, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BeforeValidator, Field, model_validator
+
+from tline.errors import InputError
+from tline.scene.between import Between
+from tline.scene.element import Element, Name
+from tline.scene.mistakes import shown
+from tline.scene.quantity import Inductance, PositiveResistance, Quantity, Resistance, Role
+
+MOST_PORTS = 16
+
+
+class Ports(NamedTuple):
+    """What binds efforts u and flows i into a multiport, with states x: M u + N i = E x, dx/dt = P u."""
+
+    M: NDArray  # (k, k)
+    N: NDArray  # (k, k)
+    E: NDArray  # (k, n)
+    P: NDArray  # (n, k)
+
+
+def _memoryless(M: list[list[float]], N: list[list[float]]) -> Ports:
+    k = len(M)
+    return Ports(np.array(M, float), np.array(N, float), np.zeros((k, 0)), np.zeros((0, k)))
+
+
+class Multiport(Element):
+    """Base of all linear multiports."""
+
+    section: ClassVar[str] = "links"
+    nodes: tuple[Name, ...]
+
+    def ports(self) -> Ports:
+        """Its equations."""
+        raise NotImplementedError
+
+
+class _TwoPort(Between, Multiport):
+    pass
+
+
+class Transformer(_TwoPort):
+    """An ideal transformer: u₁ = n·u₂, and flow into the first node comes out of the second n times.
+
+    Examples
+    --------
+    >>> Transformer(nodes=["a", "b"], ratio=2).ports().M.tolist()
+    [[1.0, -2.0], [0.0, 0.0]]
+    """
+
+    kind: Literal["transformer"] = "transformer"
+    ratio: Annotated[Quantity, Role("ratio", "")] = Field(description="n, effort at the first node over the second's")
+
+    @model_validator(mode="after")
+    def _joins(self):
+        if self.ratio == 0:
+            raise InputError("ratio", "shorts the first node and leaves the second", "any other number", "0")
+        return self
+
+    def ports(self) -> Ports:
+        """Its equations."""
+        n = float(self.ratio)
+        return _memoryless([[1, -n], [0, 0]], [[0, 0], [n, 1]])
+
+
+class Gyrator(_TwoPort):
+    """A gyrator: u₁ = -R·i₂ and u₂ = R·i₁, with flows into it; behind it a capacitor C is an inductor R²·C."""
+
+    kind: Literal["gyrator"] = "gyrator"
+    resistance: PositiveResistance = Field(description="R, of gyration")
+
+    def ports(self) -> Ports:
+        """Its equations."""
+        R = float(self.resistance)
+        return _memoryless([[1, 0], [0, 1]], [[0, R], [-R, 0]])
+
+
+class ControlledSource(_TwoPort):
+    """A source at the second node that the effort at the first commands, and that draws nothing from the first."""
+
+    kind: Literal["controlled source"] = "controlled source"
+    gain: Annotated[Quantity, Role("gain", "")] = Field(description="open effort at the second node over the first's")
+    resistance: Resistance = Field(description="of the source; 0 for an ideal one")
+
+    @model_validator(mode="after")
+    def _drives(self):
+        if np.isinf(self.resistance):
+            raise InputError("resistance", "drives nothing", "a finite one", "inf")
+        return self
+
+    def ports(self) -> Ports:
+        """Its equations."""
+        return _memoryless([[0, 0], [-float(self.gain), 1]], [[1, 0], [0, -float(self.resistance)]])
+
+
+class CoupledInductors(_TwoPort):
+    """Two windings, each from a node to the reference: a real transformer without losses.
+
+    Examples
+    --------
+    >>> pair = CoupledInductors(nodes=["a", "b"], inductance=["1 uH", "4 uH"], coupling=0.5)
+    >>> (np.linalg.inv(pair.ports().P) * 1e6).round(9).tolist()
+    [[1.0, 1.0], [1.0, 4.0]]
+    """
+
+    kind: Literal["coupled inductors"] = "coupled inductors"
+    inductance: tuple[Inductance, Inductance] = Field(description="of the first winding and the second")
+    coupling: Annotated[Quantity, Role("coupling", "", at_least=-1, at_most=1)] = Field(
+        description="k, with the mutual inductance k·√(L₁·L₂); between -1 and 1"
+    )
+
+    @model_validator(mode="after")
+    def _leaks(self):
+        if abs(self.coupling) == 1:
+            problem = "without leakage the windings are one"
+            raise InputError("coupling", problem, "between -1 and 1, or kind = 'transformer'", f"{self.coupling:g}")
+        return self
+
+    def ports(self) -> Ports:
+        """Its equations, with the windings' currents for states."""
+        one, two = map(float, self.inductance)
+        mutual, left = float(self.coupling) * np.sqrt(one * two), one * two * (1 - float(self.coupling) ** 2)
+        inverse = np.array([[two, -mutual], [-mutual, one]]) / left
+        return Ports(np.zeros((2, 2)), np.eye(2), np.eye(2), inverse)
+
+
+def _some(nodes: object) -> object:
+    if not isinstance(nodes, list | tuple) or not 2 <= len(nodes) <= MOST_PORTS:
+        raise InputError("", "not a list of nodes", f"one for each port, 2 to {MOST_PORTS}", shown(nodes))
+    return nodes
+
+
+class Junction(Multiport):
+    """A junction of constant scattering: with waves a = u + z0·i into it, b = u - z0·i = S·a come out.
+
+    Circulators, hybrids and power dividers; it loses nothing where S is orthogonal.
+
+    Examples
+    --------
+    >>> circulator = Junction(nodes=["a", "b", "c"], z0=50, scattering=[[0, 0, 1], [1, 0, 0], [0, 1, 0]])
+    >>> circulator.ports().N[0].tolist()
+    [-50.0, -0.0, -50.0]
+    """
+
+    kind: Literal["junction"] = "junction"
+    nodes: Annotated[tuple[Name, ...], BeforeValidator(_some)] = Field(description="one for each port")
+    z0: PositiveResistance = Field(description="reference of all ports")
+    scattering: list[list[Annotated[Quantity, Role("scattering", "")]]] = Field(description="matrix S, its rows")
+
+    @model_validator(mode="after")
+    def _fits(self):
+        k = len(self.nodes)
+        if len(set(self.nodes)) < k:
+            raise InputError("nodes", "two ports are at one node", "different nodes", shown(self.nodes))
+        if [len(row) for row in self.scattering] != [k] * k:
+            got = f"rows of {', '.join(str(len(row)) for row in self.scattering)}"
+            raise InputError("scattering", f"not a matrix for {k} ports", f"{k} rows of {k}", got)
+        return self
+
+    def ports(self) -> Ports:
+        """Its equations."""
+        S, one = np.array(self.scattering, float), np.eye(len(self.nodes))
+        return Ports(one - S, -float(self.z0) * (one + S), *_memoryless(S.tolist(), S.tolist())[2:])
