@@ -21,6 +21,21 @@ def has_positions(scene: Scene) -> bool:
     return all(node in scene.nodes and scene.nodes[node].position for node in _nodes(scene))
 
 
+def refuse_too_many(scene: Scene) -> None:
+    """Refuse a scene with too many nodes if not all have positions.
+
+    Raises
+    ------
+    InputError
+        Naming the first without.
+    """
+    nodes = _nodes(scene)
+    missing = [node for node in nodes if node not in scene.nodes or not scene.nodes[node].position]
+    if missing and len(nodes) > MOST:
+        problem = f"'{missing[0]}' has no position, and a map of {len(nodes)} nodes is not laid out"
+        raise InputError("nodes", problem, f"positions of all nodes, or at most {MOST} nodes")
+
+
 def layout(scene: Scene) -> Places:
     """Places of all nodes; where not all are given, those of least stress between distances and delays.
 
@@ -45,10 +60,7 @@ def layout(scene: Scene) -> Places:
     nodes = _nodes(scene)
     if has_positions(scene):
         return {node: scene.nodes[node].position or (0.0, 0.0) for node in nodes}
-    if len(nodes) > MOST:
-        missing = next(node for node in nodes if node not in scene.nodes or not scene.nodes[node].position)
-        problem = f"a network of {len(nodes)} nodes cannot be laid out, and '{missing}' has no position"
-        raise InputError("nodes", problem, f"positions of all nodes, or at most {MOST} nodes")
+    refuse_too_many(scene)
     places = _least_stress(_distances(scene, nodes))
     return {node: (float(x), float(y)) for node, (x, y) in zip(nodes, places, strict=True)}
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.pictures.layout import refuse_too_many
 from tline.scene.coupled import refuse_coupled
 from tline.scene.limits import VACUUM, weight_at
 from tline.scene.medium import HYDRAULIC
@@ -32,7 +33,7 @@ def lines_to_map(scene: Scene) -> list[str]:
     Raises
     ------
     InputError
-        The scene has coupled conductors.
+        The scene has coupled conductors, or too many nodes of which not all have positions.
 
     Examples
     --------
@@ -41,6 +42,7 @@ def lines_to_map(scene: Scene) -> list[str]:
     ['ab']
     """
     refuse_coupled(scene.lines, "a map")
+    refuse_too_many(scene)
     delays = {name: line.shortest for name, line in scene.lines.items()}
     return [name for name, delay in delays.items() if delay >= SEEN * max(delays.values())]
 

@@ -3,7 +3,7 @@
 With a = a1(t - x/c) - A and b = b2(t - (l - x)/c) + B, the losses A and B so far grow along each wave's own way by what
 the line takes at the places it passes, dA = (p + g) dx and dB = (p - g) dx, with p the drop per metre and g = z0 times
 the leakage per metre. Both follow by Picard's iteration on a lattice of places and instants, with the trapezoidal rule
-along the ways, and are of second order in its step.
+along the ways, and are of second order in its step; a front that is met costs up to half of what a cell takes.
 """
 
 from dataclasses import dataclass
