@@ -89,16 +89,16 @@ def test_the_middle_is_what_a_node_there_sees(kind: str) -> None:
     def hammer(**lines: list[str]) -> Scene:
         pipe = {"diameter": "200 mm", "wave_speed": 1000, "density": 1000, **LOSSES[kind]}
         return Scene(
-            medium="hydraulic", t_end="5 s", start="steady",
+            medium="hydraulic", t_end="2.5 s", start="steady",
             lines={name: {"nodes": at, "length": 1000 / len(lines), **pipe} for name, at in lines.items()},
             loads={"tank": {"at": "a", "kind": "reservoir", "pressure": "20 bar"},
                    "valve": {"at": "b", "kind": "valve", "before": 4e7, "after": float("inf"), "time": "0.5 s"}},
             probes={"m": {"at": "m", "line": "one"} if "one" in lines else {"at": "b"}},
         )  # fmt: skip
 
-    seen = inside(simulate(hammer(pipe=["a", "b"]), tol=1e-4, record=["pipe"]), "pipe", 32)
-    node = simulate(hammer(one=["a", "m"], two=["m", "b"]), tol=1e-4).probes["m"]
-    t = np.arange(0.25, 5.0, 0.5)  # fronts pass the middle at whole seconds
+    seen = inside(simulate(hammer(pipe=["a", "b"]), tol=3e-4, record=["pipe"]), "pipe", 32)
+    node = simulate(hammer(one=["a", "m"], two=["m", "b"]), tol=3e-4).probes["m"]
+    t = np.arange(0.25, 2.5, 0.5)  # fronts pass the middle at whole seconds
     effort, expected = seen.effort(t, 0.5), node.at(t).u
     jump = np.ptp(expected)
     assert np.abs(effort - expected).max() < 2e-3 * jump

@@ -108,8 +108,7 @@ def _motion(result: Result, path: Route) -> Motion:
 
 def _points(bound: Bound) -> list:
     """Places and efforts; null where the height is not known."""
-    known = np.where(np.isnan(bound.effort), None, bound.effort.round(6))
-    return np.stack([bound.x, known], axis=1).tolist()
+    return [(x, None if np.isnan(u) else u) for x, u in zip(bound.x.tolist(), bound.effort.tolist(), strict=True)]
 
 
 def _page(motion: Motion) -> str:

@@ -106,7 +106,8 @@ def _draw(axes: Axes, scene: Scene, places: Places, surge: Surge, colours: Scala
         axes.plot(x, y, color=INK, linewidth=1.5, linestyle=":", zorder=1)
     held = _held(scene)
     for node, place in places.items():
-        colour = colours.to_rgba(surge.nodes[node] / size) if node in surge.nodes else "white"
+        known = np.array([surge.nodes[node] / size]) if node in surge.nodes else None
+        colour = "white" if known is None else colours.to_rgba(known)[0]
         marker = "s" if node in held else "o"
         axes.plot(*place, marker, color=colour, markeredgecolor=INK, markersize=8, zorder=3)
     for name, share in surge.beyond.items():
@@ -144,13 +145,10 @@ def _name(axes: Axes, places: Places) -> None:
 
 def _explain(picture: Figure, scene: Scene, held: bool, beyond: bool) -> None:
     """What the marks mean, of those that there are."""
-    shown = [("s", "none", "held by a source or reservoir", held), ("none", ":", "link", bool(scene.links))]
-    shown.append(("x", "none", "worst place beyond the rating or a vacuum", beyond))
-    handles = [
-        Line2D([], [], color=INK, marker=marker, linestyle=dash, markerfacecolor="white", label=text)
-        for marker, dash, text, there in shown
-        if there
-    ]
+    square = Line2D([], [], color="white", markeredgecolor=INK, marker="s", label="held by a source or reservoir")
+    dots = Line2D([], [], color=INK, linestyle=":", label="link")
+    cross = Line2D([], [], color="white", markeredgecolor=INK, marker="x", label="worst place beyond rating or vacuum")
+    handles = [mark for mark, there in ((square, held), (dots, scene.links), (cross, beyond)) if there]
     title = "" if has_positions(scene) else "not a map: laid out by delays, for not all nodes have positions"
     if handles or title:
         picture.legend(handles=handles, title=title, loc="outside lower center", ncols=3, fontsize=9, title_fontsize=9)
