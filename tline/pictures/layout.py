@@ -12,6 +12,7 @@ from tline.scene.scene import Scene
 Places = Mapping[str, tuple[float, float]]  # of nodes, in any unit
 
 MOST = 1500  # nodes without positions; what follows takes their square in memory
+ROUNDS = 100  # of the search; what is left then nobody sees
 SHORTEST, LONGEST = 0.2, 5.0  # of an edge, in medians
 APART = 1.2  # parts that nothing joins, in the largest distance within one
 
@@ -100,6 +101,7 @@ def _distances(scene: Scene, nodes: list[str]) -> NDArray:
 def _least_stress(distance: NDArray) -> NDArray:
     """Places (n, 2) of least Σ (|x_i - x_j|/d_ij - 1)², from those of classical scaling on."""
     from scipy.optimize import minimize
+    from scipy.spatial.distance import cdist
 
     n = len(distance)
     centre = np.eye(n) - 1 / n
@@ -110,11 +112,12 @@ def _least_stress(distance: NDArray) -> NDArray:
 
     def stress(flat: NDArray) -> tuple[float, NDArray]:
         x = flat.reshape(n, 2)
-        apart = x[:, None] - x
-        size = np.hypot(*apart.T).T + np.eye(n)
-        off = (size * weight - 1) * (1 - np.eye(n))
-        slope = 4 * ((off * weight / size)[..., None] * apart).sum(axis=1)
-        return float((off**2).sum()), slope.ravel()
+        size = cdist(x, x)
+        np.fill_diagonal(size, 1.0)
+        off = size * weight - 1
+        np.fill_diagonal(off, 0.0)
+        pull = off * weight / size
+        return float((off**2).sum()), 4 * (pull.sum(axis=1)[:, None] * x - pull @ x).ravel()
 
-    found = minimize(stress, start.ravel(), jac=True, method="L-BFGS-B").x.reshape(n, 2)
+    found = minimize(stress, start.ravel(), jac=True, method="L-BFGS-B", options={"maxiter": ROUNDS}).x.reshape(n, 2)
     return found @ np.linalg.svd(found - found.mean(axis=0), full_matrices=False)[2].T  # widest from left to right
