@@ -166,6 +166,7 @@ def pictures() -> None:
         str(DOCS / "pictures" / "bode.png"),
     )
     _signals()
+    _network()
     refuted = check_positive_real(RationalFunction.from_expression("(s + 2)/(s^2 + s + 1)"))
     save_figure(styled(draw_verdict)(refuted, refuted.margins), str(DOCS / "pictures" / "passivity.png"))
 
@@ -194,6 +195,20 @@ def _signals() -> None:
         ("load_lines", plot_load_lines(bergeron(ringing), ELECTRICAL, ringing.title)),
     ):
         save_figure(picture, str(DOCS / "pictures" / f"{name}.png"))
+
+
+def _network() -> None:
+    """A profile and a map of a town."""
+    from tline.pictures.map import plot_map
+    from tline.pictures.path import route
+    from tline.pictures.profile import plot_profile
+    from tline.pictures.style import save_figure
+    from tline.solver.simulate import simulate
+
+    town = read_scene(DOCS.parent / "scenes" / "town.toml")
+    result = simulate(town, record=town.lines, envelope=True)
+    save_figure(plot_profile(result, route(town, "lake", "tower")), str(DOCS / "pictures" / "profile.png"))
+    save_figure(plot_map(result), str(DOCS / "pictures" / "map.png"))
 
 
 if __name__ == "__main__":

@@ -162,7 +162,7 @@ def test_all_files_are_written_and_named(folder: Path) -> None:
     result = ran(f"run valve.toml {options} --path valve,tank")
     assert result.stdout.splitlines()[-len(files) :] == [f"wrote {file}" for file in files.values()]
     assert {path.name for path in folder.iterdir()} == {"valve.toml", "fork.toml", *files.values()}
-    for file in ("out-plot.png", "out-space_time.png", "out-lattice.png"):
+    for file in ("out-plot.png", "out-profile.png", "out-map.png", "out-space_time.png", "out-lattice.png"):
         assert (folder / file).read_bytes().startswith(b"\x89PNG")
     assert '"marks":[[0.0,"valve"],[300.0,"tank"]]' in (folder / "out-animate.html").read_text(encoding="utf-8")
     table = np.loadtxt(folder / "out-csv.csv", delimiter=",", skiprows=1)
@@ -198,8 +198,14 @@ MISTAKES = [
         "valve.toml --plot a.png --lattice ./a.png",
         "--lattice: would overwrite what --plot writes, expected another file",
     ),
-    ("valve.toml --path tank,valve", "--path: nothing shows it, expected --space-time or --animate beside it"),
-    ("valve.toml --path tank --animate a.gif", "--path: not two nodes, expected FROM,TO, got 'tank'"),
+    (
+        "valve.toml --path tank,valve",
+        "--path: nothing shows it, expected --profile, --space-time or --animate",
+    ),
+    (
+        "valve.toml --path tank --animate a.gif",
+        "--path: not two nodes or more, expected FROM,TO or FROM,…,TO",
+    ),
     ("valve.toml --path tank,vale --animate a.gif", "--path: no such node, expected 'valve', got 'vale'"),
     (
         "valve.toml --path tank,tank --animate a.gif",
@@ -271,7 +277,7 @@ def test_an_active_load_runs_only_when_asked_twice(folder: Path) -> None:
 def test_help_teaches_with_examples_whose_options_exist() -> None:
     text = ran("run --help").stdout
     examples = re.findall(r"^ *tline (run .*)$", text.replace("\\\n", " "), re.MULTILINE)
-    assert len(examples) == 2
+    assert len(examples) == 3
     for example in examples:
         _, *words = shlex.split(example)
         run.make_context("run", words)

@@ -45,7 +45,8 @@ def test_commands_run(command, workplace):
     words = shlex.split(command)[1:]
     done = CliRunner().invoke(main, words, catch_exceptions=False)
     assert done.exit_code == 0, done.output
-    for option in ("--plot", "--csv", "--space-time", "--lattice", "--animate", "--envelope", "-o"):
+    pictures = ("--plot", "--profile", "--map", "--space-time", "--lattice", "--animate")
+    for option in (*pictures, "--csv", "--envelope", "-o"):
         if option in words:
             assert (workplace / words[words.index(option) + 1]).stat().st_size > 200
 

@@ -14,11 +14,12 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from tline.errors import InputError
+from tline.pictures.along import effort_along
 from tline.pictures.animation import FRAMES, PLACES, STEPS, animate
 from tline.pictures.fronts import MOST_LEGS, bounces
 from tline.pictures.handy import handy
 from tline.pictures.lattice import plot_lattice
-from tline.pictures.path import Route, effort_along, route
+from tline.pictures.path import Route, route
 from tline.pictures.space_time import plot_space_time
 from tline.pictures.style import save_figure
 from tline.pictures.traces import plot_probes

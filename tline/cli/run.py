@@ -25,18 +25,21 @@ SUFFIXES = {  # of what can be written
     "npz": (".npz",),
     "envelope": (".csv",),
     "plot": PICTURE,
+    "profile": PICTURE,
+    "map": PICTURE,
     "space_time": PICTURE,
     "lattice": PICTURE,
     "load_lines": PICTURE,
     "animate": (".html", ".gif"),
 }
-ALONG = ("space_time", "animate")  # show a path
-ENVELOPES = ("envelope",)  # show the extremes at nodes
+ALONG = ("profile", "space_time", "animate")  # show a path
+ENVELOPES = ("envelope", "map")  # show the extremes at nodes
 EXAMPLES = """\b
 Examples:
   tline run valve.toml --tol 1e-8 --plot valve.png
   tline run network.toml --order 8 --slab "10 us" --csv probes.csv \\
       --path tank,valve --animate surge.html
+  tline run town.toml --map surge.png --profile main.png --path lake,b,tower
 """
 
 
@@ -49,11 +52,17 @@ Examples:
 @click.option("--npz", metavar="FILE.npz", help="The same as NumPy arrays, with the scene.")
 @click.option("--envelope", metavar="FILE.csv", help="Table of the extremes at every node, and when.")
 @click.option("--plot", metavar="FILE", help="Probes over time; .png, .svg or .pdf.")
+@click.option("--profile", metavar="FILE", help="Lowest and highest effort along a path, with ground and limits.")
+@click.option("--map", metavar="FILE", help="Map of the network, coloured by how far the effort rose and fell.")
 @click.option("--space-time", metavar="FILE", help="Image of the effort over place and time.")
 @click.option("--lattice", metavar="FILE", help="Bounce diagram, for a scene with one line.")
 @click.option("--load-lines", metavar="FILE", help="Bergeron's diagram, for one line between resistive ends.")
 @click.option("--animate", metavar="FILE", help="The effort along a path, moving; .html or .gif.")
-@click.option("--path", metavar="FROM,TO", help="Nodes between which --space-time and --animate look.")
+@click.option(
+    "--path",
+    metavar="FROM,…,TO",
+    help="Path of --profile, --space-time, --animate: ends, any it passes.",
+)
 @click.option("--active", is_flag=True, help="Run even if a load is active, that is, not positive real.")
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers in SI and full precision.")
 def run(
@@ -80,7 +89,7 @@ def run(
         _check_files(wanted)
         read = _read(scene, solver)
         way = _route(read, path, wanted)
-        result = _simulate(read, way, active, wanted)
+        result = _simulate(read, _recorded(read, way, wanted), active, wanted)
         for kind, file in wanted.items():
             _write(result, way, kind, file)
     from tline.cli.report import as_table, judgement, summary
@@ -150,26 +159,36 @@ def _route(scene: "Scene", path: str | None, wanted: dict[str, str]) -> "Route |
         bergeron(scene)
     if not any(kind in wanted for kind in ALONG):
         if path is not None:
-            raise InputError("path", "nothing shows it", "--space-time or --animate beside it")
+            raise InputError("path", "nothing shows it", "--profile, --space-time or --animate beside it")
         return None
     from tline.pictures.path import route
 
     if path is None:
         return route(scene)
     nodes = [node.strip() for node in path.split(",")]
-    if len(nodes) != 2:
-        raise InputError("path", "not two nodes", "FROM,TO", f"'{path}'")
+    if len(nodes) < 2:
+        raise InputError("path", "not two nodes or more", "FROM,TO or FROM,…,TO", f"'{path}'")
     return route(scene, *nodes)
 
 
-def _simulate(scene: "Scene", way: "Route | None", active: bool, wanted: dict[str, str]) -> "Result":
+def _recorded(scene: "Scene", way: "Route | None", wanted: dict[str, str]) -> list[str]:
+    """Lines whose inside pictures show."""
+    found = list(way.lines) if way else []
+    if "map" in wanted:
+        from tline.pictures.surge import lines_to_map
+
+        found += lines_to_map(scene)
+    return found
+
+
+def _simulate(scene: "Scene", record: list[str], active: bool, wanted: dict[str, str]) -> "Result":
     from tline.solver.simulate import UnresolvedWarning, simulate
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnresolvedWarning)  # said as notes
         return simulate(
             scene,
-            record=way.lines if way else (),
+            record=record,
             envelope=any(kind in wanted for kind in ENVELOPES),
             active=active,
             progress=sys.stderr.isatty(),
@@ -192,6 +211,14 @@ def _write(result: "Result", way: "Route | None", kind: str, file: str) -> None:
 
 
 def _picture(result: "Result", way: "Route | None", kind: str) -> "Figure":
+    if kind == "map":
+        from tline.pictures.map import plot_map
+
+        return plot_map(result)
+    if kind == "profile" and way:
+        from tline.pictures.profile import plot_profile
+
+        return plot_profile(result, way)
     if kind == "space_time" and way:
         from tline.pictures.space_time import plot_space_time
 

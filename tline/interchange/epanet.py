@@ -172,7 +172,8 @@ def _pipe(link: Any, flow: float, law: str, given: tuple[float, ...]) -> Pipe:
     at = max(abs(flow), SLOWEST * area)
     loss = LAWS[law](at, length, diameter, float(link.roughness), *given)
     factor = loss * diameter / length * 2 * GRAVITY / (at / area) ** 2 + float(link.minor_loss) * diameter / length
-    return Pipe(_ends(link), length, diameter, flow, factor, bool(link.check_valve))
+    vertices = tuple((float(x), float(y)) for x, y in link.vertices)
+    return Pipe(_ends(link), length, diameter, flow, factor, bool(link.check_valve), vertices)
 
 
 def _curve(where: str, link: Any) -> PowerLaw | Polyline:

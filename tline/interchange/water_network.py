@@ -67,6 +67,8 @@ class Pipe:
         Darcy's friction factor at this flow, minor losses included, spread over the length.
     one_way : bool
         Whether a check valve lets water through toward the second node alone.
+    vertices : tuple of pair of float
+        Places on the map between its nodes.
     """
 
     nodes: tuple[str, str]
@@ -75,6 +77,7 @@ class Pipe:
     flow: float
     factor: float
     one_way: bool
+    vertices: tuple[Position, ...]
 
 
 @dataclass(frozen=True)

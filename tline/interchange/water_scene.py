@@ -74,6 +74,7 @@ def _add_pipe(tables: dict[str, Any], network: WaterNetwork, name: str, pipe: Pi
             problem = "its check valve needs a name that a node has"
             raise InputError(f"pipe '{name}'", problem, f"no node '{valve}'")
         tables["links"][name] = {"kind": "check valve", "nodes": [one, valve]}
+        tables["nodes"][valve] = _site(network.nodes[one])
         one = valve
     tables["lines"][name] = {
         "nodes": [one, two],
@@ -82,7 +83,11 @@ def _add_pipe(tables: dict[str, Any], network: WaterNetwork, name: str, pipe: Pi
         "wave_speed": wave_speed,
         "density": network.density,
         "friction": {"kind": "darcy", "factor": pipe.factor * (GRAVITY / EPANETS)},  # of the same head
-    }
+    } | ({"vertices": [list(vertex) for vertex in pipe.vertices]} if pipe.vertices else {})
+
+
+def _site(node: Junction | Basin) -> dict[str, Any]:
+    return {"elevation": node.elevation, "position": list(node.position)}
 
 
 def _valve(valve: Valve, weight: float) -> dict[str, Any]:
@@ -116,7 +121,7 @@ def _pump(network: WaterNetwork, name: str, pump: Pump, notes: list[str]) -> dic
 def _add_node(
     tables: dict[str, Any], network: WaterNetwork, name: str, node: Junction | Basin, weight: float, notes: list[str]
 ) -> None:
-    tables["nodes"][name] = {"elevation": node.elevation, "position": list(node.position)}
+    tables["nodes"][name] = _site(node)
     if isinstance(node, Basin):
         tables["loads"][name] = {"at": name, "kind": "reservoir", "pressure": weight * node.head}
         return

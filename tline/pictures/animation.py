@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.pictures.along import effort_along, extremes_along
+from tline.pictures.bounds import Bound, bounds, scale
 from tline.pictures.handy import handy, spread
-from tline.pictures.path import Route, effort_along
+from tline.pictures.path import Route, axis
 from tline.solver.atomic import replacing
 from tline.solver.result import Result
 
 FRAMES, PLACES = 180, 361
-ENVELOPE = 2000  # instants searched for the largest and smallest effort at each place
 STEPS = 9999  # levels from smallest to largest effort in the page
 SUFFIXES = (".html", ".gif")
 
@@ -32,10 +33,16 @@ class Motion(NamedTuple):
     t: NDArray
     time_unit: str
     x: NDArray
-    marks: tuple[float, ...]
-    nodes: tuple[str, ...]
+    labels: dict[float, str]  # names of nodes by place
+    bounds: list[Bound]
     place: str  # what stands below the axis
     effort: str  # and beside it
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Least and largest of all that is shown."""
+        shown = np.concatenate([self.lowest, self.highest, *(bound.effort for bound in self.bounds)])
+        return spread(np.nanmin(shown), np.nanmax(shown))
 
     @property
     def decimals(self) -> int:
@@ -75,32 +82,38 @@ def animate(result: Result, path: Route, filename: str | Path) -> None:
 
 
 def _motion(result: Result, path: Route) -> Motion:
-    t_end, end = float(result.t[-1]), path.marks[-1]
-    t, x = np.linspace(0.0, t_end, FRAMES), np.linspace(0.0, end, PLACES)
-    frames = effort_along(result, path, x, t)
-    between = effort_along(result, path, x, np.linspace(0.0, t_end, ENVELOPE))
-    size, unit = handy(float(abs(between).max()), result.medium.shown["effort"])
+    t_end = float(result.t[-1])
+    t, x = np.linspace(0.0, t_end, FRAMES), np.linspace(0.0, path.marks[-1], PLACES)
+    effort, seen = effort_along(result, path, x, t), extremes_along(result, path)
+    lowest = np.minimum(np.interp(x, seen.x, seen.lowest), effort.min(0))
+    highest = np.maximum(np.interp(x, seen.x, seen.highest), effort.max(0))
+    limits = bounds(result.scene, path, x, lowest)
+    word, size, unit = scale(result.scene, path.lines, max(-lowest.min(), highest.max()))
     second, time_unit = handy(t_end, "s")
-    length, place_unit = (1.0, "m") if path.unit == "m" else handy(end, "s")
-    what = "distance" if path.unit == "m" else "delay"
+    metre, place = axis(path)
     return Motion(
         result.scene.title,
-        frames / size,
-        np.minimum(between.min(0), frames.min(0)) / size,
-        np.maximum(between.max(0), frames.max(0)) / size,
+        effort / size,
+        lowest / size,
+        highest / size,
         t / second,
         time_unit,
-        x / length,
-        tuple(mark / length for mark in path.marks),
-        path.nodes,
-        f"{what} from {path.nodes[0]} [{place_unit}]",
-        f"{result.medium.effort} [{unit}]",
+        x / metre,
+        {mark / metre: name for mark, name in path.labels.items()},
+        [bound.in_units(metre, size) for bound in limits],
+        place,
+        f"{word} [{unit}]",
     )
+
+
+def _points(bound: Bound) -> list:
+    """Places and efforts; null where the height is not known."""
+    return [(x, None if np.isnan(u) else u) for x, u in zip(bound.x.tolist(), bound.effort.tolist(), strict=True)]
 
 
 def _page(motion: Motion) -> str:
     """The page: a template with the efforts as whole numbers from 0 to STEPS."""
-    low, high = spread(motion.lowest.min(), motion.highest.max())
+    low, high = motion.range
 
     def counts(values: NDArray) -> list:
         return np.rint((values - low) / (high - low) * STEPS).astype(int).tolist()
@@ -109,7 +122,8 @@ def _page(motion: Motion) -> str:
         "title": motion.title,
         "range": [low, high],
         "steps": STEPS,
-        "marks": list(zip(motion.marks, motion.nodes, strict=True)),
+        "marks": list(motion.labels.items()),
+        "bounds": [[bound.kind, bound.name, _points(bound)] for bound in motion.bounds],
         "place": motion.place,
         "effort": motion.effort,
         "step": float(motion.t[1]),

@@ -8,7 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from tline.pictures.animation import Motion
-from tline.pictures.handy import spread
+from tline.pictures.profile import draw_bounds
 from tline.pictures.style import COLOURS, figure, name_nodes, styled
 
 FRAMES_PER_SECOND = 20
@@ -30,11 +30,14 @@ def _frames(motion: Motion) -> Iterator[Image.Image]:
     canvas = FigureCanvasAgg(picture)
     axes = picture.subplots()
     axes.fill_between(motion.x, motion.lowest, motion.highest, color=COLOURS[0], alpha=0.13, linewidth=0)
-    low, high = spread(motion.lowest.min(), motion.highest.max())
+    low, high = motion.range
     pad = 0.06 * (high - low)
     axes.set(xlim=(0.0, motion.x[-1]), ylim=(low - pad, high + pad), xlabel=motion.place, ylabel=motion.effort)
     axes.grid(True, axis="y")
-    name_nodes(axes, motion.marks, motion.nodes)
+    name_nodes(axes, motion.labels)
+    draw_bounds(axes, motion.bounds)
+    if motion.bounds:
+        picture.legend(loc="outside lower left", ncols=len(motion.bounds), fontsize=9)
     (line,) = axes.plot(motion.x, motion.frames[0], color=COLOURS[0], linewidth=2.2, animated=True)
     clock = picture.text(0.985, 0.02, "", ha="right", va="bottom", animated=True)
     canvas.draw()

@@ -1,19 +1,18 @@
-"""A way through the network: lines from node to node, and what happens along them."""
+"""A way through the network, over lines and links from node to node."""
 
 import heapq
 from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.pictures.handy import handy
 from tline.scene.coupled import refuse_coupled
-from tline.scene.lossless import refuse_losses
 from tline.scene.mistakes import nearest
 from tline.scene.scene import Scene
-from tline.solver.curve import drawable
-from tline.solver.result import Result
 
 
 class Leg(NamedTuple):
@@ -22,6 +21,18 @@ class Leg(NamedTuple):
     line: str
     forward: bool  # from its end 1 to its end 2
     start: float  # delay from the route's first node, s
+    span: tuple[float, float]  # places of its ends, in the route's unit
+
+
+class Step(NamedTuple):
+    """A way out of a node."""
+
+    line: str  # empty for a link
+    forward: bool
+    node: str  # to which it leads
+
+
+Steps = Mapping[str, Sequence[Step]]
 
 
 class Route(NamedTuple):
@@ -35,112 +46,118 @@ class Route(NamedTuple):
     @property
     def lines(self) -> tuple[str, ...]:
         """Names of the lines, for `simulate(scene, record=route.lines)`."""
-        return tuple(leg.line for leg in self.legs)
+        return tuple(dict.fromkeys(leg.line for leg in self.legs))
+
+    @property
+    def labels(self) -> dict[float, str]:
+        """Names by place; nodes that a link joins share one."""
+        names: dict[float, str] = {}
+        for mark, node in zip(self.marks, self.nodes, strict=True):
+            names[mark] = f"{names[mark]}–{node}" if mark in names else node
+        return names
 
 
-def route(scene: Scene, start: str | None = None, end: str | None = None) -> Route:
-    """The way of least delay between two nodes; without them the whole chain, if the scene is one.
+def route(scene: Scene, *nodes: str) -> Route:
+    """The way of least delay through some nodes; without them the whole chain, if the scene is one.
+
+    Links, such as pumps and valves, are passed without a delay.
 
     Parameters
     ----------
     scene : Scene
         The network.
-    start, end : str, optional
-        Two different nodes.
+    *nodes : str
+        The first node, any to be passed on the way, and the last.
 
     Raises
     ------
     InputError
         Unknown nodes, no way between them, or none given in a scene that is no chain.
+
+    Examples
+    --------
+    >>> delays = {"ab": 1, "bc": 1, "ac": 1}
+    >>> lines = {name: {"nodes": [*name], "z0": 50, "delay": delay} for name, delay in delays.items()}
+    >>> ring = Scene(medium="electrical", t_end=9, lines=lines, probes={"p": {"at": "a", "line": "ab"}})
+    >>> route(ring, "a", "b").nodes, route(ring, "a", "c", "b").nodes
+    (('a', 'b'), ('a', 'c', 'b'))
     """
-    refuse_losses(scene, "only its ends are known, not what is along it")
-    ends: dict[str, list[tuple[str, bool, str]]] = defaultdict(list)  # node -> (line, forward, other node)
     refuse_coupled(scene.lines, "a path")
-    for name, line in scene.lines.items():
-        near, far = line.nodes
-        ends[near].append((name, True, far))
-        ends[far].append((name, False, near))
-    if start is None or end is None:
-        start, end = _chain_ends(ends)
-    for node in (start, end):
-        if node not in ends:
-            raise InputError("path", "no such node", nearest(node, list(ends)), f"'{node}'")
-    if start == end:
-        raise InputError("path", "leads nowhere", "two different nodes", f"'{start}' twice")
-    way = _least_delay(scene, ends, start, end)
-    parameters = [scene.lines[line].parameters for line, _, _ in way]
-    delays = _sums([line.delay or 0.0 for line in parameters])
-    lengths = [line.length for line in parameters if line.length is not None]
-    known = len(lengths) == len(way)
-    legs = tuple(Leg(line, forward, t) for (line, forward, _), t in zip(way, delays, strict=False))
-    nodes = (start, *(node for _, _, node in way))
-    return Route(nodes, legs, _sums(lengths) if known else delays, "m" if known else "s")
+    by_line = _steps((name, line.nodes) for name, line in scene.lines.items())
+    steps = _steps([*((name, line.nodes) for name, line in scene.lines.items()),
+                    *(("", link.nodes) for link in scene.links.values())])  # fmt: skip
+    nodes = nodes or _chain_ends(by_line) or _chain_ends(steps) or _no_chain(by_line)
+    for node in nodes:
+        if node not in steps:
+            raise InputError("path", "no such node", nearest(node, list(steps)), f"'{node}'")
+    for node, after in pairwise(nodes):
+        if node == after:
+            raise InputError("path", "leads nowhere", "two different nodes", f"'{node}' twice")
+    way = [step for start, end in pairwise(nodes) for step in _least_delay(scene, steps, start, end)]
+    lines = [scene.lines[step.line].parameters if step.line else None for step in way]
+    if not any(lines):
+        raise InputError("path", "no line lies on it", "nodes between which there is one", f"{' and '.join(nodes)}")
+    delays = _sums([line.delay or 0.0 if line else 0.0 for line in lines])
+    known = all(line is None or line.length is not None for line in lines)
+    marks = _sums([line.length or 0.0 if line else 0.0 for line in lines]) if known else delays
+    spans = zip(way, delays, pairwise(marks), strict=False)
+    legs = tuple(Leg(step.line, step.forward, delay, span) for step, delay, span in spans if step.line)
+    return Route((nodes[0], *(step.node for step in way)), legs, marks, "m" if known else "s")
+
+
+def axis(way: Route) -> tuple[float, str]:
+    """Size of the unit in which people read places of a route, and the label of its axis."""
+    size, unit = (1.0, "m") if way.unit == "m" else handy(way.marks[-1], "s")
+    return size, f"{'distance' if way.unit == 'm' else 'delay'} from {way.nodes[0]} [{unit}]"
 
 
 def _sums(values: list[float]) -> tuple[float, ...]:
     return tuple(float(x) for x in np.cumsum([0.0, *values]))
 
 
-def _chain_ends(ends: dict[str, list[tuple[str, bool, str]]]) -> tuple[str, str]:
-    outer = [node for node, here in ends.items() if len(here) == 1]
+def _steps(pairs: Iterable[tuple[str, tuple[str, str]]]) -> Steps:
+    found = defaultdict(list)
+    for line, (near, far) in pairs:
+        found[near].append(Step(line, True, far))
+        found[far].append(Step(line, False, near))
+    return found
+
+
+def _chain_ends(steps: Steps) -> tuple[str, ...]:
+    """The two ends of a chain; none if the steps are none."""
+    outer = [node for node, here in steps.items() if len(here) == 1]
     connected, grown = set(outer[:1]), set(outer[:1])
     while grown:
-        grown = {other for node in grown for _, _, other in ends[node]} - connected
+        grown = {step.node for node in grown for step in steps[node]} - connected
         connected |= grown
-    if len(outer) != 2 or len(connected) < len(ends) or max(map(len, ends.values())) > 2:
-        rings = [node for node, here in ends.items() if any(other == node for _, _, other in here)]
-        why = f", for one has both ends at node '{rings[0]}'" if rings else ""
-        expected = "the two nodes between which to look" if len(ends) > 1 else "a scene with two nodes or more"
-        raise InputError("path", f"the lines form no chain{why}", expected)
-    return outer[0], outer[1]
+    chain = len(outer) == 2 and len(connected) == len(steps) and max(map(len, steps.values())) <= 2
+    return (outer[0], outer[1]) if chain else ()
 
 
-def _least_delay(scene: Scene, ends: dict, start: str, end: str) -> list[tuple[str, bool, str]]:
-    """Dijkstra's algorithm; returns (line, forward, node it leads to)."""
-    came: dict[str, tuple[str, bool, str]] = {}
-    waiting, done = [(0.0, start, ("", True, ""))], set()
+def _no_chain(steps: Steps) -> tuple[str, ...]:
+    rings = [node for node, here in steps.items() if any(step.node == node for step in here)]
+    why = f", for one has both ends at node '{rings[0]}'" if rings else ""
+    expected = "the two nodes between which to look" if len(steps) > 1 else "a scene with two nodes or more"
+    raise InputError("path", f"the lines form no chain{why}", expected)
+
+
+def _least_delay(scene: Scene, steps: Steps, start: str, end: str) -> list[Step]:
+    """Dijkstra's algorithm."""
+    came: dict[str, tuple[str, Step]] = {}
+    waiting, done = [(0.0, start, "", Step("", True, start))], set()
     while waiting and end not in done:
-        delay, node, step = heapq.heappop(waiting)
+        delay, node, before, step = heapq.heappop(waiting)
         if node in done:
             continue
         done.add(node)
-        came[node] = step
-        for line, forward, other in ends[node]:
-            total = delay + (scene.lines[line].parameters.delay or 0.0)
-            heapq.heappush(waiting, (total, other, (line, forward, node)))
+        came[node] = before, step
+        for out in steps[node]:
+            further = scene.lines[out.line].parameters.delay or 0.0 if out.line else 0.0
+            heapq.heappush(waiting, (delay + further, out.node, node, out))
     if end not in done:
         raise InputError("path", "no lines lead there", got=f"'{start}' and '{end}'")
     way, node = [], end
     while node != start:
-        line, forward, before = came[node]
-        way.append((line, forward, node))
-        node = before
+        node, step = came[node]
+        way.append(step)
     return way[::-1]
-
-
-def effort_along(result: Result, way: Route, x: NDArray, t: NDArray) -> NDArray:
-    """Effort at places x of a route (in its unit) and instants t, shape (len(t), len(x)).
-
-    Raises
-    ------
-    InputError
-        A line of the route was not recorded.
-    """
-    for name in way.lines:
-        if name not in result.lines:
-            raise InputError("path", f"line '{name}' was not recorded", "simulate(scene, record=route.lines)")
-    records = [drawable(result.lines[name]) for name in way.lines]
-    marks = np.array(way.marks)
-    leg = np.clip(np.searchsorted(marks, x) - 1, 0, len(records) - 1)
-    share = np.clip((x - marks[leg]) / np.diff(marks)[leg], 0.0, 1.0)
-    effort = np.empty((len(t), len(x)))
-    for column, (k, part) in enumerate(zip(leg, share, strict=True)):
-        a, b = records[k].waves(t, float(part if way.legs[k].forward else 1.0 - part))
-        effort[:, column] = (a + b) / 2
-    return effort
-
-
-def start_effort(result: Result, way: Route) -> float:
-    """Effort at the route's first node before t = 0."""
-    record = result.lines[way.lines[0]]
-    return (record.a1.before + record.b1.before) / 2

@@ -5,8 +5,9 @@ from matplotlib import colormaps
 from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
+from tline.pictures.along import effort_along, start_effort
 from tline.pictures.handy import handy, spread
-from tline.pictures.path import Route, effort_along, start_effort
+from tline.pictures.path import Route, axis
 from tline.pictures.style import DIVERGING, figure, name_nodes, styled
 from tline.solver.result import Result
 
@@ -44,7 +45,7 @@ def plot_space_time(result: Result, path: Route) -> Figure:
     low, high = spread(effort.min(), effort.max())
     colours, norm = _colours(low, high, start_effort(result, path) / size)
     second, time_unit = handy(t_end, "s")
-    length, place_unit = (1.0, "m") if path.unit == "m" else handy(end, "s")
+    length, place = axis(path)
     picture = figure(8.0, 5.4, result.scene.title)
     axes = picture.subplots()
     image = axes.imshow(
@@ -55,9 +56,8 @@ def plot_space_time(result: Result, path: Route) -> Figure:
         aspect="auto",
         interpolation="antialiased",
     )
-    name_nodes(axes, tuple(mark / length for mark in path.marks), path.nodes)
-    what = "distance" if path.unit == "m" else "delay"
-    axes.set_xlabel(f"{what} from {path.nodes[0]} [{place_unit}]")
+    name_nodes(axes, {mark / length: name for mark, name in path.labels.items()})
+    axes.set_xlabel(place)
     axes.set_ylabel(f"time [{time_unit}]")
     bar = picture.colorbar(image, ax=axes, pad=0.02, fraction=0.06)
     bar.set_label(f"{result.medium.effort} [{unit}]")

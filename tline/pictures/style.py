@@ -1,6 +1,7 @@
 """One look for all pictures: colours that everyone can tell apart, sizes, and how a figure becomes a file."""
 
 import textwrap
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -56,8 +57,9 @@ def figure(width: float, height: float, title: str) -> Figure:
     return blank
 
 
-def name_nodes(axes: Axes, marks: tuple[float, ...], names: tuple[str, ...]) -> None:
+def name_nodes(axes: Axes, labels: Mapping[float, str]) -> None:
     """Write the nodes of a route above the axes, as many as there is room for, and mark the inner ones."""
+    marks, names = list(labels), list(labels.values())
     room = 0.06 * (marks[-1] - marks[0])
     kept = [0]
     for k in range(1, len(marks) - 1):

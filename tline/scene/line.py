@@ -21,6 +21,7 @@ from tline.scene.friction import AnyFriction
 from tline.scene.losses import Losses
 from tline.scene.mistakes import shown
 from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
+from tline.scene.site import Place
 
 ROUNDING = 1e-9  # of a storage, that laws may miss of the lossless line's
 MATERIALS = {
@@ -40,6 +41,9 @@ class SceneLine(Element):
     """A line from its end 1 (the first node) to its end 2 (the second)."""
 
     nodes: Annotated[tuple[Name, Name], BeforeValidator(two_nodes)] = Field(description="node at end 1, node at end 2")
+    vertices: list[Place] | None = Field(
+        default=None, description="places on a map that it passes between its nodes, from end 1 on"
+    )
     _parameters: HydraulicLine | ElectricalLine = PrivateAttr()
     _losses: Losses | None = PrivateAttr(default=None)
 
@@ -63,7 +67,7 @@ class SceneLine(Element):
         return self._losses.steady_drop(y) if self._losses else (0.0, 0.0)
 
     def _settle(self, kind: type[HydraulicLine] | type[ElectricalLine], other: tuple[str, ...]):
-        others = {"nodes", *other}
+        others = {"nodes", "vertices", *other}
         given = {
             name: getattr(value, "typed", value) for name, value in self if name not in others and value is not None
         }

@@ -19,6 +19,9 @@ def _pair(position: Any) -> Any:
     return position
 
 
+Place = Annotated[tuple[float, float], BeforeValidator(_pair)]
+
+
 class Site(Element):
     """Height and place of a node, for pictures, limits of pressures and elements of other programs.
 
@@ -27,6 +30,4 @@ class Site(Element):
     """
 
     elevation: Annotated[Quantity, Role("length", "m")] | None = Field(default=None, description="height of the node")
-    position: Annotated[tuple[float, float], BeforeValidator(_pair)] | None = Field(
-        default=None, description="coordinates on a map, in any unit"
-    )
+    position: Place | None = Field(default=None, description="coordinates on a map, in any unit")

@@ -1,0 +1,70 @@
+"""What happens along a route: effort at any places and instants, and its extremes."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.pictures.path import Leg, Route
+from tline.solver.inside import Inside, inside
+from tline.solver.result import Result
+
+STRETCHES, FEWEST = 320, 8  # on the whole route, and on each line, at whose ends extremes are known
+
+
+class Extremes(NamedTuple):
+    """Effort along a route, Pa or V; where lines meet there are two equal places, and at a link two efforts."""
+
+    x: NDArray  # (places,) in the route's unit
+    start: NDArray  # before t = 0
+    lowest: NDArray
+    highest: NDArray
+
+
+def effort_along(result: Result, way: Route, x: NDArray, t: NDArray) -> NDArray:
+    """Effort at places x of a route (in its unit) and instants t, shape (len(t), len(x)).
+
+    Raises
+    ------
+    InputError
+        A line of the route was not recorded.
+    """
+    legs = _insides(result, way)
+    at = np.clip(np.searchsorted([leg.span[1] for leg in way.legs], x), 0, len(legs) - 1)
+    effort = np.empty((len(t), len(x)))
+    for column, (k, place) in enumerate(zip(at, x, strict=True)):
+        leg = way.legs[k]
+        part = float(np.clip((place - leg.span[0]) / (leg.span[1] - leg.span[0]), 0.0, 1.0))
+        effort[:, column] = legs[k].effort(t, part if leg.forward else 1.0 - part)
+    return effort
+
+
+def extremes_along(result: Result, way: Route) -> Extremes:
+    """Effort before t = 0, and the lowest and highest of the run, line after line.
+
+    Raises
+    ------
+    InputError
+        A line of the route was not recorded.
+    """
+    places, efforts = [], []
+    for leg, seen in zip(way.legs, _insides(result, way), strict=True):
+        places.append(np.linspace(*leg.span, seen.cells + 1))
+        efforts.append(seen.extremes(result.t)[:, :: 1 if leg.forward else -1])
+    return Extremes(np.concatenate(places), *np.concatenate(efforts, axis=1))
+
+
+def start_effort(result: Result, way: Route) -> float:
+    """Effort at the route's first node before t = 0."""
+    leg = way.legs[0]
+    record = result.lines[leg.line]
+    a, b = (record.a1, record.b1) if leg.forward else (record.a2, record.b2)
+    return (a.before + b.before) / 2
+
+
+def _insides(result: Result, way: Route) -> list[Inside]:
+    return [inside(result, leg.line, _cells(way, leg)) for leg in way.legs]
+
+
+def _cells(way: Route, leg: Leg) -> int:
+    return max(round(STRETCHES * (leg.span[1] - leg.span[0]) / way.marks[-1]), FEWEST)

@@ -1,0 +1,79 @@
+"""In what people read efforts along a route or on a map, and what bounds them: the ground, the rating, a vacuum."""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.line import HydraulicLine
+from tline.pictures.handy import handy
+from tline.pictures.path import Leg, Route
+from tline.scene.limits import VACUUM, weight_at
+from tline.scene.medium import HYDRAULIC, MEDIA
+from tline.scene.scene import Scene
+from tline.scene.site import GRAVITY
+from tline.units import engineering
+
+
+class Scale(NamedTuple):
+    """How efforts are shown."""
+
+    word: str  # what they are called
+    size: float  # of the unit in Pa or V
+    unit: str
+
+
+class Bound(NamedTuple):
+    """What bounds the effort along a route."""
+
+    kind: str  # ground, rating or vacuum
+    name: str
+    x: NDArray  # (places,) both ends of each line, in the route's unit
+    effort: NDArray  # (places,) Pa or V; NaN where the height is not known
+
+    def in_units(self, place: float, effort: float) -> "Bound":
+        """The same in units of these sizes."""
+        return self._replace(x=self.x / place, effort=self.effort / effort)
+
+
+def scale(scene: Scene, lines: Iterable[str], largest: float) -> Scale:
+    """Metres of head where nodes have heights and all those lines the same density; else a handy unit.
+
+    Examples
+    --------
+    >>> pipe = {"nodes": ["a", "b"], "z0": 1e8, "delay": 1, "density": 1000}
+    >>> given = {"medium": "hydraulic", "t_end": 1, "lines": {"pipe": pipe}, "probes": {"p": {"at": "a"}}}
+    >>> scale(Scene(**given), ["pipe"], 2e5)
+    Scale(word='pressure', size=100000.0, unit='bar')
+    >>> scale(Scene(**given, nodes={"b": {"elevation": "35 m"}}), ["pipe"], 2e5)
+    Scale(word='head', size=9806.65, unit='m')
+    """
+    medium = MEDIA[scene.medium]
+    found = (scene.single_lines[line].parameters for line in lines)
+    densities = {line.density if isinstance(line, HydraulicLine) else None for line in found}
+    density = densities.pop() if len(densities) == 1 else None
+    if density is not None and weight_at(scene):
+        return Scale("head", density * GRAVITY, "m")
+    return Scale(medium.effort, *handy(largest, medium.shown["effort"]))
+
+
+def bounds(scene: Scene, way: Route, x: NDArray, lowest: NDArray) -> list[Bound]:
+    """Ground, rating, and a vacuum where the lowest pressures, given at places x, fall below those of the air."""
+    medium, weight = MEDIA[scene.medium], weight_at(scene)
+    unit, liquid = medium.shown["effort"], medium is HYDRAULIC
+    places = np.array([place for leg in way.legs for place in leg.span])
+    ground = np.array([weight.get(end, np.nan if weight else 0.0) for leg in way.legs for end in _ends(scene, leg)])
+    found = [("ground", "ground", 0.0)] if weight else []
+    if scene.rating is not None:
+        rating = float(scene.rating)
+        found.append(("rating", f"rating {engineering(rating, unit)}", rating))
+        found += [] if liquid else [("rating", f"\N{MINUS SIGN}{engineering(rating, unit)}", -rating)]
+    if liquid and (lowest < np.interp(x, places, ground)).any():
+        found.append(("vacuum", f"vacuum, {engineering(VACUUM, unit)}".replace("-", "\N{MINUS SIGN}"), VACUUM))
+    return [Bound(kind, name, places, ground + above) for kind, name, above in found]
+
+
+def _ends(scene: Scene, leg: Leg) -> tuple[str, str]:
+    near, far = scene.lines[leg.line].nodes
+    return (near, far) if leg.forward else (far, near)

@@ -1,0 +1,154 @@
+"""A map of the network, coloured by how far the effort rose and fell at nodes and along lines."""
+
+from itertools import pairwise
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
+from matplotlib.transforms import Bbox
+
+from tline.pictures.bounds import scale
+from tline.pictures.handy import spread
+from tline.pictures.layout import Places, course, has_positions, layout
+from tline.pictures.style import FAINT, INK, LONGEST_NAME, figure, styled
+from tline.pictures.surge import Surge, surges
+from tline.scene.load import Reservoir
+from tline.scene.scene import Scene
+from tline.solver.result import Result
+
+SCALE = ListedColormap(colormaps["viridis_r"](np.linspace(0.06, 1.0, 256)))  # what is large is dark
+WIDE = 1.3  # width over height from which one map stands above the other
+NAMED = 60  # nodes that have their names written
+MARK = 8  # half the room of a node's mark, pixels
+CORNERS = ((1, 1), (-1, 1), (1, -1), (-1, -1))  # of a mark, where its name may stand
+HALO = [withStroke(linewidth=2.5, foreground="white")]
+
+
+@styled
+def plot_map(result: Result) -> Figure:
+    """Two maps of the network: how far the effort rose above what it was before t = 0, and how far it fell below it.
+
+    Squares are nodes at which a source or a reservoir holds the effort, dots are links, and a cross stands where the
+    rating is exceeded or the pressure on the wall falls below a vacuum. Where not all nodes have positions, they are
+    laid out so that distances tell delays.
+
+    Parameters
+    ----------
+    result : Result
+        Of ``simulate(scene, record=lines_to_map(scene), envelope=True)``; lines that were not recorded are grey.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        With two axes, and a colour bar for each.
+
+    Raises
+    ------
+    InputError
+        The run kept no envelope, or nodes without positions are too many.
+
+    Examples
+    --------
+    >>> from tline.solver.simulate import simulate
+    >>> scene = Scene(
+    ...     medium="electrical", t_end="40 ns", probes={"far": {"at": "far"}},
+    ...     lines={"line": {"nodes": ["near", "far"], "z0": 50, "delay": "5 ns"}},
+    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 20}},
+    ... )
+    >>> maps = plot_map(simulate(scene, record=["line"], envelope=True))
+    >>> [axes.get_title(loc="left") for axes in maps.axes[:2]]
+    ['rise above the start', 'fall below the start']
+    """
+    scene, both, places = result.scene, surges(result), layout(result.scene)
+    wide, high = np.ptp([*places.values()], axis=0)
+    rows = 2 if wide > WIDE * high else 1
+    picture = figure(8.0 if rows == 2 else 9.0, 8.0 if rows == 2 else 5.2, scene.title)
+    before = "the steady state" if scene.start == "steady" else "the start"
+    panels = picture.subplots(rows, 3 - rows).ravel()
+    for axes, surge, word in zip(panels, both, ("rise above", "fall below"), strict=True):
+        largest = max([*surge.nodes.values(), *(float(size.max()) for size in surge.lines.values())])
+        effort, size, unit = scale(scene, scene.lines, largest)
+        colours = ScalarMappable(Normalize(0.0, spread(0.0, largest / size)[1]), SCALE)
+        _draw(axes, scene, places, surge, colours, size)
+        axes.set_title(f"{word} {before}", loc="left")
+        bar = picture.colorbar(colours, ax=axes, pad=0.02, fraction=0.05)
+        bar.set_label(f"{word.split()[0]} of {effort} [{unit}]")
+        bar.outline.set_visible(False)
+    _explain(picture, scene, bool(_held(scene)), any(surge.beyond for surge in both))
+    picture.draw_without_rendering()
+    for axes in panels:
+        _name(axes, places)
+    return picture
+
+
+def _held(scene: Scene) -> set[str]:
+    """Nodes whose effort is given."""
+    held = {load.at for load in scene.loads.values() if isinstance(load, Reservoir)}
+    return held | {source.at for source in scene.sources.values() if source.kind in ("pressure", "voltage")}
+
+
+def _draw(axes: Axes, scene: Scene, places: Places, surge: Surge, colours: ScalarMappable, size: float) -> None:
+    ways = {name: course(scene, name, places, np.linspace(0.0, 1.0, 2)) for name in scene.lines}
+    ways |= {name: course(scene, name, places, np.linspace(0, 1, len(v))) for name, v in surge.lines.items()}
+    axes.add_collection(LineCollection([*ways.values()], colors=FAINT, linewidths=5, zorder=1, capstyle="round"))
+    for name, values in surge.lines.items():
+        steps = LineCollection([*pairwise(ways[name])], cmap=colours.cmap, norm=colours.norm, linewidths=3.4, zorder=2)
+        steps.set_array(np.maximum(values[1:], values[:-1]) / size)
+        axes.add_collection(steps)
+    for link in scene.links.values():
+        x, y = np.array([places[node] for node in link.nodes]).T
+        axes.plot(x, y, color=INK, linewidth=1.5, linestyle=":", zorder=1)
+    held = _held(scene)
+    for node, place in places.items():
+        known = np.array([surge.nodes[node] / size]) if node in surge.nodes else None
+        colour = "white" if known is None else colours.to_rgba(known)[0]
+        marker = "s" if node in held else "o"
+        axes.plot(*place, marker, color=colour, markeredgecolor=INK, markersize=8, zorder=3)
+    for name, share in surge.beyond.items():
+        where = course(scene, name, places, np.array([share]))[0]
+        axes.plot(*where, "x", color=INK, markersize=9, markeredgewidth=2.2, zorder=4, path_effects=HALO)
+    axes.set(xticks=[], yticks=[])
+    axes.spines[:].set_visible(False)
+    axes.margins(0.1)
+    axes.set_aspect("equal", adjustable="datalim")
+
+
+def _name(axes: Axes, places: Places) -> None:
+    """Names of nodes, beside them where there is room; the picture has its final size."""
+    taken = [Bbox.from_extents(*at - MARK, *at + MARK) for at in axes.transData.transform([*places.values()])]
+    for node, place in places.items() if len(places) <= NAMED else ():
+        text = node if len(node) <= LONGEST_NAME else node[: LONGEST_NAME - 1] + "…"
+        for x, y in CORNERS:
+            name = axes.annotate(
+                text,
+                place,
+                xytext=(6 * x, 4 * y),
+                textcoords="offset points",
+                ha="left" if x > 0 else "right",
+                va="bottom" if y > 0 else "top",
+                fontsize=9,
+                zorder=5,
+                path_effects=HALO,
+            )
+            box = name.get_window_extent()
+            if not any(box.overlaps(other) for other in taken):
+                taken.append(box)
+                break
+            name.remove()
+
+
+def _explain(picture: Figure, scene: Scene, held: bool, beyond: bool) -> None:
+    """What the marks mean, of those that there are."""
+    square = Line2D([], [], color="white", markeredgecolor=INK, marker="s", label="held by a source or reservoir")
+    dots = Line2D([], [], color=INK, linestyle=":", label="link")
+    cross = Line2D([], [], color="white", markeredgecolor=INK, marker="x", label="worst place beyond rating or vacuum")
+    handles = [mark for mark, there in ((square, held), (dots, scene.links), (cross, beyond)) if there]
+    title = "" if has_positions(scene) else "not a map: laid out by delays, for not all nodes have positions"
+    if handles or title:
+        picture.legend(handles=handles, title=title, loc="outside lower center", ncols=3, fontsize=9, title_fontsize=9)
