@@ -15,6 +15,7 @@ from tline.scene.factor import check_range
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.mistakes import nearest, place, shown
 from tline.scene.rational_load import Rational
+from tline.scene.touchstone import Touchstone
 
 if TYPE_CHECKING:
     from tline.scene.probe import Probe
@@ -104,6 +105,7 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
     yield from _held(scene)
     yield from _heights(scene)
     yield from _coupled(scene)
+    yield from _measured(scene)
     yield from crowded(scene, {node for _, node in _ideal(scene)})
     linked = {node for link in scene.links.values() for node in link.nodes} - set(ends)
     for name, load in scene.loads.items():
@@ -148,6 +150,19 @@ def _coupled(scene: Scene) -> Iterator[InputError]:
             yield InputError(
                 place("links", name), f"ends at node '{node}' of coupled conductors", "a node of single lines"
             )
+
+
+def _measured(scene: Scene) -> Iterator[InputError]:
+    """Measured one-ports beside loads with states: only alone they are as well conditioned as their fits."""
+    at: dict[str, list[str]] = defaultdict(list)
+    for name, load in scene.loads.items():
+        if isinstance(load, Rational):
+            at[load.at].append(name)
+    for names in at.values():
+        one = next((name for name in names if isinstance(scene.loads[name], Touchstone)), None)
+        other = next((name for name in names if name != one), None)
+        if one and other:
+            yield InputError(place("loads", one), f"stands beside {place('loads', other)}", "a line between them")
 
 
 def _waveforms(scene: Scene) -> Iterator[InputError]:
@@ -210,7 +225,8 @@ def _probe(scene: Scene, where: str, probe: Probe, ends: Ends) -> Iterator[Input
     if (probe.at is None) == (probe.position is None):
         yield InputError(where, "its place is not given once", "either at, or line with position")
     elif probe.at is not None:
-        here = list(dict.fromkeys(ends[probe.at]))
+        delays = {load.at for load in scene.loads.values() if isinstance(load, Touchstone)}  # their lines' names
+        here = [line for line in dict.fromkeys(ends[probe.at]) if line not in delays]
         either = " or ".join(map(repr, here[:6]))
         if probe.line is None and len(here) > 1:
             problem = f"{len(here)} lines meet at '{probe.at}', and it is not said whose flow is meant"

@@ -3,7 +3,17 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PlainValidator, SerializeAsAny, ValidationError, ValidationInfo
+from pydantic import (
+    Field,
+    PlainValidator,
+    PrivateAttr,
+    SerializeAsAny,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    ValidationInfo,
+    model_serializer,
+    model_validator,
+)
 
 from tline.errors import InputError, SceneError
 from tline.scene.check import conflicts, misplaced
@@ -20,6 +30,7 @@ from tline.scene.quantity import Duration, Effort, Tolerance, Whole
 from tline.scene.shape import Shape
 from tline.scene.site import Site
 from tline.scene.source import Source
+from tline.scene.touchstone import Touchstone
 
 SHORT = 1e-30  # s, an end time in place of a bad one, so short that no waveform has too many breaks
 
@@ -58,43 +69,44 @@ Line = Annotated[
 class Scene(Element):
     """What a user describes; immutable, and valid once it exists.
 
-    Parameters
-    ----------
-    folder : str, by position
-        Where CSV tables are looked for; without it the working folder.
-    medium : str
-        "hydraulic" or "electrical".
-    t_end : number or text
-        End time, s; a run goes on to the end of its last slab.
-    lines, sources, loads, links, probes : dict
-        Elements by name. Lines meet at the nodes they name, in any topology; a node with nothing else is closed.
-    nodes : dict
-        Elevation and position of nodes by name, where they are known.
-    rating : number or text
-        Largest pressure or voltage that all lines are made for; a run says where it is exceeded.
-    start : str
-        "rest", or "steady": the state that the sources imply by what they are just before t = 0.
-    solver : Solver
-        The tolerance (1e-6 without it), or order and slab width, where they are to be fixed by hand.
-    title : str
-        Said in plots and files.
+        Parameters
+        ----------
+        folder : str, by position
+            Where CSV tables are looked for; without it the working folder.
+        medium : str
+            "hydraulic" or "electrical".
+        t_end : number or text
+            End time, s; a run goes on to the end of its last slab.
+        lines, sources, loads, links, probes : dict
+            Elements by name. Lines meet at the nodes they name, in any topology; a node with nothing else is closed.
+        nodes : dict
+            Elevation and position of nodes by name, where they are known.
+        rating : number or text
+            Largest pressure or voltage that all lines are made for; a run says where it is exceeded.
+        start : str
+            "rest", or "steady": the state that the sources imply by what they are just before t = 0.
+        solver : Solver
+            The tolerance (1e-6 without it), or order and slab width, where they are to be fixed by hand.
+        title : str
+            Said in plots and files.
 
-    Raises
-    ------
-    SceneError
-        With every mistake of the scene, each naming its element.
+        Raises
+        ------
+        SceneError
+            With every mistake of the scene, each naming its element.
 
-    Examples
-    --------
-    >>> from tline.scene.source import Source
-    >>> scene = Scene(
-    ...     medium="electrical", t_end="40 ns",
-    ...     lines={"cable": {"nodes": ["near", "far"], "z0": "50 ohm", "delay": "5 ns"}},
-    ...     sources={"pulse": {"at": "near", "kind": "voltage", "value": "1 V", "resistance": "50 ohm"}},
-    ...     probes={"far": {"at": "far"}},
-    ... )
-    >>> scene.lines["cable"].parameters.delay
-    5e-09
+        Examples
+        --------
+        >>> from tline.scene.source import Source
+    from tline.scene.touchstone import Touchstone
+        >>> scene = Scene(
+        ...     medium="electrical", t_end="40 ns",
+        ...     lines={"cable": {"nodes": ["near", "far"], "z0": "50 ohm", "delay": "5 ns"}},
+        ...     sources={"pulse": {"at": "near", "kind": "voltage", "value": "1 V", "resistance": "50 ohm"}},
+        ...     probes={"far": {"at": "far"}},
+        ... )
+        >>> scene.lines["cable"].parameters.delay
+        5e-09
     """
 
     title: str = Field(default="", description="said in plots and files")
@@ -111,6 +123,8 @@ class Scene(Element):
     probes: dict[Name, Probe] = Field(description="probes by name")
     nodes: dict[Name, Site] = Field(default_factory=dict, description="height and place of nodes, by name")
     rating: Effort | None = Field(default=None, description="largest pressure or voltage that all lines are made for")
+
+    _folder: str = PrivateAttr(default=".")
 
     def __init__(self, folder: str = ".", /, **data: Any) -> None:
         """Validate everything and collect all mistakes."""
@@ -135,6 +149,32 @@ class Scene(Element):
         found += conflicts(sound) if sound is not None else []
         if found:
             raise SceneError(limited(found, untold))
+        self._folder = folder
+
+    @model_validator(mode="after")
+    def _put_delays_in_front(self):
+        """Make the delay of each measured load a line between its node and one of its own."""
+        for name, load in self.loads.items():
+            if isinstance(load, Touchstone) and load.model.delay:
+                own = place("loads", name)
+                if own in self.lines:
+                    raise InputError(place("lines", own), f"has the name that the delay of {own} takes", "another name")
+                self.lines[own], self.loads[name] = load.in_front(own), load.behind(own)
+        return self
+
+    @model_serializer(mode="wrap")
+    def _as_given(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Without the lines of delays, which follow from the files."""
+        table = handler(self)
+        for name, load in self.loads.items():
+            if isinstance(load, Touchstone) and load.near != load.at:
+                del table["lines"][load.at]
+                table["loads"][name]["at"] = load.near
+        return table
+
+    def with_changes(self, **tables: Any) -> "Scene":
+        """The scene with other tables in place of some, and files looked for where they were."""
+        return Scene(self._folder, **self.table() | tables)
 
     @property
     def single_lines(self) -> Mapping[str, SceneLine]:
