@@ -149,7 +149,7 @@ def fit_behind_delay(
             if error < least:
                 least, fewest = error, order
     problem = f"no {'passive ' * nearest}model of up to {orders[-1]} poles is that near to the samples"
-    raise ExpressionError("tolerance", problem, f"{least:.3g}, which {fewest} poles reach", f"{tolerance:g}")
+    raise ExpressionError("tolerance", problem, f"at least {least:.3g}, which {fewest} poles reach", f"{tolerance:g}")
 
 
 def _checked(model: PoleResidueModel, samples: SampledResponse, delay: float, nearest: bool) -> DelayedModel:
