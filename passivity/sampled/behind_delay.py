@@ -25,13 +25,14 @@ from passivity.sampled.model import PoleResidueModel
 from passivity.sampled.response import Parameter, SampledResponse
 from passivity.status import Status
 
-ORDERS = (0, 1, 2, 3, 4, 6, 8, 10, 12, 16, 20, 24)  # numbers of poles, tried in turn
+ORDERS = (0, 1, 2, 4, 6, 8, 10, 12, 16, 20, 24)  # numbers of poles, tried in turn
 SCOUT = 6  # poles with which the delay is looked for
 MOST_SCOUTS = 8  # poles up to which it is improved for each order
 SCOUTED = 200  # samples that are enough for both
 STEPS = 64  # delays that are tried, a STEP apart
 STEP = 1 / 8  # of the shortest period; a shorter delay is left to the poles
 FINE = 1e-6  # of the width that is searched, to which it is narrowed
+HOPELESS = 0.5  # misfit on a grid of quarter steps above which the delay is not searched in between
 PROMISING = 1e-3  # misfit below which it is searched once more
 
 
@@ -191,7 +192,14 @@ def _fine_delay(response: SampledResponse, order: int, around: float) -> float:
     from scipy.optimize import minimize_scalar
 
     step = STEP / response.f[-1]
-    for width in (2 * step, 2 * FINE * step) if around else ():  # twice, for rounding limits each search
+    if around < step:
+        return 0.0
+    grid = around + step * np.arange(-2, 2.25, 0.25)
+    misfits = [_misfit_at(response, T, order) for T in grid[grid > 0]]
+    around = grid[grid > 0][np.argmin(misfits)]
+    if min(misfits) > HOPELESS:
+        return float(around)
+    for width in (step / 4, FINE * step / 2):  # twice, for rounding limits each search
         misfit = lambda x, T=around: _misfit_at(response, T + x, order)  # noqa: E731
         best = minimize_scalar(misfit, bounds=(-width, width), method="bounded", options={"xatol": FINE * width})
         around += best.x
