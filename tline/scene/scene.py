@@ -216,7 +216,7 @@ class Scene(Element):
 def _sound_part(data: dict[str, Any], error: ValidationError, context: dict[str, Any]) -> Scene | None:
     """The scene without its bad elements, to see what the others do to each other; None if a line is bad."""
     bad = {finding["loc"][:2] for finding in error.errors(include_url=False)}
-    keys = {str(place[0]) for place in bad}
+    keys = {str(place[0]) for place in bad if place}
     if "units" not in context or keys & {"lines", "medium"}:
         return None
     part = {"t_end": SHORT, "probes": {}} | {key: value for key, value in data.items() if key not in keys}
