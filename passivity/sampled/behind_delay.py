@@ -11,6 +11,7 @@ B. Gustavsen, "Optimal time delay extraction for transmission line modeling", IE
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -201,7 +202,7 @@ def _fine_delay(response: SampledResponse, order: int, around: float) -> float:
         return float(around)
     for width in (step / 4, FINE * step / 2):  # twice, for rounding limits each search
         misfit = lambda x, T=around: _misfit_at(response, T + x, order)  # noqa: E731
-        best = minimize_scalar(misfit, bounds=(-width, width), method="bounded", options={"xatol": FINE * width})
+        best: Any = minimize_scalar(misfit, bounds=(-width, width), method="bounded", options={"xatol": FINE * width})
         around += best.x
         if best.fun > PROMISING:
             break

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from tline.pictures.handy import handy
 from tline.pictures.style import COLOURS, FAINT, INK, figure, styled
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
 
 BEYOND = 1.5  # times the highest frequency: how far the model is drawn
 POINTS = 1500
-LEAST = 1e-17  # of the misfits that are drawn
+LEAST = 1e-17  # of the misfits that are drawn: a logarithm knows no 0
 
 
 @styled
@@ -44,13 +45,14 @@ def plot_misfit(found: "DelayedModel", title: str = "") -> Figure:
     upper.axhline(1.0, color=COLOURS[1], linewidth=1.0, linestyle="--", label="bound of all that is passive")
     upper.set_ylabel("|S|")
     upper.set_ylim(0.0, None)
-    upper.legend(loc="best", fontsize=8)
     misfit = np.abs(found.model.at(2 * np.pi * f) - data)
     lower.semilogy(f / hertz, np.maximum(misfit, LEAST), ".", color=COLOURS[0], markersize=4)
     lower.yaxis.set_major_formatter(lambda x, _: f"{x:g}")
+    lower.yaxis.set_minor_formatter(NullFormatter())
     lower.set_ylabel("|ΔS|")
     lower.set_xlabel(f"frequency [{name}]")
     lower.set_xlim(0.0, drawn[-1] / hertz)
     for axes in (upper, lower):
         axes.grid(True)
+    picture.legend(loc="outside lower center", ncols=4)
     return picture
