@@ -49,8 +49,6 @@ class DelayedModel:
         S', against the samples' reference resistance.
     original : PoleResidueModel
         The fit, if `model` is the nearest passive one to it; else the same.
-    verdict : Verdict
-        Exact, of `model`. Passive if and only if it is `PROVED`.
     samples : SampledResponse
         Of S', the delay taken out.
     """
@@ -58,8 +56,12 @@ class DelayedModel:
     delay: float
     model: PoleResidueModel
     original: PoleResidueModel
-    verdict: Verdict
     samples: SampledResponse
+
+    @property
+    def verdict(self) -> Verdict:
+        """Exact, of `model`. Passive if and only if it is `PROVED`."""
+        return check(self.model.rational(), Parameter.S.kind)
 
     @property
     def order(self) -> int:
@@ -80,18 +82,15 @@ class DelayedModel:
     @property
     def why(self) -> str:
         """Why it is passive, or where it is not."""
-        if self.verdict.status is not Status.REFUTED:
-            return self.verdict.why
-        w = worst_frequencies(self.model, self.verdict)
+        verdict = self.verdict
+        if verdict.status is not Status.REFUTED:
+            return verdict.why
+        w = worst_frequencies(self.model, verdict)
         sizes = np.abs(self.model.at(w))
         worst, k = float(sizes.max()), int(sizes.argmax())
-        low, high = next(band for band in forbidden_bands(self.verdict) if w[k] <= band[1])
-        ends = (
-            f"from {low / (2 * np.pi):.4g} Hz to {high / (2 * np.pi):.4g} Hz"
-            if high < np.inf
-            else (f"above {low / (2 * np.pi):.4g} Hz")
-        )
-        return f"|S| > 1 {ends}, by up to {worst - 1:.3g} at {w[k] / (2 * np.pi):.4g} Hz"
+        low, high = (edge / (2 * np.pi) for edge in next(b for b in forbidden_bands(verdict) if w[k] <= b[1]))
+        band = f"from {low:.4g} Hz to {high:.4g} Hz" if high < np.inf else f"above {low:.4g} Hz"
+        return f"|S| > 1 {band}, by up to {worst - 1:.3g} at {w[k] / (2 * np.pi):.4g} Hz"
 
 
 def fit_behind_delay(
@@ -145,22 +144,13 @@ def fit_behind_delay(
             model = fit(rest, order)
             error = _misfit(model, rest)
             if error <= tolerance:
-                found = _checked(model, rest, chosen, nearest)
-                if found.error <= tolerance and (found.verdict.status is Status.PROVED or not nearest):
+                found = DelayedModel(chosen, enforce(model, rest).model if nearest else model, model, rest)
+                if not nearest or (found.error <= tolerance and found.verdict.status is Status.PROVED):
                     return found
             if error < least:
                 least, fewest = error, order
     problem = f"no {'passive ' * nearest}model of up to {orders[-1]} poles is that near to the samples"
     raise ExpressionError("tolerance", problem, f"at least {least:.3g}, which {fewest} poles reach", f"{tolerance:g}")
-
-
-def _checked(model: PoleResidueModel, samples: SampledResponse, delay: float, nearest: bool) -> DelayedModel:
-    """The fit with its verdict, or the nearest passive model to it."""
-    verdict = check(model.rational(), Parameter.S.kind)
-    if verdict.status is Status.PROVED or not nearest:
-        return DelayedModel(delay, model, model, verdict, samples)
-    enforced = enforce(model, samples)
-    return DelayedModel(delay, enforced.model, model, enforced.verdict, samples)
 
 
 def _without(response: SampledResponse, delay: float) -> SampledResponse:

@@ -1,6 +1,7 @@
 """What is refused of Touchstone files in scenes and by `tline fit`, each in one sentence, and what is printed."""
 
 import json
+import pickle
 import re
 import shlex
 import sys
@@ -133,6 +134,8 @@ def test_a_scene_is_written_as_it_was_read():
     assert again == scene
     assert "loads.antenna" not in scene.table()["lines"]
     assert 'at = "far"' in scene_text(scene)
+    sent = pickle.loads(pickle.dumps(scene))
+    assert sent.loads["antenna"].model.delay == scene.loads["antenna"].model.delay
 
 
 def test_a_run_says_how_well_the_model_fits():

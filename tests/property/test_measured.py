@@ -14,7 +14,6 @@ from passivity import (
     DelayedModel,
     SampledResponse,
     Status,
-    check_bounded_real,
     check_samples,
     enforce,
     fit,
@@ -66,9 +65,8 @@ def test_fits_of_a_plain_line_are_proved_or_refused(order, end, tmp_path, monkey
     samples = SampledResponse(f, end * np.exp(-4j * np.pi * f * 1e-9), "S")
     write(tmp_path / "line.s1p", f, samples.values[:, 0, 0])
     model = fit(samples, order)
-    enforced = enforce(model, samples)
-    given = DelayedModel(0.0, model, model, check_bounded_real(model.rational()), samples)
-    nearest = DelayedModel(0.0, enforced.model, model, enforced.verdict, samples)
+    given = DelayedModel(0.0, model, model, samples)
+    nearest = DelayedModel(0.0, enforce(model, samples).model, model, samples)
     for found in (given, nearest):
         monkeypatch.setattr(touchstone, "fit_behind_delay", lambda *_, found=found: found)
         touchstone.model_of.cache_clear()

@@ -5,6 +5,8 @@ import pytest
 from touchstone_files import ANTENNA, SHIPPED, behind_cable, frequencies, write, write_antenna
 
 from passivity import RationalFunction
+from tline.frequency.delay_system import DelaySystem
+from tline.frequency.resonances import resonances
 from tline.frequency.response import respond
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
@@ -57,6 +59,10 @@ def test_a_measured_network_does_what_the_network_does(tmp_path, feed):
     ours, theirs = (simulate(each, tol=1e-10).probes["far"].at(t) for each in (measured, known))
     assert np.abs(ours.u - theirs.u).max() < 1e-8
     assert np.abs(ours.y - theirs.y).max() < 1e-10
+    late = [DelaySystem(each, "far").step([9e-9])[0] for each in (measured, known)]
+    assert late[0] == pytest.approx(late[1], abs=1e-7)
+    ours, theirs = ([mode.s for mode in resonances(each, 2e9)] for each in (measured, known))
+    assert ours == pytest.approx(theirs, rel=1e-8)
     s = 2j * np.pi * f
     assert np.abs(respond(measured, s)["far"].u - respond(known, s)["far"].u).max() < 1e-8
 
