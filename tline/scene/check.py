@@ -114,6 +114,8 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
         elif isinstance(load, Matched) and len(ends.get(load.at, [""])) != 1:
             problem = f"node '{load.at}' is a junction, and only the end of one line can be matched"
             yield InputError(place("loads", name), problem, "a resistor", f"{len(ends[load.at])} ends")
+    delays = {load.at for load in scene.loads.values() if isinstance(load, Touchstone)}  # their lines' names
+    ends = {node: [line for line in lines if line not in delays] for node, lines in ends.items()}
     for name, probe in scene.probes.items():
         if probe.at in {None, *ends} and probe.line in {None, *scene.lines}:
             yield from _probe(scene, place("probes", name), probe, ends)
@@ -225,8 +227,7 @@ def _probe(scene: Scene, where: str, probe: Probe, ends: Ends) -> Iterator[Input
     if (probe.at is None) == (probe.position is None):
         yield InputError(where, "its place is not given once", "either at, or line with position")
     elif probe.at is not None:
-        delays = {load.at for load in scene.loads.values() if isinstance(load, Touchstone)}  # their lines' names
-        here = [line for line in dict.fromkeys(ends[probe.at]) if line not in delays]
+        here = list(dict.fromkeys(ends[probe.at]))
         either = " or ".join(map(repr, here[:6]))
         if probe.line is None and len(here) > 1:
             problem = f"{len(here)} lines meet at '{probe.at}', and it is not said whose flow is meant"

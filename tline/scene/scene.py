@@ -69,44 +69,43 @@ Line = Annotated[
 class Scene(Element):
     """What a user describes; immutable, and valid once it exists.
 
-        Parameters
-        ----------
-        folder : str, by position
-            Where CSV tables are looked for; without it the working folder.
-        medium : str
-            "hydraulic" or "electrical".
-        t_end : number or text
-            End time, s; a run goes on to the end of its last slab.
-        lines, sources, loads, links, probes : dict
-            Elements by name. Lines meet at the nodes they name, in any topology; a node with nothing else is closed.
-        nodes : dict
-            Elevation and position of nodes by name, where they are known.
-        rating : number or text
-            Largest pressure or voltage that all lines are made for; a run says where it is exceeded.
-        start : str
-            "rest", or "steady": the state that the sources imply by what they are just before t = 0.
-        solver : Solver
-            The tolerance (1e-6 without it), or order and slab width, where they are to be fixed by hand.
-        title : str
-            Said in plots and files.
+    Parameters
+    ----------
+    folder : str, by position
+        Where CSV tables and Touchstone files are looked for; without it the working folder.
+    medium : str
+        "hydraulic" or "electrical".
+    t_end : number or text
+        End time, s; a run goes on to the end of its last slab.
+    lines, sources, loads, links, probes : dict
+        Elements by name. Lines meet at the nodes they name, in any topology; a node with nothing else is closed.
+    nodes : dict
+        Elevation and position of nodes by name, where they are known.
+    rating : number or text
+        Largest pressure or voltage that all lines are made for; a run says where it is exceeded.
+    start : str
+        "rest", or "steady": the state that the sources imply by what they are just before t = 0.
+    solver : Solver
+        The tolerance (1e-6 without it), or order and slab width, where they are to be fixed by hand.
+    title : str
+        Said in plots and files.
 
-        Raises
-        ------
-        SceneError
-            With every mistake of the scene, each naming its element.
+    Raises
+    ------
+    SceneError
+        With every mistake of the scene, each naming its element.
 
-        Examples
-        --------
-        >>> from tline.scene.source import Source
-    from tline.scene.touchstone import Touchstone
-        >>> scene = Scene(
-        ...     medium="electrical", t_end="40 ns",
-        ...     lines={"cable": {"nodes": ["near", "far"], "z0": "50 ohm", "delay": "5 ns"}},
-        ...     sources={"pulse": {"at": "near", "kind": "voltage", "value": "1 V", "resistance": "50 ohm"}},
-        ...     probes={"far": {"at": "far"}},
-        ... )
-        >>> scene.lines["cable"].parameters.delay
-        5e-09
+    Examples
+    --------
+    >>> from tline.scene.source import Source
+    >>> scene = Scene(
+    ...     medium="electrical", t_end="40 ns",
+    ...     lines={"cable": {"nodes": ["near", "far"], "z0": "50 ohm", "delay": "5 ns"}},
+    ...     sources={"pulse": {"at": "near", "kind": "voltage", "value": "1 V", "resistance": "50 ohm"}},
+    ...     probes={"far": {"at": "far"}},
+    ... )
+    >>> scene.lines["cable"].parameters.delay
+    5e-09
     """
 
     title: str = Field(default="", description="said in plots and files")
