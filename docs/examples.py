@@ -1,5 +1,6 @@
 """An example of each element and waveform for the scene reference, each read as part of a scene before it is shown."""
 
+import shutil
 import tempfile
 import tomllib
 from pathlib import Path
@@ -10,6 +11,7 @@ LINES = {
     "hydraulic": {"pipe": {"nodes": ["near", "far"], "z0": 1e7, "delay": 1}},
     "electrical": {"cable": {"nodes": ["near", "far"], "z0": 50, "delay": 1}},
 }
+MEASURED = Path(__file__).parents[1] / "scenes" / "antenna.s1p"
 HYDRAULIC = {
     "Pipe": """\
 [lines.pipe]
@@ -211,6 +213,12 @@ kind = "impedance"
 expression = "R + s*L + 1/(s*C)"
 parameters = { R = "30 ohm", L = "20 nH", C = "5 pF" }
 """,
+    "Touchstone": """\
+[loads.antenna]
+at = "far"
+kind = "touchstone"
+file = "antenna.s1p"
+""",
     "Diode": """\
 [loads.clamp]
 at = "far"
@@ -336,5 +344,6 @@ def example(model: str) -> str:
     scene = {"medium": medium, "t_end": "20 ns", "lines": LINES[medium], "probes": {"far": {"at": "far"}}}
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "measured.csv").write_text("0, 0\n1e-9, 1\n", encoding="utf-8")
+        shutil.copy(MEASURED, folder)
         scene_from(scene | tomllib.loads(text), folder)
     return text

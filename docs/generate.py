@@ -108,6 +108,7 @@ def _keys(properties: dict[str, Any], required: list[str]) -> list[str]:
 
 def _default(node: dict[str, Any]) -> str:
     default = node.get("default")
+    default = str(default).lower() if isinstance(default, bool) else default
     return "" if default in (None, "") or isinstance(default, dict) else f"`{default}`"
 
 
@@ -124,6 +125,7 @@ def _value(node: dict[str, Any]) -> str:
     if any("$ref" in one or "oneOf" in one for one in choices):
         return "number, text or waveform"
     words = {"string": "text", "integer": "whole number", "number": "number", "array": "list", "object": "table"}
+    words["boolean"] = "true or false"
     return words.get(node.get("type", ""), "number or text")
 
 
@@ -172,9 +174,10 @@ def pictures() -> None:
 
 
 def _signals() -> None:
-    """Crosstalk, reflectometry, an eye and load lines."""
+    """Crosstalk, reflectometry, an eye, load lines and a measured load."""
     from tline.pictures.eye import plot_eye
     from tline.pictures.load_lines import plot_load_lines
+    from tline.pictures.misfit import plot_misfit
     from tline.pictures.reflections import plot_reflections
     from tline.pictures.style import save_figure
     from tline.pictures.traces import plot_probes
@@ -183,8 +186,8 @@ def _signals() -> None:
     from tline.signal.tdr import reflectometry
     from tline.solver.simulate import simulate
 
-    pair, cascade, ringing = (
-        read_scene(DOCS.parent / "scenes" / f"{name}.toml") for name in ("coupled_pair", "tdr", "load_lines")
+    pair, cascade, ringing, antenna = (
+        read_scene(DOCS.parent / "scenes" / f"{name}.toml") for name in ("coupled_pair", "tdr", "load_lines", "antenna")
     )
     seen = reflectometry(cascade, "near", "100 ps")
     opened = eye(cascade, "far", "0.8 ns", "0.2 ns")
@@ -193,6 +196,7 @@ def _signals() -> None:
         ("tdr", plot_reflections(seen, ELECTRICAL, cascade.title)),
         ("eye", plot_eye(opened, ELECTRICAL, cascade.title)),
         ("load_lines", plot_load_lines(bergeron(ringing), ELECTRICAL, ringing.title)),
+        ("fit", plot_misfit(antenna.loads["antenna"].model, "antenna.s1p")),
     ):
         save_figure(picture, str(DOCS / "pictures" / f"{name}.png"))
 

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from passivity.one_port.robustness import Robustness, robustness
     from passivity.one_port.verdict import Certificate, Verdict, Witness
     from passivity.rational.function import RationalFunction
+    from passivity.sampled.behind_delay import DelayedModel, fit_behind_delay
     from passivity.sampled.check import SampleVerdict, check_samples
     from passivity.sampled.enforce import Enforced, enforce
     from passivity.sampled.fit import fit
@@ -58,6 +59,7 @@ _HOMES = {
     "one_port.robustness": "Robustness robustness",
     "one_port.verdict": "Certificate Verdict Witness",
     "rational.function": "RationalFunction",
+    "sampled.behind_delay": "DelayedModel fit_behind_delay",
     "sampled.check": "SampleVerdict check_samples",
     "sampled.enforce": "Enforced enforce",
     "sampled.fit": "fit",
@@ -86,6 +88,7 @@ __all__ = [
     "Chain",
     "Condition",
     "Counterexample",
+    "DelayedModel",
     "Enforced",
     "ExpressionError",
     "ExpressionVerdict",
@@ -118,6 +121,7 @@ __all__ = [
     "circulator_scattering",
     "enforce",
     "fit",
+    "fit_behind_delay",
     "gyrator_impedances",
     "gyrator_scattering",
     "impedances",

@@ -5,7 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from tline.cli.measured import model_as_dict, model_in_words
 from tline.pictures.handy import handy, quantities
+from tline.scene.mistakes import place
+from tline.scene.touchstone import Touchstone
 from tline.solver.accuracy import Accuracy
 from tline.solver.cells import fits
 from tline.solver.curve import curve, extreme
@@ -55,6 +58,7 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
         "slab": result.resolution.h,
         "lumped": dict(result.resolution.cells),
         "losses": _losses(result),
+        "measured": {name: {"file": load.file} | model_as_dict(load.model) for name, load in _measured(result)},
         "slabs": len(result.t) - 1,
         "line_end_samples": result.samples,
         "seconds": result.seconds,
@@ -62,6 +66,11 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
         "probes": probes,
         "notes": list(result.notes),
     }
+
+
+def _measured(result: Result) -> list[tuple[str, Touchstone]]:
+    """Loads from Touchstone files, by name."""
+    return [(name, load) for name, load in result.scene.loads.items() if isinstance(load, Touchstone)]
 
 
 def _losses(result: Result) -> dict[str, Any]:
@@ -120,6 +129,7 @@ def as_table(result: Result, accuracy: Accuracy | None) -> str:
         f"{told['line_end_samples']:,} line-end samples in {told['seconds']:.2g} s",
         _in_words(accuracy),
         *_losses_in_words(told["losses"]),
+        *(f"{place('loads', name)}: {load.file}, {model_in_words(load.model)}" for name, load in _measured(result)),
         "",
     ]
     at = f"at [{time_unit}]"

@@ -113,8 +113,8 @@ class DelaySystem:
             raise InputError(
                 "t", "an instant beyond the longest run", f"at most {LONGEST * shortest:.3g} s", f"{last:.3g} s"
             )
-        table = self._with_a_step().table() | {"t_end": last, "start": "rest", "solver": {}}
-        seen = simulate(Scene(**table), tol=tol).probes[self.probe].at(np.maximum(t, 0.0).ravel())
+        stepped = self._with_a_step().with_changes(t_end=last, start="rest", solver={})
+        seen = simulate(stepped, tol=tol).probes[self.probe].at(np.maximum(t, 0.0).ravel())
         return np.where(t > 0, getattr(seen, self.quantity).reshape(t.shape), 0.0)
 
     def is_stable(self) -> bool:
@@ -170,4 +170,4 @@ class DelaySystem:
             name: load | ({"time": -1} if isinstance(self.scene.loads[name], Switch) else {})
             for name, load in table.get("loads", {}).items()
         }
-        return Scene(**table | {"sources": silent, "loads": loads})
+        return self.scene.with_changes(sources=silent, loads=loads)

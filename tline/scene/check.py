@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 from tline.errors import InputError
 from tline.scene.coupled import Coupled, ends_of
 from tline.scene.crowded import crowded
-from tline.scene.element import AtNode, is_name
+from tline.scene.element import is_name
 from tline.scene.factor import check_range
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.mistakes import nearest, place, shown
-from tline.scene.multiport import Multiport
 from tline.scene.rational_load import Rational
 
 if TYPE_CHECKING:
@@ -105,7 +104,6 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
     yield from _held(scene)
     yield from _heights(scene)
     yield from _coupled(scene)
-    yield from _multiports(scene)
     yield from crowded(scene, {node for _, node in _ideal(scene)})
     linked = {node for link in scene.links.values() for node in link.nodes} - set(ends)
     for name, load in scene.loads.items():
@@ -114,6 +112,8 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
         elif isinstance(load, Matched) and len(ends.get(load.at, [""])) != 1:
             problem = f"node '{load.at}' is a junction, and only the end of one line can be matched"
             yield InputError(place("loads", name), problem, "a resistor", f"{len(ends[load.at])} ends")
+    delays = {load.at for load in scene.loads.values() if isinstance(load, Touchstone)}  # their lines' names
+    ends = {node: [line for line in lines if line not in delays] for node, lines in ends.items()}
     for name, probe in scene.probes.items():
         if probe.at in {None, *ends} and probe.line in {None, *scene.lines}:
             yield from _probe(scene, place("probes", name), probe, ends)
@@ -150,26 +150,6 @@ def _coupled(scene: Scene) -> Iterator[InputError]:
             yield InputError(
                 place("links", name), f"ends at node '{node}' of coupled conductors", "a node of single lines"
             )
-
-
-def _multiports(scene: Scene) -> Iterator[InputError]:
-    """Elements at multiports that are not linear, or that move."""
-    linked = {
-        node: place("links", name)
-        for name, link in scene.links.items()
-        if isinstance(link, Multiport)
-        for node in link.nodes
-    }
-    if linked and scene.start == "steady":
-        yield InputError("start", f"{next(iter(linked.values()))} has no steady state here", "'rest'", "'steady'")
-    nonlinear = {(part, name) for part, name in scene.laws}
-    for part, elements in (("loads", scene.loads), ("links", scene.links)):
-        for name, element in elements.items():
-            if (part, name) in nonlinear or isinstance(element, Switch):
-                at = [element.at] if isinstance(element, AtNode) else element.nodes
-                for node in linked.keys() & at:
-                    problem = f"stands beside {linked[node]}, which takes linear elements that do not move"
-                    yield InputError(place(part, name), problem, "a line between them")
 
 
 def _waveforms(scene: Scene) -> Iterator[InputError]:

@@ -1,4 +1,4 @@
-"""Non-linear elements beside what they cannot be solved with: what a line between them would part."""
+"""Elements beside what they cannot be solved with: what a line between them would part."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from tline.errors import InputError
+from tline.scene.element import AtNode
 from tline.scene.load import Switch
 from tline.scene.mistakes import place
+from tline.scene.multiport import Multiport
 from tline.scene.rational_load import Rational
+from tline.scene.touchstone import Touchstone
 
 if TYPE_CHECKING:
     from tline.scene.scene import Scene
@@ -19,7 +22,9 @@ APART = "a line between them"
 
 
 def crowded(scene: Scene, held: set[str]) -> Iterator[InputError]:
-    """Elements with states of their own that see others without a line between; `held` are nodes of ideal efforts."""
+    """Elements that see others without a line between; `held` are nodes of ideal efforts."""
+    yield from _multiports(scene)
+    yield from _measured(scene)
     at: dict[str, list[tuple[str, str]]] = defaultdict(list)  # free node -> places and kinds of what is there
     for (part, name), law in scene.laws.items():
         for node in scene.links[name].nodes if part == "links" else (scene.loads[name].at,):
@@ -37,3 +42,35 @@ def crowded(scene: Scene, held: set[str]) -> Iterator[InputError]:
             if kind in WITH_STATE and others and where not in told:
                 told.add(where)
                 yield InputError(where, f"{WITH_STATE[kind]} stands beside {others[0]}", APART)
+
+
+def _multiports(scene: Scene) -> Iterator[InputError]:
+    """Elements at multiports that are not linear, or that move."""
+    linked = {
+        node: place("links", name)
+        for name, link in scene.links.items()
+        if isinstance(link, Multiport)
+        for node in link.nodes
+    }
+    if linked and scene.start == "steady":
+        yield InputError("start", f"{next(iter(linked.values()))} has no steady state here", "'rest'", "'steady'")
+    for part, elements in (("loads", scene.loads), ("links", scene.links)):
+        for name, element in elements.items():
+            if (part, name) in scene.laws or isinstance(element, Switch):
+                at = [element.at] if isinstance(element, AtNode) else element.nodes
+                for node in linked.keys() & at:
+                    problem = f"stands beside {linked[node]}, which takes linear elements that do not move"
+                    yield InputError(place(part, name), problem, APART)
+
+
+def _measured(scene: Scene) -> Iterator[InputError]:
+    """Measured one-ports beside loads with states: only alone they are as well conditioned as their fits."""
+    at: dict[str, list[str]] = defaultdict(list)
+    for name, load in scene.loads.items():
+        if isinstance(load, Rational):
+            at[load.at].append(name)
+    for names in at.values():
+        one = next((name for name in names if isinstance(scene.loads[name], Touchstone)), None)
+        other = next((name for name in names if name != one), None)
+        if one and other:
+            yield InputError(place("loads", one), f"stands beside {place('loads', other)}", APART)

@@ -11,6 +11,7 @@ from tline.scene.medium import MEDIA
 from tline.scene.outflow import Demand, Leak
 from tline.scene.quantity import LoadResistance, Pressure, Resistance, Time
 from tline.scene.rational_load import Impedance, Parallel, Series
+from tline.scene.touchstone import Touchstone
 from tline.scene.valve import CheckValve, Orifice, ReliefValve
 from tline.scene.vessel import AirVessel, Cavity, SurgeTank
 
@@ -82,7 +83,7 @@ class Switch(AtNode):
 
 
 Load = Annotated[
-    NoFlow | Short | Reservoir | Matched | Resistor | Switch | Series | Parallel | Impedance
+    NoFlow | Short | Reservoir | Matched | Resistor | Switch | Series | Parallel | Impedance | Touchstone
     | Orifice | CheckValve | ReliefValve | Leak | Demand | Diode | Curve | AirVessel | SurgeTank | Cavity,
     Field(discriminator="kind"),
 ]  # fmt: skip

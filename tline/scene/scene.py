@@ -3,7 +3,17 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PlainValidator, SerializeAsAny, ValidationError, ValidationInfo
+from pydantic import (
+    Field,
+    PlainValidator,
+    PrivateAttr,
+    SerializeAsAny,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    ValidationInfo,
+    model_serializer,
+    model_validator,
+)
 
 from tline.errors import InputError, SceneError
 from tline.scene.check import conflicts, misplaced
@@ -20,6 +30,7 @@ from tline.scene.quantity import Duration, Effort, Tolerance, Whole
 from tline.scene.shape import Shape
 from tline.scene.site import Site
 from tline.scene.source import Source
+from tline.scene.touchstone import Touchstone
 
 SHORT = 1e-30  # s, an end time in place of a bad one, so short that no waveform has too many breaks
 
@@ -61,7 +72,7 @@ class Scene(Element):
     Parameters
     ----------
     folder : str, by position
-        Where CSV tables are looked for; without it the working folder.
+        Where CSV tables and Touchstone files are looked for; without it the working folder.
     medium : str
         "hydraulic" or "electrical".
     t_end : number or text
@@ -112,6 +123,8 @@ class Scene(Element):
     nodes: dict[Name, Site] = Field(default_factory=dict, description="height and place of nodes, by name")
     rating: Effort | None = Field(default=None, description="largest pressure or voltage that all lines are made for")
 
+    _folder: str = PrivateAttr(default=".")
+
     def __init__(self, folder: str = ".", /, **data: Any) -> None:
         """Validate everything and collect all mistakes."""
         medium = data.get("medium")
@@ -135,6 +148,32 @@ class Scene(Element):
         found += conflicts(sound) if sound is not None else []
         if found:
             raise SceneError(limited(found, untold))
+        self._folder = folder
+
+    @model_validator(mode="after")
+    def _put_delays_in_front(self):
+        """Make the delay of each measured load a line between its node and one of its own."""
+        for name, load in self.loads.items():
+            if isinstance(load, Touchstone) and load.model.delay:
+                own = place("loads", name)
+                if own in self.lines:
+                    raise InputError(place("lines", own), f"has the name that the delay of {own} takes", "another name")
+                self.lines[own], self.loads[name] = load.in_front(own), load.behind(own)
+        return self
+
+    @model_serializer(mode="wrap")
+    def _as_given(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Without the lines of delays, which follow from the files."""
+        table = handler(self)
+        for name, load in self.loads.items():
+            if isinstance(load, Touchstone) and load.near != load.at:
+                del table["lines"][load.at]
+                table["loads"][name]["at"] = load.near
+        return table
+
+    def with_changes(self, **tables: Any) -> "Scene":
+        """The scene with other tables in place of some, and files looked for where they were."""
+        return Scene(self._folder, **self.table() | tables)
 
     @property
     def single_lines(self) -> Mapping[str, SceneLine]:
@@ -178,7 +217,7 @@ class Scene(Element):
 def _sound_part(data: dict[str, Any], error: ValidationError, context: dict[str, Any]) -> Scene | None:
     """The scene without its bad elements, to see what the others do to each other; None if a line is bad."""
     bad = {finding["loc"][:2] for finding in error.errors(include_url=False)}
-    keys = {str(place[0]) for place in bad}
+    keys = {str(place[0]) for place in bad if place}
     if "units" not in context or keys & {"lines", "medium"}:
         return None
     part = {"t_end": SHORT, "probes": {}} | {key: value for key, value in data.items() if key not in keys}

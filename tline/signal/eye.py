@@ -128,7 +128,7 @@ def eye(
     table = scene.table()
     points = _points(np.tile(pattern, 2), T, edge, low, high)
     table["sources"][name]["value"] = {"shape": "piecewise linear", "points": points}
-    seen = simulate(Scene(**table | {"t_end": 2 * len(pattern) * T, "start": "rest"})).probes[probe]
+    seen = simulate(scene.with_changes(**table | {"t_end": 2 * len(pattern) * T, "start": "rest"})).probes[probe]
     t = T * (len(pattern) + np.arange(len(pattern) * FINE) / FINE)
     return _measured(pattern, T, seen.at(t).u.reshape(-1, FINE))
 

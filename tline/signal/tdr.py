@@ -97,7 +97,7 @@ def reflectometry(
     line = next(name for name, line in scene.lines.items() if node in line.nodes)
     table |= {"sources": sources, "probes": {"node": {"at": node, "line": line}}, "start": "rest"}
     table |= {} if t_end is None else {"t_end": _above_zero(t_end, "s", "t_end")}
-    seen = curve(simulate(Scene(**table), tol=TOL).probes["node"])
+    seen = curve(simulate(scene.with_changes(**table), tol=TOL).probes["node"])
     incident = np.clip(seen.t / duration, 0.0, 1.0)
     return Reflections(seen.t, incident, seen.u - incident, resistance)
 

@@ -19,9 +19,11 @@ from tline.scene.multiport import Multiport
 from tline.scene.quantity import ZERO
 from tline.scene.rational_load import MOST_STATES, Rational
 from tline.scene.scene import Scene
+from tline.scene.touchstone import Touchstone
 from tline.scene.waveform import Constant, Shape
 from tline.solver.drive import just_before
 from tline.solver.load_step import NO_LOAD, StateSpace, effort, reflection
+from tline.solver.partial_fractions import reflection_of_poles
 
 
 @dataclass
@@ -36,6 +38,7 @@ class Node:
     held: Shape | None = None  # the effort, where it is ideal
     load: RationalFunction | None = None  # all dynamic loads side by side
     load_name: str = ""
+    measured: Touchstone | None = None  # if that is all of the load
     switches: list[Switch] = field(default_factory=list)
     alone: float = 1.0  # reference where nothing conducts
 
@@ -67,6 +70,8 @@ class Node:
         """
         if self.load is None:
             return NO_LOAD
+        if self.measured is not None:
+            return reflection_of_poles(self.measured.model.model, self.measured.z0 * self.total)
         try:
             with np.errstate(all="ignore"):
                 system = reflection(self.load, 1 / self.total, self.load_name)
@@ -124,6 +129,8 @@ class Node:
                 self.conductance += self.lines + self.lumped
             case Switch():
                 self.switches.append(load)
+            case Touchstone():
+                self.respond(load.rational(), where, load)
             case Rational():
                 self.respond(load.rational().reduced(), where)
             case NoFlow():
@@ -144,14 +151,14 @@ class Node:
         else:
             self.conductance += 1 / resistance
 
-    def respond(self, impedance: RationalFunction, where: str) -> None:
-        """Attach a rational impedance; one without dynamics is a resistance."""
+    def respond(self, impedance: RationalFunction, where: str, measured: Touchstone | None = None) -> None:
+        """Attach a rational impedance, or a measured one; without dynamics it is a resistance."""
         if impedance.degree == 0:
             self._conduct(float(impedance.at_zero()))
             return
         self.load = impedance if self.load is None else self.load.parallel(impedance).reduced()
-        self.load_name = where
-        if self.load.degree > MOST_STATES:
+        self.load_name, self.measured = where, measured
+        if measured is None and self.load.degree > MOST_STATES:
             problem = "with the loads beside it, its degree in s is too high"
             raise InputError(where, problem, f"at most {MOST_STATES}", f"{self.load.degree}")
 

@@ -25,8 +25,8 @@ def short_lines(scene: Scene, record: Iterable[str]) -> tuple[list[str], float]:
 
     `record` names lines that may not be lumped.
 
-    Lines that probes see stay lines. So do lines at a node with a switch, a non-linear element or an active
-    resistance, and lines in which a front would ring on for longer than a part of a slab.
+    Lines that probes see stay lines. So do lines at a node with a switch, a non-linear element, a measured
+    load or an active resistance, and lines in which a front would ring on for longer than a part of a slab.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def short_lines(scene: Scene, record: Iterable[str]) -> tuple[list[str], float]:
 
 
 def _barred(node: Node) -> bool:
-    return bool(node.switches) or node.conductance < 0
+    return bool(node.switches) or node.conductance < 0 or node.measured is not None
 
 
 def _far_shorter(scene: Scene, nodes: dict[str, Node], kept: set[str]) -> list[str]:

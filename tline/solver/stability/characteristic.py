@@ -23,4 +23,4 @@ class Characteristic(Scattering):
 
     def _log(self, s: NDArray) -> NDArray:
         sign, size = np.linalg.slogdet(np.eye(self.size) - self.returned(s))
-        return size + np.log(sign) + sum(np.log(np.polyval(f, s)) for _, f in self.loads)
+        return size + np.log(sign) + sum(np.log(f) for _, f in self.sides(s))

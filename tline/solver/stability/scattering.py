@@ -6,13 +6,14 @@ Y and a load Z = p/q, the effort is u = p/f (sum of w/z0 + J) with f = Y p + q a
 leaves each end.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
+from tline.scene.touchstone import Touchstone
 from tline.solver.nodes import Node, nodes_of
 from tline.solver.stability.lossy_line import carried, losses_of
 
@@ -42,6 +43,7 @@ class Scattering:
         self.held = np.array([node.held is not None or np.isinf(node.switched(np.inf)) for node in nodes.values()])
         self.ends = [np.array(node.ends) for node in nodes.values()]
         self.lossy = {k: losses_of(name, line) for k, (name, line) in enumerate(scene.lines.items()) if line.losses}
+        self.measured = [node.measured for node in nodes.values()]
         self.loads = [self._polynomials(*each) for each in zip(nodes.values(), self.totals, self.held, strict=True)]
 
     def _polynomials(self, node: Node, total: float, held: bool) -> tuple[NDArray, NDArray]:
@@ -62,10 +64,26 @@ class Scattering:
         """Number of line ends."""
         return 2 * len(self.z0)
 
+    def sides(self, s: NDArray) -> Iterator[tuple[NDArray, NDArray]]:
+        """Y p and f of each node, of the shape of s."""
+        for (over, f), load, total, held in zip(self.loads, self.measured, self.totals, self.held, strict=True):
+            if load is None or held:
+                yield np.polyval(over, s), np.polyval(f, s)
+            else:
+                yield self._measured(load, total, s)
+
+    def _measured(self, load: Touchstone, total: float, s: NDArray) -> tuple[NDArray, NDArray]:
+        """The same from the poles a of S = (Z - z0)/(Z + z0), as good as these: Z = z0 (1 + S)/(1 - S)."""
+        model = load.model.model
+        S = model.at(s / (1j * self.second))
+        a = np.concatenate([model.poles, model.poles[model.poles.imag > 0].conj()]) * self.second
+        size, over = np.prod(s[..., None] - a, axis=-1), load.z0 * total * (1 + S)
+        return size * over, size * (1 - S + over)
+
     def passed(self, s: NDArray) -> NDArray:
         """p/f of each node: its effort where a unit flow is driven in and no wave arrives; shape (n, nodes)."""
         totals = np.where(self.held, 1.0, self.totals)
-        quotients = [np.polyval(over, s) / np.polyval(f, s) for over, f in self.loads]
+        quotients = [over / f for over, f in self.sides(s)]
         return np.stack(quotients, axis=1) / totals
 
     def carried(self, s: NDArray) -> tuple[NDArray, NDArray]:

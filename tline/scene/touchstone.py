@@ -1,0 +1,119 @@
+"""Measured one-ports from Touchstone files: a rational reflection, proved passive, behind a delay."""
+
+from fractions import Fraction
+from functools import lru_cache
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
+
+from passivity import DelayedModel, RationalFunction, Status, fit_behind_delay, read_touchstone
+from passivity.errors import ExpressionError
+from tline.errors import InputError
+from tline.scene.line import Cable, SceneLine
+from tline.scene.quantity import Quantity, Role, Tolerance
+from tline.scene.rational_load import Rational
+
+Delay = Annotated[Quantity, Role("delay", "s", at_least=0)]
+
+
+class Touchstone(Rational):
+    """A measured one-port, such as an antenna: the S-parameters of a Touchstone file.
+
+    A rational model is fitted to the file's reflection, with as few poles as the tolerance takes; a delay in front, as
+    of the cable to it, is taken out first and becomes a lossless line of the file's reference resistance. The model is
+    proved passive, or refused. What it does beyond the file's frequencies nobody measured.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, holds no one-port, no model meets the tolerance, or the model is not passive.
+    """
+
+    kind: Literal["touchstone"] = "touchstone"
+    file: str = Field(description="Touchstone file `.s1p`, version 1, looked for beside the scene file")
+    tolerance: Tolerance = Field(
+        default=Quantity(1e-3, ""), description="largest distance of the model's S from the file's"
+    )
+    delay: Delay | None = Field(default=None, description="time to the one-port, one way; found if not given")
+    nearest: bool = Field(
+        default=False, description="whether to take the nearest passive model where the fit is not passive"
+    )
+    _model: DelayedModel = PrivateAttr()
+    _near: str | None = PrivateAttr(default=None)  # node at which the delay begins
+
+    @field_validator("kind")
+    @classmethod
+    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
+        if (info.context or {}).get("medium") == "hydraulic":
+            raise InputError("", "not a word of hydraulic scenes", "kind = 'impedance'", "'touchstone'")
+        return kind
+
+    @model_validator(mode="after")
+    def _readable(self, info: ValidationInfo):
+        path = Path((info.context or {}).get("folder", ".")) / self.file
+        try:
+            stamp = path.stat().st_mtime_ns if path.is_file() else 0
+            delay = None if self.delay is None else float(self.delay)
+            self._model = model_of(path, stamp, float(self.tolerance), delay, self.nearest)
+        except (ExpressionError, OSError, ValueError) as error:
+            raise _told(self.file, error) from None
+        self._rational = _impedance(self._model)
+        return self
+
+    @property
+    def model(self) -> DelayedModel:
+        """What was fitted, with its proof."""
+        return self._model
+
+    @property
+    def near(self) -> str:
+        """The node that the file names, whatever the delay."""
+        return self._near or self.at
+
+    @property
+    def z0(self) -> float:
+        """Reference resistance of the file, ohm."""
+        return float(self._model.samples.z0[0])
+
+    def in_front(self, node: str) -> SceneLine:
+        """The line of its delay, from where it was attached to a node."""
+        return Cable.model_validate({"nodes": (self.near, node), "z0": self.z0, "delay": self._model.delay})
+
+    def behind(self, node: str) -> "Touchstone":
+        """The one-port without its delay, at a node."""
+        moved = self.model_copy(update={"at": node})
+        moved._near = self.near
+        return moved
+
+
+@lru_cache(maxsize=64)
+def model_of(path: Path, stamp: int, tolerance: float, delay: float | None, nearest: bool) -> DelayedModel:
+    """The model of a file, passive; `stamp` is when the file was written, for a scene is read several times.
+
+    Raises
+    ------
+    ExpressionError
+        The file cannot be read, holds no one-port, no model meets the tolerance, or the model is not passive.
+    """
+    found = fit_behind_delay(read_touchstone(path), tolerance, delay, nearest)
+    if found.verdict.status is not Status.PROVED:
+        problem = f"the model with {found.order} poles is not proved passive: {found.why}"
+        raise ExpressionError("", problem, "nearest = true, or another tolerance")
+    return found
+
+
+def _impedance(found: DelayedModel) -> RationalFunction:
+    """Z = z0 (1 + S)/(1 - S) without the delay, exact for the poles and residues found."""
+    S, z0 = found.model.rational(), Fraction(found.samples.z0[0])
+    return RationalFunction((S.q + S.p) * z0.numerator, (S.q - S.p) * z0.denominator)
+
+
+def _told(file: str, error: ValueError | OSError) -> InputError:
+    """What is wrong with the file, or with what is asked of it."""
+    if not isinstance(error, ExpressionError):
+        return InputError("file", f"'{file}' cannot be read")
+    if error.where == "tolerance":
+        return InputError("tolerance", error.problem, error.expected, error.got)
+    at = "" if file in error.where or error.where == "samples" else f"{error.where}: "
+    return InputError("file", f"'{file}': {at * bool(error.where)}{error.problem}", error.expected, error.got)
