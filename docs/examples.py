@@ -159,8 +159,9 @@ capacitance = [["130 pF/m", "-13 pF/m"], ["-13 pF/m", "130 pF/m"]]
 [lines.pair]               # or a symmetric pair by its modes
 nodes1 = ["c", "d"]
 nodes2 = ["e", "f"]
-even = { z0 = "60 ohm", delay = "1.1 ns" }
-odd = { z0 = "40 ohm", delay = "0.9 ns" }
+length = "0.2 m"
+even = { z0 = "60 ohm", delay = "1.1 ns", resistance = "14 ohm/m" }
+odd = { z0 = "40 ohm", delay = "0.9 ns", resistance = "10 ohm/m" }
 """,
     "Source": """\
 [sources.driver]

@@ -135,8 +135,6 @@ def _coupled(scene: Scene) -> Iterator[InputError]:
     modal |= {node.rpartition(",")[0] for node in modal}
     for name in modal & {*scene.lines, *(node for line in scene.lines.values() for node in line.nodes)}:
         yield InputError("lines", "a name that a mode of coupled conductors has", "another name", f"'{name}'")
-    for name in [name for name, line in scene.lines.items() if coupled and line.losses is not None]:
-        yield InputError(place("lines", name), "has losses, beside coupled conductors", "lossless lines")
     if coupled and scene.start == "steady":
         yield InputError("start", "coupled conductors have no steady state here", "'rest'", "'steady'")
     for name, load in scene.loads.items():
