@@ -147,6 +147,12 @@ nodes = ["near", "far"]
 z0 = "50 ohm"
 velocity_factor = "66 %"
 length = "10 m"
+
+[lines.measured]           # or by a table of R(f) and L(f)
+nodes = ["a", "b"]
+length = "2 m"
+capacitance = "100 pF/m"
+tabulated = { file = "cable.csv", tolerance = "1 %" }
 """,
     "Coupled": """\
 [lines.traces]
@@ -299,5 +305,6 @@ def example(model: str) -> str:
     scene = {"medium": medium, "t_end": "20 ns", "lines": LINES[medium], "probes": {"far": {"at": "far"}}}
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "measured.csv").write_text("0, 0\n1e-9, 1\n", encoding="utf-8")
+        Path(folder, "cable.csv").write_text("0, 0.1, 2.5e-7\n1e6, 0.1, 2.5e-7\n1e9, 0.1, 2.5e-7\n", encoding="utf-8")
         scene_from(scene | tomllib.loads(text), folder)
     return text

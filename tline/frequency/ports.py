@@ -108,9 +108,8 @@ def _references(ports: Sequence[str], z0: float | str | Sequence[float | str]) -
 
 
 def _without_sources(scene: Scene, ports: Sequence[str]) -> Scene:
-    table = scene.table()
-    kept = {name: source for name, source in table.get("sources", {}).items() if source["at"] not in ports}
-    return Scene(**{**table, "sources": kept})
+    kept = {name: source for name, source in scene.sources.items() if source.at not in ports}
+    return scene.model_copy(update={"sources": kept})
 
 
 def _indices(network: Scattering, ports: Sequence[str]) -> list[int]:
