@@ -149,6 +149,12 @@ nodes = ["near", "far"]
 z0 = "50 ohm"
 velocity_factor = "66 %"
 length = "10 m"
+
+[lines.measured]           # or by a table of R(f) and L(f)
+nodes = ["a", "b"]
+length = "2 m"
+capacitance = "100 pF/m"
+tabulated = { file = "cable.csv", tolerance = "1 %" }
 """,
     "Coupled": """\
 [lines.traces]
@@ -161,8 +167,9 @@ capacitance = [["130 pF/m", "-13 pF/m"], ["-13 pF/m", "130 pF/m"]]
 [lines.pair]               # or a symmetric pair by its modes
 nodes1 = ["c", "d"]
 nodes2 = ["e", "f"]
-even = { z0 = "60 ohm", delay = "1.1 ns" }
-odd = { z0 = "40 ohm", delay = "0.9 ns" }
+length = "0.2 m"
+even = { z0 = "60 ohm", delay = "1.1 ns", resistance = "14 ohm/m" }
+odd = { z0 = "40 ohm", delay = "0.9 ns", resistance = "10 ohm/m" }
 """,
     "Source": """\
 [sources.driver]
@@ -345,5 +352,6 @@ def example(model: str) -> str:
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "measured.csv").write_text("0, 0\n1e-9, 1\n", encoding="utf-8")
         shutil.copy(MEASURED, folder)
+        Path(folder, "cable.csv").write_text("0, 0.1, 2.5e-7\n1e6, 0.1, 2.5e-7\n1e9, 0.1, 2.5e-7\n", encoding="utf-8")
         scene_from(scene | tomllib.loads(text), folder)
     return text

@@ -9,13 +9,16 @@ from tline.line.modes import even_and_odd, modes
 from tline.pictures.fronts import only_line
 from tline.pictures.path import route
 from tline.reference.network import Network
+from tline.scene.line import Cable
 from tline.scene.scene import Scene
 from tline.solver.stability.scattering import Scattering
 
 PAIR = {"nodes1": ["a1", "a2"], "nodes2": ["b1", "b2"]}
 MODES = {"even": {"z0": 60, "delay": "1.1 ns"}, "odd": {"z0": 40, "delay": "0.9 ns"}}
 SWITCH = {"at": "b1", "kind": "switch", "before": 1, "after": 2, "time": 1}
+LOSSY = MODES["even"] | {"resistance": 5}
 L, C = [[3e-7, 6e-8], [6e-8, 3e-7]], [[1.3e-10, -1.3e-11], [-1.3e-11, 1.3e-10]]
+MATRICES = {"inductance": L, "capacitance": C, "length": 1}
 
 
 def scene(line: dict, **parts) -> Scene:
@@ -55,11 +58,46 @@ def test_the_pair_by_its_modes_is_the_pair_by_its_matrices():
     assert even_and_odd((even, slow), (odd, fast)).admittance == pytest.approx(modes(L, C, 1).admittance, rel=1e-13)
 
 
+def test_losses_of_a_pair_by_its_matrices_and_by_its_modes():
+    R, G = [[12, 2], [2, 12]], [[3e-3, -1e-3], [-1e-3, 3e-3]]
+    found = modes(L, C, 1, {"R": R}, {"G": G})  # odd is faster
+    assert found.losses["R"] == pytest.approx([10, 14], rel=1e-13)
+    assert found.losses["G"] == pytest.approx([4e-3, 2e-3], rel=1e-13)
+
+
+def test_a_mode_without_loss_is_lossless():
+    shared = scene(MATRICES | {"resistance": [[5, 5], [5, 5]]})  # all of it in a common return
+    assert [line.losses is None for line in shared.single_lines.values()] == [True, False]
+
+
+def test_skin_effect_by_a_matrix_is_that_of_each_mode():
+    """L, C and the resistances as of a symmetric pair: even 40 + 5, odd 40 - 5."""
+    skin = {"resistance": [[40, 5], [5, 40]], "frequency": "10 GHz"}
+    odd, even = scene(MATRICES | {"skin": skin}).single_lines.values()
+    assert isinstance(odd, Cable)
+    assert isinstance(even, Cable)
+    assert [float(line.skin.resistance) for line in (odd, even)] == pytest.approx([35, 45], rel=1e-13)
+    assert [line.parameters.length for line in (odd, even)] == [1, 1]
+
+
+def test_in_an_insulation_all_alike_modes_are_those_of_any_resistances():
+    rng = np.random.default_rng(2)
+    for k in range(2, 9):
+        mutual, skew = np.triu(rng.uniform(0, 1, (k, k)), 1), rng.normal(size=(k, k))
+        c = np.diag(1 + (mutual + mutual.T).sum(axis=1)) - mutual - mutual.T
+        induct, R = np.linalg.inv(c), skew @ skew.T
+        found = modes(induct * 1e-7, c * 1e-10, 3.0, {"R": R}, {"G": c * 1e-3})
+        inverse = np.linalg.inv(found.T)
+        assert inverse @ induct @ inverse.T * 1e-7 == pytest.approx(np.diag(found.z0 * found.delay / 3), abs=1e-20)
+        assert inverse @ R @ inverse.T == pytest.approx(np.diag(found.losses["R"]), abs=1e-12)
+        assert found.T.T @ c @ found.T * 1e-3 == pytest.approx(np.diag(found.losses["G"]), abs=1e-15)
+
+
 @pytest.mark.parametrize(
     ("line", "sentence"),
     [
         ({}, "lines.pair: is not given once, expected inductance, capacitance and length, or even and odd, got none"),
-        (MODES | {"length": 1}, "lines.pair: is not given once"),
+        (MODES | {"length": 1}, "lines.pair.length: is given, and no loss needs it, got 1"),
         ({"inductance": L, "capacitance": C}, "lines.pair: is not given once"),
         (MODES | {"nodes2": ["b1", "b2", "b3"]}, "lines.pair.nodes2: another number of conductors, expected 2, got 3"),
         (MODES | {"nodes1": ["a1"]}, "lines.pair.nodes1: not a list of nodes"),
@@ -74,6 +112,15 @@ def test_the_pair_by_its_modes_is_the_pair_by_its_matrices():
         ({"inductance": np.eye(3).tolist(), "capacitance": np.eye(3).tolist(), "length": 1},
          "lines.pair.nodes1: another number of conductors, expected 3, got 2"),
         ({"inductance": [["1 nF/m", 0], [0, 1]], "capacitance": C, "length": 1}, "lines.pair.inductance[0][0]: "),
+        (MODES | {"even": LOSSY}, "lines.pair.length: resistance needs its length, got none"),
+        (MODES | {"resistance": L}, "lines.pair: is not given once, expected inductance"),
+        (MATRICES | {"resistance": [[1, 0], [0, 2]]},
+         "lines.pair.resistance: couples the modes of inductance and capacitance by 0.27 of its largest entry, "
+         "expected at most 1e-09"),
+        (MATRICES | {"resistance": [[1, 2], [2, 1]]}, "lines.pair.resistance: creates power"),
+        (MATRICES | {"conductance": [[2, 1], [1, 2]]}, "lines.pair.conductance: positive beside its diagonal"),
+        (MATRICES | {"skin": {"resistance": [[1]], "frequency": 1}},
+         "lines.pair.skin.resistance: not of the size of the other matrix, expected 2 rows, got 1"),
         (MODES | {"inductanse": 1}, "lines.pair.inductanse: unknown key, expected 'inductance'"),
     ],
 )  # fmt: skip

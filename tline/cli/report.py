@@ -76,10 +76,11 @@ def _measured(result: Result) -> list[tuple[str, Touchstone]]:
 def _losses(result: Result) -> dict[str, Any]:
     """Of each lossy line its cells or lumps, and what stands for its laws."""
     told: dict[str, Any] = {}
-    in_cells = fits(result.scene.lines, result.resolution.h)
-    lumps = lumps_in(result.scene.lines, result.resolution.h, result.resolution.lumps)
+    lines = result.scene.single_lines
+    in_cells = fits(lines, result.resolution.h)
+    lumps = lumps_in(lines, result.resolution.h, result.resolution.lumps)
     for name, circuits in result.circuits.items():
-        line = result.scene.lines[name]
+        line = lines[name]
         slabs = round((line.parameters.delay or 0.0) / result.resolution.h)
         parts = (
             {"lumps": 1}

@@ -1,5 +1,7 @@
-"""Modes of coupled conductors: waves that keep their shape, each with a delay of its own."""
+"""Modes of coupled conductors: waves that do not see each other, each with an impedance and a delay of its own."""
 
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -8,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from tline.errors import InputError
 
 ALIKE = 1e-9  # relative; entries that differ by less are the same
+ROUNDING = 1e-13  # of the largest loss of a mode; less is none
+NONE: Mapping[str, NDArray] = MappingProxyType({})
 
 
 class Modes(NamedTuple):
@@ -21,11 +25,14 @@ class Modes(NamedTuple):
         u over y of a wave of the mode, ohm.
     delay : ndarray, shape (k,)
         From end to end, s.
+    losses : mapping of str to ndarray, shape (k,)
+        Those asked for by name: resistance per metre, ohm/m, or conductance, S/m.
     """
 
     T: NDArray
     z0: NDArray
     delay: NDArray
+    losses: Mapping[str, NDArray] = NONE
 
     @property
     def admittance(self) -> NDArray:
@@ -34,8 +41,17 @@ class Modes(NamedTuple):
         return inverse.T / self.z0 @ inverse
 
 
-def modes(inductance: ArrayLike, capacitance: ArrayLike, length: float) -> Modes:
-    """Modes of a uniform lossless line, fastest first.
+def modes(
+    inductance: ArrayLike,
+    capacitance: ArrayLike,
+    length: float,
+    resistances: Mapping[str, ArrayLike] = NONE,
+    conductances: Mapping[str, ArrayLike] = NONE,
+) -> Modes:
+    """Modes of a uniform line, fastest first.
+
+    Losses must not make modes see each other: then each is a lossy line of its own, exactly. So it is for conductors
+    alike in a symmetric arrangement, and in a homogeneous insulation (L C = 1/v²) whatever the resistances.
 
     Parameters
     ----------
@@ -43,12 +59,16 @@ def modes(inductance: ArrayLike, capacitance: ArrayLike, length: float) -> Modes
         L in H/m and Maxwell's C in F/m, symmetric and positive definite.
     length : float
         In m.
+    resistances, conductances : mapping of str to array_like, shape (k, k)
+        R in ohm/m and Maxwell's G in S/m by any names, symmetric and not negative.
 
     Raises
     ------
     InputError
-        A matrix is not square, symmetric or positive definite, or their sizes differ; or C has positive entries beside
-        its diagonal.
+        A matrix is not square, symmetric or positive definite (R, G: semidefinite), or their sizes differ; C or G has
+        positive entries beside its diagonal; or a loss couples modes: in units in which L is 1, more than 1e-9 of its
+        largest entry is left beside the diagonal. What that much takes from a mode over a line is 1e-9 of the exponent
+        of its attenuation.
 
     References
     ----------
@@ -57,24 +77,39 @@ def modes(inductance: ArrayLike, capacitance: ArrayLike, length: float) -> Modes
 
     Examples
     --------
-    >>> pair = modes([[3e-7, 1e-7], [1e-7, 3e-7]], [[1e-10, -2e-11], [-2e-11, 1e-10]], 1.0)
+    >>> L, C = [[3e-7, 1e-7], [1e-7, 3e-7]], [[1e-10, -2e-11], [-2e-11, 1e-10]]
+    >>> pair = modes(L, C, 1.0, {"wires": [[12, 2], [2, 12]]})
     >>> pair.z0.round(3).tolist()  # odd: sqrt(2e-7/1.2e-10), even: sqrt(4e-7/0.8e-10)
     [40.825, 70.711]
+    >>> pair.losses["wires"].round(9).tolist()
+    [10.0, 14.0]
     """
     from scipy.linalg import eigh
 
-    L, C = _checked(inductance, "inductance"), _checked(capacitance, "capacitance")
-    if L.shape != C.shape:
-        raise InputError("capacitance", "not of the size of the other matrix", f"{len(L)} rows", f"{len(C)}")
-    if (C - np.diag(np.diag(C)) > 0).any():
-        problem = "positive beside its diagonal"
-        raise InputError("capacitance", problem, "Maxwell's matrix: minus the capacitance between two conductors")
+    L, C = (_symmetric(inductance, "inductance"), _maxwell(capacitance, "capacitance"))
+    for matrix, name in ((L, "inductance"), (C, "capacitance")):
+        if np.linalg.eigvalsh(matrix)[0] <= ALIKE * np.abs(matrix).max():
+            raise InputError(name, "not positive definite", "energy in every combination of currents or voltages")
+    lossy = {name: _symmetric(R, name) for name, R in resistances.items()}
+    lossy |= {name: _maxwell(G, name) for name, G in conductances.items()}
+    for name, matrix in {"capacitance": C, **lossy}.items():
+        if matrix.shape != L.shape:
+            raise InputError(name, "not of the size of the other matrix", f"{len(L)} rows", f"{len(matrix)}")
+        if np.linalg.eigvalsh(matrix)[0] < -ALIKE * np.abs(matrix).max():
+            raise InputError(name, "creates power", "a matrix without negative eigenvalues")
     per_metre = np.abs(L).max() * np.abs(C).max()
     m, v = eigh(C / np.abs(C).max(), np.linalg.inv(L / np.abs(L).max()))  # v' L^-1 v = 1, v' C v = m
+    inverse = np.linalg.inv(v)
+    seen = {name: inverse @ lossy[name] @ inverse.T for name in resistances}
+    seen |= {name: v.T @ lossy[name] @ v for name in conductances}
+    axes = _shared_axes([np.diag(m), *seen.values()])
+    m, v = axes.T**2 @ m, v @ axes
     size = np.linalg.norm(v, axis=0)
     signs = np.sign(np.take_along_axis(v, np.abs(v).argmax(axis=0)[None], axis=0))
     z0 = size**2 / np.sqrt(m) * np.sqrt(np.abs(L).max() / np.abs(C).max())
-    return Modes(v / size * signs, z0, length * np.sqrt(m * per_metre))
+    losses = {name: _apart(axes.T @ matrix @ axes, name) for name, matrix in seen.items()}
+    losses = {name: loss * size**2 if name in resistances else loss / size**2 for name, loss in losses.items()}
+    return Modes(v / size * signs, z0, length * np.sqrt(m * per_metre), losses)
 
 
 def even_and_odd(even: tuple[float, float], odd: tuple[float, float]) -> Modes:
@@ -83,7 +118,40 @@ def even_and_odd(even: tuple[float, float], odd: tuple[float, float]) -> Modes:
     return Modes(T, *np.array([even, odd]).T)
 
 
-def _checked(matrix: ArrayLike, name: str) -> NDArray:
+def _shared_axes(matrices: Sequence[NDArray]) -> NDArray:
+    """Orthogonal axes of symmetric matrices, those of the first, and where these are free those of the next."""
+    axes = np.eye(len(matrices[0]))
+    free = [np.arange(len(axes))]
+    for matrix in matrices:
+        left = []
+        for block in free:
+            values, turn = np.linalg.eigh(axes[:, block].T @ matrix @ axes[:, block])
+            axes[:, block] = axes[:, block] @ turn
+            left += np.split(block, np.flatnonzero(np.diff(values) > ALIKE * np.abs(matrix).max()) + 1)
+        free = left
+    return axes
+
+
+def _apart(matrix: NDArray, name: str) -> NDArray:
+    """The diagonal of a loss, in units in which L is 1; there must be nothing beside it."""
+    diagonal = np.diag(matrix)
+    largest, beside = np.abs(matrix).max(), np.abs(matrix - np.diag(diagonal)).max()
+    if beside > ALIKE * largest:
+        problem = f"couples the modes of inductance and capacitance by {beside / largest:.2g} of its largest entry"
+        expected = f"at most {ALIKE:g}, as of conductors alike, or of any where L C = 1/v² to all digits"
+        raise InputError(name, problem, expected)
+    return np.where(diagonal > ROUNDING * largest, diagonal, 0.0)
+
+
+def _maxwell(matrix: ArrayLike, name: str) -> NDArray:
+    given = _symmetric(matrix, name)
+    if (given - np.diag(np.diag(given)) > 0).any():
+        expected = f"Maxwell's matrix: minus the {name} between two conductors"
+        raise InputError(name, "positive beside its diagonal", expected)
+    return given
+
+
+def _symmetric(matrix: ArrayLike, name: str) -> NDArray:
     try:
         given = np.array(matrix, float)
     except ValueError:
@@ -92,6 +160,4 @@ def _checked(matrix: ArrayLike, name: str) -> NDArray:
         raise InputError(name, "not a square matrix", "as many rows as columns", " x ".join(map(str, given.shape)))
     if not np.isfinite(given).all() or (np.abs(given - given.T) > ALIKE * np.abs(given).max()).any():
         raise InputError(name, "not symmetric", "the same entry on both sides of the diagonal")
-    if np.linalg.eigvalsh(given)[0] <= ALIKE * np.abs(given).max():
-        raise InputError(name, "not positive definite", "energy in every combination of currents or voltages")
     return (given + given.T) / 2

@@ -15,6 +15,7 @@ from tline.scene.factor import check_range
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.mistakes import nearest, place, shown
 from tline.scene.rational_load import Rational
+from tline.scene.touchstone import Touchstone
 
 if TYPE_CHECKING:
     from tline.scene.probe import Probe
@@ -137,8 +138,6 @@ def _coupled(scene: Scene) -> Iterator[InputError]:
     modal |= {node.rpartition(",")[0] for node in modal}
     for name in modal & {*scene.lines, *(node for line in scene.lines.values() for node in line.nodes)}:
         yield InputError("lines", "a name that a mode of coupled conductors has", "another name", f"'{name}'")
-    for name in [name for name, line in scene.lines.items() if coupled and line.losses is not None]:
-        yield InputError(place("lines", name), "has losses, beside coupled conductors", "lossless lines")
     if coupled and scene.start == "steady":
         yield InputError("start", "coupled conductors have no steady state here", "'rest'", "'steady'")
     for name, load in scene.loads.items():

@@ -1,20 +1,23 @@
-"""Coupled conductors: one line with a node for each conductor at either end, lossless."""
+"""Coupled conductors: one line with a node for each conductor at either end."""
 
 from collections.abc import Mapping
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from tline.errors import InputError
 from tline.line.modes import Modes, even_and_odd, modes
+from tline.scene.cable_loss import Skin
 from tline.scene.element import Element, Name
 from tline.scene.line import Cable, SceneLine
 from tline.scene.mistakes import place, shown
-from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
+from tline.scene.quantity import LARGEST, SMALLEST, Frequency, Quantity, Role
 
 MOST = 16  # conductors
 Row = list[Annotated[Quantity, Role("inductance per length", "H/m")]]
 RowOfC = list[Annotated[Quantity, Role("capacitance per length", "F/m")]]
+RowOfR = list[Annotated[Quantity, Role("resistance per metre", "ohm/m")]]
+RowOfG = list[Annotated[Quantity, Role("conductance per metre", "S/m")]]
 
 
 def _some(nodes: object) -> object:
@@ -27,14 +30,28 @@ Nodes = Annotated[tuple[Name, ...], BeforeValidator(_some)]
 
 
 class OneMode(Element):
-    """What a wave of one mode meets: each conductor's impedance, and the delay."""
+    """What a wave of one mode meets: each conductor's impedance, the delay, and what it loses."""
 
     z0: Annotated[Quantity, Role("z0", "ohm", above=0)] = Field(description="of each conductor against the reference")
     delay: Annotated[Quantity, Role("delay", "s", above=0)] = Field(description="time from end to end")
+    resistance: Annotated[Quantity, Role("resistance per metre", "ohm/m", at_least=0)] | None = Field(
+        default=None, description="of each conductor to steady current, per metre"
+    )
+    conductance: Annotated[Quantity, Role("conductance per metre", "S/m", at_least=0)] | None = Field(
+        default=None, description="of the insulation of each conductor, per metre"
+    )
+    skin: Skin | None = Field(default=None, description="skin effect, by the resistance at a high frequency")
+
+
+class SkinMatrix(Element):
+    """Skin effect by the resistances at one high frequency."""
+
+    resistance: list[RowOfR] = Field(description="matrix, its rows, at that frequency")
+    frequency: Frequency = Field(description="far above the corner")
 
 
 class Coupled(Element):
-    """Coupled conductors over a common reference, lossless: matrices and a length, or two modes of a symmetric pair.
+    """Coupled conductors over a common reference: matrices and a length, or two modes of a symmetric pair.
 
     Examples
     --------
@@ -52,17 +69,30 @@ class Coupled(Element):
     capacitance: list[RowOfC] | None = Field(
         default=None, description="matrix C (Maxwell's: what is between two conductors counts negative), its rows"
     )
-    length: Annotated[Quantity, Role("length", "m", above=0)] | None = Field(default=None, description="length")
+    length: Annotated[Quantity, Role("length", "m", above=0)] | None = Field(
+        default=None, description="length; with even and odd where these lose something"
+    )
+    resistance: list[RowOfR] | None = Field(
+        default=None, description="matrix R to steady currents, its rows; what conductors share is beside the diagonal"
+    )
+    conductance: list[RowOfG] | None = Field(default=None, description="matrix G (Maxwell's), its rows")
+    skin: SkinMatrix | None = Field(default=None, description="skin effect, by the resistances at a high frequency")
     even: OneMode | None = Field(
         default=None, description="of two alike: z0 and delay where both voltages are the same"
     )
     odd: OneMode | None = Field(default=None, description="of two alike: z0 and delay where the voltages are opposite")
     _modes: Modes = PrivateAttr()
+    _lines: list[dict[str, Any]] = PrivateAttr()
 
     @property
     def modes(self) -> Modes:
         """The modes it carries."""
         return self._modes
+
+    @property
+    def lines(self) -> list[dict[str, Any]]:
+        """Each mode as a single line's table, without nodes."""
+        return self._lines
 
     @property
     def nodes(self) -> tuple[str, ...]:
@@ -76,7 +106,7 @@ class Coupled(Element):
 
     @property
     def losses(self) -> None:
-        """None: it loses nothing."""
+        """None of its own: they are those of its modes."""
 
     @property
     def parameters(self):
@@ -95,10 +125,11 @@ class Coupled(Element):
         if len(self.nodes2) != k:
             raise InputError("nodes2", "another number of conductors", f"{k}", f"{len(self.nodes2)}")
         given = {key for key, value in self if value is not None and not key.startswith("nodes")}
-        if given == {"even", "odd"} and self.even and self.odd:
-            self._modes = even_and_odd(*((float(mode.z0), float(mode.delay)) for mode in (self.even, self.odd)))
-        elif given == {"inductance", "capacitance", "length"} and self.inductance and self.capacitance and self.length:
-            self._modes = modes(self.inductance, self.capacitance, float(self.length))
+        matrices = given - {"resistance", "conductance", "skin"} == {"inductance", "capacitance", "length"}
+        if given - {"length"} == {"even", "odd"} and self.even and self.odd:
+            self._modes, self._lines = self._of_pair(self.even, self.odd)
+        elif matrices and self.inductance and self.capacitance and self.length:
+            self._modes, self._lines = self._of_matrices(self.inductance, self.capacitance, float(self.length))
         else:
             expected = "inductance, capacitance and length, or even and odd"
             raise InputError("", "is not given once", expected, ", ".join(sorted(given)) or "none")
@@ -111,6 +142,27 @@ class Coupled(Element):
                 )
         return self
 
+    def _of_pair(self, even: OneMode, odd: OneMode) -> tuple[Modes, list[dict[str, Any]]]:
+        tables = [even.table(), odd.table()]
+        lossy = sorted({key for table in tables for key in table} - {"z0", "delay"})
+        if bool(lossy) != (self.length is not None):
+            problem = f"{lossy[0]} needs its length" if lossy else "is given, and no loss needs it"
+            raise InputError("length", problem, got="none" if lossy else f"{self.length:g}")
+        found = even_and_odd(*((float(mode.z0), float(mode.delay)) for mode in (even, odd)))
+        return found, [table | ({"length": self.length} if len(table) > 2 else {}) for table in tables]
+
+    def _of_matrices(self, L: list[Row], C: list[RowOfC], length: float) -> tuple[Modes, list[dict[str, Any]]]:
+        resistances = {"resistance": self.resistance, "skin.resistance": self.skin and self.skin.resistance}
+        resistances = {name: matrix for name, matrix in resistances.items() if matrix is not None}
+        found = modes(L, C, length, resistances, {"conductance": self.conductance} if self.conductance else {})
+        tables = []
+        for k, (z0, delay) in enumerate(zip(found.z0.tolist(), found.delay.tolist(), strict=True)):
+            losses: dict[str, Any] = {name: float(loss[k]) for name, loss in found.losses.items() if loss[k]}
+            if self.skin and (high := losses.pop("skin.resistance", 0.0)):
+                losses["skin"] = {"resistance": high, "frequency": self.skin.frequency}
+            tables.append({"z0": z0, "delay": delay} | ({"length": length} | losses if losses else {}))
+        return found, tables
+
 
 class End(NamedTuple):
     """One end of coupled conductors: the nodes of its conductors, and those of its modes."""
@@ -118,12 +170,13 @@ class End(NamedTuple):
     conductors: tuple[str, ...]
     modal: tuple[str, ...]
     modes: Modes
+    lines: list[dict[str, Any]]
 
 
 def ends_of(lines: Mapping[str, SceneLine | Coupled]) -> list[End]:
     """The ends of all coupled lines, end 1 and end 2 of each in turn."""
     return [
-        End(nodes, tuple(f"{name}, mode {m + 1}, end {end}" for m in range(len(nodes))), line.modes)
+        End(nodes, tuple(f"{name}, mode {m + 1}, end {end}" for m in range(len(nodes))), line.modes, line.lines)
         for name, line in lines.items()
         if isinstance(line, Coupled)
         for end, nodes in ((1, line.nodes1), (2, line.nodes2))
@@ -150,7 +203,6 @@ def single_lines(lines: Mapping[str, SceneLine]) -> Mapping[str, SceneLine]:
         return lines
     found = {name: line for name, line in lines.items() if not isinstance(line, Coupled)}
     for one, other in zip(ends[::2], ends[1::2], strict=True):
-        for first, second, z0, delay in zip(one.modal, other.modal, one.modes.z0, one.modes.delay, strict=True):
-            given = {"nodes": (first, second), "z0": float(z0), "delay": float(delay)}
-            found[first.removesuffix(", end 1")] = Cable.model_validate(given)
+        for first, second, table in zip(one.modal, other.modal, one.lines, strict=True):
+            found[first.removesuffix(", end 1")] = Cable.model_validate({"nodes": (first, second)} | table)
     return found

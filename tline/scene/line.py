@@ -16,6 +16,7 @@ from tline.line.relations import listed
 from tline.line.walls import WALLS
 from tline.loss import Constant, Law, LossyLine, Sum, kelvin_voigt_wall
 from tline.scene.cable_loss import LossTangent, Skin, Wire
+from tline.scene.cable_table import CableTable
 from tline.scene.element import Element, Name
 from tline.scene.friction import AnyFriction
 from tline.scene.losses import Losses
@@ -66,12 +67,12 @@ class SceneLine(Element):
         """Fall of the effort from end 1 to end 2 in steady flow y, and its slope over y."""
         return self._losses.steady_drop(y) if self._losses else (0.0, 0.0)
 
-    def _settle(self, kind: type[HydraulicLine] | type[ElectricalLine], other: tuple[str, ...]):
+    def _settle(self, kind: type[HydraulicLine] | type[ElectricalLine], other: tuple[str, ...], **more: Any):
         others = {"nodes", "vertices", *other}
         given = {
             name: getattr(value, "typed", value) for name, value in self if name not in others and value is not None
         }
-        self._parameters = kind(**given)
+        self._parameters = kind(**given | more)
         if self._parameters.delay is None:
             raise InputError("", "its delay does not follow", "length (with wave_speed), or delay")
         for name in ("z0", "delay"):
@@ -156,12 +157,15 @@ class _Cable(SceneLine):
     skin: Skin | None = Field(default=None, description="skin effect, by the resistance at a high frequency")
     wire: Wire | None = Field(default=None, description="a round wire, by radius and conductivity")
     loss_tangent: LossTangent | None = Field(default=None, description="of the insulation")
+    tabulated: CableTable | None = Field(
+        default=None, description="R(f) and L(f), perhaps G(f) and C(f), instead of these"
+    )
 
     @model_validator(mode="after")
     def _determine(self):
-        own = ("resistance", "conductance", "skin", "wire", "loss_tangent")
-        self._settle(ElectricalLine, own)
+        own = ("resistance", "conductance", "skin", "wire", "loss_tangent", "tabulated")
         given = [name for name in own if getattr(self, name) is not None]
+        self._settle(ElectricalLine, own, **self._by_table())
         if not given:
             return self
         if self.skin and self.wire:
@@ -169,10 +173,24 @@ class _Cable(SceneLine):
         resistance = Constant(self.resistance or 0.0)
         series = [self.skin.law(resistance.loss)] if self.skin else [resistance]
         series += [self.wire.law()] if self.wire else []
+        series += [self.tabulated.series] if self.tabulated else []
         shunt: list[Law] = [Constant(self.conductance or 0.0)]
         shunt += [self.loss_tangent.law(self._capacitance(given[0]))] if self.loss_tangent else []
+        shunt += [self.tabulated.shunt] if self.tabulated and self.tabulated.shunt else []
         self._lose(given[0], series, shunt)
         return self
+
+    def _by_table(self) -> dict[str, float]:
+        """L and C at infinite frequency by the table, which must not be given twice."""
+        if self.tabulated is None:
+            return {}
+        said = {"inductance": self.tabulated.series.storage, "resistance": 0.0, "skin": 0.0, "wire": 0.0}
+        if self.tabulated.shunt is not None:
+            said |= {"capacitance": self.tabulated.shunt.storage, "conductance": 0.0, "loss_tangent": 0.0}
+        for name in said:
+            if getattr(self, name) is not None:
+                raise InputError(name, "is in the table, too", "one of them")
+        return {name: storage for name, storage in said.items() if storage}
 
 
 def _optional(role: Role) -> Any:

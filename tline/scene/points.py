@@ -1,7 +1,6 @@
 """Waveforms made of straight pieces between points (time, level)."""
 
-import csv
-import io
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -10,10 +9,10 @@ import numpy as np
 from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
+from tline.scene.csv_rows import read_rows
 from tline.scene.mistakes import shown
-from tline.scene.quantity import LARGEST, ZERO, Duration, Level, Time
+from tline.scene.quantity import ZERO, Duration, Level, Time
 from tline.scene.shape import Floats, Shape
-from tline.scene.text_file import read_text
 
 
 class Points(Shape):
@@ -108,33 +107,15 @@ def read_table(path: Path, where: str) -> tuple[tuple[float, ...], tuple[float, 
     InputError
         The file cannot be read, a line is not two finite numbers, or the times are not in order.
     """
-    times, levels = [], []
-    rows = csv.reader(io.StringIO(read_text(path, where)))
-    try:
-        for row in rows:
-            if not row or row[0].lstrip().startswith("#") or (rows.line_num == 1 and not any(map(_is_number, row))):
-                continue
-            if len(row) != 2 or not all(map(_is_number, row)):
-                problem = f"line {rows.line_num} of '{path}' is not a point"
-                raise InputError(where, problem, "two finite numbers with a comma between", shown(",".join(row)))
-            times.append(float(row[0]))
-            levels.append(float(row[1]))
-    except csv.Error as error:
-        raise InputError(where, f"line {rows.line_num} of '{path}' cannot be read: {error}") from None
-    if len(times) < 2:
-        raise InputError(where, f"too few points in '{path}'", "at least two lines 'time, level'", str(len(times)))
+    rows = read_rows(path, where, "a point", {2: "two finite numbers with a comma between"})
+    if len(rows) < 2:
+        raise InputError(where, f"too few points in '{path}'", "at least two lines 'time, level'", str(len(rows)))
+    times, levels = zip(*rows, strict=True)
     check_order(times, where)
-    return tuple(times), tuple(levels)
+    return times, levels
 
 
-def _is_number(cell: str) -> bool:
-    try:
-        return abs(float(cell)) <= LARGEST
-    except ValueError:
-        return False
-
-
-def check_order(times: list[float], where: str) -> None:
+def check_order(times: Sequence[float], where: str) -> None:
     """Refuse times that decrease, or three at one instant.
 
     Raises

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from functools import lru_cache
-from math import ceil, log
+from math import ceil, log, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -65,13 +65,14 @@ def circuits_of(lines: Mapping[str, SceneLine], fit: Fit) -> dict[str, Circuits]
 
 @lru_cache
 def circuit_of(law: Law, fit: Fit) -> tuple[Foster, float]:
-    """A circuit, as it is if the law is one, and its error."""
+    """A circuit, as it is if the law is one that is no faster than the band, and its error."""
     parts = law.laws if isinstance(law, Sum) else (law,)
     if all(isinstance(part, Constant | Foster) for part in parts):
         fosters = [part for part in parts if isinstance(part, Foster)]
         strengths = np.concatenate([np.empty(0), *(part.strengths for part in fosters)])
         rates = np.concatenate([np.empty(0), *(part.rates for part in fosters)])
-        return Foster(law.loss, law.storage, strengths, rates), 0.0
+        if rates.max(initial=0.0) <= 2 * pi * fit.high:
+            return Foster(law.loss, law.storage, strengths, rates), 0.0
     found = realise(law, (fit.low, fit.high), fit.tolerance)
     return found.circuit, found.error
 

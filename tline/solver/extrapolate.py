@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tline.solver.result import Result, Wave
+from tline.solver.result import LineRecord, Result, Wave
 
 WAVES = ("a1", "b1", "a2", "b2")
 
@@ -27,15 +27,19 @@ def _combined(coarse: Result, fine: Result, weight: float) -> Result | None:
     """The fine run at the points of the coarse slabs, and a weight times its difference to the coarse one."""
     if fine.t[-1] < coarse.t[-1] - fine.resolution.h / 2:
         return None
-    records = {}
-    for name, line in coarse.lines.items():
-        pairs = [(getattr(line, wave), getattr(fine.lines[name], wave)) for wave in WAVES]
-        if any(len(wave.pieces.slab) for pair in pairs for wave in pair):
-            return None
-        waves = {wave: _wave(*pair, weight) for wave, pair in zip(WAVES, pairs, strict=True)}
-        records[name] = replace(line, **waves)
-    probes = {name: replace(probe, record=records[probe.line]) for name, probe in coarse.probes.items()}
+    lines = (*coarse.lines.values(), *fine.lines.values())
+    if any(len(getattr(line, wave).pieces.slab) for line in lines for wave in WAVES):
+        return None
+    records = {name: _record(line, fine.lines[name], weight) for name, line in coarse.lines.items()}
+    probes = {
+        name: replace(probe, record=records.get(probe.line) or _record(probe.record, fine.probes[name].record, weight))
+        for name, probe in coarse.probes.items()  # one at coupled conductors is on no line that is recorded
+    }
     return replace(coarse, lines=records, probes=probes, envelope=fine.envelope)
+
+
+def _record(coarse: LineRecord, fine: LineRecord, weight: float) -> LineRecord:
+    return replace(coarse, **{wave: _wave(getattr(coarse, wave), getattr(fine, wave), weight) for wave in WAVES})
 
 
 def _wave(coarse: Wave, fine: Wave, weight: float) -> Wave:

@@ -22,7 +22,7 @@ Row = dict[tuple[int, ...], Result]
 
 def is_lossy(scene: Scene) -> bool:
     """Whether a line loses something."""
-    return any(line.losses is not None for line in scene.lines.values())
+    return any(line.losses is not None for line in scene.single_lines.values())
 
 
 def with_losses(search: Search) -> Result:
@@ -32,7 +32,7 @@ def with_losses(search: Search) -> Result:
     Where circuits stand for exact laws, what closer ones change is added to the error.
     """
     fit, attempts = max(CLOSER * search.tol, CLOSEST), ()
-    cells = fits(search.scene.lines, resolution(search.scene, nodes_of(search.scene)).h)
+    cells = fits(search.scene.single_lines, resolution(search.scene, nodes_of(search.scene)).h)
     while True:
         search = search._replace(fit=fit)
         result, last = _refined(search) if cells else _halved(search)

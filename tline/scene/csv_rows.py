@@ -1,0 +1,53 @@
+"""Rows of numbers in CSV files that a scene names."""
+
+import csv
+import io
+from collections.abc import Mapping
+from pathlib import Path
+
+from tline.errors import InputError
+from tline.scene.mistakes import shown
+from tline.scene.quantity import LARGEST
+from tline.scene.text_file import read_text
+
+
+def read_rows(path: Path, where: str, what: str, columns: Mapping[int, str]) -> list[tuple[float, ...]]:
+    """Rows of finite numbers, all of one length.
+
+    Parameters
+    ----------
+    path : Path
+        Empty lines, lines that begin with #, and a first line of words are skipped.
+    where : str
+        What an error points at.
+    what : str
+        What a row is, for messages.
+    columns : mapping of int to str
+        How many numbers a row may have, and the words for that.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or a line is no such row.
+    """
+    found: list[tuple[float, ...]] = []
+    rows = csv.reader(io.StringIO(read_text(path, where)))
+    try:
+        for row in rows:
+            if not row or row[0].lstrip().startswith("#") or (rows.line_num == 1 and not any(map(_is_number, row))):
+                continue
+            known = {len(found[0]): columns[len(found[0])]} if found else columns
+            if len(row) not in known or not all(map(_is_number, row)):
+                problem = f"line {rows.line_num} of '{path}' is not {what}"
+                raise InputError(where, problem, ", or ".join(known.values()), shown(",".join(row)))
+            found.append(tuple(map(float, row)))
+    except csv.Error as error:
+        raise InputError(where, f"line {rows.line_num} of '{path}' cannot be read: {error}") from None
+    return found
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        return abs(float(cell)) <= LARGEST
+    except ValueError:
+        return False
