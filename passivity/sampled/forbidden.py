@@ -2,6 +2,7 @@
 
 import math
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +74,6 @@ def _summit(model: PoleResidueModel, w: NDArray, k: int) -> float:
     low, high = math.log(w[max(k - 1, 0)]), math.log(w[min(k + 1, len(w) - 1)])
     if low == high:
         return float(w[k])
-    top = minimize_scalar(lambda x: -_beyond(model, np.array([math.exp(x)]))[0], bounds=(low, high), method="bounded")
+    top: Any = minimize_scalar(lambda x: -_beyond(model, np.exp([x]))[0], bounds=(low, high), method="bounded")
     found = np.array([w[k], math.exp(top.x)])
     return float(found[np.argmax(_beyond(model, found))])

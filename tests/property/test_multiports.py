@@ -40,9 +40,9 @@ def scenes(draw):
     if "l1" not in lines:  # nothing but inductors at a node would leave its effort open
         del loads[1]
     places = [*ports, *(line["nodes"][0] for line in lines.values())]
+    loaded = {at: {"at": at} | loads[rng.integers(len(loads))] for at in places if at == "p1" or rng.random() > 0.3}
     return {
-        "medium": "electrical", "t_end": 25.0, "lines": lines, "probes": {"p": {"at": "e0"}},
-        "loads": {at: {"at": at} | loads[rng.integers(len(loads))] for at in places if at == "p1" or rng.random() < 0.7},
+        "medium": "electrical", "t_end": 25.0, "lines": lines, "probes": {"p": {"at": "e0"}}, "loads": loaded,
         "links": {"x": {"nodes": ports} | kinds[rng.integers(len(kinds))]},
     }  # fmt: skip
 

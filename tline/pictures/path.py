@@ -3,7 +3,7 @@
 import heapq
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -84,8 +84,8 @@ def route(scene: Scene, *nodes: str) -> Route:
     """
     refuse_coupled(scene.lines, "a path")
     by_line = _steps((name, line.nodes) for name, line in scene.lines.items())
-    steps = _steps([*((name, line.nodes) for name, line in scene.lines.items()),
-                    *(("", link.nodes) for link in scene.links.values())])  # fmt: skip
+    linked = [("", pair) for link in scene.links.values() for pair in combinations(link.nodes, 2)]
+    steps = _steps([*((name, line.nodes) for name, line in scene.lines.items()), *linked])
     nodes = nodes or _chain_ends(by_line) or _chain_ends(steps) or _no_chain(by_line)
     for node in nodes:
         if node not in steps:

@@ -53,7 +53,8 @@ def _fitted(rows: Rows, first: int, tolerance: float) -> Foster:
     """The law of two columns; its errors name them."""
     names = COLUMNS[5].split(", ")
     try:
-        law = tabulated(*([row[k] for row in rows] for k in (0, first, first + 1)), tolerance)
+        frequencies, loss, storage = ([row[k] for row in rows] for k in (0, first, first + 1))
+        law = tabulated(frequencies, loss, storage, tolerance)
     except InputError as error:
         problem = f"{names[first]} and {names[first + 1]}: {error.problem}"
         raise InputError("file", problem, error.expected, error.got) from None
