@@ -112,6 +112,7 @@ def test_two_ideal_efforts_across_a_transformer_are_refused():
         ({"kind": "coupled inductors", "inductance": [1], "coupling": 0.5}, r"links\.x\.inductance"),
         ({"kind": "controlled source", "gain": 1, "resistance": "inf"}, "drives nothing"),
         ({"kind": "junction", "z0": 50, "scattering": [[0, 1]]}, "not a matrix for 2 ports"),
+        ({"kind": "junction", "z0": 50, "scattering": [[0, 2], [0.5, 0]]}, "come out 2 times as large"),
     ],
 )
 def test_mistakes_are_told(link, said):

@@ -13,6 +13,7 @@ from tline.scene.mistakes import shown
 from tline.scene.quantity import Inductance, PositiveResistance, Quantity, Resistance, Role
 
 MOST_PORTS = 16
+ROUNDED = 1e-6  # by which typed decimals may make a matrix larger than a passive one
 
 
 class Ports(NamedTuple):
@@ -160,6 +161,10 @@ class Junction(Multiport):
         if [len(row) for row in self.scattering] != [k] * k:
             got = f"rows of {', '.join(str(len(row)) for row in self.scattering)}"
             raise InputError("scattering", f"not a matrix for {k} ports", f"{k} rows of {k}", got)
+        norm = np.linalg.norm(np.array(self.scattering, float), 2)
+        if norm > 1 + ROUNDED:
+            problem = f"some waves come out {norm:.6g} times as large"
+            raise InputError("scattering", problem, "at most as large, or kind = 'controlled source'")
         return self
 
     def ports(self) -> Ports:

@@ -14,6 +14,7 @@ from passivity.one_port.positive_real import check_positive_real
 from passivity.status import Status
 from tline.errors import InputError
 from tline.scene.mistakes import place
+from tline.scene.multiport import ControlledSource
 from tline.scene.rational_load import Rational
 from tline.solver.assemble import Assembly
 from tline.solver.drive import EDGE, broken, places_of, sampled
@@ -207,6 +208,9 @@ def _refuse(assembly: Assembly, node: int) -> None:
         place("loads", name)
         for name, load in loads
         if isinstance(load, Rational) and check_positive_real(load.rational()).status is Status.REFUTED
+    ]
+    active += [
+        place("links", name) for name, link in assembly.scene.links.items() if isinstance(link, ControlledSource)
     ]
     raise InputError(
         " and ".join(active) or "lines", "the waves grow beyond all bounds", "passive loads", "active ones"
