@@ -105,7 +105,8 @@ def fit_behind_delay(
     tolerance : float
         Largest |dS| at a sample, above 0.
     delay : float, optional
-        T, one way, s, >= 0, where it is known; else it is found.
+        T, one way, s, >= 0, where it is known; else it is found, as below 1/(4 Δf) with samples Δf apart: one longer
+        by 1/(2 Δf) has the same samples.
     nearest : bool
         Take the nearest passive model in place of a fit that is not passive, if it meets the samples too. Otherwise
         the fit comes back as it is, with the verdict that refutes it.
@@ -150,7 +151,15 @@ def fit_behind_delay(
             if error < least:
                 least, fewest = error, order
     problem = f"no {'passive ' * nearest}model of up to {orders[-1]} poles is that near to the samples"
-    raise ExpressionError("tolerance", problem, f"at least {least:.3g}, which {fewest} poles reach", f"{tolerance:g}")
+    expected = f"at least {least:.3g}, which {fewest} poles reach"
+    if delay is None:
+        expected += f", or the delay, if it may be over {_longest(response):.3g} s"
+    raise ExpressionError("tolerance", problem, expected, f"{tolerance:g}")
+
+
+def _longest(response: SampledResponse) -> float:
+    """The delay, s, from which on the phase turns by more than half a turn between two samples: others look shorter."""
+    return float(1 / (4 * np.diff(response.f).max()))
 
 
 def _without(response: SampledResponse, delay: float) -> SampledResponse:

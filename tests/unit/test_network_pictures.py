@@ -22,6 +22,7 @@ from tline.pictures.surge import lines_to_map, surges
 from tline.scene.file import read_scene, scene_from
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
+from tline.solver.inside import inside
 from tline.solver.result import Result
 from tline.solver.simulate import simulate
 
@@ -231,3 +232,29 @@ def test_a_map_needs_an_envelope() -> None:
     scene = Scene(medium="electrical", t_end="9 ns", lines={"c": cable}, probes={"p": {"at": "far"}})
     with pytest.raises(InputError, match=re.escape("map: the run kept no envelope, expected simulate(scene, envelope")):
         plot_map(simulate(scene))
+
+
+def test_routes_and_maps_pass_junctions_of_three_ports() -> None:
+    scene = Scene(
+        medium="electrical", t_end="9 ns", probes={"p": {"at": "out"}},
+        lines={
+            "a": {"nodes": ["in", "p"], "z0": 50, "delay": "1 ns"},
+            "b": {"nodes": ["q", "out"], "z0": 50, "delay": "1 ns"},
+        },
+        links={"c": {"kind": "junction", "nodes": ["r", "p", "q"], "z0": 50, "scattering": np.eye(3).tolist()}},
+        loads={"r": {"at": "r", "kind": "resistor", "resistance": 50}},
+    )  # fmt: skip
+    assert route(scene, "in", "out").nodes == ("in", "p", "q", "out")
+    assert set(layout(scene)) == {"in", "p", "q", "r", "out"}
+
+
+def test_extremes_inside_see_a_pulse_that_is_shorter_than_their_grid() -> None:
+    pulse = {"shape": "pulses", "high": 1, "width": "20 ps", "rise": "5 ps", "fall": "5 ps"}
+    scene = Scene(
+        medium="electrical", t_end="12 ns", probes={"p": {"at": "far"}}, solver={"order": 3, "slab": "5 ps"},
+        lines={"c": {"nodes": ["near", "far"], "z0": 50, "delay": "5 ns", "length": 1, "resistance": 1e-3}},
+        sources={"s": {"at": "near", "kind": "voltage", "value": pulse, "resistance": 50}},
+        loads={"r": {"at": "far", "kind": "resistor", "resistance": 50}},
+    )  # fmt: skip
+    result = simulate(scene, record=["c"])
+    assert inside(result, "c").extremes(result.t)[2] == pytest.approx(0.5, abs=1e-3)

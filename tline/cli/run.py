@@ -115,7 +115,7 @@ def _options_named(options: dict[str, str]) -> Iterator[None]:
     try:
         yield
     except ActiveError as error:
-        raise ActiveError(error.where, error.problem, "passive loads, or --active to run it all the same") from error
+        raise ActiveError(error.where, error.problem, "passive elements, or --active to run it all the same") from error
     except InputError as error:
         mistakes = error.mistakes if isinstance(error, SceneError) else [error]
         named = [InputError(options.get(m.where, m.where), m.problem, m.expected, m.got) for m in mistakes]

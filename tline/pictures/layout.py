@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.link import linked_pairs
 from tline.scene.scene import Scene
 
 Places = Mapping[str, tuple[float, float]]  # of nodes, in any unit
@@ -62,7 +63,7 @@ def layout(scene: Scene) -> Places:
     if has_positions(scene):
         return {node: scene.nodes[node].position or (0.0, 0.0) for node in nodes}
     refuse_too_many(scene)
-    places = _least_stress(_distances(scene, nodes))
+    places = _least_stress(_distances(scene, nodes)) if len(nodes) > 1 else [(0.0, 0.0)]
     return {node: (float(x), float(y)) for node, (x, y) in zip(nodes, places, strict=True)}
 
 
@@ -86,10 +87,12 @@ def _distances(scene: Scene, nodes: list[str]) -> NDArray:
     from scipy.sparse.csgraph import shortest_path
 
     number = {node: k for k, node in enumerate(nodes)}
-    lines = {line.nodes: line.parameters.delay or 0.0 for line in scene.lines.values()}
+    lines: dict[tuple[str, ...], float] = {}
+    for line in scene.lines.values():
+        lines[line.nodes] = min(lines.get(line.nodes, np.inf), line.parameters.delay or 0.0)
     median = float(np.median([*lines.values()]))
     edges = {pair: min(max(delay / median, SHORTEST), LONGEST) for pair, delay in lines.items()}
-    edges = {link.nodes: SHORTEST for link in scene.links.values()} | edges
+    edges = dict.fromkeys(linked_pairs(scene.links), SHORTEST) | edges
     at = [[number[node] for node in pair] for pair in edges if pair[0] != pair[1]]
     size = [edge for pair, edge in edges.items() if pair[0] != pair[1]]
     graph = coo_array((size, tuple(zip(*at, strict=True)) or ([], [])), shape=(len(nodes), len(nodes)))

@@ -18,7 +18,8 @@ from tline.pictures.handy import spread
 from tline.pictures.layout import Places, course, has_positions, layout
 from tline.pictures.style import FAINT, INK, LONGEST_NAME, figure, styled
 from tline.pictures.surge import Surge, surges
-from tline.scene.load import Reservoir
+from tline.scene.check import ideal_efforts
+from tline.scene.link import linked_pairs
 from tline.scene.scene import Scene
 from tline.solver.result import Result
 
@@ -89,8 +90,7 @@ def plot_map(result: Result) -> Figure:
 
 def _held(scene: Scene) -> set[str]:
     """Nodes whose effort is given."""
-    held = {load.at for load in scene.loads.values() if isinstance(load, Reservoir)}
-    return held | {source.at for source in scene.sources.values() if source.kind in ("pressure", "voltage")}
+    return {node for _, node in ideal_efforts(scene)}
 
 
 def _draw(axes: Axes, scene: Scene, places: Places, surge: Surge, colours: ScalarMappable, size: float) -> None:
@@ -101,8 +101,8 @@ def _draw(axes: Axes, scene: Scene, places: Places, surge: Surge, colours: Scala
         steps = LineCollection([*pairwise(ways[name])], cmap=colours.cmap, norm=colours.norm, linewidths=3.4, zorder=2)
         steps.set_array(np.maximum(values[1:], values[:-1]) / size)
         axes.add_collection(steps)
-    for link in scene.links.values():
-        x, y = np.array([places[node] for node in link.nodes]).T
+    for pair in linked_pairs(scene.links):
+        x, y = np.array([places[node] for node in pair]).T
         axes.plot(x, y, color=INK, linewidth=1.5, linestyle=":", zorder=1)
     held = _held(scene)
     for node, place in places.items():

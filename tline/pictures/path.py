@@ -3,7 +3,7 @@
 import heapq
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from itertools import combinations, pairwise
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from tline.errors import InputError
 from tline.pictures.handy import handy
 from tline.scene.coupled import refuse_coupled
+from tline.scene.link import linked_pairs
 from tline.scene.mistakes import nearest
 from tline.scene.scene import Scene
 
@@ -84,7 +85,7 @@ def route(scene: Scene, *nodes: str) -> Route:
     """
     refuse_coupled(scene.lines, "a path")
     by_line = _steps((name, line.nodes) for name, line in scene.lines.items())
-    linked = [("", pair) for link in scene.links.values() for pair in combinations(link.nodes, 2)]
+    linked = [("", pair) for pair in linked_pairs(scene.links)]
     steps = _steps([*((name, line.nodes) for name, line in scene.lines.items()), *linked])
     nodes = nodes or _chain_ends(by_line) or _chain_ends(steps) or _no_chain(by_line)
     for node in nodes:

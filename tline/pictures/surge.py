@@ -1,6 +1,6 @@
 """How far the effort rose and fell in a network: at nodes, along lines, and where that is more than these can bear."""
 
-from math import inf
+from math import inf, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -67,6 +67,7 @@ def surges(result: Result) -> tuple[Surge, Surge]:
     if envelope is None:
         raise InputError("map", "the run kept no envelope", "simulate(scene, envelope=True)")
     rating, weight = float(scene.rating or inf), weight_at(scene)
+    unknown = nan if weight else 0.0  # where some heights are known, others are not zero
     floor = VACUUM if result.medium is HYDRAULIC else -rating
     rise, fall = Surge({}, {}, {}), Surge({}, {}, {})
     for node, start, low, high in zip(envelope.nodes, envelope.start, envelope.lowest, envelope.highest, strict=True):
@@ -74,11 +75,11 @@ def surges(result: Result) -> tuple[Surge, Surge]:
     for name in result.lines:
         start, low, high = inside(result, name, STRETCHES).extremes(result.t)
         share = np.linspace(0.0, 1.0, len(start))
-        near, far = (weight.get(node, 0.0) for node in scene.lines[name].nodes)
+        near, far = (weight.get(node, unknown) for node in scene.lines[name].nodes)
         ground = near + share * (far - near)
         over = high - ground - rating, floor - (low - ground)
         for surge, size, excess in zip((rise, fall), (high - start, start - low), over, strict=True):
             surge.lines[name] = size
-            if excess.max() > 0:
-                surge.beyond[name] = float(share[excess.argmax()])
+            if (excess > 0).any():
+                surge.beyond[name] = float(share[np.nanargmax(excess)])
     return rise, fall

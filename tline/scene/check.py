@@ -105,7 +105,7 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
     yield from _held(scene)
     yield from _heights(scene)
     yield from _coupled(scene)
-    yield from crowded(scene, {node for _, node in _ideal(scene)})
+    yield from crowded(scene, {node for _, node in ideal_efforts(scene)})
     linked = {node for link in scene.links.values() for node in link.nodes} - set(ends)
     for name, load in scene.loads.items():
         if isinstance(load, Matched) and load.at in linked:
@@ -165,7 +165,7 @@ def _waveforms(scene: Scene) -> Iterator[InputError]:
 def _held(scene: Scene) -> Iterator[InputError]:
     """Nodes where an effort is prescribed, or held by a capacitor, and what cannot stand beside that."""
     held: dict[str, str] = {}
-    for where, node in _ideal(scene):
+    for where, node in ideal_efforts(scene):
         if node in held:
             problem = f"node '{node}' is already held by {held[node]}"
             yield InputError(where, problem, "one ideal effort or short at a node")
@@ -193,7 +193,7 @@ def _heights(scene: Scene) -> Iterator[InputError]:
         yield InputError(where, "the weight of the liquid does not follow", expected)
 
 
-def _ideal(scene: Scene) -> list[tuple[str, str]]:
+def ideal_efforts(scene: Scene) -> list[tuple[str, str]]:
     """Elements that prescribe an effort, and their nodes."""
     ideal = [(place("sources", name), s.at) for name, s in scene.sources.items() if s.conductance == inf]
     return ideal + [(place("loads", name), load.at) for name, load in scene.loads.items() if _is_ideal(load)]

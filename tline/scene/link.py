@@ -1,5 +1,7 @@
 """Links: what stands between two nodes without a delay of its own."""
 
+from collections.abc import Mapping
+from itertools import combinations
 from typing import Annotated
 
 from pydantic import Field
@@ -14,3 +16,8 @@ Link = Annotated[
     | Transformer | Gyrator | ControlledSource | CoupledInductors | Junction,
     Field(discriminator="kind"),
 ]  # fmt: skip
+
+
+def linked_pairs(links: Mapping[str, Link]) -> list[tuple[str, str]]:
+    """Any two nodes that a link joins."""
+    return [pair for link in links.values() for pair in combinations(link.nodes, 2)]

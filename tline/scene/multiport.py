@@ -13,6 +13,7 @@ from tline.scene.mistakes import shown
 from tline.scene.quantity import Inductance, PositiveResistance, Quantity, Resistance, Role
 
 MOST_PORTS = 16
+TIGHTEST = 0.999999  # coupling of windings
 ROUNDED = 1e-6  # by which typed decimals may make a matrix larger than a passive one
 
 
@@ -112,14 +113,14 @@ class CoupledInductors(_TwoPort):
     kind: Literal["coupled inductors"] = "coupled inductors"
     inductance: tuple[Inductance, Inductance] = Field(description="of the first winding and the second")
     coupling: Annotated[Quantity, Role("coupling", "", at_least=-1, at_most=1)] = Field(
-        description="k, with the mutual inductance k·√(L₁·L₂); between -1 and 1"
+        description="k, with the mutual inductance k·√(L₁·L₂); at most 0.999999"
     )
 
     @model_validator(mode="after")
     def _leaks(self):
-        if abs(self.coupling) == 1:
-            problem = "without leakage the windings are one"
-            raise InputError("coupling", problem, "between -1 and 1, or kind = 'transformer'", f"{self.coupling:g}")
+        if abs(self.coupling) > TIGHTEST:
+            problem, expected = "without leakage the windings are one", f"up to {TIGHTEST}, or kind = 'transformer'"
+            raise InputError("coupling", problem, expected, f"{self.coupling:.9g}")
         return self
 
     def ports(self) -> Ports:

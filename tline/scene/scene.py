@@ -156,8 +156,8 @@ class Scene(Element):
         for name, load in self.loads.items():
             if isinstance(load, Touchstone) and load.model.delay:
                 own = place("loads", name)
-                if own in self.lines:
-                    raise InputError(place("lines", own), f"has the name that the delay of {own} takes", "another name")
+                if own in self.lines or any(own in line.nodes for line in self.lines.values()):
+                    raise InputError("lines", f"a name that the delay of {own} takes", "another name", f"'{own}'")
                 self.lines[own], self.loads[name] = load.in_front(own), load.behind(own)
         return self
 
@@ -167,8 +167,8 @@ class Scene(Element):
         table = handler(self)
         for name, load in self.loads.items():
             if isinstance(load, Touchstone) and load.near != load.at:
-                del table["lines"][load.at]
-                table["loads"][name]["at"] = load.near
+                table.get("lines", {}).pop(load.at, None)
+                table.get("loads", {}).get(name, {})["at"] = load.near
         return table
 
     def with_changes(self, **tables: Any) -> "Scene":

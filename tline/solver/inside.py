@@ -59,8 +59,10 @@ class Inside:
         """Effort before t = 0, lowest and highest effort, shape (3, cells + 1), at places apart by equal delays."""
         seen = []
         for k in range(self.cells + 1):
-            at_end = self.lost is not None and k in (0, self.cells)
-            u = self.effort(slab_ends if at_end else self.t, k / self.cells)
+            way = self.record.delay * k / self.cells  # waves are as they were at slab ends a way ago
+            late = [slab_ends, slab_ends + way, slab_ends + self.record.delay - way, self.t]
+            at = np.unique(np.concatenate(late))
+            u = self.effort(at[at <= slab_ends[-1]], k / self.cells)
             seen.append((u[0], u.min(), u.max()))
         return np.array(seen).T
 

@@ -851,11 +851,14 @@ def largest_group(network):
 
 
 def parted(network):
-    """A network without elements, cells and lumps, and these, or None: what a scene has not is not compiled."""
+    """A network without elements, cells and lumps, and these, or None: what a scene has not is not compiled.
+
+    But pipes with lumps mostly have elements, too, and are not compiled without.
+    """
     laws, cells, lumps = network.laws, network.cells, network.lumps
     return (
         network._replace(laws=None, cells=None, lumps=None),
-        laws if laws.kind.size else None,
+        laws if laws.kind.size or lumps.line.size else None,
         cells if cells.line.size else None,
         lumps if lumps.line.size else None,
     )

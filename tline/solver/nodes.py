@@ -184,7 +184,7 @@ def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
     for end in ends_of(scene.lines):
         for at, conductance in zip(end.conductors, np.diag(end.modes.admittance), strict=True):
             nodes.setdefault(at, Node()).lumped += float(conductance)
-    usual = len(scene.lines) / sum(line.parameters.z0 for line in scene.single_lines.values())
+    usual = float(1 / np.mean([line.parameters.z0 for line in scene.single_lines.values()]))
     for link in scene.links.values():
         for at in link.nodes:
             nodes.setdefault(at, Node()).alone = usual if isinstance(link, Multiport) else 1.0

@@ -5,6 +5,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from tline.errors import ActiveError, InputError
+from tline.scene.mistakes import place
+from tline.scene.multiport import ControlledSource
 from tline.scene.quantity import TOLERANCE
 from tline.scene.scene import Scene
 from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside
@@ -138,8 +140,14 @@ def _tolerance(scene: Scene, tol: float | None) -> float | None:
 
 
 def _active(scene: Scene, allowed: bool) -> list[str]:
-    """What there is to say of active loads, if they are allowed."""
+    """What there is to say of active elements, if they are allowed."""
     loads = active_loads(scene)
+    sources = [place("links", name) for name, link in scene.links.items() if isinstance(link, ControlledSource)]
+    if sources:
+        problem = f"{' and '.join([*sources, *loads])}: may feed waves; whether they grow is not known here"
+        if not allowed:
+            raise ActiveError("", problem, "passive elements, or active=True to run it all the same")
+        return [problem]
     if not loads:
         return []
     problem = growth_sentence(scene, loads)

@@ -9,23 +9,29 @@ from tline.scene.mistakes import place
 def answer(file: str, asked: Asked) -> Answer:
     """Check every load of a scene; for active ones find how the scene's waves grow."""
     from tline.scene.file import read_scene
+    from tline.scene.multiport import ControlledSource
     from tline.scene.rational_load import Impedance
+    from tline.scene.touchstone import Touchstone
     from tline.solver.stability.growth import active_loads, growth_sentence
 
     asked.refuse("scenes", "kind", "parameters", "z0", "delay", "within", "error", "nearest")
     scene = read_scene(file)
+    sources = [name for name, link in scene.links.items() if isinstance(link, ControlledSource)]
     active = active_loads(scene)
     tested = [name for name, load in scene.loads.items() if isinstance(load, Impedance)]
     told: dict[str, Any] = {
-        "status": "refuted" if active else "proved",
+        "status": "refuted" if active or sources else "proved",
         "loads": {name: "refuted" if name in active else "proved" for name in scene.loads},
     }
-    lines = [f"all loads positive real: {told['status']}"]
-    rest = len(scene.loads) - len(tested)
+    lines = [f"all loads positive real: {'refuted' if active else 'proved'}"]
+    lines += [f"  {place('links', name)}: a controlled source, which may feed waves" for name in sources]
+    measured = {name: load for name, load in scene.loads.items() if isinstance(load, Touchstone)}
+    lines += [f"  {place('loads', name)}: proved, {load.model.why}" for name, load in measured.items()]
+    rest = len(scene.loads) - len(tested) - len(measured)
     if rest:
         lines.append(f"  {rest} with nothing but R, L, C, reservoirs and switches, passive by construction")
     lines += [f"  {place('loads', name)}: {'refuted' if name in active else 'proved'}" for name in tested]
-    if active:
+    if active and not sources:
         told["growth"] = growth_sentence(scene, active)
         lines.append(f"  {told['growth']}")
     return Answer(told["status"], lines, told)
