@@ -944,6 +944,82 @@ def advance_blocks(network, state, n_slabs, drive, record, column, laws, cells, 
     return -1
 
 
+# Copies of one network whose numbers differ, side by side: they are the last axis of all arrays, so that the loops over
+# them vectorise, which those over the few points of a slab do not. Slabs of a period differ, periods are alike.
+
+
+@njit(**OPTIONS)
+def advance_copies(delay, first, ends, drive_row, load_row, record_row, weight, maps, drive, n_periods, record):
+    """Advance B copies by n periods of K slabs from rest, writing what arrives and leaves, (rows, 2, n K s, B).
+
+    delay (L,) in periods; first, ends as in `Network`; drive_row, load_row (N,) and record_row (2 L,) or -1;
+    weight (2 L, B); maps (rows, K, s + n, s + n, B) by columns; drive (rows, periods, K, s, B), of which the last goes on.
+    """
+    slabs, s, copies = drive.shape[2], drive.shape[3], drive.shape[4]
+    offset = np.zeros(delay.size + 1, np.int64)
+    for line in range(delay.size):
+        offset[line + 1] = offset[line] + 2 * delay[line]
+    rows, size = maps.shape[0], maps.shape[2]
+    waves, states = np.zeros((offset[-1], slabs, s, copies)), np.zeros((rows, size - s, copies))
+    u, out = np.empty((size, copies)), np.empty((size, copies))
+    for period in range(n_periods):
+        driven = min(period, drive.shape[1] - 1)
+        for node in range(first.size - 1):
+            r = load_row[node]
+            for slab in range(slabs):
+                if drive_row[node] >= 0:
+                    u[:s] = drive[drive_row[node], driven, slab]
+                else:
+                    u[:s] = 0.0
+                for i in range(first[node], first[node + 1]):
+                    here = due(ends[i], delay, offset, period)
+                    for j in range(s):
+                        for c in range(copies):
+                            u[j, c] += weight[i, c] * waves[here, slab, j, c]
+                if r >= 0:
+                    respond_abreast(maps[r][slab], states[r], u, out)
+                for i in range(first[node], first[node + 1]):
+                    arrived, row = waves[due(ends[i], delay, offset, period), slab], record_row[ends[i]]
+                    scatter_abreast(u, arrived, record, row, (period * slabs + slab) * s)
+
+
+@njit(**INNER)
+def due(end, delay, offset, period):
+    """The period of a line's buffers that an end works on."""
+    line = end >> 1
+    turn, slot = divmod(period, delay[line])
+    return offset[line] + ((turn ^ end) & 1) * delay[line] + slot
+
+
+@njit(**INNER)
+def respond_abreast(step, states, u, out):
+    """Turn the Thévenin waves of one slab into efforts through loads' states, for all copies."""
+    size, copies = step.shape[0], step.shape[2]
+    s = size - states.shape[0]
+    u[s:] = states
+    out[:] = 0.0
+    for j in range(size):
+        for i in range(size):
+            for c in range(copies):
+                out[i, c] += step[j, i, c] * u[j, c]
+    u[:s] = out[:s]
+    for i in range(s, size):
+        for c in range(copies):
+            states[i - s, c] = 0.0 if abs(out[i, c]) < TINY else out[i, c]
+
+
+@njit(**INNER)
+def scatter_abreast(u, waves, record, row, column):
+    """Note what arrives and leaves at an end, if it is recorded, and send back what the effort leaves of the wave."""
+    for j in range(waves.shape[0]):
+        for c in range(waves.shape[1]):
+            back = 2.0 * u[j, c] - waves[j, c]
+            if row >= 0:
+                record[row, 0, column + j, c] = waves[j, c]
+                record[row, 1, column + j, c] = back
+            waves[j, c] = 0.0 if abs(back) < TINY else back
+
+
 # Slabs with fronts inside. They are few, so plain calls do; a polynomial is held by its Legendre coefficients here.
 
 MERGE = 1e-11  # slabs; fronts nearer than this to each other are one

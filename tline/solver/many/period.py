@@ -1,0 +1,164 @@
+"""A period, the common measure of a copy's delays, cut in slabs so that all fronts pass at their edges.
+
+Fronts of a source leave at breaks of its waveform and meet nodes whole periods later. So if the breaks' places in the
+period are edges of slabs, every wave is smooth in every slab of every copy, whatever its delays. All arrays are (…, batches, …, B): the copies
+of a batch stand side by side in memory, so that they are advanced together.
+"""
+
+from math import ceil, inf
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.scene import Scene
+from tline.scene.shape import Shape
+from tline.solver.drive import EDGE
+from tline.solver.many.load import Load
+from tline.solver.radau import Basis
+
+Floats = NDArray[np.float64]
+MOST_BREAKS = 12
+
+
+def breaks_of(scene: Scene) -> Floats:
+    """Instants after t = 0 at which a waveform jumps or bends, s.
+
+    Raises
+    ------
+    InputError
+        There are too many for a period.
+    """
+    breaks = [source.value.breaks(scene.t_end) for source in scene.sources.values()]
+    instants = np.unique(np.concatenate([np.empty(0), *breaks]))
+    instants = instants[(instants > 0) & (instants < scene.t_end)]
+    if len(instants) > MOST_BREAKS:
+        problem = "their waveforms have too many jumps and corners for many runs"
+        raise InputError("sources", problem, f"at most {MOST_BREAKS}", f"{len(instants)}")
+    return instants
+
+
+def slab_edges(breaks: Floats, unit: Floats, parts: int) -> Floats:
+    """Edges of the slabs in a period, as shares of it, shape (slabs + 1, copies).
+
+    No slab is longer than the period's part; some may be of no width.
+
+    Parameters
+    ----------
+    breaks : ndarray
+        Instants that are to be edges, s.
+    unit : ndarray, shape (copies,)
+        Period, s.
+    parts : int
+        At least 1.
+
+    Examples
+    --------
+    >>> slab_edges(np.array([1.0, 4.5]), np.array([2.0, 3.0]), 2).T.round(3).tolist()
+    [[0.0, 0.25, 0.5, 1.0], [0.0, 0.333, 0.5, 1.0]]
+    """
+    places = breaks[:, None] / unit % 1.0
+    places = np.sort(np.where((places < EDGE) | (places > 1 - EDGE), 0.0, places), axis=0)
+    edges = np.vstack([np.zeros(len(unit)), places, np.ones(len(unit))])
+    width = np.diff(edges, axis=0)
+    count = np.maximum(np.ceil(width.max(axis=1) * parts - EDGE).astype(int), 1)
+    inner = [a + b * (np.arange(n) / n)[:, None] for a, b, n in zip(edges[:-1], width, count, strict=True)]
+    return np.vstack([*inner, edges[-1:]])
+
+
+class Modes(NamedTuple):
+    """Radau IIA matrix as the sum of rate·projector over its modes, one of each conjugate pair, which counts twice."""
+
+    rate: NDArray[np.complex128]  # (modes,)
+    projector: NDArray[np.complex128]  # (modes, s, s)
+
+
+def modes_of(order: Basis) -> Modes:
+    """Modes of the Radau IIA matrix; their condition costs digits, two per three orders (1e-12 is left at s = 10)."""
+    rate, right = np.linalg.eig(order.A)
+    one = np.flatnonzero(rate.imag >= 0)
+    projector = right.T[one, :, None] * np.linalg.inv(right)[one, None, :]
+    return Modes(rate[one], projector * np.where(rate[one].imag > 0, 2, 1)[:, None, None])
+
+
+def load_maps(load: Load, order: Basis, widths: Floats, maps: Floats) -> None:
+    """Radau IIA steps of a load over the slabs of a period, as `tline.solver.load_step.load_step`, mode by mode.
+
+    Parameters
+    ----------
+    load : Load
+        Copies in batches: its last axis is (batches, B).
+    widths : ndarray, shape (batches, slabs, B)
+        s; zero will do.
+    maps : ndarray, shape (batches, slabs, size, size, B)
+        Zeros, where they are put: by columns, from (Thévenin wave at the points, state) to (effort at the points, next
+        state). There may be more room for states than the load has.
+    """
+    (rate, projector), s, n = modes_of(order), order.s, len(load.A)
+    A, b, c = (part[..., None, None, :] for part in load[:3])  # (…, batches, 1, 1, B)
+    scaled = rate[:, None] * widths[:, :, None]  # (batches, slabs, modes, B)
+    solved = _inverse(np.eye(n)[:, :, None, None, None, None] - scaled * A)
+    driven = scaled * (solved * b).sum(axis=1)
+    passed = (c[:, None] * solved).sum(axis=0)
+    total, last = projector.sum(axis=2), projector[:, -1]
+    columns = projector.transpose(0, 2, 1).reshape(-1, s * s)
+    maps[:, :, :s, :s] = _summed(columns, (c * driven).sum(axis=0)).reshape(*widths.shape[:2], s, s, -1)
+    maps[:, :, range(s), range(s)] += load.d[:, None, None]
+    for k in range(n):
+        maps[:, :, s + k, :s] = _summed(total, passed[k])
+        maps[:, :, :s, s + k] = _summed(last, driven[k])
+        for i in range(n):
+            maps[:, :, s + k, s + i] = _summed(total[:, -1:], solved[i, k])[:, :, 0]
+
+
+def _inverse(matrix: NDArray) -> NDArray:
+    """Of matrices (n, n, …) for n up to 2."""
+    if len(matrix) == 1:
+        return 1 / matrix
+    (a, b), (c, d) = matrix
+    return np.array([[d, -b], [-c, a]]) / (a * d - b * c)
+
+
+def _summed(matrix: NDArray, modes: NDArray) -> Floats:
+    """Real part of sums over modes, (modes, rows) with (…, modes, B)."""
+    both = np.concatenate([modes.real, modes.imag], axis=-2)
+    return np.concatenate([matrix.real, -matrix.imag]).T @ both
+
+
+def driven_waves(
+    drives: list[list[tuple[Shape, Floats]]], order: Basis, unit: Floats, edges: Floats, n: int, t_end: float
+) -> Floats:
+    """The sources' parts of Thévenin waves at all points of n periods, or of so many that the last one goes on.
+
+    Parameters
+    ----------
+    drives : list of lists of (Shape, ndarray)
+        Of each node with sources: waveforms and their shares (batches, B).
+    unit : ndarray, shape (batches, B)
+        Period, s.
+    edges : ndarray, shape (batches, slabs + 1, B)
+
+    Returns
+    -------
+    ndarray, shape (batches, nodes, periods, slabs, s, B)
+    """
+    shapes = [waveform for parts in drives for waveform, _ in parts]
+    last = max((float(shape.breaks(t_end).max(initial=0.0)) for shape in shapes), default=0.0)
+    if all(_settled(shape, last, t_end) for shape in shapes):
+        n = min(n, ceil(last / unit.min()) + 1)
+    start, width = edges[:, None, :-1, None], np.diff(edges, axis=1)[:, None, :, None]
+    unit, period = unit[:, None, None, None], np.arange(n)[:, None, None, None]
+    inside = (period + start + width / 2) * unit
+    t = inside + width * unit * (order.c[:, None] - 0.5)
+    waves = np.zeros((len(t), len(drives), *t.shape[1:]))
+    for k, parts in enumerate(drives):
+        for shape, share in parts:
+            waves[:, k] += share[:, None, None, None] * shape.value(t, inside)
+    return waves
+
+
+def _settled(waveform: Shape, last: float, t_end: float) -> bool:
+    """Whether a waveform stays what it is after the last break."""
+    t = np.array([last, max(t_end, last)])
+    return waveform.fastest() == inf and np.ptp(waveform.value(t, np.array(last + t_end))) == 0.0
