@@ -944,16 +944,16 @@ def advance_blocks(network, state, n_slabs, drive, record, column, laws, cells, 
     return -1
 
 
-# Copies of one network whose numbers differ, side by side: they are the last axis of all arrays, so that the loops over
-# them vectorise, which those over the few points of a slab do not. Slabs of a period differ, periods are alike.
+# Copies of one network whose numbers differ. They are the last axis of all arrays, so that loops over them vectorise;
+# those over the few points of a slab would not. Slabs of a period differ, periods are alike.
 
 
 @njit(**OPTIONS)
 def advance_copies(delay, first, ends, drive_row, load_row, record_row, weight, maps, drive, n_periods, record):
-    """Advance B copies by n periods of K slabs from rest, writing what arrives and leaves, (rows, 2, n K s, B).
+    """Advance B copies by n periods of K slabs from rest; record efforts and arriving waves, (rows, 2, n K s, B).
 
     delay (L,) in periods; first, ends as in `Network`; drive_row, load_row (N,) and record_row (2 L,) or -1;
-    weight (2 L, B); maps (rows, K, s + n, s + n, B) by columns; drive (rows, periods, K, s, B), of which the last goes on.
+    weight (2 L, B); maps (rows, K, s + n, s + n, B) by columns; drive (rows, periods, K, s, B), the last goes on.
     """
     slabs, s, copies = drive.shape[2], drive.shape[3], drive.shape[4]
     offset = np.zeros(delay.size + 1, np.int64)
@@ -1010,13 +1010,13 @@ def respond_abreast(step, states, u, out):
 
 @njit(**INNER)
 def scatter_abreast(u, waves, record, row, column):
-    """Note what arrives and leaves at an end, if it is recorded, and send back what the effort leaves of the wave."""
+    """Send back from an end what the efforts leave of the arriving waves, and keep both if it is recorded."""
     for j in range(waves.shape[0]):
         for c in range(waves.shape[1]):
             back = 2.0 * u[j, c] - waves[j, c]
             if row >= 0:
-                record[row, 0, column + j, c] = waves[j, c]
-                record[row, 1, column + j, c] = back
+                record[row, 0, column + j, c] = u[j, c]
+                record[row, 1, column + j, c] = waves[j, c]
             waves[j, c] = 0.0 if abs(back) < TINY else back
 
 

@@ -18,7 +18,7 @@ from tline.solver.many.load import Load, parallel, series
 from tline.solver.nodes import Node, nodes_of
 from tline.solver.resolution import WHOLE, common_parts
 
-Floats = NDArray[np.float64]
+Floats = NDArray[np.floating]
 ELEMENTS = ("resistance", "inductance", "capacitance")
 MOST_UNITS = 1000  # in the shortest delay
 MOST_COPIES = 10_000_000
@@ -43,7 +43,7 @@ class Copies(NamedTuple):
 
 
 def copies_of(scene: Scene, vary: Mapping[str, ArrayLike]) -> Copies:
-    """All copies of a scene; for arguments and refusals see `tline.solver.many.many`."""
+    """All copies of a scene; for arguments and refusals see `tline.solver.many.runs`."""
     _refuse(scene)
     numbers = _numbers(scene, vary)
     z0, delays = (np.array([numbers[place("lines", name, key)] for name in scene.lines]) for key in ("z0", "delay"))

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+Floats = NDArray[np.floating]
 
 
 class Load(NamedTuple):
@@ -57,6 +57,7 @@ def series(z: Floats, resistance: Floats | float, inductance: Floats | None, cap
     """
     zero, one, total = np.zeros_like(z), np.ones_like(z), resistance + z
     if inductance is None:
+        assert capacitance is not None
         rate = 1 / (total * capacitance)
         return _stacked([[-rate]], [rate], [z / total], 1 - z / total)
     rate, back = total / inductance, z / inductance

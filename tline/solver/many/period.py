@@ -1,10 +1,11 @@
 """A period, the common measure of a copy's delays, cut in slabs so that all fronts pass at their edges.
 
 Fronts of a source leave at breaks of its waveform and meet nodes whole periods later. So if the breaks' places in the
-period are edges of slabs, every wave is smooth in every slab of every copy, whatever its delays. All arrays are (…, batches, …, B): the copies
-of a batch stand side by side in memory, so that they are advanced together.
+period are edges of slabs, every wave is smooth in every slab of every copy, whatever its delays. The copies of a batch
+are the last axis of all arrays: they stand side by side in memory, so that they are advanced together.
 """
 
+from functools import lru_cache
 from math import ceil, inf
 from typing import NamedTuple
 
@@ -18,8 +19,11 @@ from tline.solver.drive import EDGE
 from tline.solver.many.load import Load
 from tline.solver.radau import Basis
 
-Floats = NDArray[np.float64]
+Floats = NDArray[np.floating]
+Complexes = NDArray[np.complex128]
 MOST_BREAKS = 12
+BITS = 200
+REAL = 1e-9  # share of its imaginary part below which a rate is real
 
 
 def breaks_of(scene: Scene) -> Floats:
@@ -70,16 +74,23 @@ def slab_edges(breaks: Floats, unit: Floats, parts: int) -> Floats:
 class Modes(NamedTuple):
     """Radau IIA matrix as the sum of rate·projector over its modes, one of each conjugate pair, which counts twice."""
 
-    rate: NDArray[np.complex128]  # (modes,)
-    projector: NDArray[np.complex128]  # (modes, s, s)
+    rate: Complexes  # (modes,)
+    projector: Complexes  # (modes, s, s)
 
 
+@lru_cache
 def modes_of(order: Basis) -> Modes:
-    """Modes of the Radau IIA matrix; their condition costs digits, two per three orders (1e-12 is left at s = 10)."""
-    rate, right = np.linalg.eig(order.A)
-    one = np.flatnonzero(rate.imag >= 0)
-    projector = right.T[one, :, None] * np.linalg.inv(right)[one, None, :]
-    return Modes(rate[one], projector * np.where(rate[one].imag > 0, 2, 1)[:, None, None])
+    """Modes of the Radau IIA matrix, rounded once: those of double arithmetic would cost six digits at s = 10."""
+    from flint import acb_mat, ctx
+
+    with ctx.workprec(BITS):
+        rates, right = acb_mat(order.A.tolist()).eig(right=True)
+        left, n = right.inv(), range(order.s)
+        rate: Complexes = np.array([complex(each) for each in rates])
+        projector: Complexes = np.array([[[complex(right[i, k] * left[k, j]) for j in n] for i in n] for k in n])
+    turning = rate.imag / abs(rate)
+    one = np.flatnonzero(turning > -REAL)
+    return Modes(rate[one], projector[one] * np.where(turning[one] > REAL, 2, 1)[:, None, None])
 
 
 def load_maps(load: Load, order: Basis, widths: Floats, maps: Floats) -> None:
@@ -112,7 +123,7 @@ def load_maps(load: Load, order: Basis, widths: Floats, maps: Floats) -> None:
             maps[:, :, s + k, s + i] = _summed(total[:, -1:], solved[i, k])[:, :, 0]
 
 
-def _inverse(matrix: NDArray) -> NDArray:
+def _inverse(matrix: Complexes) -> Complexes:
     """Of matrices (n, n, …) for n up to 2."""
     if len(matrix) == 1:
         return 1 / matrix
@@ -120,7 +131,7 @@ def _inverse(matrix: NDArray) -> NDArray:
     return np.array([[d, -b], [-c, a]]) / (a * d - b * c)
 
 
-def _summed(matrix: NDArray, modes: NDArray) -> Floats:
+def _summed(matrix: Complexes, modes: Complexes) -> Floats:
     """Real part of sums over modes, (modes, rows) with (…, modes, B)."""
     both = np.concatenate([modes.real, modes.imag], axis=-2)
     return np.concatenate([matrix.real, -matrix.imag]).T @ both

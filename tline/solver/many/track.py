@@ -10,13 +10,15 @@ from numpy.typing import NDArray
 from tline.solver.radau import Basis
 from tline.solver.result import NEAR
 
-Floats = NDArray[np.float64]
-NEWTON = 4  # steps from the best point of a slab to the extreme of its polynomial
-NARROWEST = 1e-18  # of a period; slabs of no width count as so wide
+Floats = NDArray[np.floating]
+NEWTON = 3  # steps from the best point of a slab to the extreme of its polynomial
+PEAKS = 32  # slabs that are searched for it, at most
+SAME = 1e-12  # what is larger by less, relatively, is the same extreme
+NARROWEST = 1e-18  # of a period: slabs of no width count as so wide
 
 
 class Extremes(NamedTuple):
-    """Smallest and largest values, and when they are first reached, s."""
+    """Smallest and largest values, and when they are reached, s."""
 
     lowest: Floats
     lowest_at: Floats
@@ -82,29 +84,50 @@ class Track:
         starts[:, last * self.slabs :] *= begin <= self.t_end
         (at_end,) = self.at(np.array([self.t_end]), wave)
         found = []
-        for pick, sign in ((np.min, -1), (np.max, 1)):
-            best = pick([np.concatenate([pick(whole, axis=2), pick(tail, axis=2)], axis=1), starts], axis=0)
-            slab = (sign * best).argmax(axis=1)
-            found += self._refined(values, slab, sign, at_end[..., 0])
+        for pick, sign in ((np.minimum, -1), (np.maximum, 1)):
+            best = np.concatenate([pick.reduce(whole, axis=2), pick.reduce(tail, axis=2)], axis=1)
+            found += self._refined(values, sign * pick(best, starts), sign, at_end[..., 0])
         return Extremes(*found)
 
-    def _refined(self, values: Floats, slab: NDArray, sign: int, at_end: Floats) -> tuple[Floats, Floats]:
-        """The extreme of a slab's polynomial, by Newton's method from the best of its points; and of the run's ends."""
+    def _refined(self, values: Floats, seen: Floats, sign: int, at_end: Floats) -> tuple[Floats, Floats]:
+        """The extreme of the slabs' polynomials, and when; `seen` (batches, n K, B) is the best of each slab's points.
+
+        Slabs are searched as long as their points are nearer to the best so far than a peak rises above its points.
+        """
+        best, best_at = np.where(sign * at_end > 0.0, (at_end, np.full(at_end.shape, self.t_end)), 0.0)
+        margin = np.full(best.shape, np.inf)
+        for _ in range(PEAKS):
+            slab = seen.argmax(axis=1)
+            top = seen[self._batch, slab, self._copy]
+            batch, copy = np.nonzero(top + margin > sign * best + SAME * np.abs(best))
+            if not len(batch):
+                break
+            slab = slab[batch, copy]
+            value, value_at, rise = self._peak(values, batch, copy, slab, sign)
+            margin[batch, copy], seen[batch, slab, copy] = rise, -np.inf
+            better = sign * (value - best[batch, copy]) > 0.0
+            batch, copy = batch[better], copy[better]
+            best[batch, copy], best_at[batch, copy] = value[better], value_at[better]
+        return best, best_at
+
+    def _peak(
+        self, values: Floats, batch: NDArray, copy: NDArray, slab: NDArray, sign: int
+    ) -> tuple[Floats, Floats, Floats]:
+        """Of some copies the extreme in one slab by Newton's method, when, and by how much a peak may rise at most."""
         period, k = divmod(slab, self.slabs)
-        start, width = self.edges[self._batch, k, self._copy], self.width[self._batch, k, self._copy]
-        furthest = np.clip((self.t_end / self.unit - period - start) / width, 0.0, 1.0)
-        here = values[self._batch, slab, :, self._copy]  # (batches, B, s)
+        start, width, unit = self.edges[batch, k, copy], self.width[batch, k, copy], self.unit[batch, copy]
+        furthest = np.clip((self.t_end / unit - period - start) / width, 0.0, 1.0)
+        here = values[batch, slab, :, copy]
         slope = here @ self._slope.T
         curve = slope @ self._slope.T
         points = np.concatenate([[0.0], self.order.c])
-        seen = np.where(points <= furthest[..., None], sign * here @ self.order.evaluation(points).T, -np.inf)
-        x = points[seen.argmax(axis=-1)]
-        best, best_at = np.where(sign * at_end > 0.0, (at_end, np.full(x.shape, self.t_end)), 0.0)
-        for _ in range(NEWTON + 1):
-            rows = self.order.evaluation(x.ravel()).reshape(here.shape)
-            value, rise, bend = ((part * rows).sum(axis=-1) for part in (here, slope, curve))
-            better = sign * (value - best) > 0.0
-            best = np.where(better, value, best)
-            best_at = np.where(better, (period + start + x * width) * self.unit, best_at)
+        sampled = np.where(points <= furthest[:, None], sign * here @ self.order.evaluation(points).T, -np.inf)
+        x = points[sampled.argmax(axis=1)]
+        best, best_at, bend = sampled.max(axis=1), x, np.zeros_like(x)
+        for _ in range(NEWTON):
+            rows = self.order.evaluation(x)
+            rise, bend = (slope * rows).sum(axis=1), (curve * rows).sum(axis=1)
             x = np.clip(x - np.divide(rise, bend, out=np.zeros_like(x), where=sign * bend < 0.0), 0.0, furthest)
-        return best, best_at
+            value = sign * (here * self.order.evaluation(x)).sum(axis=1)
+            best, best_at = np.where(value > best, (value, x), (best, best_at))
+        return sign * best, (period + start + best_at * width) * unit, np.abs(bend) * np.diff(points).max() ** 2 / 4

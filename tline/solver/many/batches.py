@@ -1,0 +1,122 @@
+"""Copies run in batches that fit the cache, and what their probes see."""
+
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.mistakes import place
+from tline.scene.scene import Scene
+from tline.solver.many.copies import Copies
+from tline.solver.many.load import Load
+from tline.solver.many.period import driven_waves, load_maps
+from tline.solver.many.track import Track
+from tline.solver.radau import basis
+
+Floats = NDArray[np.floating]
+BATCH, CHUNK = 128, 1024  # copies in the kernel at once, and set up at once
+ROOM = 8e6  # samples in what is set up
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What one probe saw in all copies; Pa and m³/s, or V and A.
+
+    Attributes
+    ----------
+    u, y : ndarray, shape (copies, instants)
+        Effort and flow at the instants asked for.
+    lowest, highest : ndarray, shape (copies,)
+        Smallest and largest effort from t = 0, where it is zero, to the end.
+    lowest_at, highest_at : ndarray, shape (copies,)
+        When they are reached, s.
+    """
+
+    u: Floats
+    y: Floats
+    lowest: Floats
+    lowest_at: Floats
+    highest: Floats
+    highest_at: Floats
+
+
+def run(scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, t: Floats) -> dict[str, Seen]:
+    """Run those copies of some rows at order s, with slabs at edges (K + 1, copies); see them at instants t."""
+    where = _line_ends(scene)
+    recorded = sorted({*where.values()})
+    most = _periods(scene, copies.unit[rows].min()) * (len(edges) - 1) * s
+    B = min(BATCH, len(rows))
+    maps = len(copies.junctions) * (len(edges) - 1) * (s + 2) ** 2
+    chunk = B * int(np.clip(ROOM / (B * (most * 2 * len(recorded) + maps + len(t) * s)), 1, CHUNK / B))
+    found = {name: [np.empty((len(rows), *shape)) for shape in 2 * [(len(t),)] + 4 * [()]] for name in where}
+    by_unit = np.argsort(copies.unit[rows], kind="stable")
+    for low in range(0, len(rows), chunk):
+        mine = by_unit[low : low + chunk]
+        mine = np.pad(mine, (0, -len(mine) % B), mode="edge").reshape(-1, B)  # the last copy fills the last batch
+        track, waves = _recorded(scene, copies, edges, s, rows[mine], recorded)
+        for name, end in where.items():
+            effort, arriving = waves[:, recorded.index(end), 0], waves[:, recorded.index(end), 1]
+            sign = 2 * (end % 2) - 1  # what arrives at end 2 is a, at end 1 it is b
+            u, w = track.at(t, effort, arriving)
+            seen = u, sign * (w - u) / copies.z0[end // 2, rows[mine], None], *track.extremes(effort)
+            for array, values in zip(found[name], seen, strict=True):
+                array[mine] = values
+    return {name: Seen(*arrays) for name, arrays in found.items()}
+
+
+def _periods(scene: Scene, unit: float) -> int:
+    return max(ceil(scene.t_end / unit - 1e-9), 1)
+
+
+def _line_ends(scene: Scene) -> dict[str, int]:
+    """Number of the line end that each probe sees."""
+    lines, ends = list(scene.lines), {}
+    for name, probe in scene.probes.items():
+        line = scene.probed_line(name)
+        share = probe.fraction(scene.lines[line])
+        if share not in (0.0, 1.0):
+            raise InputError(place("probes", name), "inside a line", "a probe at a node, for many runs")
+        ends[name] = 2 * lines.index(line) + int(share)
+    return ends
+
+
+def _recorded(
+    scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, recorded: list[int]
+) -> tuple[Track, Floats]:
+    """Run copies (batches, B): efforts and arriving waves at line ends, shape (batches, ends, 2, points, B)."""
+    from tline.solver.kernel import advance_copies
+
+    order, unit, junctions = basis(s), copies.unit[rows], copies.junctions
+    n = _periods(scene, unit.min())
+    edges = np.ascontiguousarray(edges[:, rows].transpose(1, 0, 2))
+    track = Track(order, unit, edges, n, scene.t_end)
+    widths = np.diff(edges, axis=1) * unit[:, None]
+    loads = [Load(*(part[..., rows] for part in junction.load)) for junction in junctions if junction.load is not None]
+    states = max((len(load.A) for load in loads), default=0)
+    maps = np.zeros((len(rows), len(loads), track.slabs, s + states, s + states, rows.shape[1]))
+    for k, load in enumerate(loads):
+        load_maps(load, order, widths, maps[:, k])
+    drives = [[(shape, share[rows]) for shape, share in junction.drives] for junction in junctions if junction.drives]
+    drive = driven_waves(drives, order, unit, edges, n, scene.t_end)
+    weights = np.concatenate([junction.weights[:, rows] for junction in junctions]).transpose(1, 0, 2).copy()
+    record_row = np.full(2 * len(copies.delay), -1)
+    record_row[recorded] = np.arange(len(recorded))
+    arrays = (
+        copies.delay,
+        np.cumsum([0, *(len(junction.ends) for junction in junctions)]),
+        np.concatenate([junction.ends for junction in junctions]),
+        _rows([bool(junction.drives) for junction in junctions]),
+        _rows([junction.load is not None for junction in junctions]),
+        record_row,
+    )
+    record = np.empty((len(rows), len(recorded), 2, n * track.slabs * s, rows.shape[1]))
+    for batch in range(len(rows)):
+        advance_copies(*arrays, weights[batch], maps[batch], drive[batch], n, record[batch])
+    return track, record
+
+
+def _rows(there: list[bool]) -> NDArray:
+    """Numbers of those that are there, -1 for the others."""
+    return np.where(there, np.cumsum(there) - 1, -1)
