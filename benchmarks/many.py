@@ -1,11 +1,10 @@
 """Many runs in one call against one run at a time and against ngspice: python -m benchmarks.many.
 
-Prints a table and writes it to docs/benchmarks-many.md. Every figure is a median; every claim is a ratio measured in the
-same run.
+Prints a table and writes it to docs/benchmarks-many.md. Every figure is a median; every claim is a ratio measured in
+the same run.
 """
 
 import time
-from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 
@@ -14,7 +13,7 @@ import numpy as np
 from tline.charts import ngspice
 from tline.reference import Solution
 from tline.scene.scene import Scene
-from tline.solver.many import many
+from tline.solver.many import Many, many
 from tline.solver.simulate import simulate
 
 ROOT = Path(__file__).parent.parent
@@ -56,11 +55,11 @@ def numbers() -> dict[str, np.ndarray]:
     return {where: value * rng.uniform(0.9, 1.1, COPIES) for where, value in nominal.items()}
 
 
-def timed(work: Callable[[], object]) -> tuple[float, float]:
-    """Wall and processor seconds."""
-    wall, processor = time.perf_counter(), time.process_time()
-    work()
-    return time.perf_counter() - wall, time.process_time() - processor
+def alone_in(one: Scene) -> float:
+    """Seconds of one run."""
+    started = time.perf_counter()
+    simulate(one, tol=1e-6)
+    return time.perf_counter() - started
 
 
 def report() -> str:
@@ -70,7 +69,7 @@ def report() -> str:
     exact = [Solution(one, "far") for one in alone[:JUDGED]]
     truth = np.array([solution.at(times.tolist()).efforts for solution in exact])
     simulate(alone[0], tol=1e-6)
-    single = median(timed(lambda one=one: simulate(one, tol=1e-6))[0] for one in alone)
+    single = median(alone_in(one) for one in alone)
     spice = [ngspice.run(one, STEPS) for one in alone[:NETLISTS]]
     wall, transient = (median(getattr(run, key) for run in spice) for key in ("first", "seconds"))
     wrong = max(
@@ -80,36 +79,41 @@ def report() -> str:
     rows = [
         "# Benchmarks of many runs",
         "",
-        f"Written by `python -m benchmarks.many`: {COPIES:,} copies of twenty transits of a cable (50 Ω, 1 ns, ramp of 0.1 ns",
-        "behind 25 Ω, 100 Ω with 4 pF at its end; z0, delay, R and C each within 10 %), lowest and highest voltage of each.",
-        f"Medians of {RUNS} calls without compiling; the choice of order and slabs on a sample is in the second column of",
-        "times, not in the first. Errors are against exact solutions, at any instants, relative to the step.",
+        f"Written by `python -m benchmarks.many`: {COPIES:,} copies of twenty transits of a cable (50 Ω, 1 ns, a ramp",
+        "of 0.1 ns behind 25 Ω, 100 Ω with 4 pF at its end; z0, delay, R and C each within 10 %), lowest and highest",
+        f"voltage of each. Medians of {RUNS} calls without compiling. *Runs/s* are per second of one core's time; whole",
+        "calls include the choice of order and slabs on a sample. Errors are against exact solutions at any instants,",
+        "relative to the step. The last three columns are ratios of wall times, of a whole call's share for one copy.",
         "",
-        "| tolerance | order, slabs a transit | estimate | error | runs/s and core | the same, whole call | over `simulate` | over ngspice | over its transient figure |",
+        "| tolerance | order, slabs a transit | estimate | error | runs/s | whole calls "
+        "| faster than `simulate` | than ngspice | than its transient figure |",
         "|---:|---|---:|---:|---:|---:|---:|---:|---:|",
     ]
     for tol in TOLERANCES:
         seen = many(scene(), vary, times=times, tol=tol)
         error = np.abs(seen.probes["far"].u[:JUDGED] - truth).max()
-        calls, found = [], []
-        for _ in range(RUNS):
-            calls.append(timed(lambda tol=tol: found.append(many(scene(), vary, tol=tol))))
-        core = median(runs.processor for runs in found) / COPIES
-        whole = median(call[1] for call in calls) / COPIES
-        per_run = median(call[0] for call in calls) / COPIES
+        found, walls, cores = zip(*(called(vary, tol) for _ in range(RUNS)), strict=True)
+        core, whole, share = (median(figures) / COPIES for figures in ([r.processor for r in found], cores, walls))
+        ratios = " | ".join(f"{seconds / share:,.0f}" for seconds in (single, wall, transient))
         rows.append(
-            f"| {tol:.0e} | {seen.order}, {seen.slabs} | {seen.estimate:.0e} | {error:.0e} | {1 / core:,.0f} | {1 / whole:,.0f} "
-            f"| {single / per_run:,.0f} | {wall / per_run:,.0f} | {transient / per_run:,.0f} |"
+            f"| {tol:.0e} | {seen.order}, {seen.slabs} | {seen.estimate:.0e} | {error:.0e} "
+            f"| {1 / core:,.0f} | {1 / whole:,.0f} | {ratios} |"
         )
     rows += [
         "",
-        f"One `simulate(scene, tol=1e-6)` takes {single * 1e3:.1f} ms. One ngspice process takes {wall * 1e3:.0f} ms, its own",
-        f"figure for the transient analysis is {transient * 1e3:.1f} ms (it counts milliseconds; below, half of one is taken),",
-        f"and its largest error is {wrong:.0e}, with the {STEPS} steps in a delay that an exported netlist asks for.",
-        "The last three columns are ratios of wall times of whole calls.",
+        f"One `simulate(scene, tol=1e-6)` takes {single * 1e3:.1f} ms. One ngspice process takes {wall * 1e3:.0f} ms, and",
+        f"its figure for the transient analysis is {transient * 1e3:.1f} ms (it counts milliseconds); its largest error is",
+        f"{wrong:.0e}, with the {STEPS} steps in a delay that an exported netlist asks for.",
         "",
     ]
     return "\n".join(rows)
+
+
+def called(vary: dict[str, np.ndarray], tol: float) -> tuple[Many, float, float]:
+    """What a call gives back, its wall and its processor seconds."""
+    wall, processor = time.perf_counter(), time.process_time()
+    runs = many(scene(), vary, tol=tol)
+    return runs, time.perf_counter() - wall, time.process_time() - processor
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ from tline.solver.many.track import Track
 from tline.solver.radau import basis
 
 Floats = NDArray[np.floating]
-BATCH, CHUNK = 128, 1024  # copies in the kernel at once, and set up at once
+BATCH, CHUNK = 64, 1024  # copies in the kernel at once, and set up at once
 ROOM = 8e6  # samples in what is set up
 
 

@@ -123,11 +123,12 @@ class Track:
         points = np.concatenate([[0.0], self.order.c])
         sampled = np.where(points <= furthest[:, None], sign * here @ self.order.evaluation(points).T, -np.inf)
         x = points[sampled.argmax(axis=1)]
-        best, best_at, bend = sampled.max(axis=1), x, np.zeros_like(x)
-        for _ in range(NEWTON):
+        best, best_at, bend = np.full(x.shape, -np.inf), x, x
+        for step in range(NEWTON + 1):
             rows = self.order.evaluation(x)
-            rise, bend = (slope * rows).sum(axis=1), (curve * rows).sum(axis=1)
-            x = np.clip(x - np.divide(rise, bend, out=np.zeros_like(x), where=sign * bend < 0.0), 0.0, furthest)
-            value = sign * (here * self.order.evaluation(x)).sum(axis=1)
+            value = sign * (here * rows).sum(axis=1)
             best, best_at = np.where(value > best, (value, x), (best, best_at))
+            if step < NEWTON:
+                rise, bend = (slope * rows).sum(axis=1), (curve * rows).sum(axis=1)
+                x = np.clip(x - np.divide(rise, bend, out=np.zeros_like(x), where=sign * bend < 0.0), 0.0, furthest)
         return sign * best, (period + start + best_at * width) * unit, np.abs(bend) * np.diff(points).max() ** 2 / 4
