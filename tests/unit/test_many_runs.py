@@ -54,6 +54,7 @@ PULSES = {"shape": "pulses", "high": 1.0, "width": 0.1, "rise": 0.01, "fall": 0.
             "loads.y: a second L or C",
         ),
         ({"probes": {"p": {"line": "one", "position": "50 %"}}}, "probes.p: inside a line"),
+        ({"t_end": 1e9}, "t_end: a copy takes"),
         ({"lines": {"two": {"nodes": ["b", "c"], "z0": 75.0, "delay": 2**0.5}}}, "no common measure"),
         ({"sources": {"s": {"at": "a", "kind": "voltage", "value": PULSES}}}, "too many jumps and corners"),
     ],
@@ -78,6 +79,7 @@ def test_scenes_that_it_does_not_take(more, where):
         ({"lines.one.delay": [1.0, 1.1]}, {}, "the delays of copy 1 are not in the proportion"),
         (Z0, {"times": [1.0, 10.0]}, "times: not instants of the run, .*got 10 s"),
         (Z0, {"times": [np.nan]}, "times: not instants of the run"),
+        (Z0, {"times": ["soon"]}, "times: not numbers"),
         (Z0, {"tol": 1e-12}, "tol: tolerance out of range, expected at least 1e-09"),
     ],
 )

@@ -17,7 +17,7 @@ from tline.solver.radau import basis
 
 Floats = NDArray[np.floating]
 BATCH, CHUNK = 64, 1024  # copies in the kernel at once, and set up at once
-ROOM = 8e6  # samples in what is set up
+ROOM, LARGEST = 8e6, 1e8  # samples in what is set up at once, and for one copy
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,9 +47,13 @@ def run(scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, t: F
     where = _line_ends(scene)
     recorded = sorted({*where.values()})
     most = _periods(scene, copies.unit[rows].min()) * (len(edges) - 1) * s
-    B = min(BATCH, len(rows))
     maps = len(copies.junctions) * (len(edges) - 1) * (s + 2) ** 2
-    chunk = B * int(np.clip(ROOM / (B * (most * 2 * len(recorded) + maps + len(t) * s)), 1, CHUNK / B))
+    each = most * 2 * len(recorded) + maps + len(t) * s
+    if each > LARGEST:
+        problem = f"a copy takes {each:.2g} samples in {most // (len(edges) - 1) // s} common measures of its delays"
+        raise InputError("t_end", problem, f"at most {LARGEST:.0e}: a shorter run")
+    B = int(np.clip(ROOM / each, 1, min(BATCH, len(rows))))
+    chunk = B * int(np.clip(ROOM / (B * each), 1, CHUNK / B))
     found = {name: [np.empty((len(rows), *shape)) for shape in 2 * [(len(t),)] + 4 * [()]] for name in where}
     by_unit = np.argsort(copies.unit[rows], kind="stable")
     for low in range(0, len(rows), chunk):

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
+from tline.scene.mistakes import shown
 from tline.scene.quantity import Role
 from tline.scene.scene import Scene
 from tline.solver.many.batches import Seen, run
@@ -113,15 +114,16 @@ def many(scene: Scene, vary: Mapping[str, ArrayLike], *, times: ArrayLike = (), 
     probes = run(scene, copies, edges, order, np.arange(len(copies.unit)), t)
     seconds, processor = time.perf_counter() - started, time.process_time() - begun
     if estimate > tol:
-        problem = (
-            f"estimated error {estimate:.1g} is above the tolerance of {tol:.1g}: a load is too fast for many runs"
-        )
-        warnings.warn(problem, UnresolvedWarning, stacklevel=2)
+        problem = f"the estimated error of {estimate:.1g} is above the tolerance of {tol:.1g}"
+        warnings.warn(f"{problem}: a load is too fast for many runs", UnresolvedWarning, stacklevel=2)
     return Many(t, probes, order, len(edges) - 1, estimate, seconds, processor)
 
 
 def _instants(scene: Scene, times: ArrayLike) -> Floats:
-    t = np.atleast_1d(np.asarray(times, float))
+    try:
+        t = np.atleast_1d(np.asarray(times, float))
+    except (TypeError, ValueError):
+        raise InputError("times", "not numbers", "an array of instants in s", shown(times)) from None
     outside = t[~((t >= 0) & (t <= scene.t_end))]
     if t.ndim != 1 or len(outside):
         got = f"{outside[0]:g} s" if len(outside) else f"{t.ndim} axes"
