@@ -83,7 +83,8 @@ def report() -> str:
         "of 0.1 ns behind 25 Ω, 100 Ω with 4 pF at its end; z0, delay, R and C each within 10 %), lowest and highest",
         f"voltage of each. Medians of {RUNS} calls without compiling. *Runs/s* are per second of one core's time;",
         "whole calls include the choice of order and slabs on a sample. Errors are against exact solutions at any",
-        "instants, relative to the step. The last three columns are ratios of wall times, of a whole call's share for a copy.",
+        "instants, relative to the step. The last three columns are ratios of wall times, of a whole call's share for",
+        "a copy.",
         "",
         "| tolerance | order, slabs a transit | estimate | error | runs/s | whole calls "
         "| faster than `simulate` | than ngspice | than its transient figure |",
@@ -103,8 +104,8 @@ def report() -> str:
         "",
         f"One `simulate(scene, tol=1e-6)` takes {single * 1e3:.1f} ms.",
         f"One ngspice process takes {wall * 1e3:.0f} ms, its figure for the transient analysis",
-        f"(it counts milliseconds) is {transient * 1e3:.1f} ms; its largest error is {wrong:.0e}, with the {STEPS} steps",
-        "in a delay that an exported netlist asks for.",
+        f"(it counts milliseconds) is {transient * 1e3:.1f} ms; its largest error is {wrong:.0e}, with the",
+        f"{STEPS} steps in a delay that an exported netlist asks for.",
         "",
     ]
     return "\n".join(rows)
