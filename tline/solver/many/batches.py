@@ -12,7 +12,6 @@ from tline.scene.scene import Scene
 from tline.solver.many.copies import Copies
 from tline.solver.many.load import Load
 from tline.solver.many.period import driven_waves, load_maps
-from tline.solver.many.track import Track
 from tline.solver.radau import basis
 
 Floats = NDArray[np.floating]
@@ -53,20 +52,20 @@ def run(scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, t: F
         problem = f"a copy takes {each:.2g} samples in {most // (len(edges) - 1) // s} common measures of its delays"
         raise InputError("t_end", problem, f"at most {LARGEST:.0e}: a shorter run")
     B = int(np.clip(ROOM / each, 1, min(BATCH, len(rows))))
-    chunk = B * int(np.clip(ROOM / (B * each), 1, CHUNK / B))
+    chunk = B * max(CHUNK // B, 1)
     found = {name: [np.empty((len(rows), *shape)) for shape in 2 * [(len(t),)] + 4 * [()]] for name in where}
     by_unit = np.argsort(copies.unit[rows], kind="stable")
     for low in range(0, len(rows), chunk):
         mine = by_unit[low : low + chunk]
         mine = np.pad(mine, (0, -len(mine) % B), mode="edge").reshape(-1, B)  # the last copy fills the last batch
-        track, waves = _recorded(scene, copies, edges, s, rows[mine], recorded)
+        extremes, values = _seen(scene, copies, edges, s, rows[mine], recorded, t)
         for name, end in where.items():
-            effort, arriving = waves[:, recorded.index(end), 0], waves[:, recorded.index(end), 1]
+            row = recorded.index(end)
+            u, w = values[:, row, 0], values[:, row, 1]
             sign = 2 * (end % 2) - 1  # what arrives at end 2 is a, at end 1 it is b
-            u, w = track.at(t, effort, arriving)
-            seen = u, sign * (w - u) / copies.z0[end // 2, rows[mine], None], *track.extremes(effort)
-            for array, values in zip(found[name], seen, strict=True):
-                array[mine] = values
+            seen = u, sign * (w - u) / copies.z0[end // 2, rows[mine], None], *extremes[:, row].swapaxes(0, 1)
+            for array, part in zip(found[name], seen, strict=True):
+                array[mine] = part
     return {name: Seen(*arrays) for name, arrays in found.items()}
 
 
@@ -86,20 +85,23 @@ def _line_ends(scene: Scene) -> dict[str, int]:
     return ends
 
 
-def _recorded(
-    scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, recorded: list[int]
-) -> tuple[Track, Floats]:
-    """Run copies (batches, B): efforts and arriving waves at line ends, shape (batches, ends, 2, points, B)."""
-    from tline.solver.kernel import advance_copies
+def _seen(
+    scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, recorded: list[int], t: Floats
+) -> tuple[Floats, Floats]:
+    """Run copies (batches, B); of line ends the extremes of efforts and when, shape (batches, ends, 4, B).
+
+    Beside them efforts and arriving waves at instants t, shape (batches, ends, 2, B, instants).
+    """
+    from tline.solver.many.kernel import advance_copies, find_extremes, find_values
 
     order, unit, junctions = basis(s), copies.unit[rows], copies.junctions
     n = _periods(scene, unit.min())
     edges = np.ascontiguousarray(edges[:, rows].transpose(1, 0, 2))
-    track = Track(order, unit, edges, n, scene.t_end)
     widths = np.diff(edges, axis=1) * unit[:, None]
+    slabs = widths.shape[1]
     loads = [Load(*(part[..., rows] for part in junction.load)) for junction in junctions if junction.load is not None]
     states = max((len(load.A) for load in loads), default=0)
-    maps = np.zeros((len(rows), len(loads), track.slabs, s + states, s + states, rows.shape[1]))
+    maps = np.zeros((len(rows), len(loads), slabs, s + states, s + states, rows.shape[1]))
     for k, load in enumerate(loads):
         load_maps(load, order, widths, maps[:, k])
     drives = [[(shape, share[rows]) for shape, share in junction.drives] for junction in junctions if junction.drives]
@@ -115,10 +117,17 @@ def _recorded(
         _rows([junction.load is not None for junction in junctions]),
         record_row,
     )
-    record = np.empty((len(rows), len(recorded), 2, n * track.slabs * s, rows.shape[1]))
+    ends, B = len(recorded), rows.shape[1]
+    record = np.empty((ends, 2, n * slabs, s, B))
+    extremes, values = np.empty((len(rows), ends, 4, B)), np.empty((len(rows), ends, 2, B, len(t)))
     for batch in range(len(rows)):
-        advance_copies(*arrays, weights[batch], maps[batch], drive[batch], n, record[batch])
-    return track, record
+        advance_copies(*arrays, weights[batch], maps[batch], drive[batch], n, record)
+        for row in range(ends):
+            found = extremes[batch, row]
+            find_extremes(record[row, 0], unit[batch], edges[batch], scene.t_end, order.c, order.to_powers, found)
+            if len(t):
+                find_values(record[row], unit[batch], edges[batch], t, order.to_powers, values[batch, row])
+    return extremes, values
 
 
 def _rows(there: list[bool]) -> NDArray:
