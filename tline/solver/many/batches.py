@@ -10,8 +10,7 @@ from tline.errors import InputError
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.solver.many.copies import Copies
-from tline.solver.many.load import Load
-from tline.solver.many.period import driven_waves, load_maps
+from tline.solver.many.period import driven_waves, modes_of
 from tline.solver.radau import basis
 
 Floats = NDArray[np.floating]
@@ -92,18 +91,20 @@ def _seen(
 
     Beside them efforts and arriving waves at instants t, shape (batches, ends, 2, B, instants).
     """
-    from tline.solver.many.kernel import advance_copies, find_extremes, find_values
+    from tline.solver.many.kernel import advance_copies, fill_maps, find_extremes, find_values
 
     order, unit, junctions = basis(s), copies.unit[rows], copies.junctions
     n = _periods(scene, unit.min())
     edges = np.ascontiguousarray(edges[:, rows].transpose(1, 0, 2))
     widths = np.diff(edges, axis=1) * unit[:, None]
     slabs = widths.shape[1]
-    loads = [Load(*(part[..., rows] for part in junction.load)) for junction in junctions if junction.load is not None]
-    states = max((len(load.A) for load in loads), default=0)
-    maps = np.zeros((len(rows), len(loads), slabs, s + states, s + states, rows.shape[1]))
-    for k, load in enumerate(loads):
-        load_maps(load, order, widths, maps[:, k])
+    loads = [
+        [np.moveaxis(part[..., rows], -2, 0).copy() for part in junction.load]
+        for junction in junctions
+        if junction.load is not None
+    ]
+    states = max((load[1].shape[1] for load in loads), default=0)
+    maps = np.zeros((len(loads), slabs, s + states, s + states, rows.shape[1]))
     drives = [[(shape, share[rows]) for shape, share in junction.drives] for junction in junctions if junction.drives]
     drive = driven_waves(drives, order, unit, edges, n, scene.t_end)
     weights = np.concatenate([junction.weights[:, rows] for junction in junctions]).transpose(1, 0, 2).copy()
@@ -121,7 +122,9 @@ def _seen(
     record = np.empty((ends, 2, n * slabs, s, B))
     extremes, values = np.empty((len(rows), ends, 4, B)), np.empty((len(rows), ends, 2, B, len(t)))
     for batch in range(len(rows)):
-        advance_copies(*arrays, weights[batch], maps[batch], drive[batch], n, record)
+        for k, load in enumerate(loads):
+            fill_maps(*(part[batch] for part in load), widths[batch], *modes_of(order), maps[k])
+        advance_copies(*arrays, weights[batch], maps, drive[batch], n, record)
         for row in range(ends):
             found = extremes[batch, row]
             find_extremes(record[row, 0], unit[batch], edges[batch], scene.t_end, order.c, order.to_powers, found)

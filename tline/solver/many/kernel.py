@@ -102,12 +102,83 @@ def scatter_abreast(u, waves, record, row, slab):
 
 
 @njit(**OPTIONS)
+def fill_maps(A, b, c, d, widths, rate, projector, maps):
+    """Radau IIA steps over K slabs, (K, size, size, B), of loads dx/dt = A x + b w, u = c x + d w in B copies.
+
+    By columns, from (Thévenin wave at the points, state) to (effort at the points, next state); there may be more room
+    for states than the load has. A (n, n, B), n up to 2, b and c (n, B), d (B,), widths (K, B) in s; rate (modes,) and
+    projector (modes, s, s) of the Radau matrix.
+    """
+    n, copies = b.shape
+    slabs, modes, s = widths.shape[0], rate.size, projector.shape[1]
+    parts = np.empty((modes, 1 + n * (n + 2), copies), np.complex128)
+    whole, last = np.empty((modes, s), np.complex128), np.empty((modes, s), np.complex128)
+    for m in range(modes):
+        for i in range(s):
+            whole[m, i], last[m, i] = projector[m, i].sum(), projector[m, s - 1, i]
+    for slab in range(slabs):
+        for m in range(modes):
+            solve_abreast(A, b, c, widths[slab], rate[m], parts[m])
+        for j in range(s):
+            for i in range(s):
+                add_modes(parts[:, 0], projector[:, i, j], maps[slab, j, i])
+            for k in range(n):
+                add_modes(parts[:, 1 + k], last[:, j], maps[slab, j, s + k])
+                add_modes(parts[:, 1 + n + k], whole[:, j], maps[slab, s + k, j])
+            for copy in range(copies):
+                maps[slab, j, j, copy] += d[copy]
+        for k in range(n):
+            for i in range(n):
+                add_modes(parts[:, 1 + 2 * n + i * n + k], whole[:, s - 1], maps[slab, s + k, s + i])
+
+
+@njit(**INNER)
+def solve_abreast(A, b, c, width, rate, parts):
+    """What a mode takes part in a load's step with, in all copies.
+
+    With S = (1 - r h A)^-1: r h c S b, the n of r h S b, the n of c S, and the n n of S.
+    """
+    n, copies = b.shape
+    for copy in range(copies):
+        scaled = rate * width[copy]
+        if n == 1:
+            solved = 1.0 / (1.0 - scaled * A[0, 0, copy])
+            parts[3, copy] = solved
+            parts[1, copy] = scaled * solved * b[0, copy]
+            parts[2, copy] = solved * c[0, copy]
+            parts[0, copy] = parts[1, copy] * c[0, copy]
+        else:
+            p, q = 1.0 - scaled * A[0, 0, copy], -scaled * A[0, 1, copy]
+            r, t = -scaled * A[1, 0, copy], 1.0 - scaled * A[1, 1, copy]
+            over = 1.0 / (p * t - q * r)
+            p, q, r, t = t * over, -q * over, -r * over, p * over
+            parts[5, copy], parts[6, copy], parts[7, copy], parts[8, copy] = p, q, r, t
+            parts[1, copy] = scaled * (p * b[0, copy] + q * b[1, copy])
+            parts[2, copy] = scaled * (r * b[0, copy] + t * b[1, copy])
+            parts[3, copy] = c[0, copy] * p + c[1, copy] * r
+            parts[4, copy] = c[0, copy] * q + c[1, copy] * t
+            parts[0, copy] = c[0, copy] * parts[1, copy] + c[1, copy] * parts[2, copy]
+
+
+@njit(**INNER)
+def add_modes(parts, weight, out):
+    """Real part of the sum over modes, for all copies."""
+    for c in range(out.size):
+        out[c] = 0.0
+    for m in range(weight.size):
+        real, imag = weight[m].real, weight[m].imag
+        for c in range(out.size):
+            out[c] += real * parts[m, c].real - imag * parts[m, c].imag
+
+
+@njit(**OPTIONS)
 def find_extremes(wave, unit, edges, t_end, points, to_powers, found):
     """Smallest value, when, largest, when, (4, B), until t_end of B waves (n K, s, B) that are zero at t = 0.
 
     A period lasts unit (B,); edges (K + 1, B) of its slabs are shares of it; to_powers (s, s) turns values at the
-    points (s,) of a slab into coefficients of powers of 2 x - 1. Slabs are searched whose points come as near to the
-    best as twice what a parabola may rise between points that has the bend of the first peak.
+    points (s,) of a slab into coefficients of powers of 2 x - 1. Slabs are searched whose points come near enough to
+    the best: within twice what a parabola with the bend of the first peak may rise between points, and within what
+    the slab's own points differ.
     """
     slabs, s, copies = wave.shape
     parts, gap = edges.shape[0] - 1, points[0]
@@ -126,10 +197,11 @@ def find_extremes(wave, unit, edges, t_end, points, to_powers, found):
             for slab in range(1, whole):
                 if top[side, slab, c] > top[side, first, c]:
                     first = slab
-            best, best_at, margin = 0.0, 0.0, -1.0
+            best, best_at, margin = 0.0, 0.0, 0.0
             for k in range(-1, min(whole + 1, slabs)):
                 slab = first if k < 0 else k
-                if 0 <= k < whole and (k == first or top[side, k, c] + margin <= best + SAME * abs(best)):
+                rise = min(margin, top[0, slab, c] + top[1, slab, c])
+                if k == first or (k >= 0 and top[side, slab, c] + rise <= best + SAME * abs(best)):
                     continue
                 begin = edges[slab % parts, c]
                 width = edges[slab % parts + 1, c] - begin

@@ -16,7 +16,6 @@ from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.scene.shape import Shape
 from tline.solver.drive import EDGE
-from tline.solver.many.load import Load
 from tline.solver.radau import Basis
 
 Floats = NDArray[np.floating]
@@ -91,50 +90,6 @@ def modes_of(order: Basis) -> Modes:
     turning = rate.imag / abs(rate)
     one = np.flatnonzero(turning > -REAL)
     return Modes(rate[one], projector[one] * np.where(turning[one] > REAL, 2, 1)[:, None, None])
-
-
-def load_maps(load: Load, order: Basis, widths: Floats, maps: Floats) -> None:
-    """Radau IIA steps of a load over the slabs of a period, as `tline.solver.load_step.load_step`, mode by mode.
-
-    Parameters
-    ----------
-    load : Load
-        Copies in batches: its last axis is (batches, B).
-    widths : ndarray, shape (batches, slabs, B)
-        s; zero will do.
-    maps : ndarray, shape (batches, slabs, size, size, B)
-        Zeros, where they are put: by columns, from (Thévenin wave at the points, state) to (effort at the points, next
-        state). There may be more room for states than the load has.
-    """
-    (rate, projector), s, n = modes_of(order), order.s, len(load.A)
-    A, b, c = (part[..., None, None, :] for part in load[:3])  # (…, batches, 1, 1, B)
-    scaled = rate[:, None] * widths[:, :, None]  # (batches, slabs, modes, B)
-    solved = _inverse(np.eye(n)[:, :, None, None, None, None] - scaled * A)
-    driven = scaled * (solved * b).sum(axis=1)
-    passed = (c[:, None] * solved).sum(axis=0)
-    total, last = projector.sum(axis=2), projector[:, -1]
-    columns = projector.transpose(0, 2, 1).reshape(-1, s * s)
-    maps[:, :, :s, :s] = _summed(columns, (c * driven).sum(axis=0)).reshape(*widths.shape[:2], s, s, -1)
-    maps[:, :, range(s), range(s)] += load.d[:, None, None]
-    for k in range(n):
-        maps[:, :, s + k, :s] = _summed(total, passed[k])
-        maps[:, :, :s, s + k] = _summed(last, driven[k])
-        for i in range(n):
-            maps[:, :, s + k, s + i] = _summed(total[:, -1:], solved[i, k])[:, :, 0]
-
-
-def _inverse(matrix: Complexes) -> Complexes:
-    """Of matrices (n, n, …) for n up to 2."""
-    if len(matrix) == 1:
-        return 1 / matrix
-    (a, b), (c, d) = matrix
-    return np.array([[d, -b], [-c, a]]) / (a * d - b * c)
-
-
-def _summed(matrix: Complexes, modes: Complexes) -> Floats:
-    """Real part of sums over modes, (modes, rows) with (…, modes, B)."""
-    both = np.concatenate([modes.real, modes.imag], axis=-2)
-    return np.concatenate([matrix.real, -matrix.imag]).T @ both
 
 
 def driven_waves(
