@@ -14,8 +14,8 @@ from tline.solver.many.period import driven_waves, modes_of
 from tline.solver.radau import basis
 
 Floats = NDArray[np.floating]
-BATCH, CHUNK = 64, 1024  # copies in the kernel at once, and set up at once
-ROOM, LARGEST = 8e6, 1e8  # samples in what is set up at once, and for one copy
+BATCH = 64  # copies in the kernel at once
+PERIOD, ROOM, LARGEST = 25e3, 8e6, 1e8  # samples that are set up at once in a period, and in all; and of one copy
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ def run(scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, t: F
         problem = f"a copy takes {each:.2g} samples in {most // (len(edges) - 1) // s} common measures of its delays"
         raise InputError("t_end", problem, f"at most {LARGEST:.0e}: a shorter run")
     B = int(np.clip(ROOM / each, 1, min(BATCH, len(rows))))
-    chunk = B * max(CHUNK // B, 1)
+    chunk = B * max(int(min(ROOM / each, PERIOD / (len(edges) - 1) / s) / B), 1)
     found = {name: [np.empty((len(rows), *shape)) for shape in 2 * [(len(t),)] + 4 * [()]] for name in where}
     by_unit = np.argsort(copies.unit[rows], kind="stable")
     for low in range(0, len(rows), chunk):

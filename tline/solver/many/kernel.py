@@ -111,7 +111,7 @@ def fill_maps(A, b, c, d, widths, rate, projector, maps):
     """
     n, copies = b.shape
     slabs, modes, s = widths.shape[0], rate.size, projector.shape[1]
-    parts = np.empty((modes, 1 + n * (n + 2), copies), np.complex128)
+    parts = np.empty((modes, 2, 1 + n * (n + 2), copies))
     whole, last = np.empty((modes, s), np.complex128), np.empty((modes, s), np.complex128)
     for m in range(modes):
         for i in range(s):
@@ -121,15 +121,15 @@ def fill_maps(A, b, c, d, widths, rate, projector, maps):
             solve_abreast(A, b, c, widths[slab], rate[m], parts[m])
         for j in range(s):
             for i in range(s):
-                add_modes(parts[:, 0], projector[:, i, j], maps[slab, j, i])
+                add_modes(parts, 0, projector[:, i, j], maps[slab, j, i])
             for k in range(n):
-                add_modes(parts[:, 1 + k], last[:, j], maps[slab, j, s + k])
-                add_modes(parts[:, 1 + n + k], whole[:, j], maps[slab, s + k, j])
+                add_modes(parts, 1 + k, last[:, j], maps[slab, j, s + k])
+                add_modes(parts, 1 + n + k, whole[:, j], maps[slab, s + k, j])
             for copy in range(copies):
                 maps[slab, j, j, copy] += d[copy]
         for k in range(n):
             for i in range(n):
-                add_modes(parts[:, 1 + 2 * n + i * n + k], whole[:, s - 1], maps[slab, s + k, s + i])
+                add_modes(parts, 1 + 2 * n + i * n + k, whole[:, s - 1], maps[slab, s + k, s + i])
 
 
 @njit(**INNER)
@@ -139,36 +139,39 @@ def solve_abreast(A, b, c, width, rate, parts):
     With S = (1 - r h A)^-1: r h c S b, the n of r h S b, the n of c S, and the n n of S.
     """
     n, copies = b.shape
+    found = np.empty(parts.shape[1], np.complex128)
     for copy in range(copies):
         scaled = rate * width[copy]
         if n == 1:
             solved = 1.0 / (1.0 - scaled * A[0, 0, copy])
-            parts[3, copy] = solved
-            parts[1, copy] = scaled * solved * b[0, copy]
-            parts[2, copy] = solved * c[0, copy]
-            parts[0, copy] = parts[1, copy] * c[0, copy]
+            found[3] = solved
+            found[1] = scaled * solved * b[0, copy]
+            found[2] = solved * c[0, copy]
+            found[0] = found[1] * c[0, copy]
         else:
             p, q = 1.0 - scaled * A[0, 0, copy], -scaled * A[0, 1, copy]
             r, t = -scaled * A[1, 0, copy], 1.0 - scaled * A[1, 1, copy]
             over = 1.0 / (p * t - q * r)
             p, q, r, t = t * over, -q * over, -r * over, p * over
-            parts[5, copy], parts[6, copy], parts[7, copy], parts[8, copy] = p, q, r, t
-            parts[1, copy] = scaled * (p * b[0, copy] + q * b[1, copy])
-            parts[2, copy] = scaled * (r * b[0, copy] + t * b[1, copy])
-            parts[3, copy] = c[0, copy] * p + c[1, copy] * r
-            parts[4, copy] = c[0, copy] * q + c[1, copy] * t
-            parts[0, copy] = c[0, copy] * parts[1, copy] + c[1, copy] * parts[2, copy]
+            found[5], found[6], found[7], found[8] = p, q, r, t
+            found[1] = scaled * (p * b[0, copy] + q * b[1, copy])
+            found[2] = scaled * (r * b[0, copy] + t * b[1, copy])
+            found[3] = c[0, copy] * p + c[1, copy] * r
+            found[4] = c[0, copy] * q + c[1, copy] * t
+            found[0] = c[0, copy] * found[1] + c[1, copy] * found[2]
+        for i in range(found.size):
+            parts[0, i, copy], parts[1, i, copy] = found[i].real, found[i].imag
 
 
 @njit(**INNER)
-def add_modes(parts, weight, out):
-    """Real part of the sum over modes, for all copies."""
+def add_modes(parts, term, weight, out):
+    """Real part of a sum over modes, for all copies."""
     for c in range(out.size):
         out[c] = 0.0
     for m in range(weight.size):
         real, imag = weight[m].real, weight[m].imag
         for c in range(out.size):
-            out[c] += real * parts[m, c].real - imag * parts[m, c].imag
+            out[c] += real * parts[m, 0, term, c] - imag * parts[m, 1, term, c]
 
 
 @njit(**OPTIONS)
