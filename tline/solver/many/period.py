@@ -42,32 +42,48 @@ def breaks_of(scene: Scene) -> Floats:
     return instants
 
 
-def slab_edges(breaks: Floats, unit: Floats, parts: int) -> Floats:
-    """Edges of the slabs in a period, as shares of it, shape (slabs + 1, copies).
-
-    No slab is longer than the period's part; some may be of no width.
+def front_places(breaks: Floats, unit: Floats) -> Floats:
+    """Where fronts pass nodes, from the begin of a period to its end, as shares of it, shape (fronts, copies).
 
     Parameters
     ----------
     breaks : ndarray
-        Instants that are to be edges, s.
+        Instants at which they leave, s.
     unit : ndarray, shape (copies,)
         Period, s.
-    parts : int
-        At least 1.
 
     Examples
     --------
-    >>> slab_edges(np.array([1.0, 4.5]), np.array([2.0, 3.0]), 2).T.round(3).tolist()
+    >>> front_places(np.array([1.0, 4.5]), np.array([2.0, 3.0])).T.round(3).tolist()
     [[0.0, 0.25, 0.5, 1.0], [0.0, 0.333, 0.5, 1.0]]
     """
     places = breaks[:, None] / unit % 1.0
     places = np.sort(np.where((places < EDGE) | (places > 1 - EDGE), 0.0, places), axis=0)
-    edges = np.vstack([np.zeros(len(unit)), places, np.ones(len(unit))])
-    width = np.diff(edges, axis=0)
+    return np.vstack([np.zeros(len(unit)), places, np.ones(len(unit))])
+
+
+def slab_edges(fronts: Floats, parts: int, growth: float) -> Floats:
+    """Edges of the slabs in a period, as shares of it, shape (slabs + 1, copies); some may be of no width.
+
+    Parameters
+    ----------
+    fronts : ndarray, shape (fronts, copies)
+        Places that are to be edges.
+    parts : int
+        Slabs in a period, were there no fronts; at least 1.
+    growth : float
+        Ratio of the width of a slab to the one before it, after a front.
+
+    Examples
+    --------
+    >>> slab_edges(np.array([[0.0], [0.4], [1.0]]), 3, 2.0).T.round(3).tolist()
+    [[0.0, 0.133, 0.4, 0.6, 1.0]]
+    """
+    width = np.diff(fronts, axis=0)
     count = np.maximum(np.ceil(width.max(axis=1) * parts - EDGE).astype(int), 1)
-    inner = [a + b * (np.arange(n) / n)[:, None] for a, b, n in zip(edges[:-1], width, count, strict=True)]
-    return np.vstack([*inner, edges[-1:]])
+    parted = [np.cumsum(growth ** np.arange(n)) for n in count]
+    cuts = [np.concatenate([[0.0], ends[:-1] / ends[-1]])[:, None] for ends in parted]
+    return np.vstack([*(a + b * cut for a, b, cut in zip(fronts[:-1], width, cuts, strict=True)), fronts[-1:]])
 
 
 class Modes(NamedTuple):

@@ -1,7 +1,8 @@
 """How finely copies are computed: tried on a sample of them against the next order."""
 
 from collections.abc import Mapping
-from math import exp, factorial, inf, isfinite
+from itertools import repeat
+from math import factorial, inf, isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,49 +11,65 @@ from tline.scene.scene import Scene
 from tline.solver.accuracy import ROUNDING, SILENT
 from tline.solver.many.batches import Seen, run
 from tline.solver.many.copies import Copies
-from tline.solver.many.period import slab_edges
+from tline.solver.many.period import front_places, slab_edges
 
 Floats = NDArray[np.floating]
-CHOICES = [(1, 4), (1, 6), (1, 8), (2, 8), *((parts, 10) for parts in (2, 3, 4, 5, 6, 8, 12, 16, 32))]
-# least number of slabs in a period, and order, by rising cost
+PARTS, ORDERS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32), np.arange(2, 11)
+GROWTHS = (1.0, 1.5)  # of slabs after a front: for what rings, and for what dies away
+OVERHEAD = 10  # points, whose product with a point of all costs as much as that point apart from the loads' maps
 COMPARED, SPREAD = 16, 101  # copies, beside those with extreme numbers, and instants at which runs are compared
 
 
 def resolve(
     scene: Scene, vary: Mapping[str, ArrayLike], copies: Copies, breaks: Floats, tol: float
-) -> tuple[int, int, float]:
-    """Least number of slabs in a period, order, and estimated error.
+) -> tuple[Floats, int, float]:
+    """Edges of slabs (slabs + 1, copies), order, and estimated error, at least cost.
 
-    Choices are tried whose polynomials may follow exp(-t/τ), τ being the shortest time scale: the bound is the size
-    of the Chebyshev series' first term left out, 2 exp(-x/2) I_s(x/2) with x the slab's width over τ.
+    Those are tried whose polynomials may follow a load's modes from front to front, and where that is not enough,
+    those that follow them by so much better.
     """
     values = [np.asarray(numbers, float) for numbers in vary.values()]
+    loads = [junction.load.A for junction in copies.junctions if junction.load is not None]
     ends = [pick(numbers) for numbers in values for pick in (np.argmin, np.argmax)]
+    ends += [np.abs(A).max(axis=(0, 1)).argmax() for A in loads]
     rows = np.unique([*ends, *np.linspace(0, len(copies.unit) - 1, COMPARED).astype(int)])
     t = np.linspace(0.0, float(scene.t_end), SPREAD)
-    fastest = _fastest(scene, copies)
-    best = (*CHOICES[0], inf)
-    for parts, s in CHOICES:
-        edges = slab_edges(breaks, copies.unit, parts)
-        change = float((np.diff(edges, axis=0) * copies.unit * fastest).max())
-        if 2 * (change / 4) ** s / factorial(s) * exp(-change / 2) > tol and (parts, s) != CHOICES[-1]:
+    fronts = front_places(breaks, copies.unit)
+    rates = [np.full((1, len(rows)), 1j / source.value.fastest()) for source in scene.sources.values()]
+    rates += [np.linalg.eigvals(np.moveaxis(A[..., rows], -1, 0)).T for A in loads]
+    choices = _choices(fronts[:, rows], np.concatenate(rates) * copies.unit[rows])
+    best, excess = (np.empty(0), 0, inf), 1.0
+    for k, (_, expected, parts, growth, s) in enumerate(choices):
+        if expected * excess > tol and k + 1 < len(choices):
             continue
+        edges = slab_edges(fronts, parts, growth)
         estimate = _apart(scene, copies, rows, *(run(scene, copies, edges, order, rows, t) for order in (s, s + 1)))
-        best = min(best, (parts, s, estimate), key=lambda found: found[-1])
+        best = min(best, (edges, s, estimate), key=lambda found: found[-1])
         if estimate <= tol:
             break
+        excess = max(excess, estimate / max(expected, ROUNDING))
     return best
 
 
-def _fastest(scene: Scene, copies: Copies) -> Floats:
-    """Largest rate of a load or waveform in each copy, 1/s."""
-    rates = [np.full(len(copies.unit), 1 / source.value.fastest()) for source in scene.sources.values()]
-    for junction in copies.junctions:
-        if junction.load is not None:
-            A = np.moveaxis(junction.load.A, -1, 0)
-            trace, product = np.trace(A, axis1=1, axis2=2), np.linalg.det(A)
-            rates.append(np.maximum(np.abs(trace), np.abs(product) ** (1 / A.shape[-1])))
-    return np.max([np.zeros(len(copies.unit)), *rates], axis=0)
+def _choices(fronts: Floats, rates: NDArray[np.complex128]) -> list[tuple[float, float, int, float, int]]:
+    """Cost, expected error, parts, growth and order of all that may be chosen, by rising cost.
+
+    The error is the first term left out of the Chebyshev series of exp(λ t) in any slab, t being the time since a
+    front and λ the rates (…, copies): 2 I_s(λ w/2) exp(λ t) in the middle of a slab of width w.
+    """
+    found = []
+    factorials = np.array([factorial(s) for s in ORDERS.tolist()], float)
+    for parts in PARTS:
+        for growth in GROWTHS[: parts]:
+            edges = slab_edges(fronts, parts, growth)
+            begin, width = edges[:-1], np.diff(edges, axis=0)
+            since = begin - np.where(fronts[:, None] <= begin, fronts[:, None], 0.0).max(axis=0)
+            size = np.exp(rates.real[:, None] * (since + width / 2))
+            terms = 2 * (np.abs(rates)[:, None] * width / 4) ** ORDERS[:, None, None, None] * size
+            left_out = terms.max(axis=(1, 2, 3), initial=0.0) / factorials
+            costs = len(width) * ORDERS * (ORDERS + OVERHEAD)
+            found += zip(costs, left_out, repeat(parts), repeat(growth), ORDERS.tolist())
+    return sorted(found)
 
 
 def _apart(scene: Scene, copies: Copies, rows: NDArray, coarse: Mapping[str, Seen], fine: Mapping[str, Seen]) -> float:

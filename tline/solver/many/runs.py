@@ -14,7 +14,7 @@ from tline.scene.quantity import Role
 from tline.scene.scene import Scene
 from tline.solver.many.batches import Seen, run
 from tline.solver.many.copies import copies_of
-from tline.solver.many.period import breaks_of, slab_edges
+from tline.solver.many.period import breaks_of
 from tline.solver.many.resolve import resolve
 from tline.solver.simulate import TOL, UnresolvedWarning
 
@@ -105,8 +105,7 @@ def many(scene: Scene, vary: Mapping[str, ArrayLike], *, times: ArrayLike = (), 
     """
     copies, breaks, t = copies_of(scene, vary), breaks_of(scene), _instants(scene, times)
     tol = _tolerance(scene, tol)
-    parts, order, estimate = resolve(scene, vary, copies, breaks, tol)
-    edges = slab_edges(breaks, copies.unit, parts)
+    edges, order, estimate = resolve(scene, vary, copies, breaks, tol)
     samples = len(scene.probes) * len(copies.unit) * len(t)
     if samples > LARGEST:
         raise InputError("times", f"{samples:.2g} samples are too many", f"at most {LARGEST:.0e}")
