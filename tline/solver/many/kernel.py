@@ -39,15 +39,15 @@ def advance_copies(delay, first, ends, drive_row, load_row, record_row, weight, 
                 else:
                     u[:s] = 0.0
                 for i in range(first[node], first[node + 1]):
-                    here = due(ends[i], delay, offset, period)
-                    for j in range(s):
-                        for c in range(copies):
-                            u[j, c] += weight[i, c] * waves[here, slab, j, c]
+                    gather_abreast(u, waves[due(ends[i], delay, offset, period), slab], weight[i])
                 if r >= 0:
                     respond_abreast(maps[r][slab], states[r], u, out)
                 for i in range(first[node], first[node + 1]):
                     arrived, row = waves[due(ends[i], delay, offset, period), slab], record_row[ends[i]]
-                    scatter_abreast(u, arrived, record, row, period * slabs + slab)
+                    if row >= 0:
+                        keep(u, record[row, 0, period * slabs + slab])
+                        keep(arrived, record[row, 1, period * slabs + slab])
+                    scatter_abreast(u, arrived)
 
 
 @njit(**INNER)
@@ -56,6 +56,14 @@ def due(end, delay, offset, period):
     line = end >> 1
     turn, slot = divmod(period, delay[line])
     return offset[line] + ((turn ^ end) & 1) * delay[line] + slot
+
+
+@njit(**INNER)
+def gather_abreast(u, waves, share):
+    """Add an end's share of its arriving waves, for all copies."""
+    for j in range(waves.shape[0]):
+        for c in range(waves.shape[1]):
+            u[j, c] += share[c] * waves[j, c]
 
 
 @njit(**INNER)
@@ -90,15 +98,20 @@ def respond_abreast(step, states, u, out):
 
 
 @njit(**INNER)
-def scatter_abreast(u, waves, record, row, slab):
-    """Send back from an end what the efforts leave of the arriving waves, and keep both if it is recorded."""
+def scatter_abreast(u, waves):
+    """Send back from an end what the efforts leave of the arriving waves, for all copies."""
     for j in range(waves.shape[0]):
         for c in range(waves.shape[1]):
             back = 2.0 * u[j, c] - waves[j, c]
-            if row >= 0:
-                record[row, 0, slab, j, c] = u[j, c]
-                record[row, 1, slab, j, c] = waves[j, c]
             waves[j, c] = 0.0 if abs(back) < TINY else back
+
+
+@njit(**INNER)
+def keep(values, record):
+    """Keep what an end sees, for all copies."""
+    for j in range(record.shape[0]):
+        for c in range(record.shape[1]):
+            record[j, c] = values[j, c]
 
 
 @njit(**OPTIONS)

@@ -17,6 +17,7 @@ Floats = NDArray[np.floating]
 PARTS, ORDERS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32), np.arange(2, 11)
 GROWTHS = (1.0, 1.5)  # of slabs after a front: for what rings, and for what dies away
 OVERHEAD = 10  # points, whose product with a point of all costs as much as that point apart from the loads' maps
+SAFELY = 1e-4  # of the tolerance: who may expect that needs no finer slabs
 COMPARED, SPREAD = 16, 101  # copies, beside those with extreme numbers, and instants at which runs are compared
 
 
@@ -37,7 +38,7 @@ def resolve(
     fronts = front_places(breaks, copies.unit)
     rates = [np.full((1, len(rows)), 1j / source.value.fastest()) for source in scene.sources.values()]
     rates += [np.linalg.eigvals(np.moveaxis(A[..., rows], -1, 0)).T for A in loads]
-    choices = _choices(fronts[:, rows], np.concatenate(rates) * copies.unit[rows])
+    choices = _choices(fronts[:, rows], np.concatenate(rates) * copies.unit[rows], tol)
     best, excess = (np.empty(0), 0, inf), 1.0
     for k, (_, expected, parts, growth, s) in enumerate(choices):
         if expected * excess > tol and k + 1 < len(choices):
@@ -51,8 +52,8 @@ def resolve(
     return best
 
 
-def _choices(fronts: Floats, rates: NDArray[np.complex128]) -> list[tuple[float, float, int, float, int]]:
-    """Cost, expected error, parts, growth and order of all that may be chosen, by rising cost.
+def _choices(fronts: Floats, rates: NDArray[np.complex128], tol: float) -> list[tuple[float, float, int, float, int]]:
+    """Cost, expected error, parts, growth and order of what may be chosen, by rising cost.
 
     The error is the first term left out of the Chebyshev series of exp(λ t) in any slab, t being the time since a
     front and λ the rates (…, copies): 2 I_s(λ w/2) exp(λ t) in the middle of a slab of width w.
@@ -69,6 +70,8 @@ def _choices(fronts: Floats, rates: NDArray[np.complex128]) -> list[tuple[float,
             left_out = terms.max(axis=(1, 2, 3), initial=0.0) / factorials
             costs = len(width) * ORDERS * (ORDERS + OVERHEAD)
             found += zip(costs, left_out, repeat(parts), repeat(growth), ORDERS.tolist())
+        if min(expected for _, expected, *_ in found) < SAFELY * tol:
+            break
     return sorted(found)
 
 
