@@ -56,6 +56,11 @@ def cable_numbers():
     )
 
 
+def fast_numbers():
+    """A receiver that settles in a hundred-thousandth of the delay."""
+    return cable_numbers() | {"loads.end.capacitance": 1e-4 * cable_numbers()["loads.end.capacitance"]}
+
+
 def tee_numbers():
     numbers = spread(
         lines__up__z0=75.0, loads__top__resistance=20.0, loads__top__inductance=10.0, loads__far__capacitance=5e-3
@@ -78,10 +83,11 @@ def copy_of(data, numbers, k):
     [
         (CABLE | source(RAMP), cable_numbers()),
         (CABLE | source({"shape": "step", "to": 1.0, "at": 0.37}, "current"), cable_numbers()),
+        (CABLE | source({"shape": "step", "to": 1.0, "at": 0.37}), fast_numbers()),
         (CABLE | source({"shape": "sine", "amplitude": 1.0, "frequency": 0.3}), cable_numbers()),
         (TEE | source(PULSE), tee_numbers()),
     ],
-    ids=["ramp", "step", "sine", "tee"],
+    ids=["ramp", "step", "fast", "sine", "tee"],
 )
 def test_any_copy_is_exact_at_any_instant(data, numbers):
     rng = np.random.default_rng(2)

@@ -89,7 +89,7 @@ def test_numbers_that_it_does_not_take(vary, more, where):
 
 
 def test_a_load_too_fast_is_told():
-    fast = {"x": {"at": "b", "kind": "series", "resistance": 1.0, "capacitance": 1e-6}}
+    fast = {"x": {"at": "b", "kind": "series", "resistance": 1.0, "capacitance": 1e-10}}
     with pytest.warns(UnresolvedWarning, match="too fast for many runs"):
-        runs = many(scene(loads=fast), {"loads.x.capacitance": [1e-6, 2e-6]}, tol=1e-9)
+        runs = many(scene(loads=fast), {"loads.x.capacitance": [1e-10, 2e-10]}, tol=1e-9)
     assert runs.estimate > 1e-9

@@ -130,7 +130,7 @@ def _seen(
             find_extremes(record[row, 0], unit[batch], edges[batch], scene.t_end, order.c, order.to_powers, found)
             if len(t):
                 find_values(record[row], unit[batch], edges[batch], t, order.to_powers, values[batch, row])
-    return extremes, values
+    return extremes + 0.0, values  # no -0.0
 
 
 def _rows(there: list[bool]) -> NDArray:

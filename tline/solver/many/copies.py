@@ -44,7 +44,6 @@ class Copies(NamedTuple):
 
 def copies_of(scene: Scene, vary: Mapping[str, ArrayLike]) -> Copies:
     """All copies of a scene; for arguments and refusals see `tline.solver.many.runs`."""
-    _refuse(scene)
     numbers = _numbers(scene, vary)
     z0, delays = (np.array([numbers[place("lines", name, key)] for name in scene.lines]) for key in ("z0", "delay"))
     shortest = int(delays[:, 0].argmin())
@@ -87,8 +86,9 @@ def _refuse(scene: Scene) -> None:
             states.add(load.at)
 
 
-def _numbers(scene: Scene, vary: Mapping[str, ArrayLike]) -> dict[str, Floats]:
-    """All numbers that may vary, each in all copies."""
+def variable(scene: Scene) -> dict[str, float]:
+    """All numbers of a scene that may vary, by place; scenes that cannot be run in copies are refused."""
+    _refuse(scene)
     found: dict[str, float] = {}
     for name, line in scene.lines.items():
         found[place("lines", name, "z0")] = line.parameters.z0
@@ -97,6 +97,12 @@ def _numbers(scene: Scene, vary: Mapping[str, ArrayLike]) -> dict[str, Floats]:
         for name, element in elements.items():
             given = {key: getattr(element, key, None) for key in ELEMENTS}
             found |= {place(section, name, key): float(value) for key, value in given.items() if value}
+    return found
+
+
+def _numbers(scene: Scene, vary: Mapping[str, ArrayLike]) -> dict[str, Floats]:
+    """The same, each in all copies."""
+    found = variable(scene)
     varied = {where: _values(where, values, found) for where, values in vary.items()}
     count = {len(values) for values in varied.values()}
     if len(count) != 1:

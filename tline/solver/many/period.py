@@ -65,6 +65,8 @@ def front_places(breaks: Floats, unit: Floats) -> Floats:
 def slab_edges(fronts: Floats, parts: int, growth: float) -> Floats:
     """Edges of the slabs in a period, as shares of it, shape (slabs + 1, copies); some may be of no width.
 
+    The first slab after any front is no wider than it would be were there no fronts.
+
     Parameters
     ----------
     fronts : ndarray, shape (fronts, copies)
@@ -77,10 +79,12 @@ def slab_edges(fronts: Floats, parts: int, growth: float) -> Floats:
     Examples
     --------
     >>> slab_edges(np.array([[0.0], [0.4], [1.0]]), 3, 2.0).T.round(3).tolist()
-    [[0.0, 0.133, 0.4, 0.6, 1.0]]
+    [[0.0, 0.133, 0.4, 0.486, 0.657, 1.0]]
     """
     width = np.diff(fronts, axis=0)
-    count = np.maximum(np.ceil(width.max(axis=1) * parts - EDGE).astype(int), 1)
+    widest = width.max(axis=1)
+    count = widest * parts if growth == 1 else np.log1p(widest * (growth**parts - 1)) / np.log(growth)
+    count = np.maximum(np.ceil(count - EDGE).astype(int), 1)
     parted = [np.cumsum(growth ** np.arange(n)) for n in count]
     cuts = [np.concatenate([[0.0], ends[:-1] / ends[-1]])[:, None] for ends in parted]
     return np.vstack([*(a + b * cut for a, b, cut in zip(fronts[:-1], width, cuts, strict=True)), fronts[-1:]])

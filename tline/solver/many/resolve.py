@@ -2,10 +2,11 @@
 
 from collections.abc import Mapping
 from itertools import repeat
-from math import factorial, inf, isfinite
+from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import ive
 
 from tline.scene.scene import Scene
 from tline.solver.accuracy import ROUNDING, SILENT
@@ -57,17 +58,18 @@ def _choices(fronts: Floats, rates: NDArray[np.complex128], tol: float) -> list[
 
     The error is the first term left out of the Chebyshev series of exp(λ t) in any slab, t being the time since a
     front and λ the rates (…, copies): 2 I_s(λ w/2) exp(λ t) in the middle of a slab of width w.
+
+    Source: Abramowitz, Stegun: Handbook of Mathematical Functions (1964), 9.6.34.
     """
     found = []
-    factorials = np.array([factorial(s) for s in ORDERS.tolist()], float)
     for parts in PARTS:
-        for growth in GROWTHS[: parts]:
+        for growth in GROWTHS[:parts]:
             edges = slab_edges(fronts, parts, growth)
             begin, width = edges[:-1], np.diff(edges, axis=0)
             since = begin - np.where(fronts[:, None] <= begin, fronts[:, None], 0.0).max(axis=0)
-            size = np.exp(rates.real[:, None] * (since + width / 2))
-            terms = 2 * (np.abs(rates)[:, None] * width / 4) ** ORDERS[:, None, None, None] * size
-            left_out = terms.max(axis=(1, 2, 3), initial=0.0) / factorials
+            begun = np.exp(rates.real[:, None] * since)
+            terms = 2 * begun * np.abs(ive(ORDERS[:, None, None, None], rates[:, None] * width / 2))
+            left_out = terms.max(axis=(1, 2, 3), initial=0.0)
             costs = len(width) * ORDERS * (ORDERS + OVERHEAD)
             found += zip(costs, left_out, repeat(parts), repeat(growth), ORDERS.tolist())
         if min(expected for _, expected, *_ in found) < SAFELY * tol:
