@@ -1,11 +1,16 @@
 """Many runs in one call against exact solutions, copy by copy."""
 
+import math
+
 import numpy as np
 import pytest
 
 from tline.reference import Solution
 from tline.scene.scene import Scene
 from tline.solver.many import many
+from tline.solver.many.kernel import find_extremes
+from tline.solver.many.period import slab_edges
+from tline.solver.radau import basis
 
 TOL, BOUND = 1e-8, 1e-8  # asked of the estimate, and held to on copies that were not in the sample
 COPIES, SHOWN, INSTANTS = 300, 3, 25
@@ -114,3 +119,33 @@ def test_extremes_are_those_of_the_exact_solution():
         assert solution.at(around.tolist()).efforts.max() <= seen.highest[k] + BOUND
         assert abs(solution.at([float(top_at)]).efforts[0] - seen.highest[k]) <= BOUND
         assert abs(seen.lowest[k]) <= BOUND
+
+
+@pytest.mark.parametrize("s", [6, 9])
+def test_extremes_of_waves_that_are_known(s):
+    """Oscillations that die away or grow, cut in slabs and ended anywhere, against a fine grid."""
+    rng = np.random.default_rng(s)
+    copies, periods, t_end = 40, 9, 5.2
+    order, unit = basis(s), rng.uniform(0.7, 1.0, copies)
+    frequency, phase, rate = (rng.uniform(*limits, (copies, 1)) for limits in ((0.5, 3.0), (0.0, 6.0), (-0.3, 0.2)))
+
+    def wave(t):
+        return np.exp(rate * t) * np.sin(frequency * t + phase)
+
+    fronts = np.stack([np.zeros(copies), rng.uniform(0.3, 0.6, copies), np.ones(copies)])
+    edges = slab_edges(fronts, 4, 1.5)
+    shares = edges[:-1, None] + np.diff(edges, axis=0)[:, None] * order.c[:, None]
+    t = (np.arange(periods)[:, None, None, None] + shares) * unit
+    values = wave(t.reshape(-1, copies).T).T.reshape(periods * len(shares), s, copies)
+    found = np.empty((4, copies))
+    find_extremes(np.ascontiguousarray(values), unit, edges, t_end, order.c, order.to_powers, found)
+    grid = np.linspace(1e-9, t_end, 20_001)
+    fine = wave(grid)
+    width = np.diff(edges, axis=0).max()  # of polynomials that follow |λ| < 3.1, by the remainder of interpolation
+    bound = 3 * 2 * (3.1 * width / 4) ** s / math.factorial(s) + 3 * (3.1 * grid[1]) ** 2 / 8  # and of the fine grid
+    for k, pick in ((0, np.min), (2, np.max)):
+        best = pick(np.concatenate([fine, np.zeros((copies, 1))], axis=1), axis=1)
+        np.testing.assert_allclose(found[k], best, rtol=0, atol=bound)
+        there = found[k] != 0
+        at = wave(found[k + 1][:, None])[:, 0]
+        np.testing.assert_allclose(found[k][there], at[there], rtol=0, atol=bound)

@@ -88,6 +88,11 @@ def test_numbers_that_it_does_not_take(vary, more, where):
         many(scene(), vary, **more)
 
 
+def test_without_sources_nothing_happens():
+    runs = many(Scene(**{**scene().table(), "sources": {}}), Z0)
+    assert (runs.order, runs.slabs, runs.probes["p"].highest.tolist()) == (2, 1, [0.0, 0.0])
+
+
 def test_a_load_too_fast_is_told():
     fast = {"x": {"at": "b", "kind": "series", "resistance": 1.0, "capacitance": 1e-10}}
     with pytest.warns(UnresolvedWarning, match="too fast for many runs"):

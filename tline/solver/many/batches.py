@@ -94,6 +94,7 @@ def _seen(
     from tline.solver.many.kernel import advance_copies, fill_maps, find_extremes, find_values
 
     order, unit, junctions = basis(s), copies.unit[rows], copies.junctions
+    rate, projector = modes_of(order)
     n = _periods(scene, unit.min())
     edges = np.ascontiguousarray(edges[:, rows].transpose(1, 0, 2))
     widths = np.diff(edges, axis=1) * unit[:, None]
@@ -123,7 +124,8 @@ def _seen(
     extremes, values = np.empty((len(rows), ends, 4, B)), np.empty((len(rows), ends, 2, B, len(t)))
     for batch in range(len(rows)):
         for k, load in enumerate(loads):
-            fill_maps(*(part[batch] for part in load), widths[batch], *modes_of(order), maps[k])
+            A, b, c, d = (part[batch] for part in load)
+            fill_maps(A, b, c, d, widths[batch], rate, projector, maps[k])
         advance_copies(*arrays, weights[batch], maps, drive[batch], n, record)
         for row in range(ends):
             found = extremes[batch, row]

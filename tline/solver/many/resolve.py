@@ -15,6 +15,7 @@ from tline.solver.many.copies import Copies
 from tline.solver.many.period import front_places, slab_edges
 
 Floats = NDArray[np.floating]
+Complexes = NDArray[np.complex128]
 PARTS, ORDERS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32), np.arange(2, 11)
 GROWTHS = (1.0, 1.5)  # of slabs after a front: for what rings, and for what dies away
 OVERHEAD = 10  # points, whose product with a point of all costs as much as that point apart from the loads' maps
@@ -37,9 +38,7 @@ def resolve(
     rows = np.unique([*ends, *np.linspace(0, len(copies.unit) - 1, COMPARED).astype(int)])
     t = np.linspace(0.0, float(scene.t_end), SPREAD)
     fronts = front_places(breaks, copies.unit)
-    rates = [np.full((1, len(rows)), 1j / source.value.fastest()) for source in scene.sources.values()]
-    rates += [np.linalg.eigvals(np.moveaxis(A[..., rows], -1, 0)).T for A in loads]
-    choices = _choices(fronts[:, rows], np.concatenate(rates) * copies.unit[rows], tol)
+    choices = _choices(fronts[:, rows], _rates(scene, loads, rows) * copies.unit[rows], tol)
     best, excess = (np.empty(0), 0, inf), 1.0
     for k, (_, expected, parts, growth, s) in enumerate(choices):
         if expected * excess > tol and k + 1 < len(choices):
@@ -53,7 +52,17 @@ def resolve(
     return best
 
 
-def _choices(fronts: Floats, rates: NDArray[np.complex128], tol: float) -> list[tuple[float, float, int, float, int]]:
+def _rates(scene: Scene, loads: list[Floats], rows: NDArray) -> Complexes:
+    """Rates of loads' modes and of waveforms in some copies, (…, copies), 1/s; those of waveforms are imaginary."""
+    rates: Complexes = np.zeros((1, len(rows)), complex)
+    for source in scene.sources.values():
+        rates = np.vstack([rates, np.full(len(rows), 1j / source.value.fastest())])
+    for A in loads:
+        rates = np.vstack([rates, np.linalg.eigvals(np.moveaxis(A[..., rows], -1, 0)).T.astype(complex)])
+    return rates
+
+
+def _choices(fronts: Floats, rates: Complexes, tol: float) -> list[tuple[float, float, int, float, int]]:
     """Cost, expected error, parts, growth and order of what may be chosen, by rising cost.
 
     The error is the first term left out of the Chebyshev series of exp(λ t) in any slab, t being the time since a

@@ -53,7 +53,7 @@ class Many:
     processor: float
 
 
-def many(scene: Scene, vary: Mapping[str, ArrayLike], *, times: ArrayLike = (), tol: float | None = None) -> Many:
+def many(scene: Scene, vary: Mapping[str, ArrayLike], *, times: ArrayLike = (), tol: float | str | None = None) -> Many:
     """Run copies of a scene in which numbers vary, all in one call.
 
     Every copy has slabs of its own, at whose edges all fronts pass, so that answers are as accurate between slabs' ends
@@ -70,7 +70,7 @@ def many(scene: Scene, vary: Mapping[str, ArrayLike], *, times: ArrayLike = (), 
         ``capacitance`` of ``loads.NAME``. All are above zero. The delays of a copy keep their proportions.
     times : array_like, shape (instants,)
         From 0 to the end of the run, s, at which effort and flow are wanted.
-    tol : float, 1e-9 to 0.1
+    tol : float or str, 1e-9 to 0.1
         Largest error relative to the amplitude, instead of the scene's ``solver.tol``; 1e-6 where there is neither.
 
     Returns
@@ -130,7 +130,7 @@ def _instants(scene: Scene, times: ArrayLike) -> Floats:
     return t
 
 
-def _tolerance(scene: Scene, tol: float | None) -> float:
+def _tolerance(scene: Scene, tol: float | str | None) -> float:
     asked = tol if tol is not None else scene.solver.tol if scene.solver.tol is not None else TOL
     try:
         return TOLERANCE.parse(asked, "")

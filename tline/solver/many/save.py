@@ -4,9 +4,10 @@ import csv
 from collections.abc import Iterator, Mapping
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tline.scene.file import scene_text
 from tline.scene.medium import MEDIA
@@ -55,7 +56,7 @@ def save_npz(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many, path: str 
         np.savez(file, **dict(_arrays(scene, vary, runs)))
 
 
-def _arrays(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many) -> Iterator[tuple[str, NDArray]]:
+def _arrays(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many) -> Iterator[tuple[str, Any]]:
     yield from ((where, np.asarray(values, float)) for where, values in vary.items())
     for name, seen in runs.probes.items():
         yield from ((f"{name}/{key}", getattr(seen, key)) for key in EXTREMES)
