@@ -19,8 +19,9 @@ Complexes = NDArray[np.complex128]
 PARTS, ORDERS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32), np.arange(2, 11)
 GROWTHS = (1.0, 1.5)  # of slabs after a front: for what rings, and for what dies away
 OVERHEAD = 10  # points, whose product with a point of all costs as much as that point apart from the loads' maps
+WANTED = 0.5  # of the tolerance, for what the sample does not show
 SAFELY = 1e-4  # of the tolerance: who may expect that needs no finer slabs
-COMPARED, SPREAD = 16, 101  # copies, beside those with extreme numbers, and instants at which runs are compared
+COMPARED, SPREAD = 16, 211  # copies, beside those with extreme numbers, and instants at which runs are compared
 
 
 def resolve(
@@ -41,12 +42,12 @@ def resolve(
     choices = _choices(fronts[:, rows], _rates(scene, loads, rows) * copies.unit[rows], tol)
     best, excess = (np.empty(0), 0, inf), 1.0
     for k, (_, expected, parts, growth, s) in enumerate(choices):
-        if expected * excess > tol and k + 1 < len(choices):
+        if expected * excess > WANTED * tol and k + 1 < len(choices):
             continue
         edges = slab_edges(fronts, parts, growth)
         estimate = _apart(scene, copies, rows, *(run(scene, copies, edges, order, rows, t) for order in (s, s + 1)))
         best = min(best, (edges, s, estimate), key=lambda found: found[-1])
-        if estimate <= tol:
+        if estimate <= WANTED * tol:
             break
         excess = max(excess, estimate / max(expected, ROUNDING))
     return best
