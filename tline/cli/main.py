@@ -17,6 +17,7 @@ COMMANDS = {
         "z0, wave speed and the rest of a pipe or a cable, from what is known of it.",
     ),
     "run": ("tline.cli.run:run", "Simulate a scene."),
+    "many": ("tline.cli.many:many", "A scene in thousands of runs with numbers that vary: what parts' tolerances do."),
     "frequency": ("tline.cli.frequency:frequency", "A scene over frequency: transfer functions, S-parameters."),
     "tdr": ("tline.cli.tdr:tdr", "Time-domain reflectometry: a step into a node, and what comes back."),
     "eye": ("tline.cli.eye:eye", "Eye diagram of a bit pattern at a probe."),

@@ -6,7 +6,7 @@ delayed wave. The Radau IIA matrix integrates loads on the same points.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -45,6 +45,14 @@ class Basis:
     def evaluation(self, x) -> Matrix:
         """Matrix from values at the points to values at x, shape (len(x), s)."""
         return self._legendre(x) @ self.to_legendre
+
+    @cached_property
+    def to_powers(self) -> Matrix:
+        """Matrix from values at the points to coefficients of powers of 2 x - 1."""
+        series = np.zeros((self.s, self.s))
+        for k in range(self.s):
+            series[: k + 1, k] = legendre.leg2poly(np.eye(self.s)[k, : k + 1])
+        return series @ self.to_legendre
 
     def restriction(self, start: float, end: float) -> Matrix:
         """Matrix to the values at the Radau points of the part [start, end]: the same polynomial, seen closer."""

@@ -188,10 +188,10 @@ def _dividing(delays: list[float], lossy: list[float], marks: list[float], wante
     most = int(shortest / max(wanted / FINER, affordable)) or 1
     choices = [[*delays, *marks], delays]
     choices += [[shortest, *lossy, *marks], [shortest, *lossy]] if lossy else []
-    return next(filter(None, (_common(times, shortest, most) for times in choices)), 0)
+    return next(filter(None, (common_parts(times, shortest, most) for times in choices)), 0)
 
 
-def _common(times: list[float], unit: float, most: int) -> int:
+def common_parts(times: list[float], unit: float, most: int) -> int:
     """The fewest parts of the unit that divide all times, 0 if it takes more than `most`."""
     parts = 1
     for time in set(times):

@@ -1,0 +1,140 @@
+"""Copies run in batches that fit the cache, and what their probes see."""
+
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.mistakes import place
+from tline.scene.scene import Scene
+from tline.solver.many.copies import Copies
+from tline.solver.many.period import driven_waves, modes_of
+from tline.solver.radau import basis
+
+Floats = NDArray[np.floating]
+BATCH = 64  # copies in the kernel at once
+PERIOD, ROOM, LARGEST = 25e3, 8e6, 1e8  # samples that are set up at once in a period, and in all; and of one copy
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What one probe saw in all copies; Pa and m³/s, or V and A.
+
+    Attributes
+    ----------
+    u, y : ndarray, shape (copies, instants)
+        Effort and flow at the instants asked for.
+    lowest, highest : ndarray, shape (copies,)
+        Smallest and largest effort from t = 0, where it is zero, to the end.
+    lowest_at, highest_at : ndarray, shape (copies,)
+        When they are reached, s.
+    """
+
+    u: Floats
+    y: Floats
+    lowest: Floats
+    lowest_at: Floats
+    highest: Floats
+    highest_at: Floats
+
+
+def run(scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, t: Floats) -> dict[str, Seen]:
+    """Run those copies of some rows at order s, with slabs at edges (K + 1, copies); see them at instants t."""
+    where = _line_ends(scene)
+    recorded = sorted({*where.values()})
+    most = _periods(scene, copies.unit[rows].min()) * (len(edges) - 1) * s
+    maps = len(copies.junctions) * (len(edges) - 1) * (s + 2) ** 2
+    each = most * 2 * len(recorded) + maps + len(t) * s
+    if each > LARGEST:
+        problem = f"a copy takes {each:.2g} samples in {most // (len(edges) - 1) // s} common measures of its delays"
+        raise InputError("t_end", problem, f"at most {LARGEST:.0e}: a shorter run")
+    B = int(np.clip(ROOM / each, 1, min(BATCH, len(rows))))
+    chunk = B * max(int(min(ROOM / each, PERIOD / (len(edges) - 1) / s) / B), 1)
+    found = {name: [np.empty((len(rows), *shape)) for shape in 2 * [(len(t),)] + 4 * [()]] for name in where}
+    by_unit = np.argsort(copies.unit[rows], kind="stable")
+    for low in range(0, len(rows), chunk):
+        mine = by_unit[low : low + chunk]
+        mine = np.pad(mine, (0, -len(mine) % B), mode="edge").reshape(-1, B)  # the last copy fills the last batch
+        extremes, values = _seen(scene, copies, edges, s, rows[mine], recorded, t)
+        for name, end in where.items():
+            row = recorded.index(end)
+            u, w = values[:, row, 0], values[:, row, 1]
+            sign = 2 * (end % 2) - 1  # what arrives at end 2 is a, at end 1 it is b
+            seen = u, sign * (w - u) / copies.z0[end // 2, rows[mine], None], *extremes[:, row].swapaxes(0, 1)
+            for array, part in zip(found[name], seen, strict=True):
+                array[mine] = part
+    return {name: Seen(*arrays) for name, arrays in found.items()}
+
+
+def _periods(scene: Scene, unit: float) -> int:
+    return max(ceil(scene.t_end / unit - 1e-9), 1)
+
+
+def _line_ends(scene: Scene) -> dict[str, int]:
+    """Number of the line end that each probe sees."""
+    lines, ends = list(scene.lines), {}
+    for name, probe in scene.probes.items():
+        line = scene.probed_line(name)
+        share = probe.fraction(scene.lines[line])
+        if share not in (0.0, 1.0):
+            raise InputError(place("probes", name), "inside a line", "a probe at a node, for many runs")
+        ends[name] = 2 * lines.index(line) + int(share)
+    return ends
+
+
+def _seen(
+    scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, recorded: list[int], t: Floats
+) -> tuple[Floats, Floats]:
+    """Run copies (batches, B); of line ends the extremes of efforts and when, shape (batches, ends, 4, B).
+
+    Beside them efforts and arriving waves at instants t, shape (batches, ends, 2, B, instants).
+    """
+    from tline.solver.many.kernel import advance_copies, fill_maps, find_extremes, find_values
+
+    order, unit, junctions = basis(s), copies.unit[rows], copies.junctions
+    rate, projector = modes_of(order)
+    n = _periods(scene, unit.min())
+    edges = np.ascontiguousarray(edges[:, rows].transpose(1, 0, 2))
+    widths = np.diff(edges, axis=1) * unit[:, None]
+    slabs = widths.shape[1]
+    loads = [
+        [np.moveaxis(part[..., rows], -2, 0).copy() for part in junction.load]
+        for junction in junctions
+        if junction.load is not None
+    ]
+    states = max((load[1].shape[1] for load in loads), default=0)
+    maps = np.zeros((len(loads), slabs, s + states, s + states, rows.shape[1]))
+    drives = [[(shape, share[rows]) for shape, share in junction.drives] for junction in junctions if junction.drives]
+    drive = driven_waves(drives, order, unit, edges, n, scene.t_end)
+    weights = np.concatenate([junction.weights[:, rows] for junction in junctions]).transpose(1, 0, 2).copy()
+    record_row = np.full(2 * len(copies.delay), -1)
+    record_row[recorded] = np.arange(len(recorded))
+    arrays = (
+        copies.delay,
+        np.cumsum([0, *(len(junction.ends) for junction in junctions)]),
+        np.concatenate([junction.ends for junction in junctions]),
+        _rows([bool(junction.drives) for junction in junctions]),
+        _rows([junction.load is not None for junction in junctions]),
+        record_row,
+    )
+    ends, B = len(recorded), rows.shape[1]
+    record = np.empty((ends, 2, n * slabs, s, B))
+    extremes, values = np.empty((len(rows), ends, 4, B)), np.empty((len(rows), ends, 2, B, len(t)))
+    for batch in range(len(rows)):
+        for k, load in enumerate(loads):
+            A, b, c, d = (part[batch] for part in load)
+            fill_maps(A, b, c, d, widths[batch], rate, projector, maps[k])
+        advance_copies(*arrays, weights[batch], maps, drive[batch], n, record)
+        for row in range(ends):
+            found = extremes[batch, row]
+            find_extremes(record[row, 0], unit[batch], edges[batch], scene.t_end, order.c, order.to_powers, found)
+            if len(t):
+                find_values(record[row], unit[batch], edges[batch], t, order.to_powers, values[batch, row])
+    return extremes + 0.0, values  # no -0.0
+
+
+def _rows(there: list[bool]) -> NDArray:
+    """Numbers of those that are there, -1 for the others."""
+    return np.where(there, np.cumsum(there) - 1, -1)

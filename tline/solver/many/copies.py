@@ -1,0 +1,165 @@
+"""A scene in many copies: topology and waveforms are shared, numbers vary; all of them as arrays over the copies."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tline.errors import InputError
+from tline.scene.coupled import Coupled
+from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
+from tline.scene.mistakes import nearest, place, shown
+from tline.scene.quantity import LARGEST, SMALLEST
+from tline.scene.rational_load import Parallel, Series
+from tline.scene.scene import Scene
+from tline.scene.shape import Shape
+from tline.solver.many.load import Load, parallel, series
+from tline.solver.nodes import Node, nodes_of
+from tline.solver.resolution import WHOLE, common_parts
+
+Floats = NDArray[np.floating]
+ELEMENTS = ("resistance", "inductance", "capacitance")
+MOST_UNITS = 1000  # in the shortest delay
+MOST_COPIES = 10_000_000
+
+
+class Junction(NamedTuple):
+    """A node in all copies."""
+
+    ends: list[int]
+    weights: Floats  # (ends, copies) share of an arriving wave in the Thévenin wave
+    drives: list[tuple[Shape, Floats]]  # waveforms, and their shares (copies,) of the Thévenin wave
+    load: Load | None  # None where nothing has a state
+
+
+class Copies(NamedTuple):
+    """A scene in N copies; L lines."""
+
+    unit: Floats  # (N,) the common measure of a copy's delays, s
+    delay: NDArray[np.int64]  # (L,) delays in units, the same in all copies
+    z0: Floats  # (L, N)
+    junctions: list[Junction]
+
+
+def copies_of(scene: Scene, vary: Mapping[str, ArrayLike]) -> Copies:
+    """All copies of a scene; for arguments and refusals see `tline.solver.many.runs`."""
+    numbers = _numbers(scene, vary)
+    z0, delays = (np.array([numbers[place("lines", name, key)] for name in scene.lines]) for key in ("z0", "delay"))
+    shortest = int(delays[:, 0].argmin())
+    ratios = delays / delays[shortest]
+    ratio = ratios[:, :1]
+    apart = np.flatnonzero((np.abs(ratios - ratio) > WHOLE * ratio).any(axis=0))
+    if len(apart):
+        problem = f"the delays of copy {apart[0]} are not in the proportion of those of copy 0"
+        raise InputError("lines", problem, "all delays multiplied by the same number, copy by copy")
+    parts = common_parts(ratio[:, 0].tolist(), 1.0, MOST_UNITS)
+    if not parts:
+        expected = f"whole multiples of a part of the shortest, at most a {MOST_UNITS}th"
+        raise InputError("lines", "their delays have no common measure", expected)
+    delay = np.round(ratio[:, 0] * parts).astype(np.int64)
+    junctions = [_junction(scene, name, node, z0, numbers) for name, node in nodes_of(scene).items()]
+    return Copies(delays[shortest] / parts, delay, z0, junctions)
+
+
+def _refuse(scene: Scene) -> None:
+    """Refuse what copies may not hold."""
+    what = "a scene of single lossless lines, resistances, R, L and C, from rest, for many runs"
+    if scene.start != "rest":
+        raise InputError("start", "many runs begin at rest", "'rest'", f"'{scene.start}'")
+    for key in ("order", "slab"):
+        if getattr(scene.solver, key) is not None:
+            raise InputError(place("solver", key), "many runs choose order and slabs themselves", "a tolerance")
+    for name in scene.links:
+        raise InputError(place("links", name), "stands between two nodes", what)
+    for name, line in scene.lines.items():
+        if isinstance(line, Coupled) or line.losses is not None:
+            problem = "has coupled conductors" if isinstance(line, Coupled) else "has losses"
+            raise InputError(place("lines", name), problem, what)
+    states: set[str] = set()
+    for name, load in scene.loads.items():
+        if not isinstance(load, NoFlow | Short | Reservoir | Matched | Resistor | Series | Parallel):
+            raise InputError(place("loads", name), f"a load of kind '{load.kind}'", what)
+        if isinstance(load, Series | Parallel) and load.rational().degree:
+            if load.at in states:
+                raise InputError(place("loads", name), f"a second L or C at node '{load.at}'", "one load with a state")
+            states.add(load.at)
+
+
+def variable(scene: Scene) -> dict[str, float]:
+    """All numbers of a scene that may vary, by place; scenes that cannot be run in copies are refused."""
+    _refuse(scene)
+    found: dict[str, float] = {}
+    for name, line in scene.lines.items():
+        found[place("lines", name, "z0")] = line.parameters.z0
+        found[place("lines", name, "delay")] = line.parameters.delay or 0.0
+    for section, elements in (("loads", scene.loads), ("sources", scene.sources)):
+        for name, element in elements.items():
+            given = {key: getattr(element, key, None) for key in ELEMENTS}
+            found |= {place(section, name, key): float(value) for key, value in given.items() if value}
+    return found
+
+
+def _numbers(scene: Scene, vary: Mapping[str, ArrayLike]) -> dict[str, Floats]:
+    """The same, each in all copies."""
+    found = variable(scene)
+    varied = {where: _values(where, values, found) for where, values in vary.items()}
+    count = {len(values) for values in varied.values()}
+    if len(count) != 1:
+        got = ", ".join(f"{len(values)} of {where}" for where, values in varied.items()) or "none"
+        raise InputError("vary", "not as many numbers of each", "at least one array, all of one length", got)
+    (n,) = count
+    if not 1 <= n <= MOST_COPIES:
+        raise InputError("vary", "not a number of copies", f"1 to {MOST_COPIES:,}", f"{n}")
+    return {where: varied.get(where, np.full(n, value)) for where, value in found.items()}
+
+
+def _values(where: str, values: ArrayLike, known: Mapping[str, float]) -> Floats:
+    if where not in known:
+        raise InputError(where, "no number of the scene that may vary", nearest(where, list(known)))
+    try:
+        array = np.array(values, float)
+    except (TypeError, ValueError):
+        raise InputError(where, "not numbers", "an array of numbers in SI", shown(values)) from None
+    if array.ndim != 1:
+        raise InputError(where, "not one number for each copy", "an array of one axis", f"{array.ndim} axes")
+    bad = np.flatnonzero(~((array >= SMALLEST) & (array <= LARGEST)))
+    if len(bad):
+        expected = f"numbers from {SMALLEST:g} to {LARGEST:g}"
+        raise InputError(where, f"out of range in copy {bad[0]}", expected, f"{array[bad[0]]:g}")
+    return array
+
+
+def _junction(scene: Scene, name: str, node: Node, z0: Floats, numbers: Mapping[str, Floats]) -> Junction:
+    """A node with all that is attached to it."""
+    own = 1 / z0[np.array(node.ends) // 2]
+    if node.held is not None:
+        return Junction(node.ends, 0.0 * own, [(node.held, np.ones(z0.shape[1]))], None)
+    total = own.sum(axis=0)
+    flows: list[tuple[Shape, Floats | float]] = []
+    dynamic: tuple[Series | Parallel, Floats | None, Floats | None, Floats | None] | None = None
+    for key, load in scene.loads.items():
+        if load.at != name:
+            continue
+        R, L, C = (numbers.get(place("loads", key, element)) for element in ELEMENTS)
+        if L is not None or C is not None:
+            assert isinstance(load, Series | Parallel)
+            dynamic = load, R, L, C
+        if isinstance(load, Matched):
+            total = total + own[0]
+        elif R is not None and not (isinstance(load, Series) and dynamic and dynamic[0] is load):
+            total = total + 1 / R
+    for key, source in scene.sources.items():
+        if source.at == name:
+            R = numbers.get(place("sources", key, "resistance"))
+            conductance = 0.0 if R is None else 1 / R
+            total = total + conductance
+            flows.append((source.value, conductance if source.is_effort else 1.0))
+    drives = [(waveform, factor / total) for waveform, factor in flows]
+    weights = own / total
+    if dynamic is None:
+        return Junction(node.ends, weights, drives, None)
+    load, R, L, C = dynamic
+    z = 1 / total
+    through = parallel(z, L, C) if isinstance(load, Parallel) else series(z, 0.0 if R is None else R, L, C)
+    return Junction(node.ends, weights, drives, through)

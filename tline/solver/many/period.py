@@ -1,0 +1,150 @@
+"""A period, the common measure of a copy's delays, cut in slabs so that all fronts pass at their edges.
+
+Fronts of a source leave at breaks of its waveform and meet nodes whole periods later. So if the breaks' places in the
+period are edges of slabs, every wave is smooth in every slab of every copy, whatever its delays. The copies of a batch
+are the last axis of all arrays: they stand side by side in memory, so that they are advanced together.
+"""
+
+from functools import lru_cache
+from math import ceil, inf
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.scene import Scene
+from tline.scene.shape import Shape
+from tline.solver.drive import EDGE
+from tline.solver.radau import Basis
+
+Floats = NDArray[np.floating]
+Complexes = NDArray[np.complex128]
+MOST_BREAKS = 12
+BITS = 200
+REAL = 1e-9  # share of its imaginary part below which a rate is real
+
+
+def breaks_of(scene: Scene) -> Floats:
+    """Instants after t = 0 at which a waveform jumps or bends, s.
+
+    Raises
+    ------
+    InputError
+        There are too many for a period.
+    """
+    breaks = [source.value.breaks(scene.t_end) for source in scene.sources.values()]
+    instants = np.unique(np.concatenate([np.empty(0), *breaks]))
+    instants = instants[(instants > 0) & (instants < scene.t_end)]
+    if len(instants) > MOST_BREAKS:
+        problem = "their waveforms have too many jumps and corners for many runs"
+        raise InputError("sources", problem, f"at most {MOST_BREAKS}", f"{len(instants)}")
+    return instants
+
+
+def front_places(breaks: Floats, unit: Floats) -> Floats:
+    """Where fronts pass nodes, from the begin of a period to its end, as shares of it, shape (fronts, copies).
+
+    Parameters
+    ----------
+    breaks : ndarray
+        Instants at which they leave, s.
+    unit : ndarray, shape (copies,)
+        Period, s.
+
+    Examples
+    --------
+    >>> front_places(np.array([1.0, 4.5]), np.array([2.0, 3.0])).T.round(3).tolist()
+    [[0.0, 0.25, 0.5, 1.0], [0.0, 0.333, 0.5, 1.0]]
+    """
+    places = breaks[:, None] / unit % 1.0
+    places = np.sort(np.where((places < EDGE) | (places > 1 - EDGE), 0.0, places), axis=0)
+    return np.vstack([np.zeros(len(unit)), places, np.ones(len(unit))])
+
+
+def slab_edges(fronts: Floats, parts: int, growth: float) -> Floats:
+    """Edges of the slabs in a period, as shares of it, shape (slabs + 1, copies); some may be of no width.
+
+    The first slab after any front is no wider than it would be were there no fronts.
+
+    Parameters
+    ----------
+    fronts : ndarray, shape (fronts, copies)
+        Places that are to be edges.
+    parts : int
+        Slabs in a period, were there no fronts; at least 1.
+    growth : float
+        Ratio of the width of a slab to the one before it, after a front.
+
+    Examples
+    --------
+    >>> slab_edges(np.array([[0.0], [0.4], [1.0]]), 3, 2.0).T.round(3).tolist()
+    [[0.0, 0.133, 0.4, 0.486, 0.657, 1.0]]
+    """
+    width = np.diff(fronts, axis=0)
+    widest = width.max(axis=1)
+    count = widest * parts if growth == 1 else np.log1p(widest * (growth**parts - 1)) / np.log(growth)
+    count = np.maximum(np.ceil(count - EDGE).astype(int), 1)
+    parted = [np.cumsum(growth ** np.arange(n)) for n in count]
+    cuts = [np.concatenate([[0.0], ends[:-1] / ends[-1]])[:, None] for ends in parted]
+    return np.vstack([*(a + b * cut for a, b, cut in zip(fronts[:-1], width, cuts, strict=True)), fronts[-1:]])
+
+
+class Modes(NamedTuple):
+    """Radau IIA matrix as the sum of rate·projector over its modes, one of each conjugate pair, which counts twice."""
+
+    rate: Complexes  # (modes,)
+    projector: Complexes  # (modes, s, s)
+
+
+@lru_cache
+def modes_of(order: Basis) -> Modes:
+    """Modes of the Radau IIA matrix, rounded once: those of double arithmetic would cost six digits at s = 10."""
+    from flint import acb_mat, ctx
+
+    with ctx.workprec(BITS):
+        rates, right = acb_mat(order.A.tolist()).eig(right=True)
+        left, n = right.inv(), range(order.s)
+        rate: Complexes = np.array([complex(each) for each in rates])
+        projector: Complexes = np.array([[[complex(right[i, k] * left[k, j]) for j in n] for i in n] for k in n])
+    turning = rate.imag / abs(rate)
+    one = np.flatnonzero(turning > -REAL)
+    return Modes(rate[one], projector[one] * np.where(turning[one] > REAL, 2, 1)[:, None, None])
+
+
+def driven_waves(
+    drives: list[list[tuple[Shape, Floats]]], order: Basis, unit: Floats, edges: Floats, n: int, t_end: float
+) -> Floats:
+    """The sources' parts of Thévenin waves at all points of n periods, or of so many that the last one goes on.
+
+    Parameters
+    ----------
+    drives : list of lists of (Shape, ndarray)
+        Of each node with sources: waveforms and their shares (batches, B).
+    unit : ndarray, shape (batches, B)
+        Period, s.
+    edges : ndarray, shape (batches, slabs + 1, B)
+
+    Returns
+    -------
+    ndarray, shape (batches, nodes, periods, slabs, s, B)
+    """
+    shapes = [waveform for parts in drives for waveform, _ in parts]
+    last = max((float(shape.breaks(t_end).max(initial=0.0)) for shape in shapes), default=0.0)
+    if all(_settled(shape, last, t_end) for shape in shapes):
+        n = min(n, ceil(last / unit.min()) + 1)
+    start, width = edges[:, None, :-1, None], np.diff(edges, axis=1)[:, None, :, None]
+    unit, period = unit[:, None, None, None], np.arange(n)[:, None, None, None]
+    inside = (period + start + width / 2) * unit
+    t = inside + width * unit * (order.c[:, None] - 0.5)
+    waves = np.zeros((len(t), len(drives), *t.shape[1:]))
+    for k, parts in enumerate(drives):
+        for shape, share in parts:
+            waves[:, k] += share[:, None, None, None] * shape.value(t, inside)
+    return waves
+
+
+def _settled(waveform: Shape, last: float, t_end: float) -> bool:
+    """Whether a waveform stays what it is after the last break."""
+    t = np.array([last, max(t_end, last)])
+    return waveform.fastest() == inf and np.ptp(waveform.value(t, np.array(last + t_end))) == 0.0

@@ -1,0 +1,65 @@
+"""Many runs in files that other programs read: CSV and NPZ."""
+
+import csv
+from collections.abc import Iterator, Mapping
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tline.scene.file import scene_text
+from tline.scene.medium import MEDIA
+from tline.scene.scene import Scene
+from tline.solver.atomic import replacing
+from tline.solver.many.runs import Many
+
+EXTREMES = ("lowest", "lowest_at", "highest", "highest_at")
+
+
+def save_csv(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many, path: str | Path) -> None:
+    """Write a table with a row for each copy: the numbers that vary, and the extremes at each probe, in SI.
+
+    One header line names place or quantity, with the unit of what was seen. Numbers are written so that reading them
+    gives the same floats.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    medium = MEDIA[scene.medium]
+    unit = medium.units["effort"]
+    columns = [f"{word} {rest}" for word in ("lowest", "highest") for rest in (f"{medium.effort} [{unit}]", "at [s]")]
+    head = [*vary, *(f"{name} {column}" for name in runs.probes for column in columns)]
+    seen = [getattr(probe, key) for probe in runs.probes.values() for key in EXTREMES]
+    rows = np.stack([*(np.asarray(values, float) for values in vary.values()), *seen], axis=1)
+    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(head)
+        writer.writerows(rows.tolist())
+
+
+def save_npz(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many, path: str | Path) -> None:
+    """Write the same as NumPy arrays, with the scene.
+
+    The arrays are the numbers that vary, by place; ``NAME/lowest``, ``NAME/lowest_at``, ``NAME/highest`` and
+    ``NAME/highest_at`` of each probe, in SI; ``scene`` as TOML text; ``version`` of this package; ``estimate``.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        np.savez(file, **dict(_arrays(scene, vary, runs)))
+
+
+def _arrays(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many) -> Iterator[tuple[str, Any]]:
+    yield from ((where, np.asarray(values, float)) for where, values in vary.items())
+    for name, seen in runs.probes.items():
+        yield from ((f"{name}/{key}", getattr(seen, key)) for key in EXTREMES)
+    yield "scene", np.array(scene_text(scene))
+    yield "version", np.array(version("tline"))
+    yield "estimate", np.array(runs.estimate)
