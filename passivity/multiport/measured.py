@@ -94,7 +94,7 @@ def fit_scattering(
         Largest |dS| of an entry at a sample, above 0.
     nearest : bool
         Divide a fit that is not passive by its largest singular value over all frequencies, if it meets the samples
-        then. Otherwise the fit comes back as it is, with the verdict that refutes it.
+        then. Otherwise the fit comes back as it is, with the verdict that refutes it, or says that it takes too long.
     delays : float or array_like, shape (p,)
         Time to each port, one way, s, >= 0, taken out of the samples first.
 
@@ -126,10 +126,8 @@ def fit_scattering(
     least, fewest = math.inf, 0
     for order in orders:
         found = MeasuredNetwork(fit_matrix(response, order), response)
-        if found.error <= tolerance and nearest and found.verdict.status is not Status.PROVED:
+        if found.error <= tolerance and nearest and found.verdict.status is Status.REFUTED:
             found = _scaled(found)
-            if found.verdict.status is not Status.PROVED:
-                continue
         if found.error <= tolerance:
             return found
         if found.error < least:

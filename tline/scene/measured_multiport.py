@@ -124,5 +124,7 @@ def model_of(path: Path, stamp: int, tolerance: float, delays: tuple[float, ...]
     found = fit_scattering(response, tolerance, nearest, delays)
     if found.verdict.status is not Status.PROVED:
         problem = f"the model with {found.model.order} poles is not proved passive: {found.why}"
-        raise ExpressionError("", problem, "nearest = true, or another tolerance")
+        refuted = found.verdict.status is Status.REFUTED
+        expected = "nearest = true, or another tolerance" if refuted else "fewer poles, by a larger tolerance"
+        raise ExpressionError("", problem, expected)
     return found
