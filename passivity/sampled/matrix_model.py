@@ -69,6 +69,8 @@ class MatrixModel:
         >>> (D + C @ np.linalg.solve(3j * np.eye(2) - A, B)).round(12) == model.at(np.array([3.0]))[0].round(12)
         array([[ True]])
         """
+        from scipy.linalg import block_diag
+
         p, (parts, inputs, outputs) = len(self.constant), ([], [], [])
         one, none = np.eye(p), np.zeros((p, p))
         for a, R in zip(self.poles, self.residues, strict=True):
@@ -81,11 +83,7 @@ class MatrixModel:
                 parts.append(a.real * one)
                 inputs.append(size * one)
                 outputs.append(R.real / size)
-        n, first = p * self.order, 0
-        A = np.zeros((n, n))
-        for part in parts:
-            last = first + len(part)
-            A[first:last, first:last], first = part, last
+        A = block_diag(*parts) if parts else np.zeros((0, 0))
         return A, np.vstack([np.zeros((0, p)), *inputs]), np.hstack([np.zeros((p, 0)), *outputs]), self.constant
 
 
