@@ -11,7 +11,7 @@ LINES = {
     "hydraulic": {"pipe": {"nodes": ["near", "far"], "z0": 1e7, "delay": 1}},
     "electrical": {"cable": {"nodes": ["near", "far"], "z0": 50, "delay": 1}},
 }
-MEASURED = Path(__file__).parents[1] / "scenes" / "antenna.s1p"
+MEASURED = [Path(__file__).parents[1] / "scenes" / name for name in ("antenna.s1p", "filter.s2p")]
 HYDRAULIC = {
     "Pipe": """\
 [lines.pipe]
@@ -288,6 +288,13 @@ at = "load"
 kind = "resistor"
 resistance = "50 ohm"
 """,
+    "MeasuredMultiport": """\
+[links.filter]
+nodes = ["near", "far"]
+kind = "touchstone"
+file = "filter.s2p"
+nearest = true
+""",
     "Probe": """\
 [probes.end]
 at = "far"
@@ -351,7 +358,8 @@ def example(model: str) -> str:
     scene = {"medium": medium, "t_end": "20 ns", "lines": LINES[medium], "probes": {"far": {"at": "far"}}}
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "measured.csv").write_text("0, 0\n1e-9, 1\n", encoding="utf-8")
-        shutil.copy(MEASURED, folder)
+        for file in MEASURED:
+            shutil.copy(file, folder)
         Path(folder, "cable.csv").write_text("0, 0.1, 2.5e-7\n1e6, 0.1, 2.5e-7\n1e9, 0.1, 2.5e-7\n", encoding="utf-8")
         scene_from(scene | tomllib.loads(text), folder)
     return text

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     )
     from passivity.multiport.line_two_port import check_line_two_port
     from passivity.multiport.matrix import RationalMatrix
+    from passivity.multiport.measured import MeasuredNetwork, fit_scattering
     from passivity.multiport.positive_real import check_bounded_real_matrix, check_positive_real_matrix
     from passivity.multiport.state_space import StateSpace
     from passivity.one_port.margin import Margin, Margins, margins
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from passivity.sampled.check import SampleVerdict, check_samples
     from passivity.sampled.enforce import Enforced, enforce
     from passivity.sampled.fit import fit
+    from passivity.sampled.matrix_model import MatrixModel, fit_matrix
     from passivity.sampled.model import PoleResidueModel
     from passivity.sampled.read import read_csv, read_touchstone
     from passivity.sampled.response import SampledResponse
@@ -52,6 +54,7 @@ _HOMES = {
     "multiport.ideal": "circulator_scattering gyrator_impedances gyrator_scattering transformer_scattering",
     "multiport.line_two_port": "check_line_two_port",
     "multiport.matrix": "RationalMatrix",
+    "multiport.measured": "MeasuredNetwork fit_scattering",
     "multiport.positive_real": "check_bounded_real_matrix check_positive_real_matrix",
     "multiport.state_space": "StateSpace",
     "one_port.margin": "Margin Margins margins",
@@ -63,6 +66,7 @@ _HOMES = {
     "sampled.check": "SampleVerdict check_samples",
     "sampled.enforce": "Enforced enforce",
     "sampled.fit": "fit",
+    "sampled.matrix_model": "MatrixModel fit_matrix",
     "sampled.model": "PoleResidueModel",
     "sampled.read": "read_csv read_touchstone",
     "sampled.response": "SampledResponse",
@@ -95,6 +99,8 @@ __all__ = [
     "Kind",
     "Margin",
     "Margins",
+    "MatrixModel",
+    "MeasuredNetwork",
     "PoleResidueModel",
     "Range",
     "RationalFunction",
@@ -122,6 +128,8 @@ __all__ = [
     "enforce",
     "fit",
     "fit_behind_delay",
+    "fit_matrix",
+    "fit_scattering",
     "gyrator_impedances",
     "gyrator_scattering",
     "impedances",

@@ -2,6 +2,7 @@
 
 In each round the samples h are approximated by sum c_i/(s - a_i) + d + e s over sigma = sum c'_i/(s - a_i) + d', which
 is linear in all c and d once multiplied by sigma; the zeros of sigma are better poles. Unstable ones are reflected.
+Several responses share sigma, and so the poles: a QR of each but the last leaves only what it says about sigma.
 
 References
 ----------
@@ -9,6 +10,9 @@ B. Gustavsen, A. Semlyen, "Rational approximation of frequency domain responses 
 Power Delivery 14 (1999), 1052-1061, DOI 10.1109/61.772353.
 B. Gustavsen, "Improving the pole relocating properties of vector fitting", IEEE Transactions on Power Delivery 21
 (2006), 1587-1592, DOI 10.1109/TPWRD.2005.860281 (sigma is held away from 0 by its sum over all samples).
+D. Deschrijver, M. Mrozowski, T. Dhaene, D. De Zutter, "Macromodeling of multiport systems using a fast implementation
+of the vector fitting method", IEEE Microwave and Wireless Components Letters 18 (2008), 383-385,
+DOI 10.1109/LMWC.2008.922585 (several responses).
 G. Schwarz, "Estimating the dimension of a model", Annals of Statistics 6 (1978), 461-464, DOI 10.1214/aos/1176344136.
 """
 
@@ -80,17 +84,35 @@ def fit(response: SampledResponse, order: int | None = None) -> PoleResidueModel
 def _fit(response: SampledResponse, order: int) -> PoleResidueModel:
     """The fit, in units of the highest frequency and of the largest value."""
     unit, size = 2 * np.pi * response.f[-1], np.abs(response.values).max() or 1.0
-    w, h = 2 * np.pi * response.f / unit, response.values[:, 0, 0] / size
+    w, h = 2 * np.pi * response.f / unit, response.values[:, 0] / size
     grows = response.parameter is not Parameter.S
-    poles = _first_poles(w, order)
-    for _ in range(ROUNDS if order else 0):
-        poles = _relocated(w, h, poles, grows)
-    x = _solve(terms(poles, w)[:, : order + 1 + grows], h)
+    poles = poles_of(w, h, order, grows)
+    x = solve(terms(poles, w)[:, : order + 1 + grows], h)[:, 0]
     if grows and x[-1] < 0:
-        x, grows = _solve(terms(poles, w)[:, : order + 1], h), False
+        x, grows = solve(terms(poles, w)[:, : order + 1], h)[:, 0], False
     scale = np.array([unit] * order + [1.0] + [1 / unit] * grows) * size
     empty = PoleResidueModel(poles * unit, np.zeros(len(poles)), 0.0, 0.0, response.parameter)
     return empty.with_coefficients(np.append(x * scale, np.zeros(1 - grows)))
+
+
+def poles_of(w: NDArray, h: NDArray[np.complex128], order: int, grows: bool = False) -> NDArray:
+    """Poles in Re s < 0 that responses have in common, one of each pair.
+
+    Parameters
+    ----------
+    w : ndarray, shape (n,)
+        Angular frequencies, in units of the highest.
+    h : ndarray, shape (n, k)
+        Samples of k responses, of the size of 1.
+    order : int
+        Number of poles, both of a pair counted, at most n - 2.
+    grows : bool
+        Whether responses may grow like s.
+    """
+    poles = _first_poles(w, order)
+    for _ in range(ROUNDS if order else 0):
+        poles = _relocated(w, h, poles, grows)
+    return poles
 
 
 def _first_poles(w: NDArray, order: int) -> NDArray:
@@ -105,11 +127,14 @@ def _relocated(w: NDArray, h: NDArray, poles: NDArray, grows: bool) -> NDArray:
     """The zeros of sigma, reflected into the left half plane."""
     phi = terms(poles, w)
     order = phi.shape[1] - 2
-    above, below = phi[:, : order + 1 + grows], -h[:, None] * phi[:, : order + 1]
-    weight = float(np.linalg.norm(h)) / len(h)
-    held = np.concatenate([np.zeros(above.shape[1]), phi[:, : order + 1].real.sum(0)]) * weight
+    above, below = phi[:, : order + 1 + grows], phi[:, : order + 1]
+    own, weight = above.shape[1], float(np.linalg.norm(h)) / len(h)
+    *others, last = (np.hstack([above, -values[:, None] * below]) for values in h.T)
+    rows = [np.linalg.qr(_real(each), mode="r")[own:] for each in others]  # without what is their own
+    held = np.concatenate([np.zeros(own), below.real.sum(0)]) * weight
     target = np.append(np.zeros(len(h), complex), weight * len(h))
-    x = _solve(np.vstack([np.hstack([above, below]), held]).astype(complex), target)
+    target = np.append(target, np.zeros(sum(map(len, rows))))
+    x = solve(np.vstack([last, held, *rows]).astype(complex), target[:, None])[:, 0]
     c, d = x[-order - 1 : -1], x[-1]
     matrix, column, k = np.zeros((order, order)), np.zeros(order), 0
     for a in poles:
@@ -123,10 +148,14 @@ def _relocated(w: NDArray, h: NDArray, poles: NDArray, grows: bool) -> NDArray:
     return -np.maximum(np.abs(zeros.real), NARROWEST * np.maximum(np.abs(zeros), 1)) + 1j * zeros.imag
 
 
-def _solve(matrix: NDArray[np.complex128], target: NDArray[np.complex128]) -> NDArray:
-    """Real least-squares solution of complex equations, columns brought to one size."""
-    a, b = np.vstack([matrix.real, matrix.imag]), np.concatenate([target.real, target.imag])
+def solve(matrix: NDArray[np.complex128], target: NDArray[np.complex128]) -> NDArray:
+    """Real least-squares solutions of complex equations, one for each column of the target; columns of one size."""
+    a, b, n = _real(matrix), _real(target), matrix.shape[1]
     sizes = np.linalg.norm(a, axis=0)
     sizes[sizes == 0] = 1.0
     r = np.asarray(np.linalg.qr(np.column_stack([a / sizes, b]), mode="r"))  # all that matters of many rows
-    return np.linalg.lstsq(r[:, :-1], r[:, -1], rcond=None)[0] / sizes
+    return np.linalg.lstsq(r[:, :n], r[:, n:], rcond=None)[0] / sizes[:, None]
+
+
+def _real(matrix: NDArray[np.complex128]) -> NDArray:
+    return np.vstack([matrix.real, matrix.imag])

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Any
 from tline.units import engineering
 
 if TYPE_CHECKING:
-    from passivity.sampled.behind_delay import DelayedModel
+    from passivity import DelayedModel, MeasuredNetwork, SampledResponse
 
 
 def model_as_dict(found: "DelayedModel") -> dict[str, Any]:
     """Delay, poles and verdict, and how far the model is from the samples, in SI."""
-    model, f = found.model, found.samples.f
+    model = found.model
     return {
         "status": found.verdict.status.value,
         "why": found.why,
@@ -22,17 +22,56 @@ def model_as_dict(found: "DelayedModel") -> dict[str, Any]:
         "order": found.order,
         "error": found.error,
         "cost": found.cost,
-        "samples": {"number": len(f), "first": float(f[0]), "last": float(f[-1])},
+        "samples": _band(found.samples),
     }
+
+
+def network_as_dict(found: "MeasuredNetwork") -> dict[str, Any]:
+    """The same of several ports: residues and constant are matrices."""
+    model = found.model
+    return {
+        "status": found.verdict.status.value,
+        "why": found.why,
+        "z0": found.samples.z0.tolist(),
+        "poles": [[a.real, a.imag] for a in model.poles.tolist()],
+        "residues": [[[[r.real, r.imag] for r in row] for row in R] for R in model.residues.tolist()],
+        "constant": model.constant.tolist(),
+        "order": model.order,
+        "error": found.error,
+        "cost": found.gamma - 1,
+        "samples": _band(found.samples),
+    }
+
+
+def _band(samples: "SampledResponse") -> dict[str, Any]:
+    f = samples.f
+    return {"number": len(f), "first": float(f[0]), "last": float(f[-1])}
+
+
+def _band_in_words(samples: "SampledResponse") -> str:
+    f = samples.f
+    return f"({len(f)} samples, {engineering(float(f[0]), 'Hz')} to {engineering(float(f[-1]), 'Hz')})"
+
+
+def _poles(order: int) -> str:
+    return f"{order} pole{'s' * (order != 1)}"
 
 
 def model_in_words(found: "DelayedModel") -> str:
     """The same in one line."""
-    f, z0 = found.samples.f, engineering(float(found.samples.z0[0]), "ohm")
-    poles = f"{found.order} pole{'s' * (found.order != 1)}"
+    z0 = engineering(float(found.samples.z0[0]), "ohm")
     place = f"behind {engineering(found.delay, 's')} of {z0}" if found.delay else f"against {z0}"
     cost = f", of which being passive cost {found.cost:.2g}" if found.cost else ""
     return (
-        f"{poles} {place}, {found.verdict.status.value} passive, |ΔS| up to {found.error:.2g}{cost} "
-        f"({len(f)} samples, {engineering(float(f[0]), 'Hz')} to {engineering(float(f[-1]), 'Hz')})"
+        f"{_poles(found.order)} {place}, {found.verdict.status.value} passive, |ΔS| up to {found.error:.2g}{cost} "
+        f"{_band_in_words(found.samples)}"
     ).replace("refuted passive", "not passive")
+
+
+def network_in_words(found: "MeasuredNetwork") -> str:
+    """The same of several ports."""
+    scaled = f", S divided by 1 + {found.gamma - 1:.2g} to be passive" if found.gamma > 1 else ""
+    return (
+        f"{found.samples.ports} ports, {_poles(found.model.order)}, {found.verdict.status.value} passive, "
+        f"|ΔS| up to {found.error:.2g}{scaled} {_band_in_words(found.samples)}"
+    )

@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from tline.cli.measured import model_as_dict, model_in_words
+from tline.cli.measured import model_as_dict, model_in_words, network_as_dict, network_in_words
 from tline.pictures.handy import handy, quantities
+from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.mistakes import place
 from tline.scene.touchstone import Touchstone
 from tline.solver.accuracy import Accuracy
@@ -58,7 +59,16 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
         "slab": result.resolution.h,
         "lumped": dict(result.resolution.cells),
         "losses": _losses(result),
-        "measured": {name: {"file": load.file} | model_as_dict(load.model) for name, load in _measured(result)},
+        "measured": {
+            name: {"file": x.file} | model_as_dict(x.model)
+            for (_, name), x in result.scene.measured.items()
+            if isinstance(x, Touchstone)
+        },
+        "measured_links": {
+            name: {"file": x.file, "delays": list(map(float, x.delays or ()))} | network_as_dict(x.model)
+            for (_, name), x in result.scene.measured.items()
+            if isinstance(x, MeasuredMultiport)
+        },
         "slabs": len(result.t) - 1,
         "line_end_samples": result.samples,
         "seconds": result.seconds,
@@ -68,9 +78,13 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
     }
 
 
-def _measured(result: Result) -> list[tuple[str, Touchstone]]:
-    """Loads from Touchstone files, by name."""
-    return [(name, load) for name, load in result.scene.loads.items() if isinstance(load, Touchstone)]
+def _measured_in_words(result: Result) -> list[str]:
+    """Of each element from a Touchstone file a line of text."""
+    return [
+        f"{place(*where)}: {x.file}, "
+        + (model_in_words(x.model) if isinstance(x, Touchstone) else network_in_words(x.model))
+        for where, x in result.scene.measured.items()
+    ]
 
 
 def _losses(result: Result) -> dict[str, Any]:
@@ -130,7 +144,7 @@ def as_table(result: Result, accuracy: Accuracy | None) -> str:
         f"{told['line_end_samples']:,} line-end samples in {told['seconds']:.2g} s",
         _in_words(accuracy),
         *_losses_in_words(told["losses"]),
-        *(f"{place('loads', name)}: {load.file}, {model_in_words(load.model)}" for name, load in _measured(result)),
+        *_measured_in_words(result),
         "",
     ]
     at = f"at [{time_unit}]"

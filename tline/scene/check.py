@@ -15,7 +15,6 @@ from tline.scene.factor import check_range
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.mistakes import nearest, place, shown
 from tline.scene.rational_load import Rational
-from tline.scene.touchstone import Touchstone
 
 if TYPE_CHECKING:
     from tline.scene.probe import Probe
@@ -113,8 +112,7 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
         elif isinstance(load, Matched) and len(ends.get(load.at, [""])) != 1:
             problem = f"node '{load.at}' is a junction, and only the end of one line can be matched"
             yield InputError(place("loads", name), problem, "a resistor", f"{len(ends[load.at])} ends")
-    delays = {load.at for load in scene.loads.values() if isinstance(load, Touchstone)}  # their lines' names
-    ends = {node: [line for line in lines if line not in delays] for node, lines in ends.items()}
+    ends = {node: [line for line in lines if line not in scene.delay_lines] for node, lines in ends.items()}
     for name, probe in scene.probes.items():
         if probe.at in {None, *ends} and probe.line in {None, *scene.lines}:
             yield from _probe(scene, place("probes", name), probe, ends)

@@ -3,7 +3,7 @@
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
 from tline.errors import InputError
@@ -18,17 +18,20 @@ ROUNDED = 1e-6  # by which typed decimals may make a matrix larger than a passiv
 
 
 class Ports(NamedTuple):
-    """What binds efforts u and flows i into a multiport, with states x: M u + N i = E x, dx/dt = P u."""
+    """What binds efforts u and flows i into a multiport, with states x: M u + N i = E x, dx/dt = Q x + P u + R i."""
 
     M: NDArray  # (k, k)
     N: NDArray  # (k, k)
     E: NDArray  # (k, n)
+    Q: NDArray  # (n, n)
     P: NDArray  # (n, k)
+    R: NDArray  # (n, k)
 
 
-def _memoryless(M: list[list[float]], N: list[list[float]]) -> Ports:
-    k = len(M)
-    return Ports(np.array(M, float), np.array(N, float), np.zeros((k, 0)), np.zeros((0, k)))
+def _memoryless(M: ArrayLike, N: ArrayLike) -> Ports:
+    M, N = np.array(M, float), np.array(N, float)
+    none = np.zeros((0, len(M)))
+    return Ports(M, N, none.T, np.zeros((0, 0)), none, none)
 
 
 class Multiport(Element):
@@ -128,10 +131,12 @@ class CoupledInductors(_TwoPort):
         one, two = map(float, self.inductance)
         mutual, left = float(self.coupling) * np.sqrt(one * two), one * two * (1 - float(self.coupling) ** 2)
         inverse = np.array([[two, -mutual], [-mutual, one]]) / left
-        return Ports(np.zeros((2, 2)), np.eye(2), np.eye(2), inverse)
+        none, one = np.zeros((2, 2)), np.eye(2)
+        return Ports(none, one, one, none, inverse, none)
 
 
-def _some(nodes: object) -> object:
+def some_nodes(nodes: object) -> object:
+    """What is given as nodes of the ports, if that many are possible."""
     if not isinstance(nodes, list | tuple) or not 2 <= len(nodes) <= MOST_PORTS:
         raise InputError("", "not a list of nodes", f"one for each port, 2 to {MOST_PORTS}", shown(nodes))
     return nodes
@@ -150,7 +155,7 @@ class Junction(Multiport):
     """
 
     kind: Literal["junction"] = "junction"
-    nodes: Annotated[tuple[Name, ...], BeforeValidator(_some)] = Field(description="one for each port")
+    nodes: Annotated[tuple[Name, ...], BeforeValidator(some_nodes)] = Field(description="one for each port")
     z0: PositiveResistance = Field(description="reference of all ports")
     scattering: list[list[Annotated[Quantity, Role("scattering", "")]]] = Field(description="matrix S, its rows")
 
@@ -171,4 +176,4 @@ class Junction(Multiport):
     def ports(self) -> Ports:
         """Its equations."""
         S, one = np.array(self.scattering, float), np.eye(len(self.nodes))
-        return Ports(one - S, -float(self.z0) * (one + S), *_memoryless(S.tolist(), S.tolist())[2:])
+        return _memoryless(one - S, -float(self.z0) * (one + S))

@@ -23,6 +23,7 @@ from tline.scene.law import FACTORS, Law, NonLinear
 from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.link import Link
 from tline.scene.load import Load
+from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import MOST, limited, mistakes, place
 from tline.scene.probe import Probe
@@ -152,23 +153,25 @@ class Scene(Element):
 
     @model_validator(mode="after")
     def _put_delays_in_front(self):
-        """Make the delay of each measured load a line between its node and one of its own."""
-        for name, load in self.loads.items():
-            if isinstance(load, Touchstone) and load.model.delay:
-                own = place("loads", name)
-                if own in self.lines or any(own in line.nodes for line in self.lines.values()):
-                    raise InputError("lines", f"a name that the delay of {own} takes", "another name", f"'{own}'")
-                self.lines[own], self.loads[name] = load.in_front(own), load.behind(own)
+        """Make each delay of measured loads and multiports a line between their node and one of its own."""
+        for (part, name), element in self.measured.items():
+            own = place(part, name)
+            elements: dict[str, Any] = self.loads if part == "loads" else self.links
+            lines, elements[name] = element.taken_apart(own)
+            taken = {*self.lines, *(node for line in self.lines.values() for node in line.nodes)}
+            for line in lines.keys() & taken:
+                raise InputError("lines", f"a name that the delay of {own} takes", "another name", f"'{line}'")
+            self.lines.update(lines)
         return self
 
     @model_serializer(mode="wrap")
     def _as_given(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """Without the lines of delays, which follow from the files."""
         table = handler(self)
-        for name, load in self.loads.items():
-            if isinstance(load, Touchstone) and load.near != load.at:
-                table.get("lines", {}).pop(load.at, None)
-                table.get("loads", {}).get(name, {})["at"] = load.near
+        for line in self.delay_lines:
+            table.get("lines", {}).pop(line, None)
+        for (part, name), element in self.measured.items():
+            table.get(part, {}).get(name, {})["at" if part == "loads" else "nodes"] = element.near
         return table
 
     def with_changes(self, **tables: Any) -> "Scene":
@@ -179,6 +182,17 @@ class Scene(Element):
     def single_lines(self) -> Mapping[str, SceneLine]:
         """The lines that carry waves: single ones, and one for each mode of coupled conductors."""
         return single_lines(self.lines)
+
+    @property
+    def measured(self) -> dict[tuple[str, str], Touchstone | MeasuredMultiport]:
+        """Each load and multiport from a Touchstone file, by section and name."""
+        elements = [("loads", *one) for one in self.loads.items()] + [("links", *one) for one in self.links.items()]
+        return {(part, name): x for part, name, x in elements if isinstance(x, Touchstone | MeasuredMultiport)}
+
+    @property
+    def delay_lines(self) -> set[str]:
+        """Names of the lines that are delays of these."""
+        return {line for element in self.measured.values() for line in element.delay_lines}
 
     @property
     def laws(self) -> dict[tuple[str, str], Law]:

@@ -45,9 +45,7 @@ class Touchstone(Rational):
     @field_validator("kind")
     @classmethod
     def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
-        if (info.context or {}).get("medium") == "hydraulic":
-            raise InputError("", "not a word of hydraulic scenes", "kind = 'impedance'", "'touchstone'")
-        return kind
+        return electrical(kind, info, "kind = 'impedance'")
 
     @model_validator(mode="after")
     def _readable(self, info: ValidationInfo):
@@ -57,7 +55,7 @@ class Touchstone(Rational):
             delay = None if self.delay is None else float(self.delay)
             self._model = model_of(path, stamp, float(self.tolerance), delay, self.nearest)
         except (ExpressionError, OSError, ValueError) as error:
-            raise _told(self.file, error) from None
+            raise told(self.file, error) from None
         self._rational = _impedance(self._model)
         return self
 
@@ -76,15 +74,19 @@ class Touchstone(Rational):
         """Reference resistance of the file, ohm."""
         return float(self._model.samples.z0[0])
 
-    def in_front(self, node: str) -> SceneLine:
-        """The line of its delay, from where it was attached to a node."""
-        return Cable.model_validate({"nodes": (self.near, node), "z0": self.z0, "delay": self._model.delay})
+    @property
+    def delay_lines(self) -> set[str]:
+        """Name of the line of its delay, and of the node behind it."""
+        return {self.at} - {self.near}
 
-    def behind(self, node: str) -> "Touchstone":
-        """The one-port without its delay, at a node."""
-        moved = self.model_copy(update={"at": node})
+    def taken_apart(self, own: str) -> tuple[dict[str, SceneLine], "Touchstone"]:
+        """The line of its delay, named after its own place, and what is behind it."""
+        if not self._model.delay:
+            return {}, self
+        line = Cable.model_validate({"nodes": (self.near, own), "z0": self.z0, "delay": self._model.delay})
+        moved = self.model_copy(update={"at": own})
         moved._near = self.near
-        return moved
+        return {own: line}, moved
 
 
 @lru_cache(maxsize=64)
@@ -109,7 +111,14 @@ def _impedance(found: DelayedModel) -> RationalFunction:
     return RationalFunction((S.q + S.p) * z0.numerator, (S.q - S.p) * z0.denominator)
 
 
-def _told(file: str, error: ValueError | OSError) -> InputError:
+def electrical(kind: str, info: ValidationInfo, instead: str) -> str:
+    """The kind, if the scene is not hydraulic."""
+    if (info.context or {}).get("medium") == "hydraulic":
+        raise InputError("", "not a word of hydraulic scenes", instead, f"'{kind}'")
+    return kind
+
+
+def told(file: str, error: ValueError | OSError) -> InputError:
     """What is wrong with the file, or with what is asked of it."""
     if not isinstance(error, ExpressionError):
         return InputError("file", f"'{file}' cannot be read")

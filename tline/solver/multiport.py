@@ -2,7 +2,7 @@
 
 To a node's own wave and load the flow i into multiports is another driven flow: with g its conductance the wave becomes
 w - i/g. Where nothing conducts, a reference stands for g, and the node gets back its own effort: w - i/g + u. With what
-binds efforts and flows in the multiports, M u + N i = E x, that is one linear system.
+binds efforts and flows in the multiports, M u + N i = E x, that is one linear system; their states x follow.
 """
 
 from collections.abc import Sequence
@@ -43,15 +43,17 @@ def joined(nodes: Sequence[Node], multiports: Sequence[PortPlaces]) -> StateSpac
     flows = sum(len(part.nodes) for part in multiports)
     states = [part.ports.E.shape[1] for part in multiports]
     into = np.zeros((k, flows))  # from flows to the nodes' sums of them
-    bound, given, driven = np.zeros((flows, k + flows)), np.zeros((flows, sum(states))), np.zeros((sum(states), k))
+    bound, given = np.zeros((flows, k + flows)), np.zeros((flows, sum(states)))
+    driven, inner = np.zeros((sum(states), k + flows)), np.zeros((sum(states), sum(states)))
     row = state = 0
     for part, n in zip(multiports, states, strict=True):
         rows, those = slice(row, row + len(part.nodes)), slice(state, state + n)
         into[part.nodes, np.arange(rows.start, rows.stop)] = 1.0
-        M, N, E, P = part.ports
+        M, N, E, Q, P, R = part.ports
         size = np.maximum(np.abs(M).max(axis=1), np.abs(N).max(axis=1) * unit)[:, None]
         bound[rows, part.nodes], bound[rows, k + row : k + rows.stop] = M / size, N * unit / size
-        given[rows, those], driven[those, part.nodes] = E / size, P
+        given[rows, those], inner[those, those] = E / size, Q
+        driven[those, part.nodes], driven[those, k + row : k + rows.stop] = P, R * unit
         row, state = rows.stop, those.stop
     whole = np.block([[np.eye(k) - D @ own, D @ per_flow @ into], [bound[:, :k], bound[:, k:]]])
     if 1 / np.linalg.cond(whole) < SINGULAR:
@@ -60,7 +62,6 @@ def joined(nodes: Sequence[Node], multiports: Sequence[PortPlaces]) -> StateSpac
     from_states = np.block([[C, np.zeros((k, state))], [np.zeros((flows, len(A))), given]])
     x, w = np.linalg.solve(whole, from_states), np.linalg.solve(whole, np.vstack([D, np.zeros((flows, k))]))
     back = np.hstack([own, -per_flow @ into])  # from efforts and flows to the nodes' waves
-    rates = np.vstack([B @ back, np.hstack([driven, np.zeros((state, flows))])])
-    still = np.zeros((state, len(A) + state))
-    A, B = np.vstack([np.hstack([A, still.T[: len(A)]]), still]), np.vstack([B, np.zeros((state, k))])
+    rates, apart = np.vstack([B @ back, driven]), np.zeros((len(A), state))
+    A, B = np.block([[A, apart], [apart.T, inner]]), np.vstack([B, np.zeros((state, k))])
     return StateSpace(A + rates @ x, B + rates @ w, x[:k], w[:k])
