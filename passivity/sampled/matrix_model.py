@@ -83,7 +83,7 @@ class MatrixModel:
                 parts.append(a.real * one)
                 inputs.append(size * one)
                 outputs.append(R.real / size)
-        A = block_diag(*parts) if parts else np.zeros((0, 0))
+        A = np.asarray(block_diag(*parts)) if parts else np.zeros((0, 0))
         return A, np.vstack([np.zeros((0, p)), *inputs]), np.hstack([np.zeros((p, 0)), *outputs]), self.constant
 
 
