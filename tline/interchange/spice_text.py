@@ -75,7 +75,7 @@ def spice_text(scene: Scene, rise: float | None = None, step: float | None = Non
     for name, probe in scene.probes.items():
         if probe.at is None:
             raise InputError(place("probes", name), "stands within a line, and a netlist knows nodes only", "at = …")
-    step = step or min(line.parameters.delay or 0.0 for line in scene.lines.values()) / STEPS
+    step = float(step) if step else min(line.parameters.delay or 0.0 for line in scene.lines.values()) / STEPS
     probed = " ".join(dict.fromkeys(f"v({names.node[probe.at]})" for probe in scene.probes.values() if probe.at))
     start = "" if scene.start == "steady" else " uic"
     cards += [f".save {probed}", f".tran {step!r} {float(scene.t_end)!r} 0 {step!r}{start}", ".end"]
