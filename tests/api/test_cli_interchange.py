@@ -55,7 +55,7 @@ def test_jumps_take_the_time_that_is_given(folder: Path) -> None:
     [
         ("import none.cir", "none.cir: cannot be read"),
         ("import cable.txt", "cable.txt: unknown kind of file, expected .cir"),
-        ("import bad.cir", "bad.cir, line 3, K1: not known here, expected R, L, C"),
+        ("import bad.cir", "bad.cir, line 3, J1: not known here, expected R, L, C"),
         ("export none.toml", "none.toml: cannot be read"),
         ("export cable.toml -o cable.net", "--output: unknown kind of file, expected .cir, got 'cable.net'"),
         ("export cable.toml --rise 3V", "--rise: this unit measures something else"),
@@ -63,7 +63,7 @@ def test_jumps_take_the_time_that_is_given(folder: Path) -> None:
     ],
 )
 def test_a_mistake_is_one_sentence(line: str, sentence: str, folder: Path) -> None:
-    (folder / "bad.cir").write_text(NET.replace("R1 s a 25", "K1 L1 L2 1"), encoding="utf-8")
+    (folder / "bad.cir").write_text(NET.replace("R1 s a 25", "J1 a b c fet"), encoding="utf-8")
     done = run(line)
     assert (done.exit_code, done.stdout) == (2, "")
     assert done.stderr.startswith(sentence)

@@ -47,11 +47,23 @@ LOADS = st.one_of(
     st.builds(lambda r, x, c: {"kind": "series", "resistance": r, "inductance": x, "capacitance": c}, R, L, C),
     st.builds(lambda r, x: {"kind": "impedance", "expression": f"{r!r}*s*{x!r}/({r!r} + s*{x!r})"}, R, L),
 )  # fmt: skip
+LINKS = st.one_of(
+    st.builds(lambda r: {"kind": "gyrator", "resistance": r}, R),
+    st.builds(lambda gain, r: {"kind": "controlled source", "gain": gain, "resistance": r}, st.floats(0.1, 3), R),
+    st.builds(
+        lambda one, two, k: {"kind": "coupled inductors", "inductance": [one, two], "coupling": k},
+        L, L, st.floats(-0.9, 0.9),
+    ),
+    st.builds(
+        lambda z0, a, b: {"kind": "junction", "z0": z0, "scattering": [[a, b], [0.3, -a]]},
+        R, st.floats(-0.6, 0.6), st.floats(-0.6, 0.6),
+    ),
+)  # fmt: skip
 
 
 @st.composite
 def scenes(draw):
-    """A chain of lines with a source in front, one in the middle, and loads."""
+    """A chain of lines with a source in front, one in the middle, loads, and perhaps a multiport beyond the end."""
     n = draw(st.integers(1, 3))
     kind = st.sampled_from(["voltage", "current"])
     lines = {
@@ -66,9 +78,14 @@ def scenes(draw):
     probes = {"near": {"at": "n 0"}, "far": {"at": f"n {n}"}}
     start = draw(st.sampled_from(["rest", "steady"]))
     sources = {"front": front} | ({"beside": beside} if draw(st.booleans()) else {})
+    if start == "rest" and loads["end"]["kind"] != "matched" and draw(st.booleans()):
+        link, lines["beyond"] = draw(LINKS), {"nodes": ["m 0", "m 1"], "z0": draw(R), "delay": NS}
+        probes["beyond"], links = {"at": "m 1"}, {"link": {"nodes": [f"n {n}", "m 0"]} | link}
+    else:
+        links = {}
     return {
         "medium": "electrical", "t_end": 8 * NS, "start": start, "lines": lines, "sources": sources, "loads": loads,
-        "probes": probes, "solver": {"order": 5, "slab": 0.05 * NS},
+        "links": links, "probes": probes, "solver": {"order": 5, "slab": 0.05 * NS},
     }  # fmt: skip
 
 

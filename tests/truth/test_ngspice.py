@@ -2,12 +2,17 @@
 
 import shutil
 
+import numpy as np
 import pytest
 
 from tline.charts import ngspice
 from tline.charts.judge import Judge
 from tline.charts.scenes import chart_scene
 from tline.charts.work_precision import simulated
+from tline.interchange.spice import read_spice
+from tline.scene.scene import Scene
+from tline.solver.result import Result
+from tline.solver.simulate import simulate
 
 DEFAULT, REFINED = 20, 640  # steps in the shortest delay; the first is what an exported netlist asks for
 ERRORS = {"rc": (0.03, 5e-5), "rlc": (0.04, 1e-3), "lossy": (2e-4, 3e-6)}  # twice what version 39.3 shows
@@ -24,3 +29,72 @@ def test_it_agrees_within_its_own_error(name):
     for steps, bound in zip((DEFAULT, REFINED), ERRORS[name], strict=True):
         theirs = ngspice.run(scene, steps)
         assert judge.errors(theirs.t, theirs.u)[0] < bound
+
+
+NS, STEPS = 1e-9, (20, 80, 320)
+SMOOTH = {"shape": "sine", "offset": 1, "amplitude": -1, "frequency": "0.3 GHz", "phase": "90 deg"}  # no corner at 0
+BY_HAND = {"order": 6, "slab": "0.0125 ns"}  # our own error is below 1e-10
+LINES = {"a": {"nodes": ["in", "p"], "z0": 50, "delay": NS}, "b": {"nodes": ["q", "out"], "z0": 120, "delay": NS}}
+LINKS = {
+    "transformer": {"kind": "transformer", "ratio": -2},
+    "gyrator": {"kind": "gyrator", "resistance": 70},
+    "amplifier": {"kind": "controlled source", "gain": 3, "resistance": 40},
+    "ideal amplifier": {"kind": "controlled source", "gain": -3, "resistance": 0},
+    "coupled inductors": {"kind": "coupled inductors", "inductance": ["10 nH", "40 nH"], "coupling": -0.6},
+    "circulator": {
+        "kind": "junction", "nodes": ["p", "q", "r"], "z0": 50, "scattering": [[0, 0, 1], [1, 0, 0], [0, 1, 0]],
+    },
+    "attenuator": {"kind": "junction", "z0": 50, "scattering": [[0.1, 0.4], [0.5, -0.2]]},
+}  # fmt: skip
+FRONT = ["V1 s 0 SIN(1 -1 0.3G 0 0 90)", "R1 s in 25", "T1 in 0 p 0 Z0=50 TD=1n"]
+BACK = ["T2 q 0 out 0 Z0=120 TD=1n", "R2 out 0 300", "C2 out 0 1p"]
+NETS = {
+    "coupled inductors, one upside down": ["L1 p 0 10n", "L2 0 q 40n", "K1 L1 L2 0.6"],
+    "an amplifier behind a resistor, upside down": ["E1 0 x p 0 3", "R3 x q 40"],
+    "an amplifier that commands another": ["E1 x 0 p 0 3", "E2 q 0 0 x 2"],
+    "a source that commands": ["E1 q 0 s 0 2"],
+    "transconductances": ["G1 q 0 p 0 10m", "G2 0 p q 0 5m", "G3 p 0 p 0 4m", "L1 q 0 30n"],
+}
+
+
+def distances(scene: Scene, runs: list[dict]) -> np.ndarray:
+    """Largest differences from our own run, relative to the amplitude."""
+    ours: Result = simulate(scene.with_changes(solver=BY_HAND))
+    amplitude = max(np.abs(probe.u).max() for probe in ours.probes.values())
+    inside = [(f"v({name})", probe.t <= 11.9 * NS, probe) for name, probe in ours.probes.items()]
+    return np.array([
+        max(np.abs(np.interp(p.t[k], run["time"], run[v]) - p.u[k]).max() for v, k, p in inside) / amplitude
+        for run in runs
+    ])  # fmt: skip
+
+
+def assert_theirs_is_the_error(found: np.ndarray) -> None:
+    """The trapezoidal rule's second order, down to twice what version 39.3 shows at the finest step."""
+    order = -np.polyfit(np.log(STEPS), np.log(found), 1)[0]
+    assert 1.8 < order < 2.4
+    assert found[-1] < 7.5e-6
+
+
+@pytest.mark.parametrize("name", LINKS)
+def test_multiports_written_do_the_same(name):
+    link = {"nodes": ["p", "q"]} | LINKS[name]
+    loads = {"out": {"at": "out", "kind": "parallel", "resistance": 300, "capacitance": "1 pF"}}
+    scene = Scene(
+        medium="electrical", t_end=12 * NS, links={name: link}, lines=LINES,
+        probes={at: {"at": at} for at in ("in", "p", "q", "out")},
+        sources={"s": {"at": "in", "kind": "voltage", "value": SMOOTH, "resistance": 25}},
+        loads=loads | ({"r": {"at": "r", "kind": "resistor", "resistance": 20}} if "r" in link["nodes"] else {}),
+    )  # fmt: skip
+    runs = [ngspice.transient(ngspice.netlist(scene, NS / steps))[0] for steps in STEPS]
+    assert_theirs_is_the_error(distances(scene, runs))
+
+
+@pytest.mark.parametrize("name", NETS)
+def test_multiports_read_do_the_same(name, tmp_path):
+    cards = [name, *FRONT, *NETS[name], *BACK]
+    (tmp_path / "net.cir").write_text("\n".join([*cards, ".tran 1p 12n uic"]), encoding="utf-8")
+    texts = [
+        "\n".join([*cards, ".options acct", f".tran {NS / steps} 12n 0 {NS / steps} uic", ".end"]) for steps in STEPS
+    ]
+    runs = [ngspice.transient(text)[0] for text in texts]
+    assert_theirs_is_the_error(distances(read_spice(tmp_path / "net.cir"), runs))

@@ -5,6 +5,7 @@ import pytest
 
 from tline.frequency.response import respond
 from tline.interchange.spice import read_spice
+from tline.solver.simulate import simulate
 
 GMIN = 1e9  # S, of a voltage source in the nodal equations
 
@@ -65,3 +66,39 @@ def test_a_netlist_read_obeys_its_nodal_equations(name, tmp_path):
             level = {source: float(scene.sources[source].value.level) for source in scene.sources}
             found = sum(u * respond(scene, s, source)[probe].u for source, u in level.items())
             assert abs(found - exact[probe]) < 1e-7 * abs(exact[probe])  # V has a resistance of 1/GMIN there
+
+
+LENGTH, LO, CO, RO, GO, RS = 0.2, 3e-7, 1.2e-10, 8.0, 2e-3, 1.5e-3
+W_NET = [
+    "a W element", "V1 s 0 1", "R1 s a 25", "W1 N=1 a 0 b 0 RLGCMODEL=trace L=0.2", "R2 b 0 100",
+    ".model trace W MODELTYPE=RLGC, N=1", "+ Lo = 3e-7 Co=120p Ro=8", "+ Go=2m Rs=", "+ 1.5m Gd=0", ".tran 1p 9n uic",
+]  # fmt: skip
+
+
+def test_a_w_element_is_the_line_of_the_manual(tmp_path):
+    """Z = Ro + √f (1+j) Rs + 2πj f Lo, Y = Go + 2πj f Co, and the textbook's chain matrix."""
+    (tmp_path / "w.cir").write_text("\n".join(W_NET), encoding="utf-8")
+    scene = read_spice(tmp_path / "w.cir")
+    for f in (1e3, 1e7, 3e8, 1e10):
+        Z, Y = RO + np.sqrt(f) * (1 + 1j) * RS + 2j * np.pi * f * LO, GO + 2j * np.pi * f * CO
+        gamma, z0 = np.sqrt(Z * Y) * LENGTH, np.sqrt(Z / Y)
+        over, current = np.cosh(gamma) + z0 * np.sinh(gamma) / 100, np.sinh(gamma) / z0 + np.cosh(gamma) / 100
+        exact = 1 / (over + 25 * current)
+        found = respond(scene, 2j * np.pi * f, "V1")
+        assert abs(found["b"].u - exact) < 1e-12 * abs(exact)
+        assert abs(found["a"].u - exact * over) < 1e-12 * abs(exact * over)
+
+
+def test_conductors_of_a_w_element_driven_alike_are_one_w_element(tmp_path):
+    """Symmetry: both at one voltage, each sees L11 + L12, C11 + C12, R11 + R12 and so on."""
+    ends = ["V1 s 0 SIN(1 -1 0.3G 0 0 90)", "R1 s a 25", "R2 b 0 100", "R3 s c 25", "R4 d 0 100", ".tran 1p 5n uic"]
+    pair = ["W1 a c 0 b d 0 N=2 L=0.2 RLGCMODEL=m", ".model m W MODELTYPE=RLGC N=2 Lo=3e-7 1e-7 3e-7"]
+    pair += ["+ Co=93.75p -31.25p 93.75p Ro=8 1 8 Rs=1.5m 0.5m 1.5m Go=1.2m -0.4m 1.2m"]
+    alone = ["W1 a 0 b 0 N=1 L=0.2 RLGCMODEL=m", "W2 c 0 d 0 N=1 L=0.2 RLGCMODEL=m"]
+    alone += [".model m W MODELTYPE=RLGC N=1 Lo=4e-7 Co=62.5p Ro=9 Rs=2m Go=0.8m"]
+    found = []
+    for cards in (pair, alone):
+        (tmp_path / "w.cir").write_text("\n".join(["w", *cards, *ends]), encoding="utf-8")
+        scene = read_spice(tmp_path / "w.cir").with_changes(solver={"order": 6, "slab": "0.25 ns"})
+        found.append(simulate(scene).probes["d"].u)
+    assert np.abs(found[0] - found[1]).max() < 1e-11  # 3e-12: circuits of laws that differ in their last digits

@@ -134,9 +134,9 @@ def test_waveforms_are_those_of_the_manual(read, text, letter, nodes, sign):
         ((4, "C2 s 0 1p"), "c.cir, line 5, C2: lies between nodes 's' and '0'"),
         ((4, "C2 s b 1p"), "c.cir, line 5, C2: lies between nodes 's' and 'b'"),
         ((4, "R2 b x 1"), "c.cir, line 5, R2: lies between nodes 'b' and 'x'"),
-        ((4, "K1 L1 L2 0.5"), "c.cir, line 5, K1: not known here, expected R, L, C, V"),
+        ((4, "J1 a b c fet"), "c.cir, line 5, J1: not known here, expected R, L, C, K, V"),
         ((4, "O1 a 0 b 0 lossy"), "c.cir, line 5, O1: its model is not there"),
-        ((4, "W1 a 0 b 0 lossy"), "c.cir, line 5, W1: not known here"),
+        ((4, "W1 a 0 b 0 lossy"), "c.cir, line 5, W1: its ends have not as many nodes"),
         ((4, "D1 b 0 d"), "c.cir, line 5, D1: not known here"),
         ((4, ".include x.lib"), "c.cir, line 5, .include: not known here"),
         ((4, ".ic v(a)=1"), "c.cir, line 5, .ic: not known here"),
@@ -183,6 +183,106 @@ def test_what_no_scene_has_is_refused_by_line_and_name(read, change, sentence):
         read(*lines)
     assert str(found.value).startswith(sentence)
     assert "\n" not in str(found.value)
+
+
+FOUR = [*CABLE[:4], "L1 b 0 10n", "L2 0 c 40n", "T2 c 0 d 0 Z0=75 TD=1n"]
+TRACE = ".model trace W MODELTYPE=RLGC N=1 Lo=300n Co=120p"
+
+
+@pytest.mark.parametrize(
+    ("card", "name", "link"),
+    [
+        ("K1 l1 L2 0.5", "K1", {"kind": "coupled inductors", "inductance": (1e-8, 4e-8), "coupling": -0.5}),
+        ("E1 c 0 b 0 3", "E1", {"kind": "controlled source", "gain": 3.0, "resistance": 0.0}),
+        ("E1 x 0 0 b 3\nR9 x c 40", "E1", {"kind": "controlled source", "gain": -3.0, "resistance": 40.0}),
+        ("G1 c 0 b 0 20m", "G1", {"kind": "junction", "z0": 50.0, "scattering": [[1, 0], [-2, 1]]}),
+        ("X1 b c two\n.subckt two p q\nG1 0 q p 0 20m\n.ends", "X1.G1",
+         {"kind": "junction", "z0": 50.0, "scattering": [[1, 0], [2, 1]]}),
+        ("X1 b c two\n.subckt two p q\nL1 p 0 1n\nL2 q 0 4n\nK1 L2 L1 -0.3\n.ends", "X1.K1",
+         {"kind": "coupled inductors", "nodes": ("c", "b"), "inductance": (4e-9, 1e-9), "coupling": -0.3}),
+    ],
+)  # fmt: skip
+def test_multiports_become_links(read, card, name, link):
+    scene = read(*FOUR, card, ".tran 1p 9n uic")
+    assert scene.links[name].table() == {"nodes": ("b", "c")} | link
+    assert ("L1" in scene.loads) == (name != "K1")
+
+
+def test_a_conductance_that_commands_itself_is_a_resistor(read):
+    assert read(*CABLE[:4], "G1 0 b 0 b 10m", CABLE[5]).loads["G1"].resistance == 100
+
+
+def test_a_source_that_commands_stands_beside_its_own_resistor(read):
+    scene = read(*FOUR, "E1 c 0 s 0 3", ".tran 1p 9n uic")
+    assert {name: (source.at, source.resistance) for name, source in scene.sources.items()} == {
+        "V1 + R1": ("a", 25.0), "V1": ("s", None),
+    }  # fmt: skip
+    scene = read("x", "V1 a 0 1", "T1 c 0 a 0 Z0=50 TD=1n", "R1 a b 25", "T2 b 0 d 0 Z0=50 TD=1n", CABLE[5])
+    assert {name: (source.at, source.resistance) for name, source in scene.sources.items()} == {
+        "V1 + R1": ("b", 25.0), "V1": ("a", None),
+    }  # fmt: skip
+
+
+def test_models_of_subcircuits_are_their_own(read):
+    inside = [".subckt trace p q len=0.1", ".model m W MODELTYPE=RLGC N=1 L0=300n C0={c}", "+ Rs=1m"]
+    inside += ["W1 p 0 q 0 N=1 L={len} RLGCMODEL=m DELAYOPT=3 FGD=1g", "O1 p 0 q 0 lossy", ".ends"]
+    scene = read(*CABLE[:4], ".param c=120p", "X1 b c trace len=0.2", LTRA, *inside, CABLE[5])
+    assert scene.lines["X1.W1"].table() == {
+        "nodes": ("b", "c"), "inductance": 3e-7, "capacitance": 1.2e-10, "length": 0.2,
+        "skin": {"resistance": pytest.approx(1e-3 * 1e9**0.5, rel=1e-15), "frequency": 1e9, "added": True},
+    }  # fmt: skip
+    assert scene.lines["X1.O1"].nodes == ("b", "c")
+
+
+@pytest.mark.parametrize(
+    ("cards", "sentence"),
+    [
+        ("K1 L1 L3 0.5", "K1: no such inductor, or another K couples it, expected two L of their own, got 'L3'"),
+        ("K1 L1 R1 0.5", "K1: no such inductor"),
+        ("K1 L1 L2 1", "K1: without leakage the windings are one, expected a coupling between -1 and 1, got -1"),
+        ("K1 L1 L2 L3 0.5", "K1: couples other than two inductors"),
+        ("K1 L1 L3 0.5\nL3 b d 1n", "K1: L3 lies between nodes 'b' and 'd'"),
+        ("K1 L1 L3 0.5\nL3 b 0 1n", "K1: both inductors are at one node"),
+        ("E1 d 0 b 0 POLY(1) 3", "E1: is not a gain alone, expected two nodes, two that command it, and a number"),
+        ("E1 d 0 VALUE={3}", "E1: is not a gain alone"),
+        ("E1 d c b 0 3", "E1: is not against the reference"),
+        ("E1 d 0 b c 3", "E1: is not against the reference"),
+        ("E1 d 0 d 0 3", "E1: its own voltage commands it"),
+        ("G1 d 0 d 0 -3", "G1: its own voltage commands it"),
+        ("G1 d 0 b 0 0", "G1: its gain is zero"),
+        ("E1 x 0 b 0 3", "E1: drives no line"),
+        ("E1 x 0 b 0 3\nL9 x d 1n", "L9: lies between nodes 'x' and 'd'"),
+        ("F1 d 0 V1 3", "F1: a current commands it, expected E or G, which a voltage commands"),
+        ("H1 d 0 V1 3", "H1: a current commands it"),
+        ("W1 d 0 e 0 N=1 L=1 RLGCMODEL=none", "W1: its model is not there"),
+        ("W1 d 0 e 0 N=1 L=1 RLGCFILE=x", "W1: not a line by a static RLGC model"),
+        ("W1 d 0 e 0 N=1 L=0 RLGCMODEL=trace\n" + TRACE, "W1: its length is not above zero"),
+        ("W1 d 0 e 0 N=2 L=1 RLGCMODEL=trace\n" + TRACE, "W1: another number of conductors, expected N=1, got N=2"),
+        ("W1 d 0 0 0 N=1 L=1 RLGCMODEL=trace\n" + TRACE, "W1: an end at the reference"),
+        ("W1 d x e 0 N=1 L=1 RLGCMODEL=trace\n" + TRACE, "W1: a line that is not against the reference"),
+        ("W1 d 0 e 0", "W1: not a list of values"),
+        ("W1 N=", "W1: is not whole"),
+        *((f"{model}\nW1 d 0 e 0 N=1 L=1 RLGCMODEL=trace", f".model: {sentence}") for model, sentence in [
+            (TRACE + " Gd=1p", "Gd, a conductance proportional to frequency, is not causal beside a constant"),
+            (TRACE + " Rs=1 2", "its Rs is not a lower triangle, expected 1 values, got 2"),
+            (TRACE + " Xo=1", "not a list of what a line has, expected Lo, Co, Ro, Go and Rs, got 'xo'"),
+            (TRACE + " Ro=x", "not a value"),
+            (TRACE.replace("N=1", "N=2"), "another number of conductors, expected N=1, got N=2"),
+            (TRACE.replace("Lo=300n", ""), "its Lo is not above zero"),
+            (TRACE.replace("=RLGC", "=TABLE"), "not known here, expected .model NAME W MODELTYPE=RLGC"),
+        ]),
+    ],
+)  # fmt: skip
+def test_multiports_and_conductors_that_no_scene_has(read, cards, sentence):
+    with pytest.raises(InputError) as found:
+        read(*FOUR, *cards.splitlines(), ".tran 1p 9n uic")
+    assert str(found.value).startswith((f"c.cir, line 8, {sentence}", f"c.cir, line 9, {sentence}"))
+    assert "\n" not in str(found.value)
+
+
+def test_multiports_begin_at_rest(read):
+    with pytest.raises(InputError, match="line 8, E1: has no steady state here, expected UIC"):
+        read(*FOUR, "E1 d 0 b 0 3", ".tran 1p 9n")
 
 
 def test_subcircuits_that_contain_themselves_end(read):
@@ -244,6 +344,8 @@ def test_loads_are_recognised():
 
 
 STEP = {"shape": "step", "to": 1, "at": "1 ns"}
+TOGETHER = {"kind": "junction", "nodes": ["a b", "0"], "z0": 50, "scattering": [[0, 1], [1, 0]]}
+DIODE = {"saturation": 1e-12}
 BURST = {"shape": "sine", "amplitude": 1, "frequency": 1e9, "until": 1}
 SOURCE = {"at": "a b", "kind": "voltage", "value": STEP, "resistance": 50}
 SCENE = {
@@ -270,6 +372,8 @@ def test_names_that_are_no_words_of_a_netlist_are_numbered():
         ({"loads": {"x": {"at": "0", "kind": "impedance", "expression": "(s+1)/(s+2)"}}, "sources": {}},
          "loads.x: its impedance is not R, L and C"),
         ({"sources": {"s": SOURCE | {"value": BURST}}}, "sources.s.value: no source of SPICE does that"),
+        ({"links": {"x": TOGETHER}, "sources": {}}, "links.x: has no admittance matrix, which a netlist needs"),
+        ({"links": {"x": {"kind": "diode", "nodes": ["a b", "0"]} | DIODE}, "sources": {}}, "links.x: a diode has no"),
     ],
 )  # fmt: skip
 def test_what_no_netlist_has_is_refused_by_name(parts, sentence):

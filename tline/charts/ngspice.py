@@ -72,9 +72,22 @@ def run(scene: Scene, n: int) -> Run:
         It fails, or takes too long.
     """
     shortest = min(float(line.parameters.delay or 0) for line in scene.lines.values())
+    columns, seconds, first = transient(netlist(scene, shortest / n))
+    u = {name: columns[f"v({str(probe.at).lower()})"] for name, probe in scene.probes.items()}
+    return Run(columns["time"], u, max(seconds, HALF_TICK), first)
+
+
+def transient(text: str) -> tuple[dict[str, NDArray], float, float]:
+    """What a netlist with ``.options acct`` saves by name, and the seconds of its transient analysis and of all.
+
+    Raises
+    ------
+    InputError
+        It fails, or takes too long.
+    """
     with tempfile.TemporaryDirectory() as folder:
         deck, raw = Path(folder, "scene.cir"), Path(folder, "scene.raw")
-        deck.write_text(netlist(scene, shortest / n), encoding="utf-8")
+        deck.write_text(text, encoding="utf-8")
         begun = time.perf_counter()
         call = ["ngspice", "-b", "-r", str(raw), str(deck)]
         try:
@@ -85,9 +98,7 @@ def run(scene: Scene, n: int) -> Run:
         figure = re.search(r"Transient analysis time = ([0-9.]+)", said)
         if figure is None or not raw.exists():
             raise InputError("ngspice", "gave no result")
-        columns = columns_of(raw.read_bytes())
-    u = {name: columns[f"v({str(probe.at).lower()})"] for name, probe in scene.probes.items()}
-    return Run(columns["time"], u, max(float(figure[1]), HALF_TICK), first)
+        return columns_of(raw.read_bytes()), float(figure[1]), first
 
 
 def columns_of(content: bytes) -> dict[str, NDArray]:

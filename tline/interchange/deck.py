@@ -86,7 +86,22 @@ def _joined(lines: list[str], path: str) -> Iterator[Card]:
     for number, text in cards:
         name, *words = WORD.findall(text) or [text]
         if name.lower() != ".end":
-            yield Card(f"{path}, line {number}, {name:.40}", name[0].upper(), name, words, text, {})
+            kind = name[0].upper()
+            words = _nodes_first(words) if kind == "W" else words
+            yield Card(f"{path}, line {number}, {name:.40}", kind, name, words, text, {})
+
+
+def _nodes_first(words: list[str]) -> list[str]:
+    """A card with what is assigned in front of its nodes put behind them."""
+    k = 0
+    while words[k + 1 : k + 2] == ["="]:
+        k += 3
+    return [*words[k:], *words[:k]]
+
+
+def nodes_of(words: list[str]) -> int:
+    """How many words stand in front of what is assigned."""
+    return max(words.index("=") - 1, 0) if "=" in words else len(words)
 
 
 def _sorted(cards: Iterator[Card]) -> tuple[list[Card], dict[str, Subcircuit]]:
@@ -118,8 +133,7 @@ def _sorted(cards: Iterator[Card]) -> tuple[list[Card], dict[str, Subcircuit]]:
 def _assignments(words: list[str]) -> tuple[list[str], list[str]]:
     """Words in front of the first name = value, and these, without 'params:'."""
     words = [word for word in words if word.lower() != "params:"]
-    first = words.index("=") - 1 if "=" in words else len(words)
-    return words[: max(first, 0)], words[max(first, 0) :]
+    return words[: nodes_of(words)], words[nodes_of(words) :]
 
 
 def _set(card: Card, words: list[str], scope: Parameters, seen: Parameters) -> dict[str, float]:
@@ -166,11 +180,20 @@ def _inside(
     names = dict(zip(used.nodes, words[:-1], strict=True))
     own = _set(card, assigned, _set(card, used.defaults, scope, scope), scope)
     for inner in _opened(used.cards, subcircuits, own, counter, depth + 1):
-        if inner.kind == ".":
-            raise inner.refuse("a command inside a subcircuit", "elements and .param")
-        ends = [_outside(node, names, card.name) for node in inner.words[: 4 if inner.kind == "T" else 2]]
+        if inner.kind == "." and inner.name.lower() != ".model":
+            raise inner.refuse("a command inside a subcircuit", "elements, .model and .param")
+        own = _names_inside(inner, names, card.name)
+        name = inner.name if inner.kind == "." else f"{card.name}.{inner.name}"
         where = f"{inner.where} of {card.name}"
-        yield inner._replace(name=f"{card.name}.{inner.name}", words=ends + inner.words[len(ends) :], where=where)
+        yield inner._replace(name=name, words=own + inner.words[len(own) :], where=where)
+
+
+def _names_inside(inner: Card, names: Mapping[str, str], inside: str) -> list[str]:
+    """The first words of a card in a subcircuit, as they are called outside: nodes, coupled inductors, or a model."""
+    if inner.kind in ".K":
+        return [f"{inside}.{name}" for name in inner.words[: 1 if inner.kind == "." else 2]]
+    count = nodes_of(inner.words) if inner.kind == "W" else 4 if inner.kind in "TOEG" else 2
+    return [_outside(node, names, inside) for node in inner.words[:count]]
 
 
 def _outside(node: str, names: Mapping[str, str], inside: str) -> str:

@@ -1,31 +1,24 @@
-"""The elements of a SPICE netlist, each checked alone: lines, sources, R, L, C, and what .tran and .print ask for."""
+"""The elements of a SPICE netlist: lines, sources, R, L, C, multiports, and what .tran and .print ask for."""
 
-import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from tline.errors import InputError
 from tline.interchange.branches import Branch, element
-from tline.interchange.deck import GROUND, Card, read_deck
-from tline.interchange.spice_source import Transient
+from tline.interchange.deck import GROUND, Card, nodes_of, read_deck
+from tline.interchange.line_cards import lossless_line, ltra_line, rlgc_line, rlgc_settings
+from tline.interchange.multiports import coupled_inductors, transconductance
+from tline.interchange.spice_commands import SHOWN, nodes_shown, transient
 
-SHOWN = (".print", ".plot", ".save", ".probe")
-VOLTAGE = re.compile(r"v\(\s*([^\s,()]+)\s*\)", re.IGNORECASE)
-KNOWN = "R, L, C, V, I, T, O, X, .model, .subckt, .param, .tran, .print, .plot, .save, .probe and .end"
-PER_METRE = {"r", "l", "c", "len"}
-NUMERICAL = {  # of LTRA: how that program computes, not what the line is
-    "rel", "abs", "nosteplimit", "nocontrol", "lininterp", "quadinterp", "mixedinterp", "compactrel", "compactabs",
-    "truncnr", "truncdontcut", "steplimit",
-}  # fmt: skip
+KNOWN = "R, L, C, K, V, I, E, G, T, O, W, X, .model, .subckt, .param, .tran, .print, .plot, .save, .probe and .end"
 
 
 class Drive(NamedTuple):
-    """A source: the node that it drives, and the sign of its level there."""
+    """A source: the node that it drives, and the sign of its level there; of an E its gain, and what commands it."""
 
     card: Card
     node: str
     sign: float
+    control: str = ""
 
 
 class Netlist:
@@ -42,111 +35,92 @@ class Netlist:
         self.title, self.spelt = deck.title, dict.fromkeys(GROUND, "0")
         self.cards: dict[str, Card] = {}  # elements by name in lower case
         self.lines: dict[str, dict[str, Any]] = {}
+        self.links: dict[str, dict[str, Any]] = {}
         self.branches: list[Branch] = []
         self.drives: list[Drive] = []
         self.shown: list[tuple[Card, str]] = []  # nodes, and where they are asked for
         commands = [card for card in deck.cards if card.kind == "."]
-        self.tran = self._transient([card for card in commands if card.name.lower() == ".tran"])
+        self.tran = transient([card for card in commands if card.name.lower() == ".tran"], self.path)
         self.models = {card.words[0].lower(): card for card in commands if card.name.lower() == ".model" and card.words}
         for card in commands:
             if card.name.lower() in SHOWN:
-                self.shown += self._nodes_shown(card)
+                self.shown += nodes_shown(card)
             elif card.name.lower() not in (".tran", ".model"):
                 raise card.refuse("not known here", KNOWN)
         for card in deck.cards:
             if card.kind != ".":
                 self._take(card)
+        for card in self.cards.values():
+            if card.kind == "K":
+                self.links[card.name] = coupled_inductors(card, self.cards, self.branches)
+        self.ends = self._ends_of_lines()
+        self.joined = self._joined()
 
     def node(self, name: str) -> str:
         """The node as it was spelt first; the reference is '0'."""
         return self.spelt.setdefault(name.lower(), name)
-
-    def _transient(self, cards: list[Card]) -> Transient:
-        if len(cards) != 1:
-            where = cards[1].where if cards else self.path
-            raise InputError(where, "the end time is not given once", "one .tran STEP END", f"{len(cards)}")
-        (card,) = cards
-        words = [word for word in card.words if word.lower() != "uic"]
-        if not 2 <= len(words) <= 4:
-            raise card.refuse("not a time step and an end", ".tran STEP END [0 [LONGEST STEP]] [UIC]")
-        step, end, *more = map(card.value, words)
-        if step <= 0 or end <= 0:
-            raise card.refuse("a time that is not above zero", "more than 0")
-        if more and more[0]:
-            raise card.refuse("results that begin later", "0 for the third time", f"{more[0]:g}")
-        return Transient(step, end, len(words) < len(card.words))
-
-    def _nodes_shown(self, card: Card) -> Iterator[tuple[Card, str]]:
-        rest = VOLTAGE.sub(" ", card.text).split()[1:]
-        if any(word.lower() not in ("tran", "all") for word in rest):
-            expected = "v(NODE)"
-            raise card.refuse("asks for something else than voltages of nodes", expected, f"'{' '.join(rest):.40}'")
-        return ((card, name) for name in VOLTAGE.findall(card.text))
 
     def _take(self, card: Card) -> None:
         """One element."""
         kind, key = card.kind, card.name.lower()
         if key in self.cards:
             raise card.refuse("named twice", "another name")
-        if kind not in "RLCVITO":
+        if kind in "FH":
+            raise card.refuse("a current commands it", "E or G, which a voltage commands")
+        if kind not in "RLCKVIEGTOW":
             raise card.refuse("not known here", KNOWN)
-        if len(card.words) < (5 if kind in "TO" else 3):
+        if len(card.words) < (5 if kind in "TOEG" else 3):
             raise card.refuse("is not whole", "its nodes and a value")
+        if kind in "KEG" and not self.tran.uic:
+            raise card.refuse("has no steady state here", "UIC in .tran, which is the same if all sources begin at 0")
         self.cards[key] = card
         if kind in "TO":
-            line = self._line if kind == "T" else self._lossy_line
+            line = lossless_line if kind == "T" else self._lossy_line
             self.lines[card.name] = {"nodes": self._ends(card)} | line(card)
+        elif kind == "W":
+            self.lines[card.name] = self._conductors(card)
         elif kind in "RLC":
             self.branches.append(self._branch(card, kind))
-        else:
+        elif kind in "EG":
+            self._controlled(card)
+        elif kind in "VI":
             self.drives.append(self._drive(card, kind))
 
     def _ends(self, card: Card) -> list[str]:
         first, low, second, base = map(self.node, card.words[:4])
-        if (low, base) != ("0", "0"):
-            raise card.refuse("a line that is not against the reference", "0 for its second and fourth node")
-        if "0" in (first, second):
-            raise card.refuse("an end at the reference", "another node, and a resistor to 0 there")
+        self._check_ends(card, [first, second], {low, base})
         return [first, second]
 
-    def _line(self, card: Card) -> dict[str, Any]:
-        words = card.words[4:]
-        given = {key.lower(): card.value(value) for key, value in zip(words[::3], words[2::3], strict=False)}
-        names = "Z0 with TD, or with F (and NL)"
-        if len(words) % 3 or any(word != "=" for word in words[1::3]) or not given.keys() <= {"z0", "td", "f", "nl"}:
-            raise card.refuse("not a list of what a lossless line has", names, " ".join(words)[:60])
-        if "z0" not in given or ("td" in given) == ("f" in given) or given.keys() & {"td", "nl"} == {"td", "nl"}:
-            raise card.refuse("its z0 and delay are not given once", names, ", ".join(given).upper())
-        if given.get("f", 1.0) <= 0:
-            raise card.refuse("its frequency is not above zero", "more than 0", f"{given['f']:g}")
-        delay = given["td"] if "td" in given else given.get("nl", 0.25) / given["f"]
-        return {"z0": given["z0"], "delay": delay}
+    def _check_ends(self, card: Card, ends: list[str], references: set[str]) -> None:
+        if references != {"0"}:
+            raise card.refuse("a line that is not against the reference", "0 for the last node of either end")
+        if "0" in ends:
+            raise card.refuse("an end at the reference", "another node, and a resistor to 0 there")
 
     def _lossy_line(self, card: Card) -> dict[str, Any]:
         """R, L and C per metre by an LTRA model."""
-        model = self.models.get(card.words[4].lower())
-        if model is None or len(card.words) > 5:
-            raise card.refuse("its model is not there", "the name of a .model", f"'{' '.join(card.words[4:]):.40}'")
-        kind, words = "".join(model.words[1:2]), model.words[2:]
-        if kind.lower() != "ltra":
-            raise model.refuse("not known here", "LTRA", f"'{kind}'")
-        given: dict[str, float] = {}
-        while words:
-            key, *words = words
-            valued = words[:1] == ["="] and len(words) > 1
-            if key.lower() not in PER_METRE | NUMERICAL or (key.lower() in PER_METRE and not valued):
-                raise model.refuse("not a list of what a line with resistance has", "R, L, C and LEN", f"'{key}'")
-            if valued:
-                given[key.lower()] = model.value(words[1])
-                words = words[2:]
-        for name in ("l", "c", "len"):
-            if given.get(name, 0.0) <= 0:
-                raise model.refuse(f"its {name.upper()} is not above zero", "more than 0", f"{given.get(name, 0.0):g}")
-        if given.get("r", 0.0) < 0:
-            raise model.refuse("its R is below zero", "0 or more", f"{given['r']:g}")
-        delay = given["len"] * (given["l"] * given["c"]) ** 0.5
-        line = {"z0": (given["l"] / given["c"]) ** 0.5, "delay": delay, "length": given["len"]}
-        return line | ({"resistance": given["r"]} if given.get("r") else {})
+        if len(card.words) > 5:
+            raise card.refuse("has more than a model", "its nodes and a .model", f"'{' '.join(card.words[4:]):.40}'")
+        return ltra_line(self._model(card, card.words[4]))
+
+    def _conductors(self, card: Card) -> dict[str, Any]:
+        """Conductors between two lists of nodes, each with its reference, by an RLGC model."""
+        nodes, half = [self.node(word) for word in card.words[: nodes_of(card.words)]], nodes_of(card.words) // 2
+        if len(nodes) < 4 or len(nodes) % 2:
+            raise card.refuse("its ends have not as many nodes", "N nodes and 0, twice", f"'{' '.join(nodes):.40}'")
+        first, second = nodes[: half - 1], nodes[half:-1]
+        self._check_ends(card, [*first, *second], {nodes[half - 1], nodes[-1]})
+        line = rlgc_line(card, self._model(card, rlgc_settings(card)["rlgcmodel"]), half - 1)
+        return ({"nodes": [*first, *second]} if half == 2 else {"nodes1": first, "nodes2": second}) | line
+
+    def _model(self, card: Card, name: str) -> Card:
+        """The model of that name in the innermost subcircuit around a card that has one."""
+        around = card.name.split(".")[:-1]
+        for depth in range(len(around), -1, -1):
+            model = self.models.get(".".join([*around[:depth], name]).lower())
+            if model is not None:
+                return model
+        raise card.refuse("its model is not there", "the name of a .model", f"'{name:.40}'")
 
     def _branch(self, card: Card, kind: str) -> Branch:
         if len(card.words) > 3:
@@ -160,8 +134,42 @@ class Netlist:
 
     def _drive(self, card: Card, kind: str) -> Drive:
         """A source against the reference; a current flows through it from its first node to its second."""
-        first, second = self.node(card.words[0]), self.node(card.words[1])
+        node, sign = self._against_reference(card, card.words[:2])
+        return Drive(card, node, sign if kind == "V" else -sign)
+
+    def _against_reference(self, card: Card, words: list[str]) -> tuple[str, float]:
+        """The node of two that is not the reference, and whether it is the first, as a sign."""
+        first, second = map(self.node, words)
         if first == second or "0" not in (first, second):
             raise card.refuse("is not against the reference", "0 for one of its nodes")
-        plus = second == "0"
-        return Drive(card, first if plus else second, 1.0 if plus == (kind == "V") else -1.0)
+        return (first, 1.0) if second == "0" else (second, -1.0)
+
+    def _controlled(self, card: Card) -> None:
+        """A source that a voltage commands; one that its own voltage commands is a resistor."""
+        if len(card.words) != 5 or "=" in card.words:
+            given = " ".join(card.words[2:])
+            raise card.refuse("is not a gain alone", "two nodes, two that command it, and a number", f"'{given:.40}'")
+        (out, sign), (control, other) = (self._against_reference(card, card.words[k : k + 2]) for k in (0, 2))
+        gain = sign * other * card.value(card.words[4])
+        if gain == 0 or (out == control and (card.kind == "E" or gain < 0)):
+            problem = "its gain is zero" if gain == 0 else "its own voltage commands it"
+            raise card.refuse(problem, "another gain" if gain == 0 else "another node's", f"'{' '.join(card.words)}'")
+        if card.kind == "E":
+            self.drives.append(Drive(card, out, gain, control))
+        elif out == control:
+            self.branches.append(Branch((out, "0"), element("R", 1 / gain), [card.name]))
+        else:
+            self.links[card.name] = transconductance([control, out], gain)
+
+    def _ends_of_lines(self) -> dict[str, str]:
+        """Nodes where lines end, and the first line there."""
+        ends: dict[str, str] = {}
+        for name, line in self.lines.items():
+            for node in line.get("nodes") or [*line["nodes1"], *line["nodes2"]]:
+                ends.setdefault(node, name)
+        return ends
+
+    def _joined(self) -> set[str]:
+        """Nodes where lines end, or multiports, beside sources that are driven elsewhere."""
+        controls = {drive.control for drive in self.drives if drive.control}
+        return {*self.ends, *controls, *(node for link in self.links.values() for node in link["nodes"])}

@@ -1,4 +1,4 @@
-"""Scenes from SPICE netlists: lossless lines, sources behind resistances, R, L and C to the reference."""
+"""Scenes from SPICE netlists: lines, sources behind resistances, R, L and C, and multiports, to the reference."""
 
 from pathlib import Path
 from typing import Any
@@ -17,8 +17,8 @@ KINDS = {"V": "voltage", "I": "current"}
 def read_spice(path: str | Path) -> Scene:
     """Read a scene from a SPICE netlist.
 
-    T elements are lines; R in series with V is the resistance of a source; networks of R, L and C between a line's end
-    and the reference are loads. ``.tran`` says the end time, and the state at its begin: that of rest with UIC, the
+    T, O and W elements are lines; R in series with V is the resistance of a source; networks of R, L and C between a
+    line's end and the reference are loads; K, E and G are links. ``.tran`` says the end time, and the state at its begin: that of rest with UIC, the
     steady state without. The nodes of ``.print``, ``.plot``, ``.save`` and ``.probe`` are probes; without these all
     ends of lines are.
 
@@ -48,30 +48,28 @@ def read_spice(path: str | Path) -> Scene:
 
 def _tables(netlist: Netlist) -> dict[str, Any]:
     """The scene as a file holds it."""
-    ends: dict[str, str] = {}  # node -> the first line there
-    for name, line in netlist.lines.items():
-        for node in line["nodes"]:
-            ends.setdefault(node, name)
     held = _held(netlist)
-    sources: Tables = {}
+    driven: Tables = {}  # sources, and links that are driven elsewhere
     groups: dict[str, list[Branch]] = {}  # side by side, to the reference
-    for branch in reduced(netlist.branches, {"0", *ends, *held}):
+    for branch in reduced(netlist.branches, {"0", *netlist.joined, *held}):
         inner = [node for node in branch.nodes if node != "0"]
-        if len(inner) == 1 and inner[0] in ends:
+        if len(inner) == 1 and inner[0] in netlist.joined:
             groups.setdefault(inner[0], []).append(branch)
         else:
-            sources |= _behind(netlist, branch, ends, held)
+            driven |= _behind(netlist, branch, held)
     for drive in netlist.drives:
-        sources |= _ideal(netlist, drive, ends, {name.partition(" ")[0] for name in sources})
+        driven |= _ideal(netlist, drive, {name.partition(" ")[0] for name in driven})
+    links = netlist.links | {name: table for name, table in driven.items() if "nodes" in table}
     return {
         "title": netlist.title,
         "medium": "electrical",
         "t_end": netlist.tran.end,
         "start": "rest" if netlist.tran.uic else "steady",
         "lines": netlist.lines,
-        "sources": sources,
+        "sources": {name: table for name, table in driven.items() if "at" in table},
         "loads": {k: v for node, branches in groups.items() for k, v in _loads(node, branches).items()},
-        "probes": _probes(netlist, ends),
+        **({"links": links} if links else {}),
+        "probes": _probes(netlist),
     }
 
 
@@ -79,16 +77,16 @@ def _held(netlist: Netlist) -> dict[str, Drive]:
     """Voltage sources by node."""
     held: dict[str, Drive] = {}
     for drive in netlist.drives:
-        if drive.card.kind == "V" and held.setdefault(drive.node, drive) is not drive:
+        if drive.card.kind in "VE" and held.setdefault(drive.node, drive) is not drive:
             problem = f"node '{drive.node}' is already held by {held[drive.node].card.name}"
             raise drive.card.refuse(problem, "one voltage source at a node")
     return held
 
 
-def _behind(netlist: Netlist, branch: Branch, ends: dict[str, str], held: dict[str, Drive]) -> Tables:
+def _behind(netlist: Netlist, branch: Branch, held: dict[str, Drive]) -> Tables:
     """The source that a resistor between a voltage source and a line's end makes; nothing else may lie there."""
     first, second = sorted(branch.nodes, key=lambda node: node not in held)
-    if first in held and second in ends and second not in held and branch.impedance.degree == 0:
+    if first in held and second in netlist.joined and second not in held and branch.impedance.degree == 0:
         drive = held[first]
         name = drive.card.name if _is_only(netlist, first) else f"{drive.card.name} + {branch.name}"
         return _source(netlist, drive, name, second, float(branch.impedance.at_zero()))
@@ -106,12 +104,12 @@ def _no_place(netlist: Netlist, branch: Branch) -> InputError:
 
 def _is_only(netlist: Netlist, node: str) -> bool:
     """Whether one element alone is at a node beside its source."""
-    return sum(node in branch.nodes for branch in netlist.branches) == 1
+    return node not in netlist.joined and sum(node in branch.nodes for branch in netlist.branches) == 1
 
 
-def _ideal(netlist: Netlist, drive: Drive, ends: dict[str, str], used: set[str]) -> Tables:
+def _ideal(netlist: Netlist, drive: Drive, used: set[str]) -> Tables:
     """A source at a line's end itself; one elsewhere must have been used behind its resistors."""
-    if drive.node in ends:
+    if drive.node in netlist.joined:
         return _source(netlist, drive, drive.card.name, drive.node, None)
     if drive.card.name not in used:
         raise drive.card.refuse("drives no line", "a line's end, or a resistor to one, at its node", f"'{drive.node}'")
@@ -119,7 +117,11 @@ def _ideal(netlist: Netlist, drive: Drive, ends: dict[str, str], used: set[str])
 
 
 def _source(netlist: Netlist, drive: Drive, name: str, at: str, resistance: float | None) -> Tables:
-    """A source of a scene, or two that add up."""
+    """A source of a scene, or two that add up; or a link, if a voltage commands it."""
+    if drive.control:
+        nodes = [drive.control, at]
+        link = {"kind": "controlled source", "nodes": nodes, "gain": drive.sign, "resistance": resistance or 0.0}
+        return {name: link}
     words, kind = drive.card.words[2:], KINDS[drive.card.kind]
     parts = waveforms(drive.card, words, netlist.tran, drive.sign)
     if len(parts) == 1:
@@ -149,10 +151,10 @@ def _loads(node: str, branches: list[Branch]) -> Tables:
     return loads
 
 
-def _probes(netlist: Netlist, ends: dict[str, str]) -> Tables:
+def _probes(netlist: Netlist) -> Tables:
     """Probes at the nodes that are asked for, or at all ends of lines; where lines meet, on the first of them."""
     for card, name in netlist.shown:
-        if netlist.node(name) not in ends:
+        if netlist.node(name) not in netlist.ends:
             raise card.refuse("no line ends at this node", "a node of a T element", f"'{name}'")
-    nodes = [netlist.node(name) for _, name in netlist.shown] or list(ends)
-    return {node: {"at": node, "line": ends[node]} for node in nodes}
+    nodes = [netlist.node(name) for _, name in netlist.shown] or list(netlist.ends)
+    return {node: {"at": node, "line": netlist.ends[node]} for node in nodes}

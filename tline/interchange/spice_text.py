@@ -1,12 +1,13 @@
 """SPICE netlists from scenes, so that other programs can run them."""
 
-import re
 from typing import Any
 
 import numpy as np
 
 from tline.errors import InputError
 from tline.interchange.branches import as_load
+from tline.interchange.multiports_text import multiport_cards
+from tline.interchange.spice_names import Names
 from tline.interchange.spice_waveform import spice_waveform
 from tline.scene.coupled import refuse_coupled
 from tline.scene.load import Matched, NoFlow, Resistor, Short
@@ -14,19 +15,19 @@ from tline.scene.mistakes import place
 from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
 
-SECTIONS = {"title", "medium", "t_end", "start", "solver", "lines", "sources", "loads", "probes"}
+SECTIONS = {"title", "medium", "t_end", "start", "solver", "lines", "sources", "loads", "links", "probes"}
 STEPS = 20  # in the shortest delay
 LETTERS = {"resistance": "R", "inductance": "L", "capacitance": "C"}
 
 
 def spice_text(scene: Scene, rise: float | None = None, step: float | None = None) -> str:
-    """A scene as SPICE netlist: T and O elements, sources behind resistors, R, L and C.
+    """A scene as SPICE netlist: T and O elements, sources behind resistors, R, L and C, K, E, F and G for multiports.
 
     Parameters
     ----------
     scene : Scene
-        Electrical; lines without losses or with a resistance, open, matched or shorted ends, R, L and C, probes at
-        nodes.
+        Electrical; lines without losses or with a resistance, open, matched or shorted ends, R, L and C, linear
+        multiports, probes at nodes.
     rise : float, optional
         Time that a jump takes in the netlist, s; without it jumps are refused, for SPICE has none.
     step : float, optional
@@ -61,7 +62,7 @@ def spice_text(scene: Scene, rise: float | None = None, step: float | None = Non
     for section in scene.table().keys() - SECTIONS:
         raise InputError(section, "has no counterpart in a netlist")
     refuse_coupled(scene.lines, "a netlist of tline")
-    names = _Names(scene)
+    names = Names(scene)
     cards = [f"* {' '.join(scene.title.split()) or 'a scene of tline'}", *names.comments]
     for name in scene.lines:
         cards += _line(scene, name, names)
@@ -69,41 +70,19 @@ def spice_text(scene: Scene, rise: float | None = None, step: float | None = Non
         cards += _source(scene, name, names, rise)
     for name in scene.loads:
         cards += _load(scene, name, names)
+    for name, link in scene.links.items():
+        cards += multiport_cards(link, name, names)
     for name, probe in scene.probes.items():
         if probe.at is None:
             raise InputError(place("probes", name), "stands within a line, and a netlist knows nodes only", "at = …")
-    step = step or min(line.parameters.delay or 0.0 for line in scene.lines.values()) / STEPS
+    step = float(step) if step else min(line.parameters.delay or 0.0 for line in scene.lines.values()) / STEPS
     probed = " ".join(dict.fromkeys(f"v({names.node[probe.at]})" for probe in scene.probes.values() if probe.at))
     start = "" if scene.start == "steady" else " uic"
     cards += [f".save {probed}", f".tran {step!r} {float(scene.t_end)!r} 0 {step!r}{start}", ".end"]
     return "\n".join(cards) + "\n"
 
 
-class _Names:
-    """Words of a netlist for the names of a scene: these where they are words, and numbered ones elsewhere."""
-
-    def __init__(self, scene: Scene):
-        nodes = list(dict.fromkeys(at for line in scene.lines.values() for at in line.nodes))
-        self.used = {"0", "gnd"}
-        self.node = {at: self._word(at, f"n{k}") for k, at in enumerate(nodes, 1)}
-        self.comments = [f"* node {word} is {at!r}" for at, word in self.node.items() if word != at]
-        self.used = set()
-
-    def element(self, letter: str, name: str) -> str:
-        """A name for an element that begins with its letter, used for the first time."""
-        return self._word(letter + re.sub(r"\W", "_", name, flags=re.ASCII), letter)
-
-    def _word(self, wanted: str, other: str) -> str:
-        """What is wanted if it is a word that is free; else the other, made free by a number."""
-        word, k = (wanted if re.fullmatch(r"[A-Za-z_]\w*", wanted, re.ASCII) else other), 2
-        free = word
-        while free.lower() in self.used:
-            free, k = f"{word}_{k}", k + 1
-        self.used.add(free.lower())
-        return free
-
-
-def _line(scene: Scene, name: str, names: _Names) -> list[str]:
+def _line(scene: Scene, name: str, names: Names) -> list[str]:
     line, where = scene.single_lines[name], place("lines", name)
     (i, j), z0, delay = (names.node[at] for at in line.nodes), line.parameters.z0, line.parameters.delay or 0.0
     if line.losses is None:
@@ -119,7 +98,7 @@ def _line(scene: Scene, name: str, names: _Names) -> list[str]:
     return [f"{element} {i} 0 {j} 0 {model}", f".model {model} ltra({values})"]
 
 
-def _source(scene: Scene, name: str, names: _Names, rise: float | None) -> list[str]:
+def _source(scene: Scene, name: str, names: Names, rise: float | None) -> list[str]:
     source = scene.sources[name]
     where, node = place("sources", name), names.node[source.at]
     value = spice_waveform(source.value, scene, where, rise)
@@ -136,7 +115,7 @@ def _source(scene: Scene, name: str, names: _Names, rise: float | None) -> list[
     return [f"{card} {inner} 0 {value}", f"{names.element('R', name)} {inner} {node} {resistance!r}"]
 
 
-def _load(scene: Scene, name: str, names: _Names) -> list[str]:
+def _load(scene: Scene, name: str, names: Names) -> list[str]:
     load, where = scene.loads[name], place("loads", name)
     node = names.node[load.at]
     match load:
@@ -158,7 +137,7 @@ def _load(scene: Scene, name: str, names: _Names) -> list[str]:
     raise InputError(where, f"a {load.kind} has no counterpart in a netlist", "R, L and C")
 
 
-def _elements(table: dict[str, Any], name: str, node: str, names: _Names, where: str) -> list[str]:
+def _elements(table: dict[str, Any], name: str, node: str, names: Names, where: str) -> list[str]:
     """R, L and C of a load that is made of them."""
     parts = [(names.element(letter, name), table[key]) for key, letter in LETTERS.items() if key in table]
     if not parts or min(value for _, value in parts) <= 0:

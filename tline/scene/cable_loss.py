@@ -6,7 +6,7 @@ from typing import Annotated
 from pydantic import Field
 
 from tline.errors import InputError
-from tline.loss import DielectricLoss, Law, RoundWire, SkinEffect
+from tline.loss import Constant, DielectricLoss, Law, RoundWire, SkinEffect
 from tline.scene.element import Element
 from tline.scene.quantity import Frequency, Quantity, Role
 
@@ -18,10 +18,14 @@ class Skin(Element):
         description="per metre, at that frequency"
     )
     frequency: Frequency = Field(description="far above the corner")
+    added: bool = Field(
+        default=False, description="whether it adds to the resistance to steady current, as in W elements of SPICE"
+    )
 
-    def law(self, resistance: float) -> Law:
-        """With the resistance to steady current, ohm/m."""
-        return SkinEffect(resistance, self.resistance / sqrt(pi * self.frequency))
+    def laws(self, resistance: float) -> list[Law]:
+        """With the resistance to steady current, ohm/m: what goes from one to the other, or both."""
+        surface = self.resistance / sqrt(pi * self.frequency)
+        return [Constant(resistance), SkinEffect(0.0, surface)] if self.added else [SkinEffect(resistance, surface)]
 
 
 class Wire(Element):

@@ -48,6 +48,9 @@ class SkinMatrix(Element):
 
     resistance: list[RowOfR] = Field(description="matrix, its rows, at that frequency")
     frequency: Frequency = Field(description="far above the corner")
+    added: bool = Field(
+        default=False, description="whether it adds to the resistance to steady current, as in W elements of SPICE"
+    )
 
 
 class Coupled(Element):
@@ -159,7 +162,7 @@ class Coupled(Element):
         for k, (z0, delay) in enumerate(zip(found.z0.tolist(), found.delay.tolist(), strict=True)):
             losses: dict[str, Any] = {name: float(loss[k]) for name, loss in found.losses.items() if loss[k]}
             if self.skin and (high := losses.pop("skin.resistance", 0.0)):
-                losses["skin"] = {"resistance": high, "frequency": self.skin.frequency}
+                losses["skin"] = self.skin.table() | {"resistance": high}
             tables.append({"z0": z0, "delay": delay} | ({"length": length} | losses if losses else {}))
         return found, tables
 

@@ -170,8 +170,8 @@ class _Cable(SceneLine):
             return self
         if self.skin and self.wire:
             raise InputError("", "skin and wire say the same in two ways", "one of them")
-        resistance = Constant(self.resistance or 0.0)
-        series = [self.skin.law(resistance.loss)] if self.skin else [resistance]
+        resistance = self.resistance or 0.0
+        series: list[Law] = self.skin.laws(resistance) if self.skin else [Constant(resistance)]
         series += [self.wire.law()] if self.wire else []
         series += [self.tabulated.series] if self.tabulated else []
         shunt: list[Law] = [Constant(self.conductance or 0.0)]

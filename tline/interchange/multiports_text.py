@@ -1,0 +1,86 @@
+"""Linear multiports of a scene as SPICE cards: controlled sources and coupled inductors, each port to the reference."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.interchange.spice_names import Names
+from tline.scene.link import Link
+from tline.scene.mistakes import place
+from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Junction, Transformer
+
+LARGEST = 1e12  # condition number of 1 + S, beyond which there is no admittance
+ROUNDING = 1e-15  # of the largest admittance; less is none
+
+
+def multiport_cards(link: Link, name: str, names: Names) -> list[str]:
+    """The cards of a multiport.
+
+    Parameters
+    ----------
+    link : Link
+        A transformer (E and F, with a source of no voltage that measures its current), a gyrator (two G), a
+        controlled source (E and R), coupled inductors (two L and K), or a junction (G for each admittance).
+    name : str
+        Of the link.
+    names : Names
+        Of the netlist.
+
+    Raises
+    ------
+    InputError
+        Naming the link: it is non-linear, or a junction without an admittance matrix.
+    """
+    where, nodes = place("links", name), [names.node[at] for at in link.nodes]
+    match link:
+        case Transformer():
+            return _transformer(float(link.ratio), name, nodes, names)
+        case Gyrator():
+            turned = 1 / float(link.resistance)
+            return _conductances(np.array([[0.0, turned], [-turned, 0.0]]), name, nodes, names)
+        case ControlledSource():
+            return _controlled_source(link, name, nodes, names)
+        case CoupledInductors():
+            return _coupled_inductors(link, name, nodes, names)
+        case Junction():
+            return _conductances(_admittance(link, where), name, nodes, names)
+    raise InputError(where, f"a {link.kind} has no counterpart in a netlist", "a linear multiport")
+
+
+def _transformer(ratio: float, name: str, nodes: list[str], names: Names) -> list[str]:
+    """u₁ = n u₂, and n times the current into the first node comes out of the second."""
+    first, second = nodes
+    E, V, F = (names.element(letter, name) for letter in "EVF")
+    inner = f"{V}.x"
+    return [f"{E} {inner} 0 {second} 0 {ratio!r}", f"{V} {first} {inner} DC 0", f"{F} 0 {second} {V} {ratio!r}"]
+
+
+def _controlled_source(link: ControlledSource, name: str, nodes: list[str], names: Names) -> list[str]:
+    control, out = nodes
+    E, gain, resistance = names.element("E", name), float(link.gain), float(link.resistance)
+    if not resistance:
+        return [f"{E} {out} 0 {control} 0 {gain!r}"]
+    inner = f"{E}.x"
+    return [f"{E} {inner} 0 {control} 0 {gain!r}", f"{names.element('R', name)} {inner} {out} {resistance!r}"]
+
+
+def _coupled_inductors(link: CoupledInductors, name: str, nodes: list[str], names: Names) -> list[str]:
+    windings, k = [names.element("L", name) for _ in nodes], float(link.coupling)
+    cards = [f"{L} {at} 0 {float(x)!r}" for L, at, x in zip(windings, nodes, link.inductance, strict=True)]
+    return [*cards, f"{names.element('K', name)} {' '.join(windings)} {k!r}"] if k else cards
+
+
+def _admittance(link: Junction, where: str) -> NDArray:
+    """Y = (1 + S)^-1 (1 - S)/z0, so that i = Y u; Pozar, Microwave Engineering, 4th ed., section 4.3."""
+    S, one = np.array(link.scattering, float), np.eye(len(link.nodes))
+    if np.linalg.cond(one + S) > LARGEST:
+        raise InputError(where, "has no admittance matrix, which a netlist needs", "1 + S that can be inverted")
+    return np.linalg.solve(one + S, one - S) / float(link.z0)
+
+
+def _conductances(Y: NDArray, name: str, nodes: list[str], names: Names) -> list[str]:
+    """G from each node to the reference for each voltage that commands its current."""
+    return [
+        f"{names.element('G', name)} {nodes[i]} 0 {nodes[j]} 0 {float(Y[i, j])!r}"
+        for i, j in np.argwhere(np.abs(Y) > ROUNDING * np.abs(Y).max())
+    ]
