@@ -53,13 +53,14 @@ NETS = {
     "an amplifier behind a resistor, upside down": ["E1 0 x p 0 3", "R3 x q 40"],
     "an amplifier that commands another": ["E1 x 0 p 0 3", "E2 q 0 0 x 2"],
     "a source that commands": ["E1 q 0 s 0 2"],
+    "diodes": ["D1 p q DX", "D2 0 q DX", ".model DX D(IS=1n N=1.5)"],
     "transconductances": ["G1 q 0 p 0 10m", "G2 0 p q 0 5m", "G3 p 0 p 0 4m", "L1 q 0 30n"],
 }
 
 
 def distances(scene: Scene, runs: list[dict]) -> np.ndarray:
     """Largest differences from our own run, relative to the amplitude."""
-    ours: Result = simulate(scene.with_changes(solver=BY_HAND))
+    ours: Result = simulate(scene.with_changes(solver=BY_HAND), active=True)
     amplitude = max(np.abs(probe.u).max() for probe in ours.probes.values())
     inside = [(f"v({name})", probe.t <= 11.9 * NS, probe) for name, probe in ours.probes.items()]
     return np.array([

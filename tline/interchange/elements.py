@@ -5,11 +5,12 @@ from typing import Any, NamedTuple
 
 from tline.interchange.branches import Branch, element
 from tline.interchange.deck import GROUND, Card, nodes_of, read_deck
+from tline.interchange.diode import diode
 from tline.interchange.line_cards import lossless_line, ltra_line, rlgc_line, rlgc_settings
-from tline.interchange.multiports import coupled_inductors, transconductance
+from tline.interchange.multiports import coupled_inductors
 from tline.interchange.spice_commands import SHOWN, nodes_shown, transient
 
-KNOWN = "R, L, C, K, V, I, E, G, T, O, W, X, .model, .subckt, .param, .tran, .print, .plot, .save, .probe and .end"
+KNOWN = "R, L, C, D, K, V, I, E, G, T, O, W, X, .model, .subckt, .param, .tran, .print, .plot, .save, .probe and .end"
 
 
 class Drive(NamedTuple):
@@ -36,6 +37,7 @@ class Netlist:
         self.cards: dict[str, Card] = {}  # elements by name in lower case
         self.lines: dict[str, dict[str, Any]] = {}
         self.links: dict[str, dict[str, Any]] = {}
+        self.diodes: dict[str, dict[str, Any]] = {}  # to the reference
         self.branches: list[Branch] = []
         self.drives: list[Drive] = []
         self.shown: list[tuple[Card, str]] = []  # nodes, and where they are asked for
@@ -67,7 +69,7 @@ class Netlist:
             raise card.refuse("named twice", "another name")
         if kind in "FH":
             raise card.refuse("a current commands it", "E or G, which a voltage commands")
-        if kind not in "RLCKVIEGTOW":
+        if kind not in "RLCKVIEGTOWD":
             raise card.refuse("not known here", KNOWN)
         if len(card.words) < (5 if kind in "TOEG" else 3):
             raise card.refuse("is not whole", "its nodes and a value")
@@ -79,6 +81,8 @@ class Netlist:
             self.lines[card.name] = {"nodes": self._ends(card)} | line(card)
         elif kind == "W":
             self.lines[card.name] = self._conductors(card)
+        elif kind == "D":
+            self._diode(card)
         elif kind in "RLC":
             self.branches.append(self._branch(card, kind))
         elif kind in "EG":
@@ -122,6 +126,20 @@ class Netlist:
                 return model
         raise card.refuse("its model is not there", "the name of a .model", f"'{name:.40}'")
 
+    def _diode(self, card: Card) -> None:
+        """A load to the reference, or a link."""
+        if len(card.words) > 3:
+            raise card.refuse("has more than a model", "two nodes and a .model", f"'{' '.join(card.words[3:]):.40}'")
+        first, second = map(self.node, card.words[:2])
+        if first == second:
+            raise card.refuse("both ends are at one node", "two nodes")
+        table = diode(self._model(card, card.words[2]))
+        if "0" in (first, second):
+            at = first if second == "0" else second
+            self.diodes[card.name] = {"at": at} | table | ({"reverse": True} if first == "0" else {})
+        else:
+            self.links[card.name] = {"nodes": [first, second]} | table
+
     def _branch(self, card: Card, kind: str) -> Branch:
         if len(card.words) > 3:
             raise card.refuse("has more than a value", "two nodes and a number", f"'{' '.join(card.words[3:]):.40}'")
@@ -159,7 +177,8 @@ class Netlist:
         elif out == control:
             self.branches.append(Branch((out, "0"), element("R", 1 / gain), [card.name]))
         else:
-            self.links[card.name] = transconductance([control, out], gain)
+            kind = {"kind": "controlled source", "nodes": [control, out]}
+            self.links[card.name] = kind | {"transconductance": gain}
 
     def _ends_of_lines(self) -> dict[str, str]:
         """Nodes where lines end, and the first line there."""
@@ -172,4 +191,5 @@ class Netlist:
     def _joined(self) -> set[str]:
         """Nodes where lines end, or multiports, beside sources that are driven elsewhere."""
         controls = {drive.control for drive in self.drives if drive.control}
-        return {*self.ends, *controls, *(node for link in self.links.values() for node in link["nodes"])}
+        diodes = {table["at"] for table in self.diodes.values()}
+        return {*self.ends, *controls, *diodes, *(node for link in self.links.values() for node in link["nodes"])}

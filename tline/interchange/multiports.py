@@ -36,17 +36,3 @@ def coupled_inductors(card: Card, cards: Mapping[str, Card], branches: list[Bran
     if abs(coupling) >= 1:
         raise card.refuse("without leakage the windings are one", "a coupling between -1 and 1", f"{coupling:g}")
     return {"kind": "coupled inductors", "nodes": nodes, "inductance": inductance, "coupling": coupling}
-
-
-def transconductance(nodes: list[str], gain: float) -> dict[str, Any]:
-    """The link of a G card: the voltage at the first node draws a current of gain times it from the second.
-
-    As junction with Y = [[0, 0], [g, 0]], so S = (1 - z0 Y)(1 + z0 Y)^-1 = 1 - 2 z0 Y, at z0 = 1/abs(g).
-
-    Examples
-    --------
-    >>> transconductance(["a", "b"], 0.02)["scattering"]
-    [[1, 0], [-2, 1]]
-    """
-    scattering = [[1, 0], [-2 if gain > 0 else 2, 1]]
-    return {"kind": "junction", "nodes": nodes, "z0": 1 / abs(gain), "scattering": scattering}

@@ -57,7 +57,9 @@ def _transformer(ratio: float, name: str, nodes: list[str], names: Names) -> lis
 
 def _controlled_source(link: ControlledSource, name: str, nodes: list[str], names: Names) -> list[str]:
     control, out = nodes
-    E, gain, resistance = names.element("E", name), float(link.gain), float(link.resistance)
+    if link.transconductance is not None:
+        return [f"{names.element('G', name)} {out} 0 {control} 0 {float(link.transconductance)!r}"]
+    E, gain, resistance = names.element("E", name), float(link.gain or 0), float(link.resistance or 0)
     if not resistance:
         return [f"{E} {out} 0 {control} 0 {gain!r}"]
     inner = f"{E}.x"

@@ -18,9 +18,9 @@ def read_spice(path: str | Path) -> Scene:
     """Read a scene from a SPICE netlist.
 
     T, O and W elements are lines; R in series with V is the resistance of a source; networks of R, L and C between a
-    line's end and the reference are loads; K, E and G are links. ``.tran`` says the end time, and the state at its begin: that of rest with UIC, the
-    steady state without. The nodes of ``.print``, ``.plot``, ``.save`` and ``.probe`` are probes; without these all
-    ends of lines are.
+    line's end and the reference are loads, D a load or a link; K, E and G are links. ``.tran`` says the end time, and
+    the state at its begin: that of rest with UIC, the steady state without. The nodes of ``.print``, ``.plot``,
+    ``.save`` and ``.probe`` are probes; without these all ends of lines are.
 
     Parameters
     ----------
@@ -59,6 +59,7 @@ def _tables(netlist: Netlist) -> dict[str, Any]:
             driven |= _behind(netlist, branch, held)
     for drive in netlist.drives:
         driven |= _ideal(netlist, drive, {name.partition(" ")[0] for name in driven})
+    loads = {k: v for node, branches in groups.items() for k, v in _loads(node, branches).items()}
     links = netlist.links | {name: table for name, table in driven.items() if "nodes" in table}
     return {
         "title": netlist.title,
@@ -67,7 +68,8 @@ def _tables(netlist: Netlist) -> dict[str, Any]:
         "start": "rest" if netlist.tran.uic else "steady",
         "lines": netlist.lines,
         "sources": {name: table for name, table in driven.items() if "at" in table},
-        "loads": {k: v for node, branches in groups.items() for k, v in _loads(node, branches).items()},
+        "loads": {k: v for node, branches in groups.items() for k, v in _loads(node, branches).items()}
+        | netlist.diodes,
         **({"links": links} if links else {}),
         "probes": _probes(netlist),
     }

@@ -6,9 +6,11 @@ import numpy as np
 
 from tline.errors import InputError
 from tline.interchange.branches import as_load
+from tline.interchange.diode import diode_cards
 from tline.interchange.multiports_text import multiport_cards
 from tline.interchange.spice_names import Names
 from tline.interchange.spice_waveform import spice_waveform
+from tline.scene.characteristic import Diode, DiodeLink
 from tline.scene.coupled import refuse_coupled
 from tline.scene.load import Matched, NoFlow, Resistor, Short
 from tline.scene.mistakes import place
@@ -71,7 +73,9 @@ def spice_text(scene: Scene, rise: float | None = None, step: float | None = Non
     for name in scene.loads:
         cards += _load(scene, name, names)
     for name, link in scene.links.items():
-        cards += multiport_cards(link, name, names)
+        nodes = [names.node[at] for at in link.nodes]
+        is_diode = isinstance(link, DiodeLink)
+        cards += diode_cards(link, name, nodes, names) if is_diode else multiport_cards(link, name, names)
     for name, probe in scene.probes.items():
         if probe.at is None:
             raise InputError(place("probes", name), "stands within a line, and a netlist knows nodes only", "at = …")
@@ -132,6 +136,8 @@ def _load(scene: Scene, name: str, names: Names) -> list[str]:
             return []
         case Resistor():
             return [f"{names.element('R', name)} {node} 0 {float(load.resistance)!r}"]
+        case Diode():
+            return diode_cards(load, name, ["0", node] if load.reverse else [node, "0"], names)
         case Rational() if not load.rational().is_zero and not load.rational().is_infinite:
             return _elements(as_load(load.rational()), name, node, names, where)
     raise InputError(where, f"a {load.kind} has no counterpart in a netlist", "R, L and C")

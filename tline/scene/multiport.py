@@ -89,18 +89,29 @@ class ControlledSource(_TwoPort):
     """A source at the second node that the effort at the first commands, and that draws nothing from the first."""
 
     kind: Literal["controlled source"] = "controlled source"
-    gain: Annotated[Quantity, Role("gain", "")] = Field(description="open effort at the second node over the first's")
-    resistance: Resistance = Field(description="of the source; 0 for an ideal one")
+    gain: Annotated[Quantity, Role("gain", "")] | None = Field(
+        default=None, description="open effort at the second node over the first's"
+    )
+    resistance: Resistance | None = Field(default=None, description="of the source; 0 for an ideal one")
+    transconductance: Annotated[Quantity, Role("transconductance", "")] | None = Field(
+        default=None, description="instead of these: flow drawn from the second node over the first's effort, SI"
+    )
 
     @model_validator(mode="after")
     def _drives(self):
-        if np.isinf(self.resistance):
+        given = [name for name in ("gain", "resistance", "transconductance") if getattr(self, name) is not None]
+        if given not in (["gain", "resistance"], ["transconductance"]):
+            raise InputError("", "is not given once", "gain and resistance, or transconductance", ", ".join(given))
+        if self.resistance is not None and np.isinf(self.resistance):
             raise InputError("resistance", "drives nothing", "a finite one", "inf")
         return self
 
     def ports(self) -> Ports:
         """Its equations."""
-        return _memoryless([[0, 0], [-float(self.gain), 1]], [[1, 0], [0, -float(self.resistance)]])
+        if self.transconductance is not None:
+            return _memoryless([[0, 0], [-float(self.transconductance), 0]], [[1, 0], [0, 1]])
+        gain, resistance = float(self.gain or 0), float(self.resistance or 0)
+        return _memoryless([[0, 0], [-gain, 1]], [[1, 0], [0, -resistance]])
 
 
 class CoupledInductors(_TwoPort):
