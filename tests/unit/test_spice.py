@@ -234,6 +234,19 @@ def test_models_of_subcircuits_are_their_own(read):
     assert scene.lines["X1.O1"].nodes == ("b", "c")
 
 
+def test_conductors_of_a_w_element_are_coupled(read):
+    """The even mode of two conductors alike has R11 + R12 and Rs11 + Rs12, the odd one the differences."""
+    model = ".model m W MODELTYPE=RLGC N=2 Lo=3e-7 1e-7 3e-7 Co=100p -20p 100p Ro=8 1 8 Go=0 0 0 Rs=4m 1m 4m"
+    line = read(*CABLE[:4], "W1 N=2 b c 0 d e 0 L=0.2 RLGCMODEL=m", model, CABLE[5]).lines["W1"]
+    assert (line.nodes1, line.nodes2) == (("b", "c"), ("d", "e"))
+    assert (line.inductance, line.capacitance) == ([[3e-7, 1e-7], [1e-7, 3e-7]], [[1e-10, -2e-11], [-2e-11, 1e-10]])
+    modes = sorted(line.lines, key=lambda mode: mode["z0"])
+    assert [mode["resistance"] for mode in modes] == pytest.approx([7, 9], rel=1e-12)
+    high = [mode["skin"]["resistance"] for mode in modes]
+    assert high == pytest.approx([3e-3 * 1e9**0.5, 5e-3 * 1e9**0.5], rel=1e-12)
+    assert all(mode["skin"]["added"] for mode in modes)
+
+
 @pytest.mark.parametrize(
     ("cards", "sentence"),
     [
@@ -265,7 +278,7 @@ def test_models_of_subcircuits_are_their_own(read):
         *((f"{model}\nW1 d 0 e 0 N=1 L=1 RLGCMODEL=trace", f".model: {sentence}") for model, sentence in [
             (TRACE + " Gd=1p", "Gd, a conductance proportional to frequency, is not causal beside a constant"),
             (TRACE + " Rs=1 2", "its Rs is not a lower triangle, expected 1 values, got 2"),
-            (TRACE + " Xo=1", "not a list of what a line has, expected Lo, Co, Ro, Go and Rs, got 'xo'"),
+            (TRACE + " Xo=1", "not a list of what a line has, expected Lo, Co, Ro, Go and Rs, each once, got 'xo'"),
             (TRACE + " Ro=x", "not a value"),
             (TRACE.replace("N=1", "N=2"), "another number of conductors, expected N=1, got N=2"),
             (TRACE.replace("Lo=300n", ""), "its Lo is not above zero"),

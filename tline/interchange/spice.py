@@ -18,9 +18,9 @@ def read_spice(path: str | Path) -> Scene:
     """Read a scene from a SPICE netlist.
 
     T, O and W elements are lines; R in series with V is the resistance of a source; networks of R, L and C between a
-    line's end and the reference are loads; K, E and G are links. ``.tran`` says the end time, and the state at its begin: that of rest with UIC, the
-    steady state without. The nodes of ``.print``, ``.plot``, ``.save`` and ``.probe`` are probes; without these all
-    ends of lines are.
+    line's end and the reference are loads; K, E and G are links. ``.tran`` says the end time, and the state at its
+    begin: that of rest with UIC, the steady state without. The nodes of ``.print``, ``.plot``, ``.save`` and ``.probe``
+    are probes; without these all ends of lines are.
 
     Parameters
     ----------
