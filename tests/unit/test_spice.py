@@ -234,6 +234,19 @@ def test_models_of_subcircuits_are_their_own(read):
     assert scene.lines["X1.O1"].nodes == ("b", "c")
 
 
+def test_conductors_of_a_w_element_are_coupled(read):
+    """The even mode of two conductors alike has R11 + R12 and Rs11 + Rs12, the odd one the differences."""
+    model = ".model m W MODELTYPE=RLGC N=2 Lo=3e-7 1e-7 3e-7 Co=100p -20p 100p Ro=8 1 8 Go=0 0 0 Rs=4m 1m 4m"
+    line = read(*CABLE[:4], "W1 N=2 b c 0 d e 0 L=0.2 RLGCMODEL=m", model, CABLE[5]).lines["W1"]
+    assert (line.nodes1, line.nodes2) == (("b", "c"), ("d", "e"))
+    assert (line.inductance, line.capacitance) == ([[3e-7, 1e-7], [1e-7, 3e-7]], [[1e-10, -2e-11], [-2e-11, 1e-10]])
+    modes = sorted(line.lines, key=lambda mode: mode["z0"])
+    assert [mode["resistance"] for mode in modes] == pytest.approx([7, 9], rel=1e-12)
+    high = [mode["skin"]["resistance"] for mode in modes]
+    assert high == pytest.approx([3e-3 * 1e9**0.5, 5e-3 * 1e9**0.5], rel=1e-12)
+    assert all(mode["skin"]["added"] for mode in modes)
+
+
 @pytest.mark.parametrize(
     ("cards", "sentence"),
     [
@@ -265,7 +278,7 @@ def test_models_of_subcircuits_are_their_own(read):
         *((f"{model}\nW1 d 0 e 0 N=1 L=1 RLGCMODEL=trace", f".model: {sentence}") for model, sentence in [
             (TRACE + " Gd=1p", "Gd, a conductance proportional to frequency, is not causal beside a constant"),
             (TRACE + " Rs=1 2", "its Rs is not a lower triangle, expected 1 values, got 2"),
-            (TRACE + " Xo=1", "not a list of what a line has, expected Lo, Co, Ro, Go and Rs, got 'xo'"),
+            (TRACE + " Xo=1", "not a list of what a line has, expected Lo, Co, Ro, Go and Rs, each once, got 'xo'"),
             (TRACE + " Ro=x", "not a value"),
             (TRACE.replace("N=1", "N=2"), "another number of conductors, expected N=1, got N=2"),
             (TRACE.replace("Lo=300n", ""), "its Lo is not above zero"),
@@ -345,7 +358,6 @@ def test_loads_are_recognised():
 
 STEP = {"shape": "step", "to": 1, "at": "1 ns"}
 TOGETHER = {"kind": "junction", "nodes": ["a b", "0"], "z0": 50, "scattering": [[0, 1], [1, 0]]}
-DIODE = {"saturation": 1e-12}
 BURST = {"shape": "sine", "amplitude": 1, "frequency": 1e9, "until": 1}
 SOURCE = {"at": "a b", "kind": "voltage", "value": STEP, "resistance": 50}
 SCENE = {
@@ -373,7 +385,8 @@ def test_names_that_are_no_words_of_a_netlist_are_numbered():
          "loads.x: its impedance is not R, L and C"),
         ({"sources": {"s": SOURCE | {"value": BURST}}}, "sources.s.value: no source of SPICE does that"),
         ({"links": {"x": TOGETHER}, "sources": {}}, "links.x: has no admittance matrix, which a netlist needs"),
-        ({"links": {"x": {"kind": "diode", "nodes": ["a b", "0"]} | DIODE}, "sources": {}}, "links.x: a diode has no"),
+        ({"links": {"x": {"kind": "table", "nodes": ["a b", "0"], "points": [[0, 0], [1, 1]]}}, "sources": {}},
+         "links.x: a table has no"),
     ],
 )  # fmt: skip
 def test_what_no_netlist_has_is_refused_by_name(parts, sentence):
@@ -441,3 +454,16 @@ def test_losses_that_no_netlist_has(losses, sentence):
     scene = Scene(medium="electrical", t_end=1e-8, lines={"l": line}, probes={"p": {"at": "a"}})
     with pytest.raises(InputError, match=f"lines.l: {sentence}"):
         spice_text(scene)
+
+
+def test_diodes_are_loads_and_links(tmp_path):
+    path = tmp_path / "clamp.cir"
+    lines = ["clamp", "V1 a 0 1", "T1 a 0 b 0 Z0=50 TD=1n", "T2 c 0 d 0 Z0=50 TD=1n", "D1 b c DX", "D2 0 b DX"]
+    path.write_text("\n".join([*lines, ".model DX D(IS=1p N=1.5 RS=0)", ".tran 1p 9n uic"]), encoding="utf-8")
+    scene = read_spice(path)
+    assert (scene.loads["D2"].at, scene.loads["D2"].reverse, scene.links["D1"].nodes) == ("b", True, ("b", "c"))
+    assert scene.links["D1"].law().constants == scene.loads["D2"].law().constants
+    assert scene.links["D1"].saturation == 1e-12
+    path.write_text("\n".join([*lines, ".model DX D(IS=1p RS=5)", ".tran 1p 9n uic"]), encoding="utf-8")
+    with pytest.raises(InputError, match=r"line 7, \.model: more than an exponential"):
+        read_spice(path)

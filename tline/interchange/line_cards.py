@@ -67,7 +67,7 @@ def rlgc_line(card: Card, model: Card, conductors: int) -> dict[str, Any]:
     References
     ----------
     HSPICE Elements and Device Models Manual, chapter "W element", input model 1; D. B. Kuznetsov, J. E. Schutt-Aine,
-    IEEE Trans. Circuits and Systems I 43 (1996) 110-121, doi:10.1109/81.486434.
+    IEEE Trans. Circuits and Systems I 43 (1996) 110-121.
     """
     own = rlgc_settings(card)
     length = card.value(own["l"])
@@ -82,8 +82,8 @@ def rlgc_line(card: Card, model: Card, conductors: int) -> dict[str, Any]:
     line: dict[str, Any] = {"length": length}
     for key, words in given.items():
         name = key[0] + "0" if key[1:] == "o" else key
-        if name not in MATRICES:
-            raise model.refuse("not a list of what a line has", "Lo, Co, Ro, Go and Rs", f"'{key:.40}'")
+        if name not in MATRICES or MATRICES[name] in line:
+            raise model.refuse("not a list of what a line has", "Lo, Co, Ro, Go and Rs, each once", f"'{key:.40}'")
         line[MATRICES[name]] = _symmetric(model, key, words, conductors)
     if any(map(any, line.pop("", []))):
         problem = "Gd, a conductance proportional to frequency, is not causal beside a constant capacitance"

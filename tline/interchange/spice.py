@@ -68,8 +68,7 @@ def _tables(netlist: Netlist) -> dict[str, Any]:
         "start": "rest" if netlist.tran.uic else "steady",
         "lines": netlist.lines,
         "sources": {name: table for name, table in driven.items() if "at" in table},
-        "loads": {k: v for node, branches in groups.items() for k, v in _loads(node, branches).items()}
-        | netlist.diodes,
+        "loads": loads | netlist.diodes,
         **({"links": links} if links else {}),
         "probes": _probes(netlist),
     }
