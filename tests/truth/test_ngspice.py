@@ -69,11 +69,11 @@ def distances(scene: Scene, runs: list[dict]) -> np.ndarray:
     ])  # fmt: skip
 
 
-def assert_theirs_is_the_error(found: np.ndarray) -> None:
+def assert_theirs_is_the_error(found: np.ndarray, shown: float = 3.7e-6) -> None:
     """The trapezoidal rule's second order, down to twice what version 39.3 shows at the finest step."""
     order = -np.polyfit(np.log(STEPS), np.log(found), 1)[0]
     assert 1.8 < order < 2.4
-    assert found[-1] < 7.5e-6
+    assert found[-1] < 2 * shown
 
 
 @pytest.mark.parametrize("name", LINKS)
@@ -98,4 +98,5 @@ def test_multiports_read_do_the_same(name, tmp_path):
         "\n".join([*cards, ".options acct", f".tran {NS / steps} 12n 0 {NS / steps} uic", ".end"]) for steps in STEPS
     ]
     runs = [ngspice.transient(text)[0] for text in texts]
-    assert_theirs_is_the_error(distances(read_spice(tmp_path / "net.cir"), runs))
+    theirs = distances(read_spice(tmp_path / "net.cir"), runs)
+    assert_theirs_is_the_error(theirs, *([2.9e-5] if name == "diodes" else []))
