@@ -158,7 +158,7 @@ delay = "5 ns" -> delay = "5 nz" => lines.cable.delay: unknown unit 'nz', expect
 z0 = "50 ohm" | delay = "5 ns" -> z0 = "5 V" | delay = "3 V"
   => lines.cable.z0: this unit => lines.cable.delay: this unit
 z0 = "50 ohm" -> Z0 = 50 => lines.cable.Z0: unknown key, expected 'z0'
-z0 = "50 ohm" -> z0 = 50 | radius = 1 => lines.cable.radius: unknown key, expected one of 'nodes', 'resistance'
+z0 = "50 ohm" -> z0 = 50 | radius = 1 => lines.cable.radius: unknown key, expected one of 'nodes', 'vertices'
 [lines.cable] -> [lines] | other = 5 | [lines.cable] => lines.other: not a table, expected keys with values, got 5
 + [lines.long] | nodes = ["far", "x"] | z0 = 1 | delay = 5 | [probes.a] | at = "near"
   => probes.seen: 2 lines meet at 'far', and it is not said whose flow is meant, expected line = 'cable' or 'long'

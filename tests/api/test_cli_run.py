@@ -268,7 +268,7 @@ def test_an_active_load_runs_only_when_asked_twice(folder: Path) -> None:
     refused = call("run active.toml")
     assert refused.exit_code == 1
     said = "loads.amplifier is active: Re Z(jω) < 0 for all ω; yet no wave grows by more than 0.1 % within the run"
-    assert refused.stderr == f"{said}, expected passive loads, or --active to run it all the same\n"
+    assert refused.stderr == f"{said}, expected passive elements, or --active to run it all the same\n"
     allowed = call("run active.toml --active")
     assert allowed.exit_code == 0
     assert f"note: {said}" in allowed.stderr

@@ -52,7 +52,7 @@ LINKS = st.one_of(
     st.builds(lambda gain, r: {"kind": "controlled source", "gain": gain, "resistance": r}, st.floats(0.1, 3), R),
     st.builds(
         lambda one, two, k: {"kind": "coupled inductors", "inductance": [one, two], "coupling": k},
-        L, L, st.floats(-0.9, 0.9),
+        L, L, st.floats(-0.9, 0.9).map(lambda k: round(k, 6)),
     ),
     st.builds(
         lambda z0, a, b: {"kind": "junction", "z0": z0, "scattering": [[a, b], [0.3, -a]]},

@@ -10,7 +10,6 @@ from tline.errors import InputError, SceneError
 from tline.frequency.resonances import resonances
 from tline.frequency.response import respond
 from tline.loss import Foster
-from tline.pictures.path import route
 from tline.scene.scene import Scene
 from tline.solver.assemble import assemble
 from tline.solver.circuits import one_step
@@ -106,9 +105,8 @@ def test_what_a_loss_needs_is_said_by_name():
 
 def test_what_is_not_known_of_lossy_lines_is_refused():
     scene = cable(resistance=20)
-    for refused in (route, lambda scene: resonances(scene, 1e9)):
-        with pytest.raises(InputError, match=r"lines\.line: it has losses"):
-            refused(scene)
+    with pytest.raises(InputError, match=r"lines\.line: it has losses"):
+        resonances(scene, 1e9)
     with pytest.raises(InputError, match=r"probes\.p\.position: inside lines\.line, which has losses"):
         simulate(Scene(**scene.table() | {"probes": {"p": {"line": "line", "position": "10 cm"}}}))
     with pytest.raises(InputError, match=r"lines\.line\.friction: depends on the size of the flow"):

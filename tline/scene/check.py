@@ -112,7 +112,8 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
         elif isinstance(load, Matched) and len(ends.get(load.at, [""])) != 1:
             problem = f"node '{load.at}' is a junction, and only the end of one line can be matched"
             yield InputError(place("loads", name), problem, "a resistor", f"{len(ends[load.at])} ends")
-    ends = {node: [line for line in lines if line not in scene.delay_lines] for node, lines in ends.items()}
+    hidden = scene.delay_lines
+    ends = {node: [line for line in lines if line not in hidden] for node, lines in ends.items()}
     for name, probe in scene.probes.items():
         if probe.at in {None, *ends} and probe.line in {None, *scene.lines}:
             yield from _probe(scene, place("probes", name), probe, ends)

@@ -54,9 +54,10 @@ def _multiports(scene: Scene) -> Iterator[InputError]:
     }
     if linked and scene.start == "steady":
         yield InputError("start", f"{next(iter(linked.values()))} has no steady state here", "'rest'", "'steady'")
-    for part, elements in (("loads", scene.loads), ("links", scene.links)):
+    laws = scene.laws if linked else {}
+    for part, elements in (("loads", scene.loads), ("links", scene.links)) if linked else ():
         for name, element in elements.items():
-            if (part, name) in scene.laws or isinstance(element, Switch):
+            if (part, name) in laws or isinstance(element, Switch):
                 at = [element.at] if isinstance(element, AtNode) else element.nodes
                 for node in linked.keys() & at:
                     problem = f"stands beside {linked[node]}, which takes linear elements that do not move"
