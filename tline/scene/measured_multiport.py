@@ -2,20 +2,18 @@
 
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, field_validator, model_validator
+from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
 from passivity import MeasuredNetwork, Status, fit_scattering, read_touchstone
 from passivity.errors import ExpressionError
 from tline.errors import InputError
-from tline.scene.element import Name
 from tline.scene.line import Cable, SceneLine
-from tline.scene.mistakes import shown
-from tline.scene.multiport import Multiport, Ports, some_nodes
+from tline.scene.multiport import Multiport, PortNodes, Ports
 from tline.scene.quantity import Quantity, Tolerance
-from tline.scene.touchstone import Delay, electrical, told
+from tline.scene.touchstone import Delay, electrical, read_model
 
 MOST_PORTS = 8  # proofs with more take minutes
 
@@ -36,9 +34,7 @@ class MeasuredMultiport(Multiport):
     """
 
     kind: Literal["touchstone"] = "touchstone"
-    nodes: Annotated[tuple[Name, ...], BeforeValidator(some_nodes)] = Field(
-        description=f"one for each port, 2 to {MOST_PORTS}, in the file's order"
-    )
+    nodes: PortNodes = Field(description=f"one for each port, 2 to {MOST_PORTS}, in the file's order")
     file: str = Field(description="Touchstone file `.s2p` and the like, version 1, looked for beside the scene file")
     tolerance: Tolerance = Field(
         default=Quantity(1e-3, ""), description="largest distance of an entry of the model's S from the file's"
@@ -60,19 +56,12 @@ class MeasuredMultiport(Multiport):
     @model_validator(mode="after")
     def _readable(self, info: ValidationInfo):
         k = len(self.nodes)
-        if len(set(self.nodes)) < k:
-            raise InputError("nodes", "two ports are at one node", "different nodes", shown(self.nodes))
         if k > MOST_PORTS:
             raise InputError("nodes", "too many ports", f"at most {MOST_PORTS}", f"{k}")
         if self.delays is not None and len(self.delays) != k:
             raise InputError("delays", "not one for each node", f"{k}", f"{len(self.delays)}")
-        path = Path((info.context or {}).get("folder", ".")) / self.file
-        try:
-            stamp = path.stat().st_mtime_ns if path.is_file() else 0
-            delays = tuple(map(float, self.delays or k * [0.0]))
-            self._model = model_of(path, stamp, float(self.tolerance), delays, self.nearest)
-        except (ExpressionError, OSError, ValueError) as error:
-            raise told(self.file, error) from None
+        delays = tuple(map(float, self.delays or k * [0.0]))
+        self._model = read_model(model_of, self.file, info, float(self.tolerance), delays, self.nearest)
         return self
 
     @property

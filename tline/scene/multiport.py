@@ -4,7 +4,7 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from tline.errors import InputError
 from tline.scene.between import Between
@@ -146,11 +146,19 @@ class CoupledInductors(_TwoPort):
         return Ports(none, one, one, none, inverse, none)
 
 
-def some_nodes(nodes: object) -> object:
-    """What is given as nodes of the ports, if that many are possible."""
+def _some(nodes: object) -> object:
     if not isinstance(nodes, list | tuple) or not 2 <= len(nodes) <= MOST_PORTS:
         raise InputError("", "not a list of nodes", f"one for each port, 2 to {MOST_PORTS}", shown(nodes))
     return nodes
+
+
+def _different(nodes: tuple[str, ...]) -> tuple[str, ...]:
+    if len(set(nodes)) < len(nodes):
+        raise InputError("", "two ports are at one node", "different nodes", shown(nodes))
+    return nodes
+
+
+PortNodes = Annotated[tuple[Name, ...], BeforeValidator(_some), AfterValidator(_different)]
 
 
 class Junction(Multiport):
@@ -166,15 +174,13 @@ class Junction(Multiport):
     """
 
     kind: Literal["junction"] = "junction"
-    nodes: Annotated[tuple[Name, ...], BeforeValidator(some_nodes)] = Field(description="one for each port")
+    nodes: PortNodes = Field(description="one for each port")
     z0: PositiveResistance = Field(description="reference of all ports")
     scattering: list[list[Annotated[Quantity, Role("scattering", "")]]] = Field(description="matrix S, its rows")
 
     @model_validator(mode="after")
     def _fits(self):
         k = len(self.nodes)
-        if len(set(self.nodes)) < k:
-            raise InputError("nodes", "two ports are at one node", "different nodes", shown(self.nodes))
         if [len(row) for row in self.scattering] != [k] * k:
             got = f"rows of {', '.join(str(len(row)) for row in self.scattering)}"
             raise InputError("scattering", f"not a matrix for {k} ports", f"{k} rows of {k}", got)

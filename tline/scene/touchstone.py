@@ -1,9 +1,10 @@
 """Measured one-ports from Touchstone files: a rational reflection, proved passive, behind a delay."""
 
+from collections.abc import Callable
 from fractions import Fraction
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
@@ -14,6 +15,7 @@ from tline.scene.line import Cable, SceneLine
 from tline.scene.quantity import Quantity, Role, Tolerance
 from tline.scene.rational_load import Rational
 
+Model = TypeVar("Model")
 Delay = Annotated[Quantity, Role("delay", "s", at_least=0)]
 
 
@@ -49,13 +51,8 @@ class Touchstone(Rational):
 
     @model_validator(mode="after")
     def _readable(self, info: ValidationInfo):
-        path = Path((info.context or {}).get("folder", ".")) / self.file
-        try:
-            stamp = path.stat().st_mtime_ns if path.is_file() else 0
-            delay = None if self.delay is None else float(self.delay)
-            self._model = model_of(path, stamp, float(self.tolerance), delay, self.nearest)
-        except (ExpressionError, OSError, ValueError) as error:
-            raise told(self.file, error) from None
+        delay = None if self.delay is None else float(self.delay)
+        self._model = read_model(model_of, self.file, info, float(self.tolerance), delay, self.nearest)
         self._rational = _impedance(self._model)
         return self
 
@@ -118,7 +115,16 @@ def electrical(kind: str, info: ValidationInfo, instead: str) -> str:
     return kind
 
 
-def told(file: str, error: ValueError | OSError) -> InputError:
+def read_model(model_of: Callable[..., Model], file: str, info: ValidationInfo, *asked: Any) -> Model:
+    """The model of a file beside the scene's, found once for each time that it is written."""
+    path = Path((info.context or {}).get("folder", ".")) / file
+    try:
+        return model_of(path, path.stat().st_mtime_ns if path.is_file() else 0, *asked)
+    except (ExpressionError, OSError, ValueError) as error:
+        raise _told(file, error) from None
+
+
+def _told(file: str, error: ValueError | OSError) -> InputError:
     """What is wrong with the file, or with what is asked of it."""
     if not isinstance(error, ExpressionError):
         return InputError("file", f"'{file}' cannot be read")

@@ -32,13 +32,13 @@ class StateSpace(NamedTuple):
         return -np.linalg.solve(self.A, forcing) if forcing.any() else forcing
 
 
-NO_LOAD = StateSpace(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))  # an open circuit
+NO_LOAD = StateSpace(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))  # the effort is the wave
 
 
-def side_by_side(systems: Sequence[StateSpace]) -> StateSpace:
-    """All systems as one."""
+def side_by_side(systems: Sequence[StateSpace], more: int = 0) -> StateSpace:
+    """All systems as one, and behind their states some more that nothing moves yet."""
     first = np.cumsum([0, *(len(system.A) for system in systems)])
-    k, n = len(systems), int(first[-1])
+    k, n = len(systems), int(first[-1]) + more
     A, B, C, D = np.zeros((n, n)), np.zeros((n, k)), np.zeros((k, n)), np.zeros((k, k))
     for p, system in enumerate(systems):
         part = slice(first[p], first[p + 1])

@@ -18,7 +18,7 @@ from tline.scene.scene import Scene
 from tline.solver.connected import parts
 from tline.solver.coupled import EndPlaces, scattered
 from tline.solver.elements import Element, elements_of
-from tline.solver.load_step import StateSpace
+from tline.solver.load_step import NO_LOAD, StateSpace, side_by_side
 from tline.solver.multiport import PortPlaces, joined
 from tline.solver.nodes import Node
 
@@ -102,9 +102,6 @@ class Group(NamedTuple):
         return np.concatenate([*states, *inner])
 
 
-HELD = StateSpace(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))  # the effort is the wave
-
-
 def coupled(group: Group) -> StateSpace:
     """State space of a group with lumped lines: those of its nodes, whose Thévenin waves lose what the inductors take.
 
@@ -112,14 +109,12 @@ def coupled(group: Group) -> StateSpace:
     but short lines conducts takes their sum for g, and gets back its own effort, w - i/g + u; with a capacitor there, u
     does not depend on that wave but through the state.
     """
-    own = [HELD if node.held is not None else node.effort(0.0) for node in group.nodes]
+    own = [NO_LOAD if node.held is not None else node.effort(0.0) for node in group.nodes]
     first = np.cumsum([0, *(len(system.A) for system in own), *(lump.states for lump in group.lumps)])
-    k, n = len(own), int(first[-1])
-    A, B, C, D = np.zeros((n, n)), np.zeros((n, k)), np.zeros((k, n)), np.zeros((k, k))
-    wave = np.zeros((k, n))  # what the states add to the waves
-    for p, (node, system) in enumerate(zip(group.nodes, own, strict=True)):
-        part = slice(first[p], first[p + 1])
-        A[part, part], B[part, p], C[p, part], D[p, p] = system.A, system.b[:, 0], system.c[0], system.d[0, 0]
+    k = len(own)
+    A, B, C, D = side_by_side(own, sum(lump.states for lump in group.lumps))
+    wave = np.zeros_like(C)  # what the states add to the waves
+    for p, node in enumerate(group.nodes):
         if node.held is None and node.floating:
             wave[p] += C[p]
     for lump, at in zip(group.lumps, first[k:-1], strict=True):

@@ -10,12 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from passivity.one_port.positive_real import check_positive_real
-from passivity.status import Status
 from tline.errors import InputError
 from tline.scene.mistakes import place
-from tline.scene.multiport import ControlledSource
-from tline.scene.rational_load import Rational
 from tline.solver.assemble import Assembly
 from tline.solver.drive import EDGE, broken, places_of, sampled
 from tline.solver.envelope import Extremes
@@ -203,15 +199,11 @@ def _refuse(assembly: Assembly, node: int) -> None:
     if group < len(assembly.elements) and assembly.elements[group]:
         where = " and ".join(assembly.elements[group])
         raise InputError(where, "no flow was found that fits the waves", "narrower slabs, or a line between elements")
-    loads = assembly.scene.loads.items()
-    active = [
-        place("loads", name)
-        for name, load in loads
-        if isinstance(load, Rational) and check_positive_real(load.rational()).status is Status.REFUTED
-    ]
-    active += [
-        place("links", name) for name, link in assembly.scene.links.items() if isinstance(link, ControlledSource)
-    ]
+    from tline.solver.stability.growth import active_loads, controlled_sources
+
+    scene = assembly.scene
+    active = [place("loads", name) for name in active_loads(scene)]
+    active += [place("links", name) for name in controlled_sources(scene)]
     raise InputError(
         " and ".join(active) or "lines", "the waves grow beyond all bounds", "passive loads", "active ones"
     )

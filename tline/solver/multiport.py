@@ -36,32 +36,30 @@ def joined(nodes: Sequence[Node], multiports: Sequence[PortPlaces]) -> StateSpac
         The efforts do not follow: two of them are prescribed at once, or none.
     """
     k, held = len(nodes), np.array([node.held is not None for node in nodes])
-    A, B, C, D = side_by_side([NO_LOAD if node.held is not None else node.effort(0.0) for node in nodes])
+    states = [part.ports.E.shape[1] for part in multiports]
+    loads = [NO_LOAD if node.held is not None else node.effort(0.0) for node in nodes]
+    A, B, C, D = side_by_side(loads, sum(states))
     own = np.diag([float(node.held is None and (node.dead or node.floating)) for node in nodes])
     unit = np.mean([node.total for node in nodes])  # of flows, so that both unknowns are of one size
     per_flow = np.diag([0.0 if fixed else unit / node.total for node, fixed in zip(nodes, held, strict=True)])
     flows = sum(len(part.nodes) for part in multiports)
-    states = [part.ports.E.shape[1] for part in multiports]
     into = np.zeros((k, flows))  # from flows to the nodes' sums of them
-    bound, given = np.zeros((flows, k + flows)), np.zeros((flows, sum(states)))
-    driven, inner = np.zeros((sum(states), k + flows)), np.zeros((sum(states), sum(states)))
-    row = state = 0
+    bound, given = np.zeros((flows, k + flows)), np.zeros((flows, len(A)))
+    driven = np.zeros((len(A), k + flows))
+    row, state = 0, len(A) - sum(states)
     for part, n in zip(multiports, states, strict=True):
         rows, those = slice(row, row + len(part.nodes)), slice(state, state + n)
         into[part.nodes, np.arange(rows.start, rows.stop)] = 1.0
         M, N, E, Q, P, R = part.ports
         size = np.maximum(np.abs(M).max(axis=1), np.abs(N).max(axis=1) * unit)[:, None]
         bound[rows, part.nodes], bound[rows, k + row : k + rows.stop] = M / size, N * unit / size
-        given[rows, those], inner[those, those] = E / size, Q
+        given[rows, those], A[those, those] = E / size, Q
         driven[those, part.nodes], driven[those, k + row : k + rows.stop] = P, R * unit
         row, state = rows.stop, those.stop
     whole = np.block([[np.eye(k) - D @ own, D @ per_flow @ into], [bound[:, :k], bound[:, k:]]])
     if 1 / np.linalg.cond(whole) < SINGULAR:
         where = " and ".join(part.where for part in multiports)
         raise InputError(where, "no efforts and flows follow from what is at its nodes", "a resistance in between")
-    from_states = np.block([[C, np.zeros((k, state))], [np.zeros((flows, len(A))), given]])
-    x, w = np.linalg.solve(whole, from_states), np.linalg.solve(whole, np.vstack([D, np.zeros((flows, k))]))
-    back = np.hstack([own, -per_flow @ into])  # from efforts and flows to the nodes' waves
-    rates, apart = np.vstack([B @ back, driven]), np.zeros((len(A), state))
-    A, B = np.block([[A, apart], [apart.T, inner]]), np.vstack([B, np.zeros((state, k))])
+    x, w = np.linalg.solve(whole, np.vstack([C, given])), np.linalg.solve(whole, np.vstack([D, np.zeros((flows, k))]))
+    rates = B @ np.hstack([own, -per_flow @ into]) + driven  # from efforts and flows, through the nodes' waves too
     return StateSpace(A + rates @ x, B + rates @ w, x[:k], w[:k])

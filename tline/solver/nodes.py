@@ -184,10 +184,14 @@ def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
     for end in ends_of(scene.lines):
         for at, conductance in zip(end.conductors, np.diag(end.modes.admittance), strict=True):
             nodes.setdefault(at, Node()).lumped += float(conductance)
-    usual = float(1 / np.mean([line.parameters.z0 for line in scene.single_lines.values()]))
     for link in scene.links.values():
         for at in link.nodes:
-            nodes.setdefault(at, Node()).alone = usual if isinstance(link, Multiport) else 1.0
+            nodes.setdefault(at, Node())
+    multiports = [link for link in scene.links.values() if isinstance(link, Multiport)]
+    if multiports:
+        usual = float(1 / np.mean([line.parameters.z0 for line in scene.single_lines.values()]))
+        for at in {node for link in multiports for node in link.nodes}:
+            nodes[at].alone = usual
     for source in scene.sources.values():
         nodes[source.at].prescribe(source.value, source.conductance, source.is_effort)
     for name, load in scene.loads.items():

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.scene.load import Switch
 from tline.scene.mistakes import place
+from tline.scene.multiport import Multiport
 from tline.scene.scene import Scene
-from tline.solver.lumps import grouped
+from tline.solver.lumps import Group, grouped
 from tline.solver.nodes import NONE, Node
 
 ORDER = 5
@@ -154,8 +155,7 @@ def _time_scales(scene: Scene, nodes: dict[str, Node]) -> dict[str, tuple[float,
 
 def _poles(scene: Scene, nodes: dict[str, Node]) -> Iterator[tuple[str, NDArray]]:
     """Of each node with dynamic loads, alone or joined to others by multiports, in all states of its switches."""
-    none = np.zeros(len(scene.single_lines))
-    joined = [group for group in grouped(scene, NONE, nodes, none, none)[0] if group.ports]
+    joined = _joined(scene, nodes) if any(isinstance(link, Multiport) for link in scene.links.values()) else []
     elsewhere = {id(node) for group in joined for node in group.nodes}
     for group in joined:
         yield group.ports[0].where, np.linalg.eigvals(group.system(0.0).A)
@@ -163,6 +163,12 @@ def _poles(scene: Scene, nodes: dict[str, Node]) -> Iterator[tuple[str, NDArray]
         if node.load is not None and node.held is None and id(node) not in elsewhere:
             states = {node.switched(t) for t in (0.0, *(float(switch.time) for switch in node.switches), inf)}
             yield node.load_name, np.concatenate([np.linalg.eigvals(node.effort(g).A) for g in states])
+
+
+def _joined(scene: Scene, nodes: dict[str, Node]) -> list[Group]:
+    """Groups of the nodes that multiports join."""
+    none = np.zeros(len(scene.single_lines))
+    return [group for group in grouped(scene, NONE, nodes, none, none)[0] if group.ports]
 
 
 def _shortest(poles: NDArray) -> float:

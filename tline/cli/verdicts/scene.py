@@ -9,14 +9,13 @@ from tline.scene.mistakes import place
 def answer(file: str, asked: Asked) -> Answer:
     """Check every load of a scene; for active ones find how the scene's waves grow."""
     from tline.scene.file import read_scene
-    from tline.scene.multiport import ControlledSource
     from tline.scene.rational_load import Impedance
     from tline.scene.touchstone import Touchstone
-    from tline.solver.stability.growth import active_loads, growth_sentence
+    from tline.solver.stability.growth import active_loads, controlled_sources, growth_sentence
 
     asked.refuse("scenes", "kind", "parameters", "z0", "delay", "within", "error", "nearest")
     scene = read_scene(file)
-    sources = [name for name, link in scene.links.items() if isinstance(link, ControlledSource)]
+    sources = controlled_sources(scene)
     active = active_loads(scene)
     tested = [name for name, load in scene.loads.items() if isinstance(load, Impedance)]
     told: dict[str, Any] = {

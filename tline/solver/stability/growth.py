@@ -6,6 +6,7 @@ import numpy as np
 
 from passivity import Status, Verdict, check_positive_real
 from tline.scene.mistakes import place
+from tline.scene.multiport import ControlledSource
 from tline.scene.rational_load import Impedance
 from tline.scene.scene import Scene
 from tline.solver.stability.characteristic import Characteristic
@@ -40,6 +41,11 @@ def active_loads(scene: Scene) -> dict[str, Verdict]:
     impedances = {name: load for name, load in scene.loads.items() if isinstance(load, Impedance)}
     verdicts = {name: check_positive_real(load.rational()) for name, load in impedances.items()}
     return {name: verdict for name, verdict in verdicts.items() if verdict.status is Status.REFUTED}
+
+
+def controlled_sources(scene: Scene) -> list[str]:
+    """Names of the links that may feed waves."""
+    return [name for name, link in scene.links.items() if isinstance(link, ControlledSource)]
 
 
 def growth(scene: Scene) -> Growth | None:
