@@ -1,16 +1,58 @@
-"""Arrays whose references are not counted, for the length of a call that is given them.
+"""Tuples of arrays lent to a call: handed on as one pointer, and references to their arrays are not counted.
 
-Counting is atomic and takes longer than most of what a small kernel does.
+A tuple of fifty arrays by value is some three hundred arguments, of every call; counting is atomic. Both take longer
+than most of what a small kernel does, and than its arithmetic takes to compile.
 """
 
 from typing import Any
 
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic
+from numba.core.datamodel import PrimitiveModel
+from numba.core.imputils import impl_ret_untracked
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, register_model
+
+
+class Lent(types.Type):
+    """A named tuple that someone else holds: its members are read by name, and are lent as well."""
+
+    def __init__(self, whole: Any):
+        self.whole = whole
+        super().__init__(f"Lent({whole})")
+
+
+@register_model(Lent)
+class _Model(PrimitiveModel):
+    def __init__(self, manager: Any, kind: Any):
+        super().__init__(manager, kind, manager.lookup(kind.whole).get_value_type().as_pointer())
+
+
+@infer_getattr
+class _Members(AttributeTemplate):
+    key = Lent
+
+    def generic_resolve(self, value: Any, attr: str) -> Any:
+        if attr in value.whole.fields:
+            return _lent(value.whole[value.whole.fields.index(attr)])
+        return None
+
+
+@lower_getattr_generic(Lent)
+def _member(context: Any, builder: Any, kind: Any, pointer: Any, attr: str) -> Any:
+    place = kind.whole.fields.index(attr)
+    member = cgutils.gep_inbounds(builder, pointer, 0, place)
+    if isinstance(_lent(kind.whole[place]), Lent):
+        return member
+    return impl_ret_untracked(context, builder, kind.whole[place], builder.load(member))
+
+
+def _lent(kind: Any) -> Any:
+    return Lent(kind) if isinstance(kind, types.BaseNamedTuple) else kind
 
 
 def _release(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    """The same without owners."""
     if isinstance(kind, types.Array):
         array = cgutils.create_struct_proxy(kind)(context, builder, value)
         array.meminfo = cgutils.get_null_value(array.meminfo.type)
@@ -25,14 +67,17 @@ def _release(context: Any, builder: Any, kind: Any, value: Any) -> Any:
 
 
 def _borrowed(_: Any, given: Any) -> Any:
-    """The same array, or tuple of arrays and of tuples, without an owner; who calls must hold it meanwhile."""
-    return given(given), lambda context, builder, _, values: _release(context, builder, given, values[0])
+    """An array or a named tuple of arrays and named tuples, without an owner; who calls must hold it meanwhile."""
 
+    def lend(context: Any, builder: Any, _: Any, values: Any) -> Any:
+        value = _release(context, builder, given, values[0])
+        if not isinstance(given, types.BaseNamedTuple):
+            return value
+        place = cgutils.alloca_once(builder, value.type)
+        builder.store(value, place)
+        return place
 
-def _hold(_: Any, given: Any) -> Any:
-    """Do nothing, but be the last to use what others have borrowed until now."""
-    return types.none(given), lambda context, builder, signature, values: context.get_dummy_value()
+    return _lent(given)(given), lend
 
 
 borrowed: Any = intrinsic(_borrowed)
-hold: Any = intrinsic(_hold)

@@ -14,6 +14,7 @@ from tline.solver.assemble import Assembly
 from tline.solver.drive import Broken
 from tline.solver.network import Floats, Integers, Network
 from tline.solver.radau import gauss
+from tline.solver.room import Room, room_for
 from tline.solver.settling import settling_step
 
 MOST = 16  # pieces of a slab
@@ -101,6 +102,7 @@ class Fronts(NamedTuple):
     moves: Moves
     drives: Drives
     pieces: Pieces
+    room: Room
     log: Log
     counts: Integers  # (6,)
     sizes: Floats  # (2,) largest wave so far, largest front dropped
@@ -130,8 +132,11 @@ class Tally(NamedTuple):
     lost: float = 0.0
 
 
-def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]]) -> Fronts:
-    """What a run of n slabs needs; moves are (instant in slabs, group, row of the map), sorted."""
+def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], parts: int) -> Fronts:
+    """What a run of n slabs needs; moves are (instant in slabs, group, row of the map), sorted.
+
+    No slab of a source has more parts than given.
+    """
     network, state, basis, h = assembly.network, assembly.state, assembly.basis, assembly.resolution.h
     s, ends, slabs = basis.s, len(network.ends), state.waves.size // basis.s
     most = int(min(max(WORK / (ends * n), 1), MOST))
@@ -172,6 +177,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]]) -
             np.empty((rows, most, s)),
             np.arange(rows),
         ),
+        room_for(network, s, AT_NODE, parts),
         Log(np.empty((places, 2), int), np.empty((places, 2)), np.empty((places, 2, s))),
         np.zeros(6, int),
         np.zeros(2),
@@ -211,6 +217,7 @@ class Sources(NamedTuple):
     """The sources' parts of the Thévenin waves in slabs that hold fronts of theirs."""
 
     first: Integers  # (rows + 1,) the slabs of drive row k are first[k] to first[k + 1]
+    due: Integers  # (rows,) the next one of each
     slab: Integers
     anew: NDArray[np.bool_]  # whether it begins with a front
     begin: Integers  # (slabs + 1,) its pieces
@@ -229,6 +236,7 @@ def sources_of(broken: list[Broken], s: int) -> Sources:
 
     return Sources(
         first,
+        first[:-1].copy(),
         joined([one.slab for one in broken], np.empty(0, int)),
         joined([one.anew for one in broken], np.empty(0, bool)),
         begin,

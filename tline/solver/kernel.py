@@ -6,15 +6,16 @@ once; where a line's slot wraps, or the scratch is full, the block is cut into t
 
 Positions in the wave buffers are unsigned: a signed index is tested for wrapping round at every access, and the loops
 do not vectorise. Helpers are inlined as source: as calls they would count references to their arrays at every tile,
-which costs up to five times the arithmetic.
+which costs up to five times the arithmetic. An integer written in a call compiles a version of what is called for that
+number alone; `int64(0)` does not.
 """
 
 from typing import Any
 
 import numpy as np
-from numba import njit, uint64
+from numba import int64, njit, uint64
 
-from tline.solver.borrowed import borrowed, hold
+from tline.solver.borrowed import borrowed
 
 TINY = 1e-150  # waves below are flushed to zero: subnormal numbers are slow, and their squares vanish anyway
 SCRATCH = 512  # samples per tile
@@ -839,15 +840,13 @@ def lose(network, lumps, state, m, w, out):
 
 @njit(**INNER)
 def largest_group(network):
-    """Most nodes of a group, most line ends at one, and most rows of a map over a slab."""
-    nodes, ends, rows = 1, 0, 0
+    """Most nodes of a group, and most states of a map over a slab."""
+    nodes, states = 1, 0
     for g in range(network.group.size - 1):
-        k = network.group[g + 1] - network.group[g]
-        nodes = max(nodes, k)
-        ends = max(ends, network.first[network.group[g + 1]] - network.first[network.group[g]])
+        nodes = max(nodes, network.group[g + 1] - network.group[g])
     for r in range(network.step_states.size):
-        rows = max(rows, network.step_states[r])
-    return nodes, ends, rows
+        states = max(states, network.step_states[r])
+    return nodes, states
 
 
 def parted(network):
@@ -877,7 +876,10 @@ def advance(network, state, n_slabs, drive, record, column):
 @njit(**OPTIONS)
 def advance_blocks(network, state, n_slabs, drive, record, column, laws, cells, lumps):
     """The same; the network has its laws, cells and lumps beside it, or None."""
-    node = pass_blocks(network, state, 0, n_slabs, drive, record, column, laws, cells, lumps)
+    node = pass_blocks(
+        borrowed(network), borrowed(state), int64(0), n_slabs, borrowed(drive), borrowed(record), column,
+        borrowed(laws), borrowed(cells), borrowed(lumps),
+    )  # fmt: skip
     if node < 0:
         for w in state.waves:
             if not np.isfinite(w):
@@ -891,14 +893,14 @@ def pass_blocks(network, state, k, n_slabs, drive, record, column, laws, cells, 
 
     Returns -1, or the number of a node whose effort is no longer finite.
     """
-    (
-        delay, offset, shift_row, shifts, first, ends, weight, drive_row,
-        group, load_at, step_row, step_at, step_states, step, record_row, _, _, _,
-    ) = network  # fmt: skip
-    waves, slots, sides, before, states, _, _ = state
+    delay, offset, first, ends, group = network.delay, network.offset, network.first, network.ends, network.group
+    shift_row, shifts, weight, drive_row = network.shift_row, network.shift, network.weight, network.drive_row
+    load_at, step_row, step_at, step = network.load_at, network.step_row, network.step_at, network.step
+    step_states, record_row = network.step_states, network.record_row
+    waves, slots, sides, before, states = state.waves, state.slot, state.side, state.before, state.load
     s = before.shape[1]
     tile = max(SCRATCH // s, 1)
-    most_nodes, _, most_states = largest_group(network)
+    most_nodes, most_states = largest_group(network)
     u, history = np.empty(most_nodes * tile * s), np.empty((s, tile + 1))
     scratch = np.empty(max(tile, most_nodes * s + most_states))
     factor = np.empty((most_elements(laws), tile * s))
@@ -964,7 +966,6 @@ def pass_blocks(network, state, k, n_slabs, drive, record, column, laws, cells, 
 
 MERGE = 1e-11  # slabs; fronts nearer than this to each other are one
 SAME = 1e-13  # of the largest wave; pieces that continue each other so well need no breakpoint
-SUBSTEPS = 8  # in the time that a group with lumped lines takes to settle
 LIVE, PEAK, MERGED, DISSOLVED, DROPPED, NOTED = range(6)
 SCALE, LOST = range(2)
 
@@ -1178,11 +1179,12 @@ def collocate(system, k, h, radau, w, x, stages, row):
 
 
 @njit(**INNER)
-def settling(fronts, g, slab, edges, m, anew, outer, given, unsettled):
+def settling(fronts, g, slab, m, anew):
     """Add breakpoints where the group has settled after fronts; in `outer` leave out those that arrive before that.
 
     Marks the pieces in which it settles. Returns the number of pieces with all breakpoints, and without those left out.
     """
+    edges, outer, unsettled, given = fronts.room.edges, fronts.room.outer, fronts.room.unsettled, fronts.room.size
     until, n, kept, outer[0] = fronts.settled[g] - slab, 0, 0, 0.0
     for i in range(1, m + 1):
         given[i] = edges[i]
@@ -1218,19 +1220,20 @@ def rejoin(values, edges, n, outer, m, tools, span, coef, whole):
 
 
 @njit(**INNER)
-def collocate_finely(system, k, width, step, fronts, w, x, stages, row, parts):
-    """The same in steps of a given width, in slabs, as long as a group settles, and a last one; w is projected."""
-    tools, s = fronts.tools, fronts.tools.c.size
-    edges, whole_edges, span, coef, values, flat, out, whole = parts
-    m = 1
-    while m <= SUBSTEPS and m * step < width - MERGE:
-        edges[m] = m * step / width
+def collocate_finely(system, k, width, settle, fronts, x):
+    """The same in steps as long as a group settles, and a last one, in slabs; the effort is projected."""
+    tools, s, w, stages, row = fronts.tools, fronts.tools.c.size, fronts.room.wave, fronts.room.stages, fronts.room.row
+    span, coef, whole, steps = fronts.room.span, fronts.room.given, fronts.room.whole, fronts.room.steps
+    edges, values, flat, out = steps.edges, steps.values, steps.wave, steps.out
+    most, m = edges.size - 2, 1
+    while m <= most and m * settle < most * (width - MERGE):
+        edges[m] = m * settle / (most * width)
         m += 1
-    edges[0], edges[m], whole_edges[0], whole_edges[1] = 0.0, 1.0, 0.0, 1.0
+    edges[0], edges[m] = 0.0, 1.0
     for p in range(k):
         span[0, 0], span[0, 1] = 0.0, 1.0
         times(tools.to_legendre, w, p * s, coef[0])
-        regrouped(span, coef, 1, edges, m, tools, whole, values[p])
+        regrouped(span, coef, int64(1), edges, m, tools, whole, values[p])
     for j in range(m):
         for p in range(k):
             for i in range(s):
@@ -1244,15 +1247,16 @@ def collocate_finely(system, k, width, step, fronts, w, x, stages, row, parts):
         for j in range(m):
             span[j, 0], span[j, 1] = edges[j], edges[j + 1]
             times(tools.to_legendre, values[p, j], 0, coef[j])
-        regrouped(span, coef, m, whole_edges, 1, tools, whole, out)
+        regrouped(span, coef, m, steps.ends, int64(1), tools, whole, out)
         for i in range(s):
             w[p * s + i] = out[0, i]
 
 
 @njit(**INNER)
-def respond(network, state, fronts, g, slab, edges, unsettled, m, u, factor, opening, stages, wave, row, parts, laws):
+def respond(network, state, fronts, g, slab, m, laws):
     """Turn the Thévenin waves of m pieces at a group into the nodes' efforts; switches move where pieces begin."""
-    systems, moves, s = fronts.systems, fronts.moves, u.shape[2]
+    systems, moves, room, s = fronts.systems, fronts.moves, fronts.room, fronts.tools.c.size
+    edges, u, wave, opening = room.edges, room.u, room.wave, room.opening
     count = elements_at(laws, g)
     x, k = network.load_at[g], network.group[g + 1] - network.group[g]
     for piece in range(m):
@@ -1266,7 +1270,7 @@ def respond(network, state, fronts, g, slab, edges, unsettled, m, u, factor, ope
                 wave[p * s + i] = u[p, piece, i]
         if count > 0:
             for e in range(count):
-                copy(factor[e, piece], opening[e])
+                copy(room.factor[e, piece], opening[e])
             width = fronts.step * (edges[piece + 1] - edges[piece])
             if laws is not None:
                 pass_elements(laws, g, network.group[g], k, state.load, wave, s, s, opening, fronts.tools.radau, width)
@@ -1277,17 +1281,16 @@ def respond(network, state, fronts, g, slab, edges, unsettled, m, u, factor, ope
         r = network.step_row[g]
         n = network.step_states[r]
         if m == 1:
-            load(wave, k, 1, s, network.step, network.step_at[r], state.load, x, n, row)
+            load(wave, k, 1, s, network.step, network.step_at[r], state.load, x, n, room.row)
         else:
             width, states = edges[piece + 1] - edges[piece], state.load[x : x + n]
             system = systems.entries[systems.at[r] : systems.at[r] + (n + k) ** 2].reshape((n + k, n + k))
-            if not unsettled[piece]:
-                collocate(system, k, fronts.step * width, fronts.tools.radau, wave, states, stages, row)
+            if not room.unsettled[piece]:
+                collocate(system, k, fronts.step * width, fronts.tools.radau, wave, states, room.stages, room.row)
             elif abs(width - fronts.settle[g]) < MERGE:
-                load(wave, k, 1, s, systems.settling, systems.settling_at[r], state.load, x, n, row)
+                load(wave, k, 1, s, systems.settling, systems.settling_at[r], state.load, x, n, room.row)
             else:
-                step = fronts.settle[g] / SUBSTEPS
-                collocate_finely(system, k, width, step, fronts, wave, states, stages, row, parts)
+                collocate_finely(system, k, width, fronts.settle[g], fronts, states)
         for p in range(k):
             for i in range(s):
                 u[p, piece, i] = wave[p * s + i]
@@ -1302,9 +1305,10 @@ def release(pieces, row, counts):
 
 
 @njit(**INNER)
-def thinned(edges, coef, size, m, most, fronts, whole, part):
+def thinned(fronts, m, most):
     """Take away breakpoints that are not needed, then the weakest beyond the number allowed. Returns pieces left."""
-    counts, sizes, gauss = fronts.counts, fronts.sizes, fronts.tools.gauss
+    counts, sizes, gauss, room = fronts.counts, fronts.sizes, fronts.tools.gauss, fronts.room
+    edges, coef, size, whole, part = room.own, room.coef, room.size, room.whole, room.part
     least, kept = SAME * sizes[SCALE], 0
     for k in range(1, m):
         strength = front_size(coef[kept], coef[k], edges[kept], edges[k], edges[k + 1], least, gauss, whole, part)
@@ -1333,9 +1337,10 @@ def thinned(edges, coef, size, m, most, fronts, whole, part):
 
 
 @njit(**INNER)
-def send(fronts, e, slab, waves, o, edges, coef, size, m, anew, whole, part):
+def send(fronts, e, waves, m, anew):
     """Put a wave of m pieces on a line."""
-    pieces, tools, counts, sizes = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes
+    pieces, tools, counts, sizes, room = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.room
+    edges, coef, size, whole, part, o = room.own, room.coef, room.size, room.whole, room.part, room.position[e]
     if anew > 0.0 and pieces.width[e] > 0.0:
         least = SAME * sizes[SCALE]
         times(tools.to_legendre, pieces.last[e], 0, coef[m])
@@ -1344,7 +1349,7 @@ def send(fronts, e, slab, waves, o, edges, coef, size, m, anew, whole, part):
     times(tools.to_points, coef[m - 1], 0, pieces.last[e])
     pieces.width[e] = 1.0 - edges[m - 1]
     most = fronts.most if counts[LIVE] < pieces.free.size else 1
-    m = thinned(edges, coef, size, m, most, fronts, whole, part)
+    m = thinned(fronts, m, most)
     if anew > 0.0 and most == 1:
         counts[DROPPED] += 1
         sizes[LOST] = max(sizes[LOST], anew)
@@ -1357,7 +1362,7 @@ def send(fronts, e, slab, waves, o, edges, coef, size, m, anew, whole, part):
     row = pieces.free[counts[LIVE]]
     counts[LIVE] += 1
     counts[PEAK] = max(counts[PEAK], counts[LIVE])
-    pieces.of_slab[slab] = row
+    pieces.of_slab[o // whole.size] = row
     pieces.number[row], pieces.anew[row] = m, anew
     pieces.start[row, m] = 1.0
     for k in range(m):
@@ -1368,9 +1373,10 @@ def send(fronts, e, slab, waves, o, edges, coef, size, m, anew, whole, part):
 
 
 @njit(**INNER)
-def keep(fronts, record, row, slab, edges, m, arrived, u, whole, point):
+def keep(fronts, record, row, slab, m, arrived, u):
     """Record m pieces, and their values at the points of the slab."""
-    log, s = fronts.log, whole.size
+    log, edges, whole, point = fronts.log, fronts.room.edges, fronts.room.whole, fronts.room.part
+    s = whole.size
     for side in range(2):
         k = 0
         for i in range(s):
@@ -1392,9 +1398,10 @@ def keep(fronts, record, row, slab, edges, m, arrived, u, whole, point):
 
 
 @njit(**INNER)
-def fronts_at(network, fronts, sources, g, slab, position, due, place, size):
+def fronts_at(network, fronts, sources, g, slab):
     """Gather the fronts that meet at a group in one slab. Returns how many."""
-    pieces, moves, n = fronts.pieces, fronts.moves, 0
+    pieces, moves, position, n = fronts.pieces, fronts.moves, fronts.room.position, int64(0)
+    place, size = fronts.room.place, fronts.room.size
     for i in range(network.first[network.group[g]], network.first[network.group[g + 1]]):
         e = network.ends[i]
         rest = fronts.rest[e >> 1]
@@ -1406,36 +1413,37 @@ def fronts_at(network, fronts, sources, g, slab, position, due, place, size):
         place[n], size[n] = max(moves.at[i] - slab, 0.0), np.inf
         i, n = i + 1, n + 1
     for i in range(fronts.drives.first[g], fronts.drives.first[g + 1]):
-        n = fronts_of_source(sources, fronts.drives.row[i], slab, due, place, size, n)
+        n = fronts_of_source(sources, fronts.drives.row[i], slab, place, size, n)
     return n
 
 
 @njit(**INNER)
-def fronts_of_source(sources, r, slab, due, place, size, n):
+def fronts_of_source(sources, r, slab, place, size, n):
     """Append those of a source, or of what scales an element."""
-    if drives_front(sources, r, slab, due):
-        for j in range(sources.begin[due[r]], sources.begin[due[r] + 1]):
-            if n < place.size and (sources.start[j] > 0.0 or sources.anew[due[r]]):
+    if drives_front(sources, r, slab):
+        now = sources.due[r]
+        for j in range(sources.begin[now], sources.begin[now + 1]):
+            if n < place.size and (sources.start[j] > 0.0 or sources.anew[now]):
                 place[n], size[n] = sources.start[j], np.inf
                 n += 1
     return n
 
 
 @njit(**INNER)
-def drives_front(sources, r, slab, due):
+def drives_front(sources, r, slab):
     """Whether a source has a front in the slab."""
-    return due[r] < sources.first[r + 1] and sources.slab[due[r]] == slab
+    return sources.due[r] < sources.first[r + 1] and sources.slab[sources.due[r]] == slab
 
 
 @njit(**INNER)
-def driven(sources, drive, r, slab, o, due, to_legendre, span, given):
+def driven(sources, drive, r, slab, o, to_legendre, span, given):
     """The sources' part of a Thévenin wave, as pieces. Returns how many."""
-    if not drives_front(sources, r, slab, due):
+    if not drives_front(sources, r, slab):
         span[0, 0], span[0, 1] = 0.0, 1.0
         times(to_legendre, drive[r], o, given[0])
-        return 1
-    first = sources.begin[due[r]]
-    n = sources.begin[due[r] + 1] - first
+        return int64(1)
+    first = sources.begin[sources.due[r]]
+    n = sources.begin[sources.due[r] + 1] - first
     for j in range(n):
         span[j, 0], span[j, 1] = sources.start[first + j], sources.stop[first + j]
         copy(sources.coef[first + j], given[j])
@@ -1443,25 +1451,23 @@ def driven(sources, drive, r, slab, o, due, to_legendre, span, given):
 
 
 @njit(**INNER)
-def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position, due, record, work, laws):
+def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, record, laws):
     """One group, one slab, in pieces. Returns the sum of the efforts at the slab's end."""
-    waves, before, pieces, tools = state.waves, state.before, fronts.pieces, fronts.tools
-    (
-        place, size, edges, own, outer, unsettled, span, given, arrived, u, coef, whole, part, stages, wave, row, parts,
-        factor, opening,
-    ) = work  # fmt: skip
+    waves, before, pieces, tools, room = state.waves, state.before, fronts.pieces, fronts.tools, fronts.room
+    position, edges, outer, u, arrived = room.position, room.edges, room.outer, room.u, room.arrived
+    span, given, coef, whole, part = room.span, room.given, room.coef, room.whole, room.part
     s, low, total = before.shape[1], network.first[network.group[g]], 0.0
-    n = fronts_at(network, fronts, sources, g, slab, position, due, place, size)
-    m, anew = united(place, size, n, edges, fronts.at_node, fronts.counts, fronts.sizes)
+    n = fronts_at(network, fronts, sources, g, slab)
+    m, anew = united(room.place, room.size, n, edges, fronts.at_node, fronts.counts, fronts.sizes)
     fewer = 0
     if fronts.settle[g] > 0.0:
-        m, fewer = settling(fronts, g, slab, edges, m, anew, outer, size, unsettled)
+        m, fewer = settling(fronts, g, slab, m, anew)
     if not fronts.fractional:
         anew = 0.0
     for node in range(network.group[g], network.group[g + 1]):
         mine, r = u[node - network.group[g]], network.drive_row[node]
         if r >= 0:
-            n = driven(sources, drive, r, slab, k * s, due, tools.to_legendre, span, given)
+            n = driven(sources, drive, r, slab, k * s, tools.to_legendre, span, given)
             regrouped(span, given, n, edges, m, tools, whole, mine)
         else:
             for j in range(m):
@@ -1469,7 +1475,7 @@ def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position,
         for i in range(network.first[node], network.first[node + 1]):
             e = network.ends[i]
             rest, now = fronts.rest[e >> 1], pieces.of_slab[position[e] // s]
-            n = 0
+            n = int64(0)
             if rest > 0.0:
                 n = unfold(pieces, pieces.before[e], before[e], 0, tools.to_legendre, rest - 1.0, span, given, n)
             n = unfold(pieces, now, waves, position[e], tools.to_legendre, rest, span, given, n)
@@ -1487,15 +1493,15 @@ def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position,
                     mine[j, p] += network.weight[i] * arrived[i - low, j, p]
     if laws is not None:
         for i in range(laws.first[g], laws.first[g + 1]):
-            mine, r = factor[i - laws.first[g]], laws.drive_row[i]
+            mine, r = room.factor[i - laws.first[g]], laws.drive_row[i]
             if r >= 0:
-                n = driven(sources, drive, r, slab, k * s, due, tools.to_legendre, span, given)
+                n = driven(sources, drive, r, slab, k * s, tools.to_legendre, span, given)
                 regrouped(span, given, n, edges, m, tools, whole, mine)
             else:
                 for j in range(m):
                     for p in range(s):
                         mine[j, p] = laws.factor[i]
-    respond(network, state, fronts, g, slab, edges, unsettled, m, u, factor, opening, stages, wave, row, parts, laws)
+    respond(network, state, fronts, g, slab, m, laws)
     if 0 < fewer < m:
         for node in range(network.group[g], network.group[g + 1]):
             rejoin(u[node - network.group[g]], edges, m, outer, fewer, tools, span, given, whole)
@@ -1508,23 +1514,23 @@ def scatter_pieces(network, state, fronts, sources, drive, g, slab, k, position,
         for i in range(network.first[node], network.first[node + 1]):
             e = network.ends[i]
             if network.record_row[e] >= 0:
-                keep(fronts, record, network.record_row[e], slab, edges, m, arrived[i - low], mine, whole, part)
+                keep(fronts, record, network.record_row[e], slab, m, arrived[i - low], mine)
             for j in range(m):
                 for p in range(s):
                     part[p] = 2.0 * mine[j, p] - arrived[i - low, j, p]
                     fronts.sizes[SCALE] = max(fronts.sizes[SCALE], abs(part[p]))
                 times(tools.to_legendre, part, 0, coef[j])
-            copy(edges, own)
-            send(fronts, e, position[e] // s, waves, position[e], own, coef, size, m, anew, whole, part)
+            copy(edges, room.own)
+            send(fronts, e, waves, m, anew)
         total += mine[m - 1, s - 1]
     return total
 
 
 @njit(**INNER)
-def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, work, laws, cells):
+def scatter_whole(network, state, fronts, drive, g, slab, k, record, laws, cells):
     """One group, one slab without fronts. Returns the sum of the efforts at the slab's end."""
-    waves, before, total = state.waves, state.before, 0.0
-    s, (u, history, row, factor) = before.shape[1], work
+    waves, before, pieces, total = state.waves, state.before, fronts.pieces, 0.0
+    s, u, row, position = before.shape[1], fronts.room.wave, fronts.room.row, fronts.room.position
     for node in range(network.group[g], network.group[g + 1]):
         q = uint64((node - network.group[g]) * s)
         begin(u, q, s, drive, network.drive_row[node], k * s)
@@ -1532,7 +1538,7 @@ def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, w
             e = network.ends[i]
             o, r = uint64(position[e]), network.shift_row[e >> 1]
             if r >= 0:
-                shift(waves, o, 1, before, e, network.shift, r, history, row)
+                shift(waves, o, 1, before, e, network.shift, r, fronts.room.history, row)
             gather(u, q, s, waves, o, network.weight[i])
     if network.load_at[g] >= 0:
         r, nodes = network.step_row[g], network.group[g + 1] - network.group[g]
@@ -1540,8 +1546,8 @@ def scatter_whole(network, state, pieces, drive, g, slab, k, position, record, w
         load(u, nodes, 1, s, network.step, network.step_at[r], state.load, network.load_at[g], n, row)
     if laws is not None:
         if laws.first[g] < laws.first[g + 1]:
-            opened(laws, g, drive, k * s, s, factor)
-            meet_elements(network, g, state.load, u, s, factor, laws, cells)
+            opened(laws, g, drive, k * s, s, fronts.room.opening)
+            meet_elements(network, g, state.load, u, s, fronts.room.opening, laws, cells)
     for node in range(network.group[g], network.group[g + 1]):
         q = uint64((node - network.group[g]) * s)
         for j in range(network.first[node], network.first[node + 1]):
@@ -1571,27 +1577,28 @@ def levelled(pieces, row, tools, counts, sizes, whole):
 
 
 @njit(**INNER)
-def level_source(sources, r, due, tools, whole, out):
+def level_source(sources, r, tools, whole, out):
     """Project a source with fronts in a slab on the whole slab."""
     clear(whole)
-    for j in range(sources.begin[due[r]], sources.begin[due[r] + 1]):
+    for j in range(sources.begin[sources.due[r]], sources.begin[sources.due[r] + 1]):
         project(sources.coef[j], sources.start[j], sources.stop[j], 0.0, 1.0, tools.gauss, whole)
     times(tools.to_points, whole, 0, out)
 
 
 @njit(**INNER)
-def level(network, state, fronts, sources, drive, g, slab, k, position, due, whole):
+def level(network, state, fronts, sources, drive, g, slab, k):
     """Leave out all fronts inside a slab that meet at a group; switches move at the nearest edge."""
     pieces, tools, counts, sizes, moves = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.moves
     waves, before, s = state.waves, state.before, fronts.tools.c.size
+    position, whole = fronts.room.position, fronts.room.whole
     while moves.due[g] < moves.first[g + 1] and moves.at[moves.due[g]] - slab < 0.5:
         counts[DROPPED] += 1
         network.step_row[g] = moves.row[moves.due[g]]
         moves.due[g] += 1
     for i in range(fronts.drives.first[g], fronts.drives.first[g + 1]):
         r = fronts.drives.row[i]
-        if drives_front(sources, r, slab, due):
-            level_source(sources, r, due, tools, whole, drive[r, k * s : (k + 1) * s])
+        if drives_front(sources, r, slab):
+            level_source(sources, r, tools, whole, drive[r, k * s : (k + 1) * s])
     for node in range(network.group[g], network.group[g + 1]):
         for i in range(network.first[node], network.first[node + 1]):
             e = network.ends[i]
@@ -1607,9 +1614,9 @@ def level(network, state, fronts, sources, drive, g, slab, k, position, due, who
 
 
 @njit(**INNER)
-def level_at_lumps(network, lumps, state, fronts, whole):
+def level_at_lumps(network, lumps, state, fronts):
     """Project slabs in pieces that pass lumps on slabs in one piece: there fronts are no longer followed."""
-    pieces, tools, counts, sizes = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes
+    pieces, tools, counts, sizes, whole = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.room.whole
     waves, s = state.waves, whole.size
     for r in range(lumps.line.size):
         line = lumps.line[r]
@@ -1638,9 +1645,9 @@ def advance_fronts(network, state, fronts, sources, drive, first_slab, n_slabs, 
 
 
 @njit(**INNER)
-def quiet_slabs(network, state, fronts, sources, slab, due, most):
+def quiet_slabs(network, state, fronts, sources, slab, most):
     """Number of slabs ahead, at most so many and none beyond the shortest delay, in which no group meets a front."""
-    delay, pieces, moves, s = network.delay, fronts.pieces, fronts.moves, state.before.shape[1]
+    delay, pieces, moves, due, s = network.delay, fronts.pieces, fronts.moves, sources.due, state.before.shape[1]
     for line in range(delay.size):
         most = min(most, delay[line])
     for g in range(moves.due.size):
@@ -1687,51 +1694,15 @@ def note_last(network, state, pieces):
 @njit(**OPTIONS)
 def advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, record, laws, cells, lumps):
     """The same; the network has its laws, cells and lumps beside it, or None."""
-    s, most = state.before.shape[1], fronts.at_node
-    most_nodes, degree, n_states = largest_group(network)
-    broken = 0
-    for j in range(sources.slab.size):
-        broken = max(broken, sources.begin[j + 1] - sources.begin[j])
-    room = 2 * most * degree + most
-    pieced = (
-        np.empty(room), np.empty(max(room, most + 1)), np.empty(most + 1), np.empty(most + 1), np.empty(most + 1),
-        np.zeros(most, np.bool_), np.empty((max(broken, 2 * most + 2), 2)), np.empty((max(broken, 2 * most + 2), s)),
-        np.empty((degree, most, s)), np.empty((most_nodes, most, s)), np.empty((most + 1, s)), np.empty(s), np.empty(s),
-        np.empty((s * n_states, s * n_states + 1)), np.empty(most_nodes * s), np.empty(most_nodes * s + n_states),
-        (
-            np.empty(SUBSTEPS + 2), np.empty(2), np.empty((SUBSTEPS + 1, 2)), np.empty((SUBSTEPS + 1, s)),
-            np.empty((most_nodes, SUBSTEPS + 1, s)), np.empty(most_nodes * s), np.empty((1, s)), np.empty(s),
-        ),
-        np.empty((most_elements(laws), most, s)), np.empty((most_elements(laws), s)),
-    )  # fmt: skip
-    whole = (
-        np.empty(most_nodes * s), np.empty((s, 2)), np.empty(most_nodes * s + n_states),
-        np.empty((most_elements(laws), s)),
-    )  # fmt: skip
-    others = (
-        np.empty(network.ends.size, np.int64), sources.first[:-1].copy(), np.empty(s), np.empty((s, ABREAST)),
-        np.empty((s, ABREAST)), *scratch_of_cells(cells, s),
-    )  # fmt: skip
-    done = pass_slabs(
-        borrowed(network), borrowed(state), borrowed(fronts), borrowed(sources), borrowed(drive), borrowed(record),
-        first_slab, n_slabs, borrowed(laws), borrowed(cells), borrowed(lumps),
-        borrowed(pieced), borrowed(whole), borrowed(others),
-    )  # fmt: skip
-    hold((pieced, whole, others))
-    return done
-
-
-@njit(**INNER)
-def pass_slabs(
-    network, state, fronts, sources, drive, record, first_slab, n_slabs, laws, cells, lumps, pieced, whole, others
-):
-    """The same with room to work."""
+    network, state, fronts, sources = borrowed(network), borrowed(state), borrowed(fronts), borrowed(sources)
+    drive, record = borrowed(drive), borrowed(record)
+    by_law, in_cells, in_lumps = borrowed(laws), borrowed(cells), borrowed(lumps)  # None is seen in arguments alone
     first, ends, group, delay, slots, sides = (
         network.first, network.ends, network.group, network.delay, state.slot, state.side,
     )  # fmt: skip
-    pieces, counts, moves = fronts.pieces, fronts.counts, fronts.moves
-    s, k = state.before.shape[1], 0
-    position, due, level_of, w, out, enter, y = others
+    pieces, counts, moves, due, position = fronts.pieces, fronts.counts, fronts.moves, sources.due, fronts.room.position
+    s, k = state.before.shape[1], int64(0)
+    w, out, (enter, y) = np.empty((s, ABREAST)), np.empty((s, ABREAST)), scratch_of_cells(in_cells, s)
     while k < n_slabs:
         slab = first_slab + k
         log_is_full = counts[NOTED] + 2 * record.shape[0] * fronts.at_node > fronts.log.where.shape[0]
@@ -1741,9 +1712,9 @@ def pass_slabs(
             while due[r] < sources.first[r + 1] and sources.slab[due[r]] < slab:
                 due[r] += 1
         if lumps is None:
-            quiet = quiet_slabs(network, state, fronts, sources, slab, due, n_slabs - k)
+            quiet = quiet_slabs(network, state, fronts, sources, slab, n_slabs - k)
             if quiet > 1:
-                node = pass_blocks(network, state, k, quiet, drive, record, first_slab, laws, cells, lumps)
+                node = pass_blocks(network, state, k, quiet, drive, record, first_slab, by_law, in_cells, in_lumps)
                 if node >= 0:
                     return node, k
                 note_last(network, state, pieces)
@@ -1754,7 +1725,7 @@ def pass_slabs(
             broken_here = i < moves.first[g + 1] and moves.at[i] - slab < 1.0 - MERGE / 2
             broken_here |= fronts.settled[g] > slab + MERGE
             for i in range(fronts.drives.first[g], fronts.drives.first[g + 1]):
-                broken_here |= drives_front(sources, fronts.drives.row[i], slab, due)
+                broken_here |= drives_front(sources, fronts.drives.row[i], slab)
             for node in range(group[g], group[g + 1]):
                 for i in range(first[node], first[node + 1]):
                     e = ends[i]
@@ -1763,23 +1734,19 @@ def pass_slabs(
                     broken_here |= pieces.of_slab[position[e] // s] >= 0 or pieces.before[e] >= 0
             if cells is not None:
                 if broken_here and fronts.levels[g]:
-                    level(network, state, fronts, sources, drive, g, slab, k, position, due, level_of)
+                    level(network, state, fronts, sources, drive, g, slab, k)
                     broken_here = False
             if broken_here:
-                at_end = scatter_pieces(
-                    network, state, fronts, sources, drive, g, slab, k, position, due, record, pieced, laws
-                )  # fmt: skip
+                at_end = scatter_pieces(network, state, fronts, sources, drive, g, slab, k, record, by_law)
             else:
-                at_end = scatter_whole(
-                    network, state, pieces, drive, g, slab, k, position, record, whole, laws, cells
-                )  # fmt: skip
+                at_end = scatter_whole(network, state, fronts, drive, g, slab, k, record, by_law, in_cells)
             if not np.isfinite(at_end):
                 return group[g], k
         if lumps is not None:
-            level_at_lumps(network, lumps, state, fronts, level_of)
-            lose(network, lumps, state, 1, w, out)
+            level_at_lumps(network, in_lumps, state, fronts)
+            lose(network, in_lumps, state, 1, w, out)
         if cells is not None:
-            pass_cells(network, cells, state, enter, y)
+            pass_cells(network, in_cells, state, enter, y)
         for line in range(delay.size):
             slots[line] += 1
             if slots[line] == delay[line]:
