@@ -8,10 +8,9 @@ from typing import Any
 
 from numba import types
 from numba.core import cgutils
-from numba.core.datamodel import PrimitiveModel
 from numba.core.imputils import impl_ret_untracked
 from numba.core.typing.templates import AttributeTemplate
-from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, register_model
+from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, models, register_model
 
 
 class Lent(types.Type):
@@ -23,7 +22,7 @@ class Lent(types.Type):
 
 
 @register_model(Lent)
-class _Model(PrimitiveModel):
+class _Model(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: Any):
         super().__init__(manager, kind, manager.lookup(kind.whole).get_value_type().as_pointer())
 

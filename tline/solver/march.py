@@ -167,7 +167,7 @@ class Stepper:
         of_kept = np.flatnonzero(fronts.log.where[:noted, 0] < 2 * len(assembly.recorded))
         where, span, values = (part[of_kept] for part in fronts.log)
         self.noted.append(Noted(where[:, 0], where[:, 1] + self.origin, span, values))
-        return done
+        return int(done)
 
     def _drive(self, first: int, n: int) -> NDArray:
         """The sources' parts of the Thévenin waves on n slabs, shape (drives, n * s); broken slabs are not in it."""
