@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver.accuracy import Accuracy, Attempt, added, apart, apart_inside
+from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside
 from tline.solver.nodes import NONE, nodes_of
 from tline.solver.resolution import FIT, Resolution, resolution
 from tline.solver.result import Result
@@ -48,7 +48,7 @@ def within(search: Search) -> Result:
     if not names:
         return refined(search, NONE)
     cost, problem = _cost_of_lines(search.scene)
-    lumped = _lumped(search._replace(most=min(cost, search.most), settle=settle), dict.fromkeys(names, 1))
+    lumped = refined(search._replace(most=min(cost, search.most), settle=settle), dict.fromkeys(names, 1))
     if lumped.accuracy is None or lumped.accuracy.met:
         return lumped
     if cost > search.most:
@@ -70,37 +70,18 @@ def _cost_of_lines(scene: Scene) -> tuple[float, str]:
     return cost, f"which takes {cost:.0e} line-end samples"
 
 
-def _lumped(search: Search, cells: Mapping[str, int]) -> Result:
-    """Refine with lines in one cell each, then double the cells until another doubling would change little."""
-    result = refined(search, cells)
-    accuracy = result.accuracy
-    assert accuracy is not None
-    before, attempts = accuracy.estimates, list(accuracy.attempts)
-    while accuracy.limit == "":
-        cells = {name: 2 * n for name, n in cells.items()}
-        if max(cells.values()) > MOST_CELLS:
-            return replace(result, accuracy=replace(accuracy, limit=f"lumped lines would need over {MOST_CELLS} cells"))
-        finer = search.run(result.resolution._replace(cells=cells))
-        estimates = added(before, apart(result, finer))
-        attempts.append(Attempt.of(finer))
-        inside = apart_inside(result, finer)
-        accuracy = replace(accuracy, estimates=estimates, inside=inside, attempts=tuple(attempts))
-        if accuracy.met:
-            return replace(result, accuracy=accuracy)
-        damped = finer.resolution.notes
-        result = replace(finer, unresolved=tuple(note for note in finer.unresolved if note not in damped))
-    return result
-
-
 def refined(search: Search, cells: Mapping[str, int]) -> Result:
-    """Raise the order and narrow the slab until the next finer run differs by no more than the tolerance."""
+    """Raise the order and narrow the slab until the next finer run differs by no more than the tolerance.
+
+    From where that is so on, lines in cells have twice as many in each finer run: the last must have.
+    """
     steps, limit, stale, helps = _finer(search, cells), "", 0, True
     result = best = search.run(next(steps))
     attempts, accuracy = [Attempt.of(result)], Accuracy(search.tol, {}, ())
     found = accuracy  # of the last comparison
     while not limit:
         try:
-            finer = search.run(steps.send(helps))
+            finer = search.run(steps.send((helps, found.met)))
         except StopIteration:
             limit = "order and slab are as fine as they may be"
             break
@@ -113,7 +94,8 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
         if found.worst <= accuracy.worst:
             best, accuracy = result, found
         blind = finer.resolution.blind
-        if before < inf and found.met and not blind:
+        doubled = finer.resolution.cells != result.resolution.cells or not cells
+        if before < inf and found.met and doubled and not blind:
             break
         helps = not blind and found.worst <= HELPS * before
         narrowed = finer.resolution.h < result.resolution.h
@@ -134,17 +116,22 @@ def limit_of(attempts: list[Attempt], stale: int, most: float) -> str:
     return "narrower slabs do not help" if stale == STALE else ""
 
 
-def _finer(search: Search, cells: Mapping[str, int]) -> Generator[Resolution, bool]:
-    """Ever finer orders and slabs; what is sent in tells whether the last step helped.
+def _finer(search: Search, cells: Mapping[str, int]) -> Generator[Resolution, tuple[bool, bool]]:
+    """Ever finer orders and slabs; what is sent in tells whether the last step helped, and met the tolerance.
 
     Beside lumped lines slabs are not narrowed: fronts are blurred there for a time of its own.
     """
     scene, nodes = search.scene, nodes_of(search.scene)
     s = scene.solver.order or FIRST
     chosen = resolution(scene, nodes, s, cells=cells, settle=search.settle)
-    h, fixed = chosen.h, scene.solver.slab is not None or bool(cells)
+    h, fixed, enough = chosen.h, scene.solver.slab is not None or bool(cells), False
     while True:
-        helped = yield chosen._replace(fit=search.fit)
+        helped, met = yield chosen._replace(fit=search.fit)
+        enough |= met
+        if enough:
+            cells = {name: 2 * n for name, n in cells.items()}
+            if max(cells.values(), default=0) > MOST_CELLS:
+                raise InputError("lumped lines", f"more than {MOST_CELLS} cells would be needed")
         if scene.solver.order is None and s < LAST and (helped or fixed):
             s += 1
         elif not fixed:

@@ -38,8 +38,8 @@ def simulate(
     Order and slab are raised and narrowed until the estimated error of all probes is within the tolerance. The error
     of a run is its difference, at common slab ends, to the next finer one; the result is the run before the last.
     Where a higher order leaves more than half of the difference, the slab is halved instead. Lines far shorter than a
-    slab are lumped, each in as many cells of L and C as the tolerance needs; what twice as many cells change is added
-    to the error. A scene that fixes order or slab by hand and asks for no tolerance is run once.
+    slab are lumped, each in as many cells of L and C as the tolerance needs: the next finer run has twice as many. A
+    scene that fixes order or slab by hand and asks for no tolerance is run once.
 
     Losses are lumped inside lines, a lump every two slabs. With them, slabs are halved and the runs extrapolated; the
     error is the difference to the entry before in Richardson's table (`tline.solver.with_losses`).
