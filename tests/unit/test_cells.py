@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from tline.loss import Foster
-from tline.solver.cells import InCells, cell, rates
+from tline.solver.cells import InCells, cell
 from tline.solver.radau import basis
 
 LOSSLESS = Foster(0, 1, [], [])
@@ -28,7 +29,7 @@ def whole(made) -> np.ndarray:
 def test_a_cell_creates_no_energy(s, in_series, across):
     """Stored are a²/4 + b²/4 + Σ r w²/(2 p) + Σ g q²/(2 p) over x, passed a²/4 or b²/4 over t; the norm is in these."""
     series, shunt = circuit(s, in_series, 0.3), circuit(s + 100, across, 0.1)
-    made = cell(rates(series, shunt, 1.0), s)
+    made = cell(series, shunt, 1.0, s)
     weights = np.concatenate(
         [[0.25, 0.25], series.strengths / series.rates / 2, shunt.strengths / shunt.rates / 2, [0.25, 0.25]]
     )
@@ -40,7 +41,7 @@ def test_a_cell_creates_no_energy(s, in_series, across):
 
 def test_a_cell_of_a_lossless_line_hands_on_what_it_holds():
     s = 4
-    made = cell(rates(LOSSLESS, LOSSLESS, 1.0), s)
+    made = cell(LOSSLESS, LOSSLESS, 1.0, s)
     mirror = basis(s).evaluation(1 - basis(s).c)  # from values over x to values over t of what leaves at the right
     nothing = np.zeros((s, s))
     assert np.allclose(made.left, np.block([[mirror, nothing], [nothing, np.eye(s)]]), atol=1e-12)
@@ -52,7 +53,7 @@ def test_a_cell_of_a_lossless_line_hands_on_what_it_holds():
 def test_without_distortion_a_wave_is_only_attenuated():
     """exp(-t/10): a and b do not meet."""
     s = 9
-    made = cell(rates(Foster(0.1, 1, [], []), Foster(0.1, 1, [], []), 1.0), s)
+    made = cell(Foster(0.1, 1, [], []), Foster(0.1, 1, [], []), 1.0, s)
     passed = np.block([made.left[:s, :s]]) @ made.entered[:s, :s] @ np.ones(s)
     assert passed == pytest.approx(np.exp(-0.1), abs=1e-12)
     assert np.allclose(made.back, 0, atol=1e-12)
@@ -60,7 +61,7 @@ def test_without_distortion_a_wave_is_only_attenuated():
 
 def test_a_cell_is_its_own_mirror_image():
     s = 4
-    made = cell(rates(circuit(1, 2, 0.3), circuit(2, 1, 0.2), 1.0), s)
+    made = cell(circuit(1, 2, 0.3), circuit(2, 1, 0.2), 1.0, s)
     flip = basis(s).evaluation(1 - basis(s).c)
     swap = np.array([[0, 1], [1, 0]])
     signs = np.diag([-1, -1, 1])  # flows turn round, efforts do not
@@ -71,15 +72,54 @@ def test_a_cell_is_its_own_mirror_image():
     assert np.allclose(over_t @ made.left @ over_x, made.left, atol=1e-11)
 
 
-def test_stiff_circuits_are_found_to_the_digits_asked_for():
-    equations = rates(Foster(0.1, 1, [0.5, 2.0], [3.0, 200.0]), LOSSLESS, 1.0)
-    close, closer = (whole(cell(equations, 3, digits)) for digits in (1e-7, 1e-12))
-    assert np.abs(close - closer).max() < 1e-7
+def lattice(series: Foster, shunt: Foster, s: int, N: int) -> np.ndarray:
+    """The same to second order: N steps of travel by 1/N, with half a step without travel before and after each."""
+    r, p, g, q = series.strengths, series.rates, shunt.strengths, shunt.rates
+    n, order = 2 + len(p) + len(q), basis(s)
+    u, v = np.eye(2, n)[0] / 2 + np.eye(2, n)[1] / 2, np.eye(2, n)[0] / 2 - np.eye(2, n)[1] / 2
+    w, other = np.eye(n)[2 : 2 + len(p)], np.eye(n)[2 + len(p) :]
+    v_t, u_t = r @ (w - v) - series.loss * v, g @ (other - u) - shunt.loss * u
+    equations = np.vstack([u_t + v_t, u_t - v_t, p[:, None] * (v - w), q[:, None] * (u - other)])
+    x = (np.arange(N) + 0.5) / N
+    values, moments = order.evaluation(x), order.moments(x, np.full(N, 1 / N))
+    given = np.kron(np.eye(n + 2), values).reshape(n + 2, N, -1)
+    fields, entering, leaving = given[:n], given[n:], np.empty((2, N, (n + 2) * s))
+    half = expm(equations / (2 * N))
+    for k in range(N):
+        fields = np.einsum("ij,jkc->ikc", half, fields)
+        leaving[0, k], leaving[1, k] = fields[0, -1], fields[1, 0]
+        fields[0, 1:], fields[1, :-1] = fields[0, :-1].copy(), fields[1, 1:].copy()
+        fields[0, 0], fields[1, -1] = entering[0, k], entering[1, k]
+        fields = np.einsum("ij,jkc->ikc", half, fields)
+    return np.concatenate([moments @ fields, moments @ leaving]).reshape((n + 2) * s, -1)
+
+
+@pytest.mark.parametrize("s", [1, 3, 5])
+def test_lattices_converge_to_a_cell(s):
+    """Their error is a series in 1/N^2."""
+    series, shunt = Foster(0.1, 1, [0.5, 2.0], [3.0, 30.0]), Foster(0.05, 1, [0.3], [2.0])
+    coarse, fine, finest = (lattice(series, shunt, s, N) for N in (64, 128, 256))
+    made = whole(cell(series, shunt, 1.0, s))
+    assert np.abs(fine - made).max() == pytest.approx(np.abs(coarse - made).max() / 4, rel=0.2)
+    better = [(4 * b - a) / 3 for a, b in ((coarse, fine), (fine, finest))]
+    assert np.abs((16 * better[1] - better[0]) / 15 - made).max() < 2e-8
+
+
+def test_a_memory_too_short_to_matter_is_as_none():
+    """r s/(s + p) adds r/p to the storage, at most; what a stiff circuit changes falls with 1/p."""
+    without = whole(cell(Foster(0.1, 1, [], []), LOSSLESS, 1.0, 4))
+    rest = np.r_[:8, 12:20]  # without the memory
+    off = [
+        np.abs(whole(cell(Foster(0.1, 1, [1.0], [p]), LOSSLESS, 1.0, 4))[np.ix_(rest, rest)] - without).max()
+        for p in (1e7, 1e9)
+    ]
+    assert off[1] < 2e-8
+    assert off[0] == pytest.approx(100 * off[1], rel=0.01)
 
 
 def test_an_echo_is_what_an_end_sends_into_itself():
     """w = y + K (2u - w) means w = ŷ + 2 Q u."""
-    made = InCells(3, cell(rates(circuit(3, 1, 0.4), LOSSLESS, 1.0), 3), (1, 0))
+    made = InCells(3, cell(circuit(3, 1, 0.4), LOSSLESS, 1.0, 3), (1, 0))
     K, Q = made.cell.back, made.echo
     y, u = np.random.default_rng(0).normal(size=(2, 3))
     w = np.linalg.solve(np.eye(3) + K, y + 2 * K @ u)

@@ -1,14 +1,9 @@
 """Lossy lines in cells one slab long, each advanced by its exact evolution over a slab, projected on polynomials.
 
-In units of a slab, of z0 and of the travel time x, with u the effort, v the flow and a = u + v, b = u - v,
-
-    a_t + a_x = u_t + v_t without travel,   b_t - b_x = u_t - v_t without travel,
-    v_t = -r0 v - sum r_k (v - w_k),  w_k' = p_k (v - w_k),   u_t = -g0 u - sum g_k (u - q_k),  q_k' = p_k (u - q_k).
-
-What a cell holds (a, b, the w and q over x) and what enters it during a slab (a at its left end, b at its right end,
-over t) are polynomials of degree s - 1; so is, after projection, what it holds a slab later, and what has left it. The
-equations dissipate and the projections lose energy, so a cell cannot create any. There is no other error: a front that
-enters on a slab's edge leaves on one, and all between is smooth.
+What a cell holds (a, b and the memories of its circuits over x) and what enters it during a slab (a at its left end, b
+at its right end, over t) are polynomials of degree s - 1; so is, after projection, what it holds a slab later, and what
+has left it. The equations dissipate and the projections lose energy, so a cell cannot create any. There is no other
+error: a front that enters on a slab's edge leaves on one, and all between is smooth.
 """
 
 from collections.abc import Mapping
@@ -22,14 +17,12 @@ from tline.loss.foster import Foster
 from tline.scene.line import SceneLine
 from tline.solver.circuits import Circuits
 from tline.solver.network import Cells
-from tline.solver.radau import Basis, Matrix, basis
+from tline.solver.radau import Basis, Matrix
 from tline.solver.resolution import WHOLE
 
-FINER = (2, 3, 4, 6, 8, 12, 16, 24, 32)  # lattices one after the other; their error is a series in 1/N²
-FEWEST, STIFF = 8, 16  # half the steps of the first lattice: at least, and rates over it
-CLOSE = 1e-13  # where the series of lattices ends
-KNOWN = 0.01  # of what circuits are off the laws they stand for: so well cells are known
 MOST_DIFFERENT = 50  # cells, for each takes some hundredths of a second to find
+
+Plain = tuple[float, float, tuple[float, ...], tuple[float, ...]]  # a circuit as what makes it
 
 
 class Cell(NamedTuple):
@@ -41,66 +34,23 @@ class Cell(NamedTuple):
     back: Matrix  # (s, s) from what enters at an end to what leaves at the same end
 
 
-def rates(series: Foster, shunt: Foster, h: float) -> Matrix:
-    """Matrix of the equations without travel, for the fields (a, b, w.., q..), in slabs of width h."""
-    r0, r, p = h * series.loss / series.storage, h * series.strengths / series.storage, h * series.rates
-    g0, g, q = h * shunt.loss / shunt.storage, h * shunt.strengths / shunt.storage, h * shunt.rates
-    m, n = len(p), 2 + len(p) + len(q)
-    u, v = np.zeros(n), np.zeros(n)
-    u[:2], v[:2] = 0.5, (0.5, -0.5)
-    into_w, into_q = np.zeros(n), np.zeros(n)
-    into_w[2 : 2 + m], into_q[2 + m :] = r, g
-    v_t, u_t = into_w - (r0 + r.sum()) * v, into_q - (g0 + g.sum()) * u
-    memory = np.concatenate([p[:, None] * v, q[:, None] * u])
-    memory[:, 2:] -= np.diag(np.concatenate([p, q]))
-    return np.vstack([u_t + v_t, u_t - v_t, memory])
-
-
-def cell(equations: Matrix, s: int, close: float = CLOSE) -> Cell:
-    """The cell of a line whose equations without travel are given, with entries known to `close`."""
-    return _cell(equations.tobytes(), len(equations), s, close)
+def cell(series: Foster, shunt: Foster, h: float, s: int) -> Cell:
+    """The cell of a line with circuits given per metre, for slabs of h seconds."""
+    plain = [
+        (law.loss, law.storage, tuple(law.strengths.tolist()), tuple(law.rates.tolist())) for law in (series, shunt)
+    ]
+    return _cell(*plain, h, s)
 
 
 @lru_cache(maxsize=256)
-def _cell(equations: bytes, n: int, s: int, close: float) -> Cell:
-    """Neville's extrapolation of lattices to infinitely many steps."""
-    matrix = np.frombuffer(equations).reshape(n, n)
-    fewest = max(FEWEST, s, int(np.abs(matrix).max() / STIFF))
-    table: list[Matrix] = []
-    for k, finer in enumerate(FINER):
-        row = [_lattice(matrix, s, finer * fewest)]
-        for j in range(1, k + 1):
-            row.append(row[-1] + (row[-1] - table[j - 1]) / ((finer / FINER[k - j]) ** 2 - 1))
-        done = k > 0 and np.abs(row[-1] - table[-1]).max() < close
-        table = row
-        if done:
-            break
-    whole, inside = table[-1], n * s
+def _cell(series: Plain, shunt: Plain, h: float, s: int) -> Cell:
+    from tline.solver.evolution import evolution
+
+    whole = evolution(Foster(*series), Foster(*shunt), h, s)
+    inside = len(whole) - 2 * s
     return Cell(
         whole[:inside, :inside], whole[:inside, inside:], whole[inside:, :inside], whole[inside + s :, inside:-s]
     )
-
-
-def _lattice(equations: Matrix, s: int, N: int) -> Matrix:
-    """All maps by N steps of travel by 1/N, with half a step without travel before and after each (Strang 1968)."""
-    from scipy.linalg import expm
-
-    n, order = len(equations), basis(s)
-    x = (np.arange(N) + 0.5) / N
-    values, moments = order.evaluation(x), order.moments(x, np.full(N, 1 / N))
-    columns = (n + 2) * s
-    fields, entering = np.zeros((n, N, columns)), np.zeros((2, N, columns))
-    for k in range(n + 2):
-        (fields[k] if k < n else entering[k - n])[:, k * s : (k + 1) * s] = values
-    half = expm(equations / (2 * N))
-    whole, leaving = half @ half, np.empty((2, N, columns))
-    fields = (half @ fields.reshape(n, -1)).reshape(fields.shape)
-    for k in range(N):
-        leaving[0, k], leaving[1, k] = fields[0, -1], fields[1, 0]
-        fields[0, 1:], fields[1, :-1] = fields[0, :-1].copy(), fields[1, 1:].copy()
-        fields[0, 0], fields[1, -1] = entering[0, k], entering[1, k]
-        fields = ((whole if k < N - 1 else half) @ fields.reshape(n, -1)).reshape(fields.shape)
-    return np.concatenate([moments @ fields, moments @ leaving]).reshape(-1, columns)
 
 
 class InCells(NamedTuple):
@@ -143,8 +93,8 @@ def lines_in_cells(
     found: dict[int, InCells] = {}
     for k, (name, line) in enumerate(lines.items() if fits(lines, h) else ()):
         if line.losses is not None and not line.losses.distortionless:
-            series, shunt, error = circuits[name]
-            made = cell(rates(series, shunt, h), order.s, max(CLOSE, KNOWN * error))
+            series, shunt, _ = circuits[name]
+            made = cell(series, shunt, h, order.s)
             found[k] = InCells(round((line.parameters.delay or 0.0) / h), made, (len(series.rates), len(shunt.rates)))
     return found
 
