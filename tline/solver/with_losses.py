@@ -13,7 +13,7 @@ from tline.solver.resolution import resolution
 from tline.solver.result import Result
 from tline.solver.search import Search, limit_of, refined
 
-ORDER, ORDER_IN_CELLS = 3, 4
+ORDER, ORDER_IN_CELLS = 3, 6
 TABLE = ((2,), (2, 4), (2, 4, 6), (1,), (1, 2), (1, 2, 3), (1, 2, 3, 4))  # powers of h taken out, smooth and not
 CLOSER, CLOSEST = 0.1, 1e-9  # tolerance of circuits over that of the run, and the least
 
