@@ -1,0 +1,170 @@
+"""Books kept while a run goes on: energies through line ends and into elements, slab by slab."""
+
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.scene.coupled import refuse_coupled
+from tline.scene.mistakes import place
+from tline.solver.assemble import Assembly
+from tline.solver.ledger.accounts import Accounts, accounts_of
+from tline.solver.ledger.columns import Columns
+from tline.solver.ledger.ledger import COLUMNS, DISSIPATED, STORED, SUPPLIED, TAKEN, Entry, Ledger
+from tline.solver.ledger.standing import Standing, standing
+from tline.solver.nodes import Node, nodes_of
+
+if TYPE_CHECKING:
+    from tline.solver.march import Noted
+
+BLOCK = 100_000  # samples of a group's line ends looked at together
+
+
+class Found(NamedTuple):
+    """Slabs in pieces of one group."""
+
+    slab: NDArray  # (pieces,)
+    span: NDArray  # (pieces, 2)
+    waves: NDArray  # (pieces, ends, 2, s) what arrived and what left
+
+
+def _groups(assembly: Assembly, nodes: Mapping[str, Node], whole: Standing, z0: NDArray) -> list[Accounts]:
+    """Accounts of each group of nodes."""
+    names, edges = assembly.nodes, assembly.network.group
+    of_node = {name: g for g, (low, high) in enumerate(pairwise(edges)) for name in names[low:high]}
+    parts = [Standing([], [], []) for _ in edges[1:]]
+    for member in whole.members:
+        parts[of_node[member.nodes[0]]].members.append(member)
+    for conductor in whole.conductors:
+        parts[of_node[conductor.node]].conductors.append(conductor)
+    for drive in whole.drives:
+        parts[of_node[drive.node]].drives.append(drive)
+    groups = ({name: nodes[name] for name in names[low:high]} for low, high in pairwise(edges))
+    return [accounts_of(group, part, z0) for group, part in zip(groups, parts, strict=True)]
+
+
+class Books:
+    """A ledger that grows with a run."""
+
+    def __init__(self, assembly: Assembly, n: int):
+        scene, network, h = assembly.scene, assembly.network, assembly.resolution.h
+        refuse_coupled(scene.lines, "a ledger")
+        self.assembly, self.n, self.h = assembly, n, h
+        new = np.flatnonzero(network.record_row < 0)
+        network.record_row[new] = network.record_row.max(initial=-1) + 1 + np.arange(len(new))
+        self.end_of_row = np.argsort(network.record_row)
+        nodes = nodes_of(scene, assembly.resolution.cells)
+        whole = standing(scene, nodes, assembly.resolution.cells, h, n * h)
+        lines = list(assembly.lines.values())
+        self.z0 = np.array([line.parameters.z0 for line in lines])
+        self.groups = _groups(assembly, nodes, whole, self.z0)
+        self.delay = np.array([line.parameters.delay or 0.0 for line in lines])
+        self.sent = np.zeros(2 * len(lines))  # energy of what left each end late enough to be under way at the end
+        self.taken, self.least, self.most_given = (np.zeros(len(lines)) for _ in range(3))
+        self.totals = [np.zeros((len(group.where), len(COLUMNS))) for group in self.groups]
+        self.lowest = [np.zeros(len(group.where)) for group in self.groups]
+        echoes = {list(assembly.lines).index(name): echo for name, echo in assembly.echoes.items()}
+        self.echo = {2 * k + side: echo for k, echo in echoes.items() for side in range(2)}
+        self.group_of_end = np.empty(2 * len(lines), int)
+        for g, group in enumerate(self.groups):
+            self.group_of_end[group.ends] = g
+
+    def see(self, record: NDArray, first: int, n: int, pieces: "Noted") -> None:
+        """Take note of n slabs from number `first` on, recorded from the first column of the record on."""
+        s = self.assembly.basis.s
+        through = np.zeros((len(self.z0), n))  # what each line takes in each slab
+        found = self._sorted(pieces)
+        for g, group in enumerate(self.groups):
+            rows = self.assembly.network.record_row[group.ends]
+            step = max(BLOCK // (max(len(rows), 1) * s), 1)
+            for low in range(0, n, step):
+                high = min(low + step, n)
+                waves = record[rows, :, low * s : high * s].reshape(len(rows), 2, high - low, s)
+                slabs = first + np.arange(low, high)
+                self._post(g, self._arrived(group, waves), slabs, found.get(g), through[:, low:high])
+        so_far = self.taken[:, None] + np.cumsum(through, axis=1)
+        self.taken, self.least = so_far[:, -1], np.minimum(self.least, so_far.min(axis=1))
+
+    def _arrived(self, group: Accounts, waves: NDArray) -> NDArray:
+        """What arrived and left: lines in cells give back some of what enters at once."""
+        waves = waves.copy()
+        for k, end in enumerate(group.ends):
+            if end in self.echo:
+                back = waves[k].sum(axis=0) @ self.echo[end].T
+                waves[k] += [back, -back]
+        return waves
+
+    def _post(self, g: int, waves: NDArray, slabs: NDArray, found: Found | None, through: NDArray) -> None:
+        """Enter some slabs of a group."""
+        group, basis = self.groups[g], self.assembly.basis
+        columns = Columns(basis, self.h, slabs)
+        out, late, posted = self._energies(group, waves[:, 0], waves[:, 1], columns)
+        if found is not None:
+            these = slice(*np.searchsorted(found.slab, [slabs[0], slabs[-1] + 1]))
+            slab = found.slab[these]
+            if len(slab):
+                w, o = found.waves[these].transpose(2, 1, 0, 3)
+                parts = self._energies(group, w, o, Columns(basis, self.h, slab, found.span[these]))
+                starts = np.flatnonzero(np.diff(slab, prepend=-1))
+                for whole, part in zip((out, late, posted), parts, strict=True):
+                    whole[..., slab[starts] - slabs[0]] = np.add.reduceat(part, starts, axis=-1)
+        np.add.at(through, group.ends // 2, -out)
+        self.sent[group.ends] += late.sum(axis=1)
+        taken = posted[:, [DISSIPATED, STORED, TAKEN]].sum(axis=1) - posted[:, SUPPLIED]
+        before = self.totals[g]
+        so_far = before[:, [DISSIPATED, STORED, TAKEN]].sum(axis=1) - before[:, SUPPLIED]
+        self.lowest[g] = np.minimum(self.lowest[g], (so_far[:, None] + np.cumsum(taken, axis=1)).min(axis=1))
+        self.totals[g] = before + posted.sum(axis=2)
+
+    def _energies(self, group: Accounts, w: NDArray, o: NDArray, columns: Columns) -> tuple[NDArray, NDArray, NDArray]:
+        """Out of the lines at each end, of what is under way at the end of the run, and into the accounts."""
+        out = columns.integral(w - o, w + o) / (4 * group.z0[:, None])
+        late = np.zeros_like(out)
+        since = self.n - self.delay[group.ends // 2] / self.h
+        for k in np.flatnonzero(columns.slab[-1] + 1 > since):
+            late[k] = columns.squares_after(o[k], since[k]) / (4 * group.z0[k])
+        return out, late, group.post(w, o, columns)
+
+    def _sorted(self, pieces: "Noted") -> dict[int, Found]:
+        """Pieces by group; those of one group and slab are alike at all its ends."""
+        end = self.end_of_row[pieces.row]
+        g = self.group_of_end[end]
+        place = np.empty(len(self.group_of_end), int)
+        for group in self.groups:
+            place[group.ends] = np.arange(len(group.ends))
+        order = np.lexsort((place[end], pieces.span[:, 0], pieces.slab, g))
+        found = {}
+        for number, start, count in zip(*np.unique(g[order], return_index=True, return_counts=True), strict=True):
+            these, ends = order[start : start + count], len(self.groups[number].ends)
+            s = self.assembly.basis.s
+            waves = pieces.values[these].reshape(-1, ends, 2, s)
+            found[int(number)] = Found(pieces.slab[these[::ends]], pieces.span[these[::ends]], waves)
+        return found
+
+    def ledger(self) -> Ledger:
+        """What was entered."""
+        assembly, t_end = self.assembly, self.n * self.h
+        entries: list[Entry] = []
+        turnover = 0.0
+        rest = assembly.scene.start == "rest"
+        for k, (name, line) in enumerate(assembly.lines.items()):
+            before = assembly.start[name][[0, 3]] ** 2 / (4 * self.z0[k])  # a1 and b2
+            start = float(before.sum() * self.delay[k])
+            where, taken = place("lines", name), float(self.taken[k])
+            if line.losses is None:
+                stays = float(before.sum() * max(self.delay[k] - t_end, 0.0))
+                change = float(self.sent[2 * k : 2 * k + 2].sum()) + stays - start
+                created = max(-float(self.least[k]) - start, 0.0)
+                entries.append(Entry(where, 0.0, 0.0, change, 0.0, taken - change, created))
+                turnover += start
+            else:
+                created = max(-float(self.least[k]), 0.0) if rest else 0.0
+                entries.append(Entry(where, 0.0, 0.0, 0.0, taken, 0.0, created))
+                turnover += max(-float(self.least[k]), 0.0)
+        for group, totals, lowest in zip(self.groups, self.totals, self.lowest, strict=True):
+            turnover += float(np.maximum(-lowest, 0.0).sum())
+            for where, may_give, numbers, low in zip(group.where, group.may_give, totals, lowest, strict=True):
+                entries.append(Entry(where, *map(float, numbers), 0.0 if may_give else max(-float(low), 0.0)))
+        return Ledger(tuple(entries), turnover)
