@@ -50,6 +50,7 @@ class Run(NamedTuple):
     seconds: float  # without compiling or loading the kernel
     pieces: Noted
     fronts: Tally
+    under_way: Fronts | None  # as they are at the end; None in a run without any
 
 
 def march(
@@ -62,8 +63,8 @@ def march(
 ) -> tuple[NDArray, Run]:
     """Advance an assembled scene by n slabs.
 
-    With `extremes` to be watched or `books` to be kept, the kernel records into a window of one chunk, and only recorded
-    lines are kept.
+    With `extremes` to be watched or `books` to be kept, the kernel records into a window of one chunk, and only
+    recorded lines are kept.
 
     Returns
     -------
@@ -210,7 +211,7 @@ class Stepper:
     def run(self, seconds: float) -> Run:
         """What there is to say now."""
         pieces = joined(self.noted, self.assembly.basis.s)
-        return Run(seconds, pieces, Tally() if self.fronts is None else tally(self.fronts))
+        return Run(seconds, pieces, Tally() if self.fronts is None else tally(self.fronts), self.fronts)
 
 
 def _inside(places: NDArray, follows_edges: bool) -> NDArray:

@@ -82,7 +82,7 @@ def run(
         done.seconds,
         done.fronts,
         envelope=seen,
-        ledger=books and books.ledger(),
+        ledger=books and books.ledger(done.under_way),
         circuits=assembly.circuits,
     )
 

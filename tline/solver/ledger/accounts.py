@@ -1,6 +1,6 @@
 """The accounts of one group of nodes: powers of all that stands there, from the waves at its line ends."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -12,8 +12,6 @@ from tline.solver.ledger.flows import Flows, Port, flows_of
 from tline.solver.ledger.ledger import COLUMNS, DISSIPATED, STORED, SUPPLIED, TAKEN, UNACCOUNTED
 from tline.solver.ledger.standing import Conductor, Drive, Member, Standing
 from tline.solver.nodes import Node
-
-Integral = Callable[[NDArray, NDArray], NDArray]
 
 
 class Accounts(NamedTuple):
@@ -32,8 +30,8 @@ class Accounts(NamedTuple):
     flows: Flows
     posts: list[tuple[int, int, Member | None]]  # of each flow its account, column, and the member if it is one alone
 
-    def post(self, w: NDArray, o: NDArray, columns: Columns) -> NDArray:
-        """Energy that goes to each account, J.
+    def energies(self, w: NDArray, o: NDArray, columns: Columns) -> tuple[NDArray, NDArray]:
+        """Energies in each stretch of time, J.
 
         Parameters
         ----------
@@ -42,7 +40,10 @@ class Accounts(NamedTuple):
 
         Returns
         -------
-        ndarray, shape (accounts, columns of a ledger, m)
+        out : ndarray, shape (ends, m)
+            Out of the lines.
+        posted : ndarray, shape (accounts, columns of a ledger, m)
+            What goes to each account.
         """
         m, integral = len(columns.slab), columns.integral
         found = np.zeros((len(self.where), len(COLUMNS), m))
@@ -71,7 +72,7 @@ class Accounts(NamedTuple):
                 burnt = member.series * integral(flow, flow) + member.beside * integral(u[node], u[node])
                 found[account, DISSIPATED] += burnt
                 found[account, STORED] -= burnt
-        return found
+        return columns.integral(w - o, w + o) / (4 * self.z0[:, None]), found
 
 
 def _conductance(conductor: Conductor, columns: Columns) -> NDArray:
@@ -100,9 +101,7 @@ def accounts_of(group: Mapping[str, Node], standing: Standing, z0: NDArray) -> A
     ports: list[Port] = []
     for e, member in enumerate(standing.members):
         first = len(ports)
-        ports += [
-            Port(e, number[node], first + 1 - k if member.through else -1) for k, node in enumerate(member.nodes)
-        ]
+        ports += [Port(e, number[node], first + 1 - k if member.through else -1) for k, node in enumerate(member.nodes)]
     flows = flows_of(ports, [k in heads or k in held for k in range(len(group))])
     where = [one.where for one in (*standing.drives, *standing.conductors)]
     may_give = [True for _ in standing.drives] + [False for _ in standing.conductors]
@@ -123,6 +122,4 @@ def accounts_of(group: Mapping[str, Node], standing: Standing, z0: NDArray) -> A
         posts.append((opened[elements], alone.column if alone else TAKEN, alone))
     drives = [(k, number[drive.node], drive) for k, drive in enumerate(standing.drives)]
     conductors = [(len(drives) + k, number[one.node], one) for k, one in enumerate(standing.conductors)]
-    return Accounts(
-        where, may_give, ends, at, z0[ends // 2], heads, held, len(group), drives, conductors, flows, posts
-    )
+    return Accounts(where, may_give, ends, at, z0[ends // 2], heads, held, len(group), drives, conductors, flows, posts)

@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from tline.scene.coupled import refuse_coupled
 from tline.scene.mistakes import place
 from tline.solver.assemble import Assembly
+from tline.solver.fronts import Fronts
 from tline.solver.ledger.accounts import Accounts, accounts_of
 from tline.solver.ledger.columns import Columns
 from tline.solver.ledger.ledger import COLUMNS, DISSIPATED, STORED, SUPPLIED, TAKEN, Entry, Ledger
 from tline.solver.ledger.standing import Standing, standing
+from tline.solver.ledger.under_way import under_way
 from tline.solver.nodes import Node, nodes_of
 
 if TYPE_CHECKING:
@@ -51,7 +53,7 @@ class Books:
     def __init__(self, assembly: Assembly, n: int):
         scene, network, h = assembly.scene, assembly.network, assembly.resolution.h
         refuse_coupled(scene.lines, "a ledger")
-        self.assembly, self.n, self.h = assembly, n, h
+        self.assembly, self.h = assembly, h
         new = np.flatnonzero(network.record_row < 0)
         network.record_row[new] = network.record_row.max(initial=-1) + 1 + np.arange(len(new))
         self.end_of_row = np.argsort(network.record_row)
@@ -60,9 +62,8 @@ class Books:
         lines = list(assembly.lines.values())
         self.z0 = np.array([line.parameters.z0 for line in lines])
         self.groups = _groups(assembly, nodes, whole, self.z0)
-        self.delay = np.array([line.parameters.delay or 0.0 for line in lines])
-        self.sent = np.zeros(2 * len(lines))  # energy of what left each end late enough to be under way at the end
-        self.taken, self.least, self.most_given = (np.zeros(len(lines)) for _ in range(3))
+        self.start = under_way(assembly, None)
+        self.taken, self.least = np.zeros((2, len(lines)))
         self.totals = [np.zeros((len(group.where), len(COLUMNS))) for group in self.groups]
         self.lowest = [np.zeros(len(group.where)) for group in self.groups]
         echoes = {list(assembly.lines).index(name): echo for name, echo in assembly.echoes.items()}
@@ -100,32 +101,22 @@ class Books:
         """Enter some slabs of a group."""
         group, basis = self.groups[g], self.assembly.basis
         columns = Columns(basis, self.h, slabs)
-        out, late, posted = self._energies(group, waves[:, 0], waves[:, 1], columns)
+        out, posted = group.energies(waves[:, 0], waves[:, 1], columns)
         if found is not None:
             these = slice(*np.searchsorted(found.slab, [slabs[0], slabs[-1] + 1]))
             slab = found.slab[these]
             if len(slab):
                 w, o = found.waves[these].transpose(2, 1, 0, 3)
-                parts = self._energies(group, w, o, Columns(basis, self.h, slab, found.span[these]))
+                parts = group.energies(w, o, Columns(basis, self.h, slab, found.span[these]))
                 starts = np.flatnonzero(np.diff(slab, prepend=-1))
-                for whole, part in zip((out, late, posted), parts, strict=True):
+                for whole, part in zip((out, posted), parts, strict=True):
                     whole[..., slab[starts] - slabs[0]] = np.add.reduceat(part, starts, axis=-1)
         np.add.at(through, group.ends // 2, -out)
-        self.sent[group.ends] += late.sum(axis=1)
         taken = posted[:, [DISSIPATED, STORED, TAKEN]].sum(axis=1) - posted[:, SUPPLIED]
         before = self.totals[g]
         so_far = before[:, [DISSIPATED, STORED, TAKEN]].sum(axis=1) - before[:, SUPPLIED]
         self.lowest[g] = np.minimum(self.lowest[g], (so_far[:, None] + np.cumsum(taken, axis=1)).min(axis=1))
         self.totals[g] = before + posted.sum(axis=2)
-
-    def _energies(self, group: Accounts, w: NDArray, o: NDArray, columns: Columns) -> tuple[NDArray, NDArray, NDArray]:
-        """Out of the lines at each end, of what is under way at the end of the run, and into the accounts."""
-        out = columns.integral(w - o, w + o) / (4 * group.z0[:, None])
-        late = np.zeros_like(out)
-        since = self.n - self.delay[group.ends // 2] / self.h
-        for k in np.flatnonzero(columns.slab[-1] + 1 > since):
-            late[k] = columns.squares_after(o[k], since[k]) / (4 * group.z0[k])
-        return out, late, group.post(w, o, columns)
 
     def _sorted(self, pieces: "Noted") -> dict[int, Found]:
         """Pieces by group; those of one group and slab are alike at all its ends."""
@@ -143,28 +134,26 @@ class Books:
             found[int(number)] = Found(pieces.slab[these[::ends]], pieces.span[these[::ends]], waves)
         return found
 
-    def ledger(self) -> Ledger:
-        """What was entered."""
-        assembly, t_end = self.assembly, self.n * self.h
-        entries: list[Entry] = []
-        turnover = 0.0
-        rest = assembly.scene.start == "rest"
-        for k, (name, line) in enumerate(assembly.lines.items()):
-            before = assembly.start[name][[0, 3]] ** 2 / (4 * self.z0[k])  # a1 and b2
-            start = float(before.sum() * self.delay[k])
-            where, taken = place("lines", name), float(self.taken[k])
-            if line.losses is None:
-                stays = float(before.sum() * max(self.delay[k] - t_end, 0.0))
-                change = float(self.sent[2 * k : 2 * k + 2].sum()) + stays - start
-                created = max(-float(self.least[k]) - start, 0.0)
-                entries.append(Entry(where, 0.0, 0.0, change, 0.0, taken - change, created))
-                turnover += start
-            else:
-                created = max(-float(self.least[k]), 0.0) if rest else 0.0
-                entries.append(Entry(where, 0.0, 0.0, 0.0, taken, 0.0, created))
-                turnover += max(-float(self.least[k]), 0.0)
+    def ledger(self, fronts: Fronts | None) -> Ledger:
+        """What was entered, when the run is over."""
+        entries = self._of_lines(under_way(self.assembly, fronts))
+        lossless = np.array([line.losses is None for line in self.assembly.lines.values()])
+        turnover = float(np.where(lossless, self.start, np.maximum(-self.least, 0.0)).sum())
         for group, totals, lowest in zip(self.groups, self.totals, self.lowest, strict=True):
-            turnover += float(np.maximum(-lowest, 0.0).sum())
+            turnover -= float(lowest.sum())
             for where, may_give, numbers, low in zip(group.where, group.may_give, totals, lowest, strict=True):
-                entries.append(Entry(where, *map(float, numbers), 0.0 if may_give else max(-float(low), 0.0)))
+                entries.append(Entry(where, *map(float, numbers), 0.0 if may_give else 0.0 - float(low)))
         return Ledger(tuple(entries), turnover)
+
+    def _of_lines(self, end: NDArray) -> list[Entry]:
+        """What lines took and hold, and what those without losses lost nevertheless."""
+        at_rest, entries = self.assembly.scene.start == "rest", []
+        for k, (name, line) in enumerate(self.assembly.lines.items()):
+            where, taken, least = place("lines", name), float(self.taken[k]), float(self.least[k])
+            if line.losses is None:
+                change = float(end[k] - self.start[k])
+                created = max(0.0, -least - float(self.start[k]))
+                entries.append(Entry(where, 0.0, 0.0, change, 0.0, taken - change, created))
+            else:
+                entries.append(Entry(where, 0.0, 0.0, 0.0, taken, 0.0, 0.0 - least if at_rest else 0.0))
+        return entries

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from tline.scene.shape import Shape
 from tline.solver.drive import broken
-from tline.solver.radau import Basis, gauss
+from tline.solver.radau import Basis
 
 
 class Columns(NamedTuple):
@@ -48,14 +48,3 @@ class Columns(NamedTuple):
     def integral(self, x: NDArray, y: NDArray) -> NDArray:
         """Of products of polynomials over each, exact; shapes (…, m, s) to (…, m)."""
         return (x * y) @ self.basis.A[-1] * self.width
-
-    def squares_after(self, x: NDArray, instant: float) -> NDArray:
-        """Integral of x² over what lies after an instant in slabs, shape (m,)."""
-        start, stop = (0.0, 1.0) if self.span is None else self.span.T
-        cut = np.clip((instant - self.slab - start) / (stop - start), 0.0, 1.0)
-        found = np.where(cut < 1.0, self.integral(x, x), 0.0)
-        places, weights = gauss(self.basis.s)
-        for j in np.flatnonzero((cut > 0.0) & (cut < 1.0)):
-            seen = self.basis.evaluation(cut[j] + (1 - cut[j]) * places) @ x[j]
-            found[j] = self.width[j] * (1 - cut[j]) * (weights @ seen**2)
-        return found
