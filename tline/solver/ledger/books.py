@@ -142,7 +142,7 @@ class Books:
         for group, totals, lowest in zip(self.groups, self.totals, self.lowest, strict=True):
             turnover -= float(lowest.sum())
             for where, may_give, numbers, low in zip(group.where, group.may_give, totals, lowest, strict=True):
-                entries.append(Entry(where, *map(float, numbers), 0.0 if may_give else 0.0 - float(low)))
+                entries.append(Entry(where, *numbers.tolist(), created=0.0 if may_give else 0.0 - float(low)))
         return Ledger(tuple(entries), turnover)
 
     def _of_lines(self, end: NDArray) -> list[Entry]:

@@ -82,7 +82,7 @@ def _followed(ports: Sequence[Port], n: int) -> tuple[dict[int, NDArray], set[in
         told.add(k)
         twin = ports[p].twin
         if twin >= 0 and twin not in known:
-            known[twin] = -known[p]
+            known[twin] = 0.0 - known[p]
             at = ports[twin].node
             waiting[at].discard(twin)
             ready.append(at)

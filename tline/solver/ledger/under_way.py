@@ -39,5 +39,6 @@ def _squares(fronts: Fronts, rows: NDArray, after: NDArray) -> NDArray:
     cut = np.clip(after[:, None], start, stop)
     places = 2 * (cut[..., None] + (stop - cut)[..., None] * x - start[..., None])
     y = places / np.where(stop > start, stop - start, 1.0)[..., None] - 1
-    values = np.einsum("rpxk,rpk->rpx", np.polynomial.legendre.legvander(y, len(x) - 1), pieces.coef[rows])
-    return np.where(there, (stop - cut) * (values**2 @ weights), 0.0).sum(axis=1)
+    coef = np.where(there[..., None], pieces.coef[rows], 0.0)
+    values = np.einsum("rpxk,rpk->rpx", np.polynomial.legendre.legvander(y, len(x) - 1), coef)
+    return ((stop - cut) * (values**2 @ weights)).sum(axis=1)
