@@ -87,9 +87,10 @@ class Ledger(NamedTuple):
         told, bound = [], TOLERANCE * self.turnover
         if self.residual > TOLERANCE:
             worst = max(self.entries, key=lambda entry: abs(entry.unaccounted))
+            did = f"{worst.where} lost" if worst.unaccounted > 0 else f"{worst.where} made"
             told.append(
-                f"ledger: {self.residual:.2g} of the energy turned over is not accounted for, most of it, "
-                f"{worst.unaccounted:.3g} J, at {worst.where}; narrower slabs or a higher order lose less"
+                f"ledger: {self.residual:.2g} of the energy turned over is not accounted for; {did} most of it, "
+                f"{abs(worst.unaccounted):.3g} J; narrower slabs or a higher order are off by less"
             )
         makers = [entry for entry in self.entries if entry.created > bound]
         told += [f"ledger: {e.where} gave {e.created:.3g} J more than it had taken" for e in makers]
