@@ -20,11 +20,10 @@ class Accounts(NamedTuple):
     where: list[str]  # of each account
     may_give: list[bool]
     ends: NDArray  # (ends,) numbers of the line ends here
-    at: NDArray  # (ends,) their nodes
     z0: NDArray  # (ends,)
+    gathers: NDArray  # (nodes, ends) from w - o to what flows into the nodes
     heads: dict[int, int]  # of nodes with ends one of them
     held: dict[int, Shape]  # efforts of nodes without ends
-    nodes: int
     drives: list[tuple[int, int, Drive]]  # account, node
     conductors: list[tuple[int, int, Conductor]]
     flows: Flows
@@ -47,8 +46,8 @@ class Accounts(NamedTuple):
         """
         m, integral = len(columns.slab), columns.integral
         found = np.zeros((len(self.where), len(COLUMNS), m))
-        u, rest = np.zeros((2, self.nodes, m, columns.basis.s))
-        np.add.at(rest, self.at, (w - o) / (2 * self.z0[:, None, None]))
+        u = np.zeros((len(self.gathers), m, columns.basis.s))
+        rest = np.tensordot(self.gathers, w - o, 1)
         for node, end in self.heads.items():
             u[node] = (w[end] + o[end]) / 2
         for node, shape in self.held.items():
@@ -64,7 +63,7 @@ class Accounts(NamedTuple):
             g = _conductance(conductor, columns)
             found[account, DISSIPATED] += integral(u[node], u[node]) * g
             rest[node] -= g[:, None] * u[node]
-        flows = np.einsum("rk,kms->rms", self.flows.shares, rest)
+        flows = np.tensordot(self.flows.shares, rest, 1)
         for flow, node, (account, column, member) in zip(flows, self.flows.node, self.posts, strict=True):
             power = integral(u[node], flow)
             found[account, column] += -power if column == SUPPLIED else power
@@ -97,6 +96,7 @@ def accounts_of(group: Mapping[str, Node], standing: Standing, z0: NDArray) -> A
     ends = np.array([end for node in group.values() for end in node.ends], int)
     at = np.repeat(np.arange(len(group)), [len(node.ends) for node in group.values()])
     heads = {int(k): int(e) for k, e in zip(*np.unique(at, return_index=True), strict=True)}
+    gathers = (at == np.arange(len(group))[:, None]) / (2 * z0[ends // 2])
     held = {number[name]: node.held for name, node in group.items() if node.held is not None and not node.ends}
     ports: list[Port] = []
     for e, member in enumerate(standing.members):
@@ -122,4 +122,4 @@ def accounts_of(group: Mapping[str, Node], standing: Standing, z0: NDArray) -> A
         posts.append((opened[elements], alone.column if alone else TAKEN, alone))
     drives = [(k, number[drive.node], drive) for k, drive in enumerate(standing.drives)]
     conductors = [(len(drives) + k, number[one.node], one) for k, one in enumerate(standing.conductors)]
-    return Accounts(where, may_give, ends, at, z0[ends // 2], heads, held, len(group), drives, conductors, flows, posts)
+    return Accounts(where, may_give, ends, z0[ends // 2], gathers, heads, held, drives, conductors, flows, posts)

@@ -111,7 +111,8 @@ class Books:
                 starts = np.flatnonzero(np.diff(slab, prepend=-1))
                 for whole, part in zip((out, posted), parts, strict=True):
                     whole[..., slab[starts] - slabs[0]] = np.add.reduceat(part, starts, axis=-1)
-        np.add.at(through, group.ends // 2, -out)
+        for line, energy in zip(group.ends // 2, out, strict=True):
+            through[line] -= energy
         taken = posted[:, [DISSIPATED, STORED, TAKEN]].sum(axis=1) - posted[:, SUPPLIED]
         before = self.totals[g]
         so_far = before[:, [DISSIPATED, STORED, TAKEN]].sum(axis=1) - before[:, SUPPLIED]
