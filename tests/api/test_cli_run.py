@@ -307,6 +307,7 @@ def test_help_teaches_with_examples_whose_options_exist() -> None:
         "--order",
         "--slab",
         "--path",
+        "--ledger",
         "--json",
         *(f"--{k.replace('_', '-')}" for k in SUFFIXES),
     }

@@ -90,6 +90,28 @@ def test_bounces_between_resistors_and_a_switch():
     assert found.residual < 1e-12
 
 
+def test_a_lossy_line_in_the_steady_state():
+    """R·I² on the line for as long as the run lasts, beside an envelope."""
+    R, load = 10.0, 40.0
+    scene = Scene(
+        medium="electrical",
+        t_end="40 ns",
+        start="steady",
+        lines={"line": LINE | {"length": 1, "resistance": R}},
+        sources={"battery": {"at": "near", "kind": "voltage", "value": V, "resistance": Z0}},
+        loads={"lamp": {"at": "far", "kind": "resistor", "resistance": load}},
+        probes={"p": {"at": "far"}},
+    )
+    result = simulate(scene, ledger=True, envelope=True)
+    found, current, t = result.ledger, V / (R + load + Z0), result.t[-1]
+    assert found is not None
+    assert result.envelope is not None
+    assert found.of("lines.line").taken == pytest.approx(R * current**2 * t, rel=1e-9)
+    assert found.of("loads.lamp").dissipated == pytest.approx(load * current**2 * t, rel=1e-9)
+    assert found.of("sources.battery").supplied == pytest.approx(V * current * t, rel=1e-9)
+    assert result.envelope.of("far")["highest"] == pytest.approx(load * current, rel=1e-9)
+
+
 def test_a_pump_that_lifts_from_a_sump_to_a_tank():
     """In the steady state every power is flow times pressure: rise = h0 - c·Q² = p."""
     shut_off, p, flow = 4e5, 3e5, 0.02  # of a pump with the single point (flow, p): h0 = 4/3 p
