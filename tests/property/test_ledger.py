@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from random_elements import random_elements
 from random_scenes import random_scene
 
+from tline.cli.energies import ledger_as_table
 from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver import march
@@ -52,6 +53,24 @@ def test_linear_networks(seed, order, slab, jumps, start):
 @given(seed=st.integers(0, 2**32 - 1), order=st.integers(1, 8), slab=st.floats(0.06, 0.49))
 def test_networks_with_valves_and_vessels(seed, order, slab):
     adds_up(kept(random_elements(seed, driven=True, start="steady", solver={"order": order, "slab": slab})))
+
+
+@settings(max_examples=8, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), order=st.integers(1, 5), slab=st.sampled_from([0.1, 0.23]), whole=st.booleans())
+def test_networks_with_losses(seed, order, slab, whole):
+    """Whole delays are cut in cells, others have lumps."""
+    table = random_scene(seed, sources=True, switches=False, solver={"order": order, "slab": slab}).table()
+    for line in table["lines"].values():
+        line |= {"length": 1.0, "resistance": 0.3 * line["z0"], "conductance": 0.1 / line["z0"]}
+        line["delay"] = round(line["delay"] / slab) * slab if whole else line["delay"]
+    adds_up(kept(Scene(**table)))
+
+
+def test_a_scene_in_which_nothing_happens():
+    scene = random_scene(2, solver={"order": 2, "slab": 0.2})
+    ledger = kept(scene)
+    assert (ledger.turnover, ledger.residual, ledger.notes) == (0.0, 0.0, ())
+    assert ledger_as_table(ledger).splitlines()[-1].startswith("the ledger closes: 0 of")
 
 
 def test_it_is_the_same_however_often_it_is_looked_at(monkeypatch):

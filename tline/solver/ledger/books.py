@@ -13,7 +13,7 @@ from tline.solver.assemble import Assembly
 from tline.solver.fronts import Fronts
 from tline.solver.ledger.accounts import Accounts, accounts_of
 from tline.solver.ledger.columns import Columns
-from tline.solver.ledger.ledger import COLUMNS, DISSIPATED, STORED, SUPPLIED, TAKEN, Entry, Ledger
+from tline.solver.ledger.ledger import COLUMNS, Entry, Ledger
 from tline.solver.ledger.standing import Standing, standing
 from tline.solver.ledger.under_way import under_way
 from tline.solver.nodes import Node, nodes_of
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from tline.solver.march import Noted
 
 BLOCK = 100_000  # samples of a group's line ends looked at together
+NET = np.array([-1.0, 1.0, 1.0, 1.0, 0.0])  # what an account takes, of its columns
 
 
 class Found(NamedTuple):
@@ -84,18 +85,17 @@ class Books:
                 high = min(low + step, n)
                 waves = record[rows, :, low * s : high * s].reshape(len(rows), 2, high - low, s)
                 slabs = first + np.arange(low, high)
-                self._post(g, self._arrived(group, waves), slabs, found.get(g), through[:, low:high])
+                self._take_echoes(group, waves)
+                self._post(g, waves, slabs, found.get(g), through[:, low:high])
         so_far = self.taken[:, None] + np.cumsum(through, axis=1)
         self.taken, self.least = so_far[:, -1], np.minimum(self.least, so_far.min(axis=1))
 
-    def _arrived(self, group: Accounts, waves: NDArray) -> NDArray:
-        """What arrived and left: lines in cells give back some of what enters at once."""
-        waves = waves.copy()
+    def _take_echoes(self, group: Accounts, waves: NDArray) -> None:
+        """Turn what is recorded into what arrived and left: lines in cells send back some of what enters at once."""
         for k, end in enumerate(group.ends):
             if end in self.echo:
                 back = waves[k].sum(axis=0) @ self.echo[end].T
                 waves[k] += [back, -back]
-        return waves
 
     def _post(self, g: int, waves: NDArray, slabs: NDArray, found: Found | None, through: NDArray) -> None:
         """Enter some slabs of a group."""
@@ -113,11 +113,9 @@ class Books:
                     whole[..., slab[starts] - slabs[0]] = np.add.reduceat(part, starts, axis=-1)
         for line, energy in zip(group.ends // 2, out, strict=True):
             through[line] -= energy
-        taken = posted[:, [DISSIPATED, STORED, TAKEN]].sum(axis=1) - posted[:, SUPPLIED]
-        before = self.totals[g]
-        so_far = before[:, [DISSIPATED, STORED, TAKEN]].sum(axis=1) - before[:, SUPPLIED]
-        self.lowest[g] = np.minimum(self.lowest[g], (so_far[:, None] + np.cumsum(taken, axis=1)).min(axis=1))
-        self.totals[g] = before + posted.sum(axis=2)
+        so_far = (self.totals[g] @ NET)[:, None] + np.cumsum(np.tensordot(posted, NET, (1, 0)), axis=1)
+        self.lowest[g] = np.minimum(self.lowest[g], so_far.min(axis=1))
+        self.totals[g] += posted.sum(axis=2)
 
     def _sorted(self, pieces: "Noted") -> dict[int, Found]:
         """Pieces by group; those of one group and slab are alike at all its ends."""

@@ -52,6 +52,20 @@ class Ledger(NamedTuple):
         Lines first, then elements, then nodes.
     turnover : float
         What lossless lines held before t = 0, and the most that each account had given at any time, J.
+
+    Examples
+    --------
+    >>> from tline.scene.scene import Scene
+    >>> from tline.solver.simulate import simulate
+    >>> scene = Scene(
+    ...     medium="electrical", t_end="40 ns", probes={"far": {"at": "far"}},
+    ...     lines={"line": {"nodes": ["near", "far"], "z0": 50, "delay": "5 ns"}},
+    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 50}},
+    ...     loads={"r": {"at": "far", "kind": "resistor", "resistance": 50}},
+    ... )
+    >>> ledger = simulate(scene, ledger=True).ledger
+    >>> print(f"{ledger.of('sources.s').supplied:.3g} J, {ledger.of('loads.r').dissipated:.3g} J")
+    4e-10 J, 1.75e-10 J
     """
 
     entries: tuple[Entry, ...]

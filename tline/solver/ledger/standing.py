@@ -79,7 +79,7 @@ def standing(scene: Scene, nodes: Mapping[str, Node], lumped: Collection[str], h
         *(Member(one.where, (one.node,), TAKEN, True) for one in drives if one.node in unseen),
         *(Member(one.where, (one.node,), DISSIPATED, False) for one in conductors if one.node in unseen),
         *_holding(scene),
-        *(m for m in _dynamic(scene) if nodes[m.nodes[0]].held is None),
+        *_dynamic(scene, nodes),
         *(_non_linear(element) for element in elements_of(scene, dict(nodes))),
         *(Member(place("lines", name), scene.lines[name].nodes, TAKEN, scene.start != "rest") for name in lumped),
     ]
@@ -129,11 +129,11 @@ def _holding(scene: Scene) -> Iterator[Member]:
             yield Member(place("loads", name), (load.at,), DISSIPATED, False)
 
 
-def _dynamic(scene: Scene) -> Iterator[Member]:
+def _dynamic(scene: Scene, nodes: Mapping[str, Node]) -> Iterator[Member]:
     """What has states of its own, and multiports."""
     holds = scene.start != "rest"
     for name, load in scene.loads.items():
-        if isinstance(load, Rational):
+        if isinstance(load, Rational) and nodes[load.at].held is None:
             R = float(getattr(load, "resistance", None) or 0.0)
             column = STORED if isinstance(load, Series | Parallel) else TAKEN
             series, beside = isinstance(load, Series) and R, isinstance(load, Parallel) and R and 1 / R
