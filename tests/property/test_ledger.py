@@ -37,7 +37,7 @@ def adds_up(ledger: Ledger) -> None:
             assert entry.unaccounted >= -close
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1), order=st.integers(1, 8), slab=st.floats(0.05, 0.45), jumps=st.booleans(),
     start=st.sampled_from(["rest", "steady"]),
@@ -49,7 +49,7 @@ def test_linear_networks(seed, order, slab, jumps, start):
     adds_up(kept(Scene(**table)))
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), order=st.integers(1, 8), slab=st.floats(0.06, 0.49))
 def test_networks_with_valves_and_vessels(seed, order, slab):
     adds_up(kept(random_elements(seed, driven=True, start="steady", solver={"order": order, "slab": slab})))
