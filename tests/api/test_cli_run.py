@@ -1,5 +1,6 @@
 """The surface of `tline run` and `tline schema`: what they print, write, refuse and import."""
 
+import csv
 import inspect
 import json
 import re
@@ -172,6 +173,23 @@ def test_all_files_are_written_and_named(folder: Path) -> None:
         assert scene_from(tomllib.loads(str(data["scene"]))) == read_scene("valve.toml")
 
 
+def test_a_ledger_is_printed_told_and_written(folder: Path) -> None:
+    *_, reservoir, valve, total, closes, wrote = ran("run valve.toml --ledger-csv books.csv").stdout.splitlines()
+    # 6 bar · 10 L/s for 0.1 s through the valve; out of the tank until 0.3 s, then to and fro for 0.4 s each
+    assert reservoir.split() == ["loads.tank", "1.2", "0", "0", "0", "0"]
+    assert valve.split() == ["loads.valve", "0", "0.6", "0", "0", "0"]
+    assert total.split()[0] == "sum"
+    assert closes.startswith("the ledger closes: ")
+    assert wrote == "wrote books.csv"
+    told = json.loads(ran("run valve.toml --ledger --json").stdout)["ledger"]
+    head, *rows = csv.reader((folder / "books.csv").read_text(encoding="utf-8").splitlines())
+    assert head[:3] == ["where", "supplied [J]", "dissipated [J]"]
+    assert [row[0] for row in rows] == list(told["accounts"])
+    assert [float(row[2]) for row in rows] == [account["dissipated"] for account in told["accounts"].values()]
+    assert told["accounts"]["loads.valve"]["dissipated"] == pytest.approx(600.0, rel=1e-9)
+    assert json.loads(ran("run valve.toml --json").stdout)["ledger"] is None
+
+
 def test_lines_on_the_path_are_recorded() -> None:
     ran("run fork.toml --space-time x.svg --path up,down")
 
@@ -277,7 +295,7 @@ def test_an_active_load_runs_only_when_asked_twice(folder: Path) -> None:
 def test_help_teaches_with_examples_whose_options_exist() -> None:
     text = ran("run --help").stdout
     examples = re.findall(r"^ *tline (run .*)$", text.replace("\\\n", " "), re.MULTILINE)
-    assert len(examples) == 3
+    assert len(examples) == 4
     for example in examples:
         _, *words = shlex.split(example)
         run.make_context("run", words)
@@ -289,6 +307,7 @@ def test_help_teaches_with_examples_whose_options_exist() -> None:
         "--order",
         "--slab",
         "--path",
+        "--ledger",
         "--json",
         *(f"--{k.replace('_', '-')}" for k in SUFFIXES),
     }

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tline.cli.aligned import aligned
 from tline.errors import InputError
 
 if TYPE_CHECKING:
@@ -191,11 +192,6 @@ def _share(value: float) -> str:
 
 
 def _print_table(rows: list[tuple[str, ...]], files: Iterable[str | None]) -> None:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        first, *rest = (
-            cell.ljust(w) if k == 0 else cell.rjust(w) for k, (cell, w) in enumerate(zip(row, widths, strict=True))
-        )
-        click.echo("  ".join([first, *rest]))
+    click.echo("\n".join(aligned(rows, 1)))
     for file in filter(None, files):
         click.echo(f"wrote {file}")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tline.cli.aligned import aligned
 from tline.errors import InputError
 from tline.scene.medium import MEDIA
 
@@ -181,8 +182,7 @@ def _table(f: "NDArray", curves: dict[str, Any], what: str, unit: str) -> list[s
         size = np.abs(values)
         low, high = int(np.nanargmin(size)), int(np.nanargmax(size))
         rows.append((name, f"{size[low]:.4g}", f"{f[low]:.6g}", f"{size[high]:.4g}", f"{f[high]:.6g}"))
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return ["  ".join([row[0].ljust(widths[0]), *map(str.rjust, row[1:], widths[1:])]) for row in rows]
+    return aligned(rows, 1)
 
 
 def _oscillations(modes: "list[Resonance]") -> list[str]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tline.cli.aligned import aligned
 from tline.cli.options import PICTURE, check_files, options_named
 from tline.errors import InputError
 
@@ -133,11 +134,4 @@ def _table(told: dict[str, Any], medium: "Medium") -> list[str]:
                     *(f"{value / size if abs(value) > error else 0:.4g}" for value in values),
                 ]
             )
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = [
-        "  ".join(
-            cell.ljust(w) if k < 2 else cell.rjust(w) for k, (cell, w) in enumerate(zip(row, widths, strict=True))
-        )
-        for row in rows
-    ]
-    return [f"{head}, estimated error {told['estimate']:.1g} of the amplitude", "", *lines]
+    return [f"{head}, estimated error {told['estimate']:.1g} of the amplitude", "", *aligned(rows, 2)]

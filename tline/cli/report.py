@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from tline.cli.aligned import aligned
+from tline.cli.energies import ledger_as_dict
 from tline.cli.measured import model_as_dict, model_in_words, network_as_dict, network_in_words
 from tline.pictures.handy import handy, quantities
 from tline.scene.measured_multiport import MeasuredMultiport
@@ -74,6 +76,7 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
         "seconds": result.seconds,
         "accuracy": accuracy and _told(accuracy),
         "probes": probes,
+        "ledger": result.ledger and ledger_as_dict(result.ledger),
         "notes": list(result.notes),
     }
 
@@ -163,15 +166,7 @@ def as_table(result: Result, accuracy: Accuracy | None) -> str:
             texts = [f"{number:.4g}" for number in numbers]
             texts.append(f"{seen['error_inside_slabs'] / size:.1g}" if "error" in seen else "?")
             rows.append(["" if k else name, f"{word} [{unit}]", *texts])
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    table = [
-        "  ".join(
-            cell.ljust(width) if k < 2 else cell.rjust(width)
-            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
-        )
-        for row in rows
-    ]
-    return "\n".join([*([result.scene.title] if result.scene.title else []), *head, *table])
+    return "\n".join([*([result.scene.title] if result.scene.title else []), *head, *aligned(rows, 2)])
 
 
 def _in_words(accuracy: Accuracy | None) -> str:

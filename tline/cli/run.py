@@ -24,6 +24,7 @@ SUFFIXES = {  # of what can be written
     "csv": (".csv",),
     "npz": (".npz",),
     "envelope": (".csv",),
+    "ledger_csv": (".csv",),
     "plot": PICTURE,
     "profile": PICTURE,
     "map": PICTURE,
@@ -39,6 +40,7 @@ Examples:
   tline run valve.toml --tol 1e-8 --plot valve.png
   tline run network.toml --order 8 --slab "10 us" --csv probes.csv \\
       --path tank,valve --animate surge.html
+  tline run valve.toml --ledger
   tline run town.toml --map surge.png --profile main.png --path lake,b,tower
 """
 
@@ -51,6 +53,7 @@ Examples:
 @click.option("--csv", metavar="FILE.csv", help="Table of what the probes saw, SI, full precision.")
 @click.option("--npz", metavar="FILE.npz", help="The same as NumPy arrays, with the scene.")
 @click.option("--envelope", metavar="FILE.csv", help="Table of the extremes at every node, and when.")
+@click.option("--ledger-csv", metavar="FILE.csv", help="The energy ledger as a table, in full precision.")
 @click.option("--plot", metavar="FILE", help="Probes over time; .png, .svg or .pdf.")
 @click.option("--profile", metavar="FILE", help="Lowest and highest effort along a path, with ground and limits.")
 @click.option("--map", metavar="FILE", help="Map of the network, coloured by how far the effort rose and fell.")
@@ -63,6 +66,7 @@ Examples:
     metavar="FROM,…,TO",
     help="Path of --profile, --space-time, --animate: ends, any it passes.",
 )
+@click.option("--ledger", is_flag=True, help="Energy by element: supplied, dissipated, stored, and what is off.")
 @click.option("--active", is_flag=True, help="Run even if a load is active, that is, not positive real.")
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers in SI and full precision.")
 def run(
@@ -72,6 +76,7 @@ def run(
     slab: str | None,
     path: str | None,
     active: bool,
+    ledger: bool,
     as_json: bool,
     **files: str | None,
 ) -> None:
@@ -84,14 +89,16 @@ def run(
     are told what was reached, and the exit status is 1. With an order or a slab and no tolerance there is one run.
     """
     wanted = {kind: file for kind, file in files.items() if file is not None}
+    ledger = ledger or "ledger_csv" in wanted
     solver = {key: value for key, value in (("tol", tol), ("order", order), ("slab", slab)) if value is not None}
     with _options_named({f"solver.{key}": f"--{key}" for key in solver} | {"path": "--path", "lattice": "--lattice"}):
         _check_files(wanted)
         read = _read(scene, solver)
         way = _route(read, path, wanted)
-        result = _simulate(read, _recorded(read, way, wanted), active, wanted)
+        result = _simulate(read, _recorded(read, way, wanted), active, ledger, wanted)
         for kind, file in wanted.items():
             _write(result, way, kind, file)
+    from tline.cli.energies import ledger_as_table
     from tline.cli.report import as_table, judgement, summary
 
     accuracy = judgement(result)
@@ -103,6 +110,8 @@ def run(
         )
     else:
         click.echo(as_table(result, accuracy))
+        if result.ledger is not None:
+            click.echo(f"\n{ledger_as_table(result.ledger)}")
         for file in wanted.values():
             click.echo(f"wrote {file}")
     if accuracy and not accuracy.met:
@@ -181,7 +190,7 @@ def _recorded(scene: "Scene", way: "Route | None", wanted: dict[str, str]) -> li
     return found
 
 
-def _simulate(scene: "Scene", record: list[str], active: bool, wanted: dict[str, str]) -> "Result":
+def _simulate(scene: "Scene", record: list[str], active: bool, ledger: bool, wanted: dict[str, str]) -> "Result":
     from tline.solver.simulate import UnresolvedWarning, simulate
 
     with warnings.catch_warnings():
@@ -190,16 +199,18 @@ def _simulate(scene: "Scene", record: list[str], active: bool, wanted: dict[str,
             scene,
             record=record,
             envelope=any(kind in wanted for kind in ENVELOPES),
+            ledger=ledger,
             active=active,
             progress=sys.stderr.isatty(),
         )
 
 
 def _write(result: "Result", way: "Route | None", kind: str, file: str) -> None:
-    if kind in ("csv", "npz", "envelope"):
-        from tline.solver.save import save_csv, save_envelope, save_npz
+    if kind in ("csv", "npz", "envelope", "ledger_csv"):
+        from tline.solver.save import save_csv, save_envelope, save_ledger, save_npz
 
-        {"csv": save_csv, "npz": save_npz, "envelope": save_envelope}[kind](result, file)
+        tables = {"csv": save_csv, "npz": save_npz, "envelope": save_envelope, "ledger_csv": save_ledger}
+        tables[kind](result, file)
     elif kind == "animate" and way:
         from tline.pictures.animation import animate
 

@@ -35,7 +35,7 @@ def _combined(coarse: Result, fine: Result, weight: float) -> Result | None:
         name: replace(probe, record=records.get(probe.line) or _record(probe.record, fine.probes[name].record, weight))
         for name, probe in coarse.probes.items()  # one at coupled conductors is on no line that is recorded
     }
-    return replace(coarse, lines=records, probes=probes, envelope=fine.envelope)
+    return replace(coarse, lines=records, probes=probes, envelope=fine.envelope, ledger=fine.ledger)
 
 
 def _record(coarse: LineRecord, fine: LineRecord, weight: float) -> LineRecord:

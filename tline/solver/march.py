@@ -5,7 +5,7 @@ Where no front is under way inside a slab, nodes are advanced in blocks; where o
 
 import time
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,11 @@ from tline.solver.drive import EDGE, broken, places_of, sampled
 from tline.solver.envelope import Extremes
 from tline.solver.fronts import LIVE, LULL, NOTED, Fronts, Tally, fronts_of, sources_of, tally
 
+if TYPE_CHECKING:
+    from tline.solver.ledger.books import Books
+
 CHUNK = 2e7  # line-end samples between two looks at the progress bar
+LOOK = 2e6  # between two looks of a ledger, which wants all pieces too
 STRETCH = 1024  # slabs advanced in pieces between two looks for fronts
 
 
@@ -29,6 +33,16 @@ class Noted(NamedTuple):
     span: NDArray  # (pieces, 2) start and end in slab time
     values: NDArray  # (pieces, 2, s) what arrived, and what left
 
+    def of_rows(self, most: int) -> "Noted":
+        """Those of the first rows of the record."""
+        return Noted(*(part[self.row < most] for part in self))
+
+
+def joined(noted: list[Noted], s: int) -> Noted:
+    """One after the other."""
+    nothing = Noted(np.empty(0, int), np.empty(0, int), np.empty((0, 2)), np.empty((0, 2, s)))
+    return Noted(*(np.concatenate(parts) for parts in zip(nothing, *noted, strict=True)))
+
 
 class Run(NamedTuple):
     """What there is to say of a run beside its record."""
@@ -36,14 +50,21 @@ class Run(NamedTuple):
     seconds: float  # without compiling or loading the kernel
     pieces: Noted
     fronts: Tally
+    under_way: Fronts | None  # as they are at the end; None in a run without any
 
 
 def march(
-    assembly: Assembly, n: int, *, extremes: Extremes | None = None, progress: bool = False
+    assembly: Assembly,
+    n: int,
+    *,
+    extremes: Extremes | None = None,
+    books: "Books | None" = None,
+    progress: bool = False,
 ) -> tuple[NDArray, Run]:
     """Advance an assembled scene by n slabs.
 
-    With `extremes` to be watched, the kernel records into a window of one chunk, and only recorded lines are kept.
+    With `extremes` to be watched or `books` to be kept, the kernel records into a window of one chunk, and only
+    recorded lines are kept.
 
     Returns
     -------
@@ -60,22 +81,30 @@ def march(
     from tqdm import tqdm
 
     s = assembly.basis.s
-    chunk = min(max(int(CHUNK / (len(assembly.network.ends) * s)), 1), n)
+    windowed = extremes is not None or books is not None
+    samples = LOOK if books is not None else CHUNK
+    chunk = min(max(int(samples / (len(assembly.network.ends) * s)), 1), n)
     kept, rows = 2 * len(assembly.recorded), int(assembly.network.record_row.max(initial=-1)) + 1
     record = np.empty((kept, 2, n * s))
-    window = record if extremes is None else np.empty((rows, 2, chunk * s))
-    steps = Stepper(assembly, n, window)
+    window = np.empty((rows, 2, chunk * s)) if windowed else record
+    steps = Stepper(assembly, n, window, kept if books is None else rows)
     steps.compile()
     with tqdm(total=n, disable=not progress, delay=2, unit="slab", unit_scale=True) as bar:
         started = time.perf_counter()
         for low, high in pairwise([*range(0, n, chunk), n]):
-            if extremes is None:
+            if not windowed:
                 steps.advance(low, high)
             else:
+                seen = len(steps.noted)
                 steps.begin_record(low)
                 steps.advance(low, high)
                 record[:, :, low * s : high * s] = window[:kept, :, : (high - low) * s]
-                extremes.see(window, s, low, high - low, steps.h)
+                if extremes is not None:
+                    extremes.see(window, s, low, high - low, steps.h)
+                if books is not None:
+                    pieces = joined(steps.noted[seen:], s)
+                    books.see(window, low, high - low, pieces)
+                    steps.noted[seen:] = [pieces.of_rows(kept)]
             bar.update(high - low)
         seconds = time.perf_counter() - started
     return record, steps.run(seconds)
@@ -84,8 +113,9 @@ def march(
 class Stepper:
     """An assembled scene under way."""
 
-    def __init__(self, assembly: Assembly, n: int, record: NDArray):
+    def __init__(self, assembly: Assembly, n: int, record: NDArray, noting: int = 0):
         self.assembly, self.record, self.h = assembly, record, assembly.resolution.h
+        self.noting = noting  # rows of the record whose pieces are noted
         self.origin = 0  # slab at the record's first column; the kernel of fronts counts from it
         follows = assembly.follows_edges
         self.places = [_inside(places_of(p, n * self.h, self.h), follows) for p in assembly.drives]
@@ -164,9 +194,9 @@ class Stepper:
         if node >= 0:
             _refuse(assembly, node)
         noted, fronts.counts[NOTED] = fronts.counts[NOTED], 0
-        of_kept = np.flatnonzero(fronts.log.where[:noted, 0] < 2 * len(assembly.recorded))
-        where, span, values = (part[of_kept] for part in fronts.log)
-        self.noted.append(Noted(where[:, 0], where[:, 1] + self.origin, span, values))
+        where, span, values = (part[:noted] for part in fronts.log)
+        pieces = Noted(where[:, 0], where[:, 1] + self.origin, span, values)
+        self.noted.append(pieces.of_rows(self.noting))
         return int(done)
 
     def _drive(self, first: int, n: int) -> NDArray:
@@ -180,10 +210,8 @@ class Stepper:
 
     def run(self, seconds: float) -> Run:
         """What there is to say now."""
-        s = self.assembly.basis.s
-        nothing = Noted(np.empty(0, int), np.empty(0, int), np.empty((0, 2)), np.empty((0, 2, s)))
-        pieces = Noted(*(np.concatenate(parts) for parts in zip(nothing, *self.noted, strict=True)))
-        return Run(seconds, pieces, Tally() if self.fronts is None else tally(self.fronts))
+        pieces = joined(self.noted, self.assembly.basis.s)
+        return Run(seconds, pieces, Tally() if self.fronts is None else tally(self.fronts), self.fronts)
 
 
 def _inside(places: NDArray, follows_edges: bool) -> NDArray:

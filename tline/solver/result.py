@@ -20,6 +20,7 @@ from tline.solver.resolution import Resolution
 if TYPE_CHECKING:
     from tline.solver.accuracy import Accuracy
     from tline.solver.envelope import Envelope
+    from tline.solver.ledger.ledger import Ledger
 
 NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
 
@@ -188,6 +189,8 @@ class Result:
         Estimated errors; None for a run whose order or slab is fixed by hand, without a tolerance.
     envelope : Envelope or None
         Lowest and highest effort at every node; None if not asked for.
+    ledger : Ledger or None
+        Energy by element; None if not asked for.
     circuits : mapping of str to Circuits
         What stands for the laws of lossy lines, by line.
     """
@@ -204,12 +207,13 @@ class Result:
     fronts: Tally
     accuracy: "Accuracy | None" = None
     envelope: "Envelope | None" = None
+    ledger: "Ledger | None" = None
     circuits: Mapping[str, Circuits] = field(default_factory=dict)
 
     @property
     def notes(self) -> tuple[str, ...]:
         """All there is to remark."""
-        return (*self.remarks, *self.unresolved)
+        return (*self.remarks, *(self.ledger.notes if self.ledger else ()), *self.unresolved)
 
     @property
     def circuits_error(self) -> float:

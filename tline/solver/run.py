@@ -15,6 +15,7 @@ from tline.scene.scene import Scene
 from tline.solver.assemble import Assembly, assemble
 from tline.solver.conductor import conductor, record_of
 from tline.solver.envelope import Envelope, watch
+from tline.solver.ledger.books import Books
 from tline.solver.march import Run, march
 from tline.solver.remarks import VISIBLE, lumped, smeared, unconnected, untouched
 from tline.solver.resolution import Resolution
@@ -29,6 +30,7 @@ def run(
     record: Iterable[str] = (),
     *,
     envelope: bool = False,
+    ledger: bool = False,
     progress: bool = False,
     slabs: int | None = None,
 ) -> Result:
@@ -51,8 +53,9 @@ def run(
     if 4 * len(kept) * n * s > LARGEST_RECORD:
         problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
         raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
+    books = Books(assembly, n) if ledger else None
     extremes = watch(assembly) if envelope else None
-    waves, done = march(assembly, n, extremes=extremes, progress=progress)
+    waves, done = march(assembly, n, extremes=extremes, books=books, progress=progress)
     lines = {name: _record(assembly, name, waves, done) for name in assembly.recorded}
     ends = np.arange(n + 1) * h
     probes = {}
@@ -79,6 +82,7 @@ def run(
         done.seconds,
         done.fronts,
         envelope=seen,
+        ledger=books and books.ledger(done.under_way),
         circuits=assembly.circuits,
     )
 

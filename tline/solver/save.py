@@ -12,6 +12,7 @@ from tline.errors import InputError
 from tline.scene.file import scene_text
 from tline.solver.atomic import replacing
 from tline.solver.envelope import COLUMNS
+from tline.solver.ledger.ledger import Entry
 from tline.solver.result import Result
 
 ROWS = 10_000  # turned into text at a time
@@ -78,6 +79,29 @@ def save_envelope(result: Result, path: str | Path) -> None:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["node", start, lowest, "at [s]", highest, "at [s]"])
         writer.writerows(zip(envelope.nodes, *columns, strict=True))
+
+
+def save_ledger(result: Result, path: str | Path) -> None:
+    """Write what every line and element gave, took and stored as a table, J and in full precision.
+
+    Parameters
+    ----------
+    result : Result
+        Of ``simulate(scene, ledger=True)``.
+    path : str or Path
+        The file; one that exists is replaced.
+
+    Raises
+    ------
+    InputError
+        The run kept no ledger, or the file cannot be written.
+    """
+    if result.ledger is None:
+        raise InputError(str(path), "the run kept no ledger", "simulate(scene, ledger=True)")
+    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["where", *(f"{column} [J]" for column in Entry._fields[1:])])
+        writer.writerows(result.ledger.entries)
 
 
 def save_npz(result: Result, path: str | Path) -> None:

@@ -32,11 +32,20 @@ class Search(NamedTuple):
     settle: float = 0.0  # time in which lumped lines settle after a front, s
     fit: float = FIT  # tolerance of the circuits of lossy lines
     envelope: bool = False
+    ledger: bool = False
 
     def run(self, chosen: Resolution, end: float | None = None) -> Result:
         """One run, to the scene's end time or to another."""
         slabs = None if end is None else round(end / chosen.h)
-        return run(self.scene, chosen, self.record, envelope=self.envelope, progress=self.progress, slabs=slabs)
+        return run(
+            self.scene,
+            chosen,
+            self.record,
+            envelope=self.envelope,
+            ledger=self.ledger,
+            progress=self.progress,
+            slabs=slabs,
+        )
 
 
 def within(search: Search) -> Result:

@@ -30,6 +30,7 @@ def simulate(
     tol: float | None = None,
     record: Iterable[str] = (),
     envelope: bool = False,
+    ledger: bool = False,
     active: bool = False,
     progress: bool = False,
 ) -> Result:
@@ -55,6 +56,8 @@ def simulate(
         Lines whose end waves are kept in addition to those of the probes.
     envelope : bool
         Keep the lowest and the highest effort at every node, and when: ``Result.envelope``.
+    ledger : bool
+        Keep what every line and element gave, took and stored: ``Result.ledger``.
     active : bool
         Run even with a load that is not positive real. What it does to the scene is then the first of the notes.
     progress : bool
@@ -97,10 +100,12 @@ def simulate(
     tol = _tolerance(scene, tol)
     lossy = is_lossy(scene)
     if tol is None or (scene.solver.slab and (scene.solver.order or lossy)):
-        result = run(scene, resolution(scene, nodes_of(scene)), record, envelope=envelope, progress=progress)
+        chosen = resolution(scene, nodes_of(scene))
+        result = run(scene, chosen, record, envelope=envelope, ledger=ledger, progress=progress)
         result = replace(result, accuracy=tol and _by_hand(result, tol))
     else:
-        result = (with_losses if lossy else within)(Search(scene, tol, record, progress, envelope=envelope))
+        search = Search(scene, tol, record, progress, envelope=envelope, ledger=ledger)
+        result = (with_losses if lossy else within)(search)
     for note in result.unresolved:
         warnings.warn(note, UnresolvedWarning, stacklevel=2)
     return replace(result, remarks=(*warned, *result.remarks))

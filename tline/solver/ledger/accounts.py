@@ -1,0 +1,125 @@
+"""The accounts of one group of nodes: powers of all that stands there, from the waves at its line ends."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.scene.shape import Shape
+from tline.solver.ledger.columns import Columns
+from tline.solver.ledger.flows import Flows, Port, flows_of
+from tline.solver.ledger.ledger import COLUMNS, DISSIPATED, STORED, SUPPLIED, TAKEN, UNACCOUNTED
+from tline.solver.ledger.standing import Conductor, Drive, Member, Standing
+from tline.solver.nodes import Node
+
+
+class Accounts(NamedTuple):
+    """Those of a group; node numbers are places in the group."""
+
+    where: list[str]  # of each account
+    may_give: list[bool]
+    ends: NDArray  # (ends,) numbers of the line ends here
+    z0: NDArray  # (ends,)
+    gathers: NDArray  # (nodes, ends) from w - o to what flows into the nodes
+    heads: dict[int, int]  # of nodes with ends one of them
+    held: dict[int, Shape]  # efforts of nodes without ends
+    drives: list[tuple[int, int, Drive]]  # account, node
+    conductors: list[tuple[int, int, Conductor]]
+    flows: Flows
+    posts: list[tuple[int, int, Member | None]]  # of each flow its account, column, and the member if it is one alone
+
+    def energies(self, w: NDArray, o: NDArray, columns: Columns) -> tuple[NDArray, NDArray]:
+        """Energies in each stretch of time, J.
+
+        Parameters
+        ----------
+        w, o : ndarray, shape (ends, m, s)
+            Waves that arrive and leave.
+
+        Returns
+        -------
+        out : ndarray, shape (ends, m)
+            Out of the lines.
+        posted : ndarray, shape (accounts, columns of a ledger, m)
+            What goes to each account.
+        """
+        m, integral = len(columns.slab), columns.integral
+        found = np.zeros((len(self.where), len(COLUMNS), m))
+        u = np.zeros((len(self.gathers), m, columns.basis.s))
+        rest = np.tensordot(self.gathers, w - o, 1)
+        for node, end in self.heads.items():
+            u[node] = (w[end] + o[end]) / 2
+        for node, shape in self.held.items():
+            u[node] = columns.values(shape, np.empty(0))
+        for account, node, drive in self.drives:
+            level, g = columns.values(drive.waveform, drive.breaks), drive.conductance
+            flow = g * (level - u[node]) if drive.is_effort else level - g * u[node]
+            lost = level - u[node] if drive.is_effort else u[node]
+            found[account, SUPPLIED] += integral(level, flow if drive.is_effort else u[node])
+            found[account, DISSIPATED] += g * integral(lost, lost)
+            rest[node] += flow
+        for account, node, conductor in self.conductors:
+            g = _conductance(conductor, columns)
+            found[account, DISSIPATED] += integral(u[node], u[node]) * g
+            rest[node] -= g[:, None] * u[node]
+        flows = np.tensordot(self.flows.shares, rest, 1)
+        for flow, node, (account, column, member) in zip(flows, self.flows.node, self.posts, strict=True):
+            power = integral(u[node], flow)
+            found[account, column] += -power if column == SUPPLIED else power
+            if member is not None and (member.series or member.beside):
+                burnt = member.series * integral(flow, flow) + member.beside * integral(u[node], u[node])
+                found[account, DISSIPATED] += burnt
+                found[account, STORED] -= burnt
+        return columns.integral(w - o, w + o) / (4 * self.z0[:, None]), found
+
+
+def _conductance(conductor: Conductor, columns: Columns) -> NDArray:
+    """Shape (m,); a switch that moves where no piece begins moves at the nearest edge of a slab."""
+    switch = conductor.switch
+    if switch is None:
+        return np.full(len(columns.slab), conductor.conductance)
+    return np.where(columns.middle < switch.time, 1 / float(switch.before), 1 / float(switch.after))
+
+
+def accounts_of(group: Mapping[str, Node], standing: Standing, z0: NDArray) -> Accounts:
+    """Open the accounts of a group.
+
+    Parameters
+    ----------
+    group : mapping of str to Node
+    standing : Standing
+        What stands at these nodes.
+    z0 : ndarray, shape (lines,)
+    """
+    number = {name: k for k, name in enumerate(group)}
+    ends = np.array([end for node in group.values() for end in node.ends], int)
+    at = np.repeat(np.arange(len(group)), [len(node.ends) for node in group.values()])
+    heads = {int(k): int(e) for k, e in zip(*np.unique(at, return_index=True), strict=True)}
+    gathers = (at == np.arange(len(group))[:, None]) / (2 * z0[ends // 2])
+    held = {number[name]: node.held for name, node in group.items() if node.held is not None and not node.ends}
+    ports: list[Port] = []
+    for e, member in enumerate(standing.members):
+        first = len(ports)
+        ports += [Port(e, number[node], first + 1 - k if member.through else -1) for k, node in enumerate(member.nodes)]
+    flows = flows_of(ports, [k in heads or k in held for k in range(len(group))])
+    where = [one.where for one in (*standing.drives, *standing.conductors)]
+    may_give = [True for _ in standing.drives] + [False for _ in standing.conductors]
+    posts: list[tuple[int, int, Member | None]] = []
+    opened: dict[tuple[int, ...], int] = {}
+    for elements, node in zip(flows.elements, flows.node, strict=True):
+        members = [standing.members[e] for e in elements]
+        if not members:
+            posts.append((len(where), UNACCOUNTED, None))
+            where.append(f"node '{list(group)[node]}'")
+            may_give.append(True)
+            continue
+        if elements not in opened:
+            opened[elements] = len(where)
+            where.append(" and ".join(member.where for member in members))
+            may_give.append(any(member.may_give for member in members))
+        alone = members[0] if len(members) == 1 else None
+        posts.append((opened[elements], alone.column if alone else TAKEN, alone))
+    drives = [(k, number[drive.node], drive) for k, drive in enumerate(standing.drives)]
+    conductors = [(len(drives) + k, number[one.node], one) for k, one in enumerate(standing.conductors)]
+    return Accounts(where, may_give, ends, z0[ends // 2], gathers, heads, held, drives, conductors, flows, posts)
