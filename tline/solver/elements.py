@@ -12,12 +12,13 @@ from tline.scene.scene import Scene
 from tline.scene.shape import Constant
 from tline.scene.waveform import Shape
 from tline.solver.drive import just_before
-from tline.solver.network import Laws
+from tline.solver.network import Laws, tools_of
 from tline.solver.nodes import Node
-from tline.solver.radau import Basis
+from tline.solver.radau import Basis, basis
 
-KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", "gas", "tank", "rotor")
-WITH_STATE = {"gas", "tank", "rotor"}
+KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", "gas", "tank", "rotor", "vapour")
+WITH_STATE = {"gas", "tank", "rotor", "vapour"}
+BREAKING = {"vapour"}  # kinds that send fronts at instants of their own, which are not followed
 
 
 class Element(NamedTuple):
@@ -48,7 +49,7 @@ def elements_of(scene: Scene, nodes: dict[str, Node]) -> list[Element]:
 def laws_of(
     elements: list[list[Element]], names: list[list[str]], nodes: dict[str, Node], first_row: int, first_state: int
 ) -> tuple[Laws, list[Shape]]:
-    """Elements by group as arrays, without Radau matrix and slab width; and what scales them over time.
+    """Elements by group as arrays, without the slabs' order and width; and what scales them over time.
 
     Parameters
     ----------
@@ -85,7 +86,7 @@ def laws_of(
         state_at=np.array(states, int),
         seen=np.array(seen, float),
         impedance=np.array(list(impedance.values())),
-        radau=np.zeros((0, 0)),
+        tools=tools_of(basis(1)),
         step=0.0,
     )
     return laws, drives
@@ -93,7 +94,7 @@ def laws_of(
 
 def with_basis(laws: Laws, order: Basis, h: float) -> Laws:
     """The same for slabs of that order and width."""
-    return laws._replace(radau=order.A, step=h)
+    return laws._replace(tools=tools_of(order), step=h)
 
 
 def states_of(elements: list[Element], effort: dict[str, float]) -> NDArray:
@@ -117,6 +118,10 @@ def states_of(elements: list[Element], effort: dict[str, float]) -> NDArray:
             states.append(u)
         elif kind == "rotor":
             states.append(1.0)
+        elif kind == "vapour":
+            if u < constants[0]:
+                raise InputError(element.where, "no state at rest: the liquid boils", got=f"{u:.6g} Pa")
+            states.append(0.0)
     return np.array(states, float)
 
 

@@ -120,12 +120,13 @@ def add_product(matrix, at, rows, columns, x, o, out, q):
 # Elements whose flow is no linear function of the effort across them. Each sees a Thévenin source: an effort v behind
 # an impedance z. Where several see each other, Newton's method finds all flows at once, instant by instant.
 
-QUADRATIC, PUMP, RELIEF, LEAK, DEMAND, DIODE, TABLE, GAS, TANK, ROTOR = range(10)
+QUADRATIC, PUMP, RELIEF, LEAK, DEMAND, DIODE, TABLE, GAS, TANK, ROTOR, VAPOUR = range(11)
 SPARE, CLOSE = 4e-15, 1e-10  # residuals, relative to the efforts: where to stop, and what will do if no step helps
 STEPS, ULPS = 80, 4e-16  # of a scalar Newton, and the relative change at which it ends
 TRIES, LEAST_STRIDE = 40, 1e-8  # Newton steps for a part of the way, and the least part
 FAINT = 1e-9  # slope, for a step, of drops that have none at rest and of flows that answer to nothing
 FARTHEST = 2.0  # step, in units of the largest effort
+LOOKS, HALVINGS = 4, 60  # at a slab for roots, per point; and of an interval with a root
 
 
 @njit(**INNER)
@@ -416,6 +417,70 @@ def fill(laws, e, on, states, radau, h, v, z, flow, y, rest, system):
 
 
 @njit(**INNER)
+def integrated(coef, factor, out):
+    """Legendre coefficients of the integral from 0 of a polynomial on [0, 1], times a factor."""
+    clear(out)
+    out[0] = 0.5 * factor * coef[0]
+    for k in range(coef.size):
+        term = 0.5 * factor * coef[k] / (2 * k + 1)
+        out[k + 1] += term
+        if k > 0:
+            out[k - 1] -= term
+
+
+@njit(**INNER)
+def crossing(coef, level, low, high):
+    """Where a polynomial on [0, 1] falls below a level between two places."""
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if series(coef, 2.0 * middle - 1.0) > level:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+@njit(**INNER)
+def add_part(coef, a, b, gauss, piece, whole):
+    """Add to the projection on [0, 1] what a polynomial has on a part."""
+    clear(piece)
+    project(coef, 0.0, 1.0, a, b, gauss, piece)
+    project(piece, a, b, 0.0, 1.0, gauss, whole)
+
+
+@njit(**INNER)
+def boil(laws, e, states, tools, h, v, z, flow):
+    """Flows into a vapour cavity at the points of a slab of width h, under the efforts v there.
+
+    It opens at a root of v less its pressure, and shuts where the integral has filled its volume again. What flows in
+    between is projected on the slab: that keeps the volume, and adds no energy.
+    """
+    s, at, gauss = flow.size, laws.state_at[e], tools.gauss
+    above, freed, piece, whole = np.empty(s), np.empty(s + 1), np.empty(s), np.zeros(s)
+    for j in range(s):
+        flow[j] = v[j] - laws.constants[laws.at[e]]
+    times(tools.to_legendre, flow, 0, above)
+    integrated(above, -h / z, freed)
+    is_open, floor, since, here = states[at] > 0.0, -states[at], 0.0, 0.0
+    for k in range(1, LOOKS * s + 1):
+        before, here = here, k / (LOOKS * s)
+        if not is_open:
+            if series(above, 2.0 * here - 1.0) >= 0.0:
+                continue
+            since = crossing(above, 0.0, before, here)
+            is_open, floor, before = True, series(freed, 2.0 * since - 1.0), since
+        if series(freed, 2.0 * here - 1.0) <= floor:
+            add_part(above, since, crossing(freed, floor, before, here), gauss, piece, whole)
+            is_open = False
+    if is_open:
+        add_part(above, since, 1.0, gauss, piece, whole)
+    states[at] = series(freed, 1.0) - floor if is_open else 0.0
+    times(tools.to_points, whole, 0, flow)
+    for j in range(s):
+        flow[j] /= z
+
+
+@njit(**INNER)
 def unbalance(laws, g, low, u, stride, q, factor, x, level, flow, slope, rest, taken):
     """Residuals of a group at sample q, and a scale; x has what elements see behind their impedances, then efforts.
 
@@ -524,7 +589,7 @@ def meet(laws, g, low, nodes, u, stride, n, factor):
 
 
 @njit(**INNER)
-def pass_elements(laws, g, low, nodes, states, u, stride, n, factor, radau, h):
+def pass_elements(laws, g, low, nodes, states, u, stride, n, factor, tools, h):
     """Turn the Thévenin waves of n samples at a group's nodes into efforts, through its elements."""
     e, dead = laws.first[g], False
     for p in range(nodes):
@@ -535,7 +600,7 @@ def pass_elements(laws, g, low, nodes, states, u, stride, n, factor, radau, h):
     one, other, kind, at, c = laws.one[e], laws.other[e], laws.kind[e], laws.at[e], laws.constants
     z_one = laws.impedance[low + one] if one >= 0 else 0.0
     z_other = laws.impedance[low + other] if other >= 0 else 0.0
-    z, here, there, s = z_one + z_other, max(one, 0) * stride, max(other, 0) * stride, radau.shape[0]
+    z, here, there, s = z_one + z_other, max(one, 0) * stride, max(other, 0) * stride, tools.c.size
     sign_here, sign_there = (1.0 if one >= 0 else 0.0), (1.0 if other >= 0 else 0.0)
     if laws.state_at[e] < 0:
         for i in range(n):
@@ -549,7 +614,10 @@ def pass_elements(laws, g, low, nodes, states, u, stride, n, factor, radau, h):
         for j in range(s):
             i = slab * s + j
             v[j] = sign_here * u[here + i] - sign_there * u[there + i]
-        fill(laws, e, factor[0, slab * s], states, radau, h, v, z, flows, y, rest, system)
+        if kind == VAPOUR:
+            boil(laws, e, states, tools, h, v, z, flows)
+        else:
+            fill(laws, e, factor[0, slab * s], states, tools.radau, h, v, z, flows, y, rest, system)
         for j in range(s):
             u[here + slab * s + j] -= z_one * flows[j]
             u[there + slab * s + j] += z_other * flows[j]
@@ -561,7 +629,7 @@ def pass_elements_at_cells(network, g, states, u, factor, laws, cells):
 
     What they add is small, and the smaller the slab.
     """
-    low, s = network.group[g], laws.radau.shape[0]
+    low, s = network.group[g], laws.tools.c.size
     nodes, first = network.group[g + 1] - low, laws.first[g]
     size, own = nodes * s, np.zeros(laws.first[g + 1] - first)
     wave, last, change, scale = u[:size].copy(), u[:size].copy(), np.inf, 0.0
@@ -577,7 +645,7 @@ def pass_elements_at_cells(network, g, states, u, factor, laws, cells):
                 u[p * s + i] = wave[p * s + i]
             if cells.echo_at[low + p] >= 0:
                 add_product(cells.echo, cells.echo_at[low + p], s, s, last, p * s, u, p * s)
-        pass_elements(laws, g, low, nodes, states, u, s, s, factor, laws.radau, laws.step)
+        pass_elements(laws, g, low, nodes, states, u, s, s, factor, laws.tools, laws.step)
         change, scale = 0.0, 0.0
         for i in range(size):
             change, scale = max(change, abs(u[i] - last[i])), max(scale, abs(u[i]))
@@ -596,7 +664,7 @@ def meet_elements(network, g, states, u, n, factor, laws, cells):
         if cells.beside[g]:
             pass_elements_at_cells(network, g, states, u, factor, laws, cells)
             return
-    pass_elements(laws, g, low, nodes, states, u, n, n, factor, laws.radau, laws.step)
+    pass_elements(laws, g, low, nodes, states, u, n, n, factor, laws.tools, laws.step)
 
 
 @njit(**INNER)
@@ -1273,7 +1341,7 @@ def respond(network, state, fronts, g, slab, m, laws):
                 copy(room.factor[e, piece], opening[e])
             width = fronts.step * (edges[piece + 1] - edges[piece])
             if laws is not None:
-                pass_elements(laws, g, network.group[g], k, state.load, wave, s, s, opening, fronts.tools.radau, width)
+                pass_elements(laws, g, network.group[g], k, state.load, wave, s, s, opening, fronts.tools, width)
             for p in range(k):
                 for i in range(s):
                     u[p, piece, i] = wave[p * s + i]
