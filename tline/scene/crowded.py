@@ -22,6 +22,7 @@ WITH_STATE = {
     "tank": "a surge tank",
     "rotor": "a pump that trips",
     "vapour": "a vapour cavity",
+    "air": "an air valve",
 }
 APART = "a line between them"
 

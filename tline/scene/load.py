@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, ValidationInfo, field_validator
 
 from tline.errors import InputError
+from tline.scene.air_valve import AirValve
 from tline.scene.characteristic import Curve, Diode
 from tline.scene.element import AtNode
 from tline.scene.medium import MEDIA
@@ -85,6 +86,6 @@ class Switch(AtNode):
 Load = Annotated[
     NoFlow | Short | Reservoir | Matched | Resistor | Switch | Series | Parallel | Impedance | Touchstone
     | Orifice | CheckValve | ReliefValve | Leak | Demand | Diode | Curve
-    | AirVessel | SurgeTank | Cavity | VapourCavity,
+    | AirVessel | SurgeTank | Cavity | VapourCavity | AirValve,
     Field(discriminator="kind"),
 ]  # fmt: skip

@@ -16,9 +16,9 @@ from tline.solver.network import Laws, tools_of
 from tline.solver.nodes import Node
 from tline.solver.radau import Basis, basis
 
-KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", "gas", "tank", "rotor", "vapour")
-WITH_STATE = {"gas", "tank", "rotor", "vapour"}
-BREAKING = {"vapour"}  # kinds that send fronts at instants of their own, which are not followed
+KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", "gas", "tank", "rotor", "vapour", "air")
+STATES = {"gas": 1, "tank": 1, "rotor": 1, "vapour": 1, "air": 2}
+BREAKING = {"vapour", "air"}  # kinds that send fronts at instants of their own, which are not followed
 
 
 class Element(NamedTuple):
@@ -70,8 +70,8 @@ def laws_of(
         rows.append(first_row + len(drives) if varies else -1)
         factors.append(1.0 if factor is None else just_before(factor))
         drives += [factor] if factor is not None and varies else []
-        states.append(first_state if element.law.kind in WITH_STATE else -1)
-        first_state += element.law.kind in WITH_STATE
+        states.append(first_state if element.law.kind in STATES else -1)
+        first_state += STATES.get(element.law.kind, 0)
         seen.append(sum(max(impedance[node], 0.0) for node in element.nodes) or largest)
     constants = [element.law.constants for element in flat]
     laws = Laws(
@@ -122,6 +122,10 @@ def states_of(elements: list[Element], effort: dict[str, float]) -> NDArray:
             if u < constants[0]:
                 raise InputError(element.where, "no state at rest: the liquid boils", got=f"{u:.6g} Pa")
             states.append(0.0)
+        elif kind == "air":
+            if u < constants[0]:
+                raise InputError(element.where, "no state at rest: it draws air", got=f"{u:.6g} Pa")
+            states += [0.0, 0.0]
     return np.array(states, float)
 
 
