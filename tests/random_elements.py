@@ -4,7 +4,7 @@ import numpy as np
 
 from tline.scene.scene import Scene
 
-ALONE = ("air vessel", "cavity", "vapour cavity", "surge tank")  # kinds that want a node of their own
+ALONE = ("air vessel", "cavity", "vapour cavity", "air valve", "surge tank")  # kinds that want a node of their own
 
 
 def random_elements(seed: int, *, lines: int = 5, operated: bool = True, driven: bool = False, **scene) -> Scene:
@@ -99,4 +99,10 @@ def _vessel(rng: np.random.Generator) -> dict:
         {"kind": "surge tank", "tank_area": _size(rng), "gravity": 1.0, "density": 1.0} | loss,
         {"kind": "cavity", "gas_volume": 0.1 * _size(rng), "atmosphere": 5.0, "vapour_pressure": 0.1},
         {"kind": "vapour cavity", "atmosphere": 0.3, "vapour_pressure": 0.1},
-    ][int(rng.integers(4))]
+        {
+            "kind": "air valve",
+            "inlet_diameter": 0.1 * _size(rng) ** 0.5,
+            "outlet_diameter": 0.1 * _size(rng) ** 0.5,
+            "atmosphere": _size(rng),
+        },
+    ][int(rng.integers(5))]

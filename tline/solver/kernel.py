@@ -520,7 +520,7 @@ def exchange(c, at, radau, h, z, w, volume, air, g, flow, out, rest, system):
             rest[j] = density * v - m
             worst, scale = max(worst, abs(rest[j])), max(scale, abs(density * v))
             for k in range(s):
-                delta = 1e-7 * max(abs(g[k]), 1.0)
+                delta = 1e-7 * max(abs(g[k]), 1.0) * (1.0 if g[k] > 0.0 else -1.0)
                 more = (blown(g[k] + delta, c[at + 2], c[at + 3]) - out[k]) / delta
                 system[j, k] = h * radau[j, k] * (more + density * 2.0 * abs(g[k]) * outside / z)
             system[j, j] += 2.0 * abs(g[j]) * v
@@ -538,7 +538,7 @@ def exchange(c, at, radau, h, z, w, volume, air, g, flow, out, rest, system):
 @njit(**INNER)
 def in_air(volume, air):
     """Energy of air in a volume beyond what the air outside has, in atmospheres."""
-    if air == 0.0:
+    if air <= 0.0:
         return volume
     _, x, _ = gas(volume / air, 1.0)
     return 0.5 * air * x * x
@@ -550,7 +550,7 @@ def breathe(laws, e, states, tools, h, v, z, flow, out, rest, system):
 
     It opens at a root of v less the pressure outside; then follows a Radau IIA step up to where no air is left, found
     by bisection. What flows in is projected on the slab. The step keeps the volume; if it would add energy, the air
-    comes nearer to the pressure outside.
+    comes nearer to the pressure outside, and if that does not do, the step is halved.
     """
     s, x, at, gauss, c = flow.size, laws.state_at[e], laws.at[e], tools.gauss, laws.constants
     coef, piece, kept, whole, w, g = np.empty(s), np.empty(s), np.empty(s), np.zeros(s), np.empty(s), np.empty(s)
@@ -573,7 +573,7 @@ def breathe(laws, e, states, tools, h, v, z, flow, out, rest, system):
             v_end, m_end, work, least = exchange(
                 c, at, tools.radau, width, z, w, volume, air, g, flow, out, rest, system
             )
-            if least > 0.0:
+            if least > 0.0 and in_air(volume, air) + work / c[at + 1] >= -SPARE * (volume + v_end + m_end):
                 low, room, held, taken = until, v_end, m_end, work
                 times(tools.to_legendre, flow, 0, kept)
             else:
@@ -589,7 +589,7 @@ def breathe(laws, e, states, tools, h, v, z, flow, out, rest, system):
                 held = room + (held - room) * max(most, 0.0) / most_now
             volume, air = room, held
         elif since < 1.0 and not shut:
-            whole[0] = np.nan
+            whole[0], volume = np.nan, np.nan
         since = low
         if shut:
             volume, air, since = 0.0, 0.0, after(low, s)
