@@ -29,10 +29,10 @@ class AirValve(AtNode, OfLiquids):
     inlet_diameter: Diameter = Field(description="of the orifice through which air comes in")
     outlet_diameter: Diameter = Field(description="of the orifice through which it leaves, often smaller")
     discharge_coefficient: Annotated[Quantity, Role("coefficient", "", above=0, at_most=1)] = Field(
-        default=Quantity("0.6", ""), description="of both"
+        default=Quantity(0.6, ""), description="of both"
     )
     temperature: Annotated[Quantity, Role("temperature", "K", above=0)] = Field(
-        default=Quantity("293.15", "K"), description="of the air"
+        default=Quantity("20 degC", "K"), description="of the air"
     )
     atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
     back_pressure: Pressure = Field(default=ZERO, description="pressure in the scene at which the outside is")
