@@ -487,12 +487,13 @@ def boil(laws, e, states, tools, h, v, z, flow):
 def blown(g, inlet, outlet):
     """Volume of air, as it is outside, that leaves per s where the pressure is 1 + g |g| atmospheres.
 
-    Isentropic flow through an orifice, which chokes beyond a pressure ratio; between 1 + g |g| it is smooth in g.
+    Isentropic flow through an orifice, which chokes; its slope over g is finite where air turns.
     """
     x = g * g / (1.0 if g < 0.0 else 1.0 + g * g)  # 1 - ratio of the pressures
-    rate = (
-        CHOKED if x > CHOKES else np.sqrt(-7.0 * np.exp(10.0 / 7.0 * np.log1p(-x)) * np.expm1(2.0 / 7.0 * np.log1p(-x)))
-    )
+    rate = CHOKED
+    if x <= CHOKES:
+        low = np.log1p(-x)
+        rate = np.sqrt(-7.0 * np.exp(10.0 / 7.0 * low) * np.expm1(2.0 / 7.0 * low))
     return -inlet * rate if g < 0.0 else outlet * (1.0 + g * g) * rate
 
 
