@@ -99,6 +99,18 @@ at = "far"
 kind = "cavity"
 gas_volume = "1 mL"
 """,
+    "VapourCavity": """\
+[loads.summit]
+at = "far"
+kind = "vapour cavity"
+""",
+    "AirValve": """\
+[loads.summit]
+at = "far"
+kind = "air valve"
+inlet_diameter = "100 mm"
+outlet_diameter = "10 mm"
+""",
     "OrificeLink": """\
 [links.bend]               # a minor loss
 nodes = ["near", "far"]

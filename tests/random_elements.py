@@ -4,7 +4,7 @@ import numpy as np
 
 from tline.scene.scene import Scene
 
-ALONE = ("air vessel", "cavity", "surge tank")  # kinds that want a node of their own
+ALONE = ("air vessel", "cavity", "vapour cavity", "air valve", "surge tank")  # kinds that want a node of their own
 
 
 def random_elements(seed: int, *, lines: int = 5, operated: bool = True, driven: bool = False, **scene) -> Scene:
@@ -98,4 +98,11 @@ def _vessel(rng: np.random.Generator) -> dict:
         {"kind": "air vessel", "gas_volume": _size(rng), "gas_pressure": 0.0, "atmosphere": 10 * _size(rng)} | loss,
         {"kind": "surge tank", "tank_area": _size(rng), "gravity": 1.0, "density": 1.0} | loss,
         {"kind": "cavity", "gas_volume": 0.1 * _size(rng), "atmosphere": 5.0, "vapour_pressure": 0.1},
-    ][int(rng.integers(3))]
+        {"kind": "vapour cavity", "atmosphere": 0.3, "vapour_pressure": 0.1},
+        {
+            "kind": "air valve",
+            "inlet_diameter": 0.1 * _size(rng) ** 0.5,
+            "outlet_diameter": 0.1 * _size(rng) ** 0.5,
+            "atmosphere": _size(rng),
+        },
+    ][int(rng.integers(5))]

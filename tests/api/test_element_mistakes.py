@@ -54,6 +54,16 @@ def scene(load: dict | None = None, link: dict | None = None, **more) -> Scene:
         ({"kind": "surge tank"}, "loads.x: its surface is not given once"),
         ({"kind": "air vessel", "gas_volume": 1, "gas_pressure": -2e5}, "loads.x.gas_pressure: below vacuum"),
         ({"kind": "air vessel", "gas_volume": 1, "gas_pressure": 1}, "an air vessel or cavity stands beside loads.v"),
+        ({"kind": "vapour cavity"}, "loads.x: a vapour cavity stands beside loads.v, expected a line between"),
+        (
+            {"kind": "vapour cavity", "vapour_pressure": "2 bar"},
+            "loads.x.vapour_pressure: too high, expected less than",
+        ),
+        ({"kind": "air valve", "inlet_diameter": 0.1}, "loads.x.outlet_diameter: is missing"),
+        (
+            {"kind": "air valve", "inlet_diameter": 0.1, "outlet_diameter": 0.1, "discharge_coefficient": 2},
+            "loads.x.discharge_coefficient: ",
+        ),
         (
             {"kind": "series", "capacitance": 1e-8},
             "loads.x: stands beside loads.v, .*, expected a line",
@@ -97,12 +107,17 @@ def test_pumps_are_no_cables():
         Scene(medium="electrical", t_end=1, lines=lines, links={"p": pump}, probes={"a": {"at": "a"}})
 
 
-def test_a_vessel_below_vacuum_is_named():
-    loads = {
-        "tank": {"at": "tank", "kind": "reservoir", "pressure": -2e5},
-        "vessel": {"at": "end", "kind": "air vessel", "gas_volume": 1, "gas_pressure": 0},
-    }
-    with pytest.raises(InputError, match=r"loads\.vessel: no state at rest: the pressure is below vacuum"):
+@pytest.mark.parametrize(
+    ("vessel", "problem"),
+    [
+        ({"kind": "air vessel", "gas_volume": 1, "gas_pressure": 0}, "the pressure is below vacuum"),
+        ({"kind": "vapour cavity"}, "the liquid boils"),
+        ({"kind": "air valve", "inlet_diameter": 0.1, "outlet_diameter": 0.1}, "it draws air"),
+    ],
+)
+def test_what_has_no_state_at_such_a_pressure_is_named(vessel, problem):
+    loads = {"tank": {"at": "tank", "kind": "reservoir", "pressure": -2e5}, "vessel": {"at": "end"} | vessel}
+    with pytest.raises(InputError, match=rf"loads\.vessel: no state at rest: {problem}"):
         simulate(Scene(**SOUND | {"loads": loads, "links": {}, "start": "steady"}))
 
 

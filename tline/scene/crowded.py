@@ -17,7 +17,13 @@ from tline.scene.touchstone import Touchstone
 if TYPE_CHECKING:
     from tline.scene.scene import Scene
 
-WITH_STATE = {"gas": "an air vessel or cavity", "tank": "a surge tank", "rotor": "a pump that trips"}
+WITH_STATE = {
+    "gas": "an air vessel or cavity",
+    "tank": "a surge tank",
+    "rotor": "a pump that trips",
+    "vapour": "a vapour cavity",
+    "air": "an air valve",
+}
 APART = "a line between them"
 
 

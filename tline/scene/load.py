@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, ValidationInfo, field_validator
 
 from tline.errors import InputError
+from tline.scene.air_valve import AirValve
 from tline.scene.characteristic import Curve, Diode
 from tline.scene.element import AtNode
 from tline.scene.medium import MEDIA
@@ -13,7 +14,7 @@ from tline.scene.quantity import LoadResistance, Pressure, Resistance, Time
 from tline.scene.rational_load import Impedance, Parallel, Series
 from tline.scene.touchstone import Touchstone
 from tline.scene.valve import CheckValve, Orifice, ReliefValve
-from tline.scene.vessel import AirVessel, Cavity, SurgeTank
+from tline.scene.vessel import AirVessel, Cavity, SurgeTank, VapourCavity
 
 
 def _check_word(kind: str, info: ValidationInfo, role: str) -> str:
@@ -84,6 +85,7 @@ class Switch(AtNode):
 
 Load = Annotated[
     NoFlow | Short | Reservoir | Matched | Resistor | Switch | Series | Parallel | Impedance | Touchstone
-    | Orifice | CheckValve | ReliefValve | Leak | Demand | Diode | Curve | AirVessel | SurgeTank | Cavity,
+    | Orifice | CheckValve | ReliefValve | Leak | Demand | Diode | Curve
+    | AirVessel | SurgeTank | Cavity | VapourCavity | AirValve,
     Field(discriminator="kind"),
 ]  # fmt: skip

@@ -46,7 +46,19 @@ class AirVessel(_Vessel):
         return Law("gas", (0.0, self.capacity or inf, outside, at_zero, n))
 
 
-class Cavity(AtNode, OfLiquids):
+class _Boiling(AtNode, OfLiquids):
+    vapour_pressure: Absolute = Field(default=Quantity(2339, "Pa"), description="absolute; of water at 20 degC")
+    atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
+
+    @model_validator(mode="after")
+    def _boils_below(self):
+        if self.vapour_pressure >= self.atmosphere:
+            expected = f"less than the atmosphere's {self.atmosphere:g} Pa"
+            raise InputError("vapour_pressure", "too high", expected, f"{self.vapour_pressure:g} Pa")
+        return self
+
+
+class Cavity(_Boiling):
     """Column separation at a node: free gas at one temperature and vapour (DGCM).
 
     (p - vapour pressure)·V is constant, p absolute.
@@ -61,18 +73,25 @@ class Cavity(AtNode, OfLiquids):
     gas_volume: Annotated[Quantity, Role("volume", "m^3", above=0)] = Field(
         description="volume of the free gas at the atmosphere's pressure: often 1e-7 of the liquid's nearby"
     )
-    vapour_pressure: Absolute = Field(default=Quantity(2339, "Pa"), description="absolute; of water at 20 degC")
-    atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
-
-    @model_validator(mode="after")
-    def _boils_below(self):
-        if self.vapour_pressure >= self.atmosphere:
-            expected = f"less than the atmosphere's {self.atmosphere:g} Pa"
-            raise InputError("vapour_pressure", "too high", expected, f"{self.vapour_pressure:g} Pa")
-        return self
 
     def law(self) -> Law:  # noqa: D102
         return Law("gas", (0.0, inf, float(self.atmosphere - self.vapour_pressure), float(self.gas_volume), 1.0))
+
+
+class VapourCavity(_Boiling):
+    """Column separation at a node: vapour alone, at its pressure while there is any (DVCM).
+
+    References
+    ----------
+    E. B. Wylie, V. L. Streeter: Fluid Transients in Systems (1993), section 8.4.
+    A. Bergant, A. R. Simpson, A. S. Tijsseling: Water hammer with column separation. J. Fluids Struct. 22 (2006)
+    135-171, doi:10.1016/j.jfluidstructs.2005.08.008.
+    """
+
+    kind: Literal["vapour cavity"] = "vapour cavity"
+
+    def law(self) -> Law:  # noqa: D102
+        return Law("vapour", (float(self.vapour_pressure - self.atmosphere),))
 
 
 class SurgeTank(_Vessel):

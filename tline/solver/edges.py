@@ -12,7 +12,7 @@ from tline.solver.elements import Element, elements_of, laws_of
 from tline.solver.nodes import Node
 from tline.solver.steady_lines import Falls, Table
 
-FILLED = {"gas", "tank"}  # kinds through which nothing flows in the end
+FILLED = {"gas", "tank", "vapour", "air"}  # kinds through which nothing flows in the end
 
 
 class Edges:

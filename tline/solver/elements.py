@@ -12,12 +12,13 @@ from tline.scene.scene import Scene
 from tline.scene.shape import Constant
 from tline.scene.waveform import Shape
 from tline.solver.drive import just_before
-from tline.solver.network import Laws
+from tline.solver.network import Laws, tools_of
 from tline.solver.nodes import Node
-from tline.solver.radau import Basis
+from tline.solver.radau import Basis, basis
 
-KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", "gas", "tank", "rotor")
-WITH_STATE = {"gas", "tank", "rotor"}
+KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", "gas", "tank", "rotor", "vapour", "air")
+STATES = {"gas": 1, "tank": 1, "rotor": 1, "vapour": 1, "air": 2}
+BREAKING = {"vapour", "air"}  # kinds that send fronts at instants of their own, which are not followed
 
 
 class Element(NamedTuple):
@@ -48,7 +49,7 @@ def elements_of(scene: Scene, nodes: dict[str, Node]) -> list[Element]:
 def laws_of(
     elements: list[list[Element]], names: list[list[str]], nodes: dict[str, Node], first_row: int, first_state: int
 ) -> tuple[Laws, list[Shape]]:
-    """Elements by group as arrays, without Radau matrix and slab width; and what scales them over time.
+    """Elements by group as arrays, without the slabs' order and width; and what scales them over time.
 
     Parameters
     ----------
@@ -69,8 +70,8 @@ def laws_of(
         rows.append(first_row + len(drives) if varies else -1)
         factors.append(1.0 if factor is None else just_before(factor))
         drives += [factor] if factor is not None and varies else []
-        states.append(first_state if element.law.kind in WITH_STATE else -1)
-        first_state += element.law.kind in WITH_STATE
+        states.append(first_state if element.law.kind in STATES else -1)
+        first_state += STATES.get(element.law.kind, 0)
         seen.append(sum(max(impedance[node], 0.0) for node in element.nodes) or largest)
     constants = [element.law.constants for element in flat]
     laws = Laws(
@@ -85,7 +86,7 @@ def laws_of(
         state_at=np.array(states, int),
         seen=np.array(seen, float),
         impedance=np.array(list(impedance.values())),
-        radau=np.zeros((0, 0)),
+        tools=tools_of(basis(1)),
         step=0.0,
     )
     return laws, drives
@@ -93,7 +94,7 @@ def laws_of(
 
 def with_basis(laws: Laws, order: Basis, h: float) -> Laws:
     """The same for slabs of that order and width."""
-    return laws._replace(radau=order.A, step=h)
+    return laws._replace(tools=tools_of(order), step=h)
 
 
 def states_of(elements: list[Element], effort: dict[str, float]) -> NDArray:
@@ -117,6 +118,14 @@ def states_of(elements: list[Element], effort: dict[str, float]) -> NDArray:
             states.append(u)
         elif kind == "rotor":
             states.append(1.0)
+        elif kind == "vapour":
+            if u < constants[0]:
+                raise InputError(element.where, "no state at rest: the liquid boils", got=f"{u:.6g} Pa")
+            states.append(0.0)
+        elif kind == "air":
+            if u < constants[0]:
+                raise InputError(element.where, "no state at rest: it draws air", got=f"{u:.6g} Pa")
+            states += [0.0, 0.0]
     return np.array(states, float)
 
 

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from tline.solver.assemble import Assembly
 from tline.solver.drive import Broken
-from tline.solver.network import Floats, Integers, Network
-from tline.solver.radau import gauss
+from tline.solver.network import Floats, Integers, Network, Tools, tools_of
 from tline.solver.room import Room, room_for
 from tline.solver.settling import settling_step
 
@@ -25,16 +24,6 @@ LOGGED = 4096  # pieces recorded between two looks
 LULL = 16  # slabs without a front that are worth a return to blocks
 LIVE, PEAK, MERGED, DISSOLVED, DROPPED, NOTED = range(6)  # places in the counts
 SCALE, LOST = range(2)  # places in the sizes
-
-
-class Tools(NamedTuple):
-    """Matrices of the basis."""
-
-    c: Floats  # (s,)
-    to_points: Floats  # (s, s)
-    to_legendre: Floats  # (s, s)
-    radau: Floats  # (s, s)
-    gauss: Floats  # (2, s) nodes and weights on [0, 1]
 
 
 class Systems(NamedTuple):
@@ -156,7 +145,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], p
         assembly.settle / h,
         np.full(len(assembly.settle), -np.inf),
         np.where(network.shift_row >= 0, delays / h - network.delay, 0.0),
-        Tools(basis.c, basis.to_points, basis.to_legendre, basis.A, np.array(gauss(s))),
+        tools_of(basis),
         _packed(assembly),
         Moves(
             first,

@@ -120,12 +120,14 @@ def add_product(matrix, at, rows, columns, x, o, out, q):
 # Elements whose flow is no linear function of the effort across them. Each sees a Thévenin source: an effort v behind
 # an impedance z. Where several see each other, Newton's method finds all flows at once, instant by instant.
 
-QUADRATIC, PUMP, RELIEF, LEAK, DEMAND, DIODE, TABLE, GAS, TANK, ROTOR = range(10)
+QUADRATIC, PUMP, RELIEF, LEAK, DEMAND, DIODE, TABLE, GAS, TANK, ROTOR, VAPOUR, AIR = range(12)
 SPARE, CLOSE = 4e-15, 1e-10  # residuals, relative to the efforts: where to stop, and what will do if no step helps
 STEPS, ULPS = 80, 4e-16  # of a scalar Newton, and the relative change at which it ends
 TRIES, LEAST_STRIDE = 40, 1e-8  # Newton steps for a part of the way, and the least part
 FAINT = 1e-9  # slope, for a step, of drops that have none at rest and of flows that answer to nothing
 FARTHEST = 2.0  # step, in units of the largest effort
+LOOKS, HALVINGS = 4, 60  # at a slab for roots, per point; and of an interval with a root
+CHOKES, CHOKED = 0.4717180, 0.6847315  # 1 - ratio of pressures beyond which air chokes, and its flow then
 
 
 @njit(**INNER)
@@ -416,6 +418,187 @@ def fill(laws, e, on, states, radau, h, v, z, flow, y, rest, system):
 
 
 @njit(**INNER)
+def integrated(coef, factor, out):
+    """Legendre coefficients of the integral from 0 of a polynomial on [0, 1], times a factor."""
+    clear(out)
+    out[0] = 0.5 * factor * coef[0]
+    for k in range(coef.size):
+        term = 0.5 * factor * coef[k] / (2 * k + 1)
+        out[k + 1] += term
+        if k > 0:
+            out[k - 1] -= term
+
+
+@njit(**INNER)
+def fallen(coef, level, start):
+    """Where after a place a polynomial on [0, 1] first falls below a level, as far as some looks tell; else 1."""
+    looks, low = LOOKS * coef.size, start
+    for k in range(int(start * looks) + 1, looks + 1):
+        high = k / looks
+        if series(coef, 2.0 * high - 1.0) < level:
+            for _ in range(HALVINGS):
+                middle = 0.5 * (low + high)
+                if series(coef, 2.0 * middle - 1.0) < level:
+                    high = middle
+                else:
+                    low = middle
+            return high
+        low = high
+    return 1.0
+
+
+@njit(**INNER)
+def after(place, s):
+    """The next look at a slab."""
+    return min((int(place * LOOKS * s) + 1) / (LOOKS * s), 1.0)
+
+
+@njit(**INNER)
+def boil(laws, e, states, tools, h, v, z, flow):
+    """Flows into a vapour cavity at the points of a slab of width h, under the efforts v there.
+
+    It opens at a root of v less its pressure, and shuts where the integral has filled its volume again. What flows in
+    between is projected on the slab: that keeps the volume, and adds no energy.
+    """
+    s, at, gauss = flow.size, laws.state_at[e], tools.gauss
+    above, freed, piece, whole = np.empty(s), np.empty(s + 1), np.empty(s), np.zeros(s)
+    for j in range(s):
+        flow[j] = v[j] - laws.constants[laws.at[e]]
+    times(tools.to_legendre, flow, 0, above)
+    integrated(above, -h / z, freed)
+    since, volume = 0.0, states[at]
+    while since < 1.0:
+        if volume == 0.0:
+            since = fallen(above, 0.0, since)
+        floor = series(freed, 2.0 * since - 1.0) - volume
+        until = fallen(freed, floor, since)
+        clear(piece)
+        project(above, 0.0, 1.0, since, until, gauss, piece)
+        project(piece, since, until, 0.0, 1.0, gauss, whole)
+        volume = max(series(freed, 1.0) - floor, 0.0) if until == 1.0 else 0.0
+        since = after(until, s)
+    states[at] = volume
+    times(tools.to_points, whole, 0, flow)
+    for j in range(s):
+        flow[j] /= z
+
+
+@njit(**INNER)
+def blown(g, inlet, outlet):
+    """Volume of air, as it is outside, that leaves per s where the pressure is 1 + g |g| atmospheres.
+
+    Isentropic flow through an orifice, which chokes; its slope over g is finite where air turns.
+    """
+    x = g * g / (1.0 if g < 0.0 else 1.0 + g * g)  # 1 - ratio of the pressures
+    rate = CHOKED
+    if x <= CHOKES:
+        low = np.log1p(-x)
+        rate = np.sqrt(-7.0 * np.exp(10.0 / 7.0 * low) * np.expm1(2.0 / 7.0 * low))
+    return -inlet * rate if g < 0.0 else outlet * (1.0 + g * g) * rate
+
+
+@njit(**INNER)
+def exchange(c, at, radau, h, z, w, volume, air, g, flow, out, rest, system):
+    """One Radau IIA step of an air valve of width h, from an amount of air in a volume: flows at the points.
+
+    g are the roots of the pressures there, in atmospheres. Returns volume, air, energy taken in, and the least volume
+    at a point, nan if no solution was found.
+    """
+    s, outside, before, share = flow.size, c[at + 1], np.inf, 1.0
+    for _ in range(TRIES):
+        worst, scale, least, v, m, work = 0.0, volume + air, np.inf, 0.0, 0.0, 0.0
+        for j in range(s):
+            flow[j] = (w[j] - outside * g[j] * abs(g[j])) / z
+            out[j] = blown(g[j], c[at + 2], c[at + 3])
+            scale = max(scale, h * abs(flow[j]), h * abs(out[j]))
+            work += h * radau[s - 1, j] * flow[j] * outside * g[j] * abs(g[j])
+        for j in range(s):
+            v, m = volume, air
+            for k in range(s):
+                v -= h * radau[j, k] * flow[k]
+                m -= h * radau[j, k] * out[k]
+            least, density = min(least, v), 1.0 + g[j] * abs(g[j])
+            rest[j] = density * v - m
+            worst, scale = max(worst, abs(rest[j])), max(scale, abs(density * v))
+            for k in range(s):
+                delta = 1e-7 * max(abs(g[k]), 1.0) * (1.0 if g[k] > 0.0 else -1.0)
+                more = (blown(g[k] + delta, c[at + 2], c[at + 3]) - out[k]) / delta
+                system[j, k] = h * radau[j, k] * (more + density * 2.0 * abs(g[k]) * outside / z)
+            system[j, j] += 2.0 * abs(g[j]) * v
+            system[j, s] = rest[j]
+        if worst <= SPARE * scale or (worst <= CLOSE * scale and worst >= 0.5 * before):
+            return v, m, work, least
+        share = min(1.0, 2.0 * share) if worst < before else 0.5 * share
+        before = worst
+        eliminate(system, s)
+        for j in range(s):
+            g[j] = max(g[j] - share * system[j, s], 0.5 * (g[j] - 1.0))
+    return 0.0, 0.0, 0.0, np.nan
+
+
+@njit(**INNER)
+def in_air(volume, air):
+    """Energy of air in a volume beyond what the air outside has, in atmospheres."""
+    if air <= 0.0:
+        return volume
+    _, x, _ = gas(volume / air, 1.0)
+    return 0.5 * air * x * x
+
+
+@njit(**INNER)
+def breathe(laws, e, states, tools, h, v, z, flow, out, rest, system):
+    """Flows into an air valve at the points of a slab of width h, under the efforts v there.
+
+    It opens at a root of v less the pressure outside; then follows a Radau IIA step up to where no air is left, found
+    by bisection. What flows in is projected on the slab. The step keeps the volume; if it would add energy, the air
+    comes nearer to the pressure outside, and if that does not do, the step is halved.
+    """
+    s, x, at, gauss, c = flow.size, laws.state_at[e], laws.at[e], tools.gauss, laws.constants
+    coef, piece, kept, whole, w, g = np.empty(s), np.empty(s), np.empty(s), np.zeros(s), np.empty(s), np.empty(s)
+    for j in range(s):
+        flow[j] = v[j] - c[at]
+    times(tools.to_legendre, flow, 0, coef)
+    since, volume, air = 0.0, states[x], states[x + 1]
+    while since < 1.0 and np.isfinite(whole[0]):
+        if volume == 0.0:
+            since = fallen(coef, 0.0, since)
+        low, high, until, shut, room, held, taken = since, 1.0, 1.0, False, volume, air, 0.0
+        for _ in range(HALVINGS if since < 1.0 else 0):
+            clear(piece)
+            project(coef, 0.0, 1.0, since, until, gauss, piece)
+            times(tools.to_points, piece, 0, w)
+            density = air / volume if volume > 0.0 else 1.0
+            for j in range(s):
+                g[j] = np.sqrt(abs(density - 1.0)) * (1.0 if density > 1.0 else -1.0)
+            width = h * (until - since)
+            v_end, m_end, work, least = exchange(
+                c, at, tools.radau, width, z, w, volume, air, g, flow, out, rest, system
+            )
+            if least > 0.0 and in_air(volume, air) + work / c[at + 1] >= -SPARE * (volume + v_end + m_end):
+                low, room, held, taken = until, v_end, m_end, work
+                times(tools.to_legendre, flow, 0, kept)
+            else:
+                high = until
+                shut |= least <= 0.0
+            if low == high or (low > since and not shut) or high - low < SPARE:
+                break
+            until = 0.5 * (low + high)
+        if low > since:
+            project(kept, since, low, 0.0, 1.0, gauss, whole)
+            most, most_now = in_air(volume, air) + taken / c[at + 1], in_air(room, held)
+            if most_now > most:
+                held = room + (held - room) * max(most, 0.0) / most_now
+            volume, air = room, held
+        elif since < 1.0 and not shut:
+            whole[0], volume = np.nan, np.nan
+        since = low
+        if shut:
+            volume, air, since = 0.0, 0.0, after(low, s)
+    states[x], states[x + 1] = volume, air
+    times(tools.to_points, whole, 0, flow)
+
+
+@njit(**INNER)
 def unbalance(laws, g, low, u, stride, q, factor, x, level, flow, slope, rest, taken):
     """Residuals of a group at sample q, and a scale; x has what elements see behind their impedances, then efforts.
 
@@ -524,7 +707,7 @@ def meet(laws, g, low, nodes, u, stride, n, factor):
 
 
 @njit(**INNER)
-def pass_elements(laws, g, low, nodes, states, u, stride, n, factor, radau, h):
+def pass_elements(laws, g, low, nodes, states, u, stride, n, factor, tools, h):
     """Turn the Thévenin waves of n samples at a group's nodes into efforts, through its elements."""
     e, dead = laws.first[g], False
     for p in range(nodes):
@@ -535,7 +718,7 @@ def pass_elements(laws, g, low, nodes, states, u, stride, n, factor, radau, h):
     one, other, kind, at, c = laws.one[e], laws.other[e], laws.kind[e], laws.at[e], laws.constants
     z_one = laws.impedance[low + one] if one >= 0 else 0.0
     z_other = laws.impedance[low + other] if other >= 0 else 0.0
-    z, here, there, s = z_one + z_other, max(one, 0) * stride, max(other, 0) * stride, radau.shape[0]
+    z, here, there, s = z_one + z_other, max(one, 0) * stride, max(other, 0) * stride, tools.c.size
     sign_here, sign_there = (1.0 if one >= 0 else 0.0), (1.0 if other >= 0 else 0.0)
     if laws.state_at[e] < 0:
         for i in range(n):
@@ -549,10 +732,23 @@ def pass_elements(laws, g, low, nodes, states, u, stride, n, factor, radau, h):
         for j in range(s):
             i = slab * s + j
             v[j] = sign_here * u[here + i] - sign_there * u[there + i]
-        fill(laws, e, factor[0, slab * s], states, radau, h, v, z, flows, y, rest, system)
+        if kind == VAPOUR:
+            boil(laws, e, states, tools, h, v, z, flows)
+        elif kind == AIR:
+            breathe(laws, e, states, tools, h, v, z, flows, y, rest, system)
+        else:
+            fill(laws, e, factor[0, slab * s], states, tools.radau, h, v, z, flows, y, rest, system)
         for j in range(s):
             u[here + slab * s + j] -= z_one * flows[j]
             u[there + slab * s + j] += z_other * flows[j]
+
+
+@njit(**INNER)
+def states_at(laws, e):
+    """Number of states of an element."""
+    if laws.state_at[e] < 0:
+        return 0
+    return 2 if laws.kind[e] == AIR else 1
 
 
 @njit(**INNER)
@@ -561,23 +757,23 @@ def pass_elements_at_cells(network, g, states, u, factor, laws, cells):
 
     What they add is small, and the smaller the slab.
     """
-    low, s = network.group[g], laws.radau.shape[0]
+    low, s = network.group[g], laws.tools.c.size
     nodes, first = network.group[g + 1] - low, laws.first[g]
-    size, own = nodes * s, np.zeros(laws.first[g + 1] - first)
+    size, own = nodes * s, np.zeros((laws.first[g + 1] - first, 2))
     wave, last, change, scale = u[:size].copy(), u[:size].copy(), np.inf, 0.0
-    for k in range(own.size):
-        if laws.state_at[first + k] >= 0:
-            own[k] = states[laws.state_at[first + k]]
+    for k in range(own.shape[0]):
+        for i in range(states_at(laws, first + k)):
+            own[k, i] = states[laws.state_at[first + k] + i]
     for _ in range(STEPS):
-        for k in range(own.size):
-            if laws.state_at[first + k] >= 0:
-                states[laws.state_at[first + k]] = own[k]
+        for k in range(own.shape[0]):
+            for i in range(states_at(laws, first + k)):
+                states[laws.state_at[first + k] + i] = own[k, i]
         for p in range(nodes):
             for i in range(s):
                 u[p * s + i] = wave[p * s + i]
             if cells.echo_at[low + p] >= 0:
                 add_product(cells.echo, cells.echo_at[low + p], s, s, last, p * s, u, p * s)
-        pass_elements(laws, g, low, nodes, states, u, s, s, factor, laws.radau, laws.step)
+        pass_elements(laws, g, low, nodes, states, u, s, s, factor, laws.tools, laws.step)
         change, scale = 0.0, 0.0
         for i in range(size):
             change, scale = max(change, abs(u[i] - last[i])), max(scale, abs(u[i]))
@@ -596,7 +792,7 @@ def meet_elements(network, g, states, u, n, factor, laws, cells):
         if cells.beside[g]:
             pass_elements_at_cells(network, g, states, u, factor, laws, cells)
             return
-    pass_elements(laws, g, low, nodes, states, u, n, n, factor, laws.radau, laws.step)
+    pass_elements(laws, g, low, nodes, states, u, n, n, factor, laws.tools, laws.step)
 
 
 @njit(**INNER)
@@ -1273,7 +1469,7 @@ def respond(network, state, fronts, g, slab, m, laws):
                 copy(room.factor[e, piece], opening[e])
             width = fronts.step * (edges[piece + 1] - edges[piece])
             if laws is not None:
-                pass_elements(laws, g, network.group[g], k, state.load, wave, s, s, opening, fronts.tools.radau, width)
+                pass_elements(laws, g, network.group[g], k, state.load, wave, s, s, opening, fronts.tools, width)
             for p in range(k):
                 for i in range(s):
                     u[p, piece, i] = wave[p * s + i]

@@ -17,12 +17,29 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.radau import Basis, gauss
+
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
 CONSTANT, SQUARED, TABLED, REMEMBERED = range(4)  # kinds of lumps
 NO_GAP = 2**62
+
+
+class Tools(NamedTuple):
+    """Matrices of the basis."""
+
+    c: Floats  # (s,)
+    to_points: Floats  # (s, s)
+    to_legendre: Floats  # (s, s)
+    radau: Floats  # (s, s)
+    gauss: Floats  # (2, s) nodes and weights on [0, 1]
+
+
+def tools_of(basis: Basis) -> Tools:
+    """The matrices of a basis."""
+    return Tools(basis.c, basis.to_points, basis.to_legendre, basis.A, np.array(gauss(basis.s)))
 
 
 class Laws(NamedTuple):
@@ -39,7 +56,7 @@ class Laws(NamedTuple):
     state_at: Integers  # (E,) place of its state, -1 for none
     seen: Floats  # (E,) impedance that it sees, > 0
     impedance: Floats  # (N,) Thévenin impedance of each node, 0 if its effort is held, -1 if nothing conducts there
-    radau: Floats  # (s, s) matrix of Radau IIA
+    tools: Tools
     step: float  # slab width, s
 
 

@@ -14,6 +14,7 @@ from tline.scene.plausible import doubts
 from tline.scene.scene import Scene
 from tline.solver.assemble import Assembly, assemble
 from tline.solver.conductor import conductor, record_of
+from tline.solver.elements import BREAKING
 from tline.solver.envelope import Envelope, watch
 from tline.solver.ledger.books import Books
 from tline.solver.march import Run, march
@@ -134,4 +135,5 @@ def _record(assembly: Assembly, name: str, waves: NDArray, done: Run) -> LineRec
 
     sides = (0, 1), (0, 0), (1, 0), (1, 1)
     a1, b1, a2, b2 = (wave(*at, float(before)) for at, before in zip(sides, assembly.start[name], strict=True))
-    return LineRecord(parameters.z0, parameters.delay or 0.0, a1, b1, a2, b2, done.fronts.lost > VISIBLE)
+    smears = done.fronts.lost > VISIBLE or any(law.kind in BREAKING for law in assembly.scene.laws.values())
+    return LineRecord(parameters.z0, parameters.delay or 0.0, a1, b1, a2, b2, smears)

@@ -1,0 +1,46 @@
+"""Air valves: they let air in where the pressure falls below the atmosphere's, and out again."""
+
+from math import pi, sqrt
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from tline.scene.element import AtNode
+from tline.scene.law import Law, OfLiquids
+from tline.scene.quantity import ZERO, Pressure, Quantity, Role
+from tline.scene.vessel import ATMOSPHERE, Absolute
+
+GAS_CONSTANT = 287.05  # of air, J/(kg K)
+Diameter = Annotated[Quantity, Role("diameter", "m", above=0)]
+
+
+class AirValve(AtNode, OfLiquids):
+    """An air valve: air comes in below the outside pressure and leaves above it; without air the valve is shut.
+
+    The air keeps its temperature, so that p·V is in proportion to its mass; it passes orifices without heat and chokes
+    in them. Liquid never passes.
+
+    References
+    ----------
+    E. B. Wylie, V. L. Streeter: Fluid Transients in Systems (1993), section 6.7.
+    """
+
+    kind: Literal["air valve"] = "air valve"
+    inlet_diameter: Diameter = Field(description="of the orifice through which air comes in")
+    outlet_diameter: Diameter = Field(description="of the orifice through which it leaves, often smaller")
+    discharge_coefficient: Annotated[Quantity, Role("coefficient", "", above=0, at_most=1)] = Field(
+        default=Quantity(0.6, ""), description="of both"
+    )
+    temperature: Annotated[Quantity, Role("temperature", "K", above=0)] = Field(
+        default=Quantity("20 degC", "K"), description="of the air"
+    )
+    atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
+    back_pressure: Pressure = Field(default=ZERO, description="pressure in the scene at which the outside is")
+
+    def law(self) -> Law:  # noqa: D102
+        speed = sqrt(GAS_CONSTANT * self.temperature)
+        inlet, outlet = (
+            float(self.discharge_coefficient * pi / 4 * diameter**2 * speed)
+            for diameter in (self.inlet_diameter, self.outlet_diameter)
+        )
+        return Law("air", (float(self.back_pressure), float(self.atmosphere), inlet, outlet))
