@@ -22,7 +22,7 @@ class AirValve(AtNode, OfLiquids):
 
     References
     ----------
-    E. B. Wylie, V. L. Streeter: Fluid Transients in Systems (1993), section 6.7.
+    E. B. Wylie, V. L. Streeter: Fluid Transients in Systems (1993), on air-inlet valves.
     """
 
     kind: Literal["air valve"] = "air valve"

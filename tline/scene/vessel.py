@@ -83,7 +83,7 @@ class VapourCavity(_Boiling):
 
     References
     ----------
-    E. B. Wylie, V. L. Streeter: Fluid Transients in Systems (1993), section 8.4.
+    E. B. Wylie, V. L. Streeter: Fluid Transients in Systems (1993), chapter 8.
     A. Bergant, A. R. Simpson, A. S. Tijsseling: Water hammer with column separation. J. Fluids Struct. 22 (2006)
     135-171, doi:10.1016/j.jfluidstructs.2005.08.008.
     """
