@@ -6,7 +6,7 @@ from typing import NamedTuple, TypeVar
 from tline.errors import InputError
 from tline.line.given import Given
 from tline.line.relations import listed
-from tline.units import half_digit, to_si
+from tline.units import to_si
 
 Entry = TypeVar("Entry")
 
@@ -67,16 +67,14 @@ class LineParameters:
 
 def read(quantities: Iterable[Quantity], arguments: Mapping[str, float | str | None]) -> Given:
     """The quantities given among `arguments` (None is not given), each positive and finite."""
-    values, roundings, units = {}, {}, {}
+    values, typed, units = {}, {}, {}
     for name, _, unit, _, _ in quantities:
         given, units[name] = arguments[name], unit
         if given is not None:
-            values[name] = to_si(given, unit, name)
+            values[name], typed[name] = to_si(given, unit, name), given
             if values[name] <= 0:
                 raise InputError(name, "not positive", "more than 0", repr(given))
-        if isinstance(given, str):
-            roundings[name] = half_digit(given)
-    return Given(values, roundings=roundings, units=units)
+    return Given(values, typed=typed, units=units)
 
 
 def choose(table: Mapping[str, Entry], name: object, where: str) -> Entry:
