@@ -31,7 +31,6 @@ class LineParameters:
     """
 
     remarks: tuple[str, ...]
-    _values: dict[str, float | None]
     _given: dict[str, object]
 
     def _settle(
@@ -42,9 +41,9 @@ class LineParameters:
         remarks: Iterable[str],
     ) -> None:
         """Set the attributes, once; a quantity that did not follow is None."""
-        settled = {quantity.name: values.get(quantity.name) for quantity in quantities}
+        self.__dict__.update((quantity.name, values.get(quantity.name)) for quantity in quantities)
         given = {name: value for name, value in arguments.items() if value is not None}
-        self.__dict__.update(settled, _values=settled, _given=given, remarks=tuple(remarks))
+        self.__dict__.update(_given=given, remarks=tuple(remarks))
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{type(self).__name__} is immutable, {name} cannot be set")
@@ -55,10 +54,14 @@ class LineParameters:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, LineParameters):
             return NotImplemented
-        return type(self) is type(other) and self._values == other._values
+        return type(self) is type(other) and self._values() == other._values()
 
     def __hash__(self) -> int:
-        return hash((type(self), *self._values.values()))
+        return hash((type(self), *self._values()))
+
+    def _values(self) -> list[float | None]:
+        """Of all quantities, in their order."""
+        return [value for name, value in vars(self).items() if name not in ("_given", "remarks")]
 
     def __repr__(self) -> str:
         given = ", ".join(f"{name}={value!r}" for name, value in self._given.items())

@@ -1,6 +1,7 @@
 """Lines of a scene: two nodes and any sufficient set of the line's quantities."""
 
 from collections.abc import Iterable
+from functools import lru_cache
 from math import pi
 from typing import Annotated, Any
 
@@ -74,7 +75,7 @@ class SceneLine(Element):
     def _settle(self, kind: type[HydraulicLine] | type[ElectricalLine], other: tuple[str, ...], **more: Any):
         own = vars(self)
         given = {name: own[name] for name in self.model_fields_set.difference(other, ("nodes", "vertices"))}
-        self._parameters = found = kind(**{name: getattr(x, "typed", x) for name, x in given.items()} | more)
+        self._parameters = found = _of_kind(kind, **{name: getattr(x, "typed", x) for name, x in given.items()} | more)
         if found.delay is None:
             raise InputError("", "its delay does not follow", "length (with wave_speed), or delay")
         for name, value in (("z0", found.z0), ("delay", found.delay)):
@@ -101,6 +102,14 @@ class SceneLine(Element):
     def _capacitance(self, reason: str) -> float:
         (length,) = self._needed(reason, "length")
         return (self.parameters.delay or 0.0) / (self.parameters.z0 * length)
+
+
+@lru_cache(1024, typed=True)
+def _of_kind(
+    kind: type[HydraulicLine] | type[ElectricalLine], **given: float | str
+) -> HydraulicLine | ElectricalLine:
+    """A line's parameters, the same for lines that are given alike; networks have many."""
+    return kind(**given)  # pyright: ignore[reportArgumentType]
 
 
 def _stored(storage: float, laws: list[Law]) -> Law:

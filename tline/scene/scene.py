@@ -32,6 +32,7 @@ from tline.scene.shape import Shape
 from tline.scene.site import Site
 from tline.scene.source import Source
 from tline.scene.touchstone import Touchstone
+from tline.scene.uncollected import uncollected
 
 SHORT = 1e-30  # s, an end time in place of a bad one, so short that no waveform has too many breaks
 
@@ -138,15 +139,16 @@ class Scene(Element):
             "nodes": Site,
             "solver": Solver,
         }
-        try:
-            self.__pydantic_validator__.validate_python(data, self_instance=self, context=context)
-            found, sound, untold = [], self, 0
-        except ValidationError as error:
-            found, untold = mistakes(error, Scene, models), error.error_count() - MOST
-            sound = _sound_part(data, error, context)
-        reported = {mistake.where for mistake in found}
-        found += [mistake for mistake in misplaced(data) if mistake.where not in reported]
-        found += conflicts(sound) if sound is not None else []
+        with uncollected():
+            try:
+                self.__pydantic_validator__.validate_python(data, self_instance=self, context=context)
+                found, sound, untold = [], self, 0
+            except ValidationError as error:
+                found, untold = mistakes(error, Scene, models), error.error_count() - MOST
+                sound = _sound_part(data, error, context)
+            reported = {mistake.where for mistake in found}
+            found += [mistake for mistake in misplaced(data) if mistake.where not in reported]
+            found += conflicts(sound) if sound is not None else []
         if found:
             raise SceneError(limited(found, untold))
         self._folder = folder
