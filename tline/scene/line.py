@@ -105,9 +105,7 @@ class SceneLine(Element):
 
 
 @lru_cache(1024, typed=True)
-def _of_kind(
-    kind: type[HydraulicLine] | type[ElectricalLine], **given: float | str
-) -> HydraulicLine | ElectricalLine:
+def _of_kind(kind: type[HydraulicLine] | type[ElectricalLine], **given: float | str) -> HydraulicLine | ElectricalLine:
     """A line's parameters, the same for lines that are given alike; networks have many."""
     return kind(**given)  # pyright: ignore[reportArgumentType]
 

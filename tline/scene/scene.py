@@ -50,7 +50,10 @@ class Solver(Element):
 
 
 def _line_of_medium(value: Any, info: ValidationInfo) -> Any:
-    medium = (info.context or {}).get("medium")
+    context = info.context or {}
+    medium = context.get("medium")
+    if "bar" in context:
+        context["bar"].update()
     if medium is None:
         return value  # a mistake of its own; no word on the lines before it is known what they are
     kind = Pipe if medium == "hydraulic" else Cable
@@ -75,6 +78,8 @@ class Scene(Element):
     ----------
     folder : str, by position
         Where CSV tables and Touchstone files are looked for; without it the working folder.
+    progress : bool, by position
+        Show a progress bar on stderr if reading the lines takes more than two seconds.
     medium : str
         "hydraulic" or "electrical".
     t_end : number or text
@@ -127,11 +132,16 @@ class Scene(Element):
 
     _folder: str = PrivateAttr(default=".")
 
-    def __init__(self, folder: str = ".", /, **data: Any) -> None:
+    def __init__(self, folder: str = ".", progress: bool = False, /, **data: Any) -> None:
         """Validate everything and collect all mistakes."""
+        from tqdm import tqdm
+
         medium = data.get("medium")
         known = MEDIA.get(medium) if isinstance(medium, str) else None
-        context = {"folder": folder} | ({"medium": medium, "units": known.units} if known else {})
+        lines = data.get("lines")
+        count = len(lines) if isinstance(lines, dict) else 0
+        bar = tqdm(total=count, desc="reading", disable=not progress, delay=2, unit="line", unit_scale=True)
+        context = {"folder": folder, "bar": bar} | ({"medium": medium, "units": known.units} if known else {})
         models = {
             "lines": Pipe if medium == "hydraulic" else Cable,
             "sources": Source,
@@ -139,7 +149,7 @@ class Scene(Element):
             "nodes": Site,
             "solver": Solver,
         }
-        with uncollected():
+        with uncollected(), bar:
             try:
                 self.__pydantic_validator__.validate_python(data, self_instance=self, context=context)
                 found, sound, untold = [], self, 0

@@ -134,7 +134,9 @@ def _solved(entries: NDArray, rows: NDArray, columns: NDArray, count: int, whole
     matrix = coo_array((entries, (rows, columns)), shape=(n, n)).tocsr()
     own, of_ends = matrix[:count, :count].diagonal(), matrix[:count, count:]
     of_flows = matrix[count:, :count].multiply(1 / own[None, :]).tocsr()
-    parts = splu((matrix[count:, count:] - of_flows @ of_ends).tocsc(), "MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    parts = splu(
+        (matrix[count:, count:] - of_flows @ of_ends).tocsc(), "MMD_AT_PLUS_A", options={"SymmetricMode": True}
+    )
     step = np.zeros(n)
     for _ in range(CORRECTIONS):
         rest = whole - matrix @ step

@@ -47,7 +47,7 @@ def run(
     kept = {*record, *probed(scene)}
     _refuse_inside(scene)
     with uncollected():
-        assembly = assemble(scene, kept, chosen)
+        assembly = assemble(scene, kept, chosen, progress=progress)
     s, h = chosen.s, chosen.h
     n = slabs or max(ceil(scene.t_end / h - 1e-9), 1)
     if 4 * len(kept) * n * s > LARGEST_RECORD:
