@@ -20,6 +20,7 @@ LEAST = 1e-12  # slope of a drop, in units of the impedance, that is taken for a
 LEAK = 1e-14  # conductance of a part, in those units, that gives it an effort where nothing else does
 SMALL = 300  # unknowns
 STARTS = 10.0 ** np.arange(0, -7, -1)  # efforts over the largest
+NOTHING = 1e-12  # of the largest effort, or of 1 where nothing drives: so little is at rest
 CORRECTIONS, EXACT = 2, 1e-9  # of linear systems
 
 
@@ -71,7 +72,7 @@ def balanced(laws: Laws, given: NDArray, conductance: NDArray, driven: NDArray) 
         np.add.at(out, laws.other, -flow)
         balance = r * ((conductance + leak) * effort + out[:-1] - driven)[free]
         whole = np.concatenate([rest, balance])
-        scale = max(np.abs(drop).max(), np.abs(effort).max(), r * np.abs(flow).max())
+        scale = max(np.abs(drop).max(), np.abs(effort).max(), r * np.abs(flow).max(), NOTHING * largest)
         return whole, float(np.abs(whole).max()), float(scale), flow, steep, slope
 
     starts = [np.full(count, share * largest) for share in STARTS]
