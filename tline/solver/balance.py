@@ -133,11 +133,12 @@ def _solved(entries: NDArray, rows: NDArray, columns: NDArray, count: int, whole
     from scipy.sparse.linalg import splu
 
     matrix = coo_array((entries, (rows, columns)), shape=(n, n)).tocsr()
+    if n == count:  # all efforts are given
+        return whole / matrix.diagonal()
     own, of_ends = matrix[:count, :count].diagonal(), matrix[:count, count:]
     of_flows = matrix[count:, :count].multiply(1 / own[None, :]).tocsr()
-    parts = splu(
-        (matrix[count:, count:] - of_flows @ of_ends).tocsc(), "MMD_AT_PLUS_A", options={"SymmetricMode": True}
-    )
+    left = (matrix[count:, count:] - of_flows @ of_ends).tocsc()
+    parts = splu(left, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
     step = np.zeros(n)
     for _ in range(CORRECTIONS):
         rest = whole - matrix @ step
