@@ -111,7 +111,10 @@ def to_si(value: float | str, unit: str | None, where: str = "", *, allow_infini
     (0.1, 293.15, 1500.0)
     """
     if isinstance(value, str):
-        number = _text_to_si(value, unit, where)
+        try:
+            number = _text_to_si(value, unit)
+        except InputError as error:
+            raise InputError(where, error.problem, error.expected, error.got) from None
     elif isinstance(value, numbers.Real) and not isinstance(value, bool):
         number = _nearest_float(value)
     else:
@@ -161,21 +164,18 @@ def _nearest_float(exact: numbers.Real) -> float:
 
 
 @lru_cache(4096)  # networks say the same again and again
-def _text_to_si(text: str, unit: str | None, where: str) -> float:
+def _text_to_si(text: str, unit: str | None) -> float:
     if len(text) > LONGEST:
-        raise InputError(where, f"a text of {len(text)} characters is no quantity", _expected(unit))
+        raise InputError("", f"a text of {len(text)} characters is no quantity", _expected(unit))
     clean = text.strip().translate(_ALIKE)
     number = _NUMBER.match(clean)
     if not number:
-        raise InputError(where, "there is no number in front", _expected(unit), _shown(text))
+        raise InputError("", "there is no number in front", _expected(unit), _shown(text))
     units = clean[number.end() :].strip()
     celsius = units in CELSIUS
-    try:
-        scale, dimension = _parse("K" if celsius else units)
-    except InputError as error:
-        raise InputError(where, error.problem, error.expected, error.got) from None
+    scale, dimension = _parse("K" if celsius else units)
     if units and unit is not None and dimension != _parse(unit)[1]:
-        raise InputError(where, _mistaken(units, unit), _expected(unit), _shown(text))
+        raise InputError("", _mistaken(units, unit), _expected(unit), _shown(text))
     rough = float(number[0])
     if not math.isfinite(rough):
         return rough

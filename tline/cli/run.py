@@ -149,7 +149,7 @@ def _check_files(wanted: dict[str, str]) -> None:
 def _read(scene: str, given: dict[str, str]) -> "Scene":
     from tline.scene.file import read_scene, scene_from
 
-    read = read_scene(scene)
+    read = read_scene(scene, progress=sys.stderr.isatty())
     if not given:
         return read
     table = read.table()

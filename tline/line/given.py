@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from tline.units import half_digit
+
 AGREE = 1e-6  # relative; quantities given twice over may differ by the digits that tables drop
 
 
@@ -12,9 +14,14 @@ class Given:
 
     values: dict[str, float]  # positive, SI
     sources: dict[str, tuple[str, ...]] = field(default_factory=dict)  # other names by which the user knows a quantity
-    roundings: Mapping[str, float] = field(default_factory=dict)  # half a unit in the last digit typed, relative
+    typed: Mapping[str, object] = field(default_factory=dict)  # as the user gave them
     units: Mapping[str, str] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
+
+    def rounding(self, name: str) -> float:
+        """Half a unit in the last digit typed of a quantity, relative to it; 0 where it is no text."""
+        text = self.typed.get(name)
+        return half_digit(text) if isinstance(text, str) else 0.0
 
     def shown(self, name: str, value: float, digits: int = 6) -> str:
         """A value of that quantity, with its unit."""

@@ -6,7 +6,7 @@ from typing import NamedTuple, TypeVar
 from tline.errors import InputError
 from tline.line.given import Given
 from tline.line.relations import listed
-from tline.units import half_digit, to_si
+from tline.units import to_si
 
 Entry = TypeVar("Entry")
 
@@ -31,7 +31,6 @@ class LineParameters:
     """
 
     remarks: tuple[str, ...]
-    _values: dict[str, float | None]
     _given: dict[str, object]
 
     def _settle(
@@ -42,9 +41,9 @@ class LineParameters:
         remarks: Iterable[str],
     ) -> None:
         """Set the attributes, once; a quantity that did not follow is None."""
-        settled = {quantity.name: values.get(quantity.name) for quantity in quantities}
+        self.__dict__.update((quantity.name, values.get(quantity.name)) for quantity in quantities)
         given = {name: value for name, value in arguments.items() if value is not None}
-        self.__dict__.update(settled, _values=settled, _given=given, remarks=tuple(remarks))
+        self.__dict__.update(_given=given, remarks=tuple(remarks))
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{type(self).__name__} is immutable, {name} cannot be set")
@@ -55,10 +54,14 @@ class LineParameters:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, LineParameters):
             return NotImplemented
-        return type(self) is type(other) and self._values == other._values
+        return type(self) is type(other) and self._values() == other._values()
 
     def __hash__(self) -> int:
-        return hash((type(self), *self._values.values()))
+        return hash((type(self), *self._values()))
+
+    def _values(self) -> list[float | None]:
+        """Of all quantities, in their order."""
+        return [value for name, value in vars(self).items() if name not in ("_given", "remarks")]
 
     def __repr__(self) -> str:
         given = ", ".join(f"{name}={value!r}" for name, value in self._given.items())
@@ -67,16 +70,14 @@ class LineParameters:
 
 def read(quantities: Iterable[Quantity], arguments: Mapping[str, float | str | None]) -> Given:
     """The quantities given among `arguments` (None is not given), each positive and finite."""
-    values, roundings, units = {}, {}, {}
+    values, typed, units = {}, {}, {}
     for name, _, unit, _, _ in quantities:
         given, units[name] = arguments[name], unit
         if given is not None:
-            values[name] = to_si(given, unit, name)
+            values[name], typed[name] = to_si(given, unit, name), given
             if values[name] <= 0:
                 raise InputError(name, "not positive", "more than 0", repr(given))
-        if isinstance(given, str):
-            roundings[name] = half_digit(given)
-    return Given(values, roundings=roundings, units=units)
+    return Given(values, typed=typed, units=units)
 
 
 def choose(table: Mapping[str, Entry], name: object, where: str) -> Entry:

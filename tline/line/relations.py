@@ -97,9 +97,8 @@ def solve(system: System, given: Given) -> dict[str, float]:
     values, law = solution.values, system.law
     while True:
         known = {**system.constants, **values}
-        for name, product in _reduced(system, tuple(values)).items():
-            if product.powers.keys() <= known.keys():
-                solution.take(name, product.of(known), product.powers.keys() & values.keys(), product.text)
+        for name, product, parts in _following(system, tuple(values)):
+            solution.take(name, product.of(known), parts, product.text)
         unknown = [name for name in law.names if name not in values] if law else []
         if law is None or len(unknown) > 1:
             return values
@@ -169,6 +168,14 @@ def _reduced(system: System, known: tuple[str, ...]) -> dict[str, Product]:
     return {pivot: Product.solved(row, pivot) for pivot, row in rows.items()}
 
 
+@lru_cache(1024)
+def _following(system: System, known: tuple[str, ...]) -> list[tuple[str, Product, Set[str]]]:
+    """What follows from the known quantities alone, how, and from which of them."""
+    there = {*system.constants, *known}
+    products = _reduced(system, known).items()
+    return [(name, each, each.powers.keys() & {*known}) for name, each in products if each.powers.keys() <= there]
+
+
 def _subtract(row: dict[str, Fraction], factor: Fraction, other: Mapping[str, Fraction]) -> None:
     for name, power in other.items():
         row[name] = row.get(name, Fraction(0)) - factor * power
@@ -200,13 +207,19 @@ class _Solution:
 
     def __init__(self, system: System, given: Given):
         self.system, self.given, self.values = system, given, dict(given.values)
-        self.origin = {name: given.sources.get(name, (name,)) for name in given.values}
-        self.order = dict.fromkeys(source for names in self.origin.values() for source in names)
+        self.parts: dict[str, Set[str]] = {}  # of each value that followed, those that it followed from
 
     def givens(self, parts: Set[str]) -> tuple[str, ...]:
         """What was given that these rest on, in the order given."""
-        named = {source for part in parts for source in self.origin[part]}
-        return tuple(name for name in self.order if name in named)
+        named = {source for part in parts for source in self._sources(part)}
+        order = dict.fromkeys(source for name in self.given.values for source in self._sources(name))
+        return tuple(name for name in order if name in named)
+
+    def _sources(self, name: str) -> tuple[str, ...]:
+        """What was given that a value rests on."""
+        if name in self.parts:
+            return self.givens(self.parts[name])
+        return self.given.sources.get(name, (name,))
 
     def take(self, name: str, value: float, parts: Set[str], formula: Callable[[], str]) -> None:
         """Add a value computed from `parts`, or compare it with the one that is there."""
@@ -214,7 +227,7 @@ class _Solution:
             problem = f"{name} follows from {listed(self.givens(parts))} and leaves the range of numbers"
             raise InputError("", problem, got=f"{value:g}")
         if name not in self.values:
-            self.values[name], self.origin[name] = value, self.givens(parts)
+            self.values[name], self.parts[name] = value, parts
             return
         there = self.values[name]
         apart = abs(value / there - 1)
@@ -223,7 +236,7 @@ class _Solution:
         names, digits = self.givens({name, *parts}), 4 if apart > 1e-3 else 9
         two = f"{formula()} gives {self.given.shown(name, value, digits)}"
         two += f" but {name} is {self.given.shown(name, there, digits)}, {100 * apart:.3g} % apart"
-        if apart <= min(max(self.given.roundings.get(source, 0.0) for source in names), COARSEST):
+        if apart <= min(max(map(self.given.rounding, names)), COARSEST):
             remark = f"{listed(names)} agree to the digits typed: {two}"
             self.given.remarks += [remark] * (remark not in self.given.remarks)
             return

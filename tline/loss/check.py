@@ -39,4 +39,4 @@ def not_negative(**parameters: float) -> None:
 
 
 def _finite(value: object) -> bool:
-    return isinstance(value, Real) and math.isfinite(value)
+    return (type(value) is float or isinstance(value, Real)) and math.isfinite(value)

@@ -47,7 +47,7 @@ class LossyLine(ByValue):
         positive(length=length)
         if shunt.storage <= 0:
             raise InputError("shunt", "has no storage", "a capacitance or compliance above 0", f"{shunt.storage:g}")
-        if series.at(1.0) == 0:
+        if not (series.loss or series.storage or series.at(1.0)):  # it rises from its loss, faster than its storage
             raise InputError("series", "no impedance at all", "a resistance or inductance above 0", "0")
         self.series, self.shunt, self.length = series, shunt, float(length)
 

@@ -9,13 +9,15 @@ from tline.scene.scene import Scene
 from tline.scene.text_file import read_text
 
 
-def read_scene(path: str | Path) -> Scene:
+def read_scene(path: str | Path, progress: bool = False) -> Scene:
     """Read a scene from a TOML file.
 
     Parameters
     ----------
     path : str or Path
         The file, in UTF-8; the CSV tables it names are looked for beside it.
+    progress : bool
+        Show a progress bar on stderr if reading the lines takes more than two seconds.
 
     Raises
     ------
@@ -30,7 +32,7 @@ def read_scene(path: str | Path) -> Scene:
         raise InputError(str(path), "is nested too deeply", "a scene in TOML") from None
     except ValueError as error:  # beside TOMLDecodeError: an integer of too many digits
         raise InputError(str(path), f"is not valid TOML: {error}") from None
-    return scene_from(data, str(path.parent))
+    return Scene(str(path.parent), progress, **data)
 
 
 def scene_from(data: dict[str, Any], folder: str = ".") -> Scene:

@@ -1,6 +1,7 @@
 """Lines of a scene: two nodes and any sufficient set of the line's quantities."""
 
 from collections.abc import Iterable
+from functools import lru_cache
 from math import pi
 from typing import Annotated, Any
 
@@ -51,54 +52,62 @@ class SceneLine(Element):
     @property
     def parameters(self) -> HydraulicLine | ElectricalLine:
         """All quantities of the line."""
-        return self._parameters
+        return self._own("_parameters")
 
     @property
     def shortest(self) -> float:
         """Its delay, s."""
-        return self._parameters.delay or 0.0
+        return self.parameters.delay or 0.0
 
     @property
     def losses(self) -> Losses | None:
         """What it loses; None if nothing. z0 and delay are what a front sees."""
-        return self._losses
+        return self._own("_losses")
+
+    def _own(self, name: str) -> Any:
+        """A private attribute, found without pydantic's long way to it: networks ask a million lines."""
+        return self.__pydantic_private__[name]  # pyright: ignore[reportOptionalSubscript]
 
     def steady_drop(self, y: float) -> tuple[float, float]:
         """Fall of the effort from end 1 to end 2 in steady flow y, and its slope over y."""
-        return self._losses.steady_drop(y) if self._losses else (0.0, 0.0)
+        return self.losses.steady_drop(y) if self.losses else (0.0, 0.0)
 
     def _settle(self, kind: type[HydraulicLine] | type[ElectricalLine], other: tuple[str, ...], **more: Any):
-        others = {"nodes", "vertices", *other}
-        given = {
-            name: getattr(value, "typed", value) for name, value in self if name not in others and value is not None
-        }
-        self._parameters = kind(**given | more)
-        if self._parameters.delay is None:
+        own = vars(self)
+        given = {name: own[name] for name in self.model_fields_set.difference(other, ("nodes", "vertices"))}
+        self._parameters = found = _of_kind(kind, **{name: getattr(x, "typed", x) for name, x in given.items()} | more)
+        if found.delay is None:
             raise InputError("", "its delay does not follow", "length (with wave_speed), or delay")
-        for name in ("z0", "delay"):
-            value = getattr(self._parameters, name)
+        for name, value in (("z0", found.z0), ("delay", found.delay)):
             if not SMALLEST <= value <= LARGEST:
                 raise InputError("", f"its {name} is out of range", f"{SMALLEST:g} to {LARGEST:g}", f"{value:g}")
         return self
 
     def _needed(self, reason: str, *names: str) -> list[float]:
         """Quantities without which a loss is not defined."""
-        missing = [name for name in names if getattr(self._parameters, name) is None]
-        if missing:
+        found = [getattr(self.parameters, name) for name in names]
+        if None in found:
+            missing = [name for name, value in zip(names, found, strict=True) if value is None]
             raise InputError("", f"{reason} needs its {' and '.join(missing)}")
-        return [getattr(self._parameters, name) for name in names]
+        return found
 
     def _lose(self, reason: str, series: list[Law], shunt: list[Law], **friction: Any) -> None:
         """Set the losses; laws bring no storage but what the lossless line has."""
         (length,) = self._needed(reason, "length")
-        inductance = self._parameters.z0 * (self._parameters.delay or 0.0) / length
+        inductance = self.parameters.z0 * (self.parameters.delay or 0.0) / length
         self._losses = Losses(
             LossyLine(_stored(inductance, series), _stored(self._capacitance(reason), shunt), length), **friction
         )
 
     def _capacitance(self, reason: str) -> float:
         (length,) = self._needed(reason, "length")
-        return (self._parameters.delay or 0.0) / (self._parameters.z0 * length)
+        return (self.parameters.delay or 0.0) / (self.parameters.z0 * length)
+
+
+@lru_cache(1024, typed=True)
+def _of_kind(kind: type[HydraulicLine] | type[ElectricalLine], **given: float | str) -> HydraulicLine | ElectricalLine:
+    """A line's parameters, the same for lines that are given alike; networks have many."""
+    return kind(**given)  # pyright: ignore[reportArgumentType]
 
 
 def _stored(storage: float, laws: list[Law]) -> Law:
@@ -138,7 +147,7 @@ class _Pipe(SceneLine):
         if self.creep:
             area, thickness = self._needed("creep", "area", "wall_thickness")
             elements = [(float(each.compliance), float(each.time)) for each in self.creep]
-            restraint = getattr(self._parameters, "restraint", None) or 1.0
+            restraint = getattr(self.parameters, "restraint", None) or 1.0
             compliance = self._capacitance("creep")
             shunt = [kelvin_voigt_wall(compliance, (area / pi) ** 0.5, thickness, elements, restraint)]
         self._lose("friction" if self.friction is not None else "creep", series, shunt, **more)

@@ -61,24 +61,29 @@ def _idle(scene: Scene) -> list[str]:
 
 def _bare(scene: Scene) -> list[str]:
     """Texts that are a number and no unit where most people would write one."""
-    found = [
-        f"{place(*where)} = {quantity.typed!r} ({quantity.unit})"
-        for where, quantity in _quantities(scene)
-        if isinstance(quantity.typed, str) and _is_number(quantity.typed) and quantity.unit not in {None, *EVERYDAY}
-    ]
+    found = [f"{place(*where)} = {quantity.typed!r} ({quantity.unit})" for where, quantity in _without_unit(scene)]
     return [f"taken as SI for want of a unit: {_first(found)}"] if found else []
 
 
-def _quantities(part: Any, where: tuple[str | int, ...] = ()) -> Iterator[tuple[tuple[str | int, ...], Quantity]]:
-    """All quantities in a scene with the keys that lead to them."""
+def _without_unit(part: Any) -> list[tuple[tuple[str | int, ...], Quantity]]:
+    """All such quantities in a scene, with the keys that lead to them; only these are spelt out: a network has many."""
     if isinstance(part, Quantity):
-        yield where, part
-    elif isinstance(part, Element | dict):
-        for key, value in part.items() if isinstance(part, dict) else part:
-            yield from _quantities(value, (*where, key.rstrip("_")))
+        bare = isinstance(part.typed, str) and _is_number(part.typed) and part.unit not in {None, *EVERYDAY}
+        return [((), part)] if bare else []
+    if isinstance(part, Element):
+        inside = vars(part).items()
+    elif isinstance(part, dict):
+        inside = part.items()
     elif isinstance(part, list | tuple):
-        for k, value in enumerate(part):
-            yield from _quantities(value, (*where, k))
+        inside = enumerate(part)
+    else:
+        return []
+    return [
+        ((key if isinstance(key, int) else key.rstrip("_"), *where), quantity)
+        for key, value in inside
+        if value is not None
+        for where, quantity in _without_unit(value)
+    ]
 
 
 def _is_number(text: str) -> bool:

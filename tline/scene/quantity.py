@@ -26,6 +26,7 @@ class Quantity(float):
     (0.1, '10 cm')
     """
 
+    __slots__ = ("typed", "unit")
     typed: float | str
     unit: str | None
 

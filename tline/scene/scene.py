@@ -32,6 +32,7 @@ from tline.scene.shape import Shape
 from tline.scene.site import Site
 from tline.scene.source import Source
 from tline.scene.touchstone import Touchstone
+from tline.scene.uncollected import uncollected
 
 SHORT = 1e-30  # s, an end time in place of a bad one, so short that no waveform has too many breaks
 
@@ -49,7 +50,10 @@ class Solver(Element):
 
 
 def _line_of_medium(value: Any, info: ValidationInfo) -> Any:
-    medium = (info.context or {}).get("medium")
+    context = info.context or {}
+    medium = context.get("medium")
+    if "bar" in context:
+        context["bar"].update()
     if medium is None:
         return value  # a mistake of its own; no word on the lines before it is known what they are
     kind = Pipe if medium == "hydraulic" else Cable
@@ -74,6 +78,8 @@ class Scene(Element):
     ----------
     folder : str, by position
         Where CSV tables and Touchstone files are looked for; without it the working folder.
+    progress : bool, by position
+        Show a progress bar on stderr if reading the lines takes more than two seconds.
     medium : str
         "hydraulic" or "electrical".
     t_end : number or text
@@ -126,11 +132,16 @@ class Scene(Element):
 
     _folder: str = PrivateAttr(default=".")
 
-    def __init__(self, folder: str = ".", /, **data: Any) -> None:
+    def __init__(self, folder: str = ".", progress: bool = False, /, **data: Any) -> None:
         """Validate everything and collect all mistakes."""
+        from tqdm import tqdm
+
         medium = data.get("medium")
         known = MEDIA.get(medium) if isinstance(medium, str) else None
-        context = {"folder": folder} | ({"medium": medium, "units": known.units} if known else {})
+        lines = data.get("lines")
+        count = len(lines) if isinstance(lines, dict) else 0
+        bar = tqdm(total=count, desc="reading", disable=not progress, delay=2, unit="line", unit_scale=True)
+        context = {"folder": folder, "bar": bar} | ({"medium": medium, "units": known.units} if known else {})
         models = {
             "lines": Pipe if medium == "hydraulic" else Cable,
             "sources": Source,
@@ -138,15 +149,16 @@ class Scene(Element):
             "nodes": Site,
             "solver": Solver,
         }
-        try:
-            self.__pydantic_validator__.validate_python(data, self_instance=self, context=context)
-            found, sound, untold = [], self, 0
-        except ValidationError as error:
-            found, untold = mistakes(error, Scene, models), error.error_count() - MOST
-            sound = _sound_part(data, error, context)
-        reported = {mistake.where for mistake in found}
-        found += [mistake for mistake in misplaced(data) if mistake.where not in reported]
-        found += conflicts(sound) if sound is not None else []
+        with uncollected(), bar:
+            try:
+                self.__pydantic_validator__.validate_python(data, self_instance=self, context=context)
+                found, sound, untold = [], self, 0
+            except ValidationError as error:
+                found, untold = mistakes(error, Scene, models), error.error_count() - MOST
+                sound = _sound_part(data, error, context)
+            reported = {mistake.where for mistake in found}
+            found += [mistake for mistake in misplaced(data) if mistake.where not in reported]
+            found += conflicts(sound) if sound is not None else []
         if found:
             raise SceneError(limited(found, untold))
         self._folder = folder

@@ -24,6 +24,8 @@ from tline.solver.resolution import WHOLE, Resolution, resolution
 from tline.solver.steady import rest, steady_state
 from tline.solver.steady_lines import Ends, fill_cells, fill_lumped, tables_of
 
+STAGES = 4  # lines, state before t = 0, nodes, waves
+
 
 @dataclass
 class Assembly:
@@ -54,8 +56,11 @@ class Assembly:
         return bool((self.network.shift_row >= 0).any() or self.settle.any())
 
 
-def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -> Assembly:
+def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, *, progress: bool = False) -> Assembly:
     """Turn a scene into arrays; `record` names the lines whose end waves are kept."""
+    from tqdm import tqdm
+
+    bar = tqdm(total=STAGES, desc="assembling", disable=not progress, delay=2, unit="stage")
     nodes = nodes_of(scene)
     chosen = chosen or resolution(scene, nodes)
     order, h = basis(chosen.s), chosen.h
@@ -65,9 +70,11 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
     in_cells = lines_in_cells(lines, circuits, order, h)
     delay[list(in_cells)] = 1
     lumps, memory = lumps_of(lines, circuits, delay, order, h, chosen.lumps, in_cells)
+    bar.update()
     steady = scene.start == "steady"
     effort, y = steady_state(scene, nodes, tables_of(lumps, list(lines))) if steady else rest(scene, nodes)
     u = np.array([[effort[at] for at in line.nodes] for line in scene.single_lines.values()])
+    bar.update()
     own = nodes_of(scene, chosen.cells) if chosen.cells else nodes
     groups, nodes = grouped(scene, chosen.cells, own, u[:, 0], y[:, 0])
     z0 = np.array([line.parameters.z0 for line in lines.values()])
@@ -88,6 +95,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         in_cells, [e if group.elements else [None] * len(e) for e, group in zip(echoes, groups, strict=True)]
     )
     maps = node_maps(groups, order, h, thevenin, echoes)
+    bar.update()
     recorded, record_row = _recorded(lines, record)
     drives = list(filter(None, drives))
     elements, members = [group.elements for group in groups], _members(groups, nodes)
@@ -126,6 +134,8 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None) -
         flows = {k: Ends(line, u[k], y[k]) for k, line in enumerate(lines.values()) if line.losses is not None}
         fill_lumped(network, state, flows, order)
         fill_cells(network, state, in_cells, flows, order)
+    bar.update()
+    bar.close()
     start = dict(zip(lines, np.stack([u + q, u - q], axis=2).reshape(-1, 4), strict=True))
     return Assembly(
         scene=scene,
@@ -155,6 +165,8 @@ def _members(groups: list[Group], nodes: dict[str, Node]) -> list[list[str]]:
 
 def _echoes(group: Group, z0: NDArray, in_cells: Mapping[int, InCells]) -> list[NDArray | None]:
     """Of each node of a group at lines in cells: from its effort to what comes back of it at once."""
+    if not in_cells:
+        return [None] * len(group.nodes)
     echoes: list[NDArray | None] = []
     for node in group.nodes:
         felt = [

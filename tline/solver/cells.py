@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.loss import Law
 from tline.loss.foster import Foster
 from tline.scene.line import SceneLine
 from tline.solver.circuits import Circuits
@@ -76,9 +77,13 @@ class InCells(NamedTuple):
 
 def fits(lines: Mapping[str, SceneLine], h: float) -> bool:
     """Whether all lossy lines can be cut in cells: linear ones whose delay is whole slabs, unless too many differ."""
-    lossy = [line for line in lines.values() if line.losses is not None and not line.losses.distortionless]
-    different = {(line.losses.exact.series, line.losses.exact.shunt) for line in lossy if line.losses is not None}
-    return len(different) <= MOST_DIFFERENT and all(_fits(line, h) for line in lossy)
+    different: set[tuple[Law, Law]] = set()
+    for line in lines.values():
+        if line.losses is not None and not line.losses.distortionless:
+            different.add((line.losses.exact.series, line.losses.exact.shunt))
+            if len(different) > MOST_DIFFERENT or not _fits(line, h):
+                return False
+    return True
 
 
 def _fits(line: SceneLine, h: float) -> bool:

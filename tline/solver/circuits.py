@@ -13,6 +13,7 @@ from tline.scene.line import SceneLine
 from tline.solver.radau import Basis
 
 CYCLES_PER_RUN, CYCLES_PER_SLAB = 0.1, 2.0  # the band of a circuit, at least
+NONE = np.empty(0)
 STEP = 4.0  # its upper end is a power of this over its lower end, so that halved slabs share a circuit
 
 
@@ -63,9 +64,13 @@ def circuits_of(lines: Mapping[str, SceneLine], fit: Fit) -> dict[str, Circuits]
     return found
 
 
-@lru_cache
 def circuit_of(law: Law, fit: Fit) -> tuple[Foster, float]:
     """A circuit, as it is if the law is one that is no faster than the band, and its error."""
+    return (Foster(law.loss, law.storage, NONE, NONE), 0.0) if isinstance(law, Constant) else _fitted(law, fit)
+
+
+@lru_cache
+def _fitted(law: Law, fit: Fit) -> tuple[Foster, float]:
     parts = law.laws if isinstance(law, Sum) else (law,)
     if all(isinstance(part, Constant | Foster) for part in parts):
         fosters = [part for part in parts if isinstance(part, Foster)]

@@ -8,6 +8,7 @@ other: what a jump leaves behind then changes from slab to slab alike, and error
 """
 
 from collections.abc import Collection, Mapping
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -104,10 +105,12 @@ def lumps_of(
 
 def _gap(rows: list[_Row], delay: NDArray) -> int:
     """Slabs that may be advanced at once: none that passes two lumps, or a lump and an end, nor two that meet there."""
-    places: dict[int, set[int]] = {}
+    places: dict[int, set[bytes]] = {}
     for row in rows:
-        places.setdefault(row.line, {0, 2 * int(delay[row.line])}).update(row.place.tolist())
-    return max(min(int(np.diff(sorted(each)).min()) for each in places.values()) // 2, 1)
+        places.setdefault(row.line, set()).add(row.place.tobytes())
+    alike = {(int(delay[line]), frozenset(here)) for line, here in places.items()}
+    gaps = [np.diff(np.unique([0, 2 * D, *np.frombuffer(b"".join(here), int)])).min() for D, here in alike]
+    return max(int(min(gaps)) // 2, 1)
 
 
 def _rows(k: int, line: SceneLine, circuits: Circuits, delay: int, count: int, order: Basis, h: float) -> list[_Row]:
@@ -123,10 +126,16 @@ def _rows(k: int, line: SceneLine, circuits: Circuits, delay: int, count: int, o
         *_friction(losses, z0, 1 / count),
         *_linear(1.0, circuits.shunt, part * z0, order, h),
     ]
-    place = np.round(2 * delay * np.arange(1, count + 1) / (count + 1)).astype(int)
-    whole, between = place[place % 2 == 0], place[place % 2 == 1]
+    whole, between = _places(delay, count)
     rows = [_Row(k, whole, law) for law in laws] + [_Row(k, between, law) for law in laws[::-1]]
     return [row for row in rows if len(row.place)]
+
+
+@lru_cache(1024)
+def _places(delay: int, count: int) -> tuple[NDArray, NDArray]:
+    """Half slabs from end 1, at whole slabs and between."""
+    place = np.round(2 * delay * np.arange(1, count + 1) / (count + 1)).astype(int)
+    return place[place % 2 == 0], place[place % 2 == 1]
 
 
 def _linear(sign: float, law: Foster, scale: float, order: Basis, h: float) -> list[_Law]:

@@ -173,13 +173,16 @@ def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
     nodes: dict[str, Node] = {}
     kept = 0
     for name, line in scene.single_lines.items():
+        admittance = 1 / line.parameters.z0
         for side, at in enumerate(line.nodes):
-            node = nodes.setdefault(at, Node())
+            if at not in nodes:
+                nodes[at] = Node()
+            node = nodes[at]
             if name in cells:
-                node.lumped += 1 / line.parameters.z0
+                node.lumped += admittance
             else:
                 node.ends.append(2 * kept + side)
-                node.lines += 1 / line.parameters.z0
+                node.lines += admittance
         kept += name not in cells
     for end in ends_of(scene.lines):
         for at, conductance in zip(end.conductors, np.diag(end.modes.admittance), strict=True):

@@ -12,6 +12,7 @@ from tline.scene.limits import beyond_limits, weight_at
 from tline.scene.mistakes import place
 from tline.scene.plausible import doubts
 from tline.scene.scene import Scene
+from tline.scene.uncollected import uncollected
 from tline.solver.assemble import Assembly, assemble
 from tline.solver.conductor import conductor, record_of
 from tline.solver.elements import BREAKING
@@ -48,7 +49,8 @@ def run(
         refuse_coupled(scene.lines, "an envelope")
     kept = {*record, *probed(scene)}
     _refuse_inside(scene)
-    assembly = assemble(scene, kept, chosen)
+    with uncollected():
+        assembly = assemble(scene, kept, chosen, progress=progress)
     s, h = chosen.s, chosen.h
     n = slabs or max(ceil(scene.t_end / h - 1e-9), 1)
     if 4 * len(kept) * n * s > LARGEST_RECORD:

@@ -61,7 +61,7 @@ def simulate(
     active : bool
         Run even with a load that is not positive real. What it does to the scene is then the first of the notes.
     progress : bool
-        Show a progress bar on stderr if a run takes more than two seconds.
+        Show a progress bar on stderr if assembling the scene, or a run, takes more than two seconds.
 
     Returns
     -------

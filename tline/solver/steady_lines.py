@@ -5,6 +5,7 @@ G = tanh(γl/2)/Zc at each, with Zc = √(r/g) and γ = √(r g). Friction that 
 """
 
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -114,16 +115,22 @@ class Ends(NamedTuple):
 def fill_lumped(network: Network, state: State, flows: Mapping[int, Ends], order: Basis) -> None:
     """Write waves between lumps and states of circuits in them."""
     lumps, s = network.lumps, order.s
-    first = np.flatnonzero(np.diff(lumps.line, prepend=-1))
-    for rows in np.split(np.arange(len(lumps.line)), first)[1:]:
-        k = int(lumps.line[rows[0]])
-        D = int(network.delay[k])
-        places = np.unique(np.concatenate([lumps.place[lumps.first[r] : lumps.first[r + 1]] for r in rows]))
-        passed = np.searchsorted(places, np.arange(2 * D), side="right") / len(places)
-        u, q = flows[k].at(passed)  # between place p and the next
+    first = [*np.flatnonzero(np.diff(lumps.line, prepend=-1)).tolist(), len(lumps.line)]
+    begin, remembered = lumps.first.tolist(), lumps.kind == REMEMBERED
+    shares: dict[tuple[int, bytes], NDArray] = {}  # of the line that lies before place p and the next
+    for low, high in pairwise(first):
+        k = int(lumps.line[low])
+        D, here = int(network.delay[k]), lumps.place[begin[low] : begin[high]]
+        passed = shares.get((D, here.tobytes()))
+        if passed is None:
+            places = np.unique(here)
+            passed = np.searchsorted(places, np.arange(2 * D), side="right") / len(places)
+            shares[D, here.tobytes()] = passed
+        u, q = flows[k].at(passed)
         ring = state.waves[network.offset[k] :][: 2 * D * s].reshape(2, D, s)
         ring[0], ring[1] = (u - q)[::2, None], (u + q)[::-2, None]
-        for r in rows[lumps.kind[rows] == REMEMBERED]:
+        rows = np.arange(low, high)
+        for r in rows[remembered[low:high]]:
             n, p = int(lumps.modes[r]), lumps.place[lumps.first[r] : lumps.first[r + 1]]
             _, _, into, decay = _maps(lumps.entries[lumps.at[r] :], s, n)
             same = [j for j in rows if lumps.sign[j] == lumps.sign[r] and lumps.place[lumps.first[j]] == p[0]]
