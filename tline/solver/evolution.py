@@ -114,7 +114,7 @@ def _response(z: acb, Z: acb, Y: acb, s: int) -> Balls:
     D, right, left = _derivatives(s), _balls(np.ones(s)), _balls((-1.0) ** np.arange(s))
     series, shunt = (Z / z).sqrt(), (Y / z).sqrt()
     gamma, K = z * series * shunt, (series - shunt) / (series + shunt)
-    inverse = sum((D[j] / (Y * Z) ** (j // 2 + 1) for j in range(0, s, 2)), start=0 * D[0])  # of γ² - D²
+    inverse = np.add.reduce([D[j] / (Y * Z) ** (j // 2 + 1) for j in range(0, s, 2)])  # of γ² - D²
     slope, nothing, over_t = D[1] @ inverse, 0 * D[0], _transforms(z, s)
     a = np.hstack([Z * inverse - slope, Y * inverse - slope, nothing, nothing])
     b = np.hstack([Z * inverse + slope, -Y * inverse - slope, nothing, nothing])
@@ -147,7 +147,7 @@ def _derivatives(s: int) -> Balls:
 def _transforms(z: acb, s: int) -> Balls:
     """Laplace transforms of the Legendre polynomials on [0, 1], continued; also ∫ P exp(-z x) dx but for exp(-z)."""
     at_zero = _balls((-1.0) ** np.arange(s)) @ _derivatives(s)
-    return sum((at_zero[j] / z ** (j + 1) for j in range(s)), start=0 * at_zero[0])
+    return np.add.reduce([at_zero[j] / z ** (j + 1) for j in range(s)])
 
 
 def _balls(values: NDArray) -> Balls:
@@ -164,6 +164,6 @@ def _summed(out: list[Balls], responses: list[Balls], into: list[Balls]) -> Matr
         for left, right in zip(out, into, strict=True)
     ]
     parts = [each.transpose(0, 2, 1, 3).reshape(-1, s * s) for each in responses]
-    left, right = (acb_mat(*each.shape, each.ravel().tolist()) for each in (np.hstack(pairs), np.vstack(parts)))
+    left, right = (acb_mat(each.tolist()) for each in (np.hstack(pairs), np.vstack(parts)))
     real = np.array([float(x.real.mid()) for x in (left * right).entries()])
     return real.reshape(rows, columns, s, s).transpose(0, 2, 1, 3).reshape(rows * s, columns * s)
