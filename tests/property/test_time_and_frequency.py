@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from random_multiports import multiport_scenes
 from random_scenes import random_scene
 
 from tline.frequency.response import respond
@@ -32,7 +33,22 @@ def transform(result, values_at, s):
 @given(seed=st.integers(0, 2**32 - 1))
 def test_they_agree(seed):
     scene = random_scene(seed, sources=True, switches=False, solver={"order": 6, "slab": 0.1})
-    scene = Scene(**scene.table() | {"t_end": T_END})
+    agree(Scene(**scene.table() | {"t_end": T_END}))
+
+
+@settings(max_examples=12, deadline=None)
+@given(table=multiport_scenes())
+def test_they_agree_past_multiports(table):
+    sine = {"shape": "sine", "amplitude": 1, "frequency": 0.2, "until": 5.0}
+    source = {"at": "e0", "kind": "voltage", "resistance": 0.5, "value": sine}
+    loads = {name: load for name, load in table["loads"].items() if name != "e0"}
+    agree(
+        Scene(**table | {"t_end": T_END, "sources": {"s": source}, "loads": loads, "solver": {"order": 7, "slab": 0.1}})
+    )
+
+
+def agree(scene):
+    """Of a source that is one period of a sine of 0.2 Hz."""
     result = simulate(scene)
     s = DAMPING + 2j * np.pi * FREQUENCIES
     omega = 2 * np.pi * 0.2

@@ -45,6 +45,24 @@ def test_delay_margin(share, grows):
         assert found.s.imag == pytest.approx(sqrt(3), rel=2e-3)
 
 
+@pytest.mark.parametrize(("gain", "grows"), [(3.0, True), (-2.0, True), (0.9, False)])
+def test_a_loop_through_a_controlled_source(gain, grows):
+    """A round trip of two lines multiplies by the gain: open ends double what two matched sources halve."""
+    source = {"kind": "controlled source", "resistance": 1.0}
+    scene = Scene(
+        medium="electrical", t_end=100.0, probes={"far": {"at": "far"}},
+        lines={"one": {"nodes": ["near", "mid"], "z0": 1.0, "delay": 1.0},
+               "two": {"nodes": ["in", "far"], "z0": 1.0, "delay": 1.0}},
+        links={"there": source | {"nodes": ["mid", "in"], "gain": gain},
+               "back": source | {"nodes": ["far", "near"], "gain": 1.0}},
+    )  # fmt: skip
+    found = growth(scene)
+    assert (found.s is not None) == grows
+    if grows:
+        assert found.s.real == pytest.approx(log(abs(gain)) / 2, rel=1e-9)
+        assert found.s.imag == pytest.approx(0.0 if gain > 0 else pi / 2, abs=1e-9)
+
+
 def network(**changed):
     """A Y of three lines without common measure; a negative resistance beside a capacitor at one end."""
     return Scene(

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tline.errors import ActiveError, InputError, SceneError
+from tline.frequency.ports import impedance
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
 
@@ -73,12 +74,30 @@ def test_coupled_inductors_are_their_input_impedance():
     assert same(scene(windings, {"q": resistor(90)}, ("a",)), scene({}, {"p": seen}, ("a",))) < 1e-12
 
 
+@pytest.mark.parametrize(
+    ("link", "seen"),
+    [
+        ({"kind": "transformer", "ratio": -3}, lambda s: 9 * 90),
+        ({"kind": "gyrator", "resistance": 30}, lambda s: 30**2 / 90),
+        (
+            {"kind": "coupled inductors", "inductance": ["10 nH", "40 nH"], "coupling": -0.6},
+            lambda s: 1e-8 * s - s**2 * 0.36 * 4e-16 / (90 + 4e-8 * s),
+        ),
+    ],
+)
+def test_what_is_seen_through_a_multiport(link, seen):
+    s = 2j * np.pi * np.array([1e7, 3e8, 2e9])
+    bare = scene(link, {"q": resistor(90)}, ("a",), sources={})
+    away = scene({}, {}, ("a",), sources={})
+    assert 1 / impedance(bare, "p", s) - 1 / impedance(away, "p", s) == pytest.approx(1 / seen(s), rel=1e-12)
+
+
 @pytest.mark.parametrize("resistance", [0, 40])
 def test_a_controlled_source_drives_what_it_is_told(resistance):
     """Into a matched line: its share of the gain, while the first node sees an open end."""
     link = {"kind": "controlled source", "gain": 3, "resistance": resistance}
     given = scene(link, {"out": resistor(120)})
-    with pytest.raises(ActiveError, match=r"links\.x: may feed waves"):
+    with pytest.raises(ActiveError, match=r"links\.x may feed waves; yet no wave grows"):
         simulate(given)
     result = simulate(given, active=True)
     alone = simulate(scene({}, {}, ("a",)))

@@ -89,17 +89,18 @@ def solved(network: Scattering, s: NDArray, held: NDArray, flows: NDArray) -> tu
 
 
 def _solved(network: Scattering, s: NDArray, held: NDArray, flows: NDArray) -> tuple[NDArray, NDArray]:
-    passed = network.passed(s)
-    own = held + passed * flows
-    sent = np.zeros((len(s), network.size), complex)
-    for k, ends in enumerate(network.ends):
-        sent[:, ends] = 2 * own[:, k, None]
+    answers = list(network.answers(s))
+    efforts, sent = np.empty((len(s), len(network.names)), complex), np.zeros((len(s), network.size), complex)
+    for nodes, p, W in answers:
+        efforts[:, nodes] = (W @ (held[nodes] + p * flows[nodes])[:, :, None])[:, :, 0]
+        for node in nodes:
+            sent[:, network.ends[node]] = 2 * efforts[:, node, None]
     across, back = network.carried(s)
     coming = (across * sent)[:, np.arange(network.size) ^ 1] + back * sent
     arriving = np.linalg.solve(np.eye(network.size) - network.returned(s), coming[:, :, None])[:, :, 0]
-    efforts = own.astype(complex)
-    for k, ends in enumerate(network.ends):
-        efforts[:, k] += passed[:, k] * (arriving[:, ends] / network.z0[ends // 2]).sum(axis=1)
+    for nodes, p, W in answers:
+        into = [(arriving[:, ends] / network.z0[ends // 2]).sum(axis=1) for ends in (network.ends[k] for k in nodes)]
+        efforts[:, nodes] += (W @ (p * np.stack(into, axis=1))[:, :, None])[:, :, 0]
     return arriving, efforts
 
 

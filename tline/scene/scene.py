@@ -212,8 +212,8 @@ class Scene(Element):
         elements = [("loads", *one) for one in self.loads.items()] + [("links", *one) for one in self.links.items()]
         return {(part, name): element.law() for part, name, element in elements if isinstance(element, NonLinear)}
 
-    def check_linear(self, what: str) -> None:
-        """Refuse a scene with a non-linear element, or one between nodes.
+    def check_linear(self, what: str, besides: type | tuple[()] = ()) -> None:
+        """Refuse a scene with a non-linear element, or one between nodes, but for a kind that is allowed.
 
         Raises
         ------
@@ -223,7 +223,8 @@ class Scene(Element):
         for part, name in self.laws:
             raise InputError(place(part, name), "is non-linear", f"a linear scene for {what}")
         for name, link in self.links.items():
-            raise InputError(place("links", name), f"a {link.kind}", f"a scene without links for {what}")
+            if not isinstance(link, besides):
+                raise InputError(place("links", name), f"a {link.kind}", f"a scene without links for {what}")
 
     @property
     def waveforms(self) -> dict[tuple[str, str, str], Shape]:

@@ -5,7 +5,6 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from tline.errors import ActiveError, InputError
-from tline.scene.mistakes import place
 from tline.scene.quantity import TOLERANCE
 from tline.scene.scene import Scene
 from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside
@@ -14,7 +13,7 @@ from tline.solver.resolution import Resolution, resolution
 from tline.solver.result import Result
 from tline.solver.run import run
 from tline.solver.search import Search, within
-from tline.solver.stability.growth import active_loads, controlled_sources, growth_sentence
+from tline.solver.stability.growth import active_parts, growth_sentence
 from tline.solver.with_losses import is_lossy, with_losses
 
 TOL = 1e-6  # where nothing is asked or fixed
@@ -145,16 +144,10 @@ def _tolerance(scene: Scene, tol: float | None) -> float | None:
 
 def _active(scene: Scene, allowed: bool) -> list[str]:
     """What there is to say of active elements, if they are allowed."""
-    loads = active_loads(scene)
-    sources = [place("links", name) for name in controlled_sources(scene)]
-    if sources:
-        problem = f"{' and '.join([*sources, *loads])}: may feed waves; whether they grow is not known here"
-        if not allowed:
-            raise ActiveError("", problem, "passive elements, or active=True to run it all the same")
-        return [problem]
-    if not loads:
+    active = active_parts(scene)
+    if not active:
         return []
-    problem = growth_sentence(scene, loads)
+    problem = growth_sentence(scene, active)
     if not allowed:
-        raise ActiveError("", problem, "passive loads, or active=True to run it all the same")
+        raise ActiveError("", problem, "passive elements, or active=True to run it all the same")
     return [problem]

@@ -11,7 +11,7 @@ def answer(file: str, asked: Asked) -> Answer:
     from tline.scene.file import read_scene
     from tline.scene.rational_load import Impedance
     from tline.scene.touchstone import Touchstone
-    from tline.solver.stability.growth import active_loads, controlled_sources, growth_sentence
+    from tline.solver.stability.growth import active_loads, active_parts, controlled_sources, growth_sentence
 
     asked.refuse("scenes", "kind", "parameters", "z0", "delay", "within", "error", "nearest")
     scene = read_scene(file)
@@ -30,7 +30,7 @@ def answer(file: str, asked: Asked) -> Answer:
     if rest:
         lines.append(f"  {rest} with nothing but R, L, C, reservoirs and switches, passive by construction")
     lines += [f"  {place('loads', name)}: {'refuted' if name in active else 'proved'}" for name in tested]
-    if active and not sources:
-        told["growth"] = growth_sentence(scene, active)
+    if active or sources:
+        told["growth"] = growth_sentence(scene, active_parts(scene))
         lines.append(f"  {told['growth']}")
     return Answer(told["status"], lines, told)

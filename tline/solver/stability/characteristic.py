@@ -3,18 +3,31 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.scene.multiport import Ports
 from tline.solver.stability.scattering import Scattering
 
 CHUNK = 2e6  # complex entries held at once
 
 
 class Characteristic(Scattering):
-    """D(s) = det(I - P S) times the product of all f: without poles; see `scattering` for the names."""
+    """D(s) = det(I - P S) times the product of all f: without poles; see `scattering` for the names.
+
+    Of nodes that multiports join, the determinants of their balance and of the multiports' s - Q stand for the f.
+    """
 
     @property
     def corner(self) -> float:
-        """Beyond this modulus of s the loads behave as at infinity: that of the largest root of all p, q and f."""
-        roots = [np.roots(side) for over, f in self.loads for side in (over, f, np.polysub(f, over))]
+        """Beyond this modulus of s the loads behave as at infinity: that of the largest root of all p, q and f.
+
+        Of multiports, that of the largest root of their Q, and of the determinants of M u and N i alone.
+        """
+        roots = [
+            np.roots(side)
+            for (p, f), total in zip(self.loads, self.totals, strict=True)
+            for side in (p, f, np.polysub(f, p * total))
+        ]
+        for _, multiports in self.groups:
+            roots += [each * self.second for part in multiports for each in _roots(part.ports)]
         return float(max((np.abs(r).max() for r in roots if len(r)), default=0.0))
 
     def log(self, s: NDArray) -> NDArray:
@@ -22,5 +35,24 @@ class Characteristic(Scattering):
         return np.concatenate([self._log(part) for part in np.array_split(s, int(len(s) * self.size**2 / CHUNK) + 1)])
 
     def _log(self, s: NDArray) -> NDArray:
-        sign, size = np.linalg.slogdet(np.eye(self.size) - self.returned(s))
-        return size + np.log(sign) + sum(np.log(f) for _, f in self.sides(s))
+        total = _log_det(np.eye(self.size) - self.returned(s))
+        for (_, multiports), (_, _, matrix) in zip(self.groups, self.balances(s), strict=True):
+            total = total + _log_det(matrix)
+            for part in multiports:
+                Q = part.ports.Q * self.second
+                total = total + _log_det(s[:, None, None] * np.eye(len(Q)) - Q)
+        return total
+
+
+def _log_det(matrices: NDArray) -> NDArray:
+    sign, size = np.linalg.slogdet(matrices)
+    return size + np.log(sign.astype(complex))
+
+
+def _roots(ports: Ports) -> list[NDArray]:
+    """Roots of s - Q, and of the determinants of what stands before the efforts and before the flows, 1/s."""
+    found = [np.linalg.eigvals(ports.Q)]
+    for matrix, driven in ((ports.M, ports.P), (ports.N, ports.R)):
+        if np.linalg.matrix_rank(matrix) == len(matrix):
+            found.append(np.linalg.eigvals(ports.Q + driven @ np.linalg.solve(matrix, ports.E)))
+    return found

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from passivity import Status, Verdict, check_positive_real
+from tline.errors import InputError
 from tline.scene.mistakes import place
 from tline.scene.multiport import ControlledSource
 from tline.scene.rational_load import Impedance
@@ -46,6 +47,12 @@ def active_loads(scene: Scene) -> dict[str, Verdict]:
 def controlled_sources(scene: Scene) -> list[str]:
     """Names of the links that may feed waves."""
     return [name for name, link in scene.links.items() if isinstance(link, ControlledSource)]
+
+
+def active_parts(scene: Scene) -> list[str]:
+    """What there is to say of each load that is active and of each link that may feed waves."""
+    loads = [f"{place('loads', name)} is active: {verdict.why}" for name, verdict in active_loads(scene).items()]
+    return loads + [f"{place('links', name)} may feed waves" for name in controlled_sources(scene)]
 
 
 def growth(scene: Scene) -> Growth | None:
@@ -100,15 +107,17 @@ def right_of_all(D: Characteristic, high: float, least: float) -> float:
         right *= 1.5
 
 
-def growth_sentence(scene: Scene, active: dict[str, Verdict]) -> str:
-    """One sentence on each active load and one on what they do to the scene."""
-    loads = "; ".join(f"{place('loads', name)} is active: {verdict.why}" for name, verdict in active.items())
-    found = growth(scene)
+def growth_sentence(scene: Scene, active: list[str]) -> str:
+    """One sentence on each active part and one on what they do to the scene."""
+    parts, why = "; ".join(active), "the scene is too large to search, or its waves lie too close together"
+    try:
+        found = growth(scene)
+    except InputError as error:
+        found, why = None, f"{error.where} {error.problem}"
     if found is None:
-        why = "the scene is too large to search, or its waves lie too close together"
-        return f"{loads}; whether the waves grow was not found out: {why}"
+        return f"{parts}; whether the waves grow was not found out: {why}"
     if found.s is None:
-        return f"{loads}; yet no wave grows by more than 0.1 % within the run"
+        return f"{parts}; yet no wave grows by more than 0.1 % within the run"
     s = complex(found.s)
     turning = f", turning with {abs(s.imag):.4g} rad/s" if abs(s.imag) > 1e-9 * abs(s) else ""
-    return f"{loads}; waves grow by a factor e every {1 / s.real:.4g} s{turning}"
+    return f"{parts}; waves grow by a factor e every {1 / s.real:.4g} s{turning}"

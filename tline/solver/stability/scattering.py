@@ -2,8 +2,8 @@
 
 Waves w that arrive at the line ends come back as w = P(s) (S(s) w + g), with the lines' passage P, exp(-sT) without
 losses, the scattering S of the nodes and what the sources send, g. At a node with lines and resistances of conductance
-Y and a load Z = p/q, the effort is u = p/f (sum of w/z0 + J) with f = Y p + q and J the flow of its sources; 2u - w
-leaves each end.
+Y and a load Z = p/q, the effort follows from f u = p (sum of w/z0 + J - i) with f = Y p + q, J the flow of its sources
+and i that into multiports, which bind efforts and flows of several nodes; 2u - w leaves each end.
 """
 
 from collections.abc import Iterator, Mapping
@@ -12,8 +12,12 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.scene.mistakes import place
+from tline.scene.multiport import Multiport
 from tline.scene.scene import Scene
 from tline.scene.touchstone import Touchstone
+from tline.solver.connected import parts
+from tline.solver.multiport import PortPlaces
 from tline.solver.nodes import Node, nodes_of
 from tline.solver.stability.lossy_line import carried, losses_of
 
@@ -30,7 +34,7 @@ class Scattering:
     """
 
     def __init__(self, scene: Scene, terminations: Mapping[str, float] | None = None):
-        scene.check_linear("transfer functions and growth rates")
+        scene.check_linear("transfer functions and growth rates", besides=Multiport)
         lines = list(scene.lines.values())
         delays = np.array([line.parameters.delay or 0.0 for line in lines])
         self.second = float(delays.min())
@@ -39,52 +43,85 @@ class Scattering:
         nodes = nodes_of(scene)
         self.names = list(nodes)
         more = terminations or {}
-        self.totals = np.array([node.total + node.switched(np.inf) + more.get(k, 0.0) for k, node in nodes.items()])
+        own = [0.0 if node.dead else node.total for node in nodes.values()]
+        extra = [node.switched(np.inf) + more.get(name, 0.0) for name, node in nodes.items()]
+        self.totals = np.array(own) + extra
         self.held = np.array([node.held is not None or np.isinf(node.switched(np.inf)) for node in nodes.values()])
-        self.ends = [np.array(node.ends) for node in nodes.values()]
+        self.ends = [np.array(node.ends, int) for node in nodes.values()]
         self.lossy = {k: losses_of(name, line) for k, (name, line) in enumerate(scene.lines.items()) if line.losses}
         self.measured = [node.measured for node in nodes.values()]
         self.loads = [self._polynomials(*each) for each in zip(nodes.values(), self.totals, self.held, strict=True)]
+        self.groups = _groups(scene, self.names)
 
     def _polynomials(self, node: Node, total: float, held: bool) -> tuple[NDArray, NDArray]:
-        """Coefficients of Y p and of f = Y p + q, one scale for both; Y p = 0 where the effort is held."""
+        """Coefficients of p and of f = Y p + q, one scale for both; p = 0 where the effort is held."""
         if held:
             return np.zeros(1), np.ones(1)
         if node.load is None:
-            return np.ones(1), np.ones(1)
+            return np.ones(1), np.array([total])
         p, q = node.load.numerator, node.load.denominator
-        over = [a * Fraction(total) / Fraction(self.second) ** k for k, a in enumerate(reversed(p))][::-1]
+        through = [a / Fraction(self.second) ** k for k, a in enumerate(reversed(p))][::-1]
         rest = [b / Fraction(self.second) ** k for k, b in enumerate(reversed(q))][::-1]
+        over = [a * Fraction(total) for a in through]
         scale = max(map(abs, over + rest))
-        through = np.array([float(a / scale) for a in over])
-        return through, np.polyadd(through, np.array([float(b / scale) for b in rest]))
+        f = np.polyadd([float(a / scale) for a in over], [float(b / scale) for b in rest])
+        return np.array([float(a / scale) for a in through]), f
 
     @property
     def size(self) -> int:
         """Number of line ends."""
         return 2 * len(self.z0)
 
-    def sides(self, s: NDArray) -> Iterator[tuple[NDArray, NDArray]]:
-        """Y p and f of each node, of the shape of s."""
-        for (over, f), load, total, held in zip(self.loads, self.measured, self.totals, self.held, strict=True):
+    def sides(self, s: NDArray) -> tuple[NDArray, NDArray]:
+        """Polynomials p and f of all nodes, or what stands for them; two of shape (n, nodes) for s of shape (n,)."""
+        found = []
+        for (p, f), load, total, held in zip(self.loads, self.measured, self.totals, self.held, strict=True):
             if load is None or held:
-                yield np.polyval(over, s), np.polyval(f, s)
+                found.append((np.polyval(p, s), np.polyval(f, s)))
             else:
-                yield self._measured(load, total, s)
+                found.append(self._measured(load, total, s))
+        p, f = zip(*found, strict=True)
+        return np.stack(p, axis=1), np.stack(f, axis=1)
 
     def _measured(self, load: Touchstone, total: float, s: NDArray) -> tuple[NDArray, NDArray]:
         """The same from the poles a of S = (Z - z0)/(Z + z0), as good as these: Z = z0 (1 + S)/(1 - S)."""
         model = load.model.model
         S = model.at(s / (1j * self.second))
         a = np.concatenate([model.poles, model.poles[model.poles.imag > 0].conj()]) * self.second
-        size, over = np.prod(s[..., None] - a, axis=-1), load.z0 * total * (1 + S)
-        return size * over, size * (1 - S + over)
+        size, p = np.prod(s[..., None] - a, axis=-1), load.z0 * (1 + S)
+        return size * p, size * (1 - S + total * p)
 
-    def passed(self, s: NDArray) -> NDArray:
-        """p/f of each node: its effort where a unit flow is driven in and no wave arrives; shape (n, nodes)."""
-        totals = np.where(self.held, 1.0, self.totals)
-        quotients = [over / f for over, f in self.sides(s)]
-        return np.stack(quotients, axis=1) / totals
+    def balances(self, s: NDArray) -> Iterator[tuple[NDArray, NDArray, NDArray]]:
+        """Of each group its nodes, p there, and what efforts and flows into multiports are multiplied by.
+
+        Shapes (k,), (n, k) and (n, k + flows, k + flows).
+        """
+        p, f = self.sides(s)
+        for nodes, multiports in self.groups:
+            k, row = len(nodes), len(nodes)
+            matrix = np.zeros((len(s), *2 * [k + sum(len(part.nodes) for part in multiports)]), complex)
+            matrix[:, range(k), range(k)] = f[:, nodes]
+            for part in multiports:
+                flows = np.arange(row, row + len(part.nodes))
+                through, binding = self._bound(part, s)
+                matrix[:, flows[:, None], part.nodes] = through
+                matrix[:, flows[:, None], flows] = binding
+                matrix[:, part.nodes, flows] = p[:, nodes[part.nodes]]
+                row += len(part.nodes)
+            yield nodes, p[:, nodes], matrix
+
+    def _bound(self, part: PortPlaces, s: NDArray) -> tuple[NDArray, NDArray]:
+        """M u + N i = 0 of a multiport, without its states."""
+        M, N, E, Q, P, R = part.ports
+        states = np.linalg.solve(s[:, None, None] / self.second * np.eye(len(Q)) - Q, np.hstack([P, R])[None])
+        less = E @ states
+        return M - less[:, :, : len(M)], N - less[:, :, len(M) :]
+
+    def answers(self, s: NDArray) -> Iterator[tuple[NDArray, NDArray, NDArray]]:
+        """Of each group its nodes, p there, and W: efforts are W (p times what flows in, or the effort held)."""
+        for nodes, p, matrix in self.balances(s):
+            k = len(nodes)
+            yield nodes, p, 1 / matrix if matrix.shape[1] == 1 else np.linalg.inv(matrix)[:, :k, :k]
 
     def carried(self, s: NDArray) -> tuple[NDArray, NDArray]:
         """P by the end that sends: what arrives at the other end, and what comes back; two of shape (n, ends)."""
@@ -97,9 +134,25 @@ class Scattering:
     def returned(self, s: NDArray) -> NDArray:
         """What comes back of the waves that arrive, P S, shape (n, ends, ends) for s of shape (n,)."""
         matrix = np.zeros((len(s), self.size, self.size), complex)
-        passed, (across, back) = 2 * self.passed(s), self.carried(s)
-        for k, ends in enumerate(self.ends):
-            scattering = passed[:, k, None, None] / self.z0[ends // 2] - np.eye(len(ends))
+        across, back = self.carried(s)
+        for nodes, p, W in self.answers(s):
+            ends = np.concatenate([self.ends[node] for node in nodes])
+            at = np.repeat(np.arange(len(nodes)), [len(self.ends[node]) for node in nodes])
+            scattering = 2 * (W * p[:, None])[:, at[:, None], at] / self.z0[ends // 2] - np.eye(len(ends))
             matrix[:, (ends ^ 1)[:, None], ends] += across[:, ends, None] * scattering
             matrix[:, ends[:, None], ends] += back[:, ends, None] * scattering
         return matrix
+
+
+def _groups(scene: Scene, names: list[str]) -> list[tuple[NDArray, list[PortPlaces]]]:
+    """Numbers of the nodes that multiports join, or of one node, and the multiports there."""
+    number = {name: k for k, name in enumerate(names)}
+    links = {name: link for name, link in scene.links.items() if isinstance(link, Multiport)}
+    pairs = [(number[link.nodes[0]], number[at]) for link in links.values() for at in link.nodes]
+    part = parts(*np.array(pairs, int).reshape(-1, 2).T, len(names))
+    groups: list[tuple[NDArray, list[PortPlaces]]] = [(np.flatnonzero(part == k), []) for k in range(part.max() + 1)]
+    for name, link in links.items():
+        at = np.array([number[node] for node in link.nodes])
+        nodes, members = groups[part[at[0]]]
+        members.append(PortPlaces(place("links", name), np.searchsorted(nodes, at), link.ports()))
+    return groups
