@@ -103,8 +103,8 @@ def test_a_line_that_makes_energy_is_named(monkeypatch):
         probes={"p": {"at": "a"}},
     )
 
-    def growing(*arguments):
-        made = assemble(*arguments)
+    def growing(*arguments, **named):
+        made = assemble(*arguments, **named)
         made.network.shift[made.network.shift_row[1]] *= 1.01
         return made
 

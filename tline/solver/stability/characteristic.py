@@ -51,7 +51,7 @@ def _log_det(matrices: NDArray) -> NDArray:
 
 def _roots(ports: Ports) -> list[NDArray]:
     """Roots of s - Q, and of the determinants of what stands before the efforts and before the flows, 1/s."""
-    found = [np.linalg.eigvals(ports.Q)]
+    found: list[NDArray] = [np.linalg.eigvals(ports.Q)]
     for matrix, driven in ((ports.M, ports.P), (ports.N, ports.R)):
         if np.linalg.matrix_rank(matrix) == len(matrix):
             found.append(np.linalg.eigvals(ports.Q + driven @ np.linalg.solve(matrix, ports.E)))

@@ -148,8 +148,9 @@ def _groups(scene: Scene, names: list[str]) -> list[tuple[NDArray, list[PortPlac
     """Numbers of the nodes that multiports join, or of one node, and the multiports there."""
     number = {name: k for k, name in enumerate(names)}
     links = {name: link for name, link in scene.links.items() if isinstance(link, Multiport)}
-    pairs = [(number[link.nodes[0]], number[at]) for link in links.values() for at in link.nodes]
-    part = parts(*np.array(pairs, int).reshape(-1, 2).T, len(names))
+    first = np.array([number[link.nodes[0]] for link in links.values() for _ in link.nodes], int)
+    second = np.array([number[at] for link in links.values() for at in link.nodes], int)
+    part = parts(first, second, len(names))
     groups: list[tuple[NDArray, list[PortPlaces]]] = [(np.flatnonzero(part == k), []) for k in range(part.max() + 1)]
     for name, link in links.items():
         at = np.array([number[node] for node in link.nodes])
