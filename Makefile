@@ -44,5 +44,5 @@ $(VENV)/ready-bench: EXTRA = [test,bench]
 $(VENV)/ready-dev: EXTRA = [dev]
 $(VENV)/ready-%: pyproject.toml
 	test -d $(VENV) || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".$(EXTRA)"
+	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check --editable ".$(EXTRA)"
 	touch $@

@@ -56,10 +56,10 @@ def test_files_and_quantiles_are_of_the_same_runs(folder: Path) -> None:
     assert (told["runs"], told["unit"], told["estimate"] < 1e-6) == (500, "V", True)
     table = np.genfromtxt(folder / "r.csv", delimiter=",", skip_header=1)
     head = (folder / "r.csv").read_text(encoding="utf-8").partition("\n")[0].split(",")
-    arrays = np.load(folder / "r.npz")
-    for name, key in (("lines.cable.z0", "lines.cable.z0"), ("far highest voltage [V]", "far/highest")):
-        np.testing.assert_array_equal(table[:, head.index(name)], arrays[key])
-    assert told["probes"]["far"]["highest"] == np.quantile(arrays["far/highest"], [0.05, 0.5, 0.95]).tolist()
+    with np.load(folder / "r.npz") as arrays:
+        for name, key in (("lines.cable.z0", "lines.cable.z0"), ("far highest voltage [V]", "far/highest")):
+            np.testing.assert_array_equal(table[:, head.index(name)], arrays[key])
+        assert told["probes"]["far"]["highest"] == np.quantile(arrays["far/highest"], [0.05, 0.5, 0.95]).tolist()
     assert (folder / "r.png").stat().st_size > 10_000
 
 
@@ -68,7 +68,8 @@ def test_numbers_drawn_are_those_asked_for(folder: Path) -> None:
     drawn = []
     for seed in (1, 1, 2):
         assert run(f"many cable.toml {both} --runs 400 --tol 1e-3 --seed {seed} --npz r.npz").exit_code == 0
-        drawn.append([np.load(folder / "r.npz")[place] for place in ("lines.cable.z0", "loads.end.resistance")])
+        with np.load(folder / "r.npz") as arrays:
+            drawn.append([arrays[place] for place in ("lines.cable.z0", "loads.end.resistance")])
     np.testing.assert_array_equal(drawn[0], drawn[1])
     assert not np.isin(drawn[0], drawn[2]).any()
     z0, resistance = drawn[0]

@@ -89,7 +89,7 @@ def solved(network: Scattering, s: NDArray, held: NDArray, flows: NDArray) -> tu
 
 
 def _solved(network: Scattering, s: NDArray, held: NDArray, flows: NDArray) -> tuple[NDArray, NDArray]:
-    answers = list(network.answers(s))
+    answers = list(network.answered(network.balances(s)))
     efforts, sent = np.empty((len(s), len(network.names)), complex), np.zeros((len(s), network.size), complex)
     for nodes, p, W in answers:
         efforts[:, nodes] = (W @ (held[nodes] + p * flows[nodes])[:, :, None])[:, :, 0]
@@ -97,7 +97,7 @@ def _solved(network: Scattering, s: NDArray, held: NDArray, flows: NDArray) -> t
             sent[:, network.ends[node]] = 2 * efforts[:, node, None]
     across, back = network.carried(s)
     coming = (across * sent)[:, np.arange(network.size) ^ 1] + back * sent
-    arriving = np.linalg.solve(np.eye(network.size) - network.returned(s), coming[:, :, None])[:, :, 0]
+    arriving = np.linalg.solve(np.eye(network.size) - network.sent_back(s, answers), coming[:, :, None])[:, :, 0]
     for nodes, p, W in answers:
         into = [(arriving[:, ends] / network.z0[ends // 2]).sum(axis=1) for ends in (network.ends[k] for k in nodes)]
         efforts[:, nodes] += (W @ (p * np.stack(into, axis=1))[:, :, None])[:, :, 0]

@@ -1048,15 +1048,22 @@ def largest_group(network):
 def parted(network):
     """A network without elements, cells and lumps, and these, or None: what a scene has not is not compiled.
 
-    But pipes with lumps mostly have elements, too, and are not compiled without.
+    But pipes with lumps mostly have elements, and those with elements lumps, so both are compiled together.
     """
     laws, cells, lumps = network.laws, network.cells, network.lumps
+    either = laws.kind.size or lumps.line.size
     return (
         network._replace(laws=None, cells=None, lumps=None),
-        laws if laws.kind.size or lumps.line.size else None,
+        laws if either else None,
         cells if cells.line.size else None,
-        lumps if lumps.line.size else None,
+        lumps if either else None,
     )
+
+
+@njit(**INNER)
+def are_lumped(lumps):
+    """Whether losses are lumped inside lines."""
+    return False if lumps is None else lumps.line.size > 0
 
 
 def advance(network, state, n_slabs, drive, record, column):
@@ -1907,7 +1914,7 @@ def advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, 
         for r in range(due.size):
             while due[r] < sources.first[r + 1] and sources.slab[due[r]] < slab:
                 due[r] += 1
-        if lumps is None:
+        if not are_lumped(in_lumps):
             quiet = quiet_slabs(network, state, fronts, sources, slab, n_slabs - k)
             if quiet > 1:
                 node = pass_blocks(network, state, k, quiet, drive, record, first_slab, by_law, in_cells, in_lumps)

@@ -35,8 +35,9 @@ class Characteristic(Scattering):
         return np.concatenate([self._log(part) for part in np.array_split(s, int(len(s) * self.size**2 / CHUNK) + 1)])
 
     def _log(self, s: NDArray) -> NDArray:
-        total = _log_det(np.eye(self.size) - self.returned(s))
-        for (_, multiports), (_, _, matrix) in zip(self.groups, self.balances(s), strict=True):
+        balances = list(self.balances(s))
+        total = _log_det(np.eye(self.size) - self.sent_back(s, self.answered(balances)))
+        for (_, multiports), (_, _, matrix) in zip(self.groups, balances, strict=True):
             total = total + _log_det(matrix)
             for part in multiports:
                 Q = part.ports.Q * self.second

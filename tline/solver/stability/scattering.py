@@ -6,7 +6,7 @@ Y and a load Z = p/q, the effort follows from f u = p (sum of w/z0 + J - i) with
 and i that into multiports, which bind efforts and flows of several nodes; 2u - w leaves each end.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 
 import numpy as np
@@ -20,6 +20,8 @@ from tline.solver.connected import parts
 from tline.solver.multiport import PortPlaces
 from tline.solver.nodes import Node, nodes_of
 from tline.solver.stability.lossy_line import carried, losses_of
+
+Parts = tuple[NDArray, NDArray, NDArray]
 
 
 class Scattering:
@@ -91,7 +93,7 @@ class Scattering:
         size, p = np.prod(s[..., None] - a, axis=-1), load.z0 * (1 + S)
         return size * p, size * (1 - S + total * p)
 
-    def balances(self, s: NDArray) -> Iterator[tuple[NDArray, NDArray, NDArray]]:
+    def balances(self, s: NDArray) -> Iterator[Parts]:
         """Of each group its nodes, p there, and what efforts and flows into multiports are multiplied by.
 
         Shapes (k,), (n, k) and (n, k + flows, k + flows).
@@ -117,9 +119,10 @@ class Scattering:
         less = E @ states
         return M - less[:, :, : len(M)], N - less[:, :, len(M) :]
 
-    def answers(self, s: NDArray) -> Iterator[tuple[NDArray, NDArray, NDArray]]:
+    @staticmethod
+    def answered(balances: Iterable[Parts]) -> Iterator[Parts]:
         """Of each group its nodes, p there, and W: efforts are W (p times what flows in, or the effort held)."""
-        for nodes, p, matrix in self.balances(s):
+        for nodes, p, matrix in balances:
             k = len(nodes)
             yield nodes, p, 1 / matrix if matrix.shape[1] == 1 else np.linalg.inv(matrix)[:, :k, :k]
 
@@ -133,9 +136,13 @@ class Scattering:
 
     def returned(self, s: NDArray) -> NDArray:
         """What comes back of the waves that arrive, P S, shape (n, ends, ends) for s of shape (n,)."""
+        return self.sent_back(s, self.answered(self.balances(s)))
+
+    def sent_back(self, s: NDArray, answers: Iterable[Parts]) -> NDArray:
+        """The same from the nodes' answers."""
         matrix = np.zeros((len(s), self.size, self.size), complex)
         across, back = self.carried(s)
-        for nodes, p, W in self.answers(s):
+        for nodes, p, W in answers:
             ends = np.concatenate([self.ends[node] for node in nodes])
             at = np.repeat(np.arange(len(nodes)), [len(self.ends[node]) for node in nodes])
             scattering = 2 * (W * p[:, None])[:, at[:, None], at] / self.z0[ends // 2] - np.eye(len(ends))
