@@ -8,7 +8,7 @@ from tline.errors import InputError
 from tline.scene.lossless import refuse_losses
 from tline.scene.scene import Scene
 from tline.solver.stability.characteristic import Characteristic
-from tline.solver.stability.growth import active_parts, right_of_all
+from tline.solver.stability.growth import active_loads, controlled_sources, right_of_all
 from tline.solver.stability.zeros import MOST_SAMPLES, Box, UncountableError, all_zeros
 
 DEEP = 3.0  # exp(-DEEP) in the shortest delay: what decays faster is no oscillation
@@ -86,7 +86,7 @@ def resonances(scene: Scene, highest: float) -> list[Resonance]:
             "highest", "too many waves on the lines to be searched", "a lower frequency", f"{highest:.4g} Hz"
         )
     try:
-        active = active_parts(scene)
+        active = bool(active_loads(scene) or controlled_sources(scene))
         right = right_of_all(D, top, ABOVE) if active else ABOVE
         zeros = all_zeros(D.log, Box(-DEEP, right, -1.3e-4 * top, top * (1 + 1e-7)), step)
     except UncountableError:

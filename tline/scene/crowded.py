@@ -58,10 +58,12 @@ def _multiports(scene: Scene) -> Iterator[InputError]:
         if isinstance(link, Multiport)
         for node in link.nodes
     }
-    if linked and scene.start == "steady":
+    if not linked:
+        return
+    if scene.start == "steady":
         yield InputError("start", f"{next(iter(linked.values()))} has no steady state here", "'rest'", "'steady'")
-    laws = scene.laws if linked else {}
-    for part, elements in (("loads", scene.loads), ("links", scene.links)) if linked else ():
+    laws = scene.laws
+    for part, elements in (("loads", scene.loads), ("links", scene.links)):
         for name, element in elements.items():
             if (part, name) in laws or isinstance(element, Switch):
                 at = [element.at] if isinstance(element, AtNode) else element.nodes

@@ -1,8 +1,9 @@
 """Files that are either written whole or not touched."""
 
+import csv
 import os
 import secrets
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -40,6 +41,20 @@ def replacing(path: str | Path) -> Iterator[Path]:
         if temporary is not None:
             with suppress(OSError):
                 temporary.unlink(missing_ok=True)
+
+
+def write_table(path: str | Path, head: Sequence[str], rows: Iterable[Iterable[object]]) -> None:
+    """Write a CSV file of one header line and rows; reading their floats gives the same ones.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(head)
+        writer.writerows(rows)
 
 
 def check_writable(path: str | Path) -> None:

@@ -127,7 +127,7 @@ TRIES, LEAST_STRIDE = 40, 1e-8  # Newton steps for a part of the way, and the le
 FAINT = 1e-9  # slope, for a step, of drops that have none at rest and of flows that answer to nothing
 FARTHEST = 2.0  # step, in units of the largest effort
 LOOKS, HALVINGS = 4, 60  # at a slab for roots, per point; and of an interval with a root
-CHOKES, CHOKED = 0.4717180, 0.6847315  # 1 - ratio of pressures beyond which air chokes, and its flow then
+CHOKES, CHOKED = 1 - (5 / 6) ** 3.5, 1.4**0.5 * (5 / 6) ** 3  # 1 - ratio of pressures where air chokes; its flow then
 
 
 @njit(**INNER)

@@ -123,9 +123,10 @@ class Stepper:
         self.at_edges = [] if follows else [move for move in moves if move[0] % 1 == 0]
         inside = [move for move in moves if follows or move[0] % 1 != 0]
         self.events = np.unique(np.floor(np.concatenate([*self.places, [t for t, _, _ in inside]])).astype(int))
-        in_slab = [np.unique(np.floor(p), return_counts=True)[1] for p in self.places]
-        parts = 1 + int(np.concatenate([[0], *in_slab]).max())
-        self.fronts: Fronts | None = fronts_of(assembly, n, inside, parts) if len(self.events) else None
+        self.fronts: Fronts | None = None
+        if len(self.events):
+            in_slab = [np.unique(np.floor(p), return_counts=True)[1] for p in self.places]
+            self.fronts = fronts_of(assembly, n, inside, 1 + int(np.concatenate([[0], *in_slab]).max()))
         self.noted: list[Noted] = []
 
     def compile(self) -> None:

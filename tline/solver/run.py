@@ -59,7 +59,8 @@ def run(
     books = Books(assembly, n) if ledger else None
     extremes = watch(assembly) if envelope else None
     waves, done = march(assembly, n, extremes=extremes, books=books, progress=progress)
-    lines = {name: _record(assembly, name, waves, done) for name in assembly.recorded}
+    smears = done.fronts.lost > VISIBLE or any(law.kind in BREAKING for law in scene.laws.values())
+    lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
     ends = np.arange(n + 1) * h
     probes = {}
     for name, probe in scene.probes.items():
@@ -121,7 +122,7 @@ def probed(scene: Scene) -> set[str]:
     return {line for name, at in places.items() for line in (at.lines if at else [scene.probed_line(name)])}
 
 
-def _record(assembly: Assembly, name: str, waves: NDArray, done: Run) -> LineRecord:
+def _record(assembly: Assembly, name: str, waves: NDArray, done: Run, smears: bool) -> LineRecord:
     row, echo = assembly.recorded[name], assembly.echoes.get(name)
     parameters = assembly.lines[name].parameters
     s, h = assembly.resolution.s, assembly.resolution.h
@@ -137,5 +138,4 @@ def _record(assembly: Assembly, name: str, waves: NDArray, done: Run) -> LineRec
 
     sides = (0, 1), (0, 0), (1, 0), (1, 1)
     a1, b1, a2, b2 = (wave(*at, float(before)) for at, before in zip(sides, assembly.start[name], strict=True))
-    smears = done.fronts.lost > VISIBLE or any(law.kind in BREAKING for law in assembly.scene.laws.values())
     return LineRecord(parameters.z0, parameters.delay or 0.0, a1, b1, a2, b2, smears)

@@ -1,6 +1,5 @@
 """Results in files that other programs read: CSV and NPZ."""
 
-import csv
 from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
@@ -10,7 +9,7 @@ import numpy as np
 
 from tline.errors import InputError
 from tline.scene.file import scene_text
-from tline.solver.atomic import replacing
+from tline.solver.atomic import replacing, write_table
 from tline.solver.envelope import COLUMNS
 from tline.solver.ledger.ledger import Entry
 from tline.solver.result import Result
@@ -46,12 +45,8 @@ def save_csv(result: Result, path: str | Path) -> None:
             for what, unit in ((medium.effort, effort), (medium.flow, flow), ("a", effort), ("b", effort))
         ]
         columns += [probe.u, probe.y, probe.a, probe.b]
-    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(head)
-        for start in range(0, len(result.t), ROWS):
-            block = np.stack([column[start : start + ROWS] for column in columns], axis=1)
-            writer.writerows(block.tolist())
+    parts = (np.stack([column[k : k + ROWS] for column in columns], axis=1) for k in range(0, len(result.t), ROWS))
+    write_table(path, head, (row for part in parts for row in part.tolist()))
 
 
 def save_envelope(result: Result, path: str | Path) -> None:
@@ -75,10 +70,8 @@ def save_envelope(result: Result, path: str | Path) -> None:
     effort = result.medium.effort
     start, lowest, highest = (f"{what} {effort} [{unit}]" for what in ("start", "lowest", "highest"))
     columns = [getattr(envelope, name).tolist() for name in COLUMNS]
-    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["node", start, lowest, "at [s]", highest, "at [s]"])
-        writer.writerows(zip(envelope.nodes, *columns, strict=True))
+    head = ["node", start, lowest, "at [s]", highest, "at [s]"]
+    write_table(path, head, zip(envelope.nodes, *columns, strict=True))
 
 
 def save_ledger(result: Result, path: str | Path) -> None:
@@ -98,10 +91,7 @@ def save_ledger(result: Result, path: str | Path) -> None:
     """
     if result.ledger is None:
         raise InputError(str(path), "the run kept no ledger", "simulate(scene, ledger=True)")
-    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["where", *(f"{column} [J]" for column in Entry._fields[1:])])
-        writer.writerows(result.ledger.entries)
+    write_table(path, ["where", *(f"{column} [J]" for column in Entry._fields[1:])], result.ledger.entries)
 
 
 def save_npz(result: Result, path: str | Path) -> None:

@@ -13,7 +13,7 @@ from tline.solver.resolution import Resolution, resolution
 from tline.solver.result import Result
 from tline.solver.run import run
 from tline.solver.search import Search, within
-from tline.solver.stability.growth import active_parts, growth_sentence
+from tline.solver.stability.growth import active_loads, active_parts, controlled_sources, growth_sentence
 from tline.solver.with_losses import is_lossy, with_losses
 
 TOL = 1e-6  # where nothing is asked or fixed
@@ -144,7 +144,7 @@ def _tolerance(scene: Scene, tol: float | None) -> float | None:
 
 def _active(scene: Scene, allowed: bool) -> list[str]:
     """What there is to say of active elements, if they are allowed."""
-    active = active_parts(scene)
+    active = active_parts(active_loads(scene), controlled_sources(scene))
     if not active:
         return []
     problem = growth_sentence(scene, active)

@@ -31,6 +31,6 @@ def answer(file: str, asked: Asked) -> Answer:
         lines.append(f"  {rest} with nothing but R, L, C, reservoirs and switches, passive by construction")
     lines += [f"  {place('loads', name)}: {'refuted' if name in active else 'proved'}" for name in tested]
     if active or sources:
-        told["growth"] = growth_sentence(scene, active_parts(scene))
+        told["growth"] = growth_sentence(scene, active_parts(active, sources))
         lines.append(f"  {told['growth']}")
     return Answer(told["status"], lines, told)

@@ -11,6 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.connected import parts
+
 
 class Port(NamedTuple):
     """A port of an element at a node."""
@@ -47,10 +49,11 @@ def flows_of(ports: Sequence[Port], seen: Sequence[bool]) -> Flows:
     """
     n = len(seen)
     known, told, unknown = _followed(ports, n)
-    together = [set(elements) for elements in unknown if elements]
-    together += [{port.element for port in ports if port.node == k} for k in range(n) if not seen[k]]
-    parts = _joined([{port.element} for port in ports] + [part for part in together if part])
-    part_of = {element: tuple(sorted(part)) for part in parts for element in part}
+    together = [*unknown, *({port.element for port in ports if port.node == k} for k in range(n) if not seen[k])]
+    pairs = [(min(elements), element) for elements in together for element in elements]
+    first, second = np.array(pairs, int).reshape(-1, 2).T
+    part = parts(first, second, 1 + max((port.element for port in ports), default=-1))
+    part_of = [tuple(np.flatnonzero(part == own).tolist()) for own in part]
     shares, node, elements = [], [], []
     for p, port in enumerate(ports):
         if p in known and seen[port.node]:
@@ -87,17 +90,3 @@ def _followed(ports: Sequence[Port], n: int) -> tuple[dict[int, NDArray], set[in
             waiting[at].discard(twin)
             ready.append(at)
     return known, told, [{ports[p].element for p in left} for left in waiting]
-
-
-def _joined(parts: list[set[int]]) -> list[set[int]]:
-    """Sets that have a member in common made one."""
-    joined: list[set[int]] = []
-    for part in parts:
-        apart = []
-        for other in joined:
-            if part & other:
-                part = part | other
-            else:
-                apart.append(other)
-        joined = [*apart, part]
-    return joined

@@ -1,6 +1,5 @@
 """Many runs in files that other programs read: CSV and NPZ."""
 
-import csv
 from collections.abc import Iterator, Mapping
 from importlib.metadata import version
 from pathlib import Path
@@ -12,7 +11,7 @@ from numpy.typing import ArrayLike
 from tline.scene.file import scene_text
 from tline.scene.medium import MEDIA
 from tline.scene.scene import Scene
-from tline.solver.atomic import replacing
+from tline.solver.atomic import replacing, write_table
 from tline.solver.many.runs import Many
 
 EXTREMES = ("lowest", "lowest_at", "highest", "highest_at")
@@ -35,10 +34,7 @@ def save_csv(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many, path: str 
     head = [*vary, *(f"{name} {column}" for name in runs.probes for column in columns)]
     seen = [getattr(probe, key) for probe in runs.probes.values() for key in EXTREMES]
     rows = np.stack([*(np.asarray(values, float) for values in vary.values()), *seen], axis=1)
-    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(head)
-        writer.writerows(rows.tolist())
+    write_table(path, head, rows.tolist())
 
 
 def save_npz(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many, path: str | Path) -> None:

@@ -1,5 +1,6 @@
 """Which loads of a scene are active, and whether its waves grow with them."""
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,10 +50,10 @@ def controlled_sources(scene: Scene) -> list[str]:
     return [name for name, link in scene.links.items() if isinstance(link, ControlledSource)]
 
 
-def active_parts(scene: Scene) -> list[str]:
-    """What there is to say of each load that is active and of each link that may feed waves."""
-    loads = [f"{place('loads', name)} is active: {verdict.why}" for name, verdict in active_loads(scene).items()]
-    return loads + [f"{place('links', name)} may feed waves" for name in controlled_sources(scene)]
+def active_parts(loads: Mapping[str, Verdict], sources: Iterable[str]) -> list[str]:
+    """What there is to say of each of the active loads, and of each of the links that may feed waves."""
+    told = [f"{place('loads', name)} is active: {verdict.why}" for name, verdict in loads.items()]
+    return told + [f"{place('links', name)} may feed waves" for name in sources]
 
 
 def growth(scene: Scene) -> Growth | None:

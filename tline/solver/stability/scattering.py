@@ -8,17 +8,17 @@ and i that into multiports, which bind efforts and flows of several nodes; 2u - 
 
 from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.mistakes import place
 from tline.scene.multiport import Multiport
 from tline.scene.scene import Scene
 from tline.scene.touchstone import Touchstone
-from tline.solver.connected import parts
+from tline.solver.lumps import grouped
 from tline.solver.multiport import PortPlaces
-from tline.solver.nodes import Node, nodes_of
+from tline.solver.nodes import NONE, Node, nodes_of
 from tline.solver.stability.lossy_line import carried, losses_of
 
 Parts = tuple[NDArray, NDArray, NDArray]
@@ -42,7 +42,8 @@ class Scattering:
         self.second = float(delays.min())
         self.delays = delays / self.second
         self.z0 = np.array([line.parameters.z0 for line in lines])
-        nodes = nodes_of(scene)
+        none = np.zeros(len(lines))
+        groups, nodes = grouped(scene, NONE, nodes_of(scene), none, none)
         self.names = list(nodes)
         more = terminations or {}
         own = [0.0 if node.dead else node.total for node in nodes.values()]
@@ -53,7 +54,8 @@ class Scattering:
         self.lossy = {k: losses_of(name, line) for k, (name, line) in enumerate(scene.lines.items()) if line.losses}
         self.measured = [node.measured for node in nodes.values()]
         self.loads = [self._polynomials(*each) for each in zip(nodes.values(), self.totals, self.held, strict=True)]
-        self.groups = _groups(scene, self.names)
+        edges = np.cumsum([0, *(len(group.nodes) for group in groups)])
+        self.groups = [(np.arange(*span), group.ports) for span, group in zip(pairwise(edges), groups, strict=True)]
 
     def _polynomials(self, node: Node, total: float, held: bool) -> tuple[NDArray, NDArray]:
         """Coefficients of p and of f = Y p + q, one scale for both; p = 0 where the effort is held."""
@@ -149,18 +151,3 @@ class Scattering:
             matrix[:, (ends ^ 1)[:, None], ends] += across[:, ends, None] * scattering
             matrix[:, ends[:, None], ends] += back[:, ends, None] * scattering
         return matrix
-
-
-def _groups(scene: Scene, names: list[str]) -> list[tuple[NDArray, list[PortPlaces]]]:
-    """Numbers of the nodes that multiports join, or of one node, and the multiports there."""
-    number = {name: k for k, name in enumerate(names)}
-    links = {name: link for name, link in scene.links.items() if isinstance(link, Multiport)}
-    first = np.array([number[link.nodes[0]] for link in links.values() for _ in link.nodes], int)
-    second = np.array([number[at] for link in links.values() for at in link.nodes], int)
-    part = parts(first, second, len(names))
-    groups: list[tuple[NDArray, list[PortPlaces]]] = [(np.flatnonzero(part == k), []) for k in range(part.max() + 1)]
-    for name, link in links.items():
-        at = np.array([number[node] for node in link.nodes])
-        nodes, members = groups[part[at[0]]]
-        members.append(PortPlaces(place("links", name), np.searchsorted(nodes, at), link.ports()))
-    return groups
