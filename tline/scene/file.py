@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from tline.errors import InputError
+from tline.scene.own import own_elements
 from tline.scene.scene import Scene
 from tline.scene.text_file import read_text
 
@@ -41,10 +42,17 @@ def scene_from(data: dict[str, Any], folder: str = ".") -> Scene:
 
 
 def scene_text(scene: Scene) -> str:
-    """The scene as TOML text, with every value as it was typed; reading it gives an equal scene."""
+    """The scene as TOML text, with every value as it was typed; reading it gives an equal scene.
+
+    Elements of a user's own appear under the names of their classes, which a file cannot give back.
+    """
     import tomli_w
 
-    return tomli_w.dumps(scene.table())
+    table = scene.table()
+    for part, name in own_elements(scene):
+        element = table[part][name]
+        table[part][name] = {"kind": type(element).__name__} | element.table()
+    return tomli_w.dumps(table)
 
 
 def schema() -> dict[str, Any]:

@@ -9,7 +9,14 @@ from tline.scene.element import Element
 from tline.scene.shape import Shape
 
 # the key of what scales a kind over time
-FACTORS = {"quadratic": "opening", "leak": "opening", "demand": "pattern", "pump": "speed", "rotor": "trip"}
+FACTORS = {
+    "quadratic": "opening",
+    "leak": "opening",
+    "demand": "pattern",
+    "pump": "speed",
+    "rotor": "trip",
+    "own": "opening",
+}
 
 
 class Law(NamedTuple):

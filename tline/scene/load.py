@@ -10,6 +10,7 @@ from tline.scene.characteristic import Curve, Diode
 from tline.scene.element import AtNode
 from tline.scene.medium import MEDIA
 from tline.scene.outflow import Demand, Leak
+from tline.scene.own import OwnLoad, or_own
 from tline.scene.quantity import LoadResistance, Pressure, Resistance, Time
 from tline.scene.rational_load import Impedance, Parallel, Series
 from tline.scene.touchstone import Touchstone
@@ -87,5 +88,5 @@ Load = Annotated[
     NoFlow | Short | Reservoir | Matched | Resistor | Switch | Series | Parallel | Impedance | Touchstone
     | Orifice | CheckValve | ReliefValve | Leak | Demand | Diode | Curve
     | AirVessel | SurgeTank | Cavity | VapourCavity | AirValve,
-    Field(discriminator="kind"),
+    Field(discriminator="kind"), *or_own(OwnLoad),
 ]  # fmt: skip

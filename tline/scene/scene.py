@@ -26,6 +26,7 @@ from tline.scene.load import Load
 from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import MOST, limited, mistakes, place
+from tline.scene.own import own_elements
 from tline.scene.probe import Probe
 from tline.scene.quantity import Duration, Effort, Tolerance, Whole
 from tline.scene.shape import Shape
@@ -184,6 +185,13 @@ class Scene(Element):
             table.get("lines", {}).pop(line, None)
         for (part, name), element in self.measured.items():
             table.get(part, {}).get(name, {})["at" if part == "loads" else "nodes"] = element.near
+        return table
+
+    def table(self) -> dict[str, Any]:
+        """The scene as it stands in a file, but for elements of a user's own, which are given as they are."""
+        table = super().table()
+        for (part, name), element in own_elements(self).items():
+            table[part][name] = element
         return table
 
     def with_changes(self, **tables: Any) -> "Scene":

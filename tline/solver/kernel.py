@@ -16,6 +16,7 @@ import numpy as np
 from numba import int64, njit, uint64
 
 from tline.solver.borrowed import borrowed
+from tline.solver.called import answer
 
 TINY = 1e-150  # waves below are flushed to zero: subnormal numbers are slow, and their squares vanish anyway
 SCRATCH = 512  # samples per tile
@@ -120,7 +121,7 @@ def add_product(matrix, at, rows, columns, x, o, out, q):
 # Elements whose flow is no linear function of the effort across them. Each sees a Thévenin source: an effort v behind
 # an impedance z. Where several see each other, Newton's method finds all flows at once, instant by instant.
 
-QUADRATIC, PUMP, RELIEF, LEAK, DEMAND, DIODE, TABLE, GAS, TANK, ROTOR, VAPOUR, AIR = range(12)
+QUADRATIC, PUMP, RELIEF, LEAK, DEMAND, DIODE, TABLE, GAS, TANK, ROTOR, VAPOUR, AIR, OWN = range(13)
 SPARE, CLOSE = 4e-15, 1e-10  # residuals, relative to the efforts: where to stop, and what will do if no step helps
 STEPS, ULPS = 80, 4e-16  # of a scalar Newton, and the relative change at which it ends
 TRIES, LEAST_STRIDE = 40, 1e-8  # Newton steps for a part of the way, and the least part
@@ -263,6 +264,44 @@ def tabled(d, z, c, at, n):
     return c[at + n + high] - slope * (stop - d), slope
 
 
+@njit(**INNER)
+def own(address, factor, d, z):
+    """Flow i and di/dd where d = u + z i(u) and i is told at an address: by Ridders' method, which needs no slope."""
+    low, high, wide = min(d, 0.0), max(d, 0.0), abs(d)
+    at_low = low + z * answer(address, low, factor) - d
+    at_high = high + z * answer(address, high, factor) - d
+    for _ in range(STEPS):  # an active law has its effort beyond the wave
+        if at_low <= 0.0 <= at_high:
+            break
+        wide = 2.0 * max(wide, abs(at_low), abs(at_high))
+        if at_low > 0.0:
+            low -= wide
+            at_low = low + z * answer(address, low, factor) - d
+        if at_high < 0.0:
+            high += wide
+            at_high = high + z * answer(address, high, factor) - d
+    u = low if at_low == 0.0 else high
+    for _ in range(STEPS):
+        if at_low == 0.0 or at_high == 0.0 or high - low <= ULPS * max(abs(low), abs(high)):
+            break
+        before, middle = u, 0.5 * (low + high)
+        rest = middle + z * answer(address, middle, factor) - d
+        u = middle if rest == 0.0 else middle - (middle - low) * rest / np.sqrt(rest**2 - at_low * at_high)
+        left = u + z * answer(address, u, factor) - d
+        for place, value in ((middle, rest), (u, left)):
+            if value > 0.0 and place < high:
+                high, at_high = place, value
+            elif value <= 0.0 and place > low:
+                low, at_low = place, value
+        if abs(u - before) <= ULPS * abs(u):
+            break
+    i, step = answer(address, u, factor), 1e-6 * max(abs(u), abs(d)) + TINY
+    slope = max(answer(address, u + step, factor) - answer(address, u - step, factor), 0.0) / (2.0 * step)
+    if z * slope > 1.0:
+        i = (d - u) / z
+    return i, slope / (1.0 + z * slope)
+
+
 @njit(**OPTIONS)
 def through(kind, c, at, factor, v, z):
     """Flow i through an element without a state, behind the effort v and the impedance z, and di/dv."""
@@ -276,6 +315,8 @@ def through(kind, c, at, factor, v, z):
         return diode(d, z, c[at + 1], c[at + 2])
     if kind == TABLE:
         return tabled(d, z, c, at + 2, int(c[at + 1]))
+    if kind == OWN:
+        return own(int64(c[at + 1]), factor, d, z)
     least = c[at + 2] if kind == RELIEF else 0.0
     if d <= least or factor <= 0.0:
         return 0.0, 0.0

@@ -5,6 +5,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from tline.errors import ActiveError, InputError
+from tline.scene.mistakes import place
+from tline.scene.own import own_elements, own_mistakes
 from tline.scene.quantity import TOLERANCE
 from tline.scene.scene import Scene
 from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside
@@ -17,6 +19,7 @@ from tline.solver.stability.growth import active_loads, active_parts, controlled
 from tline.solver.with_losses import is_lossy, with_losses
 
 TOL = 1e-6  # where nothing is asked or fixed
+ROUNDING = 1e-9  # of the energy turned over
 
 
 class UnresolvedWarning(UserWarning):
@@ -56,7 +59,8 @@ def simulate(
     envelope : bool
         Keep the lowest and the highest effort at every node, and when: ``Result.envelope``.
     ledger : bool
-        Keep what every line and element gave, took and stored: ``Result.ledger``.
+        Keep what every line and element gave, took and stored: ``Result.ledger``. Always kept where there are
+        elements of a user's own, so that one which makes energy is told.
     active : bool
         Run even with a load that is not positive real. What it does to the scene is then the first of the notes.
     progress : bool
@@ -96,18 +100,19 @@ def simulate(
     (True, True)
     """
     warned, record = _active(scene, active), list(record)
-    tol = _tolerance(scene, tol)
+    tol, ledger = _tolerance(scene, tol), ledger or bool(own_elements(scene))
     lossy = is_lossy(scene)
-    if tol is None or (scene.solver.slab and (scene.solver.order or lossy)):
-        chosen = resolution(scene, nodes_of(scene))
-        result = run(scene, chosen, record, envelope=envelope, ledger=ledger, progress=progress)
-        result = replace(result, accuracy=tol and _by_hand(result, tol))
-    else:
-        search = Search(scene, tol, record, progress, envelope=envelope, ledger=ledger)
-        result = (with_losses if lossy else within)(search)
+    with own_mistakes(scene):
+        if tol is None or (scene.solver.slab and (scene.solver.order or lossy)):
+            chosen = resolution(scene, nodes_of(scene))
+            result = run(scene, chosen, record, envelope=envelope, ledger=ledger, progress=progress)
+            result = replace(result, accuracy=tol and _by_hand(result, tol))
+        else:
+            search = Search(scene, tol, record, progress, envelope=envelope, ledger=ledger)
+            result = (with_losses if lossy else within)(search)
     for note in result.unresolved:
         warnings.warn(note, UnresolvedWarning, stacklevel=2)
-    return replace(result, remarks=(*warned, *result.remarks))
+    return replace(result, remarks=(*warned, *_made(result), *result.remarks))
 
 
 def judged(result: Result) -> Accuracy:
@@ -140,6 +145,16 @@ def _tolerance(scene: Scene, tol: float | None) -> float | None:
         except InputError as error:
             raise InputError("tol", error.problem, error.expected, error.got) from None
     return asked if asked is not None or by_hand else TOL
+
+
+def _made(result: Result) -> list[str]:
+    """Which elements of a user's own gave more energy than they had taken."""
+    if result.ledger is None:
+        return []
+    own = {place(*where) for where in own_elements(result.scene)}
+    entries = [entry for entry in result.ledger.entries if own & set(entry.where.split(" and "))]
+    gains = [entry for entry in entries if entry.created > ROUNDING * result.ledger.turnover]
+    return [f"{entry.where} gave {entry.created:.3g} J more than it had taken: its law is active" for entry in gains]
 
 
 def _active(scene: Scene, allowed: bool) -> list[str]:

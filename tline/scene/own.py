@@ -1,0 +1,140 @@
+"""Elements of a user's own: Python classes whose method tells the flow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from ctypes import CFUNCTYPE, c_double, c_void_p, cast
+from math import inf, nan
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from pydantic import Field, PrivateAttr, WrapSerializer, WrapValidator
+
+from tline.errors import InputError
+from tline.scene.between import Between
+from tline.scene.element import AtNode
+from tline.scene.factor import ALWAYS, Factor
+from tline.scene.law import Law, NonLinear
+from tline.scene.mistakes import place
+
+if TYPE_CHECKING:
+    from tline.scene.scene import Scene
+
+_SIGNATURE = CFUNCTYPE(c_double, c_double, c_double)
+
+
+class OwnElement(NonLinear):
+    """What `OwnLoad` and `OwnLink` share."""
+
+    kind: ClassVar[str] = "own"
+    opening: Factor = Field(default=ALWAYS, description="what the law is told, from 0 to 1, constant or over time")
+    _lent: Any = PrivateAttr(default=None)
+    _problem: str | BaseException = PrivateAttr(default="")
+
+    def flow(self, effort: float, opening: float) -> float:
+        """Flow at an effort across the element.
+
+        Parameters
+        ----------
+        effort : float
+            Pressure, Pa, or voltage, V; between nodes that of the first over the second.
+        opening : float
+            Value of ``opening`` at that instant.
+
+        Returns
+        -------
+        float
+            m³/s or A. It must not fall where the effort rises; what takes energy has effort·flow >= 0.
+        """
+        raise NotImplementedError
+
+    def law(self) -> Law:
+        """The method as a C function, which the kernel calls at its address."""
+        if self._lent is None:
+            self._lent = _SIGNATURE(self._told)
+        address = cast(self._lent, c_void_p).value or 0
+        return Law("own", (0.0, float(address)), self.opening)  # exact: addresses are below 2**53
+
+    def _told(self, effort: float, opening: float) -> float:
+        """What the kernel gets; nan after any mistake, as no exception can pass through it."""
+        try:
+            flow = float(self.flow(effort, opening))
+        except Exception as error:  # noqa: BLE001 - whatever a user's law may raise
+            self._problem = self._problem or f"({effort:.6g}, {opening:.6g}) raised {type(error).__name__}: {error}"
+        except BaseException as error:  # noqa: BLE001 - such as KeyboardInterrupt, raised again when the run has ended
+            self._problem = error
+        else:
+            if abs(flow) < inf:
+                return flow
+            self._problem = self._problem or f"({effort:.6g}, {opening:.6g}) returned {flow}"
+        return nan
+
+
+class OwnLoad(OwnElement, AtNode):
+    """A load whose law you write: derive from it, give it fields, and say its flow.
+
+    Examples
+    --------
+    >>> from tline.scene.own import OwnLoad
+    >>> from tline.scene.scene import Scene
+    >>> from tline.solver.simulate import simulate
+    >>> class Clamp(OwnLoad):
+    ...     limit: float
+    ...     def flow(self, effort, opening):
+    ...         return max(abs(effort) - self.limit, 0.0) * (0.1 if effort > 0 else -0.1)
+    >>> scene = Scene(
+    ...     medium="electrical", t_end="20 ns", probes={"far": {"at": "far"}},
+    ...     lines={"line": {"nodes": ["near", "far"], "z0": 50, "delay": "5 ns"}},
+    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 10, "resistance": 50}},
+    ...     loads={"clamp": Clamp(at="far", limit=4.0)},
+    ... )
+    >>> print(f"{simulate(scene).probes['far'].u[-1]:.6f} V")  # 4 V + 10 ohm · 0.1 A
+    5.000000 V
+    """
+
+
+class OwnLink(OwnElement, Between):
+    """The same between two nodes; flow counts positive from the first to the second."""
+
+
+def own_elements(scene: Scene) -> dict[tuple[str, str], OwnElement]:
+    """Those of a scene, by section and name."""
+    elements = [("loads", *one) for one in scene.loads.items()] + [("links", *one) for one in scene.links.items()]
+    return {(part, name): element for part, name, element in elements if isinstance(element, OwnElement)}
+
+
+@contextmanager
+def own_mistakes(scene: Scene) -> Iterator[None]:
+    """While such a scene runs: say what went wrong in the laws of its own elements, rather than what followed.
+
+    Raises
+    ------
+    InputError
+        With the effort at which it happened.
+    """
+    own = own_elements(scene)
+    for element in own.values():
+        element._problem = ""
+    try:
+        yield
+    finally:
+        for where, element in own.items():
+            if isinstance(element._problem, BaseException):
+                raise element._problem
+            if element._problem:
+                problem = f"{type(element).__name__}.flow{element._problem}"
+                raise InputError(place(*where), problem, "a finite number") from None
+
+
+def or_own(kind: type[OwnElement]) -> tuple[WrapValidator, WrapSerializer]:
+    """For a union of elements: one of a user's own of that kind is taken, and given back, as it is."""
+
+    def taken(value: Any, handler: Callable[[Any], Any]) -> Any:
+        if isinstance(value, OwnElement) and not isinstance(value, kind):
+            raise InputError("", "does not fit here", f"an {kind.__name__}", f"'{type(value).__name__}'")
+        return value if isinstance(value, kind) else handler(value)
+
+    def itself(value: Any, handler: Callable[[Any], Any]) -> Any:
+        return value if isinstance(value, kind) else handler(value)
+
+    return WrapValidator(taken), WrapSerializer(itself)
