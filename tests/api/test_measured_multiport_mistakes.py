@@ -158,3 +158,22 @@ def test_a_run_says_how_well_the_model_fits():
     done = CliRunner().invoke(main, ["run", "scene.toml"], catch_exceptions=False)
     assert "proved passive" in done.output
     assert re.search(r", S divided by 1 \+ \d\.\de-06 to be passive \(100 samples", done.output)
+
+
+def test_fit_prints_the_poles_of_several_ports_and_draws():
+    done = CliRunner().invoke(main, f"fit {FILTER} --nearest --plot fit.png".split())
+    assert done.exit_code == 0
+    assert "2 ports, 4 poles, proved passive, |ΔS| up to 6.7e-06" in done.output
+    assert len(re.findall(r"^    pole ", done.output, re.MULTILINE)) == 3  # two are a pair
+    assert Path("fit.png").stat().st_size > 10_000
+
+
+def test_fit_takes_delays_in_front_of_ports_out(tmp_path):
+    T = np.array([0.4e-9, 0.7e-9])
+    S = np.full((2, 2), 0.3) * np.exp(-2j * np.pi * frequencies()[:, None, None] * (T[:, None] + T))
+    write_ports(tmp_path / "line.s2p", frequencies(), S)
+    done = CliRunner().invoke(main, ["fit", str(tmp_path / "line.s2p"), "--delay", "0.4 ns, 0.7 ns", "--json"])
+    told = json.loads(done.output)
+    assert told["order"] == 0
+    assert told["status"] == "proved"
+    assert np.array(told["constant"]) == pytest.approx(0.3 * np.ones((2, 2)), abs=1e-9)
