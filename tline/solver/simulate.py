@@ -5,9 +5,11 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from tline.errors import ActiveError, InputError
+from tline.scene.parted import parted
 from tline.scene.quantity import TOLERANCE
 from tline.scene.scene import Scene
 from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside
+from tline.solver.joined import joined, recorded
 from tline.solver.nodes import nodes_of
 from tline.solver.resolution import Resolution, resolution
 from tline.solver.result import Result
@@ -95,6 +97,11 @@ def simulate(
     >>> result.accuracy.met, result.accuracy.estimates["far"].u < 1e-9
     (True, True)
     """
+    whole = parted(scene)
+    if whole is not scene:
+        record = [each for name in record for each in recorded(scene, name)]
+        more = {"envelope": envelope, "ledger": ledger, "active": active, "progress": progress}
+        return joined(simulate(whole, tol=tol, record=record, **more), scene)
     warned, record = _active(scene, active), list(record)
     tol = _tolerance(scene, tol)
     lossy = is_lossy(scene)
@@ -118,8 +125,8 @@ def judged(result: Result) -> Accuracy:
     result : Result
         Of a run without a tolerance.
     """
-    s, h = result.resolution.s, result.resolution.h
-    better = run(result.scene, Resolution(s, h / 2) if is_lossy(result.scene) else Resolution(s + 1, h))
+    s, h, scene = result.resolution.s, result.resolution.h, (result.parts or result).scene
+    better = run(scene, Resolution(s, h / 2) if is_lossy(scene) else Resolution(s + 1, h))
     estimates = apart(result, better)
     worst = max(estimate.worst for estimate in estimates.values())
     return Accuracy(None, estimates, (Attempt.of(result, worst), Attempt.of(better)), apart_inside(result, better))
