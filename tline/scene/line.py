@@ -139,7 +139,7 @@ class _Pipe(SceneLine):
     cavities: Cavities | None = Field(default=None, description="column separation at places inside the pipe")
 
     @property
-    def stretches(self) -> int:  # noqa: D102
+    def stretches(self) -> int:
         return self.cavities.places + 1 if self.cavities is not None else 1
 
     @model_validator(mode="after")

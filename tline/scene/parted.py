@@ -24,7 +24,8 @@ def parted(scene: Scene) -> Scene:
     Examples
     --------
     >>> pipe = {"nodes": ["tank", "valve"], "z0": "20 MPa s/m^3", "delay": "0.3 s", "cavities": {"places": 2}}
-    >>> scene = Scene(medium="hydraulic", t_end=1, lines={"pipe": pipe}, probes={"p": {"line": "pipe", "position": "50 %"}})
+    >>> probe = {"line": "pipe", "position": "50 %"}
+    >>> scene = Scene(medium="hydraulic", t_end=1, lines={"pipe": pipe}, probes={"p": probe})
     >>> whole = parted(scene)
     >>> list(whole.lines), list(whole.loads)
     (['pipe, stretch 1', 'pipe, stretch 2', 'pipe, stretch 3'], ['pipe, place 1', 'pipe, place 2'])

@@ -62,7 +62,7 @@ class Boiling(Element):
 
 class _BoilingAtNode(Boiling, AtNode, OfLiquids):
     back_pressure: Pressure = Field(
-        default=ZERO, description="pressure in the scene at which the outside is: density·gravity·height, if it has that"
+        default=ZERO, description="pressure in the scene at which the outside is: density·gravity·height, or 0"
     )
 
 

@@ -434,8 +434,8 @@ def integrated(coef, factor, out):
 def squeeze(laws, e, start, states, tools, h, v, z, flow):
     """Flows into gas that keeps its temperature, by many steps of Euler's implicit method for its volume.
 
-    Its energy is convex in its volume: a step adds none. Nor does what these flows have on the slab, and their integral,
-    the volume, stays.
+    Its energy is convex in its volume: a step adds none. Nor does the projection of these flows on the slab, which
+    keeps their integral, the volume.
     """
     at, c, width = laws.at[e], laws.constants, 1.0 / SQUEEZES
     coef, sent = np.empty(flow.size), np.empty(flow.size + 1)
