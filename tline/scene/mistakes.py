@@ -81,11 +81,8 @@ def _sentence(
         case "missing":
             return InputError(where, MISSING)
         case "extra_forbidden":
-            model = (
-                chosen or _innermost(sections.get(str(location[0]), root), location[2:-1])
-                if len(location) > 1
-                else root
-            )
+            outer = sections.get(str(location[0]), root) if len(location) > 1 else root
+            model = chosen or _innermost(outer, location[2:-1])
             return InputError(where, UNKNOWN, nearest(str(location[-1]), keys(model)))
         case "union_tag_not_found":
             key, own = context["discriminator"].strip("'"), sections.values()

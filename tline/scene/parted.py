@@ -36,15 +36,16 @@ def parted(scene: Scene) -> Scene:
     if not cut:
         return scene
     table, weight = scene.table(), weight_at(scene)
-    lines, loads = {}, dict(table.get("loads", {}))
+    lines, loads, nodes = {}, dict(table.get("loads", {})), dict(table.get("nodes", {}))
     for name, given in table["lines"].items():
         if name not in cut:
             lines[name] = given
             continue
         lines |= _stretches(name, cut[name], given)
         loads |= _cavities(name, cut[name], weight)
+        nodes |= _heights(name, cut[name], scene)
     probes = {name: _seen(name, probe, cut) or table["probes"][name] for name, probe in scene.probes.items()}
-    return scene.with_changes(lines=lines, loads=loads, probes=probes)
+    return scene.with_changes(lines=lines, loads=loads, probes=probes, nodes=nodes)
 
 
 def _stretches(name: str, line: SceneLine, given: dict[str, Any]) -> dict[str, Any]:
@@ -58,11 +59,22 @@ def _stretches(name: str, line: SceneLine, given: dict[str, Any]) -> dict[str, A
 
 def _cavities(name: str, line: Any, weight: dict[str, float]) -> dict[str, Any]:
     """Tables of the cavities of a line; outside is the air at their heights."""
-    low, high = (weight.get(node, 0.0) for node in line.nodes)
-    places = places_of(name, line)
-    return {
-        node: line.cavities.load(node, low + (high - low) * (k + 1) / line.stretches) for k, node in enumerate(places)
-    }
+    back = _between(line, [weight.get(node, 0.0) for node in line.nodes])
+    return {node: line.cavities.load(node, u) for node, u in zip(places_of(name, line), back, strict=True)}
+
+
+def _heights(name: str, line: SceneLine, scene: Scene) -> dict[str, Any]:
+    """Tables of its places, where heights are known: those of both ends, or of none."""
+    ends = [scene.nodes[node].elevation for node in line.nodes if node in scene.nodes]
+    known = [float(height) for height in ends if height is not None]
+    if not known:
+        return {}
+    return {node: {"elevation": z} for node, z in zip(places_of(name, line), _between(line, known), strict=True)}
+
+
+def _between(line: SceneLine, ends: list[float]) -> list[float]:
+    """Values at its places, on the straight line between those of its ends."""
+    return [ends[0] + (ends[-1] - ends[0]) * (k + 1) / line.stretches for k in range(line.stretches - 1)]
 
 
 def _seen(name: str, probe: Probe, cut: dict[str, SceneLine]) -> dict[str, Any] | None:

@@ -447,10 +447,10 @@ def squeeze(laws, e, start, states, tools, h, v, z, flow):
         here = series(sent, 2.0 * (k + 1) * width - 1.0)
         left = volume - share * (((here - last) / width - c[at]) / c[at + 2] + 1.0)
         root = np.sqrt(left * left + 4.0 * share)
-        after = 0.5 * (left + root) if left > 0.0 else 2.0 * share / (root - left)
-        constant[0] = (volume - after) * c[at + 3] / (h * width)
+        new = 0.5 * (left + root) if left > 0.0 else 2.0 * share / (root - left)
+        constant[0] = (volume - new) * c[at + 3] / (h * width)
         project(constant, k * width, (k + 1) * width, 0.0, 1.0, tools.gauss, whole)
-        volume, last = after, here
+        volume, last = new, here
     states[laws.state_at[e]] = np.log(volume)
     times(tools.to_points, whole, 0, flow)
 

@@ -20,7 +20,10 @@ HELPS = 0.5  # a step that leaves more of the difference than this does not conv
 STALE = 2  # halvings of the slab in a row that may bring nothing
 MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
 MOST_CELLS = 8  # of a lumped line
-COLLAPSE = ": cavities collapse at other instants in each run, and that spreads; order = 1 and a slab settle it by hand"
+LOST = 0.3  # estimates beyond, one after the other, with cavities: no run resembles another
+COLLAPSE = (
+    ": cavities collapse at other instants in each run, and that spreads; order = 1 and no tolerance give one run"
+)
 
 
 class Search(NamedTuple):
@@ -120,12 +123,15 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
 
 def limit_of(attempts: list[Attempt], stale: int, search: Search) -> str:
     """What forbids a finer run; empty if nothing does."""
+    collapse = any(isinstance(load, Boiling) for load in search.scene.loads.values())
+    told = [a.estimate for a in attempts if a.estimate is not None][-STALE - 1 :]
+    if stale == STALE or (collapse and len(told) > STALE and min(told) > LOST):
+        return f"narrower slabs do not help{COLLAPSE * collapse}"
     if sum(a.samples for a in attempts) + 2 * attempts[-1].samples > search.most:
         return f"a finer run would take the total beyond {search.most:.0e} line-end samples"
     if sum(a.seconds for a in attempts) + 2 * attempts[-1].seconds > MOST_SECONDS:
         return f"a finer run would take the total beyond {MOST_SECONDS} s"
-    collapse = any(isinstance(load, Boiling) for load in search.scene.loads.values())
-    return f"narrower slabs do not help{COLLAPSE * collapse}" if stale == STALE else ""
+    return ""
 
 
 def _finer(search: Search, cells: Mapping[str, int]) -> Generator[Resolution, tuple[bool, bool]]:
