@@ -156,3 +156,15 @@ def test_what_cannot_be_had_is_refused_by_name():
         ):
             asked()
     assert all("rivals know linear elements only" in rival.misfit(still) for rival in RIVALS.values())
+
+
+def test_a_search_that_leads_nowhere_says_why():
+    lines = {"pipe": {"nodes": ["tank", "end"], "z0": 2e7, "delay": 0.3, "cavities": {"places": 7, "gas_volume": 1e-9}}}
+    loads = TABLE["loads"] | {"end": {"at": "end", "kind": "cavity", "gas_volume": 1e-9}}
+    value = {"shape": "ramp", "from": -0.04, "to": 0, "at": 0.03, "duration": 0.1}
+    sources = {"out": {"at": "end", "kind": "flow", "value": value}}
+    accuracy = simulate(
+        changed(lines=lines, loads=loads, sources=sources, nodes={}, solver={}, t_end=3), tol=1e-4
+    ).accuracy
+    assert not accuracy.met
+    assert accuracy.limit.startswith("narrower slabs do not help: cavities collapse at other instants in each run")

@@ -53,7 +53,7 @@ def places_of(name: str, line: "SceneLine") -> list[str]:
 
 
 def with_cavities(lines: Mapping[str, "SceneLine"]) -> dict[str, "SceneLine"]:
-    """Those of the lines that have cavities."""
+    """Those of the lines that have cavities; coupled conductors never do."""
     return {name: line for name, line in lines.items() if getattr(type(line), "stretches", None) and line.stretches > 1}
 
 

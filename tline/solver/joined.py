@@ -12,6 +12,8 @@ from tline.solver.envelope import Envelope
 from tline.solver.ledger.ledger import Entry, Ledger
 from tline.solver.result import LineRecord, Result
 
+NOTHING = [0.0] * (len(Entry._fields) - 1)  # in all columns
+
 
 @dataclass(frozen=True, eq=False)
 class CutRecord(LineRecord):
@@ -91,5 +93,5 @@ def _summed(ledger: Ledger, scene: Scene) -> Ledger:
     sums: dict[str, list[float]] = {}
     for entry in ledger.entries:
         where = whole.get(entry.where, entry.where)
-        sums[where] = [x + y for x, y in zip(sums.get(where, [0.0] * 6), entry[1:], strict=True)]
+        sums[where] = [x + y for x, y in zip(sums.get(where, NOTHING), entry[1:], strict=True)]
     return Ledger(tuple(Entry(where, *numbers) for where, numbers in sums.items()), ledger.turnover)
