@@ -32,6 +32,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.cavities import with_cavities
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
@@ -100,6 +101,8 @@ class Rival:
         """Why this method cannot do a scene; None if it can."""
         for part, name in scene.laws:
             return f"{place(part, name)}: rivals know linear elements only"
+        for name in with_cavities(scene.lines):
+            return f"{place('lines', name, 'cavities')}: rivals know linear elements only"
         for name, load in scene.loads.items():
             if load.kind in ("switch", "valve"):
                 return f"{place('loads', name)}: rivals have no switches"

@@ -113,8 +113,10 @@ def line(medium: str):
         )
     water = {"fluid": st.just("water"), "temperature": st.sampled_from(["20 degC", 300])}
     steel = {"wall": st.just("steel"), "wall_thickness": quantity("mm", least=1.0)}
+    volume = {"gas_volume": quantity("mL", "m^3"), "vapour_pressure": quantity("Pa", "mPa")}
+    cavities = {"cavities": table({"places": st.integers(1, 1000)}, volume)}
     return st.one_of(
-        table({"z0": quantity("Pa s/m^3"), "delay": quantity("s")}),
+        table({"z0": quantity("Pa s/m^3"), "delay": quantity("s")}, cavities),
         table({"radius": quantity("m", "mm"), "length": lengths} | water | steel),
         table({"diameter": quantity("in"), "density": quantity("kg/L"), "wave_speed": quantity("m/s"), "delay": time}),
     )  # fmt: skip

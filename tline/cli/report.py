@@ -91,9 +91,9 @@ def _measured_in_words(result: Result) -> list[str]:
 
 
 def _losses(result: Result) -> dict[str, Any]:
-    """Of each lossy line its cells or lumps, and what stands for its laws."""
+    """Of each lossy line, or of its stretches between cavities, its cells or lumps, and what stands for its laws."""
     told: dict[str, Any] = {}
-    lines = result.scene.single_lines
+    lines = (result.parts or result).scene.single_lines
     in_cells = fits(lines, result.resolution.h)
     lumps = lumps_in(lines, result.resolution.h, result.resolution.lumps)
     for name, circuits in result.circuits.items():

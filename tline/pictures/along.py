@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.pictures.path import Leg, Route
-from tline.solver.inside import Inside, inside
+from tline.solver.inside import Inside, InStretches, inside
 from tline.solver.result import Result
 
 STRETCHES, FEWEST = 320, 8  # on the whole route, and on each line, at whose ends extremes are known
@@ -62,7 +62,7 @@ def start_effort(result: Result, way: Route) -> float:
     return (a.before + b.before) / 2
 
 
-def _insides(result: Result, way: Route) -> list[Inside]:
+def _insides(result: Result, way: Route) -> list[Inside | InStretches]:
     return [inside(result, leg.line, _cells(way, leg)) for leg in way.legs]
 
 

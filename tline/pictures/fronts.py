@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.errors import InputError
+from tline.scene.cavities import refuse_cavities
 from tline.scene.coupled import refuse_coupled
 from tline.scene.load import Switch
 from tline.scene.lossless import refuse_losses
@@ -67,6 +68,7 @@ def only_line(scene: Scene) -> str:
         expected = "a scene with one line"
         raise InputError("lattice", "a bounce diagram shows one line", expected, str(len(scene.lines)))
     refuse_coupled(scene.lines, "a bounce diagram")
+    refuse_cavities(scene.lines, "a bounce diagram")
     return next(iter(scene.lines))
 
 

@@ -43,7 +43,7 @@ def lines_to_map(scene: Scene) -> list[str]:
     """
     refuse_coupled(scene.lines, "a map")
     refuse_too_many(scene)
-    delays = {name: line.shortest for name, line in scene.lines.items()}
+    delays = {name: line.parameters.delay or 0.0 for name, line in scene.lines.items()}
     return [name for name, delay in delays.items() if delay >= SEEN * max(delays.values())]
 
 

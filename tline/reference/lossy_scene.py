@@ -16,6 +16,7 @@ from tline.reference.lattice import instant
 from tline.reference.lossy import Drive, lossy_response
 from tline.reference.network import decimal
 from tline.reference.waveforms import straight
+from tline.scene.cavities import refuse_cavities
 from tline.scene.load import NoFlow, Resistor
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
@@ -55,6 +56,7 @@ class LossySolution:
             raise InputError("lines", "not one line with one source and one load at most", "such a scene")
         if scene.start != "rest":
             raise InputError("start", "exact solutions start at rest", "'rest'", f"'{scene.start}'")
+        refuse_cavities(scene.lines, "exact solutions")
         ((name, line),) = scene.single_lines.items()
         ((given, source),) = scene.sources.items()
         if line.losses is None or not line.losses.linear:

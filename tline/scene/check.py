@@ -8,6 +8,7 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError
+from tline.scene.cavities import places_of, stretches_of, with_cavities
 from tline.scene.coupled import Coupled, ends_of
 from tline.scene.crowded import crowded
 from tline.scene.element import is_name
@@ -104,6 +105,7 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
     yield from _held(scene)
     yield from _heights(scene)
     yield from _coupled(scene)
+    yield from _cavities(scene)
     yield from crowded(scene, {node for _, node in ideal_efforts(scene)})
     linked = {node for link in scene.links.values() for node in link.nodes} - set(ends)
     for name, load in scene.loads.items():
@@ -148,6 +150,20 @@ def _coupled(scene: Scene) -> Iterator[InputError]:
             yield InputError(
                 place("links", name), f"ends at node '{node}' of coupled conductors", "a node of single lines"
             )
+
+
+def _cavities(scene: Scene) -> Iterator[InputError]:
+    """Names that the parts of lines with cavities have, and places whose height is not known."""
+    cut = with_cavities(scene.lines)
+    nodes = {node for line in scene.lines.values() for node in line.nodes} if cut else set()
+    high = {name for name, site in scene.nodes.items() if site.elevation is not None}
+    for name, line in cut.items():
+        for own in {*stretches_of(name, line), *places_of(name, line)} & {*scene.lines, *scene.loads, *nodes}:
+            yield InputError("lines", f"a name that a part of {place('lines', name)} has", "another name", f"'{own}'")
+        missing = [node for node in line.nodes if high and node not in high]
+        if missing:
+            where, problem = place("lines", name, "cavities"), f"the height of node '{missing[0]}' is not known"
+            yield InputError(where, problem, "elevations of both ends of the line, or of no node")
 
 
 def _waveforms(scene: Scene) -> Iterator[InputError]:

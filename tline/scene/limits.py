@@ -7,6 +7,7 @@ from tline.line import HydraulicLine
 from tline.scene.medium import HYDRAULIC, MEDIA
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
+from tline.scene.vessel import Boiling
 from tline.units import engineering
 
 VACUUM = -101_325.0  # Pa, gauge
@@ -36,7 +37,9 @@ def beyond_limits(scene: Scene, extremes: Mapping[str, tuple[float, float]]) -> 
     unit, found = medium.shown["effort"], []
     deep = {where: low for where, (low, _) in extremes.items() if low < VACUUM}
     if medium is HYDRAULIC and deep:
-        limit = f"a liquid cavitates below {engineering(VACUUM, unit)} gauge (0 absolute): not modelled"
+        boils = any(isinstance(load, Boiling) for load in scene.loads.values())
+        modelled = "modelled at cavities only, and a jump within a slab shoots past it" if boils else "not modelled"
+        limit = f"a liquid cavitates below {engineering(VACUUM, unit)} gauge (0 absolute): {modelled}"
         falls = f"the pressure falls to {engineering(min(deep.values()), unit)}"
         found.append(f"{_first(sorted(deep, key=deep.__getitem__))}: {falls}; {limit}")
     rating = float(scene.rating or inf)

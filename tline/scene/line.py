@@ -18,6 +18,7 @@ from tline.line.walls import WALLS
 from tline.loss import Constant, Law, LossyLine, Sum, kelvin_voigt_wall
 from tline.scene.cable_loss import LossTangent, Skin, Wire
 from tline.scene.cable_table import CableTable
+from tline.scene.cavities import Cavities
 from tline.scene.element import Element, Name
 from tline.scene.friction import AnyFriction
 from tline.scene.losses import Losses
@@ -56,8 +57,13 @@ class SceneLine(Element):
 
     @property
     def shortest(self) -> float:
-        """Its delay, s."""
-        return self.parameters.delay or 0.0
+        """Its delay, or that of its stretches, s."""
+        return (self.parameters.delay or 0.0) / self.stretches
+
+    @property
+    def stretches(self) -> int:
+        """Equal ones into which the places of its cavities part it; 1 if it has none."""
+        return 1
 
     @property
     def losses(self) -> Losses | None:
@@ -130,10 +136,15 @@ class _Pipe(SceneLine):
 
     friction: AnyFriction | None = Field(default=None, description="what the flow loses at the wall, by kind")
     creep: list[Creep] | None = Field(default=None, description="Kelvin-Voigt elements of a wall that creeps")
+    cavities: Cavities | None = Field(default=None, description="column separation at places inside the pipe")
+
+    @property
+    def stretches(self) -> int:
+        return self.cavities.places + 1 if self.cavities is not None else 1
 
     @model_validator(mode="after")
     def _determine(self):
-        self._settle(HydraulicLine, ("friction", "creep"))
+        self._settle(HydraulicLine, ("friction", "creep", "cavities"))
         if self.friction is None and not self.creep:
             return self
         series: list[Law] = []

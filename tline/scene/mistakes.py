@@ -81,7 +81,8 @@ def _sentence(
         case "missing":
             return InputError(where, MISSING)
         case "extra_forbidden":
-            model = chosen or (sections.get(str(location[0]), root) if len(location) > 1 else root)
+            outer = sections.get(str(location[0]), root) if len(location) > 1 else root
+            model = chosen or _innermost(outer, location[2:-1])
             return InputError(where, UNKNOWN, nearest(str(location[-1]), keys(model)))
         case "union_tag_not_found":
             key, own = context["discriminator"].strip("'"), sections.values()
@@ -105,6 +106,15 @@ def _sentence(
             return InputError(where, problem, expected, got)
         case _:
             return InputError(where, finding["msg"][0].lower() + finding["msg"][1:], got=got)
+
+
+def _innermost(model: type[BaseModel], parts: tuple[str | int, ...]) -> type[BaseModel]:
+    """The model of a table in a table, as far as keys lead to one."""
+    for part in parts:
+        field = model.model_fields.get(str(part))
+        kinds = (field.annotation, *get_args(field.annotation)) if field else ()
+        model = next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)), model)
+    return model
 
 
 def place(*parts: str | int) -> str:

@@ -16,6 +16,7 @@ from pydantic import (
 )
 
 from tline.errors import InputError, SceneError
+from tline.scene.cavities import refuse_cavities
 from tline.scene.check import conflicts, misplaced
 from tline.scene.coupled import Coupled, single_lines
 from tline.scene.element import Element, Name
@@ -230,6 +231,7 @@ class Scene(Element):
         """
         for part, name in self.laws:
             raise InputError(place(part, name), "is non-linear", f"a linear scene for {what}")
+        refuse_cavities(self.lines, what)
         for name, link in self.links.items():
             if not isinstance(link, besides):
                 raise InputError(place("links", name), f"a {link.kind}", f"a scene without links for {what}")

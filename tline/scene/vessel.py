@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from tline.errors import InputError
-from tline.scene.element import AtNode
+from tline.scene.element import AtNode, Element
 from tline.scene.law import Law, OfLiquids
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.rating import Rated
@@ -46,7 +46,9 @@ class AirVessel(_Vessel):
         return Law("gas", (0.0, self.capacity or inf, outside, at_zero, n))
 
 
-class _Boiling(AtNode, OfLiquids):
+class Boiling(Element):
+    """A liquid that boils where its pressure falls far enough."""
+
     vapour_pressure: Absolute = Field(default=Quantity(2339, "Pa"), description="absolute; of water at 20 degC")
     atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
 
@@ -58,7 +60,13 @@ class _Boiling(AtNode, OfLiquids):
         return self
 
 
-class Cavity(_Boiling):
+class _BoilingAtNode(Boiling, AtNode, OfLiquids):
+    back_pressure: Pressure = Field(
+        default=ZERO, description="pressure in the scene at which the outside is: density·gravity·height, or 0"
+    )
+
+
+class Cavity(_BoilingAtNode):
     """Column separation at a node: free gas at one temperature and vapour (DGCM).
 
     (p - vapour pressure)·V is constant, p absolute.
@@ -75,10 +83,11 @@ class Cavity(_Boiling):
     )
 
     def law(self) -> Law:  # noqa: D102
-        return Law("gas", (0.0, inf, float(self.atmosphere - self.vapour_pressure), float(self.gas_volume), 1.0))
+        above_vapour, back = float(self.atmosphere - self.vapour_pressure), float(self.back_pressure)
+        return Law("gas", (back, inf, above_vapour, float(self.gas_volume), 1.0))
 
 
-class VapourCavity(_Boiling):
+class VapourCavity(_BoilingAtNode):
     """Column separation at a node: vapour alone, at its pressure while there is any (DVCM).
 
     References
@@ -91,7 +100,7 @@ class VapourCavity(_Boiling):
     kind: Literal["vapour cavity"] = "vapour cavity"
 
     def law(self) -> Law:  # noqa: D102
-        return Law("vapour", (float(self.vapour_pressure - self.atmosphere),))
+        return Law("vapour", (float(self.vapour_pressure - self.atmosphere + self.back_pressure),))
 
 
 class SurgeTank(_Vessel):

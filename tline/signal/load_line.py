@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.cavities import refuse_cavities
 from tline.scene.coupled import refuse_coupled
 from tline.scene.lossless import refuse_losses
 from tline.scene.mistakes import place
@@ -79,6 +80,7 @@ def bergeron(scene: Scene, hops: int = 12) -> Bergeron:
     if len(scene.lines) != 1:
         raise InputError("lines", "load lines are drawn for one line", "a scene with one line", f"{len(scene.lines)}")
     refuse_coupled(scene.lines, "a diagram of load lines")
+    refuse_cavities(scene.lines, "a diagram of load lines")
     refuse_losses(scene, "no load lines")
     (line,), nodes = scene.lines.values(), nodes_of(scene)
     z0, (near, far) = line.parameters.z0, line.nodes

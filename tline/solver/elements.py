@@ -124,10 +124,10 @@ def states_of(elements: list[Element], effort: dict[str, float]) -> NDArray:
         kind, constants = element.law.kind, element.law.constants
         u = effort[element.nodes[0]]
         if kind == "gas":
-            outside, n = constants[2], constants[4]
-            if u <= -outside:
+            above, outside, n = u - constants[0], constants[2], constants[4]
+            if above <= -outside:
                 raise InputError(element.where, "no state at rest: the pressure is below vacuum", got=f"{u:.6g} Pa")
-            states.append(-np.log1p(u / outside) / n)
+            states.append(-np.log1p(above / outside) / n)
         elif kind == "tank":
             states.append(u)
         elif kind == "rotor":

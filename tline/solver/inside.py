@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.loss import Foster
+from tline.scene.cavities import stretches_of
 from tline.scene.mistakes import place
 from tline.solver.curve import drawable
+from tline.solver.joined import CutRecord
 from tline.solver.result import LineRecord, Result
 
 CELLS = 16
@@ -67,7 +69,35 @@ class Inside:
         return np.array(seen).T
 
 
-def inside(result: Result, line: str, cells: int = CELLS) -> Inside:
+@dataclass(frozen=True, eq=False)
+class InStretches:
+    """The same inside a line with cavities.
+
+    Attributes
+    ----------
+    stretches : list of Inside
+        From end 1 on.
+    """
+
+    stretches: "list[Inside]"
+
+    @property
+    def cells(self) -> int:
+        """Of all stretches."""
+        return sum(each.cells for each in self.stretches)
+
+    def effort(self, t: NDArray, share: float) -> NDArray:
+        """Effort at instants t and a place given as a share of the delay, from 0 to 1."""
+        k = min(int(share * len(self.stretches)), len(self.stretches) - 1)
+        return self.stretches[k].effort(t, share * len(self.stretches) - k)
+
+    def extremes(self, slab_ends: NDArray) -> NDArray:
+        """Effort before t = 0, lowest and highest effort, shape (3, cells + 1), at places apart by equal delays."""
+        seen = [each.extremes(slab_ends) for each in self.stretches]
+        return np.concatenate([seen[0], *(each[:, 1:] for each in seen[1:])], axis=1)
+
+
+def inside(result: Result, line: str, cells: int = CELLS) -> Inside | InStretches:
     """The inside of a line that was recorded.
 
     Parameters
@@ -104,6 +134,13 @@ def inside(result: Result, line: str, cells: int = CELLS) -> Inside:
     """
     if line not in result.lines:
         raise InputError("path", f"line '{line}' was not recorded", "simulate(scene, record=[…]) with it")
+    if isinstance(result.lines[line], CutRecord) and result.parts is not None:
+        names = stretches_of(line, result.scene.lines[line])
+        return InStretches([_inside(result.parts, name, ceil(cells / len(names))) for name in names])
+    return _inside(result, line, cells)
+
+
+def _inside(result: Result, line: str, cells: int) -> Inside:
     record = drawable(result.lines[line])
     if line not in result.circuits:
         parts = ceil(INSTANTS / (len(result.t) - 1))

@@ -127,6 +127,7 @@ STEPS, ULPS = 80, 4e-16  # of a scalar Newton, and the relative change at which 
 TRIES, LEAST_STRIDE = 40, 1e-8  # Newton steps for a part of the way, and the least part
 FAINT = 1e-9  # slope, for a step, of drops that have none at rest and of flows that answer to nothing
 FARTHEST = 2.0  # step, in units of the largest effort
+MISSED, SQUEEZES = 1e-3, 64  # share of a gas's volume that a step may lose, and steps in a slab where it loses more
 LOOKS, HALVINGS = 4, 60  # at a slab for roots, per point; and of an interval with a root
 CHOKES, CHOKED = 1 - (5 / 6) ** 3.5, 1.4**0.5 * (5 / 6) ** 3  # 1 - ratio of pressures where air chokes; its flow then
 
@@ -471,6 +472,43 @@ def integrated(coef, factor, out):
 
 
 @njit(**INNER)
+def squeeze(laws, e, start, states, tools, h, v, z, flow):
+    """Flows into gas that keeps its temperature, by many steps of Euler's implicit method for its volume.
+
+    Its energy is convex in its volume: a step adds none. Nor does the projection of these flows on the slab, which
+    keeps their integral, the volume.
+    """
+    at, c, width = laws.at[e], laws.constants, 1.0 / SQUEEZES
+    coef, sent = np.empty(flow.size), np.empty(flow.size + 1)
+    constant, whole = np.empty(1), np.zeros(flow.size)
+    times(tools.to_legendre, v, 0, coef)
+    integrated(coef, 1.0, sent)
+    volume, last, share = np.exp(start), 0.0, h * width * c[at + 2] / (z * c[at + 3])
+    for k in range(SQUEEZES):
+        here = series(sent, 2.0 * (k + 1) * width - 1.0)
+        left = volume - share * (((here - last) / width - c[at]) / c[at + 2] + 1.0)
+        root = np.sqrt(left * left + 4.0 * share)
+        new = 0.5 * (left + root) if left > 0.0 else 2.0 * share / (root - left)
+        constant[0] = (volume - new) * c[at + 3] / (h * width)
+        project(constant, k * width, (k + 1) * width, 0.0, 1.0, tools.gauss, whole)
+        volume, last = new, here
+    states[laws.state_at[e]] = np.log(volume)
+    times(tools.to_points, whole, 0, flow)
+
+
+@njit(**INNER)
+def is_missed(laws, e, start, states, radau, h, flow):
+    """Whether the volume of gas that keeps its temperature is not what flowed: too stiff for the step."""
+    at, c, spent = laws.at[e], laws.constants, 0.0
+    if c[at + 1] < np.inf or c[at + 4] != 1.0:
+        return False
+    for j in range(flow.size):
+        spent += radau[flow.size - 1, j] * flow[j]
+    before, volume = np.exp(start), np.exp(states[laws.state_at[e]])
+    return not abs(volume - before + h * spent / c[at + 3]) <= MISSED * max(volume, before)
+
+
+@njit(**INNER)
 def fallen(coef, level, start):
     """Where after a place a polynomial on [0, 1] first falls below a level, as far as some looks tell; else 1."""
     looks, low = LOOKS * coef.size, start
@@ -778,7 +816,10 @@ def pass_elements(laws, g, low, nodes, states, u, stride, n, factor, tools, h):
         elif kind == AIR:
             breathe(laws, e, states, tools, h, v, z, flows, y, rest, system)
         else:
+            start = states[laws.state_at[e]]
             fill(laws, e, factor[0, slab * s], states, tools.radau, h, v, z, flows, y, rest, system)
+            if kind == GAS and is_missed(laws, e, start, states, tools.radau, h, flows):
+                squeeze(laws, e, start, states, tools, h, v, z, flows)
         for j in range(s):
             u[here + slab * s + j] -= z_one * flows[j]
             u[there + slab * s + j] += z_other * flows[j]

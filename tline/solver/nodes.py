@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from passivity import RationalFunction
 from tline.errors import InputError
+from tline.scene.cavities import refuse_cavities
 from tline.scene.coupled import ends_of
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.mistakes import place
@@ -172,6 +173,7 @@ def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
     """The nodes of a scene by name, in the order in which lines and links name them; `cells` are of lumped lines."""
     nodes: dict[str, Node] = {}
     kept = 0
+    refuse_cavities(scene.single_lines, "what is asked")
     for name, line in scene.single_lines.items():
         admittance = 1 / line.parameters.z0
         for side, at in enumerate(line.nodes):

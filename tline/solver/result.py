@@ -193,6 +193,8 @@ class Result:
         Energy by element; None if not asked for.
     circuits : mapping of str to Circuits
         What stands for the laws of lossy lines, by line.
+    parts : Result or None
+        The same of a scene with stretches in place of lines with cavities; None if there are none.
     """
 
     scene: Scene
@@ -209,6 +211,7 @@ class Result:
     envelope: "Envelope | None" = None
     ledger: "Ledger | None" = None
     circuits: Mapping[str, Circuits] = field(default_factory=dict)
+    parts: "Result | None" = None
 
     @property
     def notes(self) -> tuple[str, ...]:

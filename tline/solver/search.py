@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
+from tline.scene.vessel import Boiling
 from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside
 from tline.solver.nodes import NONE, nodes_of
 from tline.solver.resolution import FIT, Resolution, resolution
@@ -19,6 +20,10 @@ HELPS = 0.5  # a step that leaves more of the difference than this does not conv
 STALE = 2  # halvings of the slab in a row that may bring nothing
 MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
 MOST_CELLS = 8  # of a lumped line
+LOST = 0.3  # estimates beyond, one after the other, with cavities: no run resembles another
+COLLAPSE = (
+    ": cavities collapse at other instants in each run, and that spreads; order = 1 and no tolerance give one run"
+)
 
 
 class Search(NamedTuple):
@@ -109,20 +114,24 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
         helps = not blind and found.worst <= HELPS * before
         narrowed = finer.resolution.h < result.resolution.h
         stale = stale + 1 if narrowed and not blind and found.worst >= before else 0
-        limit = limit_of(attempts, stale, search.most)
+        limit = limit_of(attempts, stale, search)
         result = finer
     damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
     unresolved = tuple(note for note in best.unresolved if note not in damped)
     return replace(best, unresolved=unresolved, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit))
 
 
-def limit_of(attempts: list[Attempt], stale: int, most: float) -> str:
+def limit_of(attempts: list[Attempt], stale: int, search: Search) -> str:
     """What forbids a finer run; empty if nothing does."""
-    if sum(a.samples for a in attempts) + 2 * attempts[-1].samples > most:
-        return f"a finer run would take the total beyond {most:.0e} line-end samples"
+    collapse = any(isinstance(load, Boiling) for load in search.scene.loads.values())
+    told = [a.estimate for a in attempts if a.estimate is not None][-STALE - 1 :]
+    if stale == STALE or (collapse and len(told) > STALE and min(told) > LOST):
+        return f"narrower slabs do not help{COLLAPSE * collapse}"
+    if sum(a.samples for a in attempts) + 2 * attempts[-1].samples > search.most:
+        return f"a finer run would take the total beyond {search.most:.0e} line-end samples"
     if sum(a.seconds for a in attempts) + 2 * attempts[-1].seconds > MOST_SECONDS:
         return f"a finer run would take the total beyond {MOST_SECONDS} s"
-    return "narrower slabs do not help" if stale == STALE else ""
+    return ""
 
 
 def _finer(search: Search, cells: Mapping[str, int]) -> Generator[Resolution, tuple[bool, bool]]:

@@ -7,9 +7,11 @@ from dataclasses import replace
 from tline.errors import ActiveError, InputError
 from tline.scene.mistakes import place
 from tline.scene.own import own_elements, own_mistakes
+from tline.scene.parted import parted
 from tline.scene.quantity import TOLERANCE
 from tline.scene.scene import Scene
 from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside
+from tline.solver.joined import joined, recorded
 from tline.solver.nodes import nodes_of
 from tline.solver.resolution import Resolution, resolution
 from tline.solver.result import Result
@@ -99,6 +101,11 @@ def simulate(
     >>> result.accuracy.met, result.accuracy.estimates["far"].u < 1e-9
     (True, True)
     """
+    whole = parted(scene)
+    if whole is not scene:
+        record = [each for name in record for each in recorded(scene, name)]
+        more = {"envelope": envelope, "ledger": ledger, "active": active, "progress": progress}
+        return joined(simulate(whole, tol=tol, record=record, **more), scene)
     warned, record = _active(scene, active), list(record)
     tol, ledger = _tolerance(scene, tol), ledger or bool(own_elements(scene))
     lossy = is_lossy(scene)
@@ -123,8 +130,8 @@ def judged(result: Result) -> Accuracy:
     result : Result
         Of a run without a tolerance.
     """
-    s, h = result.resolution.s, result.resolution.h
-    better = run(result.scene, Resolution(s, h / 2) if is_lossy(result.scene) else Resolution(s + 1, h))
+    s, h, scene = result.resolution.s, result.resolution.h, (result.parts or result).scene
+    better = run(scene, Resolution(s, h / 2) if is_lossy(scene) else Resolution(s + 1, h))
     estimates = apart(result, better)
     worst = max(estimate.worst for estimate in estimates.values())
     return Accuracy(None, estimates, (Attempt.of(result, worst), Attempt.of(better)), apart_inside(result, better))

@@ -78,7 +78,7 @@ def _refined(search: Search) -> tuple[Result, Result]:
             result, accuracy = seen, found
         if found.met and len(attempts) > 2:
             break
-        seen, limit = finer, limit_of(attempts, stale, search.most)
+        seen, limit = finer, limit_of(attempts, stale, search)
     return replace(result, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit)), last
 
 
@@ -109,7 +109,7 @@ def _halved(search: Search) -> tuple[Result, Result]:
             best, accuracy = result, found
         if found.worst <= search.tol and len(attempts) > 2 and not chosen.blind:
             break
-        limit = limit_of(attempts, stale, search.most)
+        limit = limit_of(attempts, stale, search)
     damped = () if limit else best.resolution.notes
     unresolved = tuple(note for note in best.unresolved if note not in damped)
     accuracy = replace(accuracy, attempts=tuple(attempts), limit=limit)

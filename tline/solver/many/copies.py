@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
+from tline.scene.cavities import refuse_cavities
 from tline.scene.coupled import Coupled
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
 from tline.scene.mistakes import nearest, place, shown
@@ -70,6 +71,7 @@ def _refuse(scene: Scene) -> None:
     for key in ("order", "slab"):
         if getattr(scene.solver, key) is not None:
             raise InputError(place("solver", key), "many runs choose order and slabs themselves", "a tolerance")
+    refuse_cavities(scene.lines, "many runs")
     for name in scene.links:
         raise InputError(place("links", name), "stands between two nodes", what)
     for name, line in scene.lines.items():
