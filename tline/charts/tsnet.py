@@ -12,6 +12,7 @@ import os
 import shutil
 import subprocess
 import tempfile
+import time
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -101,14 +102,16 @@ def run(scene: Scene, n: int) -> Run:
         network, result = Path(folder, "pipe.inp"), Path(folder, "result.npz")
         network.write_text(NETWORK.format(head=HEAD, half=half, diameter=diameter * 1000, loss=loss))
         given = (HEAD, half, diameter, pipe.length / pipe.delay, velocity, factor, shut, scene.t_end, n / 2)
+        begun = time.perf_counter()
         call = [os.environ[PYTHON], "-c", RUN.format(g=G), network, result, *map(repr, given)]
         try:
             done = subprocess.run(call, capture_output=True, text=True, timeout=PATIENCE, check=False, cwd=folder)
         except subprocess.TimeoutExpired:
             raise InputError("TSNet", f"not done within {PATIENCE:g} s") from None
+        first = time.perf_counter() - begun
         if done.returncode:
             raise InputError("TSNet", f"failed: {done.stderr.strip().splitlines()[-1]}")
         with np.load(result) as found:
             t, head, seconds = found["t"], found["head"], float(found["seconds"])
     u = np.asarray((head - HEAD) * DENSITY * G)
-    return Run(t, dict.fromkeys(scene.probes, u), seconds, seconds)
+    return Run(t, dict.fromkeys(scene.probes, u), seconds, first)
