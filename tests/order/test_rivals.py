@@ -95,6 +95,15 @@ def test_friction_on_a_grid_converges_at_the_declared_order():
     assert slope("moc_grid", scene, exact, (32, 64, 128)) == pytest.approx(RIVALS["moc_grid"].order, abs=0.1)
 
 
+def test_two_halves_of_a_pipe_are_the_pipe():
+    given = chart_scene("friction").scene.table()
+    half = given["lines"]["pipe"] | {"length": "2000 ft", "delay": 0.5}
+    lines = {"one": half | {"nodes": ["tank", "mid"]}, "two": half | {"nodes": ["mid", "far"]}}
+    halves = RIVALS["moc_grid"].run(Scene(**given | {"lines": lines}), 16).u["far"]
+    whole = RIVALS["moc_grid"].run(Scene(**given), 32).u["far"]
+    assert np.abs(halves - whole).max() < 1e-12 * np.abs(whole).max()  # another order of sums
+
+
 def test_nothing_moves_on_a_grid_from_the_steady_state():
     given = chart_scene("friction").scene.table()
     still = given["sources"]["draw"] | {"value": "-200 L/s"}

@@ -19,6 +19,7 @@ from tline.charts.clock import FULL, QUICK, Run
 from tline.charts.table import Table
 from tline.charts.work_precision import add, begun, production, rival_run
 from tline.scene.scene import Scene
+from tline.solver.with_losses import is_lossy
 
 PATIENT = FULL._replace(longest=2.0)  # s; peers need it
 
@@ -75,4 +76,6 @@ def peers(name: str, quick: bool = False, progress: bool = False) -> Table:
             else:
                 add(table, label, "peer", partial(run, scene), judge, effort)
             bar.update()
+    if scene.medium == "hydraulic" and not is_lossy(scene):
+        table.notes.append("rthym-moc has friction here, which cannot be switched off.")
     return table
