@@ -6,6 +6,7 @@ sections are sparse linear systems, vectorised, integrated by scipy's `solve_ivp
 | family | what it does with a wave |
 |---|---|
 | characteristics (MOC) | reads it a whole number of steps late, the wave speed adjusted to that, or interpolates |
+| the same on a grid | carries it from reach to reach, where friction takes its share |
 | upwind, Lax-Wendroff | carries it from cell to cell |
 | FDTD | leapfrogs effort and flow on staggered grids |
 | lumped, Padé | replaces the line by an ordinary differential equation |
@@ -13,10 +14,10 @@ sections are sparse linear systems, vectorised, integrated by scipy's `solve_ivp
 
 References
 ----------
-E. B. Wylie, V. L. Streeter: Fluid Transients in Systems (1993), chapters 3 and 8: MOC, interpolation, wave-speed
-adjustment. H. W. Dommel, IEEE Trans. PAS-88 (1969) 388, doi:10.1109/TPAS.1969.292459: lines by their history, loads by
-the trapezoid. K. S. Yee, IEEE Trans. AP-14 (1966) 302, doi:10.1109/TAP.1966.1138693: leapfrog. P. Lax, B. Wendroff,
-Comm. Pure Appl. Math. 13 (1960) 217, doi:10.1002/cpa.3160130205.
+E. B. Wylie, V. L. Streeter: Fluid Transients in Systems (1993), chapters 3 and 8: MOC, friction, interpolation,
+wave-speed adjustment. H. W. Dommel, IEEE Trans. PAS-88 (1969) 388, doi:10.1109/TPAS.1969.292459: lines by their
+history, loads by the trapezoid. K. S. Yee, IEEE Trans. AP-14 (1966) 302, doi:10.1109/TAP.1966.1138693: leapfrog.
+P. Lax, B. Wendroff, Comm. Pure Appl. Math. 13 (1960) 217, doi:10.1002/cpa.3160130205.
 """
 
 import time
@@ -33,12 +34,15 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.cavities import with_cavities
+from tline.scene.losses import Losses
 from tline.scene.mistakes import place
+from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
 from tline.solver.drive import EDGE, sampled
 from tline.solver.nodes import Node, node_of_end, nodes_of
 from tline.solver.radau import Basis, gauss
+from tline.solver.steady import rest, steady_state
 
 MOST_WORK = 2e9  # cells times steps
 MOST_KEPT = 1e8  # samples
@@ -75,8 +79,8 @@ class Rival:
         From a scene and n to a trace.
     unfit : callable
         From a scene to why this method cannot do it, or None.
-    lossy : bool
-        Whether it knows lines with a resistance.
+    knows : str
+        What lines may lose by: "nothing", "resistance", or "friction", then also from a steady start.
 
     Examples
     --------
@@ -95,7 +99,7 @@ class Rival:
     load_order: int
     solve: Callable[[Scene, float], Trace]
     unfit: Callable[[Scene], str | None] = lambda scene: None
-    lossy: bool = False
+    knows: str = "nothing"
 
     def misfit(self, scene: Scene) -> str | None:
         """Why this method cannot do a scene; None if it can."""
@@ -110,9 +114,9 @@ class Rival:
             if probe.at is None:
                 return f"{place('probes', name)}: rivals are recorded at nodes only"
         for name, line in scene.lines.items():
-            if line.losses and not (self.lossy and line.losses.constant and not line.losses.constant[1]):
+            if line.losses and not _takes(line.losses, self.knows):
                 return f"{place('lines', name)}: loses what this method does not know"
-        if scene.start != "rest":
+        if scene.start != "rest" and self.knows != "friction":
             return "start: rivals start at rest only"
         return self.unfit(scene)
 
@@ -129,6 +133,13 @@ class Rival:
         if not n >= 2:
             raise InputError("n", "too few steps per shortest delay", "at least 2", f"{n}")
         return self.solve(scene, n)
+
+
+def _takes(losses: Losses, known: str) -> bool:
+    """Whether a method that knows that much can do a line."""
+    if known == "friction":
+        return losses.only_quadratic
+    return known == "resistance" and losses.constant is not None and not losses.constant[1]
 
 
 # ---------------------------------------------------------------------------------------------------- loads
@@ -268,6 +279,110 @@ def advance_moc(net, late, taps, drive, seen, steps, record):
         scatter(net, drive[:, k], arriving, w, x, new, u, sent)
         history[:, k + pad] = sent
         record[:, k] = u[seen]
+
+
+# --------------------------------------------------------------------- characteristics on a grid, with friction
+
+
+class Grid(NamedTuple):
+    """Lines in reaches and nodes that hold an effort or conduct, as arrays."""
+
+    first: NDArray  # (nodes + 1,) the ends at node k are ends[first[k]:first[k + 1]]
+    ends: NDArray
+    held: NDArray  # (nodes,)
+    conductance: NDArray  # (nodes,)
+    reaches: NDArray  # (lines,)
+    z0: NDArray  # (lines,)
+    friction: NDArray  # (lines,) K of a drop K |y| y over a reach
+
+
+def moc_grid(scene: Scene, n: float) -> Trace:
+    """Characteristics from point to point; friction over a reach counts as K |y before| y after: second order.
+
+    Delays are rounded to whole steps.
+    """
+    nodes, dt = nodes_of(scene), _shortest(scene) / n
+    steps, reaches = _steps(scene, dt), np.maximum(np.round(_delays(scene) / dt), 1).astype(int)
+    _within(reaches.sum() * steps, MOST_WORK)
+    losses = [line.losses for line in scene.single_lines.values()]
+    friction = np.array([x.quadratic * x.exact.length if x else 0.0 for x in losses])
+    each = nodes.values()
+    net = Grid(
+        np.cumsum([0, *(len(node.ends) for node in each)]),
+        np.array([end for node in each for end in node.ends]),
+        np.array([node.held is not None for node in each]),
+        np.array([node.conductance for node in each]),
+        reaches,
+        _z0(scene),
+        friction / reaches,
+    )
+    efforts, flows = (steady_state if scene.start == "steady" else rest)(scene, nodes)
+    ends = np.array([[efforts[node] for node in line.nodes] for line in scene.lines.values()])
+    parts = [[(node.held, 1.0)] if node.held else node.flows for node in each]
+    return _stepped(scene, partial(advance_grid, net, ends, flows[:, 0]), dt, steps, parts)
+
+
+@njit(cache=True, error_model="numpy")
+def advance_grid(net, ends, flows, drive, seen, steps, record):
+    """Effort u and flow y on all points of all lines, begun on straight lines between the ends."""
+    lines = len(net.reaches)
+    most, effort = np.max(net.reaches) + 1, np.zeros(len(net.held))
+    u, y, new_u, new_y = (
+        np.zeros((lines, most)),
+        np.zeros((lines, most)),
+        np.zeros((lines, most)),
+        np.zeros((lines, most)),
+    )
+    for j in range(lines):
+        last = net.reaches[j]
+        u[j, : last + 1] = ends[j, 0] + (ends[j, 1] - ends[j, 0]) / last * np.arange(last + 1)
+        y[j, : last + 1] = flows[j]
+    for k in range(len(net.held)):
+        end = net.ends[net.first[k]]
+        effort[k] = ends[end // 2, end % 2]
+    record[:, 0] = effort[seen]
+    for step in range(1, steps + 1):
+        for j in range(lines):
+            inside(u[j], y[j], new_u[j], new_y[j], net.reaches[j], net.z0[j], net.friction[j])
+        for k in range(len(net.held)):
+            flow, conductance = drive[k, step], net.conductance[k]
+            for end in net.ends[net.first[k] : net.first[k + 1]]:
+                w, z = arriving(net, end, u, y)
+                flow, conductance = flow + w / z, conductance + 1 / z
+            effort[k] = drive[k, step] if net.held[k] else flow / conductance
+            for end in net.ends[net.first[k] : net.first[k + 1]]:
+                w, z = arriving(net, end, u, y)
+                j, place, sign = end // 2, net.reaches[end // 2] * (end % 2), 2.0 * (end % 2) - 1.0
+                new_u[j, place], new_y[j, place] = effort[k], sign * (w - effort[k]) / z
+        u, y, new_u, new_y = new_u, new_y, u, y
+        record[:, step] = effort[seen]
+
+
+@njit(cache=True, error_model="numpy")
+def arriving(net, end, u, y):
+    """What comes to an end of a line: an effort behind an impedance."""
+    j, place, sign = end // 2, (net.reaches[end // 2] - 1) * (end % 2) + 1 - end % 2, 2.0 * (end % 2) - 1.0
+    before = y[j, place]
+    return u[j, place] + sign * net.z0[j] * before, net.z0[j] + net.friction[j] * abs(before)
+
+
+@njit(cache=True, error_model="numpy")
+def inside(u, y, new_u, new_y, reaches, z0, friction):
+    """The points of a line between its ends."""
+    for i in range(1, reaches):
+        before, after = y[i - 1], y[i + 1]
+        z_plus, z_minus = z0 + friction * abs(before), z0 + friction * abs(after)
+        plus, minus = u[i - 1] + z0 * before, u[i + 1] - z0 * after
+        flow = (plus - minus) / (z_plus + z_minus)
+        new_y[i], new_u[i] = flow, plus - z_plus * flow
+
+
+def _no_friction(scene: Scene) -> str | None:
+    for name, load in scene.loads.items():
+        if isinstance(load, Rational):
+            return f"{place('loads', name)}: has a state"
+    frictionless = all(line.losses is None or line.losses.linear for line in scene.single_lines.values())
+    return "without friction it is the same as without a grid" if frictionless else None
 
 
 # --------------------------------------------------------------------------------- waves from cell to cell
@@ -721,11 +836,12 @@ RIVALS: dict[str, Rival] = {
     "moc_backward_euler": Rival("MOC, loads by backward Euler", 1, 1, partial(moc, rule=backward_euler)),
     "moc_linear": Rival("MOC, linear interpolation", 2, 2, partial(moc, weights=linear, offset=HALF)),
     "moc_cubic": Rival("MOC, cubic interpolation", 4, 2, partial(moc, weights=cubic, offset=HALF)),
+    "moc_grid": Rival("MOC on a grid, Courant 1", 2, 2, moc_grid, _no_friction, "friction"),
     "upwind": Rival("upwind", 1, 1, upwind),
     "lax_wendroff": Rival("Lax-Wendroff", 2, 2, lax_wendroff),
     "fdtd": Rival("FDTD leapfrog", 2, 2, fdtd),
     "lumped_t": Rival("T sections", 2, 2, lumped_t, _pushes_inductors),
-    "lumped_pi": Rival("π sections", 2, 2, lumped_pi, lossy=True),
+    "lumped_pi": Rival("π sections", 2, 2, lumped_pi, knows="resistance"),
     "pade": Rival("Padé sections", 3, 3, pade),
     "slabs_pointwise": Rival("slabs, pointwise, s = 4", 4, 4, slabs_pointwise),
 }

@@ -5,7 +5,9 @@ from math import comb
 import numpy as np
 import pytest
 
+from tline.charts.scenes import chart_scene
 from tline.errors import InputError
+from tline.reference.friction import FrictionSolution
 from tline.rivals import RIVALS
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
@@ -72,13 +74,13 @@ def slope(name: str, scene: Scene, exact, counts) -> float:
     return -np.polyfit(np.log(counts), np.log(errors), 1)[0]
 
 
-@pytest.mark.parametrize("name", RIVALS)
+@pytest.mark.parametrize("name", COUNTS)
 def test_lines_converge_at_the_declared_order(name):
     scene = line(0.5, {"kind": "resistor", "resistance": 3}, 4.0)
     assert slope(name, scene, bounces, COUNTS[name]) == pytest.approx(RIVALS[name].order, abs=0.35)
 
 
-@pytest.mark.parametrize("name", RIVALS)
+@pytest.mark.parametrize("name", COUNTS)
 def test_loads_converge_at_the_declared_order(name):
     scene = line(1.0, {"kind": "parallel", "resistance": 2, "capacitance": 0.3}, 4.0)
     rival, counts = RIVALS[name], COUNTS[name]
@@ -87,9 +89,39 @@ def test_loads_converge_at_the_declared_order(name):
     assert slope(name, scene, charge, whole) == pytest.approx(lowest, abs=0.35)
 
 
+def test_friction_on_a_grid_converges_at_the_declared_order():
+    scene = chart_scene("friction").scene
+    exact = FrictionSolution(scene, 1024).at  # good to 2e-8 of the surge
+    assert slope("moc_grid", scene, exact, (32, 64, 128)) == pytest.approx(RIVALS["moc_grid"].order, abs=0.1)
+
+
+def test_two_halves_of_a_pipe_are_the_pipe():
+    given = chart_scene("friction").scene.table()
+    half = given["lines"]["pipe"] | {"length": "2000 ft", "delay": 0.5}
+    lines = {"one": half | {"nodes": ["tank", "mid"]}, "two": half | {"nodes": ["mid", "far"]}}
+    halves = RIVALS["moc_grid"].run(Scene(**given | {"lines": lines}), 16).u["far"]
+    whole = RIVALS["moc_grid"].run(Scene(**given), 32).u["far"]
+    assert np.abs(halves - whole).max() < 1e-12 * np.abs(whole).max()  # another order of sums
+
+
+def test_nothing_moves_on_a_grid_from_the_steady_state():
+    given = chart_scene("friction").scene.table()
+    still = given["sources"]["draw"] | {"value": "-200 L/s"}
+    trace = RIVALS["moc_grid"].run(Scene(**given | {"sources": {"draw": still}}), 64)
+    assert (
+        np.abs(trace.u["far"] / trace.u["far"][0] - 1).max() < 1e-11
+    )  # 1280 steps of rounding, on a surge 7 times larger
+
+
 def test_characteristics_at_courant_1_are_exact_between_resistances():
     trace = RIVALS["moc_trapezoid"].run(line(0.5, {"kind": "resistor", "resistance": 3}, 5.0), 16)
     assert np.abs(trace.u["far"] - bounces(trace.t)).max() < 1e-14
+
+
+def test_a_grid_is_for_friction_alone():
+    rival, capacitor = RIVALS["moc_grid"], {"kind": "parallel", "resistance": 2, "capacitance": 0.3}
+    assert "without friction" in rival.misfit(line(0.5, {"kind": "resistor", "resistance": 3}, 4.0))
+    assert rival.misfit(line(0.5, capacitor, 4.0)) == "loads.load: has a state"
 
 
 @pytest.mark.parametrize(

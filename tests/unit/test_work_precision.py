@@ -6,7 +6,7 @@ from math import inf
 import numpy as np
 import pytest
 
-from tline.charts import ngspice, peers, rthym, work_precision
+from tline.charts import ngspice, peers, rthym, tsnet, work_precision
 from tline.charts.clock import QUICK, Run
 from tline.charts.judge import Judge
 from tline.charts.picture import draw
@@ -132,6 +132,19 @@ def test_ngspice_is_offered_no_jumps_and_no_curves():
     assert "jumps" in str(ngspice.misfit_of_sources(chart_scene("smooth").scene))
     assert ngspice.misfit_of_sources(chart_scene("inductor").scene) is None
     assert rthym.misfit(chart_scene("rc").scene) == "for water only"
+
+
+def test_tsnet_is_looked_for_where_the_variable_says(monkeypatch):
+    monkeypatch.delenv(tsnet.PYTHON, raising=False)
+    assert str(tsnet.misfit(chart_scene("friction").scene)).startswith("TSNET_PYTHON names no interpreter")
+    assert tsnet.misfit(chart_scene("hammer").scene) == "its flows stop, and none begins at rest"
+    with pytest.raises(InputError, match="n: its pipes have two reaches at least"):
+        tsnet.run(chart_scene("friction").scene, 2)
+
+
+def test_corners_begin_where_the_waveform_does():
+    shut = chart_scene("friction").scene.sources["draw"].value
+    assert ngspice.corners(shut, 20.0) == [(0.0, -0.2), (0.5, 0.0), (20.0, 0.0)]
 
 
 def test_a_fixed_run_is_what_was_fixed():

@@ -1,13 +1,12 @@
 """How wrong a run is, against the exact solution."""
 
-from functools import partial
-
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from tline.charts.clock import Traces
 from tline.reference import Solution
+from tline.reference.friction import FrictionSolution
 from tline.reference.lossy_scene import LossySolution
 from tline.scene.scene import Scene
 from tline.solver.with_losses import is_lossy
@@ -49,6 +48,18 @@ class Interpolated:
         return chebyshev.chebval(x, self._series[:, k], tensor=False)
 
 
+class Stepped:
+    """What stands for an exact solution where none is known."""
+
+    def __init__(self, scene: Scene, probe: str):
+        self._solution = FrictionSolution(scene)
+        self.fronts, self.error = self._solution.fronts, self._solution.error
+
+    def efforts(self, t: NDArray) -> NDArray:
+        """At times within the run."""
+        return self._solution.at(t)
+
+
 class Judge:
     """Errors of efforts on a scene.
 
@@ -63,8 +74,9 @@ class Judge:
 
     def __init__(self, scene: Scene, instants: int):
         self.scene = scene
-        solve = partial(Interpolated, scene) if is_lossy(scene) else partial(Closed, scene)
-        self.solutions = {probe: solve(probe) for probe in scene.probes}
+        linear = all(line.losses is None or line.losses.linear for line in scene.single_lines.values())
+        solve = Closed if not is_lossy(scene) else Interpolated if linear else Stepped
+        self.solutions = {probe: solve(scene, probe) for probe in scene.probes}
         shortest = min(line.parameters.delay or 0.0 for line in scene.lines.values())
         behind = np.append(0.0, shortest * 0.5 ** np.arange(15))
         anywhere = np.random.default_rng(SEED).uniform(0, scene.t_end, instants)
@@ -73,6 +85,7 @@ class Judge:
             for probe, solution in self.solutions.items()
         }
         self.amplitude = max(np.abs(self._exact(probe, anywhere)).max() for probe in scene.probes)
+        self.own = max(getattr(solution, "error", 0.0) for solution in self.solutions.values()) / self.amplitude
 
     def _exact(self, probe: str, t: NDArray) -> NDArray:
         return self.solutions[probe].efforts(t)

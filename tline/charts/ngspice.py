@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import tempfile
 import time
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -39,7 +40,7 @@ def misfit_of_sources(scene: Scene) -> str | None:
 
 
 def corners(waveform: Shape, t_end: float) -> list[tuple[float, float]] | None:
-    """Corners of a waveform of straight pieces without jumps, and its point at the end."""
+    """Corners of a waveform of straight pieces without jumps, and its points at the start and the end."""
     pieces, end = straight(waveform, decimal(t_end)), decimal(t_end)
     if pieces is None:
         return None
@@ -47,7 +48,7 @@ def corners(waveform: Shape, t_end: float) -> list[tuple[float, float]] | None:
     after = [first for start, first, _ in pieces if start is not None and 0 < start < end]
     if any(level(pieces, t) != first for t, first in zip(instants, after, strict=True)):
         return None
-    return [(0.0, 0.0), *((float(t), float(level(pieces, t))) for t in (*instants, end))]
+    return [(0.0, float(level(pieces, Fraction(0)))), *((float(t), float(level(pieces, t))) for t in (*instants, end))]
 
 
 def netlist(scene: Scene, longest: float) -> str:

@@ -4,20 +4,22 @@
 |---|---|---|
 | ngspice | T and O elements, its largest step refined | its own figure of the transient analysis, in milliseconds |
 | scikit-rf | two-ports in a row, inverse FFT over a damped window twice the run | all but the grid of frequencies |
-| rthym-moc | its friction, which cannot be switched off, as small as it allows | its run(), setting up included |
+| rthym-moc | its factor of friction that of the scene, where it can be | its run(), setting up included |
+| TSNet | in an environment of its own, the pipe as two | its MOCSimulator() |
 
-TSNet, also for water, has no exact counterpart here: its demands are openings, and the flow of the scene is given.
+Where friction depends on the flow, the textbook's grid of characteristics stands beside them.
 """
 
 import warnings
 from collections.abc import Callable
 from functools import partial
 
-from tline.charts import inverse_fft, ngspice, rthym
+from tline.charts import inverse_fft, ngspice, rthym, tsnet
 from tline.charts.clock import FULL, QUICK, Run
 from tline.charts.table import Table
-from tline.charts.work_precision import add, begun, production
+from tline.charts.work_precision import add, begun, production, rival_run
 from tline.scene.scene import Scene
+from tline.solver.with_losses import is_lossy
 
 PATIENT = FULL._replace(longest=2.0)  # s; peers need it
 
@@ -25,11 +27,10 @@ Peer = tuple[Callable[[Scene], str | None], Callable[[Scene, int], Run]]
 PEERS: dict[str, Peer] = {
     "ngspice": (ngspice.misfit, ngspice.run),
     "scikit-rf, inverse FFT": (inverse_fft.misfit, inverse_fft.run),
-    "rthym-moc, its friction on": (rthym.misfit, rthym.run),
+    "rthym-moc": (rthym.misfit, rthym.run),
+    "TSNet": (tsnet.misfit, tsnet.run),
 }
-
-
-UNLIKE = {"TSNet": "its demands are openings, and the scenes give flows or voltages"}
+TEXTBOOK = "moc_grid"
 
 
 def peers(name: str, quick: bool = False, progress: bool = False) -> Table:
@@ -57,12 +58,17 @@ def peers(name: str, quick: bool = False, progress: bool = False) -> Table:
     """
     from tqdm import tqdm
 
+    from tline.rivals import RIVALS
+
     effort = QUICK if quick else PATIENT
     scene, judge, table = begun(name, effort, quick)
     with tqdm(total=2 + len(PEERS), disable=not progress, unit="program") as bar, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         table.rows += production(scene, judge, effort)
         bar.update(2)
+        textbook = RIVALS[TEXTBOOK]
+        if textbook.misfit(scene) is None:
+            add(table, textbook.label, "rival", partial(rival_run, textbook, scene), judge, effort)
         for label, (misfit, run) in PEERS.items():
             why = misfit(scene)
             if why:
@@ -70,5 +76,6 @@ def peers(name: str, quick: bool = False, progress: bool = False) -> Table:
             else:
                 add(table, label, "peer", partial(run, scene), judge, effort)
             bar.update()
-    table.notes += [f"absent: {label} ({why})" for label, why in UNLIKE.items()]
+    if scene.medium == "hydraulic" and not is_lossy(scene):
+        table.notes.append("rthym-moc has friction here, which cannot be switched off.")
     return table

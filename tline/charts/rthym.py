@@ -1,8 +1,14 @@
-"""A pipe in rthym-moc: one reservoir, one demand, friction as small as it allows."""
+"""A pipe in rthym-moc: one reservoir, one demand.
+
+It turns the Hazen-Williams C of a pipe into a Darcy factor, at the flow that the pipe starts with, and keeps that
+factor; so a C is found that gives the factor of the scene. Friction cannot be switched off: without a flow to start
+with the factor is 0.02, whatever C is. Its instants are one step late, and are taken as one step earlier.
+"""
 
 import time
 from importlib import import_module
 from importlib.util import find_spec
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -11,10 +17,9 @@ from tline.charts.clock import Run
 from tline.charts.ngspice import corners
 from tline.scene.scene import Scene
 
-FOOT, G, DENSITY = 0.3048, 9.80665, 1000.0  # m, m/s², kg/m³
-GPM = 3.785411784e-3 / 60  # m³/s
+FOOT, DENSITY = 0.3048, 1000.0  # m, kg/m³
 HEAD = 5000.0  # ft; high enough that nothing boils
-SMOOTH = 1e9  # Hazen-Williams C; its friction cannot be switched off
+SMOOTH = 1e9  # Hazen-Williams C
 
 
 def misfit(scene: Scene) -> str | None:
@@ -26,22 +31,39 @@ def misfit(scene: Scene) -> str | None:
 
 def run(scene: Scene, n: int) -> Run:
     """A run of n reaches; heads count from that of the reservoir."""
-    rthym_moc: Any = import_module("rthym_moc")
-    (line,), (draw,) = scene.lines.values(), scene.sources.values()
+    moc: Any = import_module("rthym_moc")
+    (line,), (draw,) = scene.single_lines.values(), scene.sources.values()
     pipe: Any = line.parameters
-    solver, far = rthym_moc.MOCSolver(), str(draw.at)
+    unit = moc.GPM_TO_CFS * FOOT**3  # of flow, m³/s, as it has it
+    demand = [(t, -flow / unit) for t, flow in corners(draw.value, scene.t_end) or []]
+    size = {"length": pipe.length / FOOT, "diameter": 2 * pipe.radius / FOOT * 12, "flow_gpm": demand[0][1]}
+    factor = line.losses.quadratic * 4 * pipe.radius * pipe.area**2 / DENSITY if line.losses else 0.0
+    solver, far = moc.MOCSolver(), str(draw.at)
     for name, kind in (("tank", "PressureBoundary"), (far, "Junction")):
-        solver.add_node(_filled(rthym_moc.NodeInput(), id=name, type=kind, head=HEAD))
-    size = {"length": pipe.length / FOOT, "diameter": 2 * pipe.radius / FOOT * 12, "roughness": SMOOTH}
-    solver.add_pipe(_filled(rthym_moc.PipeInput(), id="pipe", from_node="tank", to_node=far, flow_gpm=0.0, **size))
-    solver.set_demand_schedule(far, [(t, -flow / GPM) for t, flow in corners(draw.value, scene.t_end) or []])
+        solver.add_node(_filled(moc.NodeInput(), id=name, type=kind, head=HEAD))
+    rough = roughness(factor, moc=moc, **size)
+    solver.add_pipe(_filled(moc.PipeInput(), id="pipe", from_node="tank", to_node=far, roughness=rough, **size))
+    solver.set_demand_schedule(far, demand)
     dt = pipe.delay / n
     begun = time.perf_counter()
     # a time constant of one step switches its unsteady friction off
     result = solver.run(total_time=scene.t_end, dt=dt, p_vapor_psi=-1e9, usf_tau=dt, k_bru=0.0)
     seconds = time.perf_counter() - begun
-    u = (np.array(result["node_head"][far]) - HEAD) * FOOT * DENSITY * G
-    return Run(np.array(result["time"]), dict.fromkeys(scene.probes, u), seconds, seconds)
+    heads = np.array(result["node_head"][far], float)
+    u = np.asarray((heads - HEAD) * FOOT * DENSITY * moc.G_FT_S2 * FOOT)
+    return Run(np.array(result["time"]) - dt, dict.fromkeys(scene.probes, u), seconds, seconds)
+
+
+def roughness(factor: float, length: float, diameter: float, flow_gpm: float, moc: Any) -> float:
+    """The Hazen-Williams C from which it takes a Darcy factor; length in ft, diameter in inches.
+
+    Its head loss is 10.44 L Q^1.852/(C^1.852 d^4.871), and the factor that of f L v²/(2 g D).
+    """
+    if not factor * flow_gpm:
+        return SMOOTH
+    speed = flow_gpm * moc.GPM_TO_CFS / (pi / 4 * (diameter / 12) ** 2)
+    lost = factor * length / (diameter / 12) * speed**2 / (2 * moc.G_FT_S2)
+    return (10.44 * length * abs(flow_gpm) ** 1.852 / (lost * diameter**4.871)) ** (1 / 1.852)
 
 
 def _filled(record: Any, **fields: Any) -> Any:

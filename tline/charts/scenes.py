@@ -1,4 +1,4 @@
-"""The scenes of the charts, all linear and from rest, so that their exact solutions are known."""
+"""The scenes of the charts; all but one linear and from rest, so that their exact solutions are known."""
 
 from typing import Any, NamedTuple
 
@@ -126,6 +126,16 @@ def _water_hammer() -> ChartScene:
     )
 
 
+def _friction() -> ChartScene:
+    """The same pipe runs at 2.74 m/s, and friction takes 13.5 % of the surge; pressures count from the reservoir's."""
+    given = _water_hammer().scene.table()
+    pipe = given["lines"]["pipe"] | {"friction": {"kind": "darcy", "factor": 0.03}}
+    shut = {"shape": "ramp", "from": "-200 L/s", "to": 0, "duration": 0.5}
+    title = "Darcy's friction: 200 L/s stopped within 0.5 s, 20 transits"
+    parts = {"lines": {"pipe": pipe}, "sources": {"draw": given["sources"]["draw"] | {"value": shut}}}
+    return ChartScene(title, Scene(**given | parts | {"title": title, "start": "steady"}))
+
+
 RC = {"kind": "parallel", "resistance": 100, "capacitance": "4 pF"}
 SERIES_RLC = {"kind": "series", "resistance": 10, "inductance": "50 nH", "capacitance": "2 pF"}
 MAKERS = {
@@ -143,6 +153,7 @@ MAKERS = {
     ),
     "chain": _chain,
     "hammer": _water_hammer,
+    "friction": _friction,
     "inductor": _behind_inductor,
     "stub": lambda: _y("An open stub of 0.1 ps between two lines of 1 ns", ("1 ns", "1 ns", "0.0001 ns"), t_end="3 ns"),
     "stiff": lambda: _cable(

@@ -60,7 +60,7 @@ def work_precision(name: str, quick: bool = False, progress: bool = False) -> Ta
             if why:
                 table.notes.append(f"absent: {rival.label} ({why})")
             else:
-                run = partial(_rival, rival, scene)
+                run = partial(rival_run, rival, scene)
                 add(table, rival.label, "rival", run, judge, effort)
             bar.update()
     return table
@@ -69,8 +69,10 @@ def work_precision(name: str, quick: bool = False, progress: bool = False) -> Ta
 def begun(name: str, effort: Effort, quick: bool) -> tuple[Scene, Judge, Table]:
     """A scene of the charts, who judges runs of it, and the table that they will fill."""
     given = chart_scene(name)
-    notes = [] if quick else [compilation()]
-    return given.scene, Judge(given.scene, effort.instants), Table(name, given.title, notes=notes)
+    judge, notes = Judge(given.scene, effort.instants), [] if quick else [compilation()]
+    if judge.own:
+        notes.append(f"Errors are against a grid of characteristics, extrapolated, good to {judge.own:.0e}.")
+    return given.scene, judge, Table(name, given.title, notes=notes)
 
 
 def production(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:
@@ -131,7 +133,8 @@ def simulated(scene: Scene, tol: float | None = None) -> Run:
     return Run(result.t, u, seconds, first, accuracy.worst if accuracy else np.inf)
 
 
-def _rival(rival: Any, scene: Scene, n: int) -> Run:
+def rival_run(rival: Any, scene: Scene, n: int) -> Run:
+    """A rival's run of n steps per shortest delay."""
     begun = time.perf_counter()
     trace = rival.run(scene, n)
     return Run(trace.t, trace.u, trace.seconds, time.perf_counter() - begun)

@@ -20,6 +20,7 @@ EXAMPLES = """\b
 Examples:
   tline chart work-precision rc --quick
   tline chart peers rc --quick --csv peers.csv
+  tline chart peers friction --quick
   tline chart growth --quick --plot growth.png
   tline chart stability courant --quick --plot courant.png
 Without --quick a chart takes minutes; docs/charts.md shows and explains them all.
@@ -67,7 +68,8 @@ def work_precision(scene: str, plot: str | None, csv: str | None, quick: bool, a
 def peers(scene: str, plot: str | None, csv: str | None, quick: bool, as_json: bool) -> None:
     """Error against run time of other programs on the same scene, each measured now if it is installed.
 
-    ngspice is looked for on the PATH; scikit-rf and rthym-moc among the installed packages. What is absent is named.
+    ngspice is looked for on the PATH; scikit-rf and rthym-moc among the installed packages; TSNet where the variable
+    TSNET_PYTHON names an interpreter that has it. What is absent is named.
     """
     from tline.charts.peers import peers as measure
 

@@ -44,6 +44,13 @@ class Losses:
         return laws[0].loss, laws[1].loss
 
     @property
+    def only_quadratic(self) -> bool:
+        """Whether K |y| y is all that is lost."""
+        laws = self.exact.series, self.exact.shunt
+        plain = all(isinstance(law, Constant) and not law.loss for law in laws)
+        return self.quadratic > 0 and self.curve is None and plain
+
+    @property
     def distortionless(self) -> bool:
         """Whether the line only delays and attenuates."""
         return self.linear and self.exact.distortionless
