@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 from lossy_scenes import cable
 
+from tline.charts.scenes import chart_scene
+from tline.reference.friction import FrictionSolution
 from tline.reference.lossy import lossy_response
 from tline.solver.extrapolate import extrapolated
 from tline.solver.resolution import Resolution
 from tline.solver.run import run
 
-SLABS = (8, 16, 32, 64, 128)
+SLABS = (32, 64, 128, 256, 512)
 STEP_ENDS = np.array([1, 3, 9, 13, 17, 30, 41])  # eighths of the delay
 
 
@@ -36,3 +38,16 @@ def test_behind_a_step_each_extrapolation_adds_an_order(monkeypatch, order, powe
     found = errors(order, powers)
     fitted = -np.polyfit(np.arange(len(found)), np.log2(found), 1)[0]
     assert fitted == pytest.approx(slope, abs=0.25)
+
+
+@pytest.mark.parametrize("order", [2, 4])
+def test_darcys_friction_is_of_second_order_whatever_the_slabs(order):
+    scene = chart_scene("friction").scene
+    exact, (line,) = FrictionSolution(scene, 1024), scene.lines.values()
+    found = []
+    for n in SLABS:
+        (probe,) = run(scene, Resolution(order, float(line.parameters.delay) / n)).probes.values()
+        k = np.arange(1, len(probe.t))
+        k = k[k % n != 0]  # between fronts
+        found.append(np.abs(probe.u[k] - exact.at(probe.t[k])).max())
+    assert -np.polyfit(np.arange(len(found)), np.log2(found), 1)[0] == pytest.approx(2, abs=0.2)

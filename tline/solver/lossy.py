@@ -4,12 +4,13 @@ A lump of series impedance Z sees 2 z0 y + Z y = a - b and takes e = Z y; one of
 2 u + z0 Y u = a + b and takes e = z0 Y u. Both read 2 q + ζ q = w, e = w - 2 q, with ζ = Z/z0 or z0 Y.
 
 Where they are not too many, lumps stand half a slab apart, so that every slab of one wave meets every slab of the
-other: what a jump leaves behind then changes from slab to slab alike, and errors at slab ends are smooth.
+other: what a jump leaves behind then changes from slab to slab alike, and errors at slab ends are smooth. None stands
+at an end, so the outermost take what lies before them, too: as an open trapezoidal rule of second order.
 """
 
 from collections.abc import Collection, Mapping
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +33,7 @@ class _Law(NamedTuple):
 
     kind: int
     sign: float
-    strength: float = 0.0
+    strength: NDArray | float = 0.0
     entries: NDArray = EMPTY
     modes: int = 0
 
@@ -94,7 +95,7 @@ def lumps_of(
         sign=np.array([law.sign for law in laws]),
         first=np.cumsum([0, *size]),
         place=np.concatenate([row.place for row in rows]),
-        strength=np.repeat([law.strength for law in laws], size),
+        strength=np.concatenate([np.broadcast_to(row.law.strength, len(row.place)) for row in rows]),
         at=np.cumsum([0, *(len(law.entries) for law in laws)])[:-1],
         modes=np.array([law.modes for law in laws]),
         entries=np.concatenate([law.entries for law in laws]),
@@ -120,33 +121,44 @@ def _rows(k: int, line: SceneLine, circuits: Circuits, delay: int, count: int, o
     if losses.distortionless:
         share = -float(np.expm1(-losses.attenuation)) / 2
         return [_Row(k, np.array([delay]), _Law(CONSTANT, sign, share)) for sign in (-1.0, 1.0)]
-    part = losses.exact.length / count
-    laws = [
-        *_linear(-1.0, circuits.series, part / z0, order, h),
-        *_friction(losses, z0, 1 / count),
-        *_linear(1.0, circuits.shunt, part * z0, order, h),
-    ]
-    whole, between = _places(delay, count)
-    rows = [_Row(k, whole, law) for law in laws] + [_Row(k, between, law) for law in laws[::-1]]
-    return [row for row in rows if len(row.place)]
+    place = _places(delay, count)
+    even = bool(circuits.series.rates.size or circuits.shunt.rates.size or losses.curve is not None)
+    share = np.full(count, 1 / count) if even else shares(count)  # one table or circuit does for all
+    rows: list[_Row] = []
+    for turn, here in ((1, place % 2 == 0), (-1, place % 2 == 1)):
+        part = share[0] if even else share[here]
+        laws = [
+            *_linear(-1.0, circuits.series, part * losses.exact.length / z0, order, h),
+            *_friction(losses, z0, part),
+            *_linear(1.0, circuits.shunt, part * losses.exact.length * z0, order, h),
+        ]
+        rows += [_Row(k, place[here], law) for law in laws[::turn]] if here.any() else []
+    return rows
 
 
 @lru_cache(1024)
-def _places(delay: int, count: int) -> tuple[NDArray, NDArray]:
-    """Half slabs from end 1, at whole slabs and between."""
-    place = np.round(2 * delay * np.arange(1, count + 1) / (count + 1)).astype(int)
-    return place[place % 2 == 0], place[place % 2 == 1]
+def shares(count: int) -> NDArray:
+    """Of the losses of a line, what each of its lumps stands for."""
+    share = np.full(count, 1 / (count + 1))
+    share[[0, -1]] = 1.5 / (count + 1) if count > 1 else 1.0
+    return share
 
 
-def _linear(sign: float, law: Foster, scale: float, order: Basis, h: float) -> list[_Law]:
+@lru_cache(1024)
+def _places(delay: int, count: int) -> NDArray:
+    """Half slabs from end 1."""
+    return np.round(2 * delay * np.arange(1, count + 1) / (count + 1)).astype(int)
+
+
+def _linear(sign: float, law: Foster, scale: Any, order: Basis, h: float) -> list[_Law]:
     """A circuit, times a scale."""
     if law.strengths.size:
         return [_Law(REMEMBERED, sign, 0.0, one_step(law, scale, order, h), law.rates.size)]
     loss = scale * law.loss
-    return [_Law(CONSTANT, sign, loss / (2 + loss))] if loss else []
+    return [_Law(CONSTANT, sign, loss / (2 + loss))] if law.loss else []
 
 
-def _friction(losses: Losses, z0: float, share: float) -> list[_Law]:
+def _friction(losses: Losses, z0: float, share: Any) -> list[_Law]:
     """A share of the friction that depends on the size of the flow."""
     if losses.linear:
         return []

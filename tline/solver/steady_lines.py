@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from tline.scene.line import SceneLine
 from tline.solver.cells import InCells
+from tline.solver.lossy import shares
 from tline.solver.network import REMEMBERED, TABLED, Lumps, Network, State
 from tline.solver.radau import Basis
 
@@ -117,15 +118,17 @@ def fill_lumped(network: Network, state: State, flows: Mapping[int, Ends], order
     lumps, s = network.lumps, order.s
     first = [*np.flatnonzero(np.diff(lumps.line, prepend=-1)).tolist(), len(lumps.line)]
     begin, remembered = lumps.first.tolist(), lumps.kind == REMEMBERED
-    shares: dict[tuple[int, bytes], NDArray] = {}  # of the line that lies before place p and the next
+    known: dict[tuple[int, bytes], NDArray] = {}  # shares of the line that lies before place p and the next
     for low, high in pairwise(first):
         k = int(lumps.line[low])
         D, here = int(network.delay[k]), lumps.place[begin[low] : begin[high]]
-        passed = shares.get((D, here.tobytes()))
+        passed = known.get((D, here.tobytes()))
         if passed is None:
             places = np.unique(here)
-            passed = np.searchsorted(places, np.arange(2 * D), side="right") / len(places)
-            shares[D, here.tobytes()] = passed
+            even = np.isin(lumps.kind[low:high], (REMEMBERED, TABLED)).any()
+            before = np.arange(len(places) + 1) / len(places) if even else np.cumsum([0.0, *shares(len(places))])
+            passed = before[np.searchsorted(places, np.arange(2 * D), side="right")]
+            known[D, here.tobytes()] = passed
         u, q = flows[k].at(passed)
         ring = state.waves[network.offset[k] :][: 2 * D * s].reshape(2, D, s)
         ring[0], ring[1] = (u - q)[::2, None], (u + q)[::-2, None]
