@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,7 +67,8 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, *
     order, h = basis(chosen.s), chosen.h
     lines = {name: line for name, line in scene.single_lines.items() if name not in chosen.cells}
     delay, shift_row, shift = _delays(lines, order, h)
-    circuits = circuits_of(lines, fit_of(scene.t_end, h, chosen.fit))
+    drive = min((shape.fastest() for shape in scene.waveforms.values()), default=inf)
+    circuits = circuits_of(lines, fit_of(scene.t_end, h, chosen.fit, chosen.band, drive))
     in_cells = lines_in_cells(lines, circuits, order, h)
     delay[list(in_cells)] = 1
     lumps, memory = lumps_of(lines, circuits, delay, order, h, chosen.lumps, in_cells)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from functools import lru_cache
-from math import ceil, log, pi
+from math import ceil, inf, log, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from tline.loss import Constant, Foster, Law, Sum, realise
 from tline.scene.line import SceneLine
 from tline.solver.radau import Basis
+from tline.solver.resolution import BAND
 
-CYCLES_PER_RUN, CYCLES_PER_SLAB = 0.1, 2.0  # the band of a circuit, at least
+CYCLES_PER_RUN = 0.1  # at which the band of a circuit begins, at most
+STEP = 2.0  # its upper end is a power of this over its lower end, so that many runs share a circuit
 NONE = np.empty(0)
-STEP = 4.0  # its upper end is a power of this over its lower end, so that halved slabs share a circuit
 
 
 class Fit(NamedTuple):
@@ -26,11 +27,14 @@ class Fit(NamedTuple):
         Band, Hz.
     tolerance : float
         Of the impedance and the admittance in it, relative.
+    fastest : float
+        Rate up to which laws that are circuits stay what they are, 1/s.
     """
 
     low: float
     high: float
     tolerance: float
+    fastest: float
 
 
 class Circuits(NamedTuple):
@@ -41,16 +45,24 @@ class Circuits(NamedTuple):
     error: float
 
 
-def fit_of(t_end: float, h: float, tolerance: float) -> Fit:
+def fit_of(t_end: float, h: float, tolerance: float, band: float = BAND, drive: float = inf) -> Fit:
     """What a run of slabs of width h needs.
+
+    Parameters
+    ----------
+    band : float
+        Cycles per slab at which the band ends, at least.
+    drive : float
+        Shortest time scale of what drives, s, which the band is to hold up to `BAND` cycles per slab.
 
     Examples
     --------
     >>> fit_of(t_end=10, h=1e-3, tolerance=1e-6)
-    Fit(low=0.01, high=2621.44, tolerance=1e-06)
+    Fit(low=0.01, high=2621.44, tolerance=1e-06, fastest=12566.370614359172)
     """
-    low = CYCLES_PER_RUN / t_end
-    return Fit(low, low * STEP ** ceil(log(CYCLES_PER_SLAB / (h * low), STEP)), tolerance)
+    low, widest = CYCLES_PER_RUN / t_end, BAND / h
+    high = min(max(band / h, 1 / drive), widest)
+    return Fit(low, low * STEP ** max(ceil(log(high / low, STEP)), 2), tolerance, 2 * pi * widest)
 
 
 def circuits_of(lines: Mapping[str, SceneLine], fit: Fit) -> dict[str, Circuits]:
@@ -76,7 +88,7 @@ def _fitted(law: Law, fit: Fit) -> tuple[Foster, float]:
         fosters = [part for part in parts if isinstance(part, Foster)]
         strengths = np.concatenate([np.empty(0), *(part.strengths for part in fosters)])
         rates = np.concatenate([np.empty(0), *(part.rates for part in fosters)])
-        if rates.max(initial=0.0) <= 2 * pi * fit.high:
+        if rates.max(initial=0.0) <= fit.fastest:
             return Foster(law.loss, law.storage, strengths, rates), 0.0
     found = realise(law, (fit.low, fit.high), fit.tolerance)
     return found.circuit, found.error

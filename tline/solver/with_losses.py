@@ -15,7 +15,9 @@ from tline.solver.search import Search, limit_of, refined
 
 ORDER, ORDER_IN_CELLS = 3, 6
 TABLE = ((2,), (2, 4), (2, 4, 6), (1,), (1, 2), (1, 2, 3), (1, 2, 3, 4))  # powers of h taken out, smooth and not
-CLOSER, CLOSEST = 0.1, 1e-9  # tolerance of circuits over that of the run, and the least
+CLOSER, CLOSEST = 0.1, 1e-9  # tolerance of circuits over that of the run or of circuits before, and the least
+CALM = 0.02  # cycles per slab, the band of circuits in cells
+IN_CELLS = 1e-5  # the first of these in cells, where terms cost little
 
 Row = dict[tuple[int, ...], Result]
 
@@ -31,8 +33,8 @@ def with_losses(search: Search) -> Result:
     Where all lossy lines can be cut in cells, order and slab are refined as without losses. Else slabs are halved.
     Where circuits stand for exact laws, what closer ones change is added to the error.
     """
-    fit, attempts = max(CLOSER * search.tol, CLOSEST), ()
     cells = fits(search.scene.single_lines, resolution(search.scene, nodes_of(search.scene)).h)
+    fit, attempts = max((IN_CELLS if cells else CLOSER) * search.tol, CLOSEST), ()
     while True:
         search = search._replace(fit=fit)
         result, last = _refined(search) if cells else _halved(search)
@@ -53,12 +55,13 @@ def with_losses(search: Search) -> Result:
 def _refined(search: Search) -> tuple[Result, Result]:
     """A result in cells, and the last run.
 
-    Right behind a front, lines with a memory answer faster than a slab can follow; a slab or two later all is right.
-    So with a memory slabs are halved, and what is judged and given back is what the runs are at the ends of the first
-    run's slabs.
+    Right behind a front, lines with a memory answer faster than a slab can follow; some slabs later all is right. So
+    with a memory slabs are halved, and what is judged and given back is what the runs are at the ends of the first
+    run's slabs. Their circuits have a narrow band: those of a wide one are steeper than polynomials can be, and what
+    these lose is missing ever after, while what a circuit without fast rates has wrong decays with the rates it has.
     """
     start = resolution(search.scene, nodes_of(search.scene), search.scene.solver.order or ORDER_IN_CELLS)
-    first = search.run(start._replace(fit=search.fit))
+    first = search.run(start._replace(fit=search.fit, band=CALM))
     if not any(len(line.series.rates) + len(line.shunt.rates) for line in first.circuits.values()):
         result = refined(search, NONE)
         return result, result
