@@ -1,6 +1,8 @@
 """Elements whose law is a Python method: recursions per bounce in 40 digits, closed forms, and who made energy."""
 
+import copy
 import math
+import pickle
 
 import mpmath as mp
 import numpy as np
@@ -146,3 +148,19 @@ def test_a_scene_with_changes_keeps_it_and_a_file_names_its_class():
     assert 'kind = "Cubic"' in scene_text(scene)
     with pytest.raises(InputError, match=r"loads\.x\.kind: unknown.*got 'Cubic'"):
         scene_from(scene.table() | {"loads": {"x": {"at": "end", "kind": "Cubic", "g": 1e-9}}})
+
+
+def test_a_copy_has_a_law_of_its_own():
+    one = Cubic(at="end", g=1e-9)
+    simulate(pipe(one))
+    for other in (one.model_copy(update={"g": 5e-9}), copy.copy(one).model_copy(update={"g": 5e-9})):
+        assert simulate(pipe(other)).probes["end"].y[0] == pytest.approx(5e-9 * HEAD, rel=1e-12)
+    sent = pickle.loads(pickle.dumps(pipe(one)))
+    assert sent == pipe(Cubic(at="end", g=1e-9))
+    assert simulate(sent).probes["end"].y[0] == pytest.approx(1e-9 * HEAD, rel=1e-12)
+
+
+def test_a_law_that_falls_too_fast_has_no_answer():
+    push = {"s": {"at": "end", "kind": "flow", "value": 1e-3}}
+    with pytest.raises(InputError, match=r"loads\.x"):
+        simulate(pipe(Cubic(at="end", g=-2 / Z0), start="rest", sources=push))

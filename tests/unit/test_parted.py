@@ -123,6 +123,11 @@ def changed(pipe: dict | None = None, **more) -> Scene:
         ),
         (
             {},
+            {"links": {"v": {"kind": "orifice", "nodes": ["end", "pipe, place 2"], "kv": 50}}},
+            "lines: a name that a part of lines.pipe has, expected another name, got 'pipe, place 2'",
+        ),
+        (
+            {},
             {"solver": {"slab": 0.1}},
             "solver.slab: longer than the shortest delay, expected at most that of lines.p",
         ),
@@ -168,3 +173,22 @@ def test_a_search_that_leads_nowhere_says_why():
     ).accuracy
     assert not accuracy.met
     assert accuracy.limit.startswith("narrower slabs do not help: cavities collapse at other instants in each run")
+
+
+@pytest.mark.parametrize(("elevation", "told"), [("-40 m", False), ("40 m", True)])
+def test_a_probe_inside_has_the_height_of_its_place(elevation, told):
+    """A flow lowers the pressure by 2.5 bar; 35 m of water more or less stand on the wall."""
+    pulse = {"shape": "ramp", "from": 0, "to": -0.0079, "duration": 0.05}
+    scene = Scene(
+        **TABLE
+        | {
+            "start": "rest",
+            "t_end": 0.4,
+            "lines": {"pipe": PIPE},
+            "loads": {},
+            "nodes": {"tank": {"elevation": 0}, "end": {"elevation": elevation}},
+            "sources": {"out": {"at": "end", "kind": "flow", "value": pulse}},
+            "probes": {"inside": {"line": "pipe", "position": "87.5 %"}},
+        }
+    )
+    assert any("cavitates" in remark for remark in simulate(scene).remarks) == told

@@ -48,7 +48,7 @@ def fit(
     try:
         found = _found(file, tolerance, delay, nearest)
     except ExpressionError as error:
-        where = {"tolerance": "--tolerance", "samples": file}.get(error.where, error.where)
+        where = {"tolerance": "--tolerance"}.get(error.where, file)
         told = InputError(where, error.problem, error.expected, error.got)
         if error.where != "tolerance":
             raise told from error

@@ -155,7 +155,8 @@ def _coupled(scene: Scene) -> Iterator[InputError]:
 def _cavities(scene: Scene) -> Iterator[InputError]:
     """Names that the parts of lines with cavities have, and places whose height is not known."""
     cut = with_cavities(scene.lines)
-    nodes = {node for line in scene.lines.values() for node in line.nodes} if cut else set()
+    joining = [*scene.lines.values(), *scene.links.values()] if cut else []
+    nodes = {node for each in joining for node in each.nodes}
     high = {name for name, site in scene.nodes.items() if site.elevation is not None}
     for name, line in cut.items():
         for own in {*stretches_of(name, line), *places_of(name, line)} & {*scene.lines, *scene.loads, *nodes}:

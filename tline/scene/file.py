@@ -9,6 +9,8 @@ from tline.scene.own import own_elements
 from tline.scene.scene import Scene
 from tline.scene.text_file import read_text
 
+PLAIN = bool, int, float, str, list, tuple, dict  # what TOML knows
+
 
 def read_scene(path: str | Path, progress: bool = False) -> Scene:
     """Read a scene from a TOML file.
@@ -51,7 +53,8 @@ def scene_text(scene: Scene) -> str:
     table = scene.table()
     for part, name in own_elements(scene):
         element = table[part][name]
-        table[part][name] = {"kind": type(element).__name__} | element.table()
+        fields = {key: value if isinstance(value, PLAIN) else repr(value) for key, value in element.table().items()}
+        table[part][name] = {"kind": type(element).__name__} | fields
     return tomli_w.dumps(table)
 
 

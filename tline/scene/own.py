@@ -6,9 +6,11 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from ctypes import CFUNCTYPE, c_double, c_void_p, cast
 from math import inf, nan
+from threading import get_ident
 from typing import TYPE_CHECKING, Any, ClassVar
+from weakref import finalize, ref
 
-from pydantic import Field, PrivateAttr, WrapSerializer, WrapValidator
+from pydantic import Field, WrapSerializer, WrapValidator
 
 from tline.errors import InputError
 from tline.scene.between import Between
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from tline.scene.scene import Scene
 
 _SIGNATURE = CFUNCTYPE(c_double, c_double, c_double)
+_CALLED: dict[int, _Called] = {}  # of each element alive, by its identity: a copy is an element of its own
 
 
 class OwnElement(NonLinear):
@@ -28,8 +31,6 @@ class OwnElement(NonLinear):
 
     kind: ClassVar[str] = "own"
     opening: Factor = Field(default=ALWAYS, description="what the law is told, from 0 to 1, constant or over time")
-    _lent: Any = PrivateAttr(default=None)
-    _problem: str | BaseException = PrivateAttr(default="")
 
     def flow(self, effort: float, opening: float) -> float:
         """Flow at an effort across the element.
@@ -50,24 +51,40 @@ class OwnElement(NonLinear):
 
     def law(self) -> Law:
         """The method as a C function, which the kernel calls at its address."""
-        if self._lent is None:
-            self._lent = _SIGNATURE(self._told)
-        address = cast(self._lent, c_void_p).value or 0
+        address = cast(_called(self).function, c_void_p).value or 0
         return Law("own", (0.0, float(address)), self.opening)  # exact: addresses are below 2**53
+
+
+class _Called:
+    """The method of an element as a C function, and what went wrong in it, by thread."""
+
+    def __init__(self, element: OwnElement):
+        self.function, self.problems = _SIGNATURE(self._told), {}
+        self._element = ref(element)
 
     def _told(self, effort: float, opening: float) -> float:
         """What the kernel gets; nan after any mistake, as no exception can pass through it."""
+        problem: str | BaseException
         try:
-            flow = float(self.flow(effort, opening))
+            flow = float(self._element().flow(effort, opening))
         except Exception as error:  # noqa: BLE001 - whatever a user's law may raise
-            self._problem = self._problem or f"({effort:.6g}, {opening:.6g}) raised {type(error).__name__}: {error}"
+            problem = f"({effort:.6g}, {opening:.6g}) raised {type(error).__name__}: {error}"
         except BaseException as error:  # noqa: BLE001 - such as KeyboardInterrupt, raised again when the run has ended
-            self._problem = error
+            problem = error
         else:
             if abs(flow) < inf:
                 return flow
-            self._problem = self._problem or f"({effort:.6g}, {opening:.6g}) returned {flow}"
+            problem = f"({effort:.6g}, {opening:.6g}) returned {flow}"
+        self.problems.setdefault(get_ident(), problem)
         return nan
+
+
+def _called(element: OwnElement) -> _Called:
+    key = id(element)
+    if key not in _CALLED:
+        _CALLED[key] = _Called(element)
+        finalize(element, _CALLED.pop, key, None)
+    return _CALLED[key]
 
 
 class OwnLoad(OwnElement, AtNode):
@@ -112,18 +129,19 @@ def own_mistakes(scene: Scene) -> Iterator[None]:
     InputError
         With the effort at which it happened.
     """
-    own = own_elements(scene)
+    own, here = own_elements(scene), get_ident()
     for element in own.values():
-        element._problem = ""
+        _called(element).problems.pop(here, None)
     try:
         yield
     finally:
         for where, element in own.items():
-            if isinstance(element._problem, BaseException):
-                raise element._problem
-            if element._problem:
-                problem = f"{type(element).__name__}.flow{element._problem}"
-                raise InputError(place(*where), problem, "a finite number") from None
+            problem = _called(element).problems.pop(here, None)
+            if isinstance(problem, BaseException):
+                raise problem
+            if problem:
+                told = f"{type(element).__name__}.flow{problem}"
+                raise InputError(place(*where), told, "a finite number") from None
 
 
 def or_own(kind: type[OwnElement]) -> tuple[WrapValidator, WrapSerializer]:

@@ -281,6 +281,8 @@ def own(address, factor, d, z):
         if at_high < 0.0:
             high += wide
             at_high = high + z * answer(address, high, factor) - d
+    if not at_low <= 0.0 <= at_high:
+        return np.nan, 0.0
     u = low if at_low == 0.0 else high
     for _ in range(STEPS):
         if at_low == 0.0 or at_high == 0.0 or high - low <= ULPS * max(abs(low), abs(high)):

@@ -98,13 +98,23 @@ def _extremes(
     weight = weight_at(scene)
     found = {}
     for name, probe in probes.items():
-        less = weight.get(scene.probes[name].at or "", 0.0)
+        less = _weight_of(name, scene, weight)
         found[place("probes", name)] = float(probe.u.min()) - less, float(probe.u.max()) - less
     if envelope is not None:
         for node, low, high in zip(envelope.nodes, envelope.lowest, envelope.highest, strict=True):
             less = weight.get(node, 0.0)
             found[f"node '{node}'"] = float(low) - less, float(high) - less
     return found
+
+
+def _weight_of(name: str, scene: Scene, weight: dict[str, float]) -> float:
+    """The same at a probe; between ends of known height on a straight line."""
+    probe = scene.probes[name]
+    if probe.at is not None or not weight:
+        return weight.get(probe.at or "", 0.0)
+    line = scene.lines[scene.probed_line(name)]
+    here, known = probe.fraction(line), [weight[node] for node in line.nodes if node in weight]
+    return (1 - here) * known[0] + here * known[1] if len(known) == 2 else 0.0
 
 
 def _refuse_inside(scene: Scene) -> None:

@@ -131,7 +131,8 @@ def judged(result: Result) -> Accuracy:
         Of a run without a tolerance.
     """
     s, h, scene = result.resolution.s, result.resolution.h, (result.parts or result).scene
-    better = run(scene, Resolution(s, h / 2) if is_lossy(scene) else Resolution(s + 1, h))
+    with own_mistakes(scene):
+        better = run(scene, Resolution(s, h / 2) if is_lossy(scene) else Resolution(s + 1, h))
     estimates = apart(result, better)
     worst = max(estimate.worst for estimate in estimates.values())
     return Accuracy(None, estimates, (Attempt.of(result, worst), Attempt.of(better)), apart_inside(result, better))
@@ -159,7 +160,7 @@ def _made(result: Result) -> list[str]:
     if result.ledger is None:
         return []
     own = {place(*where) for where in own_elements(result.scene)}
-    entries = [entry for entry in result.ledger.entries if own & set(entry.where.split(" and "))]
+    entries = [entry for entry in result.ledger.entries if own & {entry.where, *entry.where.split(" and ")}]
     gains = [entry for entry in entries if entry.created > ROUNDING * result.ledger.turnover]
     return [f"{entry.where} gave {entry.created:.3g} J more than it had taken: its law is active" for entry in gains]
 
