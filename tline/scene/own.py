@@ -65,8 +65,9 @@ class _Called:
     def _told(self, effort: float, opening: float) -> float:
         """What the kernel gets; nan after any mistake, as no exception can pass through it."""
         problem: str | BaseException
+        element: Any = self._element()  # alive, for who calls holds its scene
         try:
-            flow = float(self._element().flow(effort, opening))
+            flow = float(element.flow(effort, opening))
         except Exception as error:  # noqa: BLE001 - whatever a user's law may raise
             problem = f"({effort:.6g}, {opening:.6g}) raised {type(error).__name__}: {error}"
         except BaseException as error:  # noqa: BLE001 - such as KeyboardInterrupt, raised again when the run has ended
