@@ -63,13 +63,12 @@ def _multiports(scene: Scene) -> Iterator[InputError]:
     if scene.start == "steady":
         yield InputError("start", f"{next(iter(linked.values()))} has no steady state here", "'rest'", "'steady'")
     laws = scene.laws
-    for part, elements in (("loads", scene.loads), ("links", scene.links)):
-        for name, element in elements.items():
-            if (part, name) in laws or isinstance(element, Switch):
-                at = [element.at] if isinstance(element, AtNode) else element.nodes
-                for node in linked.keys() & at:
-                    problem = f"stands beside {linked[node]}, which takes linear elements that do not move"
-                    yield InputError(place(part, name), problem, APART)
+    for where, element in scene.placed:
+        if where in laws or isinstance(element, Switch):
+            at = [element.at] if isinstance(element, AtNode) else element.nodes
+            for node in linked.keys() & at:
+                problem = f"stands beside {linked[node]}, which takes linear elements that do not move"
+                yield InputError(place(*where), problem, APART)
 
 
 def _measured(scene: Scene) -> Iterator[InputError]:

@@ -117,8 +117,7 @@ class OwnLink(OwnElement, Between):
 
 def own_elements(scene: Scene) -> dict[tuple[str, str], OwnElement]:
     """Those of a scene, by section and name."""
-    elements = [("loads", *one) for one in scene.loads.items()] + [("links", *one) for one in scene.links.items()]
-    return {(part, name): element for part, name, element in elements if isinstance(element, OwnElement)}
+    return {at: element for at, element in scene.placed if isinstance(element, OwnElement)}
 
 
 @contextmanager
@@ -148,12 +147,12 @@ def own_mistakes(scene: Scene) -> Iterator[None]:
 def or_own(kind: type[OwnElement]) -> tuple[WrapValidator, WrapSerializer]:
     """For a union of elements: one of a user's own of that kind is taken, and given back, as it is."""
 
+    def itself(value: Any, handler: Callable[[Any], Any]) -> Any:
+        return value if isinstance(value, kind) else handler(value)
+
     def taken(value: Any, handler: Callable[[Any], Any]) -> Any:
         if isinstance(value, OwnElement) and not isinstance(value, kind):
             raise InputError("", "does not fit here", f"an {kind.__name__}", f"'{type(value).__name__}'")
-        return value if isinstance(value, kind) else handler(value)
-
-    def itself(value: Any, handler: Callable[[Any], Any]) -> Any:
-        return value if isinstance(value, kind) else handler(value)
+        return itself(value, handler)
 
     return WrapValidator(taken), WrapSerializer(itself)

@@ -205,10 +205,15 @@ class Scene(Element):
         return single_lines(self.lines)
 
     @property
+    def placed(self) -> list[tuple[tuple[str, str], Any]]:
+        """All loads and links, by section and name."""
+        loads = [(("loads", name), load) for name, load in self.loads.items()]
+        return [*loads, *((("links", name), link) for name, link in self.links.items())]
+
+    @property
     def measured(self) -> dict[tuple[str, str], Touchstone | MeasuredMultiport]:
         """Each load and multiport from a Touchstone file, by section and name."""
-        elements = [("loads", *one) for one in self.loads.items()] + [("links", *one) for one in self.links.items()]
-        return {(part, name): x for part, name, x in elements if isinstance(x, Touchstone | MeasuredMultiport)}
+        return {at: x for at, x in self.placed if isinstance(x, Touchstone | MeasuredMultiport)}
 
     @property
     def delay_lines(self) -> set[str]:
@@ -218,8 +223,7 @@ class Scene(Element):
     @property
     def laws(self) -> dict[tuple[str, str], Law]:
         """Law of each non-linear element by section and name."""
-        elements = [("loads", *one) for one in self.loads.items()] + [("links", *one) for one in self.links.items()]
-        return {(part, name): element.law() for part, name, element in elements if isinstance(element, NonLinear)}
+        return {at: element.law() for at, element in self.placed if isinstance(element, NonLinear)}
 
     def check_linear(self, what: str, besides: type | tuple[()] = ()) -> None:
         """Refuse a scene with a non-linear element, or one between nodes, but for a kind that is allowed.

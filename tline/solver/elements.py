@@ -16,22 +16,8 @@ from tline.solver.network import Laws, tools_of
 from tline.solver.nodes import Node
 from tline.solver.radau import Basis, basis
 
-KINDS = (
-    "quadratic",
-    "pump",
-    "relief",
-    "leak",
-    "demand",
-    "diode",
-    "table",
-    "gas",
-    "tank",
-    "rotor",
-    "vapour",
-    "air",
-    "own",
-)
 STATES = {"gas": 1, "tank": 1, "rotor": 1, "vapour": 1, "air": 2}
+KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", *STATES, "own")
 BREAKING = {"vapour", "air"}  # kinds that send fronts at instants of their own, which are not followed
 
 

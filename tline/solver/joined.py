@@ -1,5 +1,6 @@
 """A run of the stretches of lines with cavities, seen as one of the lines that they are parts of."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -57,10 +58,10 @@ def joined(result: Result, scene: Scene) -> Result:
     )
 
 
-def recorded(scene: Scene, name: str) -> list[str]:
-    """The lines to be recorded for one of the scene."""
-    line = with_cavities(scene.lines).get(name)
-    return stretches_of(name, line) if line is not None else [name]
+def recorded(scene: Scene, names: Iterable[str]) -> list[str]:
+    """The lines to be recorded for those of the scene."""
+    cut = with_cavities(scene.lines)
+    return [each for name in names for each in (stretches_of(name, cut[name]) if name in cut else [name])]
 
 
 def _record(stretches: tuple[LineRecord, ...]) -> CutRecord:

@@ -123,7 +123,7 @@ def _rows(k: int, line: SceneLine, circuits: Circuits, delay: int, count: int, o
         return [_Row(k, np.array([delay]), _Law(CONSTANT, sign, share)) for sign in (-1.0, 1.0)]
     place = _places(delay, count)
     even = bool(circuits.series.rates.size or circuits.shunt.rates.size or losses.curve is not None)
-    share = np.full(count, 1 / count) if even else shares(count)  # one table or circuit does for all
+    share = shares(count, even)
     rows: list[_Row] = []
     for turn, here in ((1, place % 2 == 0), (-1, place % 2 == 1)):
         part = share[0] if even else share[here]
@@ -137,10 +137,12 @@ def _rows(k: int, line: SceneLine, circuits: Circuits, delay: int, count: int, o
 
 
 @lru_cache(1024)
-def shares(count: int) -> NDArray:
-    """Of the losses of a line, what each of its lumps stands for."""
+def shares(count: int, even: bool) -> NDArray:
+    """Of the losses of a line, what each of its lumps stands for; all the same if one table or circuit does for all."""
+    if even or count == 1:
+        return np.full(count, 1 / count)
     share = np.full(count, 1 / (count + 1))
-    share[[0, -1]] = 1.5 / (count + 1) if count > 1 else 1.0
+    share[[0, -1]] *= 1.5
     return share
 
 

@@ -108,7 +108,7 @@ def _extremes(
 
 
 def _weight_of(name: str, scene: Scene, weight: dict[str, float]) -> float:
-    """The same at a probe; between ends of known height on a straight line."""
+    """Density·g·elevation at a probe, Pa; between ends of known height on a straight line."""
     probe = scene.probes[name]
     if probe.at is not None or not weight:
         return weight.get(probe.at or "", 0.0)

@@ -103,9 +103,8 @@ def simulate(
     """
     whole = parted(scene)
     if whole is not scene:
-        record = [each for name in record for each in recorded(scene, name)]
         more = {"envelope": envelope, "ledger": ledger, "active": active, "progress": progress}
-        return joined(simulate(whole, tol=tol, record=record, **more), scene)
+        return joined(simulate(whole, tol=tol, record=recorded(scene, record), **more), scene)
     warned, record = _active(scene, active), list(record)
     tol, ledger = _tolerance(scene, tol), ledger or bool(own_elements(scene))
     lossy = is_lossy(scene)

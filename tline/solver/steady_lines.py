@@ -125,8 +125,8 @@ def fill_lumped(network: Network, state: State, flows: Mapping[int, Ends], order
         passed = known.get((D, here.tobytes()))
         if passed is None:
             places = np.unique(here)
-            even = np.isin(lumps.kind[low:high], (REMEMBERED, TABLED)).any()
-            before = np.arange(len(places) + 1) / len(places) if even else np.cumsum([0.0, *shares(len(places))])
+            even = bool(np.isin(lumps.kind[low:high], (REMEMBERED, TABLED)).any())
+            before = np.cumsum([0.0, *shares(len(places), even)])
             passed = before[np.searchsorted(places, np.arange(2 * D), side="right")]
             known[D, here.tobytes()] = passed
         u, q = flows[k].at(passed)
