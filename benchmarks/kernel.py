@@ -15,6 +15,7 @@ from statistics import median
 import numpy as np
 
 from tline.solver.assemble import assemble
+from tline.solver.blocks import blocks_of
 from tline.solver.cells import cells_of
 from tline.solver.elements import laws_of
 from tline.solver.kernel import advance
@@ -35,7 +36,7 @@ def ring(lines: int, s: int, *, fractional: bool, seed: int = 0) -> tuple[Networ
     ends = np.stack([2 * before_me + 1, 2 * np.arange(lines)], axis=1).ravel()
     y = 1 / rng.uniform(0.5, 2, lines)
     weight = (np.stack([y[before_me], y], axis=1) / (y[before_me] + y)[:, None]).ravel()
-    none = np.full(lines, -1)
+    none, first, group = np.full(lines, -1), np.arange(0, 2 * lines + 1, 2), np.arange(lines + 1)
     rests = [basis(s).shift(f) for f in rng.uniform(0.1, 0.9, lines)] if fractional else []
     shift = np.array(rests).reshape(len(rests), 2, s, s)
     rows = np.arange(lines) if fractional else none
@@ -44,11 +45,11 @@ def ring(lines: int, s: int, *, fractional: bool, seed: int = 0) -> tuple[Networ
         offset,
         rows,
         shift,
-        np.arange(0, 2 * lines + 1, 2),
+        first,
         ends,
         weight,
         none,
-        np.arange(lines + 1),
+        group,
         none,
         none,
         np.zeros(0, np.int64),
@@ -58,6 +59,7 @@ def ring(lines: int, s: int, *, fractional: bool, seed: int = 0) -> tuple[Networ
         laws_of([[]] * lines, [[]] * lines, {}, 0, 0)[0],
         cells_of({}, [[None]] * lines)[0],
         NO_LUMPS,
+        blocks_of(delay, first, ends, group, NO_LUMPS),
     )
     zeros = np.zeros(lines, np.int64)
     waves = rng.normal(size=int(2 * delay.sum() * s))

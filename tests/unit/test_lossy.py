@@ -61,7 +61,8 @@ def test_the_kernel_is_its_plain_twin(scene, order):
         state.waves[:] = rng.normal(size=state.waves.shape) * 1e6
         state.slot[0], state.side[0] = slab % 5, slab // 5 % 2
         expected = plainly(assembly, state.waves, slab % 10)
-        lose(assembly.network, assembly.network.lumps, state, 1, np.empty((order, 64)), np.empty((order, 64)))
+        lumps, room = assembly.network.lumps, np.empty((2, 64 * order))
+        lose(assembly.network, lumps, np.arange(len(lumps.line)), state, 1, room[0], room[1])
         assert state.waves == pytest.approx(expected, rel=1e-12, abs=1e-6)
 
 

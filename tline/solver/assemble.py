@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from tline.scene.line import SceneLine
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
+from tline.solver.blocks import blocks_of
 from tline.solver.cells import InCells, cells_of, lines_in_cells
 from tline.solver.circuits import Circuits, circuits_of, fit_of
 from tline.solver.drive import just_before
@@ -103,16 +104,17 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, *
     elements, members = [group.elements for group in groups], _members(groups, nodes)
     laws, factors = laws_of(elements, members, nodes, len(drives), len(maps.states))
     drives += [[(factor, 1.0)] for factor in factors]
+    first, group = np.cumsum([0, *degree]), np.cumsum([0, *(len(group.nodes) for group in groups)])
     network = Network(
         delay,
         offset=np.concatenate([[0], np.cumsum(2 * delay * chosen.s)[:-1]]),
         shift_row=shift_row,
         shift=shift,
-        first=np.cumsum([0, *degree]),
+        first=first,
         ends=ends,
         weight=weight,
         drive_row=np.where(driven, np.cumsum(driven) - 1, -1),
-        group=np.cumsum([0, *(len(group.nodes) for group in groups)]),
+        group=group,
         load_at=maps.load_at,
         step_row=maps.step_row,
         step_at=maps.step_at,
@@ -122,6 +124,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, *
         laws=with_basis(laws, order, h),
         cells=cells,
         lumps=lumps,
+        blocks=blocks_of(delay, first, ends, group, lumps),
     )
     state = State(
         waves=np.repeat(arriving, np.repeat(delay * chosen.s, 2)),

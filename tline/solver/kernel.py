@@ -1030,22 +1030,27 @@ def dissipate(waves, o, s, ring, t, m, place, strength, entries, at, sign, kind)
 
 
 @njit(**INNER)
-def dissipate_abreast(waves, a, b, n, sign, kind, strength, first):
-    """The same at n neighbouring lumps in one sample: one each at places a, a - 1, ... and b, b + 1, ..."""
-    first = uint64(first)
+def dissipate_abreast(waves, a, b, n, s, strength, first, sign, kind, pair, each):
+    """The same at n neighbouring lumps in one slab: of s samples, at places a, a - s, ... and b, b + s, ..."""
+    n, s, first = uint64(n), uint64(s), uint64(first)
+    for i in range(s):
+        for k in range(n):
+            pair[k * s + i], each[k * s + i] = waves[a + i - k * s], strength[first + k]
     if kind == CONSTANT:
-        for i in range(uint64(n)):
-            loss = strength[first + i] * (waves[a - i] + sign * waves[b + i])
-            waves[a - i] -= loss
+        for i in range(n * s):
+            loss = each[i] * (pair[i] + sign * waves[b + i])
+            pair[i] = loss
             waves[b + i] -= sign * loss
     else:
-        for i in range(uint64(n)):
-            w = waves[a - i] + sign * waves[b + i]
-            v = strength[first + i] * abs(w)
+        for i in range(n * s):
+            w = pair[i] + sign * waves[b + i]
+            v = each[i] * abs(w)
             root = 1.0 + np.sqrt(1.0 + v)
-            loss = w * v / (root * root)
-            waves[a - i] -= loss
-            waves[b + i] -= sign * loss
+            pair[i] = w * v / (root * root)
+            waves[b + i] -= sign * pair[i]
+    for i in range(s):
+        for k in range(n):
+            waves[a + i - k * s] -= pair[k * s + i]
 
 
 @njit(**INNER)
@@ -1063,44 +1068,44 @@ def remember(lumps, r, waves, o, s, ring, t, m, memory, w, out):
                 a, b = passing(slab, lumps.place[low + j], ring)
                 a, b = o + a * s, o + b * s
                 for i in range(s):
-                    w[i, j] = waves[a + i] + sign * waves[b + i]
+                    w[i * ABREAST + j] = waves[a + i] + sign * waves[b + i]
             for i in range(s):
                 for j in range(n):
-                    out[i, j] = 0.0
+                    out[i * ABREAST + j] = 0.0
                 for q in range(s):
                     share = entries[direct + i * s + q]
                     for j in range(n):
-                        out[i, j] += share * w[q, j]
+                        out[i * ABREAST + j] += share * w[q * ABREAST + j]
             for k in range(modes):
                 x = uint64(state + k * count)
                 for i in range(s):
                     share = entries[read + i * modes + k]
                     for j in range(uint64(n)):
-                        out[i, j] += share * memory[x + j]
+                        out[i * ABREAST + j] += share * memory[x + j]
                 share = entries[decay + k]
                 for j in range(uint64(n)):
                     memory[x + j] *= share
                 for i in range(s):
                     share = entries[write + k * s + i]
                     for j in range(uint64(n)):
-                        memory[x + j] += share * w[i, j]
+                        memory[x + j] += share * w[i * ABREAST + j]
                 for j in range(uint64(n)):
                     memory[x + j] = 0.0 if abs(memory[x + j]) < TINY else memory[x + j]
             for j in range(n):
                 a, b = passing(slab, lumps.place[low + j], ring)
                 a, b = o + a * s, o + b * s
                 for i in range(s):
-                    waves[a + i] -= out[i, j]
-                    waves[b + i] -= sign * out[i, j]
+                    waves[a + i] -= out[i * ABREAST + j]
+                    waves[b + i] -= sign * out[i * ABREAST + j]
         low += n
 
 
 @njit(**OPTIONS)
-def lose(network, lumps, state, m, w, out):
-    """Let all lumps inside lines take what is theirs of m slabs, no more than the gap between lumps."""
+def lose(network, lumps, rows, state, m, w, out):
+    """Let those rows of lumps take what is theirs of m slabs, no more than the gaps between them."""
     waves, s = state.waves, state.before.shape[1]
     place, strength, entries = lumps.place, lumps.strength, lumps.entries
-    for r in range(lumps.line.size):
+    for r in rows:
         line, low, high, kind, sign, at = (
             lumps.line[r], lumps.first[r], lumps.first[r + 1], lumps.kind[r], lumps.sign[r], lumps.at[r],
         )  # fmt: skip
@@ -1108,11 +1113,12 @@ def lose(network, lumps, state, m, w, out):
         t = state.side[line] * network.delay[line] + state.slot[line]
         if kind > TABLED:
             remember(lumps, r, waves, o, s, ring, t, m, state.lumps, w, out)
-        elif s * m == 1 and kind != TABLED and place[high - 1] - place[low] == 2 * (high - 1 - low):
+        elif m == 1 and kind != TABLED and place[high - 1] - place[low] == 2 * (high - 1 - low):
             while low < high:
                 a, b = passing(t, place[low], ring)
-                n = min(high - low, a + 1, ring - b)
-                dissipate_abreast(waves, uint64(o + a), uint64(o + b), n, sign, kind, strength, low)
+                n = min(high - low, a + 1, ring - b, ABREAST)
+                a, b = uint64(o + a * s), uint64(o + b * s)
+                dissipate_abreast(waves, a, b, n, s, strength, low, sign, kind, w, out)
                 low += n
         else:
             dissipate(waves, o, s, ring, t, m, place[low:high], strength[low:high], entries, at, sign, kind)
@@ -1175,15 +1181,27 @@ def advance_blocks(network, state, n_slabs, drive, record, column, laws, cells, 
 
 
 @njit(**INNER)
+def turn(network, state, lines, count):
+    """Let so many slabs pass on some lines."""
+    delay, slots = network.delay, state.slot
+    for line in lines:
+        slots[line] += count
+        if slots[line] >= delay[line]:
+            slots[line] -= delay[line]
+            state.side[line] = 1 - state.side[line]
+
+
+@njit(**INNER)
 def pass_blocks(network, state, k, n_slabs, drive, record, column, laws, cells, lumps):
     """Advance all nodes by n_slabs, from slab k of the drive and of the record's part that begins in the column.
 
+    Far nodes go a stride. Then the others follow in steps; near lines pass on meanwhile, and far lines wait.
     Returns -1, or the number of a node whose effort is no longer finite.
     """
     delay, offset, first, ends, group = network.delay, network.offset, network.first, network.ends, network.group
     shift_row, shifts, weight, drive_row = network.shift_row, network.shift, network.weight, network.drive_row
     load_at, step_row, step_at, step = network.load_at, network.step_row, network.step_at, network.step
-    step_states, record_row = network.step_states, network.record_row
+    step_states, record_row, blocks = network.step_states, network.record_row, network.blocks
     waves, slots, sides, before, states = state.waves, state.slot, state.side, state.before, state.load
     s = before.shape[1]
     tile = max(SCRATCH // s, 1)
@@ -1193,58 +1211,63 @@ def pass_blocks(network, state, k, n_slabs, drive, record, column, laws, cells, 
     factor = np.empty((most_elements(laws), tile * s))
     position = np.empty(ends.size, np.uint64)
     enter, y = scratch_of_cells(cells, s)
-    w, out = np.empty((s, ABREAST)), np.empty((s, ABREAST))
-    shortest, done = n_slabs if lumps is None else min(n_slabs, lumps.gap), 0
-    for line in range(delay.size):
-        shortest = min(shortest, delay[line])
+    w, out = np.empty(s * ABREAST), np.empty(s * ABREAST)
+    done = int64(0)
     while done < n_slabs:
-        block = min(shortest, n_slabs - done)
-        for g in range(group.size - 1):
-            one, after, ahead = group[g], group[g + 1], 0
-            low, high = first[one], first[after]
-            while ahead < block:
-                m = min(block - ahead, tile)
-                for e in range(low, high):
-                    line = ends[e] >> 1
-                    slot, side = slots[line] + ahead, sides[line] ^ (ends[e] & 1)
-                    if slot >= delay[line]:
-                        slot, side = slot - delay[line], 1 - side
-                    m = min(m, delay[line] - slot)
-                    position[e] = offset[line] + (side * delay[line] + slot) * s
-                here = (k + done + ahead) * s
-                for node in range(one, after):
-                    q = uint64((node - one) * m * s)
-                    begin(u, q, m * s, drive, drive_row[node], here)
-                    for e in range(first[node], first[node + 1]):
-                        row = shift_row[ends[e] >> 1]
-                        if row >= 0:
-                            shift(waves, position[e], m, before, ends[e], shifts, row, history, scratch)
-                        gather(u, q, m * s, waves, position[e], weight[e])
-                if load_at[g] >= 0:
-                    r = step_row[g]
-                    load(u, after - one, m, s, step, step_at[r], states, load_at[g], step_states[r], scratch)
-                if laws is not None:
-                    if laws.first[g] < laws.first[g + 1]:
-                        opened(laws, g, drive, here, m * s, factor)
-                        meet_elements(network, g, states, u, m * s, factor, laws, cells)
-                for node in range(one, after):
-                    q = uint64((node - one) * m * s)
-                    for e in range(first[node], first[node + 1]):
-                        if record_row[ends[e]] >= 0:
-                            note(u, q, m * s, waves, position[e], record, record_row[ends[e]], column * s + here)
-                        scatter(u, q, m * s, waves, position[e])
-                    if not np.isfinite(u[q + uint64(m * s - 1)]):
-                        return node
-                ahead += m
+        block, begun, far = min(blocks.stride, n_slabs - done), int64(0), True
+        while begun < block:
+            groups = blocks.far_groups if far else blocks.near_groups
+            count = block if far else min(blocks.step, block - begun)
+            for g in groups:
+                one, after, ahead = group[g], group[g + 1], 0
+                low, high = first[one], first[after]
+                while ahead < count:
+                    m = min(count - ahead, tile)
+                    for e in range(low, high):
+                        line = ends[e] >> 1
+                        slot, side = slots[line] + ahead, sides[line] ^ (ends[e] & 1)
+                        if blocks.waits[line]:
+                            slot += begun
+                        if slot >= delay[line]:
+                            slot, side = slot - delay[line], 1 - side
+                        m = min(m, delay[line] - slot)
+                        position[e] = offset[line] + (side * delay[line] + slot) * s
+                    here = (k + done + begun + ahead) * s
+                    for node in range(one, after):
+                        q = uint64((node - one) * m * s)
+                        begin(u, q, m * s, drive, drive_row[node], here)
+                        for e in range(first[node], first[node + 1]):
+                            row = shift_row[ends[e] >> 1]
+                            if row >= 0:
+                                shift(waves, position[e], m, before, ends[e], shifts, row, history, scratch)
+                            gather(u, q, m * s, waves, position[e], weight[e])
+                    if load_at[g] >= 0:
+                        r = step_row[g]
+                        load(u, after - one, m, s, step, step_at[r], states, load_at[g], step_states[r], scratch)
+                    if laws is not None:
+                        if laws.first[g] < laws.first[g + 1]:
+                            opened(laws, g, drive, here, m * s, factor)
+                            meet_elements(network, g, states, u, m * s, factor, laws, cells)
+                    for node in range(one, after):
+                        q = uint64((node - one) * m * s)
+                        for e in range(first[node], first[node + 1]):
+                            if record_row[ends[e]] >= 0:
+                                note(u, q, m * s, waves, position[e], record, record_row[ends[e]], column * s + here)
+                            scatter(u, q, m * s, waves, position[e])
+                        if not np.isfinite(u[q + uint64(m * s - 1)]):
+                            return node
+                    ahead += m
+            if not far:
+                if lumps is not None:
+                    lose(network, lumps, blocks.near_rows, state, count, w, out)
+                if cells is not None:
+                    pass_cells(network, cells, state, enter, y)
+                turn(network, state, blocks.near_lines, count)
+                begun += count
+            far = False
         if lumps is not None:
-            lose(network, lumps, state, block, w, out)
-        if cells is not None:
-            pass_cells(network, cells, state, enter, y)
-        for line in range(delay.size):
-            slots[line] += block
-            if slots[line] >= delay[line]:
-                slots[line] -= delay[line]
-                sides[line] = 1 - sides[line]
+            lose(network, lumps, blocks.far_rows, state, block, w, out)
+        turn(network, state, blocks.far_lines, block)
         done += block
     return -1
 
@@ -1989,7 +2012,7 @@ def advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, 
     )  # fmt: skip
     pieces, counts, moves, due, position = fronts.pieces, fronts.counts, fronts.moves, sources.due, fronts.room.position
     s, k = state.before.shape[1], int64(0)
-    w, out, (enter, y) = np.empty((s, ABREAST)), np.empty((s, ABREAST)), scratch_of_cells(in_cells, s)
+    w, out, (enter, y) = np.empty(s * ABREAST), np.empty(s * ABREAST), scratch_of_cells(in_cells, s)
     while k < n_slabs:
         slab = first_slab + k
         log_is_full = counts[NOTED] + 2 * record.shape[0] * fronts.at_node > fronts.log.where.shape[0]
@@ -2031,7 +2054,8 @@ def advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, 
                 return group[g], k
         if lumps is not None:
             level_at_lumps(network, in_lumps, state, fronts)
-            lose(network, in_lumps, state, 1, w, out)
+            lose(network, in_lumps, network.blocks.far_rows, state, 1, w, out)
+            lose(network, in_lumps, network.blocks.near_rows, state, 1, w, out)
         if cells is not None:
             pass_cells(network, in_cells, state, enter, y)
         for line in range(delay.size):

@@ -89,7 +89,7 @@ def lumps_of(
     laws, size = [row.law for row in rows], [len(row.place) for row in rows]
     states = np.cumsum([0, *(law.modes * n for law, n in zip(laws, size, strict=True))])
     lumps = Lumps(
-        gap=_gap(rows, delay),
+        gap=_gaps(rows, delay),
         line=np.array([row.line for row in rows]),
         kind=np.array([law.kind for law in laws]),
         sign=np.array([law.sign for law in laws]),
@@ -104,14 +104,19 @@ def lumps_of(
     return lumps, int(states[-1])
 
 
-def _gap(rows: list[_Row], delay: NDArray) -> int:
-    """Slabs that may be advanced at once: none that passes two lumps, or a lump and an end, nor two that meet there."""
+def _gaps(rows: list[_Row], delay: NDArray) -> NDArray:
+    """Of each line the slabs in which nothing passes two lumps, or a lump and an end; its delay if it has no lumps."""
     places: dict[int, set[bytes]] = {}
     for row in rows:
         places.setdefault(row.line, set()).add(row.place.tobytes())
-    alike = {(int(delay[line]), frozenset(here)) for line, here in places.items()}
-    gaps = [np.diff(np.unique([0, 2 * D, *np.frombuffer(b"".join(here), int)])).min() for D, here in alike]
-    return max(int(min(gaps)) // 2, 1)
+    known, gaps = {}, delay.copy()
+    for line, here in places.items():
+        alike = int(delay[line]), frozenset(here)
+        if alike not in known:
+            apart = np.diff(np.unique([0, 2 * delay[line], *np.frombuffer(b"".join(here), int)]))
+            known[alike] = max(int(apart.min()) // 2, 1)
+        gaps[line] = known[alike]
+    return gaps
 
 
 def _rows(k: int, line: SceneLine, circuits: Circuits, delay: int, count: int, order: Basis, h: float) -> list[_Row]:

@@ -24,7 +24,6 @@ Integers = NDArray[np.int64]
 
 
 CONSTANT, SQUARED, TABLED, REMEMBERED = range(4)  # kinds of lumps
-NO_GAP = 2**62
 
 
 class Tools(NamedTuple):
@@ -86,7 +85,7 @@ class Lumps(NamedTuple):
     admittance. It takes away e(w): a becomes a - e, b becomes b - sign e.
     """
 
-    gap: int  # slabs that may be advanced at once
+    gap: Integers  # (L,) slabs in which nothing passes two lumps of a line, or a lump and an end; (0,) without lumps
     line: Integers  # (rows,)
     kind: Integers  # (rows,)
     sign: Floats  # (rows,) -1 in series, 1 across
@@ -98,6 +97,20 @@ class Lumps(NamedTuple):
     entries: Floats  # table: log2 of the first |w|, points per octave, number of points n, then e/w at n points;
     # circuit: D (s, s), C (s, modes), B (modes, s), decay (modes,) of e = D w + C x, x' = B w + decay x
     memory: Integers  # (rows,) place of the row's states, shape (modes, lumps)
+
+
+class Blocks(NamedTuple):
+    """How many slabs groups, lines and rows of lumps are advanced at once."""
+
+    stride: int  # of those that are far from short lines
+    step: int  # of the others, meanwhile
+    far_groups: Integers
+    near_groups: Integers
+    far_lines: Integers  # in which nothing arrives within a stride
+    near_lines: Integers
+    far_rows: Integers
+    near_rows: Integers
+    waits: NDArray[np.bool_]  # (L,) whether a line is far
 
 
 class Network(NamedTuple):
@@ -121,6 +134,7 @@ class Network(NamedTuple):
     laws: Laws
     cells: Cells
     lumps: Lumps
+    blocks: Blocks
 
 
 class State(NamedTuple):
@@ -137,7 +151,7 @@ class State(NamedTuple):
 
 _NONE, _EMPTY = np.zeros(0, int), np.zeros(0)
 NO_LUMPS = Lumps(
-    NO_GAP,
+    gap=_NONE,
     line=_NONE,
     kind=_NONE,
     sign=_EMPTY,

@@ -1,0 +1,69 @@
+"""Nodes far from short lines go many slabs at once, and nothing comes out otherwise than slab by slab."""
+
+import numpy as np
+import pytest
+from random_scenes import random_scene
+
+from tline.scene.scene import Scene
+from tline.solver import blocks
+from tline.solver.assemble import assemble
+from tline.solver.blocks import LONGEST, blocks_of
+from tline.solver.network import NO_LUMPS
+from tline.solver.resolution import Resolution
+from tline.solver.run import run
+
+SLAB = 0.05
+WATER = {"radius": 0.1, "density": 1000.0, "wave_speed": 1000.0, "friction": {"kind": "darcy", "factor": 0.5}}
+
+
+def mixed(seed: int, friction: bool) -> Scene:
+    """A random network in which one line is some slabs long; delays are not whole."""
+    table = random_scene(seed, loads=not friction, sources=not friction).table()
+    for k, line in enumerate(table["lines"].values()):
+        delay = line["delay"] * (2 * SLAB if k == 0 else 1.0)
+        line |= {"length": 1000.0 * delay} | WATER if friction else {"delay": delay}
+        for key in ("z0", "delay") if friction else ():
+            del line[key]
+    if friction:
+        pulse = {"shape": "sine", "amplitude": 0.1, "frequency": 0.2, "until": 5.0}
+        table |= {"medium": "hydraulic", "sources": {"s": {"at": "n0", "kind": "flow", "value": pulse}}}
+    return Scene(**table)
+
+
+def of_chain(delays: list[int]) -> blocks.Blocks:
+    """The blocks of lines one after the other."""
+    n = len(delays)
+    ends = np.array([0, *(e for k in range(n - 1) for e in (2 * k + 1, 2 * k + 2)), 2 * n - 1])
+    first = np.array([0, *range(1, 2 * n, 2), 2 * n])
+    return blocks_of(np.array(delays), first, ends, np.arange(n + 2), NO_LUMPS)
+
+
+def test_a_short_line_keeps_only_its_own_nodes_back():
+    found = of_chain([100] * 20 + [2] + [100] * 20)
+    assert (found.stride, found.step) == (100, 2)
+    assert found.near_lines.tolist() == [20]
+    assert found.near_groups.tolist() == [20, 21]
+    assert found.waits.sum() == 40
+
+
+def test_equal_lines_are_all_far_and_lines_of_one_slab_all_near():
+    equal, least = of_chain([7, 7, 7]), of_chain([1, 1])
+    assert (equal.stride, equal.near_groups.size) == (7, 0)
+    assert (least.stride, least.step, least.far_groups.size) == (LONGEST, 1, 0)
+
+
+@pytest.mark.parametrize("order", [1, 3])
+@pytest.mark.parametrize("friction", [False, True])
+@pytest.mark.parametrize("seed", range(4))
+def test_the_same_comes_out_as_slab_by_slab(monkeypatch, seed, order, friction):
+    scene, resolution = mixed(seed, friction), Resolution(order, SLAB, lumps=4)
+    chosen = assemble(scene, set(), resolution).network.blocks
+    assert chosen.far_groups.size
+    assert chosen.near_groups.size
+    assert bool(chosen.far_rows.size) == friction
+    at_once = run(scene, resolution).probes["p"].u
+    assert np.abs(at_once).max() > 0
+    monkeypatch.setattr(blocks, "_stride", lambda *_: LONGEST)
+    assert not assemble(scene, set(), resolution).network.blocks.far_groups.size
+    apart = np.abs(at_once - run(scene, resolution).probes["p"].u).max() / np.abs(at_once).max()
+    assert apart <= (1e-13 if friction else 0.0)  # lumps that are met one by one round otherwise than abreast
