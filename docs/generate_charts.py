@@ -15,7 +15,7 @@ from tline.charts.work_precision import work_precision
 from tline.pictures.style import save_figure
 
 FOLDER = Path(__file__).parent / "charts"
-BESIDE_PEERS = ("rc", "rlc", "lossy", "y", "chain", "inductor", "hammer", "friction")
+BESIDE_PEERS = ("rc", "rlc", "lossy", "y", "chain", "inductor", "hammer", "friction", "network")
 
 
 def written(table: Table, name: str) -> None:

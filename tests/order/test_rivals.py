@@ -1,5 +1,6 @@
 """Rival methods fall at the order they declare, against closed forms of one line, and say what they cannot do."""
 
+from functools import partial
 from math import comb
 
 import numpy as np
@@ -66,11 +67,11 @@ def charge(t):
     return np.real(u) / 0.3 * np.exp(-rate * np.maximum(t - LAST, 0))
 
 
-def slope(name: str, scene: Scene, exact, counts) -> float:
+def slope(name: str, scene: Scene, exact, counts, probe: str = "far") -> float:
     errors = []
     for n in counts:
         trace = RIVALS[name].run(scene, n)
-        errors.append(np.abs(trace.u["far"] - exact(trace.t)).max())
+        errors.append(np.abs(trace.u[probe] - exact(trace.t)).max())
     return -np.polyfit(np.log(counts), np.log(errors), 1)[0]
 
 
@@ -89,10 +90,15 @@ def test_loads_converge_at_the_declared_order(name):
     assert slope(name, scene, charge, whole) == pytest.approx(lowest, abs=0.35)
 
 
-def test_friction_on_a_grid_converges_at_the_declared_order():
-    scene = chart_scene("friction").scene
-    exact = FrictionSolution(scene, 1024).at  # good to 2e-8 of the surge
-    assert slope("moc_grid", scene, exact, (32, 64, 128)) == pytest.approx(RIVALS["moc_grid"].order, abs=0.1)
+@pytest.mark.parametrize(
+    ("name", "finest", "counts"), [("friction", 1024, (32, 64, 128)), ("network", 256, (8, 16, 32))]
+)
+def test_friction_on_a_grid_converges_at_the_declared_order(name, finest, counts):
+    scene = chart_scene(name).scene
+    solution = FrictionSolution(scene, finest)  # good to 4e-7 of the surge, a tenth of the least error here
+    for probe in scene.probes:
+        exact = partial(solution.at, probe)
+        assert slope("moc_grid", scene, exact, counts, probe) == pytest.approx(RIVALS["moc_grid"].order, abs=0.1)
 
 
 def test_two_halves_of_a_pipe_are_the_pipe():
@@ -104,13 +110,14 @@ def test_two_halves_of_a_pipe_are_the_pipe():
     assert np.abs(halves - whole).max() < 1e-12 * np.abs(whole).max()  # another order of sums
 
 
-def test_nothing_moves_on_a_grid_from_the_steady_state():
-    given = chart_scene("friction").scene.table()
-    still = given["sources"]["draw"] | {"value": "-200 L/s"}
-    trace = RIVALS["moc_grid"].run(Scene(**given | {"sources": {"draw": still}}), 64)
-    assert (
-        np.abs(trace.u["far"] / trace.u["far"][0] - 1).max() < 1e-11
-    )  # 1280 steps of rounding, on a surge 7 times larger
+@pytest.mark.parametrize("name", ["friction", "network"])
+def test_nothing_moves_on_a_grid_from_the_steady_state(name):
+    given = chart_scene(name).scene.table()
+    before = {"draw": "-200 L/s", "plant": "-100 L/s", "houses": "-50 L/s"}
+    still = {key: draw | {"value": before[key]} for key, draw in given["sources"].items()}
+    trace = RIVALS["moc_grid"].run(Scene(**given | {"sources": still}), 64)
+    for u in trace.u.values():
+        assert np.abs(u / u[0] - 1).max() < 1e-11  # thousands of steps of rounding, on a surge 7 times larger
 
 
 def test_characteristics_at_courant_1_are_exact_between_resistances():

@@ -12,7 +12,7 @@ from tline.charts.judge import Judge
 from tline.charts.picture import draw
 from tline.charts.scenes import NAMES, chart_scene
 from tline.charts.table import Row, Table
-from tline.charts.work_precision import add, fixed, refined, simulated
+from tline.charts.work_precision import add, fixed, refined, simulated, to_tolerances
 from tline.errors import InputError
 from tline.reference import exact
 
@@ -103,6 +103,13 @@ def test_a_quick_chart_has_all_methods_and_errors_that_fall_with_the_order():
     assert coarsest[0] > 2 * coarsest[1] > 20 * coarsest[2] > 2000 * coarsest[3]
     assert all(r.error <= 3 * r.asked and r.estimated <= r.asked for r in curves["to a tolerance"])
     assert all(0 < r.seconds <= r.first for r in table.rows)
+
+
+def test_tolerances_below_what_the_judge_knows_are_left_out():
+    scene = chart_scene("rc").scene
+    judge = Judge(scene, 5)
+    judge.own = 1e-5
+    assert [row.asked for row in to_tolerances(scene, judge, QUICK)] == [1e-3]
 
 
 def test_peers_that_are_not_installed_are_named(monkeypatch):

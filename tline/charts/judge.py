@@ -1,5 +1,7 @@
 """How wrong a run is, against the exact solution."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
@@ -51,13 +53,13 @@ class Interpolated:
 class Stepped:
     """What stands for an exact solution where none is known."""
 
-    def __init__(self, scene: Scene, probe: str):
-        self._solution = FrictionSolution(scene)
-        self.fronts, self.error = self._solution.fronts, self._solution.error
+    def __init__(self, solution: FrictionSolution, probe: str):
+        self._solution, self._probe = solution, probe
+        self.fronts, self.error = solution.fronts[probe], solution.error
 
     def efforts(self, t: NDArray) -> NDArray:
         """At times within the run."""
-        return self._solution.at(t)
+        return self._solution.at(self._probe, t)
 
 
 class Judge:
@@ -74,9 +76,7 @@ class Judge:
 
     def __init__(self, scene: Scene, instants: int):
         self.scene = scene
-        linear = all(line.losses is None or line.losses.linear for line in scene.single_lines.values())
-        solve = Closed if not is_lossy(scene) else Interpolated if linear else Stepped
-        self.solutions = {probe: solve(scene, probe) for probe in scene.probes}
+        self.solutions = _solutions(scene)
         shortest = min(line.parameters.delay or 0.0 for line in scene.lines.values())
         behind = np.append(0.0, shortest * 0.5 ** np.arange(15))
         anywhere = np.random.default_rng(SEED).uniform(0, scene.t_end, instants)
@@ -102,3 +102,12 @@ class Judge:
         relative = np.where(np.isfinite(relative), relative, np.inf)
         with np.errstate(over="ignore"):
             return float(np.abs(relative).max()), float(np.sqrt(np.mean(relative**2)))
+
+
+def _solutions(scene: Scene) -> Mapping[str, Closed | Interpolated | Stepped]:
+    """By probe: what is exact, or stands for it."""
+    if all(line.losses is None or line.losses.linear for line in scene.single_lines.values()):
+        solve = Interpolated if is_lossy(scene) else Closed
+        return {probe: solve(scene, probe) for probe in scene.probes}
+    solution = FrictionSolution(scene)
+    return {probe: Stepped(solution, probe) for probe in scene.probes}

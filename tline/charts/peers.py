@@ -5,7 +5,7 @@
 | ngspice | T and O elements, its largest step refined | its own figure of the transient analysis, in milliseconds |
 | scikit-rf | two-ports in a row, inverse FFT over a damped window twice the run | all but the grid of frequencies |
 | rthym-moc | its factor of friction that of the scene, where it can be | its run(), setting up included |
-| TSNet | in an environment of its own, the pipe as two | its MOCSimulator() |
+| TSNet | in an environment of its own, one pipe as two | its MOCSimulator() |
 
 Where friction depends on the flow, the textbook's grid of characteristics stands beside them.
 """

@@ -1,4 +1,4 @@
-"""A pipe in rthym-moc: one reservoir, one demand.
+"""Pipes in rthym-moc: held pressures and demands, begun from the steady state that is told to it.
 
 It turns the Hazen-Williams C of a pipe into a Darcy factor, at the flow that the pipe starts with, and keeps that
 factor; so a C is found that gives the factor of the scene. Friction cannot be switched off: without a flow to start
@@ -16,6 +16,8 @@ import numpy as np
 from tline.charts.clock import Run
 from tline.charts.ngspice import corners
 from tline.scene.scene import Scene
+from tline.solver.nodes import nodes_of
+from tline.solver.steady import rest, steady_state
 
 FOOT, DENSITY = 0.3048, 1000.0  # m, kg/m³
 HEAD = 5000.0  # ft; high enough that nothing boils
@@ -30,28 +32,33 @@ def misfit(scene: Scene) -> str | None:
 
 
 def run(scene: Scene, n: int) -> Run:
-    """A run of n reaches; heads count from that of the reservoir."""
+    """A run of n reaches in the shortest pipe; heads count from that of the reservoir."""
     moc: Any = import_module("rthym_moc")
-    (line,), (draw,) = scene.single_lines.values(), scene.sources.values()
-    pipe: Any = line.parameters
     unit = moc.GPM_TO_CFS * FOOT**3  # of flow, m³/s, as it has it
-    demand = [(t, -flow / unit) for t, flow in corners(draw.value, scene.t_end) or []]
-    size = {"length": pipe.length / FOOT, "diameter": 2 * pipe.radius / FOOT * 12, "flow_gpm": demand[0][1]}
-    factor = line.losses.quadratic * 4 * pipe.radius * pipe.area**2 / DENSITY if line.losses else 0.0
-    solver, far = moc.MOCSolver(), str(draw.at)
-    for name, kind in (("tank", "PressureBoundary"), (far, "Junction")):
-        solver.add_node(_filled(moc.NodeInput(), id=name, type=kind, head=HEAD))
-    rough = roughness(factor, moc=moc, **size)
-    solver.add_pipe(_filled(moc.PipeInput(), id="pipe", from_node="tank", to_node=far, roughness=rough, **size))
-    solver.set_demand_schedule(far, demand)
-    dt = pipe.delay / n
+    head = DENSITY * moc.G_FT_S2 * FOOT**2  # of a foot, Pa, as it has it
+    nodes = nodes_of(scene)
+    efforts, flows = (steady_state if scene.start == "steady" else rest)(scene, nodes)
+    solver = moc.MOCSolver()
+    for name, node in nodes.items():
+        kind = "PressureBoundary" if node.held else "Junction"
+        solver.add_node(_filled(moc.NodeInput(), id=name, type=kind, head=HEAD + efforts[name] / head))
+    for (name, line), flow in zip(scene.single_lines.items(), flows[:, 0].tolist(), strict=True):
+        pipe: Any = line.parameters
+        size = {"length": pipe.length / FOOT, "diameter": 2 * pipe.radius / FOOT * 12, "flow_gpm": flow / unit}
+        factor = line.losses.quadratic * 4 * pipe.radius * pipe.area**2 / DENSITY if line.losses else 0.0
+        ends = dict(zip(("from_node", "to_node"), line.nodes, strict=True))
+        solver.add_pipe(_filled(moc.PipeInput(), id=name, roughness=roughness(factor, moc=moc, **size), **ends, **size))
+    for draw in scene.sources.values():
+        demand = [(t, -flow / unit) for t, flow in corners(draw.value, scene.t_end) or []]
+        solver.set_demand_schedule(str(draw.at), demand)
+    dt = min(line.parameters.delay or 0.0 for line in scene.single_lines.values()) / n
     begun = time.perf_counter()
     # a time constant of one step switches its unsteady friction off
     result = solver.run(total_time=scene.t_end, dt=dt, p_vapor_psi=-1e9, usf_tau=dt, k_bru=0.0)
     seconds = time.perf_counter() - begun
-    heads = np.array(result["node_head"][far], float)
-    u = np.asarray((heads - HEAD) * FOOT * DENSITY * moc.G_FT_S2 * FOOT)
-    return Run(np.array(result["time"]) - dt, dict.fromkeys(scene.probes, u), seconds, seconds)
+    heads = {name: np.array(result["node_head"][str(probe.at)], float) for name, probe in scene.probes.items()}
+    u = {name: (heads[name] - HEAD) * head for name in heads}
+    return Run(np.array(result["time"]) - dt, u, seconds, seconds)
 
 
 def roughness(factor: float, length: float, diameter: float, flow_gpm: float, moc: Any) -> float:

@@ -1,7 +1,8 @@
-"""The scenes of the charts; all but one linear and from rest, so that their exact solutions are known."""
+"""The scenes of the charts; most linear and from rest, so that their exact solutions are known."""
 
 from typing import Any, NamedTuple
 
+from tline.charts import water
 from tline.errors import InputError
 from tline.scene.mistakes import nearest
 from tline.scene.scene import Scene
@@ -14,11 +15,15 @@ class ChartScene(NamedTuple):
     scene: Scene
 
 
+def _of(scene: Scene) -> ChartScene:
+    return ChartScene(scene.title, scene)
+
+
 RAMP = {"shape": "ramp", "to": 1, "duration": "0.1 ns"}
 
 
-def _scene(title: str, medium: str = "electrical", **parts: Any) -> ChartScene:
-    return ChartScene(title, Scene(medium=medium, title=title, **parts))
+def _scene(title: str, **parts: Any) -> ChartScene:
+    return _of(Scene(medium="electrical", title=title, **parts))
 
 
 def _cable(
@@ -39,7 +44,7 @@ def _lossy() -> ChartScene:
     title, end = "Ramp of 0.125 ns into 0.2 m of 20 Ω/m, 20 transits", {"kind": "resistor", "resistance": 100}
     given = _cable(title, end, RAMP | {"duration": "0.125 ns"}).scene
     line = given.table()["lines"]["line"] | {"length": "0.2 m", "resistance": "20 ohm/m"}
-    return ChartScene(given.title, Scene(**given.table() | {"lines": {"line": line}}))
+    return _of(Scene(**given.table() | {"lines": {"line": line}}))
 
 
 def _smooth() -> ChartScene:
@@ -111,31 +116,6 @@ def _behind_inductor() -> ChartScene:
     )
 
 
-def _water_hammer() -> ChartScene:
-    """A pipe of 12 inches and 1 s, closed at rest; pressures count from that of its reservoir."""
-    pipe = {"nodes": ["tank", "far"], "length": "4000 ft", "delay": 1, "density": 1000, "radius": "6 in"}
-    drawn = {"shape": "ramp", "to": "-30 L/s", "duration": 0.5}
-    return _scene(
-        "Water hammer: 30 L/s drawn within 0.5 s, 20 transits",
-        medium="hydraulic",
-        t_end=20,
-        lines={"pipe": pipe},
-        sources={"draw": {"at": "far", "kind": "flow", "value": drawn}},
-        loads={"tank": {"at": "tank", "kind": "short"}},
-        probes={"far": {"at": "far"}},
-    )
-
-
-def _friction() -> ChartScene:
-    """The same pipe runs at 2.74 m/s, and friction takes 13.5 % of the surge; pressures count from the reservoir's."""
-    given = _water_hammer().scene.table()
-    pipe = given["lines"]["pipe"] | {"friction": {"kind": "darcy", "factor": 0.03}}
-    shut = {"shape": "ramp", "from": "-200 L/s", "to": 0, "duration": 0.5}
-    title = "Darcy's friction: 200 L/s stopped within 0.5 s, 20 transits"
-    parts = {"lines": {"pipe": pipe}, "sources": {"draw": given["sources"]["draw"] | {"value": shut}}}
-    return ChartScene(title, Scene(**given | parts | {"title": title, "start": "steady"}))
-
-
 RC = {"kind": "parallel", "resistance": 100, "capacitance": "4 pF"}
 SERIES_RLC = {"kind": "series", "resistance": 10, "inductance": "50 nH", "capacitance": "2 pF"}
 MAKERS = {
@@ -152,8 +132,9 @@ MAKERS = {
         t_end="200 ns",
     ),
     "chain": _chain,
-    "hammer": _water_hammer,
-    "friction": _friction,
+    "hammer": lambda: _of(water.hammer()),
+    "friction": lambda: _of(water.friction()),
+    "network": lambda: _of(water.network()),
     "inductor": _behind_inductor,
     "stub": lambda: _y("An open stub of 0.1 ps between two lines of 1 ns", ("1 ns", "1 ns", "0.0001 ns"), t_end="3 ns"),
     "stiff": lambda: _cable(

@@ -1,19 +1,20 @@
-"""A pipe in TSNet, which needs an environment of its own: numpy 1.26, wntr 1.2 and six.
+"""Pipes in TSNet, which needs an environment of its own: numpy 1.26, wntr 1.2 and six.
 
     python3 -m venv tsnet && tsnet/bin/pip install tsnet "numpy==1.26.*" "wntr==1.2.*" six
     TSNET_PYTHON=tsnet/bin/python tline chart peers friction
 
-A valve between a pipe and a reservoir at the border of a network is a given velocity there, once it is operated; TSNet
-has that at the second of two pipes only, so the pipe is two of half its length. The steady state that EPANET finds in
-floats of 32 bits is replaced by the exact one, its friction factor too.
+Its demands depend on the pressure, but a valve between a pipe and a reservoir at the border of a network is a given
+velocity there, once it is operated; so flows leave at the ends of single pipes. It has that in pipes only whose other
+end is no border, so one pipe alone is two of half its length. The steady state that EPANET finds in floats of 32 bits
+is replaced by the exact one, its friction factors too.
 """
 
+import json
 import os
 import shutil
 import subprocess
 import tempfile
 import time
-from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -23,50 +24,39 @@ from tline.charts.clock import Run
 from tline.charts.ngspice import corners
 from tline.errors import InputError
 from tline.scene.scene import Scene
+from tline.solver.nodes import nodes_of
+from tline.solver.steady import steady_state
 
 PYTHON = "TSNET_PYTHON"  # variable that names the interpreter
 DENSITY, G, HEAD = 1000.0, 9.8, 2000.0  # kg/m³; m/s², as it has it; m, so high that nothing boils
+WIDE = 1000  # mm, of valves
 PATIENCE = 300.0  # s, after which it is stopped
-NETWORK = """[RESERVOIRS]
- tank {head}
- sink 0
-[JUNCTIONS]
- mid 0 0
- far 0 0
-[PIPES]
- one tank mid {half} {diameter} 100 0 Open
- two mid far {half} {diameter} 100 0 Open
-[VALVES]
- valve far sink {diameter} TCV {loss} 0
-[OPTIONS]
- UNITS CMH
-[TIMES]
- DURATION 0
-[END]
-"""
 RUN = """
-import contextlib, sys, time, warnings
+import contextlib, json, sys, time, warnings
 import numpy as np
 warnings.simplefilter("ignore")
 with contextlib.redirect_stdout(None):
     import tsnet
-    path, result = sys.argv[1:3]
-    head, half, diameter, speed, velocity, factor, shut, end, n = map(float, sys.argv[3:])
+    path, given, result = sys.argv[1:]
+    with open(given) as file:
+        given = json.load(file)
     model = tsnet.network.TransientModel(path)
-    model.set_wavespeed(speed)
-    model.set_time(end, half / speed / n * (1 - 1e-12))
-    model.valve_closure("valve", [shut, 0.0, 0.0, 1.0])
+    model.set_wavespeed([pipe["speed"] for pipe in given["pipes"]])
+    model.set_time(given["end"], given["step"] * (1 - 1e-12))
+    for valve, rule in given["rules"].items():
+        model.valve_closure(valve, rule)
     model = tsnet.simulation.Initializer(model, 0)
-    lost = factor * half / diameter * velocity**2 / 2 / {g}
-    for k, (_, pipe) in enumerate(model.pipes()):
-        pipe.roughness = factor
-        pipe.initial_velocity[:] = velocity
-        pipe.initial_head[:] = head - lost * (k + np.linspace(0, 1, len(pipe.initial_head)))
-        pipe.end_node_head[0] = pipe.initial_head[-1]
+    for (_, pipe), exact in zip(model.pipes(), given["pipes"]):
+        pipe.roughness = exact["factor"]
+        pipe.initial_velocity[:] = exact["velocity"]
+        pipe.initial_head[:] = np.linspace(*exact["heads"], len(pipe.initial_head))
+        pipe.start_node_head[0], pipe.end_node_head[0] = exact["heads"]
     begun = time.perf_counter()
     model = tsnet.simulation.MOCSimulator(model, path)
     seconds = time.perf_counter() - begun
-np.savez(result, t=np.arange(len(pipe.end_node_head)) * model.time_step, head=pipe.end_node_head, seconds=seconds)
+heads = {name: getattr(model.get_link(pipe), end) for name, (pipe, end) in given["seen"].items()}
+t = np.arange(len(next(iter(heads.values())))) * model.time_step
+np.savez(result, t=t, seconds=seconds, **heads)
 """
 
 
@@ -82,28 +72,23 @@ def misfit(scene: Scene) -> str | None:
 
 
 def run(scene: Scene, n: int) -> Run:
-    """A run of n reaches, an even number; heads count from that of the reservoir.
+    """A run of n reaches in the shortest pipe; heads count from that of the reservoir.
 
     Raises
     ------
     InputError
-        There are fewer than four reaches, or it fails or takes too long.
+        There are fewer than two reaches in a pipe, or it fails or takes too long.
     """
-    if n < 4:
-        raise InputError("n", "its pipes have two reaches at least", "4 in two pipes", f"{n}")
-    (line,), (draw,) = scene.single_lines.values(), scene.sources.values()
-    pipe: Any = line.parameters
-    area, diameter, half = pi * pipe.radius**2, 2 * pipe.radius, pipe.length / 2
-    (_, flow), (shut, _), *_ = corners(draw.value, scene.t_end) or []
-    velocity = -flow / area
-    factor = line.losses.quadratic * 2 * diameter * area**2 / DENSITY if line.losses else 0.0
-    loss = (HEAD - factor * pipe.length / diameter * velocity**2 / 2 / G) / (velocity**2 / 2 / G)
+    halves = 2 if len(scene.lines) == 1 else 1
+    if n < 2 * halves:
+        raise InputError("n", "its pipes have two reaches at least", f"{2 * halves}", f"{n}")
     with tempfile.TemporaryDirectory() as folder:
-        network, result = Path(folder, "pipe.inp"), Path(folder, "result.npz")
-        network.write_text(NETWORK.format(head=HEAD, half=half, diameter=diameter * 1000, loss=loss))
-        given = (HEAD, half, diameter, pipe.length / pipe.delay, velocity, factor, shut, scene.t_end, n / 2)
+        network, given, result = (Path(folder, name) for name in ("network.inp", "given.json", "result.npz"))
+        text, exact = _told(scene, n, halves)
+        network.write_text(text, encoding="utf-8")
+        given.write_text(json.dumps(exact), encoding="utf-8")
         begun = time.perf_counter()
-        call = [os.environ[PYTHON], "-c", RUN.format(g=G), network, result, *map(repr, given)]
+        call = [os.environ[PYTHON], "-c", RUN, network, given, result]
         try:
             done = subprocess.run(call, capture_output=True, text=True, timeout=PATIENCE, check=False, cwd=folder)
         except subprocess.TimeoutExpired:
@@ -112,6 +97,51 @@ def run(scene: Scene, n: int) -> Run:
         if done.returncode:
             raise InputError("TSNet", f"failed: {done.stderr.strip().splitlines()[-1]}")
         with np.load(result) as found:
-            t, head, seconds = found["t"], found["head"], float(found["seconds"])
-    u = np.asarray((head - HEAD) * DENSITY * G)
-    return Run(t, dict.fromkeys(scene.probes, u), seconds, first)
+            u = {name: (found[name] - HEAD) * DENSITY * G for name in scene.probes}
+            return Run(found["t"], u, float(found["seconds"]), first)
+
+
+def _told(scene: Scene, n: int, halves: int) -> tuple[str, dict[str, Any]]:
+    """The network for EPANET, and what replaces what EPANET finds."""
+    nodes = nodes_of(scene)
+    efforts, flows = steady_state(scene, nodes)
+    heads = {name: HEAD + u / (DENSITY * G) for name, u in efforts.items()}
+    held, free = ([name for name, node in nodes.items() if bool(node.held) is fixed] for fixed in (True, False))
+    pipes, exact, seen = [], [], {}
+    for (name, line), flow in zip(scene.single_lines.items(), flows[:, 0].tolist(), strict=True):
+        pipe: Any = line.parameters
+        first, last = line.nodes
+        places = [first, *(f"{name}.{k}" for k in range(1, halves)), last]
+        free += places[1:-1]
+        levels = np.linspace(heads[first], heads[last], halves + 1).tolist()
+        factor = line.losses.quadratic * 4 * pipe.radius * pipe.area**2 / DENSITY if line.losses else 0.0
+        for k in range(halves):
+            pipes.append(
+                f"{name}.{k} {places[k]} {places[k + 1]} {pipe.length / halves} {2000 * pipe.radius} 100 0 Open"
+            )
+            speeds = {"speed": pipe.length / pipe.delay, "velocity": flow / pipe.area}
+            exact.append(speeds | {"factor": factor, "heads": levels[k : k + 2]})
+        seen |= {first: (f"{name}.0", "start_node_head"), last: (f"{name}.{halves - 1}", "end_node_head")}
+    valves, rules = [], {}
+    for name, draw in scene.sources.items():
+        (start, before), (end, after), *_ = corners(draw.value, scene.t_end) or []
+        rules[name] = [end - start, start, after / before, 1.0]
+        valves.append(f"{name} {draw.at} sink.{name} {WIDE} TCV 0 0")
+        heads[f"sink.{name}"] = heads[str(draw.at)]
+    sections = {
+        "RESERVOIRS": [f"{name} {heads[name]}" for name in (*held, *(f"sink.{name}" for name in rules))],
+        "JUNCTIONS": [f"{name} 0 0" for name in free],
+        "PIPES": pipes,
+        "VALVES": valves,
+        "OPTIONS": ["UNITS CMH"],
+        "TIMES": ["DURATION 0"],
+        "END": [],
+    }
+    text = "".join(f"[{title}]\n" + "".join(f" {row}\n" for row in rows) for title, rows in sections.items())
+    given = {
+        "pipes": exact,
+        "rules": rules,
+        "seen": {name: seen[str(probe.at)] for name, probe in scene.probes.items()},
+    }
+    step = min(line.parameters.delay or 0.0 for line in scene.single_lines.values()) / n
+    return text, given | {"end": scene.t_end, "step": step}

@@ -141,8 +141,13 @@ def rival_run(rival: Any, scene: Scene, n: int) -> Run:
 
 
 def to_tolerances(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:
-    """What runs to a tolerance cost, all attempts counted, what they think they reached, and what is true."""
+    """What runs to a tolerance cost, all attempts counted, what they think they reached, and what is true.
+
+    A tolerance below what the judge knows is left out.
+    """
     for tol in TOLERANCES[:: 3 if effort is QUICK else 1]:
+        if tol < judge.own:
+            return
         done = timed(partial(simulated, scene, tol), effort)
         error, rms = judge.errors(done.t, done.u)
         setting = f"tolerance {tol:.0e}"

@@ -1,0 +1,115 @@
+"""Pipes with quadratic friction as arrays: their steady state, and characteristics from point to point of a grid."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+ROUNDS = 60  # of Newton's method for the steady state
+CLOSE = 1e-9  # a step of Newton's method at a node, relative to what arrives; what is left is its square
+
+
+class Pipes(NamedTuple):
+    """End 2j is end 1 of line j, end 2j + 1 its end 2."""
+
+    first: NDArray  # (nodes + 1,) the ends at node k are ends[first[k]:first[k + 1]]
+    ends: NDArray
+    held: NDArray  # (nodes,) the effort there; nan where none is held
+    z0: NDArray  # (lines,)
+    lost: NDArray  # (lines,) K of a drop K |y| y over the line
+
+
+def joined(node: list[int], nodes: int, held: NDArray, z0: NDArray, lost: NDArray) -> Pipes:
+    """Pipes from the number of the node at each end."""
+    first = np.cumsum([0, *np.bincount(node, minlength=nodes)])
+    return Pipes(first, np.argsort(node, kind="stable"), held, z0, lost)
+
+
+def steady(pipes: Pipes, given: NDArray) -> tuple[NDArray, NDArray]:
+    """Effort of each node and flow of each line, from end 1 to end 2, for the flows that are given into the nodes.
+
+    Newton's method on all drops and balances at once.
+    """
+    nodes, lines = len(given), len(pipes.z0)
+    node = np.empty(2 * lines, int)
+    node[pipes.ends] = np.repeat(np.arange(nodes), np.diff(pipes.first))
+    incidence = np.zeros((nodes, lines))  # what a flow brings to a node
+    incidence[node[::2], np.arange(lines)] -= 1
+    incidence[node[1::2], np.arange(lines)] += 1
+    fixed = ~np.isnan(pipes.held)
+    scale = pipes.z0.mean()  # of efforts, so that all unknowns are flows
+    balances, ties = np.where(fixed[:, None], 0.0, incidence), np.diag(fixed.astype(float))
+    wanted = np.where(fixed, pipes.held / scale, -given)
+    found = np.full(lines + nodes, np.abs(given).sum())
+    for _ in range(ROUNDS):
+        y = found[:lines]
+        slope = pipes.lost * np.abs(y) / scale
+        matrix = np.block([[np.diag(-2 * slope), -incidence.T], [balances, ties]])
+        found = np.linalg.solve(matrix, np.concatenate([-slope * y, wanted]))
+    return scale * found[lines:], found[:lines]
+
+
+@njit(cache=True, error_model="numpy")
+def march(pipes, reaches, effort, flow, given, seen):
+    """Efforts at some nodes at all steps, from a steady state, for the flows that are given into the nodes."""
+    lines, most, effort = len(reaches), np.max(reaches) + 1, effort.copy()
+    u, y = np.zeros((lines, most)), np.zeros((lines, most))
+    plus, minus = np.zeros((lines, most)), np.zeros((lines, most))
+    record = np.zeros((len(seen), given.shape[1]))
+    for k in range(len(effort)):
+        for end in pipes.ends[pipes.first[k] : pipes.first[k + 1]]:
+            u[end // 2, reaches[end // 2] * (end % 2)] = effort[k]
+    for j in range(lines):
+        n = reaches[j]
+        u[j, : n + 1] = u[j, 0] + (u[j, n] - u[j, 0]) / n * np.arange(n + 1)
+        y[j, : n + 1] = flow[j]
+    record[:, 0] = effort[seen]
+    for step in range(1, given.shape[1]):
+        for j in range(lines):
+            inside(u[j], y[j], plus[j], minus[j], reaches[j], pipes.z0[j], pipes.lost[j] / reaches[j])
+        for k in range(len(effort)):
+            at_node(pipes, reaches, k, effort, given[k, step], plus, minus)
+            for end in pipes.ends[pipes.first[k] : pipes.first[k + 1]]:
+                into, _, _ = arriving(pipes, reaches, end, effort[k], plus, minus)
+                j, sign = end // 2, 2.0 * (end % 2) - 1.0
+                u[j, reaches[j] * (end % 2)], y[j, reaches[j] * (end % 2)] = effort[k], sign * into
+        record[:, step] = effort[seen]
+    return record
+
+
+@njit(cache=True, error_model="numpy")
+def inside(u, y, plus, minus, n, z0, K):
+    """One step at the points between the ends of a line; what travels on is left in plus and minus."""
+    for i in range(n + 1):
+        half = K / 2 * abs(y[i]) * y[i]
+        plus[i], minus[i] = u[i] + z0 * y[i] - half, u[i] - z0 * y[i] + half
+    for i in range(1, n):
+        w = plus[i - 1] - minus[i + 1]  # 2 z0 y + K |y| y
+        y[i] = w / (z0 + np.sqrt(z0**2 + K * abs(w)))
+        u[i] = (plus[i - 1] + minus[i + 1]) / 2
+
+
+@njit(cache=True, error_model="numpy")
+def arriving(pipes, reaches, end, effort, plus, minus):
+    """Flow out of an end of a line at an effort there, by how much it falls with that, and what arrives."""
+    j = end // 2
+    w = plus[j, reaches[j] - 1] if end % 2 else minus[j, 1]  # effort + z0 flow + K/2 |flow| flow
+    z0, K = pipes.z0[j], pipes.lost[j] / reaches[j]
+    flow = 2 * (w - effort) / (z0 + np.sqrt(z0**2 + 2 * K * abs(w - effort)))
+    return flow, 1 / (z0 + K * abs(flow)), w
+
+
+@njit(cache=True, error_model="numpy")
+def at_node(pipes, reaches, k, effort, given, plus, minus):
+    """The effort at which as much flows into a node as out of it, by Newton's method from the one before."""
+    if not np.isnan(pipes.held[k]):
+        return
+    for _ in range(50):
+        flow, slope, size = given, 0.0, 0.0
+        for end in pipes.ends[pipes.first[k] : pipes.first[k + 1]]:
+            into, falls, w = arriving(pipes, reaches, end, effort[k], plus, minus)
+            flow, slope, size = flow + into, slope + falls, size + abs(w)
+        effort[k] += flow / slope
+        if abs(flow / slope) <= CLOSE * size:
+            return
