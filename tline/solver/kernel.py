@@ -21,6 +21,7 @@ from tline.solver.called import answer
 TINY = 1e-150  # waves below are flushed to zero: subnormal numbers are slow, and their squares vanish anyway
 SCRATCH = 512  # samples per tile
 ABREAST = 64  # lumps advanced together
+FEW = 24  # samples that are not worth gathering
 CONSTANT, SQUARED, TABLED = range(3)  # kinds of lumps; the others have a memory
 OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "nsz"}}
 INNER: dict[str, Any] = OPTIONS | {
@@ -999,6 +1000,16 @@ def looked_up(entries, at, size):
     return (1.0 - part) * entries[at + 3 + k] + part * entries[at + 4 + k]
 
 
+@njit(inline="always", **OPTIONS)
+def taken(kind, c, w):
+    """What a lump without a table takes of a wave."""
+    if kind == CONSTANT:
+        return c * w
+    v = c * abs(w)
+    root = 1.0 + np.sqrt(1.0 + v)
+    return w * v / (root * root)
+
+
 @njit(**INNER)
 def dissipate(waves, o, s, ring, t, m, place, strength, entries, at, sign, kind):
     """Take away what lumps without memory dissipate of m slabs, lump by lump."""
@@ -1009,45 +1020,31 @@ def dissipate(waves, o, s, ring, t, m, place, strength, entries, at, sign, kind)
             n = min(m - done, ring - a, ring - b)
             done += n
             a, b, n, c = uint64(o + a * s), uint64(o + b * s), uint64(n * s), strength[k]
-            if kind == CONSTANT:
-                for i in range(n):
-                    loss = c * (waves[a + i] + sign * waves[b + i])
-                    waves[a + i] -= loss
-                    waves[b + i] -= sign * loss
-            elif kind == SQUARED:
-                for i in range(n):
-                    w = waves[a + i] + sign * waves[b + i]
-                    root = 1.0 + np.sqrt(1.0 + c * abs(w))
-                    loss = w * c * abs(w) / (root * root)
-                    waves[a + i] -= loss
-                    waves[b + i] -= sign * loss
-            else:
-                for i in range(n):
-                    w = waves[a + i] + sign * waves[b + i]
-                    loss = w * looked_up(entries, at, abs(w))
-                    waves[a + i] -= loss
-                    waves[b + i] -= sign * loss
+            for i in range(n):
+                w = waves[a + i] + sign * waves[b + i]
+                loss = taken(kind, c, w) if kind < TABLED else w * looked_up(entries, at, abs(w))
+                waves[a + i] -= loss
+                waves[b + i] -= sign * loss
 
 
 @njit(**INNER)
 def dissipate_abreast(waves, a, b, n, s, strength, first, sign, kind, pair, each):
     """The same at n neighbouring lumps in one slab: of s samples, at places a, a - s, ... and b, b + s, ..."""
     n, s, first = uint64(n), uint64(s), uint64(first)
+    if n * s < FEW:
+        for k in range(n):
+            for i in range(s):
+                p, q = a + i - k * s, b + i + k * s
+                loss = taken(kind, strength[first + k], waves[p] + sign * waves[q])
+                waves[p] -= loss
+                waves[q] -= sign * loss
+        return
     for i in range(s):
         for k in range(n):
             pair[k * s + i], each[k * s + i] = waves[a + i - k * s], strength[first + k]
-    if kind == CONSTANT:
-        for i in range(n * s):
-            loss = each[i] * (pair[i] + sign * waves[b + i])
-            pair[i] = loss
-            waves[b + i] -= sign * loss
-    else:
-        for i in range(n * s):
-            w = pair[i] + sign * waves[b + i]
-            v = each[i] * abs(w)
-            root = 1.0 + np.sqrt(1.0 + v)
-            pair[i] = w * v / (root * root)
-            waves[b + i] -= sign * pair[i]
+    for i in range(n * s):
+        pair[i] = taken(kind, each[i], pair[i] + sign * waves[b + i])
+        waves[b + i] -= sign * pair[i]
     for i in range(s):
         for k in range(n):
             waves[a + i - k * s] -= pair[k * s + i]
