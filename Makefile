@@ -32,6 +32,7 @@ docs: $(VENV)/ready-dev
 	$(BIN)/python docs/generate.py
 	$(BIN)/python docs/generate_drives.py
 	$(BIN)/python docs/generate_losses.py
+	$(BIN)/python docs/generate_measured.py
 
 charts: $(VENV)/ready-dev
 	$(BIN)/python docs/generate_charts.py
