@@ -187,7 +187,8 @@ def test_a_ledger_is_printed_told_and_written(folder: Path) -> None:
     assert [row[0] for row in rows] == list(told["accounts"])
     assert [float(row[2]) for row in rows] == [account["dissipated"] for account in told["accounts"].values()]
     assert told["accounts"]["loads.valve"]["dissipated"] == pytest.approx(600.0, rel=1e-9)
-    assert json.loads(ran("run valve.toml --json").stdout)["ledger"] is None
+    assert json.loads(ran("run valve.toml --json").stdout)["ledger"] == told
+    assert json.loads(ran("run valve.toml --no-ledger --json").stdout)["ledger"] is None
 
 
 def test_lines_on_the_path_are_recorded() -> None:

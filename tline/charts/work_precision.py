@@ -125,7 +125,7 @@ def simulated(scene: Scene, tol: float | None = None) -> Run:
     from tline.solver.simulate import simulate
 
     begun = time.perf_counter()
-    result = simulate(scene, tol=tol)
+    result = simulate(scene, tol=tol, ledger=False)
     first = time.perf_counter() - begun
     accuracy = result.accuracy
     seconds = sum(attempt.seconds for attempt in accuracy.attempts) if accuracy else result.seconds

@@ -66,7 +66,11 @@ Examples:
     metavar="FROM,…,TO",
     help="Path of --profile, --space-time, --animate: ends, any it passes.",
 )
-@click.option("--ledger", is_flag=True, help="Energy by element: supplied, dissipated, stored, and what is off.")
+@click.option(
+    "--ledger/--no-ledger",
+    default=None,
+    help="Show energy by element: supplied, dissipated, stored, and what is off; or do not keep it.",
+)
 @click.option("--active", is_flag=True, help="Run even if a load is active, that is, not positive real.")
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers in SI and full precision.")
 def run(
@@ -76,7 +80,7 @@ def run(
     slab: str | None,
     path: str | None,
     active: bool,
-    ledger: bool,
+    ledger: bool | None,
     as_json: bool,
     **files: str | None,
 ) -> None:
@@ -89,7 +93,8 @@ def run(
     are told what was reached, and the exit status is 1. With an order or a slab and no tolerance there is one run.
     """
     wanted = {kind: file for kind, file in files.items() if file is not None}
-    ledger = ledger or "ledger_csv" in wanted
+    shown = ledger or "ledger_csv" in wanted
+    ledger = True if shown else ledger
     solver = {key: value for key, value in (("tol", tol), ("order", order), ("slab", slab)) if value is not None}
     with _options_named({f"solver.{key}": f"--{key}" for key in solver} | {"path": "--path", "lattice": "--lattice"}):
         _check_files(wanted)
@@ -110,7 +115,7 @@ def run(
         )
     else:
         click.echo(as_table(result, accuracy))
-        if result.ledger is not None:
+        if shown and result.ledger is not None:
             click.echo(f"\n{ledger_as_table(result.ledger)}")
         for file in wanted.values():
             click.echo(f"wrote {file}")
@@ -190,7 +195,7 @@ def _recorded(scene: "Scene", way: "Route | None", wanted: dict[str, str]) -> li
     return found
 
 
-def _simulate(scene: "Scene", record: list[str], active: bool, ledger: bool, wanted: dict[str, str]) -> "Result":
+def _simulate(scene: "Scene", record: list[str], active: bool, ledger: bool | None, wanted: dict[str, str]) -> "Result":
     from tline.solver.simulate import UnresolvedWarning, simulate
 
     with warnings.catch_warnings():

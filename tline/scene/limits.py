@@ -41,14 +41,14 @@ def beyond_limits(scene: Scene, extremes: Mapping[str, tuple[float, float]]) -> 
         modelled = "modelled at cavities only, and a jump within a slab shoots past it" if boils else "not modelled"
         limit = f"a liquid cavitates below {engineering(VACUUM, unit)} gauge (0 absolute): {modelled}"
         falls = f"the pressure falls to {engineering(min(deep.values()), unit)}"
-        found.append(f"{_first(sorted(deep, key=deep.__getitem__))}: {falls}; {limit}")
+        found.append(f"{first_of(sorted(deep, key=deep.__getitem__))}: {falls}; {limit}")
     rating = float(scene.rating or inf)
     sizes = {where: high if medium is HYDRAULIC else max(high, -low) for where, (low, high) in extremes.items()}
     high = {where: size for where, size in sizes.items() if size > rating}
     if high:
         rises = f"the {medium.effort} rises to {engineering(max(high.values()), unit)}"
         above = f"above the rating of {engineering(rating, unit)}"
-        found.append(f"{_first(sorted(high, key=high.__getitem__, reverse=True))}: {rises}, {above}")
+        found.append(f"{first_of(sorted(high, key=high.__getitem__, reverse=True))}: {rises}, {above}")
     return found
 
 
@@ -73,5 +73,6 @@ def weight_at(scene: Scene) -> dict[str, float]:
     return {name: densities.get(name, other) * GRAVITY * height for name, height in heights.items()}
 
 
-def _first(places: list[str]) -> str:
+def first_of(places: list[str]) -> str:
+    """The first, and how many more there are."""
     return places[0] + f" and {len(places) - 1} more" * (len(places) > 1)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.coupled import refuse_coupled
+from tline.scene.coupled import Coupled, refuse_coupled
 from tline.scene.limits import beyond_limits, weight_at
 from tline.scene.mistakes import place
 from tline.scene.plausible import doubts
@@ -22,8 +22,13 @@ from tline.solver.march import Run, march
 from tline.solver.remarks import VISIBLE, lumped, smeared, unconnected, untouched
 from tline.solver.resolution import Resolution
 from tline.solver.result import LineRecord, Pieces, ProbeResult, Result, Wave
+from tline.solver.surge import surges
 
 LARGEST_RECORD = 4e8  # samples
+LARGEST_LEDGER, EACH_NODE = (
+    1e7,
+    4000,
+)  # samples at line ends of a ledger not asked for: half a second; and what a node costs
 
 
 def run(
@@ -32,13 +37,13 @@ def run(
     record: Iterable[str] = (),
     *,
     envelope: bool = False,
-    ledger: bool = False,
+    ledger: bool | None = False,
     progress: bool = False,
     slabs: int | None = None,
 ) -> Result:
     """Run a scene with slabs of a given width and order, to its end time or for so many slabs.
 
-    `record` names lines to keep beside those of the probes.
+    `record` names lines to keep beside those of the probes; a ledger of None is kept where it costs little.
 
     Raises
     ------
@@ -56,6 +61,10 @@ def run(
     if 4 * len(kept) * n * s > LARGEST_RECORD:
         problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
         raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
+    samples = len(assembly.network.ends) * n * s
+    if ledger is None:
+        small = samples + EACH_NODE * len(assembly.nodes) <= LARGEST_LEDGER
+        ledger = small and not any(isinstance(line, Coupled) for line in scene.lines.values())
     books = Books(assembly, n) if ledger else None
     extremes = watch(assembly) if envelope else None
     waves, done = march(assembly, n, extremes=extremes, books=books, progress=progress)
@@ -71,9 +80,9 @@ def run(
             probes[name] = ProbeResult(name, line, float(at.end), record_of(at, lines), ends)
     seen = extremes and extremes.envelope()
     unresolved = (*chosen.notes, *smeared(done.fronts))
-    doubtful = (*doubts(scene), *beyond_limits(scene, _extremes(scene, probes, seen)))
+    surged = surges(scene, assembly.start, _rises(probes, seen))
+    doubtful = (*doubts(scene), *beyond_limits(scene, _extremes(scene, probes, seen)), *surged)
     remarks = (*untouched(probes), *unconnected(scene), *lumped(chosen), *doubtful)
-    samples = len(assembly.network.ends) * n * s
     return Result(
         scene,
         ends,
@@ -104,6 +113,15 @@ def _extremes(
         for node, low, high in zip(envelope.nodes, envelope.lowest, envelope.highest, strict=True):
             less = weight.get(node, 0.0)
             found[f"node '{node}'"] = float(low) - less, float(high) - less
+    return found
+
+
+def _rises(probes: dict[str, ProbeResult], envelope: Envelope | None) -> dict[str, tuple[float, float]]:
+    """Effort before t = 0, and the highest, at each probe and node."""
+    found = {place("probes", name): (float(probe.u[0]), float(probe.u.max())) for name, probe in probes.items()}
+    if envelope is not None:
+        pairs = zip(envelope.start.tolist(), envelope.highest.tolist(), strict=True)
+        found |= {f"node '{node}'": pair for node, pair in zip(envelope.nodes, pairs, strict=True)}
     return found
 
 

@@ -37,7 +37,7 @@ class Search(NamedTuple):
     settle: float = 0.0  # time in which lumped lines settle after a front, s
     fit: float = FIT  # tolerance of the circuits of lossy lines
     envelope: bool = False
-    ledger: bool = False
+    ledger: bool | None = False
 
     def run(self, chosen: Resolution, end: float | None = None) -> Result:
         """One run, to the scene's end time or to another."""

@@ -34,7 +34,7 @@ def simulate(
     tol: float | None = None,
     record: Iterable[str] = (),
     envelope: bool = False,
-    ledger: bool = False,
+    ledger: bool | None = None,
     active: bool = False,
     progress: bool = False,
 ) -> Result:
@@ -60,9 +60,10 @@ def simulate(
         Lines whose end waves are kept in addition to those of the probes.
     envelope : bool
         Keep the lowest and the highest effort at every node, and when: ``Result.envelope``.
-    ledger : bool
-        Keep what every line and element gave, took and stored: ``Result.ledger``. Always kept where there are
-        elements of a user's own, so that one which makes energy is told.
+    ledger : bool, optional
+        Keep what every line and element gave, took and stored: ``Result.ledger``. If not given it is kept unless that
+        takes more than about half a second, and never with coupled conductors. Always kept where there are elements of
+        a user's own, so that one which makes energy is told.
     active : bool
         Run even with a load that is not positive real. What it does to the scene is then the first of the notes.
     progress : bool
@@ -106,7 +107,7 @@ def simulate(
         more = {"envelope": envelope, "ledger": ledger, "active": active, "progress": progress}
         return joined(simulate(whole, tol=tol, record=recorded(scene, record), **more), scene)
     warned, record = _active(scene, active), list(record)
-    tol, ledger = _tolerance(scene, tol), ledger or bool(own_elements(scene))
+    tol, ledger = _tolerance(scene, tol), True if own_elements(scene) else ledger
     lossy = is_lossy(scene)
     with own_mistakes(scene):
         if tol is None or (scene.solver.slab and (scene.solver.order or lossy)):
