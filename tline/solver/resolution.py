@@ -17,7 +17,7 @@ from tline.solver.lumps import Group, grouped
 from tline.solver.nodes import NONE, Node
 
 ORDER = 5
-FIT, BAND = 1e-7, 2.0
+FIT, HELD, BAND = 1e-7, 0.5, 2.0  # cycles per slab that circuits are made for, and beyond which they know nothing
 LUMPS, ALL_LUMPS = 64, 2**31
 POINTS = 2  # of a slab, at least, in the time scale of what is to be resolved
 SLABS_PER_DELAY, SLABS_PER_RUN = 4, 500  # at least, where they cost little
@@ -43,7 +43,7 @@ class Resolution(NamedTuple):
     cells: Mapping[str, int] = NONE  # of each lumped line
     settle: float = 0.0  # time in which these settle after a front, s
     fit: float = FIT  # tolerance of the circuits of lossy lines, relative
-    band: float = BAND  # of these, cycles per slab
+    band: float = HELD  # of these, cycles per slab at which it ends, at least
     lumps: int = ALL_LUMPS  # of one law in the longest line, at most, and in others by their delay
 
 
