@@ -17,6 +17,7 @@ import numpy as np
 from tline.interchange.epanet import read_epanet
 from tline.interchange.water_scene import water_scene
 from tline.scene.scene import Scene
+from tline.solver.assemble import assemble
 from tline.solver.lossy import lumps_in
 from tline.solver.nodes import nodes_of
 from tline.solver.result import Result
@@ -30,7 +31,6 @@ STILL, DISTURBED = 10, 5  # s
 SOON = {"at": 0.5, "duration": 0.5}  # when what is operated changes, s
 REPEATED, FEW = 5, 5.0  # times that a run is repeated if one takes less than so many seconds
 HEAD = 9806.65  # Pa/m
-FAR = 16  # slabs
 
 
 def path_of(name: str) -> Path:
@@ -49,7 +49,7 @@ def steps(scene: Scene) -> tuple[Result, float]:
     seconds = []
     while True:
         begun = time.perf_counter()
-        result = simulate(scene, envelope=True)
+        result = simulate(scene, envelope=True, ledger=False)
         seconds.append(time.perf_counter() - begun)
         if seconds[0] > FEW or len(seconds) == REPEATED:
             return result, median(seconds)
@@ -80,15 +80,6 @@ def disturbed(tables: dict[str, Any]) -> dict[str, dict[str, Any]]:
     return {key: tables | {part: tables[part] | {name: one}} for key, (part, name, one) in events.items()}
 
 
-def far_from_short(scene: Scene, h: float) -> float:
-    """Share of the nodes at which no line ends that is shorter than FAR slabs."""
-    shortest: dict[str, float] = {}
-    for line in scene.single_lines.values():
-        for node in line.nodes:
-            shortest[node] = min(shortest.get(node, np.inf), line.parameters.delay or 0.0)
-    return sum(delay > FAR * h * (1 - 1e-9) for delay in shortest.values()) / len(shortest)
-
-
 def measured(name: str) -> dict[str, Any]:
     """All figures of a network."""
     small = fixed(water_scene(read_epanet(path_of("Net1")), SPEED)[0], STILL)
@@ -104,6 +95,7 @@ def measured(name: str) -> dict[str, Any]:
     still = Scene(**fixed(scene, STILL))
     result, seconds = steps(still)
     h, lines = result.resolution.h, still.single_lines
+    blocks = assemble(still, set(), result.resolution).network.blocks
     delays = np.sort([line.parameters.delay or 0.0 for line in lines.values()])
     largest = max(map(abs, effort.values()))
     found = {
@@ -119,7 +111,8 @@ def measured(name: str) -> dict[str, Any]:
         "slab": h,
         "lumps": sum(lumps_in(lines, h, result.resolution.lumps).values()),
         "half slabs": int(sum(max(2 * int(delay / h + 1e-9) - 1, 1) for delay in delays)),
-        "far": far_from_short(still, h),
+        "stride": blocks.stride,
+        "far": len(blocks.far_groups) / (len(blocks.far_groups) + len(blocks.near_groups)),
     }
     for event, table in disturbed(fixed(scene, DISTURBED)).items():
         result, seconds = steps(Scene(**table))
@@ -135,8 +128,8 @@ def in_a_process(name: str) -> dict[str, Any]:
 INTRODUCTION = f"""# Benchmarks of networks that come with wntr
 
 Written by `python -m benchmarks.shipped_networks`, from the files as `tline import` reads them: {SPEED} in all
-pipes, one run of order 1 in the slabs that the solver chooses, extremes at all nodes. Seconds are those of the clock,
-for what takes less than {FEW:g} s medians of {REPEATED} runs.
+pipes, one run of order 1 in the slabs that the solver chooses, extremes at all nodes, no ledger. Seconds are those of
+the clock, for what takes less than {FEW:g} s medians of {REPEATED} runs.
 
 ## Read, and held still
 
@@ -158,16 +151,17 @@ the head moves at any node; nothing boils, so a fall may be deeper than water be
 | network | demand shut | pump stops | hole opens |
 |---|---:|---:|---:|
 """
-SHORT = f"""
+SHORT = """
 ## Short pipes
 
 No slab is longer than the shortest delay, unless that line can be lumped; at demands, pumps and valves none is. Lumps
 of friction are at most 64 in the longest pipe and in others in proportion, at least one: their number hardly follows
-the slab, and that of the slabs does. Where the shortest line is one slab, all nodes advance slab by slab. *Each* is the
-time of the kernel's steps by line and slab. *Far* are the nodes at which all lines are {FAR} slabs long or longer.
+the slab, as the number *at most*, half a slab apart, does. *Far* are the nodes from which all lines, and all gaps between lumps, are a
+*stride* or longer: they go so many slabs at once, the others meanwhile step by step. *Each* is the time of
+the kernel's steps by line and slab.
 
-| network | delays to 0, 1, 10, 50, 100 %, ms | slab, ms | slabs in 1 s | lumps | half a slab apart | each, ns | far |
-|---|---|---:|---:|---:|---:|---:|---:|
+| network | delays to 0, 1, 10, 50, 100 %, ms | slab, ms | slabs in 1 s | lumps | at most | stride | far | each, ns |
+|---|---|---:|---:|---:|---:|---:|---:|---:|
 """
 
 
@@ -187,7 +181,7 @@ def report(names: list[str]) -> str:
             f"| {name} | {f['pipes']:,} | {f['read']:.2g} | {f['build']:.2g} | {f['steady']:.2g} | {f['off']:.1g} "
             f"| {f['hold']:.3g} | {f['steps']:.3g} | {still} |",
             f"| {name} | {told(f, 'closure')} | {told(f, 'trip')} | {told(f, 'leak')} |",
-            f"| {name} | {delays} | {slab} | {lumps} | {each:.0f} | {100 * f['far']:.0f} % |",
+            f"| {name} | {delays} | {slab} | {lumps} | {f['stride']} | {100 * f['far']:.0f} % | {each:.0f} |",
         )
         for k, row in enumerate(rows):
             parts[k] += row + "\n"

@@ -13,7 +13,7 @@ from tline.pictures.style import COLOURS, DASHES, FAINT, INK, figure, styled
 LOWEST, HIGHEST = 1e-16, 10.0  # errors; what blows up or is exact stands at the edge
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p", "h", "*")
-OURS = ("#9ECAE1", "#4292C6", "#08519C", "#08306B")  # one hue, darker with the order
+OURS = ("#9ECAE1", "#6BAED6", "#4292C6", "#08519C", "#08306B")  # one hue, darker with the order
 
 
 @styled

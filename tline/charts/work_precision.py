@@ -16,7 +16,7 @@ from tline.errors import InputError
 from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
 
-ORDERS = (2, 3, 5, 8)
+ORDERS = (1, 2, 3, 5, 8)
 TOLERANCES = tuple(10.0**-k for k in range(3, 11))
 GOOD = 1e-13  # an error that needs no refinement
 
