@@ -156,9 +156,9 @@ SHORT = """
 
 No slab is longer than the shortest delay, unless that line can be lumped; at demands, pumps and valves none is. Lumps
 of friction are at most 64 in the longest pipe and in others in proportion, at least one: their number hardly follows
-the slab, as the number *at most*, half a slab apart, does. *Far* are the nodes from which all lines, and all gaps between lumps, are a
-*stride* or longer: they go so many slabs at once, the others meanwhile step by step. *Each* is the time of
-the kernel's steps by line and slab.
+the slab, as the number *at most*, half a slab apart, does. *Far* are the nodes from which all lines, and all gaps
+between lumps, are a *stride* or longer: they go so many slabs at once, the others meanwhile step by step. *Each* is the
+time of the kernel's steps by line and slab.
 
 | network | delays to 0, 1, 10, 50, 100 %, ms | slab, ms | slabs in 1 s | lumps | at most | stride | far | each, ns |
 |---|---|---:|---:|---:|---:|---:|---:|---:|
