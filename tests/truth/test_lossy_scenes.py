@@ -94,8 +94,8 @@ def test_a_step_of_pressure_into_a_closed_pipe(line, tol):
 def test_laminar_friction_of_any_speed():
     """One run of 96 samples a transit and end, at all slab ends from the first front on.
 
-    The largest errors are those of the slab behind a front, and depend on the circuit: with tolerances of 1e-6 to 1e-4 in
-    place of a run's 1e-7 they are 0.96e-3 to 4e-3; 2.5e-4 elsewhere.
+    The largest errors are those of the slab behind a front, and depend on the circuit: with tolerances of 1e-6 to 1e-4
+    in place of a run's 1e-7 they are 0.96e-3 to 4e-3; 2.5e-4 elsewhere.
     """
     scene = pipe(friction={"kind": "zielke", "viscosity": VISCOSITY})
     rough = run(scene, Resolution(6, T / 16), slabs=11 * 16)
