@@ -27,12 +27,12 @@ grid = runpy.run_path(str(ROOT / "scenes" / "street_grid.py"))["grid"]
 
 def measured(side: int, friction: bool) -> dict[str, float]:
     """Seconds of the processor to build and to run a network, and the most memory of this process, MB."""
-    simulate(Scene(**grid(8, friction=friction)))
+    simulate(Scene(**grid(8, friction=friction)), ledger=False)
     tables = grid(side, friction=friction)
     started = time.process_time()
     scene = Scene(**tables)
     read = time.process_time()
-    result = simulate(scene)
+    result = simulate(scene, ledger=False)
     return {
         "read": read - started,
         "simulate": time.process_time() - read,

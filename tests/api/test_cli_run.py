@@ -205,6 +205,10 @@ MISTAKES = [
         "--slab: this unit measures something else, expected a time such as '1 s', got '1 bar'",
     ),
     ("valve.toml --csv out.xlsx", "--csv: unknown kind of file, expected .csv, got 'out.xlsx'"),
+    (
+        "valve.toml --no-ledger --ledger-csv out.csv",
+        "--ledger-csv: there is no ledger to write, expected no --no-ledger beside it",
+    ),
     ("valve.toml --npz out", "--npz: unknown kind of file, expected .npz, got 'out'"),
     ("valve.toml --plot out.jpg", "--plot: unknown kind of file, expected .png or .svg or .pdf, got 'out.jpg'"),
     (

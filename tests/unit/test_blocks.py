@@ -52,6 +52,11 @@ def test_equal_lines_are_all_far_and_lines_of_one_slab_all_near():
     assert (least.stride, least.step, least.far_groups.size) == (LONGEST, 1, 0)
 
 
+def test_a_node_without_lines_beside_lines_of_one_slab_makes_nothing_far_of_them():
+    found = blocks_of(np.array([1]), np.array([0, 1, 2, 2]), np.array([0, 1]), np.arange(4), NO_LUMPS)
+    assert (found.stride, found.near_lines.tolist(), found.far_groups.tolist()) == (LONGEST, [0], [2])
+
+
 @pytest.mark.parametrize("order", [1, 3])
 @pytest.mark.parametrize("friction", [False, True])
 @pytest.mark.parametrize("seed", range(4))

@@ -54,6 +54,23 @@ def test_columns_that_collapse_are_among_the_causes():
     assert note.endswith("waves of sources.draw and cavities that collapse add up")
 
 
+def test_a_flow_that_is_reversed_may_add_as_much_as_its_change():
+    turned = {"at": "far", "kind": "flow", "value": SHUT | {"to": "1 m^3/s"}}
+    assert not told(scene({"pipe": {"nodes": ["tank", "far"]}}, sources={"draw": turned}))
+
+
+def test_a_trickle_that_stops_beside_a_larger_flow_is_measured_by_that():
+    trickle = {"at": "far", "kind": "flow", "value": {"shape": "ramp", "from": -1e-15, "to": 0.1, "duration": 0.1}}
+    assert not told(scene({"pipe": {"nodes": ["tank", "far"]}}, sources={"draw": trickle}))
+
+
+def test_nothing_is_told_beside_a_pressure_that_changes():
+    level = {"at": "tank", "kind": "pressure", "value": {"shape": "ramp", "from": 1e5, "to": 9e5, "duration": 5}}
+    draw = {"at": "far", "kind": "flow", "value": "-0.01 m^3/s"}
+    given = scene({"pipe": {"nodes": ["tank", "far"]}}, loads={}, sources={"level": level, "draw": draw})
+    assert not told(given)
+
+
 @pytest.mark.parametrize("more", [{"start": "rest", "loads": {}}, {"sources": {}}])
 def test_nothing_is_told_where_nothing_flows_at_first(more):
     assert not told(scene({"pipe": {"nodes": ["tank", "far"]}}, **more))

@@ -93,6 +93,8 @@ def run(
     are told what was reached, and the exit status is 1. With an order or a slab and no tolerance there is one run.
     """
     wanted = {kind: file for kind, file in files.items() if file is not None}
+    if ledger is False and "ledger_csv" in wanted:
+        raise InputError("--ledger-csv", "there is no ledger to write", "no --no-ledger beside it")
     shown = ledger or "ledger_csv" in wanted
     ledger = True if shown else ledger
     solver = {key: value for key, value in (("tol", tol), ("order", order), ("slab", slab)) if value is not None}

@@ -69,6 +69,9 @@ class FrictionSolution:
         if any((span / tick / 8).denominator != 1 for span in gaps + delays) or min(gaps) / tick / 8 < DEGREE:
             problem = "delays or corners of flows lie between points, or few apart"
             raise InputError("finest", problem, "others", f"{shortest / tick}")
+        for name, probe in scene.probes.items():
+            if probe.at not in nodes:
+                raise InputError(place("probes", name), "not at the end of a line")
         seen = {name: nodes.index(str(probe.at)) for name, probe in scene.probes.items()}
         reaches = np.array([int(delay / tick) for delay in delays])
         runs = [

@@ -37,8 +37,6 @@ def _stride(reach: NDArray, ends: NDArray) -> int:
     """That for which groups with that reach, and so many ends each, are begun with least often; never a single slab."""
     order = np.argsort(reach)
     choices, at = np.unique(np.minimum(reach[order], LONGEST), return_index=True)
-    if choices[-1] == 1:
-        return LONGEST
     near = np.concatenate([[0], np.cumsum(ends[order])])[at]
-    begun = near / choices[0] + (ends.sum() - near) / choices
-    return int(choices[np.argmin(begun)])
+    begun = np.where(choices > 1, near / choices[0] + (ends.sum() - near) / choices, np.inf)
+    return int(choices[np.argmin(begun)]) if choices[-1] > 1 else LONGEST

@@ -182,7 +182,7 @@ class Result:
     samples : int
         Line-end samples computed.
     seconds : float
-        Time spent stepping.
+        Time spent stepping, and on the ledger if one is kept.
     fronts : Tally
         What became of the fronts that did not fit the slabs.
     accuracy : Accuracy or None

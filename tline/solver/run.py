@@ -25,10 +25,8 @@ from tline.solver.result import LineRecord, Pieces, ProbeResult, Result, Wave
 from tline.solver.surge import surges
 
 LARGEST_RECORD = 4e8  # samples
-LARGEST_LEDGER, EACH_NODE = (
-    1e7,
-    4000,
-)  # samples at line ends of a ledger not asked for: half a second; and what a node costs
+LARGEST_LEDGER = 1e7  # samples at line ends, of a ledger that is not asked for: half a second
+EACH_NODE = 4000  # samples that take a ledger as long as a node
 
 
 def run(
@@ -80,7 +78,7 @@ def run(
             probes[name] = ProbeResult(name, line, float(at.end), record_of(at, lines), ends)
     seen = extremes and extremes.envelope()
     unresolved = (*chosen.notes, *smeared(done.fronts))
-    surged = surges(scene, assembly.start, _rises(probes, seen))
+    surged = surges(scene, ends, assembly.start, _rises(scene, probes, seen))
     doubtful = (*doubts(scene), *beyond_limits(scene, _extremes(scene, probes, seen)), *surged)
     remarks = (*untouched(probes), *unconnected(scene), *lumped(chosen), *doubtful)
     return Result(
@@ -116,12 +114,13 @@ def _extremes(
     return found
 
 
-def _rises(probes: dict[str, ProbeResult], envelope: Envelope | None) -> dict[str, tuple[float, float]]:
-    """Effort before t = 0, and the highest, at each probe and node."""
+def _rises(scene: Scene, probes: dict[str, ProbeResult], envelope: Envelope | None) -> dict[str, tuple[float, float]]:
+    """Effort before t = 0, and the highest, at each probe and at nodes without one."""
     found = {place("probes", name): (float(probe.u[0]), float(probe.u.max())) for name, probe in probes.items()}
     if envelope is not None:
         pairs = zip(envelope.start.tolist(), envelope.highest.tolist(), strict=True)
-        found |= {f"node '{node}'": pair for node, pair in zip(envelope.nodes, pairs, strict=True)}
+        probed = {probe.at for probe in scene.probes.values()}
+        found |= {f"node '{node}'": x for node, x in zip(envelope.nodes, pairs, strict=True) if node not in probed}
     return found
 
 

@@ -62,8 +62,8 @@ def simulate(
         Keep the lowest and the highest effort at every node, and when: ``Result.envelope``.
     ledger : bool, optional
         Keep what every line and element gave, took and stored: ``Result.ledger``. If not given it is kept unless that
-        takes more than about half a second, and never with coupled conductors. Always kept where there are elements of
-        a user's own, so that one which makes energy is told.
+        takes more than about half a second a run, and never with coupled conductors. Always kept where there are
+        elements of a user's own, so that one which makes energy is told.
     active : bool
         Run even with a load that is not positive real. What it does to the scene is then the first of the notes.
     progress : bool

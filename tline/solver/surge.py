@@ -1,6 +1,6 @@
-"""Rises of pressure beyond what the stop of the flow in one pipe explains."""
+"""Rises of pressure beyond what the change of the flow in one pipe explains."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,22 +12,29 @@ from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.scene.shape import Constant
 from tline.scene.vessel import Boiling
+from tline.solver.drive import just_before
 from tline.units import engineering
 
 LISTED = 3  # elements
 MARGIN = 1.01
+TRICKLE = 1e-6  # of the efforts; a smaller rise is none
 
 
-def surges(scene: Scene, start: Mapping[str, NDArray], rises: Mapping[str, tuple[float, float]]) -> list[str]:
+def surges(
+    scene: Scene, t: NDArray, start: Mapping[str, NDArray], rises: Mapping[str, tuple[float, float]]
+) -> list[str]:
     """What rises above Joukowsky and line packing, and what was operated; one sentence, or none.
 
-    In a single pipe that was steady a valve can add z0 |y| (Joukowsky) to the pressure there, and what friction had
-    taken on the way from the highest pressure (line packing). More comes where waves meet: at dead ends, beyond
-    junctions, where columns collapse.
+    Where the flow y of a single pipe stops, the pressure rises by z0 |y| (Joukowsky) and by what friction had taken on
+    the way from the highest pressure (line packing). A source of a flow may change it by more. Higher rises come where
+    waves add up: at dead ends, beyond junctions, where columns collapse. Nothing is said beside a source whose
+    pressure changes, for that may rise as it likes, nor where nothing flows at first.
 
     Parameters
     ----------
     scene : Scene
+    t : ndarray
+        Instants of the run, s.
     start : mapping of str to ndarray
         By line the waves (a1, b1, a2, b2) before t = 0.
     rises : mapping of str to pair of float
@@ -37,27 +44,35 @@ def surges(scene: Scene, start: Mapping[str, NDArray], rises: Mapping[str, tuple
     ----------
     E. B. Wylie, V. L. Streeter, Fluid Transients in Systems, Prentice Hall, 1993.
     """
-    if MEDIA[scene.medium] is not HYDRAULIC or scene.start != "steady" or not start:
+    operated = {where: shape for where, shape in scene.waveforms.items() if not isinstance(shape, Constant)}
+    pressures = any(part == "sources" and scene.sources[name].is_effort for part, name, _ in operated)
+    if MEDIA[scene.medium] is not HYDRAULIC or scene.start != "steady" or not start or pressures:
         return []
     a1, b1, a2, b2 = np.stack(list(start.values()), axis=1)
-    joukowsky, highest = float(np.abs(a1 - b1).max()) / 2, float(np.maximum(a1 + b1, a2 + b2).max()) / 2
-    beyond = {
-        where: top - before
-        for where, (before, top) in rises.items()
-        if top - before > MARGIN * (joukowsky + max(highest - before, 0.0))
-    }
-    if not joukowsky or not beyond:
+    highest = float(np.maximum(a1 + b1, a2 + b2).max()) / 2
+    joukowsky = max([float(np.abs(a1 - b1).max()) / 2, *_changes(scene, t)])
+    packing = {where: max(highest - before, 0.0) for where, (before, _) in rises.items()}
+    beyond = {where: top - before for where, (before, top) in rises.items()}
+    beyond = {where: rise for where, rise in beyond.items() if rise > MARGIN * (joukowsky + packing[where])}
+    if joukowsky <= TRICKLE * abs(highest) or not beyond:
         return []
-    worst = max(beyond, key=beyond.__getitem__)
-    unit = HYDRAULIC.shown["effort"]
-    packing = max(highest - rises[worst][0], 0.0)
-    moved = [place(part, name) for (part, name, _), shape in scene.waveforms.items() if not isinstance(shape, Constant)]
+    worst, *_ = places = sorted(beyond, key=beyond.__getitem__, reverse=True)
+    moved = [place(part, name) for part, name, _ in operated]
     moved += [place(part, name) for (part, name), one in scene.placed if isinstance(one, Switch)]
     causes = moved[:LISTED] + ["more"] * (len(moved) > LISTED)
     causes += ["cavities that collapse"] * any(isinstance(one, Boiling) for _, one in scene.placed)
     by = " and ".join(causes) or "what runs down or shuts by itself"
+    rise, most, packed = (engineering(x, HYDRAULIC.shown["effort"]) for x in (beyond[worst], joukowsky, packing[worst]))
     return [
-        f"{first_of(sorted(beyond, key=beyond.__getitem__, reverse=True))}: the pressure rises by "
-        f"{engineering(beyond[worst], unit)}, above Joukowsky's {engineering(joukowsky, unit)} and the line packing of "
-        f"{engineering(packing, unit)} that the flow in one pipe explains; waves of {by} add up"
+        f"{first_of(places)}: the pressure rises by {rise}, above Joukowsky's {most} and the line packing of {packed} "
+        f"that the flow in one pipe explains; waves of {by} add up"
     ]
+
+
+def _changes(scene: Scene, t: NDArray) -> Iterator[float]:
+    """What sources of flow do to the pipes beside them, Pa."""
+    for source in scene.sources.values():
+        beside = [1 / line.parameters.z0 for line in scene.single_lines.values() if source.at in line.nodes]
+        if not source.is_effort and beside:
+            flow = np.append(source.value.value(t, t), just_before(source.value))
+            yield float(np.ptp(flow)) / sum(beside)
