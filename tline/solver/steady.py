@@ -25,7 +25,7 @@ from tline.solver.steady_lines import Table, pi
 SAME = 1e-9  # efforts that differ by less than this, relatively, are equal
 SMALL = 300  # nodes
 ROUNDING = 1e-12  # of the flows that meet
-STUCK = 1e-9  # of the largest flow, or of one that a wave could carry, that only a leak takes
+STUCK = 1e-9  # of the largest flow, or of what held efforts send into a line, that only a leak takes
 
 
 def rest(scene: Scene, nodes: dict[str, Node]) -> tuple[dict[str, float], NDArray]:
@@ -92,7 +92,8 @@ def _between_parts(
     if not found.rest.max() <= CLOSE:
         where = edges.where[int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))]
         raise InputError(where, "no steady state found: efforts and flows do not settle here", "start = 'rest'")
-    largest = np.abs(found.effort).max() / min(line.parameters.z0 for line in scene.single_lines.values())
+    held = np.nanmax(np.abs(given), initial=0.0)
+    largest = held / min(line.parameters.z0 for line in scene.single_lines.values())
     scale = np.abs(found.flow).max(initial=max(np.abs(driven).max(), largest))
     stuck = np.flatnonzero(np.abs(found.leak) > STUCK * scale)
     if stuck.size:
