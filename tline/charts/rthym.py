@@ -15,6 +15,7 @@ import numpy as np
 
 from tline.charts.clock import Run
 from tline.charts.ngspice import corners
+from tline.scene.friction import darcy
 from tline.scene.scene import Scene
 from tline.solver.nodes import nodes_of
 from tline.solver.steady import rest, steady_state
@@ -45,7 +46,7 @@ def run(scene: Scene, n: int) -> Run:
     for (name, line), flow in zip(scene.single_lines.items(), flows[:, 0].tolist(), strict=True):
         pipe: Any = line.parameters
         size = {"length": pipe.length / FOOT, "diameter": 2 * pipe.radius / FOOT * 12, "flow_gpm": flow / unit}
-        factor = line.losses.quadratic * 4 * pipe.radius * pipe.area**2 / DENSITY if line.losses else 0.0
+        factor = line.losses.quadratic / darcy(1.0, DENSITY, pipe.area) if line.losses else 0.0
         ends = dict(zip(("from_node", "to_node"), line.nodes, strict=True))
         solver.add_pipe(_filled(moc.PipeInput(), id=name, roughness=roughness(factor, moc=moc, **size), **ends, **size))
     for draw in scene.sources.values():

@@ -23,6 +23,7 @@ import numpy as np
 from tline.charts.clock import Run
 from tline.charts.ngspice import corners
 from tline.errors import InputError
+from tline.scene.friction import darcy
 from tline.scene.scene import Scene
 from tline.solver.nodes import nodes_of
 from tline.solver.steady import steady_state
@@ -114,7 +115,7 @@ def _told(scene: Scene, n: int, halves: int) -> tuple[str, dict[str, Any]]:
         places = [first, *(f"{name}.{k}" for k in range(1, halves)), last]
         free += places[1:-1]
         levels = np.linspace(heads[first], heads[last], halves + 1).tolist()
-        factor = line.losses.quadratic * 4 * pipe.radius * pipe.area**2 / DENSITY if line.losses else 0.0
+        factor = line.losses.quadratic / darcy(1.0, DENSITY, pipe.area) if line.losses else 0.0
         for k in range(halves):
             pipes.append(
                 f"{name}.{k} {places[k]} {places[k + 1]} {pipe.length / halves} {2000 * pipe.radius} 100 0 Open"

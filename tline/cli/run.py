@@ -96,7 +96,7 @@ def run(
     if ledger is False and "ledger_csv" in wanted:
         raise InputError("--ledger-csv", "there is no ledger to write", "no --no-ledger beside it")
     shown = ledger or "ledger_csv" in wanted
-    ledger = True if shown else ledger
+    ledger = shown or ledger
     solver = {key: value for key, value in (("tol", tol), ("order", order), ("slab", slab)) if value is not None}
     with _options_named({f"solver.{key}": f"--{key}" for key in solver} | {"path": "--path", "lattice": "--lattice"}):
         _check_files(wanted)

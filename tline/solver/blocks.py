@@ -14,7 +14,7 @@ LONGEST = 512  # slabs; more at once save nothing
 
 def blocks_of(delay: NDArray, first: NDArray, ends: NDArray, group: NDArray, lumps: Lumps) -> Blocks:
     """The blocks of a network; for the arrays see `Network`."""
-    reach = np.minimum(delay, lumps.gap) if len(lumps.gap) else delay
+    reach = lumps.gap if len(lumps.gap) else delay
     degree = np.diff(first)
     of_node = np.minimum.reduceat(np.append(reach[ends >> 1], LONGEST), first[:-1])
     of_group = np.minimum.reduceat(np.where(degree > 0, of_node, LONGEST), group[:-1])

@@ -2055,9 +2055,7 @@ def advance_pieces(network, state, fronts, sources, drive, first_slab, n_slabs, 
             lose(network, in_lumps, network.blocks.near_rows, state, 1, w, out)
         if cells is not None:
             pass_cells(network, in_cells, state, enter, y)
-        for line in range(delay.size):
-            slots[line] += 1
-            if slots[line] == delay[line]:
-                slots[line], sides[line] = 0, 1 - sides[line]
+        turn(network, state, network.blocks.far_lines, 1)
+        turn(network, state, network.blocks.near_lines, 1)
         k += 1
     return -1, n_slabs

@@ -85,7 +85,7 @@ class Lumps(NamedTuple):
     admittance. It takes away e(w): a becomes a - e, b becomes b - sign e.
     """
 
-    gap: Integers  # (L,) slabs in which nothing passes two lumps of a line, or a lump and an end; (0,) without lumps
+    gap: Integers  # (L,) slabs, at most the delay, in which nothing passes two lumps or a lump and an end; (0,) if none
     line: Integers  # (rows,)
     kind: Integers  # (rows,)
     sign: Floats  # (rows,) -1 in series, 1 across

@@ -17,7 +17,9 @@ from tline.solver.lumps import Group, grouped
 from tline.solver.nodes import NONE, Node
 
 ORDER = 5
-FIT, HELD, BAND = 1e-7, 0.5, 2.0  # cycles per slab that circuits are made for, and beyond which they know nothing
+FIT = 1e-7
+HELD = 0.5  # cycles per slab up to which circuits hold
+BAND = 2.0  # cycles per slab beyond which they are not asked to
 LUMPS, ALL_LUMPS = 64, 2**31
 POINTS = 2  # of a slab, at least, in the time scale of what is to be resolved
 SLABS_PER_DELAY, SLABS_PER_RUN = 4, 500  # at least, where they cost little

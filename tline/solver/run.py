@@ -78,7 +78,7 @@ def run(
             probes[name] = ProbeResult(name, line, float(at.end), record_of(at, lines), ends)
     seen = extremes and extremes.envelope()
     unresolved = (*chosen.notes, *smeared(done.fronts))
-    surged = surges(scene, ends, assembly.start, _rises(scene, probes, seen))
+    surged = surges(scene, ends, assembly.start, probes, seen)
     doubtful = (*doubts(scene), *beyond_limits(scene, _extremes(scene, probes, seen)), *surged)
     remarks = (*untouched(probes), *unconnected(scene), *lumped(chosen), *doubtful)
     return Result(
@@ -111,16 +111,6 @@ def _extremes(
         for node, low, high in zip(envelope.nodes, envelope.lowest, envelope.highest, strict=True):
             less = weight.get(node, 0.0)
             found[f"node '{node}'"] = float(low) - less, float(high) - less
-    return found
-
-
-def _rises(scene: Scene, probes: dict[str, ProbeResult], envelope: Envelope | None) -> dict[str, tuple[float, float]]:
-    """Effort before t = 0, and the highest, at each probe and at nodes without one."""
-    found = {place("probes", name): (float(probe.u[0]), float(probe.u.max())) for name, probe in probes.items()}
-    if envelope is not None:
-        pairs = zip(envelope.start.tolist(), envelope.highest.tolist(), strict=True)
-        probed = {probe.at for probe in scene.probes.values()}
-        found |= {f"node '{node}'": x for node, x in zip(envelope.nodes, pairs, strict=True) if node not in probed}
     return found
 
 

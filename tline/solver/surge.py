@@ -13,6 +13,8 @@ from tline.scene.scene import Scene
 from tline.scene.shape import Constant
 from tline.scene.vessel import Boiling
 from tline.solver.drive import just_before
+from tline.solver.envelope import Envelope
+from tline.solver.result import ProbeResult
 from tline.units import engineering
 
 LISTED = 3  # elements
@@ -21,7 +23,11 @@ TRICKLE = 1e-6  # of the efforts; a smaller rise is none
 
 
 def surges(
-    scene: Scene, t: NDArray, start: Mapping[str, NDArray], rises: Mapping[str, tuple[float, float]]
+    scene: Scene,
+    t: NDArray,
+    start: Mapping[str, NDArray],
+    probes: Mapping[str, ProbeResult],
+    envelope: Envelope | None,
 ) -> list[str]:
     """What rises above Joukowsky and line packing, and what was operated; one sentence, or none.
 
@@ -37,28 +43,30 @@ def surges(
         Instants of the run, s.
     start : mapping of str to ndarray
         By line the waves (a1, b1, a2, b2) before t = 0.
-    rises : mapping of str to pair of float
-        By place the effort before t = 0 and the highest, Pa.
+    probes : mapping of str to ProbeResult
+    envelope : Envelope or None
+        Extremes at all nodes, if they were watched.
 
     References
     ----------
     E. B. Wylie, V. L. Streeter, Fluid Transients in Systems, Prentice Hall, 1993.
     """
-    operated = {where: shape for where, shape in scene.waveforms.items() if not isinstance(shape, Constant)}
-    pressures = any(part == "sources" and scene.sources[name].is_effort for part, name, _ in operated)
+    operated = [(part, name) for (part, name, _), shape in scene.waveforms.items() if not isinstance(shape, Constant)]
+    pressures = any(part == "sources" and scene.sources[name].is_effort for part, name in operated)
     if MEDIA[scene.medium] is not HYDRAULIC or scene.start != "steady" or not start or pressures:
         return []
     a1, b1, a2, b2 = np.stack(list(start.values()), axis=1)
     highest = float(np.maximum(a1 + b1, a2 + b2).max()) / 2
     joukowsky = max([float(np.abs(a1 - b1).max()) / 2, *_changes(scene, t)])
+    rises = _rises(scene, probes, envelope)
     packing = {where: max(highest - before, 0.0) for where, (before, _) in rises.items()}
     beyond = {where: top - before for where, (before, top) in rises.items()}
     beyond = {where: rise for where, rise in beyond.items() if rise > MARGIN * (joukowsky + packing[where])}
     if joukowsky <= TRICKLE * abs(highest) or not beyond:
         return []
     worst, *_ = places = sorted(beyond, key=beyond.__getitem__, reverse=True)
-    moved = [place(part, name) for part, name, _ in operated]
-    moved += [place(part, name) for (part, name), one in scene.placed if isinstance(one, Switch)]
+    operated += [where for where, one in scene.placed if isinstance(one, Switch)]
+    moved = [place(*where) for where in operated]
     causes = moved[:LISTED] + ["more"] * (len(moved) > LISTED)
     causes += ["cavities that collapse"] * any(isinstance(one, Boiling) for _, one in scene.placed)
     by = " and ".join(causes) or "what runs down or shuts by itself"
@@ -69,10 +77,25 @@ def surges(
     ]
 
 
+def _rises(
+    scene: Scene, probes: Mapping[str, ProbeResult], envelope: Envelope | None
+) -> dict[str, tuple[float, float]]:
+    """Effort before t = 0, and the highest, at each probe and at nodes without one."""
+    found = {place("probes", name): (float(probe.u[0]), float(probe.u.max())) for name, probe in probes.items()}
+    if envelope is not None:
+        pairs = zip(envelope.start.tolist(), envelope.highest.tolist(), strict=True)
+        probed = {probe.at for probe in scene.probes.values()}
+        found |= {f"node '{node}'": x for node, x in zip(envelope.nodes, pairs, strict=True) if node not in probed}
+    return found
+
+
 def _changes(scene: Scene, t: NDArray) -> Iterator[float]:
     """What sources of flow do to the pipes beside them, Pa."""
+    admittance: dict[str, float] = {}
+    for line in scene.single_lines.values():
+        for node in {*line.nodes}:
+            admittance[node] = admittance.get(node, 0.0) + 1 / line.parameters.z0
     for source in scene.sources.values():
-        beside = [1 / line.parameters.z0 for line in scene.single_lines.values() if source.at in line.nodes]
-        if not source.is_effort and beside:
+        if not source.is_effort and source.at in admittance:
             flow = np.append(source.value.value(t, t), just_before(source.value))
-            yield float(np.ptp(flow)) / sum(beside)
+            yield float(np.ptp(flow)) / admittance[source.at]
