@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from drives.control import PI, Design, Margins, alike, decoupled, design, margins, relative_gain_array
     from drives.coupled import CoupledDrives
     from drives.energy import Energy
-    from drives.errors import InputError
     from drives.linearise import Artefact, artefact, eigenvalues, forward_difference, literal_jacobian, zero_eigenvalues
     from drives.loop import closed_loop, simulate_control
     from drives.modes import HiddenMode, hidden_modes
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
     from drives.symbolic import INPUTS, OUTPUTS, UNITS, symbolic_transfer
     from drives.torque import Torque
     from drives.transfer import TransferFunction
+    from tline.errors import InputError
 
 _HOMES = {
     "animation": "animate",
@@ -32,7 +32,6 @@ _HOMES = {
     "control": "PI Design Margins alike decoupled design margins relative_gain_array",
     "coupled": "CoupledDrives",
     "energy": "Energy",
-    "errors": "InputError",
     "answers": "exercise",
     "linearise": "Artefact artefact eigenvalues forward_difference literal_jacobian zero_eigenvalues",
     "modes": "HiddenMode hidden_modes",
@@ -46,14 +45,15 @@ _HOMES = {
     "torque": "Torque",
     "transfer": "TransferFunction",
 }
-_HOME = {name: home for home, names in _HOMES.items() for name in names.split()}
+_HOME = {name: f"drives.{home}" for home, names in _HOMES.items() for name in names.split()}
+_HOME["InputError"] = "tline.errors"
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name from its home."""
     if name not in _HOME:
         raise AttributeError(f"module 'drives' has no attribute '{name}'")
-    return getattr(import_module(f"drives.{_HOME[name]}"), name)
+    return getattr(import_module(_HOME[name]), name)
 
 
 __all__ = [

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drives.coupled import CoupledDrives
-from drives.errors import InputError
+from tline.errors import InputError
 
 FRAMES, FRAMES_PER_SECOND = 150, 25
 SUFFIXES = (".html", ".gif")

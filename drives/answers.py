@@ -8,12 +8,12 @@ import numpy as np
 
 from drives.control import design, relative_gain_array
 from drives.coupled import CoupledDrives
-from drives.errors import InputError
 from drives.linearise import artefact
 from drives.modes import hidden_modes
 from drives.report import design_data, design_text, finite, mode_data, number, pair, response_data, transfer_data
 from drives.resonance import largest_friction_with_peak, peak, undamped_frequency
 from drives.symbolic import INPUTS, OUTPUTS, transfer
+from tline.errors import InputError
 
 OMEGA = np.logspace(-1, 4, 50)
 BALANCES = (

@@ -20,12 +20,12 @@ from flint import fmpq_poly
 from numpy.typing import ArrayLike, NDArray
 
 from drives.coupled import CoupledDrives
-from drives.errors import InputError
 from drives.number import Number, exact, fill, positive, rational
 from drives.parts import Spool
 from drives.roots import positive_roots, roots, squared
 from drives.symbolic import INPUTS
 from drives.transfer import TransferFunction, frequencies
+from tline.errors import InputError
 
 LEAST_PHASE_MARGIN, LEAST_GAIN_MARGIN = math.radians(60), 2.0
 LOWERED, TRIES = 0.9, 300  # the gain, each time, and how often at most

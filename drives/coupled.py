@@ -22,12 +22,13 @@ from functools import cached_property
 
 from flint import fmpq, fmpq_mat
 
-from drives.errors import InputError, known_names
+from drives.names import known_names
 from drives.number import rational
 from drives.parts import Belt, Pulley, Spool
 from drives.state_space import StateSpace
 from drives.symbolic import INPUTS, OUTPUTS, transfer
 from drives.transfer import TransferFunction
+from tline.errors import InputError
 
 SPOOL = Spool(Fraction(1, 1000), Fraction(1, 10), Fraction(1, 10))  # the exercise's parts
 BELT = Belt(Fraction(50), Fraction(1, 2))

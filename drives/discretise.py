@@ -13,8 +13,8 @@ import numpy as np
 from flint import arb, arb_mat, ctx, fmpq, fmpq_mat
 from numpy.typing import NDArray
 
-from drives.errors import InputError
 from drives.torque import Torque
+from tline.errors import InputError
 
 ACCURATE, NEGLIGIBLE = 60, -150  # bits of an entry, or its size beside the largest one
 MOST_BITS = 1 << 14

@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from drives.errors import InputError
 from drives.torque import Torque
+from tline.errors import InputError
 
 RELATIVE, ABSOLUTE = 1e-13, 1e-15
 

@@ -7,7 +7,7 @@ from numbers import Rational, Real
 
 from flint import fmpq
 
-from drives.errors import InputError
+from tline.errors import InputError
 
 Number = float | Fraction  # what a user may give
 SMALLEST, LARGEST = Fraction(1, 10**30), Fraction(10**30)

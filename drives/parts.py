@@ -9,8 +9,8 @@ import math
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from drives.errors import InputError
 from drives.number import Number, exact, fill, positive
+from tline.errors import InputError
 
 COSINES_SQUARED = {30: Fraction(3, 4), 45: Fraction(1, 2), 60: Fraction(1, 4)}  # all rational ones, by Niven's theorem
 HALF = Fraction(1, 2)

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from drives.coupled import CoupledDrives
-from drives.errors import InputError
 from drives.roots import positive_roots, squared
 from drives.transfer import TransferFunction
+from tline.errors import InputError
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from drives.coupled import CoupledDrives
 from drives.discretise import legs, propagate
 from drives.energy import Energy, energy_of, open_torques
-from drives.errors import InputError
 from drives.number import exact, finite, positive
 from drives.torque import ZERO, Torque
+from tline.errors import InputError
 
 MOST_STEPS = 1_000_000
 

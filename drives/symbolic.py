@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from flint import Ordering, fmpq_poly, fmpz_mpoly, fmpz_mpoly_ctx
 
-from drives.errors import known_names
+from drives.names import known_names
 from drives.number import rational
 from drives.transfer import TransferFunction
 

@@ -7,8 +7,8 @@ from math import ulp
 import numpy as np
 from numpy.typing import NDArray
 
-from drives.errors import InputError
 from drives.number import exact, finite
+from tline.errors import InputError
 
 LONGEST_TABLE = 10_000
 ULPS = 8

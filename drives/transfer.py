@@ -11,8 +11,8 @@ import numpy as np
 from flint import acb, ctx, fmpq_poly
 from numpy.typing import ArrayLike, NDArray
 
-from drives.errors import InputError
 from drives.roots import roots
+from tline.errors import InputError
 
 
 class TransferFunction:

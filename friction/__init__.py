@@ -1,6 +1,5 @@
 """Friction models on a testbench, exact where they can be, and predictions of where methods fail."""
 
-from friction.errors import InputError
 from friction.exercise import PARTS, Part
 from friction.limits import Limits, limits
 from friction.methods import METHODS, Method
@@ -18,6 +17,7 @@ from friction.result import Event, Kind, Ledger, Result, Status
 from friction.simulate import simulate
 from friction.sweep import sweep
 from friction.testbench import Force, Ramp, Sine, Spring, Steps, Table, Testbench
+from tline.errors import InputError
 
 __all__ = [
     "METHODS",

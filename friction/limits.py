@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from friction.errors import InputError, check_number
 from friction.models import Coulomb, Model, Tanh
+from friction.number import check_number
+from tline.errors import InputError
 
 
 class Limits(NamedTuple):

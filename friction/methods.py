@@ -2,8 +2,8 @@
 
 from typing import NamedTuple
 
-from friction.errors import InputError
 from friction.models import Coulomb, Dahl, ElastoPlastic, Karnopp, LuGre, Model, Tanh
+from tline.errors import InputError
 
 STATIC, SMOOTH, BRISTLES = (Coulomb, Karnopp), (LuGre, Dahl, ElastoPlastic, Tanh), (LuGre, Dahl, ElastoPlastic)
 ALL = STATIC + SMOOTH

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from friction.errors import InputError, check_number
+from friction.number import check_number
+from tline.errors import InputError
 
 if TYPE_CHECKING:
     from friction.kernel import Law

@@ -3,8 +3,9 @@
 from math import atanh, log
 from typing import NamedTuple
 
-from friction.errors import InputError, check_number
 from friction.models import LuGre
+from friction.number import check_number
+from tline.errors import InputError
 
 
 class Chatter(NamedTuple):

@@ -5,11 +5,12 @@ from collections.abc import Sized
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from friction.errors import InputError, check_number
 from friction.methods import Method, method_for
 from friction.models import Model
+from friction.number import check_number
 from friction.result import Event, Kind, Result, Status, events_seen, modes_seen
 from friction.testbench import Testbench
+from tline.errors import InputError
 
 MOST_STEPS, MOST_SAMPLES, MOST_EVENTS = 5_000_000, 200_000, 10_000
 BUDGETS = {"events": 100_000, "adaptive": 5_000, "rosenbrock": 1_000_000}

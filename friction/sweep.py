@@ -7,10 +7,11 @@ from os import cpu_count
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from friction.errors import InputError, check_number
 from friction.methods import SMOOTH
 from friction.models import LEAST, Model
+from friction.number import check_number
 from friction.testbench import Testbench
+from tline.errors import InputError
 
 LAW_COLUMN = {  # of kernel.Law
     "F_c": 1, "F_s": 2, "F_v": 3, "sigma2": 3, "v_s": 4, "sigma0": 6, "sigma1": 7, "z_ba": 8, "epsilon": 9

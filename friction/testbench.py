@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from friction.errors import InputError, check_number
+from friction.number import check_number
+from tline.errors import InputError
 
 if TYPE_CHECKING:
     from friction.kernel import Drive

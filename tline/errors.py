@@ -1,4 +1,7 @@
-"""What a user did wrong, in one sentence: where, what is wrong, what was expected, what was given."""
+"""What a user did wrong, in one sentence: where, what is wrong, what was expected, what was given.
+
+All four packages say it with these classes, which survive pickle and copies.
+"""
 
 
 class InputError(ValueError):
@@ -7,21 +10,27 @@ class InputError(ValueError):
     Parameters
     ----------
     where : str
-        The place the user can act on: ``lines.pipe.radius``, an option, a file.
+        The place the user can act on: ``lines.pipe.radius``, an option, a file; may be empty.
     problem : str
         What is wrong there.
     expected, got : str, optional
         What was expected, and what was given instead.
+
+    Examples
+    --------
+    >>> print(InputError("lines.pipe.radius", "too small", "more than 0 m", "-1 m"))
+    lines.pipe.radius: too small, expected more than 0 m, got -1 m
     """
 
     def __init__(self, where: str, problem: str, expected: str = "", got: str = ""):
+        super().__init__(where, problem, expected, got)
         self.where, self.problem, self.expected, self.got = where, problem, expected, got
-        parts = [f"{where}: {problem}" if where else problem]
-        if expected:
-            parts.append(f"expected {expected}")
-        if got:
-            parts.append(f"got {got}")
-        super().__init__(", ".join(parts))
+
+    def __str__(self) -> str:
+        parts = [f"{self.where}: {self.problem}" if self.where else self.problem]
+        parts += [f"expected {self.expected}"] if self.expected else []
+        parts += [f"got {self.got}"] if self.got else []
+        return ", ".join(parts)
 
 
 class SceneError(InputError):
@@ -36,6 +45,7 @@ class SceneError(InputError):
     def __init__(self, mistakes: list[InputError]):
         super().__init__("", "\n".join(str(mistake) for mistake in mistakes))
         self.mistakes = mistakes
+        self.args = (mistakes,)  # what a copy is made of
 
 
 class ActiveError(InputError):
