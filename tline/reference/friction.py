@@ -52,8 +52,9 @@ class FrictionSolution:
     --------
     >>> from tline.charts.scenes import chart_scene
     >>> solution = FrictionSolution(chart_scene("friction").scene, 256)
-    >>> solution.at("far", np.array([0.0])) / 1e5  # bar, before anything moves
-    array([-4.50787254])
+    >>> before = solution.at("far", np.array([0.0]))  # Pa, before anything moves
+    >>> print(f"{before[0] / 1e5:.8f} bar")
+    -4.50787254 bar
     """
 
     def __init__(self, scene: Scene, finest: int | None = None):
