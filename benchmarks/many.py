@@ -10,11 +10,11 @@ from statistics import median
 
 import numpy as np
 
-from tline.charts import ngspice
-from tline.reference import Solution
 from tline.scene.scene import Scene
 from tline.solver.many import Many, many
 from tline.solver.simulate import simulate
+from tline.study.programs import ngspice
+from tline.study.reference import Solution
 
 ROOT = Path(__file__).parent.parent
 COPIES, RUNS, ALONE, NETLISTS, JUDGED, INSTANTS = 10_000, 5, 20, 20, 10, 40

@@ -6,13 +6,13 @@ Without arguments all; with names, those scenes or "growth" or "stability" only.
 import sys
 from pathlib import Path
 
-from tline.charts import growth, stability
-from tline.charts.peers import peers
-from tline.charts.picture import draw
-from tline.charts.scenes import NAMES
-from tline.charts.table import Table
-from tline.charts.work_precision import work_precision
 from tline.pictures.style import save_figure
+from tline.study.charts import growth, stability
+from tline.study.charts.peers import peers
+from tline.study.charts.picture import draw
+from tline.study.charts.scenes import NAMES
+from tline.study.charts.table import Table
+from tline.study.charts.work_precision import work_precision
 
 FOLDER = Path(__file__).parent / "charts"
 BESIDE_PEERS = ("rc", "rlc", "lossy", "y", "chain", "inductor", "hammer", "friction", "network")

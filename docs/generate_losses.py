@@ -23,9 +23,9 @@ from tline.loss import (
 from tline.loss.arithmetic import Arithmetic
 from tline.pictures.style import COLOURS, DASHES, figure, save_figure, styled
 from tline.pictures.traces import plot_probes
-from tline.reference.lossy import lossy_response
 from tline.scene.file import read_scene
 from tline.solver.simulate import simulate
+from tline.study.reference.lossy import lossy_response
 
 PAGE = Path(__file__).parent / "losses.md"
 SCENE = Path(__file__).parent.parent / "scenes" / "pipe_friction.toml"

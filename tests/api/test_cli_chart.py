@@ -81,7 +81,7 @@ def test_a_mistake_is_one_sentence(line: str, sentence: str) -> None:
 
 
 def test_the_help_names_every_map() -> None:
-    from tline.charts.maps import MAPS
+    from tline.study.charts.maps import MAPS
 
     assert re.findall(r"^ +([a-z_]+)   ?", run("stability --help").stdout, re.MULTILINE)[: len(MAPS)] == list(MAPS)
 

@@ -134,12 +134,15 @@ def test_a_flow_that_nothing_takes_has_no_steady_state():
 
 def test_linear_methods_refuse_a_valve_by_name():
     from tline.frequency.response import respond
-    from tline.reference.network import Network
-    from tline.rivals import RIVALS
+    from tline.study.baseline import BASELINES
+    from tline.study.reference.network import Network
 
     sources = {"s": {"at": "end", "kind": "flow", "value": 1}}
     valve = scene(sources=sources)
     for method in (lambda: respond(valve, 1.0), lambda: Network(valve)):
         with pytest.raises(InputError, match=r"loads\.v: is non-linear, expected a linear scene"):
             method()
-    assert all("loads.v: rivals know linear elements only" in rival.misfit(valve) for rival in RIVALS.values())
+    assert all(
+        "loads.v: baseline methods know linear elements only" in baseline.incompatibility(valve)
+        for baseline in BASELINES.values()
+    )

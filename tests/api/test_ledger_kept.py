@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from tline.charts.scenes import chart_scene
 from tline.scene.file import read_scene
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
+from tline.study.charts.scenes import chart_scene
 
 SCENES = Path(__file__).parents[2] / "scenes"
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from lossy_scenes import cable
 
-from tline.charts.scenes import chart_scene
-from tline.reference.friction import FrictionSolution
-from tline.reference.lossy import lossy_response
 from tline.solver.extrapolate import extrapolated
 from tline.solver.resolution import Resolution
 from tline.solver.run import run
+from tline.study.charts.scenes import chart_scene
+from tline.study.reference.friction import FrictionSolution
+from tline.study.reference.lossy import lossy_response
 
 SLABS = (32, 64, 128, 256, 512)
 STEP_ENDS = np.array([1, 3, 9, 13, 17, 30, 41])  # eighths of the delay

@@ -6,13 +6,13 @@ from math import exp, pi, sqrt
 import numpy as np
 import pytest
 
-from tline.reference.network import Network
-from tline.reference.rays import Scatterer, rays
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
 from tline.solver.assemble import assemble
 from tline.solver.march import march
 from tline.solver.simulate import simulate
+from tline.study.reference.network import Network
+from tline.study.reference.rays import Scatterer, rays
 
 DELAYS = {"a": 1.0, "b": sqrt(2), "c": pi / 2}
 TOPOLOGIES = {

@@ -5,14 +5,14 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
-from tline.charts import rthym, tsnet
-from tline.charts.scenes import chart_scene
 from tline.errors import InputError
-from tline.reference import lattice
-from tline.reference.friction import FrictionSolution
 from tline.scene.scene import Scene
 from tline.solver.nodes import nodes_of
 from tline.solver.steady import steady_state
+from tline.study.programs import rthym, tsnet
+from tline.study.charts.scenes import chart_scene
+from tline.study.reference import lattice
+from tline.study.reference.friction import FrictionSolution
 
 T = np.linspace(0, 20, 1001)
 BOTH = pytest.mark.parametrize(("name", "finest"), [("friction", 256), ("network", 64)])
@@ -80,7 +80,7 @@ def test_before_anything_moves_it_is_the_steady_state(name):
 @pytest.mark.parametrize("peer", [rthym, tsnet])
 def test_other_programs_converge_to_it(peer, name, counts):
     scene = chart_scene(name).scene
-    if why := peer.misfit(scene):
+    if why := peer.incompatibility(scene):
         pytest.skip(why)
     solution, errors = FrictionSolution(scene, 256), []
     for n in counts:

@@ -5,11 +5,11 @@ import pytest
 from scipy.linalg import expm
 
 from tline.loss import Constant, Law, LossyLine, SkinEffect
-from tline.reference.lossy import lossy_response
 from tline.scene.scene import Scene
 from tline.solver.resolution import Resolution
 from tline.solver.run import run
 from tline.solver.simulate import simulate
+from tline.study.reference.lossy import lossy_response
 
 NS, LENGTH = 1e-9, 0.2
 EVEN, ODD = (60.0, 1.1 * NS, 14.0), (40.0, 0.9 * NS, 10.0)

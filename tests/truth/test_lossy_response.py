@@ -9,9 +9,9 @@ import pytest
 
 from tline.errors import InputError
 from tline.loss import Constant, Foster, LaminarFriction, LossyLine, SkinEffect
-from tline.reference.lossy import Drive, lossy_response
-from tline.reference.lossy_scene import LossySolution
 from tline.scene.scene import Scene
+from tline.study.reference.lossy import Drive, lossy_response
+from tline.study.reference.lossy_scene import LossySolution
 
 
 def close(found, expected, digits):

@@ -7,11 +7,11 @@ import pytest
 from lossy_scenes import cable, pipe
 
 from tline.frequency.response import respond
-from tline.reference.lossy import Drive, lossy_response
 from tline.scene.scene import Scene
 from tline.solver.resolution import Resolution
 from tline.solver.run import run
 from tline.solver.simulate import simulate
+from tline.study.reference.lossy import Drive, lossy_response
 
 T = 36.09 / 1324
 VISCOSITY = "0.0347 Pa s"

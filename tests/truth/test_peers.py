@@ -2,15 +2,15 @@
 
 import pytest
 
-from tline.charts import inverse_fft
-from tline.charts.judge import Judge
-from tline.charts.scenes import chart_scene
+from tline.study.charts import inverse_fft
+from tline.study.charts.judge import Judge
+from tline.study.charts.scenes import chart_scene
 
 
 @pytest.mark.parametrize("name", ["rc", "rlc"])
 def test_scikit_rf_by_inverse_fft_converges(name):
     scene = chart_scene(name).scene
-    assert inverse_fft.misfit(scene) is None
+    assert inverse_fft.incompatibility(scene) is None
     judge = Judge(scene, 60)
     errors = [judge.errors(run.t, run.u)[0] for run in (inverse_fft.run(scene, n) for n in (50, 100, 200))]
     assert errors[2] < 5e-3

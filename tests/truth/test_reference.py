@@ -7,8 +7,8 @@ import mpmath
 import pytest
 
 from tline.errors import InputError
-from tline.reference import exact, lattice
 from tline.scene.scene import Scene
+from tline.study.reference import exact, lattice
 
 STEP = {"shape": "step", "to": 1}
 
@@ -206,7 +206,7 @@ def test_a_stiff_load_and_many_transits_keep_their_digits():
     ],
 )
 def test_what_it_cannot_do_is_said_in_one_sentence(arguments, words, monkeypatch):
-    monkeypatch.setattr("tline.reference.rays.MOST_ARRIVALS", 1000)
+    monkeypatch.setattr("tline.study.reference.rays.MOST_ARRIVALS", 1000)
     ask = {"times": [2], "probe": "far", "digits": 20}
     ask |= {key: arguments.pop(key) for key in ask.keys() & arguments.keys()}
     with pytest.raises(InputError, match=words) as caught:

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from tline.charts.growth import compare, exact, light_line
-from tline.charts.maps import MAPS, rate
-from tline.charts.stability import QUICK, stability
 from tline.errors import InputError
-from tline.rivals import RIVALS
+from tline.study.baseline import BASELINES
+from tline.study.charts.growth import compare, exact, light_line
+from tline.study.charts.maps import MAPS, rate
+from tline.study.charts.stability import QUICK, stability
 
 
 def strip(name: str, label: str):
@@ -86,7 +86,7 @@ def test_a_map_knows_its_boundaries():
 def test_the_pulse_that_errors_are_counted_against():
     """MOC at Courant 1 is exact on this line, and so the formula must agree with it."""
     scene = light_line(100)
-    t, u, _ = RIVALS["moc_trapezoid"].run(scene, 16)
+    t, u, _ = BASELINES["moc_trapezoid"].run(scene, 16)
     for m in (0, 7, 49):
         window = slice(32 * m, 32 * (m + 1))
         assert np.abs(u["far"][window] - exact(scene, t[window])).max() < 1e-13

@@ -7,10 +7,10 @@ from tline.errors import SceneError
 from tline.frequency.ports import scattering_parameters
 from tline.frequency.response import respond
 from tline.loss import Constant, DielectricLoss, LossyLine, RoundWire
-from tline.reference.lossy import lossy_response
 from tline.scene.scene import Scene
 from tline.solver.resolution import Resolution
 from tline.solver.run import run
+from tline.study.reference.lossy import lossy_response
 
 SERIES = RoundWire(0.1e-3, 5.8e7) + Constant(0, 250e-9)
 SHUNT = Constant(1e-3) + DielectricLoss(100e-12, 0.02, 1e8, (1e5, 1e11))

@@ -6,9 +6,9 @@ import mpmath
 import numpy as np
 import pytest
 
-from tline.reference import lattice
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
+from tline.study.reference import lattice
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")  # fronts inside slabs
 

@@ -8,10 +8,10 @@ from tline.interchange.spice_text import spice_text
 from tline.line.modes import even_and_odd, modes
 from tline.pictures.fronts import only_line
 from tline.pictures.path import route
-from tline.reference.network import Network
 from tline.scene.line import Cable
 from tline.scene.scene import Scene
 from tline.solver.stability.scattering import Scattering
+from tline.study.reference.network import Network
 
 PAIR = {"nodes1": ["a1", "a2"], "nodes2": ["b1", "b2"]}
 MODES = {"even": {"z0": 60, "delay": "1.1 ns"}, "odd": {"z0": 40, "delay": "0.9 ns"}}

@@ -24,8 +24,8 @@ from tline.loss import (
     smooth_pipe_resistance,
     tabulated,
 )
-from tline.reference.lossy import lossy_response
 from tline.scene.file import read_scene
+from tline.study.reference.lossy import lossy_response
 
 WATER = {"density": 998.0, "viscosity": 1e-3, "radius": 0.011}
 LAWS = {

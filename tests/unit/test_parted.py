@@ -12,13 +12,13 @@ from tline.pictures.along import effort_along, extremes_along, start_effort
 from tline.pictures.fronts import only_line
 from tline.pictures.path import route
 from tline.pictures.surge import surges
-from tline.rivals import RIVALS
 from tline.scene.file import scene_from, scene_text
 from tline.scene.parted import parted
 from tline.scene.scene import Scene
 from tline.solver.inside import inside
 from tline.solver.many.runs import many
 from tline.solver.simulate import judged, simulate
+from tline.study.baseline import BASELINES
 
 PIPE = {"nodes": ["tank", "end"], "length": "300 m", "diameter": 0.2, "wave_speed": 1000, "density": 1000}
 SHUT = {"shape": "ramp", "from": -0.02, "to": 0, "duration": 0.05}
@@ -160,7 +160,10 @@ def test_what_cannot_be_had_is_refused_by_name():
             InputError, match=rf"lines\.pipe\.cavities: is non-linear, expected a line without for {what}"
         ):
             asked()
-    assert all("rivals know linear elements only" in rival.misfit(still) for rival in RIVALS.values())
+    assert all(
+        "baseline methods know linear elements only" in baseline.incompatibility(still)
+        for baseline in BASELINES.values()
+    )
 
 
 def test_a_search_that_leads_nowhere_says_why():

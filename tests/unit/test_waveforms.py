@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from tline.errors import InputError
-from tline.rivals import projected
 from tline.scene.points import PiecewiseLinear, Ramp, Table, read_table
 from tline.scene.pulses import MOST_PULSES, Pulses
 from tline.scene.shape import Constant, Shape, Step
 from tline.scene.smooth import DoubleExponential, Exponential, Sine
 from tline.solver.drive import EDGE, just_before
 from tline.solver.radau import basis, gauss
+from tline.study.baseline.pointwise import projected
 
 ROUNDING = 1e-14  # of a level of size 1; a handful of operations
 

@@ -6,15 +6,16 @@ from math import inf
 import numpy as np
 import pytest
 
-from tline.charts import ngspice, peers, rthym, tsnet, work_precision
-from tline.charts.clock import QUICK, Run
-from tline.charts.judge import Judge
-from tline.charts.picture import draw
-from tline.charts.scenes import NAMES, chart_scene
-from tline.charts.table import Row, Table
-from tline.charts.work_precision import add, fixed, refined, simulated, to_tolerances
 from tline.errors import InputError
-from tline.reference import exact
+from tline.study.charts import peers, work_precision
+from tline.study.programs import ngspice, rthym, tsnet
+from tline.study.charts.clock import QUICK, Run
+from tline.study.charts.judge import Judge
+from tline.study.charts.picture import draw
+from tline.study.charts.scenes import NAMES, chart_scene
+from tline.study.charts.table import Row, Table
+from tline.study.charts.work_precision import add, fixed, refined, simulated, to_tolerances
+from tline.study.reference import exact
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")  # coarse on purpose
 
@@ -34,7 +35,7 @@ def test_a_table_is_saved_with_its_notes(tmp_path):
 
 
 def test_a_picture_has_a_curve_for_each_method_and_units():
-    rows = [row(), row("MOC", "rival", 2.0), row("MOC", "rival", inf), row("ngspice", "peer", 0.0)]
+    rows = [row(), row("MOC", "baseline", 2.0), row("MOC", "baseline", inf), row("ngspice", "peer", 0.0)]
     rows.append(row("to a tolerance", "tolerance", 1e-5, asked=1e-4, estimated=3e-5))
     (axes,) = draw(Table("rc", "A title", rows)).axes
     labels = [text.get_text() for text in axes.get_legend().get_texts()]
@@ -77,7 +78,7 @@ def test_refinement_ends_where_it_is_exact_or_too_slow():
     def rows(errors, seconds):
         effort = QUICK._replace(refinements=9, runs=1, longest=0.0)
         runs = iter([Run(0, e, t, t) for e, t in zip(errors, seconds, strict=True) for _ in range(2)])
-        return len(list(refined("m", "rival", lambda n: next(runs), "steps", Fixed(), effort)))
+        return len(list(refined("m", "baseline", lambda n: next(runs), "steps", Fixed(), effort)))
 
     assert rows([0.1, 0.01, 1e-15, 1.0], 4 * [0.0]) == 3
     assert rows(5 * [0.1], [0, 0, 0, 1, 1]) == 4
@@ -135,16 +136,16 @@ def test_a_raw_file_is_read():
 
 
 def test_ngspice_is_offered_no_jumps_and_no_curves():
-    assert "jumps" in str(ngspice.misfit_of_sources(chart_scene("step").scene))
-    assert "jumps" in str(ngspice.misfit_of_sources(chart_scene("smooth").scene))
-    assert ngspice.misfit_of_sources(chart_scene("inductor").scene) is None
-    assert rthym.misfit(chart_scene("rc").scene) == "for water only"
+    assert "jumps" in str(ngspice.incompatible_sources(chart_scene("step").scene))
+    assert "jumps" in str(ngspice.incompatible_sources(chart_scene("smooth").scene))
+    assert ngspice.incompatible_sources(chart_scene("inductor").scene) is None
+    assert rthym.incompatibility(chart_scene("rc").scene) == "for water only"
 
 
 def test_tsnet_is_looked_for_where_the_variable_says(monkeypatch):
     monkeypatch.delenv(tsnet.PYTHON, raising=False)
-    assert str(tsnet.misfit(chart_scene("friction").scene)).startswith("TSNET_PYTHON names no interpreter")
-    assert tsnet.misfit(chart_scene("hammer").scene) == "its flows stop, and none begins at rest"
+    assert str(tsnet.incompatibility(chart_scene("friction").scene)).startswith("TSNET_PYTHON names no interpreter")
+    assert tsnet.incompatibility(chart_scene("hammer").scene) == "its flows stop, and none begins at rest"
     with pytest.raises(InputError, match="n: its pipes have two reaches at least"):
         tsnet.run(chart_scene("friction").scene, 2)
 

@@ -13,7 +13,7 @@ from tline.cli.aligned import aligned
 from tline.errors import InputError
 
 if TYPE_CHECKING:
-    from tline.charts.table import Table
+    from tline.study.charts.table import Table
 
 PICTURE = (".png", ".svg", ".pdf")
 EXAMPLES = """\b
@@ -31,7 +31,7 @@ Without --quick a chart takes minutes; docs/charts.md shows and explains them al
 def chart() -> None:
     """Charts that are measured, never typed: error against run time, error growth, stability maps.
 
-    Rival methods stand beside the production method: characteristics with and without interpolation, upwind,
+    Baseline methods stand beside the production method: characteristics with and without interpolation, upwind,
     Lax-Wendroff, leapfrog FDTD, lumped sections, Padé sections, slabs without projection.
     """
 
@@ -51,12 +51,12 @@ def _options(command: Callable[..., None]) -> Callable[..., None]:
 @click.argument("scene", default="rc")
 @_options
 def work_precision(scene: str, plot: str | None, csv: str | None, quick: bool, as_json: bool) -> None:
-    """Error against run time of the production method, of runs to a tolerance, and of all rivals.
+    """Error against run time of the production method, of runs to a tolerance, and of all baseline methods.
 
     SCENE is one of the scenes made for charts, rc if not given; a wrong name lists them. Errors are against exact
     solutions that owe nothing to any of the methods. The clock runs while time is stepped, and for nothing else.
     """
-    from tline.charts.work_precision import work_precision as measure
+    from tline.study.charts.work_precision import work_precision as measure
 
     _check_files(plot, csv)
     _tell_table(measure(scene, quick=quick, progress=sys.stderr.isatty()), plot, csv, as_json)
@@ -71,7 +71,7 @@ def peers(scene: str, plot: str | None, csv: str | None, quick: bool, as_json: b
     ngspice is looked for on the PATH; scikit-rf and rthym-moc among the installed packages; TSNet where the variable
     TSNET_PYTHON names an interpreter that has it. What is absent is named.
     """
-    from tline.charts.peers import peers as measure
+    from tline.study.charts.peers import peers as measure
 
     _check_files(plot, csv)
     _tell_table(measure(scene, quick=quick, progress=sys.stderr.isatty()), plot, csv, as_json)
@@ -85,7 +85,7 @@ def growth(plot: str | None, csv: str | None, quick: bool, as_json: bool) -> Non
     Damping is the amplitude lost (negative: won), phase the delay in transits, dispersion the change of shape that no
     shift and scale explains. --quick makes 40 passes.
     """
-    from tline.charts.growth import KINDS, draw, error_growth, save
+    from tline.study.charts.growth import KINDS, draw, error_growth, save
 
     _check_files(plot, csv)
     curves = error_growth(quick=quick, progress=sys.stderr.isatty())
@@ -118,7 +118,7 @@ def stability(name: str, plot: str | None, csv: str | None, quick: bool, as_json
       order_projected  the same, the delayed wave projected: the production method
       loop_gain        an active load, whose growth is real and must be reproduced
     """
-    from tline.charts import stability as maps
+    from tline.study.charts import stability as maps
 
     _check_files(plot, csv)
     found = maps.stability(name, quick=quick, progress=sys.stderr.isatty())
@@ -151,7 +151,7 @@ def _tell_table(table: "Table", plot: str | None, csv: str | None, as_json: bool
     if csv:
         table.save(csv)
     if plot:
-        from tline.charts.picture import draw
+        from tline.study.charts.picture import draw
 
         _save(draw(table), plot)
     if as_json:

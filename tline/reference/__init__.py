@@ -1,6 +1,0 @@
-"""Exact solutions of scenes, slow and trustworthy: nothing in here uses the solver."""
-
-from tline.reference.exact import Exact, Solution, exact
-from tline.reference.lattice import lattice
-
-__all__ = ["Exact", "Solution", "exact", "lattice"]

@@ -1,0 +1,1 @@
+"""Study of the methods, beside the solver: charts, baseline methods, reference solutions, other programs."""

@@ -1,0 +1,49 @@
+"""Baseline methods, small and honest: what others do with a scene, for charts and for teaching.
+
+All see the scene as `nodes_of` does. Those that step in time are compiled loops (`advance_*`); lumped chains and Padé
+sections are sparse linear systems, vectorised, integrated by scipy's `solve_ivp`.
+
+| family | what it does with a wave |
+|---|---|
+| characteristics (MOC) | reads it a whole number of steps late, the wave speed adjusted to that, or interpolates |
+| the same on a grid | carries it from reach to reach, where friction takes its share |
+| upwind, Lax-Wendroff | carries it from cell to cell |
+| FDTD | leapfrogs effort and flow on staggered grids |
+| lumped, Padé | replaces the line by an ordinary differential equation |
+| slabs, pointwise | as the production method, but interpolates where that projects |
+
+References
+----------
+E. B. Wylie, V. L. Streeter: Fluid Transients in Systems (1993), chapters 3 and 8: MOC, friction, interpolation,
+wave-speed adjustment. H. W. Dommel, IEEE Trans. PAS-88 (1969) 388, doi:10.1109/TPAS.1969.292459: lines by their
+history, loads by the trapezoid. K. S. Yee, IEEE Trans. AP-14 (1966) 302, doi:10.1109/TAP.1966.1138693: leapfrog.
+P. Lax, B. Wendroff, Comm. Pure Appl. Math. 13 (1960) 217, doi:10.1002/cpa.3160130205.
+"""
+
+from functools import partial
+
+from tline.study.baseline.advection import lax_wendroff, upwind
+from tline.study.baseline.characteristics import cubic, linear, moc
+from tline.study.baseline.characteristics_grid import moc_grid, no_friction
+from tline.study.baseline.leapfrog import fdtd
+from tline.study.baseline.loads import backward_euler, forward_euler
+from tline.study.baseline.method import Baseline
+from tline.study.baseline.pointwise import slabs_pointwise
+from tline.study.baseline.sections import lumped_pi, lumped_t, pade, pushes_inductors
+from tline.study.baseline.steps import HALF
+
+BASELINES: dict[str, Baseline] = {
+    "moc_trapezoid": Baseline("MOC, Courant 1", 1, 2, moc),
+    "moc_forward_euler": Baseline("MOC, loads by forward Euler", 1, 1, partial(moc, rule=forward_euler)),
+    "moc_backward_euler": Baseline("MOC, loads by backward Euler", 1, 1, partial(moc, rule=backward_euler)),
+    "moc_linear": Baseline("MOC, linear interpolation", 2, 2, partial(moc, weights=linear, offset=HALF)),
+    "moc_cubic": Baseline("MOC, cubic interpolation", 4, 2, partial(moc, weights=cubic, offset=HALF)),
+    "moc_grid": Baseline("MOC on a grid, Courant 1", 2, 2, moc_grid, no_friction, "friction"),
+    "upwind": Baseline("upwind", 1, 1, upwind),
+    "lax_wendroff": Baseline("Lax-Wendroff", 2, 2, lax_wendroff),
+    "fdtd": Baseline("FDTD leapfrog", 2, 2, fdtd),
+    "lumped_t": Baseline("T sections", 2, 2, lumped_t, pushes_inductors),
+    "lumped_pi": Baseline("π sections", 2, 2, lumped_pi, knows="resistance"),
+    "pade": Baseline("Padé sections", 3, 3, pade),
+    "slabs_pointwise": Baseline("slabs, pointwise, s = 4", 4, 4, slabs_pointwise),
+}

@@ -1,0 +1,84 @@
+"""Nodes with dynamic loads, integrated by a rule of one step."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from tline.scene.scene import Scene
+from tline.solver.nodes import Node
+
+TINY = 1e-150  # waves below are flushed to zero, as in the production kernel
+Euler = tuple[NDArray, NDArray, NDArray]  # x_next = first x + second w_now + third w_next
+
+
+def forward_euler(A: NDArray, b: NDArray) -> Euler:
+    """x' = A x + b w by its value at the step's start; A and b count time in steps."""
+    return np.eye(len(A)) + A, b, 0 * b
+
+
+def backward_euler(A: NDArray, b: NDArray) -> Euler:
+    """The same by its value at the step's end."""
+    inverse = np.linalg.inv(np.eye(len(A)) - A)
+    return inverse, 0 * b, inverse @ b
+
+
+def trapezoid(A: NDArray, b: NDArray) -> Euler:
+    """The same by the mean of both."""
+    inverse = np.linalg.inv(np.eye(len(A)) - A / 2)
+    return inverse @ (np.eye(len(A)) + A / 2), inverse @ b / 2, inverse @ b / 2
+
+
+class Scattering(NamedTuple):
+    """Nodes as arrays: from the waves that arrive at their ends to those sent back; m states a load."""
+
+    first: NDArray  # (nodes + 1,) the ends at node k are ends[first[k]:first[k + 1]]
+    ends: NDArray
+    weight: NDArray  # (ends,) share in the Thévenin wave w
+    row: NDArray  # (nodes,) of its load, -1 for none
+    x_x: NDArray  # (loads, m, m)
+    x_before: NDArray  # (loads, m)
+    x_now: NDArray  # (loads, m)
+    u_x: NDArray  # (loads, m)
+    u_w: NDArray  # (loads,)
+
+
+def scattering(scene: Scene, nodes: list[Node], dt: float, rule: Callable[[NDArray, NDArray], Euler]) -> Scattering:
+    """The nodes of a scene, their loads integrated by a rule."""
+    z0 = np.array([line.parameters.z0 for line in scene.lines.values()])
+    own = [1 / z0[np.array(node.ends) // 2] / (np.inf if node.held else node.total) for node in nodes]
+    dynamic = [node.load is not None and node.held is None for node in nodes]
+    systems = [node.effort(0.0) for node, moves in zip(nodes, dynamic, strict=True) if moves]
+    m = max((len(system.A) for system in systems), default=0)
+    maps = [(*rule(dt * system.A, dt * system.b[:, 0]), system.c[0]) for system in systems]
+    x_x, x_before, x_now, u_x = (
+        np.array([np.pad(each[k], (0, m - len(each[3]))) for each in maps]).reshape(len(maps), *(m,) * (2 - (k > 0)))
+        for k in range(4)
+    )
+    ends, first = np.array([end for node in nodes for end in node.ends]), np.cumsum([0, *(len(n.ends) for n in nodes)])
+    row, u_w = np.where(dynamic, np.cumsum(dynamic) - 1, -1), np.array([system.d[0, 0] for system in systems])
+    return Scattering(first, ends, np.concatenate(own), row, x_x, x_before, x_now, u_x, u_w)
+
+
+@njit(cache=True, error_model="numpy")
+def scatter(net, drive, arriving, w, x, new, u, sent):
+    """All nodes at one instant: w, x and u are brought up to it, and sent is what leaves the ends."""
+    for k in range(len(net.row)):
+        wave, r = drive[k], net.row[k]
+        for j in range(net.first[k], net.first[k + 1]):
+            wave += net.weight[j] * arriving[net.ends[j]]
+        effort = wave
+        if r >= 0:
+            effort *= net.u_w[r]
+            for i in range(len(new)):
+                new[i] = net.x_before[r, i] * w[k] + net.x_now[r, i] * wave
+                for j in range(len(new)):
+                    new[i] += net.x_x[r, i, j] * x[r, j]
+                effort += net.u_x[r, i] * new[i]
+            x[r] = new
+        w[k], u[k] = wave, effort
+        for j in range(net.first[k], net.first[k + 1]):
+            back = 2.0 * effort - arriving[net.ends[j]]
+            sent[net.ends[j]] = 0.0 if abs(back) < TINY else back

@@ -1,0 +1,67 @@
+"""Nodes as ordinary differential equations: behind an inductance, or with a capacitance of the lines."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.scene.scene import Scene
+from tline.solver.nodes import Node
+from tline.study.baseline.steps import delays_of, impedances_of
+
+
+class System(NamedTuple):
+    """A node: x' = A x + B v, effort = C x + D v, v what the lines and what the sources drive; k states."""
+
+    A: NDArray  # (k, k)
+    B: NDArray  # (k, 2)
+    C: NDArray  # (1, k)
+    D: NDArray  # (1, 2)
+
+
+HELD = System(np.zeros((0, 0)), np.zeros((0, 2)), np.zeros((1, 0)), np.array([[0.0, 1.0]]))
+
+
+def _companion(tops: list[NDArray], bottom: NDArray) -> System:
+    """Transfer functions of one denominator; coefficients with the highest power first. The effort is x[0] + D v."""
+    bottom = np.trim_zeros(bottom, "f")
+    k, a = len(bottom) - 1, bottom / bottom[0]
+    b = np.array([np.pad(top, (k + 1 - len(top), 0)) for top in tops]).T / bottom[0]
+    A = np.eye(k, k=1)
+    A[:, :1] -= a[1:, None]
+    return System(A, b[1:] - np.outer(a[1:], b[0]), np.eye(1, k), b[:1])
+
+
+def _admittance(node: Node, unit: float) -> tuple[NDArray, NDArray]:
+    """Numerator and denominator of what stands at a node, lines apart; s counts in 1/unit."""
+    if node.load is None:
+        return np.array([node.conductance]), np.ones(1)
+    p, q = (
+        np.array([float(a) / unit**k for k, a in zip(range(len(side) - 1, -1, -1), side, strict=True)])
+        for side in (node.load.numerator, node.load.denominator)
+    )
+    scale = max(np.abs(p).max(), np.abs(q).max())
+    return np.polyadd(node.conductance * p, q) / scale, p / scale
+
+
+def half_sections(scene: Scene, nodes: dict[str, Node], cells: NDArray) -> list[tuple[Node, float]]:
+    """Nodes and the capacitance of the half cells there."""
+    half = np.repeat(delays_of(scene) / cells / impedances_of(scene) / 2, 2)
+    return [(node, float(half[node.ends].sum())) for node in nodes.values()]
+
+
+def on_capacitor(node: Node, capacitance: float, unit: float) -> System:
+    """From the flows into a node with a capacitance to its effort."""
+    if node.held:
+        return HELD
+    over, under = _admittance(node, unit)
+    return _companion([under, under], np.polyadd(np.append(capacitance / unit * under, 0.0), over))
+
+
+def behind_inductor(node: Node, inductance: float, unit: float) -> System:
+    """From the effort behind an inductance, in units of time times z0, and the flow of the sources to the effort."""
+    if node.held:
+        return HELD
+    over, under = _admittance(node, unit)
+    source = np.append(inductance * under, 0.0) if node.flows else np.zeros(1)
+    return _companion([under, source], np.polyadd(under, np.append(inductance * over, 0.0)))

@@ -1,0 +1,224 @@
+"""Error growth: what ten thousand passes along a lightly damped line leave of a pulse, method by method.
+
+A pulse runs to and fro between an open end and a source of high resistance. In each round trip the whole line passes by
+the far end, so one window of 2T holds all there is. Three numbers say what a method did to it: it came back weaker or
+stronger (damping), early or late (phase), and, shifted and scaled to fit best, still in another shape (dispersion).
+"""
+
+import csv
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
+from numpy.typing import NDArray
+
+from tline.pictures.style import COLOURS, DASHES, figure, save_figure, styled
+from tline.scene.scene import Scene
+from tline.study.charts.picture import OURS, RAISED
+
+TRANSITS, QUICK = 10_000, 40
+STEPS = 16  # per transit, about as many for all methods
+LOSS = 1e-4  # per round trip: 10⁴ transits leave exp(-1/2)
+KINDS = ("error", "damping", "phase", "dispersion")
+ABOUT = {
+    "error": "error: difference / pulse",
+    "damping": "damping: amplitude lost or won",
+    "phase": "phase: shift in transits",
+    "dispersion": "dispersion: change of shape",
+}
+LOWEST, HIGHEST = 1e-10, 10.0  # drawn
+
+
+@dataclass(frozen=True)
+class Curve:
+    """What one method did to the pulse, relative to the exact one, after each number of transits.
+
+    Attributes
+    ----------
+    transits : ndarray, shape (n,)
+    error : ndarray, shape (n,)
+        L2 norm of the difference over that of the pulse.
+    damping : ndarray, shape (n,)
+        Share of the pulse's L2 norm that is lost; negative where it grew.
+    phase : ndarray, shape (n,)
+        By how much it is late, in transits, at most 1 to either side.
+    dispersion : ndarray, shape (n,)
+        What the best shift and scale leave of the difference, over the norm of what arrived.
+    seconds : float
+        Time stepping of the whole run.
+    """
+
+    transits: NDArray
+    error: NDArray
+    damping: NDArray
+    phase: NDArray
+    dispersion: NDArray
+    seconds: float
+
+
+def light_line(transits: int) -> Scene:
+    """A line of delay 1 between an open end and a resistance that leaves exp(-LOSS) of each wave; one smooth pulse."""
+    reflection = np.exp(-LOSS)
+    pulse = {"shape": "sine", "amplitude": 0.5, "offset": 0.5, "phase": -np.pi / 2, "frequency": 1.0, "until": 1.0}
+    return Scene(
+        medium="electrical",
+        t_end=float(transits),
+        lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
+        sources={
+            "s": {"at": "near", "kind": "current", "resistance": (1 + reflection) / (1 - reflection), "value": pulse}
+        },
+        probes={"far": {"at": "far"}},
+    )
+
+
+def exact(scene: Scene, t: NDArray) -> NDArray:
+    """Effort at the far end, t in the order of time and of one window [2m, 2m + 2): the pulse that came m times."""
+    (source,) = scene.sources.values()
+    m = np.floor(t[0] / 2 + 1e-9)
+    at = t - 2 * m - 1
+    sent = 2 / (1 + source.conductance)
+    return sent * np.exp(-LOSS * m) * source.value.value(at, at)
+
+
+def compare(arrived: NDArray, expected: NDArray) -> tuple[float, float, float, float]:
+    """Error, damping, phase (in units of half the window) and dispersion of one window against the exact one.
+
+    Examples
+    --------
+    >>> t = np.arange(32) / 16
+    >>> wave = np.exp(np.cos(np.pi * t))
+    >>> _, damping, phase, dispersion = compare(0.9 * np.roll(wave, 1), wave)
+    >>> round(damping, 12), round(phase, 12), dispersion < 1e-12
+    (0.1, 0.0625, True)
+    """
+    n = len(arrived)
+    twice = np.where((np.arange(n // 2 + 1) == 0) | (2 * np.arange(n // 2 + 1) == n), 1.0, 2.0)
+    R, E, omega = np.fft.rfft(arrived), np.fft.rfft(expected), np.pi * np.arange(n // 2 + 1)
+    norm, own = np.sqrt(twice @ np.abs(E) ** 2), np.sqrt(twice @ np.abs(R) ** 2)
+    cross = twice * E.conj() * R
+    late = np.linspace(-1, 1, 4096, endpoint=False)
+    shift = late[np.argmax(np.real(np.exp(1j * np.outer(late, omega)) @ cross))]
+    for _ in range(4):  # Newton's steps to where the correlation is largest
+        turned = cross * np.exp(1j * omega * shift)
+        slope, bend = -np.imag(omega @ turned), -np.real(omega**2 @ turned)
+        shift -= slope / bend if bend < 0 else 0.0
+    fitted = E * np.exp(-1j * omega * shift)
+    fitted *= np.real(twice @ (fitted.conj() * R)) / norm**2
+    left = np.sqrt(twice @ np.abs(R - fitted) ** 2) / own if own else 1.0
+    return float(np.sqrt(twice @ np.abs(R - E) ** 2) / norm), float(1 - own / norm), float(shift), float(left)
+
+
+def methods(*, quick: bool = False) -> dict[str, Callable[[Scene], tuple[NDArray, NDArray, float]]]:
+    """By label: from a scene to instants, efforts at the far end there, and seconds; quickly without `solve_ivp`."""
+    from tline.study.baseline import BASELINES
+    from tline.study.baseline.method import Trace
+    from tline.study.baseline.pointwise import slabs_pointwise
+
+    def method(run: Callable[[Scene, float], Trace], scene: Scene) -> tuple[NDArray, NDArray, float]:
+        t, u, seconds = run(scene, STEPS)
+        return t, u["far"], seconds
+
+    names = ["moc_linear", "moc_cubic", "upwind", "lax_wendroff", "fdtd"]
+    names += [] if quick else ["lumped_t", "lumped_pi", "pade"]
+    found: dict[str, Callable] = {BASELINES[name].label: partial(method, BASELINES[name].run) for name in names}
+    found["slabs, pointwise, s = 4"] = lambda scene: method(lambda s, n: slabs_pointwise(s, n // 4), scene)
+    return found | {f"slabs, s = {s}": partial(_slabs, order=s) for s in (3, 5, 8)}
+
+
+def _slabs(scene: Scene, order: int) -> tuple[NDArray, NDArray, float]:
+    """The production method, with half a slab left over in every delay, so that it has to project."""
+    from tline.solver.simulate import UnresolvedWarning, simulate
+
+    slab = 1 / (STEPS // order + 0.5)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnresolvedWarning)
+        run = simulate(Scene(**scene.model_dump(by_alias=True) | {"solver": {"order": order, "slab": slab}}))
+    t = np.arange(int(run.t[-1] * 2 * STEPS)) / (2 * STEPS)
+    return t, run.probes["far"].at(t).u, run.seconds
+
+
+def error_growth(*, quick: bool = False, progress: bool = False) -> dict[str, Curve]:
+    """Run all methods and compare what they leave of the pulse.
+
+    Parameters
+    ----------
+    quick : bool
+        40 transits in place of ten thousand, and no differential equations.
+    progress : bool
+        Show a progress bar on stderr if it takes more than two seconds.
+
+    Returns
+    -------
+    dict of str to Curve
+        By the method's label.
+    """
+    from tqdm import tqdm
+
+    transits = QUICK if quick else TRANSITS
+    scene = light_line(transits)
+    windows = np.unique(np.geomspace(1, transits // 2 - 1, 30).astype(int))
+    curves = {}
+    for label, run in tqdm(methods(quick=quick).items(), disable=not progress, delay=2, unit="method"):
+        t, u, seconds = run(scene)
+        size = round(2 / t[1])
+        with np.errstate(over="ignore", invalid="ignore"):
+            told = [
+                compare(u[m * size : (m + 1) * size], exact(scene, t[m * size : (m + 1) * size]))
+                for m in windows
+                if np.abs(u[m * size : (m + 1) * size]).max() < 1e100
+            ]
+        error, damping, phase, dispersion = np.array(told).T
+        curves[label] = Curve(2.0 * windows[: len(told)], error, damping, phase, dispersion, seconds)
+    return curves
+
+
+def save(curves: dict[str, Curve], path: str | Path) -> None:
+    """Write all numbers as CSV."""
+    from tline.solver.atomic import replacing
+
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["method", "transits", *KINDS])
+        for label, curve in curves.items():
+            for k, transits in enumerate(curve.transits):
+                writer.writerow([label, int(transits), *(repr(float(getattr(curve, kind)[k])) for kind in KINDS)])
+
+
+@styled
+def draw(curves: dict[str, Curve]) -> Figure:
+    """Four panels over the number of transits, logarithmic."""
+    picture = figure(10.0, 8.6, f"A pulse on a lightly damped line, {STEPS} steps per transit")
+    panels = picture.subplots(2, 2, sharex=True, sharey=True)
+    own = [label for label in curves if label.startswith("slabs, s")]
+    others = [label for label in curves if label not in own]
+    looks = {label: {"color": OURS[k], "linewidth": 2.6} for k, label in enumerate(own)} | {
+        label: {"color": COLOURS[k % 7], "linestyle": DASHES[k // 7 + 1], "linewidth": 1.4}
+        for k, label in enumerate(others)
+    }
+    for axes, kind in zip(panels.flat, KINDS, strict=True):
+        for label, look in looks.items():
+            size = np.clip(np.abs(getattr(curves[label], kind)), LOWEST, HIGHEST)
+            axes.loglog(curves[label].transits, size, label=label, **look)
+        axes.set_title(ABOUT[kind], loc="left")
+        axes.set_ylim(LOWEST, HIGHEST)
+        axes.grid(True, which="major")
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(LogLocator(numticks=9))
+            axis.set_minor_locator(NullLocator())
+            axis.set_major_formatter(lambda value, _: "10" + str(round(np.log10(value))).translate(RAISED))
+    for axes in panels[1]:
+        axes.set_xlabel("transits")
+    picture.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=9)
+    return picture
+
+
+def generate(folder: str | Path) -> None:
+    """Write growth.png and growth.csv to a folder."""
+    curves = error_growth(progress=True)
+    save(curves, Path(folder) / "growth.csv")
+    save_figure(draw(curves), Path(folder) / "growth.png")

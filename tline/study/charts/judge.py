@@ -1,0 +1,113 @@
+"""How wrong a run is, against the exact solution."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from tline.scene.scene import Scene
+from tline.solver.with_losses import is_lossy
+from tline.study.charts.clock import Traces
+from tline.study.reference import Solution
+from tline.study.reference.friction import FrictionSolution
+from tline.study.reference.lossy_scene import LossySolution
+
+DIGITS, DIGITS_BETWEEN = 18, 15
+SEED = 0
+DEGREE = 16  # between fronts
+
+
+class Closed:
+    """An exact solution as it is."""
+
+    def __init__(self, scene: Scene, probe: str):
+        self._solution = Solution(scene, probe)
+        self.fronts = self._solution.fronts
+
+    def efforts(self, t: NDArray) -> NDArray:
+        """At times within the run."""
+        return self._solution.at(t.tolist(), DIGITS).efforts
+
+
+class Interpolated:
+    """An exact solution that is slow, by a polynomial between any two fronts: there it is analytic."""
+
+    def __init__(self, scene: Scene, probe: str):
+        solution, t_end = LossySolution(scene, probe), scene.t_end
+        self.fronts = solution.fronts
+        self._edges = np.unique([0.0, *self.fronts[(self.fronts > 0) & (self.fronts < t_end)], t_end])
+        nodes = chebyshev.chebpts1(DEGREE + 1)
+        low, width = self._edges[:-1], np.diff(self._edges)
+        t = low[:, None] + (nodes + 1) / 2 * width[:, None]
+        u = np.array(solution.at(t.ravel().tolist(), DIGITS_BETWEEN).u, float).reshape(t.shape)
+        self._series = chebyshev.chebfit(nodes, u.T, DEGREE)
+
+    def efforts(self, t: NDArray) -> NDArray:
+        """At times within the run."""
+        k = np.clip(np.searchsorted(self._edges, t) - 1, 0, len(self._edges) - 2)
+        x = 2 * (t - self._edges[k]) / np.diff(self._edges)[k] - 1
+        return chebyshev.chebval(x, self._series[:, k], tensor=False)
+
+
+class Stepped:
+    """What stands for an exact solution where none is known."""
+
+    def __init__(self, solution: FrictionSolution, probe: str):
+        self._solution, self._probe = solution, probe
+        self.fronts, self.error = solution.fronts[probe], solution.error
+
+    def efforts(self, t: NDArray) -> NDArray:
+        """At times within the run."""
+        return self._solution.at(self._probe, t)
+
+
+class Judge:
+    """Errors of efforts on a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    instants : int
+        How many times are drawn at random, the same for all runs; a run is compared at its own instants next to them.
+        Errors are largest behind fronts: a tenth as many fronts are followed by instants at distances from the shortest
+        delay down to a 2^14th of it.
+    """
+
+    def __init__(self, scene: Scene, instants: int):
+        self.scene = scene
+        self.solutions = _solutions(scene)
+        shortest = min(line.parameters.delay or 0.0 for line in scene.lines.values())
+        behind = np.append(0.0, shortest * 0.5 ** np.arange(15))
+        anywhere = np.random.default_rng(SEED).uniform(0, scene.t_end, instants)
+        self.times = {
+            probe: np.append(anywhere, solution.fronts[: instants // 10, None] + behind)
+            for probe, solution in self.solutions.items()
+        }
+        self.amplitude = max(np.abs(self._exact(probe, anywhere)).max() for probe in scene.probes)
+        self.own = max(getattr(solution, "error", 0.0) for solution in self.solutions.values()) / self.amplitude
+
+    def _exact(self, probe: str, t: NDArray) -> NDArray:
+        return self.solutions[probe].efforts(t)
+
+    def errors(self, t: NDArray, u: Traces) -> tuple[float, float]:
+        """Largest and root mean square error, relative to the largest effort."""
+        wrong = []
+        for probe, wanted in self.times.items():
+            k = np.unique(np.searchsorted(t, wanted))
+            k = k[(k > 0) & (k < len(t))]
+            k = k[t[k] <= self.scene.t_end]
+            wrong.append(u[probe][k] - self._exact(probe, t[k]))
+        relative = np.concatenate(wrong) / self.amplitude
+        relative = np.where(np.isfinite(relative), relative, np.inf)
+        with np.errstate(over="ignore"):
+            return float(np.abs(relative).max()), float(np.sqrt(np.mean(relative**2)))
+
+
+def _solutions(scene: Scene) -> Mapping[str, Closed | Interpolated | Stepped]:
+    """By probe: what is exact, or stands for it."""
+    if all(line.losses is None or line.losses.linear for line in scene.single_lines.values()):
+        solve = Interpolated if is_lossy(scene) else Closed
+        return {probe: solve(scene, probe) for probe in scene.probes}
+    solution = FrictionSolution(scene)
+    return {probe: Stepped(solution, probe) for probe in scene.probes}

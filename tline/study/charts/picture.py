@@ -1,0 +1,84 @@
+"""Work-precision tables as pictures: run time to the right, error downwards, so that better is lower left."""
+
+import textwrap
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
+
+from tline.pictures.style import COLOURS, DASHES, FAINT, INK, figure, styled
+from tline.study.charts.table import Row, Table
+
+LOWEST, HIGHEST = 1e-16, 10.0  # errors; what blows up or is exact stands at the edge
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+MARKS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p", "h", "*")
+OURS = ("#9ECAE1", "#6BAED6", "#4292C6", "#08519C", "#08306B")  # one hue, darker with the order
+
+
+@styled
+def draw(table: Table) -> Figure:
+    """Error against run time, one curve for each method; both axes logarithmic.
+
+    Parameters
+    ----------
+    table : Table
+        From `work_precision` or `peers`.
+    """
+    from tline.study.baseline import BASELINES
+
+    picture = figure(9.0, 5.6, table.title)
+    axes = picture.subplots()
+    ranks = {method.label: k for k, method in enumerate(BASELINES.values())}  # the same look in all charts
+    for method, rows in table.curves():
+        kind = rows[0].kind
+        x, y = [row.seconds for row in rows], [_shown(row.error) for row in rows]
+        if kind == "tolerance":
+            _tolerances(axes, rows)
+            continue
+        others = [name for name, curve in table.curves() if curve[0].kind == kind]
+        axes.plot(x, y, label=method, **_look(kind, ranks.get(method, others.index(method))))
+    axes.set(xscale="log", yscale="log", xlabel="time stepping [s]", ylabel="largest error / largest effort")
+    axes.set_ylim(LOWEST, HIGHEST)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(numticks=20))
+        axis.set_minor_locator(NullLocator())
+        axis.set_major_formatter(_power)
+    axes.grid(True, which="major")
+    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8.5, borderaxespad=0)
+    notes = [textwrap.fill(note, 120) for note in table.notes if not note.startswith("absent")]
+    picture.supxlabel("\n".join(notes), x=0.02, ha="left", fontsize=8.5, color=INK)
+    return picture
+
+
+def _power(value: float, _: float) -> str:
+    return "10" + str(round(np.log10(value))).translate(RAISED)
+
+
+def _shown(error: float) -> float:
+    return min(max(error, LOWEST), HIGHEST)
+
+
+def _look(kind: str, rank: int) -> dict[str, Any]:
+    if kind == "ours":
+        return {"color": OURS[rank], "linewidth": 2.2, "marker": "o", "markersize": 4}
+    colours = COLOURS[1:]
+    return {
+        "color": colours[rank % len(colours)],
+        "linestyle": DASHES[1:][rank % 3] if kind == "baseline" else "-",
+        "linewidth": 1.2,
+        "marker": MARKS[1:][rank % (len(MARKS) - 1)],
+        "markersize": 4.5,
+        "markerfacecolor": "white" if kind == "baseline" else None,
+    }
+
+
+def _tolerances(axes: Any, rows: list[Row]) -> None:
+    """What was true as filled stars, what was estimated as hollow ones, what was asked as dashes between them."""
+    x = [row.seconds for row in rows]
+    axes.plot(x, [_shown(r.error) for r in rows], color=INK, marker="*", markersize=9, label="to a tolerance: true")
+    look = {"color": INK, "linestyle": "none", "markersize": 9}
+    axes.plot(x, [_shown(r.estimated) for r in rows], marker="*", markerfacecolor="white", **look, label="… estimated")
+    axes.plot(x, [r.asked for r in rows], marker="_", **look, markeredgewidth=1.5, label="… asked")
+    for row in rows:
+        axes.plot([row.seconds] * 2, [_shown(row.error), row.asked], color=FAINT, linewidth=0.6)

@@ -1,0 +1,83 @@
+"""What a chart is drawn from: one row per run, written as CSV with the figures in full."""
+
+import csv
+from collections.abc import Iterator
+from dataclasses import astuple, dataclass, field, fields
+from itertools import groupby
+from math import inf
+from pathlib import Path
+
+from tline.solver.atomic import replacing
+
+
+@dataclass(frozen=True)
+class Row:
+    """One method at one refinement.
+
+    Attributes
+    ----------
+    method : str
+        Label of the curve.
+    kind : str
+        "ours", "tolerance", "baseline" or "peer".
+    setting : str
+        What was refined, such as "8 slabs per shortest delay".
+    error : float
+        Largest error of the efforts at the instants compared, relative to the largest effort.
+    rms : float
+        Root of the mean square of the same errors.
+    seconds : float
+        Median time of stepping alone (peers: as `peers` says).
+    first : float
+        Time of the same run as a user meets it, compiled code at hand: reading the scene's arrays included.
+    asked, estimated : float
+        For a run to a tolerance: what was asked, and what the solver thinks it reached; else infinite.
+    """
+
+    method: str
+    kind: str
+    setting: str
+    error: float
+    rms: float
+    seconds: float
+    first: float
+    asked: float = inf
+    estimated: float = inf
+
+
+@dataclass
+class Table:
+    """The rows of one chart.
+
+    Attributes
+    ----------
+    name, title : str
+        Of the scene.
+    rows : list of Row
+    notes : list of str
+        What is absent and why, and what stands beside the clock.
+    """
+
+    name: str
+    title: str
+    rows: list[Row] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def curves(self) -> Iterator[tuple[str, list[Row]]]:
+        """Methods and their rows, in the order in which they were measured."""
+        for method, rows in groupby(self.rows, key=lambda row: row.method):
+            yield method, list(rows)
+
+    def save(self, path: str | Path) -> None:
+        """Write as CSV; the notes are comments before the heading.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written.
+        """
+        with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+            file.writelines(f"# {line}\n" for line in (self.title, *self.notes))
+            writer = csv.writer(file)
+            writer.writerow(column.name for column in fields(Row))
+            writer.writerows(astuple(row) for row in self.rows)

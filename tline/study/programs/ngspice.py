@@ -1,0 +1,109 @@
+"""A scene in ngspice: T and O elements, sources of straight pieces, the largest step refined."""
+
+import re
+import shutil
+import subprocess
+import tempfile
+import time
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.interchange.spice_text import spice_text
+from tline.scene.scene import Scene
+from tline.scene.waveform import Shape
+from tline.study.charts.clock import Run
+from tline.study.reference.network import decimal
+from tline.study.reference.waveforms import level, straight
+
+HALF_TICK = 5e-4  # s; ngspice counts time in milliseconds
+PATIENCE = 60.0  # s, after which it is stopped
+
+
+def incompatibility(scene: Scene) -> str | None:
+    """Why it cannot do a scene; None if it can."""
+    if shutil.which("ngspice") is None:
+        return "not installed: apt install ngspice"
+    if scene.medium != "electrical":
+        return "for cables only"
+    return incompatible_sources(scene)
+
+
+def incompatible_sources(scene: Scene) -> str | None:
+    """Why PWL sources cannot drive a scene; None if they can."""
+    if any(corners(source.value, scene.t_end) is None for source in scene.sources.values()):
+        return "a PWL source neither jumps nor curves"
+    return None
+
+
+def corners(waveform: Shape, t_end: float) -> list[tuple[float, float]] | None:
+    """Corners of a waveform of straight pieces without jumps, and its points at the start and the end."""
+    pieces, end = straight(waveform, decimal(t_end)), decimal(t_end)
+    if pieces is None:
+        return None
+    instants = [start for start, *_ in pieces if start is not None and 0 < start < end]
+    after = [first for start, first, _ in pieces if start is not None and 0 < start < end]
+    if any(level(pieces, t) != first for t, first in zip(instants, after, strict=True)):
+        return None
+    return [(0.0, float(level(pieces, Fraction(0)))), *((float(t), float(level(pieces, t))) for t in (*instants, end))]
+
+
+def netlist(scene: Scene, longest: float) -> str:
+    """The scene in SPICE, its steps no longer than so many seconds.
+
+    Examples
+    --------
+    >>> from tline.study.charts.scenes import chart_scene
+    >>> netlist(chart_scene("rc").scene, 1e-12).splitlines()[1]
+    'Tline near 0 far 0 Z0=50.0 TD=1e-09'
+    """
+    cards, tran, end = spice_text(scene, step=longest).rpartition("\n.tran")
+    return f"{cards}\n.options acct{tran}{end}"
+
+
+def run(scene: Scene, n: int) -> Run:
+    """A run with steps no longer than an n-th of the shortest delay.
+
+    Raises
+    ------
+    InputError
+        It fails, or takes too long.
+    """
+    shortest = min(float(line.parameters.delay or 0) for line in scene.lines.values())
+    columns, seconds, first = transient(netlist(scene, shortest / n))
+    u = {name: columns[f"v({str(probe.at).lower()})"] for name, probe in scene.probes.items()}
+    return Run(columns["time"], u, max(seconds, HALF_TICK), first)
+
+
+def transient(text: str) -> tuple[dict[str, NDArray], float, float]:
+    """What a netlist with ``.options acct`` saves by name, and the seconds of its transient analysis and of all.
+
+    Raises
+    ------
+    InputError
+        It fails, or takes too long.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        deck, raw = Path(folder, "scene.cir"), Path(folder, "scene.raw")
+        deck.write_text(text, encoding="utf-8")
+        begun = time.perf_counter()
+        call = ["ngspice", "-b", "-r", str(raw), str(deck)]
+        try:
+            said = subprocess.run(call, capture_output=True, text=True, timeout=PATIENCE, check=False).stdout
+        except subprocess.TimeoutExpired:
+            raise InputError("ngspice", f"not done within {PATIENCE:g} s") from None
+        first = time.perf_counter() - begun
+        figure = re.search(r"Transient analysis time = ([0-9.]+)", said)
+        if figure is None or not raw.exists():
+            raise InputError("ngspice", "gave no result")
+        return columns_of(raw.read_bytes()), float(figure[1]), first
+
+
+def columns_of(content: bytes) -> dict[str, NDArray]:
+    """Variables of a binary raw file by name."""
+    head, data = content.split(b"Binary:\n", 1)
+    names = re.findall(r"^\t\d+\t(\S+)\t", head.decode(), re.MULTILINE)
+    return dict(zip(names, np.frombuffer(data).reshape(-1, len(names)).T, strict=True))

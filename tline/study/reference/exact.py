@@ -1,0 +1,197 @@
+"""Effort and flow of a linear scene, exact to any number of digits."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from decimal import Decimal, localcontext
+from fractions import Fraction
+from math import ceil, log2
+from typing import Any
+
+import numpy as np
+from flint import arb, ctx
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.load import Switch
+from tline.scene.scene import Scene
+from tline.study.reference.lattice import instant, lattice
+from tline.study.reference.motion import rational
+from tline.study.reference.network import Network, decimal
+from tline.study.reference.rays import Begun, arrivals, sampled
+
+FEW_BITS, MOST_BITS = 64, 20_000
+MOST_DIGITS = 1_000
+SPARE = 15  # digits carried beyond those that are asked
+
+
+@dataclass(frozen=True)
+class Exact:
+    """What a probe sees.
+
+    Parameters
+    ----------
+    u, y : tuple of Decimal
+        Effort and flow, Pa and m³/s or V and A.
+    """
+
+    u: tuple[Decimal, ...]
+    y: tuple[Decimal, ...]
+
+    @property
+    def efforts(self) -> NDArray:
+        """The efforts as floats, rounded once."""
+        return np.array(self.u, float)
+
+    @property
+    def flows(self) -> NDArray:
+        """The flows as floats, rounded once."""
+        return np.array(self.y, float)
+
+
+class Solution:
+    """Exact solution at a probe of a scene that starts at rest, by its rays; with switches, by its lattice.
+
+    Rays are computed in ball arithmetic: every number comes with a bound of its error, and the working precision is
+    doubled until the bounds are below what is asked.
+
+    Parameters
+    ----------
+    scene : Scene
+        Lossless lines, linear loads, sources of straight, exponential or sine pieces. Floats in it count as the
+        shortest decimals that they are.
+    probe : str
+        Name of a probe.
+
+    Raises
+    ------
+    InputError
+        Naming what of the scene has no exact solution here.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="electrical", t_end=9, probes={"far": {"at": "far"}},
+    ...     lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
+    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 3}},
+    ... )
+    >>> solution = Solution(scene, "far")
+    >>> solution.fronts.tolist(), solution.at([2, 4, 6]).efforts.tolist()
+    ([1.0, 3.0, 5.0, 7.0], [0.5, 0.75, 0.875])
+    """
+
+    def __init__(self, scene: Scene, probe: str):
+        if scene.start != "rest":
+            raise InputError("start", "exact solutions start at rest", "'rest'", f"'{scene.start}'")
+        self.network, self.probe = Network(scene), probe
+        self.z0 = self.network.z0[self.network.seen_by(probe)[0]]
+        self._switched = any(isinstance(load, Switch) for load in scene.loads.values())
+        self._arrivals: dict[int, tuple[Begun, Begun]] = {}
+
+    @property
+    def fronts(self) -> NDArray:
+        """Instants at which jumps or corners of the sources pass the probe, on any way, in order, s.
+
+        Raises
+        ------
+        InputError
+            There are switches: what they send out is not looked for.
+        """
+        if self._switched:
+            raise InputError("loads", "the fronts that switches send out are not known", "a scene without switches")
+        return np.array(sorted({instant for wave in self._arriving(FEW_BITS) for instant, _ in wave}), float)
+
+    def at(self, times: Iterable[Any], digits: int = 20) -> Exact:
+        """What the probe sees; for arguments see `exact`."""
+        instants = [instant(t) for t in times]
+        self._check(instants, digits)
+        if self._switched:
+            found = lattice(self.network.scene, instants, self.probe)
+            u, y = ([_divided(v, digits) for v in values] for values in found)
+        else:
+            order = sorted(set(instants))
+            u, y = (dict(zip(order, values, strict=True)) for values in self._decimals(order, digits))
+            u, y = [u[t] for t in instants], [y[t] for t in instants]
+        z0 = _divided(self.z0, digits)
+        largest = max(map(abs, [*u, *(z0 * v for v in y)]))
+        return Exact(_rounded(u, largest, digits), _rounded(y, largest / z0, digits))
+
+    def _check(self, instants: list[Fraction], digits: int) -> None:
+        if not 1 <= digits <= MOST_DIGITS:
+            raise InputError("digits", "not in range", f"1 to {MOST_DIGITS}", f"{digits}")
+        if not instants:
+            raise InputError("times", "there are none", "at least one instant")
+        end = decimal(self.network.scene.t_end)
+        for t in (min(instants), max(instants)):
+            if not 0 <= t <= end:
+                raise InputError("times", "not in the run", f"0 to {float(end):g} s", f"{float(t):g} s")
+
+    def _arriving(self, bits: int) -> tuple[Begun, Begun]:
+        if bits not in self._arrivals:
+            with ctx.workprec(bits):
+                self._arrivals[bits] = arrivals(self.network, self.probe, decimal(self.network.scene.t_end))
+        return self._arrivals[bits]
+
+    def _decimals(self, order: list[Fraction], digits: int) -> tuple[list[Decimal], ...]:
+        bits = ceil(digits * log2(10)) + FEW_BITS
+        while bits <= MOST_BITS:
+            begun = self._arriving(bits)
+            with ctx.workprec(bits):
+                a, b = (sampled(wave, order) for wave in begun)
+                u = [(p + q) / 2 for p, q in zip(a, b, strict=True)]
+                y = [(p - q) / (2 * rational(self.z0)) for p, q in zip(a, b, strict=True)]
+                if _sharp([*a, *b], arb(10) ** -(digits + 1)):
+                    both = (u, y)
+                    return tuple([Decimal(v.mid().str(digits + SPARE, radius=False)) for v in each] for each in both)
+            bits *= 2
+        raise InputError("digits", f"cannot be had with {MOST_BITS} bits", "fewer", f"{digits}")
+
+
+def exact(scene: Scene, times: Iterable[Any], probe: str, digits: int = 20) -> Exact:
+    """Exact solution of a scene, once; `Solution` says of which scenes and how.
+
+    Parameters
+    ----------
+    scene : Scene
+    times : iterable of float, Fraction, int or str
+        Instants, s, from 0 to the scene's end, in any order. At a jump the value is that before it.
+    probe : str
+        Name of a probe.
+    digits : int
+        From 1 to 1000: errors of u and z0 y are below 10^-digits of the largest of them at these times.
+
+    Raises
+    ------
+    InputError
+        Naming what of the scene has no exact solution here; or a bad argument.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="electrical", t_end=9, probes={"far": {"at": "far"}},
+    ...     lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
+    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 1}},
+    ...     loads={"c": {"at": "far", "kind": "parallel", "capacitance": 1}},
+    ... )
+    >>> print(exact(scene, [2], "far", digits=30).u[0])  # 1 - 1/e
+    0.6321205588285576784044762298385
+    """
+    return Solution(scene, probe).at(times, digits)
+
+
+def _sharp(values: list[Any], share: Any) -> bool:
+    """Whether all bounds are below that share of the largest value."""
+    largest = max(abs(v.mid()) for v in values)
+    return all(v.is_finite() and v.rad() <= largest * share for v in values)
+
+
+def _divided(value: Fraction, digits: int) -> Decimal:
+    with localcontext() as context:
+        context.prec = digits + SPARE
+        return Decimal(value.numerator) / Decimal(value.denominator)
+
+
+def _rounded(values: list[Decimal], largest: Decimal, digits: int) -> tuple[Decimal, ...]:
+    """To what is known: so many digits of the largest."""
+    with localcontext() as context:
+        context.prec = digits + SPARE
+        return tuple(v.quantize(Decimal(1).scaleb(largest.adjusted() - digits)) if largest else v for v in values)

@@ -1,0 +1,148 @@
+"""Waves of a linear scene as rays: each left its source once and is scattered at every node it comes to.
+
+A ray that has passed lines of delays T1, T2, ... is exp(-s (T1 + T2 + ...)) times a rational function of s; the delay
+is kept as a fraction and the function as partial fractions, so that each ray in time is a closed form that begins at an
+exact instant (L. V. Bewley, Traveling Waves on Transmission Systems, 2nd ed., Wiley 1951, chapter 4).
+"""
+
+import heapq
+from collections import defaultdict
+from collections.abc import Iterable
+from fractions import Fraction
+
+from flint import acb, arb, fmpq, fmpq_poly
+
+from tline.errors import InputError
+from tline.study.reference.motion import Motion, Pole, Ray, rational, roots
+from tline.study.reference.network import Junction, Network
+from tline.study.reference.waveforms import starts
+
+MOST_ARRIVALS = 200_000  # of rays at nodes
+
+Begun = list[tuple[Fraction, Motion]]  # motions and the instants at which they begin
+
+
+class Scatterer:
+    """A junction in s: effort u = F (sum of w/z0 + J), with F = 1/(Y + 1/Z); 2u - w leaves each end."""
+
+    def __init__(self, name: str, junction: Junction, z0: list[Fraction]):
+        self.held, self.ends = junction.held, junction.ends
+        self.admittance = {end: rational(1 / z0[end // 2]) for end in junction.ends}
+        self.zeros: list[Pole] = []
+        self.poles: list[Pole] = []
+        self.gain = fmpq(0)
+        if junction.held:
+            return
+        p, q = fmpq_poly([1]), fmpq_poly([0])
+        if junction.load is not None:
+            p, q = (
+                fmpq_poly([rational(c) for c in reversed(side)])
+                for side in (junction.load.numerator, junction.load.denominator)
+            )
+        f = p * rational(junction.conductance) + q
+        if f.degree() < p.degree():
+            raise InputError(f"node '{name}'", "its loads cancel the conductance of the lines: no wave is defined")
+        self.gain = p.leading_coefficient() / f.leading_coefficient()
+        self.zeros, self.poles = roots(p), roots(f)
+
+    def effort(self, flow: Ray) -> Ray:
+        """Effort that a flow into the junction brings about."""
+        return flow.through(self.gain, self.zeros, self.poles)
+
+    def scattered(self, arriving: dict[int, Ray]) -> Iterable[tuple[int, Ray]]:
+        """What leaves each end when these waves arrive."""
+        if self.held or self.poles:
+            u = Ray() if self.held else self.effort(_sum(w * self.admittance[end] for end, w in arriving.items()))
+            return [(end, u * fmpq(2) + arriving.get(end, Ray()) * fmpq(-1)) for end in self.ends]
+        share = {end: 2 * self.gain * y for end, y in self.admittance.items()}
+        out = {end: _sum(w * (share[e] - (e == end)) for e, w in arriving.items()) for end in self.ends}
+        return out.items()
+
+
+def _sum(rays: Iterable[Ray]) -> Ray:
+    total = Ray()
+    for ray in rays:
+        total = total + ray
+    return total
+
+
+def rays(
+    network: Network, scatterers: dict[str, Scatterer], node: str, until: Fraction, line: int
+) -> tuple[dict[Fraction, Ray], dict[Fraction, Ray]]:
+    """Waves that leave ends 1 and 2 of a line after a unit impulse at a node, by the delay that they have behind them.
+
+    The impulse is one of effort where that is held, else of flow.
+
+    Raises
+    ------
+    InputError
+        There are too many.
+    """
+    first = scatterers[node]
+    u = Ray(acb(1)) if first.held else first.effort(Ray(acb(1)))
+    leaving: dict[int, dict[Fraction, Ray]] = {2 * line: {}, 2 * line + 1: {}}
+    under_way: dict[tuple[Fraction, str], dict[int, Ray]] = defaultdict(dict)
+    queue: list[tuple[Fraction, str]] = []
+
+    def send(now: Fraction, end: int, wave: Ray) -> None:
+        if wave.silent:
+            return
+        if end in leaving:
+            leaving[end][now] = leaving[end][now] + wave if now in leaving[end] else wave
+        key = now + network.delay[end // 2], network.node[end ^ 1]
+        if key[0] > until:
+            return
+        if key not in under_way:
+            heapq.heappush(queue, key)
+        under_way[key][end ^ 1] = wave
+
+    for end in first.ends:
+        send(Fraction(0), end, u * fmpq(2))
+    for _ in range(MOST_ARRIVALS):
+        if not queue:
+            return leaving[2 * line], leaving[2 * line + 1]
+        now, at = key = heapq.heappop(queue)
+        for end, wave in scatterers[at].scattered(under_way.pop(key)):
+            send(now, end, wave)
+    raise InputError("scene", "too many reflections for an exact solution", f"at most {MOST_ARRIVALS:,}")
+
+
+def arrivals(network: Network, probe: str, until: Fraction) -> tuple[Begun, Begun]:
+    """What waves a and b at a probe are made of: motions, and the instants before `until` at which they begin."""
+    line, share = network.seen_by(probe)
+    delay = network.delay[line]
+    scatterers = {name: Scatterer(name, each, network.z0) for name, each in network.junctions.items()}
+    begun: tuple[Begun, Begun] = [], []
+    for node, junction in network.junctions.items():
+        if not junction.drives:
+            continue
+        sides = rays(network, scatterers, node, until, line)
+        started = [
+            (at, motion * rational(factor))
+            for shape, factor in junction.drives
+            for at, motion in starts(shape, until, f"node '{node}'")
+        ]
+        if len(started) * sum(map(len, sides)) > MOST_ARRIVALS:
+            problem = f"{len(started):,} corners times {sum(map(len, sides)):,} reflections are too many"
+            raise InputError(f"node '{node}'", problem, f"at most {MOST_ARRIVALS:,}")
+        for wave, side, way in zip(begun, sides, (share * delay, (1 - share) * delay), strict=True):
+            wave += [
+                (at + passed + way, ray.driven(motion))
+                for passed, ray in side.items()
+                for at, motion in started
+                if at + passed + way < until
+            ]
+    return begun
+
+
+def sampled(begun: Begun, times: list[Fraction]) -> list[arb]:
+    """Sum of the motions that have begun, at instants in order of time; at a jump the value before it."""
+    order, values = iter(sorted(begun, key=lambda each: each[0])), []
+    now, carried = Fraction(0), Motion()
+    following = next(order, None)
+    for t in times:
+        while following is not None and following[0] < t:
+            carried = carried.shifted(following[0] - now) + following[1]
+            now, following = following[0], next(order, None)
+        values.append(carried.at(t - now))
+    return values
