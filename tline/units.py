@@ -7,6 +7,10 @@ Grammar: a number, then units joined by ``*``, ``·``, ``×``, ``/`` or a space,
 (``m^3``, ``m**3``, ``m³``), and parentheses. Products and quotients are read strictly from left to right and
 a space multiplies, so ``1 m / s m`` is (m/s)·m; the other one is ``1 m/(s m)``. A number without a unit is
 SI. Values stay exact fractions until the end, so the result is the float nearest to what was typed.
+
+Angles and cycles are plain numbers in SI, so rad/s and Hz have one dimension and yet differ by 2π. A unit therefore
+counts its angles and cycles beside its dimension; where the one is given and the other expected it is converted:
+``"1 rad/s"`` is 0.159 Hz, ``"1 Hz"`` is 6.28 rad/s. ``1/s`` says neither and is what is expected.
 """
 
 import math
@@ -17,9 +21,11 @@ from functools import lru_cache
 
 from tline.errors import InputError
 
-Dimension = tuple[int, ...]  # exponents of kg, m, s, A, K
+Dimension = tuple[int, ...]  # exponents of kg, m, s, A, K, angle, cycle
 Factor = tuple[Fraction, Dimension]
 NONE = (0, 0, 0, 0, 0)
+ANGLES, CYCLES = {"rad", "deg", "°"}, {"Hz"}
+TURN = 2 * Fraction(math.pi)
 LONGEST, LARGEST_POWER, LARGEST_BITS = 200, 12, 4000  # a text beyond these is no quantity
 CELSIUS, CELSIUS_ZERO = {"degC", "°C", "℃"}, Fraction("273.15")
 PREFIXES = {"f": -15, "p": -12, "n": -9, "u": -6, "µ": -6, "m": -3, "c": -2, "d": -1}
@@ -33,6 +39,7 @@ PREFIXABLE: dict[str, Factor] = {
     "A": (Fraction(1), (0, 0, 0, 1, 0)),
     "K": (Fraction(1), (0, 0, 0, 0, 1)),
     "Hz": (Fraction(1), (0, 0, -1, 0, 0)),
+    "rad": (Fraction(1), NONE),
     "N": (Fraction(1), (1, 1, -2, 0, 0)),
     "Nm": (Fraction(1), (1, 2, -2, 0, 0)),  # a torque as everyone writes it
     "Pa": (Fraction(1), (1, -1, -2, 0, 0)),
@@ -66,7 +73,6 @@ PLAIN: dict[str, Factor] = {
     "mH2O": (Fraction("9806.65"), (1, -1, -2, 0, 0)),
     "cP": (Fraction(1, 1000), (1, -1, -1, 0, 0)),
     "cSt": (Fraction(1, 1_000_000), (0, 2, -1, 0, 0)),
-    "rad": (Fraction(1), NONE),
     "deg": (Fraction(math.pi) / 180, NONE),
     "°": (Fraction(math.pi) / 180, NONE),
     "%": (Fraction(1, 100), NONE),
@@ -107,8 +113,8 @@ def to_si(value: float | str, unit: str | None, where: str = "", *, allow_infini
 
     Examples
     --------
-    >>> to_si("10 cm", "m"), to_si("20 degC", "K"), to_si(1500, "m/s")
-    (0.1, 293.15, 1500.0)
+    >>> to_si("10 cm", "m"), to_si("20 degC", "K"), to_si(1500, "m/s"), to_si("90 deg/s", "Hz")
+    (0.1, 293.15, 1500.0, 0.25)
     """
     if isinstance(value, str):
         try:
@@ -173,13 +179,18 @@ def _text_to_si(text: str, unit: str | None) -> float:
         raise InputError("", "there is no number in front", _expected(unit), _shown(text))
     units = clean[number.end() :].strip()
     celsius = units in CELSIUS
-    scale, dimension = _parse("K" if celsius else units)
-    if units and unit is not None and dimension != _parse(unit)[1]:
+    scale, (*dimension, angles, cycles) = _parse("K" if celsius else units)
+    *wanted, per_angle, per_cycle = _parse(unit or "")[1]
+    if units and unit is not None and dimension != wanted:
         raise InputError("", _mistaken(units, unit), _expected(unit), _shown(text))
     rough = float(number[0])
     if not math.isfinite(rough):
         return rough
     exact = Fraction(number[0]) if rough else Fraction(0)
+    turns = -angles if per_cycle and not cycles else cycles if per_angle and not angles else 0
+    if abs(turns) > LARGEST_POWER:
+        raise _too_large(units)
+    scale *= TURN**turns
     return _nearest_float(exact * scale + (CELSIUS_ZERO if celsius else 0))
 
 
@@ -196,7 +207,7 @@ def _parse(text: str) -> Factor:
 
 
 def _product(text: str, groups: dict[str, Factor], whole: str) -> Factor:
-    total, dimension, at = Fraction(1), NONE, 0
+    total, dimension, at = Fraction(1), (*NONE, 0, 0), 0
     while at < len(text):
         factor = _FACTOR.match(text, at)
         if not factor or (at == 0 and factor["sign"] not in ("", "/")):
@@ -206,7 +217,7 @@ def _product(text: str, groups: dict[str, Factor], whole: str) -> Factor:
         power = int((factor["power"] or factor["raised"] or "1").translate(_SUPERSCRIPTS))
         bits = value.numerator.bit_length() + value.denominator.bit_length()
         if abs(power) > LARGEST_POWER or bits > LARGEST_BITS:
-            raise InputError("", "a power in the unit is too large", f"at most {LARGEST_POWER}", _shown(whole))
+            raise _too_large(whole)
         power = -power if factor["sign"] == "/" else power
         total *= value**power
         dimension = tuple(d + power * e for d, e in zip(dimension, exponents, strict=True))
@@ -214,11 +225,15 @@ def _product(text: str, groups: dict[str, Factor], whole: str) -> Factor:
     return total, dimension
 
 
+def _too_large(unit: str) -> InputError:
+    return InputError("", "a power in the unit is too large", f"at most {LARGEST_POWER}", _shown(unit))
+
+
 def _unit(name: str) -> Factor:
     if found := PREFIXABLE.get(name) or PLAIN.get(name):
-        return found
+        return found[0], (*found[1], int(name in ANGLES), int(name in CYCLES))
     if name[0] in PREFIXES and name[1:] in PREFIXABLE:
-        value, dimension = PREFIXABLE[name[1:]]
+        value, dimension = _unit(name[1:])
         return value * Fraction(10) ** PREFIXES[name[0]], dimension
     raise InputError("", f"unknown unit {_shown(name)}", _suggestion(name))
 
@@ -260,12 +275,12 @@ def _expected(unit: str | None) -> str:
     """How a quantity of this unit is written."""
     if unit is None:
         return "a number with a unit"
-    dimension = _parse(unit)[1]
+    dimension = _parse(unit)[1][:5]
     if dimension == NONE:
         return "a plain number such as '0.5'"
     if unit == "K":
         return "a temperature such as '20 degC' or '300 K'"
-    kind = next((kind for key, kind in KINDS.items() if _parse(key)[1] == dimension), "a quantity")
+    kind = next((kind for key, kind in KINDS.items() if _parse(key)[1][:5] == dimension), "a quantity")
     return f"{kind} such as '1 {unit}'"
 
 

@@ -71,7 +71,7 @@ def test_answers(command, words):
         ("bode --belt-stiffness 'inf N/m'", "--belt-stiffness: not a finite number"),
         ("bode --output speed", "--output: unknown name, expected x_k or tension"),
         ("bode --from '10 rad/s' --to '1 rad/s'", "--from: no range"),
-        ("bode --to '3 Hz'", "--to: a frequency, not an angular one"),
+        ("bode --to '3 m'", "--to: this unit measures something else, expected a frequency such as '1 rad/s'"),
         ("bode --plot out.gif", "--plot: unknown kind of file"),
         ("bode --csv out.txt", "--csv: unknown kind of file"),
         ("bode --csv nowhere/out.csv", "nowhere/out.csv: cannot be written"),

@@ -150,3 +150,11 @@ def test_every_example_of_the_help_runs() -> None:
 
 def test_every_option_has_a_help_text() -> None:
     assert all(option.help for option in command.params if isinstance(option, click.Option))
+
+
+def test_angular_frequencies_are_converted() -> None:
+    hertz, angular = (
+        json.loads(run(f'cable.toml --from "{low}" --to "{high}" --points 3 --json').stdout)
+        for low, high in (("1 MHz", "1 GHz"), ("6.283185307179586 Mrad/s", "360 deg/ns"))
+    )
+    assert angular == hertz

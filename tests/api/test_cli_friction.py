@@ -137,3 +137,11 @@ def test_public_names_are_documented():
         assert callable(thing) or isinstance(thing, dict)
         if callable(thing):
             assert inspect.getdoc(thing), name
+
+
+def test_angular_frequencies_are_no_frequencies():
+    sines = [
+        json.loads(run(f'run coulomb --sine "0.6 N" --time "0.1 s" --frequency "{frequency}" --json').stdout)
+        for frequency in ("1 Hz", "1", "6.283185307179586 rad/s", "360 deg/s")
+    ]
+    assert sines[1:] == sines[:1] * 3

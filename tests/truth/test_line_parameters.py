@@ -16,7 +16,7 @@ from tline.line.fluids import water
 from tline.units import PLAIN, PREFIXABLE, PREFIXES, to_si
 
 PINT = UnitRegistry()
-BASE = {"kilogram": "kg", "meter": "m", "second": "s", "ampere": "A", "kelvin": "K", "radian": ""}
+BASE = {"kilogram": "kg", "meter": "m", "second": "s", "ampere": "A", "kelvin": "K", "radian": "rad"}
 SYMBOLS = [
     *PREFIXABLE,
     *(symbol for symbol in PLAIN if symbol not in "1%"),

@@ -66,6 +66,47 @@ def test_angles_are_plain_numbers() -> None:
     assert to_si("180°", "rad") == math.pi
 
 
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("1 rad/s", "Hz", 1 / (2 * math.pi)),
+        ("2 krad/s", "Hz", 1e3 / math.pi),
+        ("1e3 rad/s", "Hz", 1e3 / (2 * math.pi)),
+        ("360 deg/s", "Hz", 1.0),
+        ("90°/ms", "Hz", 250.0),
+        ("1 (rad/s)", "Hz", 1 / (2 * math.pi)),
+        ("1 Hz", "rad/s", 2 * math.pi),
+        ("1 kHz", "rad/s", 2000 * math.pi),
+        ("1 1/s", "rad/s", 1.0),
+        ("1 1/s", "Hz", 1.0),
+        ("60 1/min", "Hz", 1.0),
+        ("7", "Hz", 7.0),
+        ("7", "rad/s", 7.0),
+        ("1 N m/Hz", "N m s/rad", 1 / (2 * math.pi)),
+        ("1 rad Hz", "Hz", 1.0),
+        ("1 rad/s", "", None),
+    ],
+)
+def test_angles_and_cycles_are_told_apart(text: str, unit: str, value: float | None) -> None:
+    if value is None:
+        with pytest.raises(InputError):
+            to_si(text, unit)
+    else:
+        assert to_si(text, unit) == pytest.approx(value, rel=1e-15)
+
+
+def test_a_tower_of_angles_is_refused() -> None:
+    with pytest.raises(InputError, match="a power in the unit is too large"):
+        to_si("1 " + "(" * 30 + "rad" + "^12)" * 30 + "/s", "Hz")
+
+
+@given(st.floats(1e-9, 1e9), st.sampled_from(["m", "k", "M", ""]))
+def test_a_frequency_and_its_angular_frequency_are_one(number: float, prefix: str) -> None:
+    hertz = to_si(f"{number!r} {prefix}Hz", "Hz")
+    assert to_si(f"{number!r} {prefix}Hz", "rad/s") == pytest.approx(2 * math.pi * hertz, rel=1e-15)
+    assert to_si(f"{2 * math.pi * hertz!r} rad/s", "Hz") == pytest.approx(hertz, rel=1e-15)
+
+
 def test_quotients_are_read_from_left_to_right_and_a_space_multiplies() -> None:
     assert to_si("1 m / s m", "m^2/s") == 1.0
     assert to_si("1 m/(s m)", "1/s") == 1.0

@@ -99,8 +99,6 @@ def quantity(where: str, given: Any, unit: str) -> float:
         raise InputError(where, "not a text with a unit", example, repr(given)[:40])
     if BARE.fullmatch(given) or (unit == "rad" and not re.search(r"deg|°|rad", given)):
         raise InputError(where, "the unit is missing", example, repr(given)[:40])
-    if unit == "rad/s" and "Hz" in given:
-        raise InputError(where, "a frequency, not an angular one", example, repr(given)[:40])
     return to_si(given, unit, where)
 
 
