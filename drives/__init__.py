@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from drives.animation import animate
     from drives.answers import exercise
-    from drives.control import PI, Design, Margins, alike, decoupled, design, margins, relative_gain_array
+    from drives.control import PI, Bandwidth, Design, Share, alike, decoupled, decoupler, design, relative_gain_array
     from drives.coupled import CoupledDrives
+    from drives.derivation import PulleyCheck, check_pulley, wrong_sign
     from drives.energy import Energy
     from drives.linearise import Artefact, artefact, eigenvalues, forward_difference, literal_jacobian, zero_eigenvalues
     from drives.loop import closed_loop, simulate_control
@@ -20,22 +21,27 @@ if TYPE_CHECKING:
     from drives.resonance import Peak, effective_stiffness, largest_friction_with_peak, peak, undamped_frequency
     from drives.simulation import Run, simulate, steady_state
     from drives.slack import simulate_slack
+    from drives.stability import Margins, margins
     from drives.state_space import StateSpace
     from drives.symbolic import INPUTS, OUTPUTS, UNITS, symbolic_transfer
     from drives.torque import Torque
+    from drives.torque_limit import Reach, reach
     from drives.transfer import TransferFunction
     from tline.errors import InputError
 
 _HOMES = {
     "animation": "animate",
     "loop": "closed_loop simulate_control",
-    "control": "PI Design Margins alike decoupled design margins relative_gain_array",
+    "control": "PI Bandwidth Design Share alike decoupled decoupler design relative_gain_array",
     "coupled": "CoupledDrives",
+    "derivation": "PulleyCheck check_pulley wrong_sign",
     "energy": "Energy",
     "answers": "exercise",
     "linearise": "Artefact artefact eigenvalues forward_difference literal_jacobian zero_eigenvalues",
+    "stability": "Margins margins",
     "modes": "HiddenMode hidden_modes",
     "parts": "Belt Pulley Spool",
+    "torque_limit": "Reach reach",
     "resonance": "Peak effective_stiffness largest_friction_with_peak peak undamped_frequency",
     "picture": "draw_bode draw_closed_loop draw_poles draw_run",
     "simulation": "Run simulate steady_state",
@@ -62,6 +68,7 @@ __all__ = [
     "PI",
     "UNITS",
     "Artefact",
+    "Bandwidth",
     "Belt",
     "CoupledDrives",
     "Design",
@@ -71,7 +78,10 @@ __all__ = [
     "Margins",
     "Peak",
     "Pulley",
+    "PulleyCheck",
+    "Reach",
     "Run",
+    "Share",
     "Spool",
     "StateSpace",
     "Torque",
@@ -79,8 +89,10 @@ __all__ = [
     "alike",
     "animate",
     "artefact",
+    "check_pulley",
     "closed_loop",
     "decoupled",
+    "decoupler",
     "design",
     "draw_bode",
     "draw_closed_loop",
@@ -95,6 +107,7 @@ __all__ = [
     "literal_jacobian",
     "margins",
     "peak",
+    "reach",
     "relative_gain_array",
     "simulate",
     "simulate_control",
@@ -102,5 +115,6 @@ __all__ = [
     "steady_state",
     "symbolic_transfer",
     "undamped_frequency",
+    "wrong_sign",
     "zero_eigenvalues",
 ]

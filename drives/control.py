@@ -7,28 +7,33 @@ it the relative gain array is 1/2 at every frequency: each torque moves both out
 makes them behave like two alike, of the mean M and D; radii enter as T_i = r_i/r_m*(...), r_m their mean.
 
 Design rule (after S. Skogestad, 2003, doi:10.1016/S0959-1524(02)00062-8): the integral time is the time constant of
-the plant's slowest pole or pair, at most 4/bandwidth; the gain makes |L| = 1 at the bandwidth, and is lowered until the
-loop is stable with a phase margin of at least 60 degrees and a gain margin of at least 2.
+the plant's slowest pole or pair, at most 4/bandwidth, but longer where a phase margin of 60 degrees takes it; the gain
+makes |L| = 1 at the bandwidth. Where the loop is then not stable with that phase margin and a gain margin of at least
+2, the bandwidth is the largest below that has them. Of integral times longer than both the time constant and
+4/bandwidth none is tried: their loops settle far more slowly than the bandwidth promises.
 """
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 from flint import fmpq_poly
 from numpy.typing import ArrayLike, NDArray
 
 from drives.coupled import CoupledDrives
-from drives.number import Number, exact, fill, positive, rational
+from drives.number import Number, exact, fill, positive, rational, written
 from drives.parts import Spool
-from drives.roots import positive_roots, roots, squared
+from drives.stability import Margins, closed_poles, margins
 from drives.symbolic import INPUTS
 from drives.transfer import TransferFunction, frequencies
 from tline.errors import InputError
 
 LEAST_PHASE_MARGIN, LEAST_GAIN_MARGIN = math.radians(60), 2.0
-LOWERED, TRIES = 0.9, 300  # the gain, each time, and how often at most
+CERTAIN = 1e-9  # rad, more than rounding takes from a margin
+LOWERED, TRIES, HALVINGS = 0.9, 300, 20  # the bandwidth, each time, how often at most, and then between the last two
 FASTER = 5.0  # bandwidth over the slowest pole of the tension, unless given
 
 
@@ -63,22 +68,24 @@ class PI:
 
 
 @dataclass(frozen=True)
-class Margins:
-    """How far a loop is from instability.
+class Bandwidth:
+    """Angular frequency at which |L| = 1, rad/s.
 
     Attributes
     ----------
-    phase : float
-        Smallest phase margin, rad; infinite if |L| is never 1.
-    crossover : float
-        Angular frequency there, rad/s, NaN if there is none.
-    gain : float
-        Smallest factor above 1 that makes the loop unstable, or infinite.
+    asked : float or None
+        By the user.
+    reached : float
+        With the margins of the rule.
     """
 
-    phase: float
-    crossover: float
-    gain: float
+    asked: float | None
+    reached: float
+
+    @property
+    def met(self) -> bool:
+        """Whether the loop is as fast as it was asked to be."""
+        return self.asked is None or self.reached >= self.asked
 
 
 @dataclass(frozen=True)
@@ -92,6 +99,8 @@ class Design:
         From the error of the belt speed to tau_v, and from the error of the tension to tau_f.
     speed_plant, tension_plant : TransferFunction
         Of the decoupled plant: belt_speed/tau_v and tension/tau_f.
+    bandwidths : mapping of str to Bandwidth
+        Of the loops ``speed`` and ``tension``, if `design` made them.
     """
 
     drives: CoupledDrives
@@ -99,6 +108,23 @@ class Design:
     tension: PI
     speed_plant: TransferFunction
     tension_plant: TransferFunction
+    bandwidths: Mapping[str, Bandwidth] = field(default_factory=dict)
+
+    @property
+    def verdicts(self) -> tuple[str, ...]:
+        """A sentence for each loop that is unstable or slower than asked; none if all is well."""
+        found = []
+        for name, poles in self.poles.items():
+            worst = max(poles, key=lambda z: z.real)
+            band = self.bandwidths.get(name)
+            if worst.real >= 0:
+                found.append(f"the {name} loop is unstable: a closed-loop pole at {written(worst)} rad/s")
+            elif band and not band.met:
+                found.append(
+                    f"the {name} loop reaches {band.reached:.4g} rad/s, not the {band.asked:.4g} rad/s asked for: "
+                    f"beyond, no PI controller of this rule has a phase margin of 60° and a gain margin of 2"
+                )
+        return tuple(found)
 
     @property
     def margins(self) -> dict[str, Margins]:
@@ -120,6 +146,31 @@ def alike(drives: CoupledDrives) -> CoupledDrives:
     m, d = (m1 + m2) / 2, (d1 + d2) / 2
     left, right = (Spool(m * x.radius**2, d * x.radius**2, x.radius) for x in (drives.left, drives.right))
     return replace(drives, left=left, right=right)
+
+
+class Share(NamedTuple):
+    """What one motor does: T = share*(tau_f -/+ tau_v)/2 + per_speed*w + per_tension*f, minus for spool 1."""
+
+    share: Fraction
+    per_speed: Fraction
+    per_tension: Fraction
+
+
+def decoupler(drives: CoupledDrives) -> tuple[Share, Share]:
+    """The decoupler with the inner feedback that makes unequal spools alike.
+
+    Examples
+    --------
+    >>> [tuple(map(float, share)) for share in decoupler(CoupledDrives())]
+    [(1.0, 0.0, 0.0), (1.0, 0.0, 0.0)]
+    """
+    same, mean = alike(drives), (drives.left.radius + drives.right.radius) / 2
+    found = []
+    for spool, twin, sign in ((drives.left, same.left, -1), (drives.right, same.right, 1)):
+        ratio = spool.inertia / twin.inertia
+        friction = sign * (spool.friction - ratio * twin.friction)
+        found.append(Share(spool.radius * ratio / mean, friction, spool.radius * (1 - ratio)))
+    return found[0], found[1]
 
 
 def decoupled(drives: CoupledDrives) -> tuple[TransferFunction, TransferFunction]:
@@ -151,7 +202,8 @@ def design(
     ----------
     drives : CoupledDrives
     speed_bandwidth, tension_bandwidth : float, optional
-        rad/s; 5 times the slowest pole of the tension if not given. The margins may allow less for the tension.
+        rad/s; 5 times the slowest pole of the tension if not given. The margins may allow less: ``bandwidths`` of the
+        design has what was reached, and ``verdicts`` says so.
 
     Raises
     ------
@@ -165,65 +217,59 @@ def design(
     (0.4, 0.01)
     >>> round(math.degrees(found.margins["tension"].phase))
     85
+    >>> design(CoupledDrives(), tension_bandwidth=1000).verdicts[0][:63]
+    'the tension loop reaches 286.3 rad/s, not the 1000 rad/s asked '
     """
     speed_plant, tension_plant = decoupled(drives)
     usual = FASTER * abs(_slowest(tension_plant))
-    speed = _tuned(
-        speed_plant, float(positive(usual if speed_bandwidth is None else speed_bandwidth, "speed_bandwidth"))
-    )
-    wanted = usual if tension_bandwidth is None else tension_bandwidth
-    tension = _tuned(tension_plant, float(positive(wanted, "tension_bandwidth")))
-    return Design(drives, speed, tension, speed_plant, tension_plant)
+    controllers, bandwidths = {}, {}
+    for name, plant, asked in (("speed", speed_plant, speed_bandwidth), ("tension", tension_plant, tension_bandwidth)):
+        wanted = usual if asked is None else float(positive(asked, f"{name}_bandwidth"))
+        controllers[name], reached = _tuned(plant, wanted)
+        bandwidths[name] = Bandwidth(None if asked is None else wanted, reached)
+    return Design(drives, controllers["speed"], controllers["tension"], speed_plant, tension_plant, bandwidths)
 
 
 def _slowest(plant: TransferFunction) -> complex:
     return max(plant.poles, key=lambda z: z.real)
 
 
-def _tuned(plant: TransferFunction, bandwidth: float) -> PI:
-    """The PI controller by the rule above."""
+def _tuned(plant: TransferFunction, bandwidth: float) -> tuple[PI, float]:
+    """The PI controller by the rule above, and its bandwidth."""
+    too_fast, reached = math.inf, bandwidth
+    for _ in range(TRIES):
+        if found := _tried(plant, reached):
+            break
+        too_fast, reached = reached, reached * LOWERED
+    else:
+        raise InputError(plant.name, "no PI controller of this rule has the margins", "some friction or damping")
+    for _ in range(HALVINGS if too_fast < math.inf else 0):
+        middle = math.sqrt(reached * too_fast)
+        if better := _tried(plant, middle):
+            found, reached = better, middle
+        else:
+            too_fast = middle
+    return found, reached
+
+
+def _tried(plant: TransferFunction, bandwidth: float) -> PI | None:
+    """The PI controller of this bandwidth, if it has the margins."""
     pole = _slowest(plant)
     constant = math.inf if pole == 0 else (2 if pole.imag else 1) * -pole.real / abs(pole) ** 2
     integral = min(constant, 4 / bandwidth) or 4 / bandwidth
+    allowed = math.pi + float(plant.phase(bandwidth)) - LEAST_PHASE_MARGIN - CERTAIN  # lag of the controller, rad
+    if allowed <= 0:
+        return None
+    if allowed < math.pi / 2:
+        integral = max(integral, 1 / (bandwidth * math.tan(allowed)))
+    if integral > max(constant, 4 / bandwidth):
+        return None
     response = plant(1j * bandwidth) * (1 + 1 / (1j * bandwidth * integral))
     gain = math.copysign(1 / abs(response), float(plant.numerator[0]))
-    for _ in range(TRIES):
-        tried = PI(exact(gain, "gain"), exact(integral, "integral_time"))
-        found = margins(tried, plant)
-        stable = all(pole.real < 0 for pole in closed_poles(tried, plant))
-        if stable and found.phase >= LEAST_PHASE_MARGIN and found.gain >= LEAST_GAIN_MARGIN:
-            return tried
-        gain *= LOWERED
-    raise InputError(plant.name, "no PI controller of this rule has the margins", "some friction or damping")
-
-
-def closed_poles(controller: PI, plant: TransferFunction) -> list[complex]:
-    """Roots of 1 + L = 0, rad/s; nothing is cancelled, so hidden modes of the loop are among them."""
-    c = controller.transfer
-    return roots(c.p * plant.p + c.q * plant.q)
-
-
-def margins(controller: PI, plant: TransferFunction) -> Margins:
-    """Margins of L = controller*plant, from the exact frequencies where |L| = 1 and where L is real and negative.
-
-    Examples
-    --------
-    >>> found = margins(PI(0.4, 0.01), decoupled(CoupledDrives())[0])
-    >>> round(found.crossover, 9), round(math.degrees(found.phase), 9), found.gain
-    (20.0, 90.0, inf)
-    """
-    c = controller.transfer
-    p, q = c.p * plant.p, c.q * plant.q
-    loop = TransferFunction(p, q, "L")
-    crossings = [math.sqrt(x) for x in positive_roots(squared(p) - squared(q))]
-    phases = [math.remainder(math.pi + float(loop.phase(w)), 2 * math.pi) for w in crossings]
-    phase, crossover = min(zip(phases, crossings, strict=True), default=(math.inf, math.nan))
-    mirrored = fmpq_poly([x if k % 2 == 0 else -x for k, x in enumerate(q.coeffs())])
-    odd = (p * mirrored).coeffs()[1::2]
-    imaginary = fmpq_poly([x if k % 2 == 0 else -x for k, x in enumerate(odd)])
-    imaginary //= imaginary.gcd(squared(q))  # at an undamped pole L is not real but infinite
-    sizes = [-loop(1j * math.sqrt(x)).real for x in positive_roots(imaginary)]
-    return Margins(phase, crossover, min((1 / size for size in sizes if 0 < size < 1), default=math.inf))
+    tried = PI(exact(gain, "gain"), exact(integral, "integral_time"))
+    found = margins(tried, plant)
+    stable = all(pole.real < 0 for pole in closed_poles(tried, plant))
+    return tried if stable and found.phase >= LEAST_PHASE_MARGIN and found.gain >= LEAST_GAIN_MARGIN else None
 
 
 def relative_gain_array(drives: CoupledDrives, omega: ArrayLike) -> NDArray[np.complex128]:

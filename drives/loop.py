@@ -17,15 +17,17 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 
-from drives.control import Design, alike
+from drives.control import Design, decoupler
 from drives.discretise import legs, propagate
 from drives.energy import Energy, Rows, energy_of, open_torques, powers, stored_in
 from drives.integrate import integrate
-from drives.number import positive, rational
-from drives.simulation import Run, initial_state, named, sample_times
+from drives.number import positive, rational, written
+from drives.simulation import Run, initial_state, named, pushing, sample_times
 from drives.state_space import StateSpace, floats
 from drives.symbolic import OUTPUTS
 from drives.torque import ZERO, Torque
+from drives.torque_limit import unreachable
+from tline.errors import InputError
 
 Motors = Callable[[NDArray, NDArray], tuple[NDArray, NDArray]]
 Rates = Callable[[NDArray, NDArray], NDArray]
@@ -44,18 +46,14 @@ class _Law:
 
 
 def _law(design: Design) -> _Law:
-    drives, same = design.drives, alike(design.drives)
-    left, right = drives.left, drives.right
-    half = 1 / (left.radius + right.radius)  # 1/(2 r_m)
+    drives = design.drives
     seen = drives.state_space(CONTROLLED).c
     rows = {name: drives.state_space((name,)).c for name in ("w1", "w2", "tension")}
     torque, feedback = [], []
-    for spool, twin, speed, sign in ((left, same.left, "w1", -1), (right, same.right, "w2", 1)):
-        ratio = spool.inertia / twin.inertia
-        torque.append([rational(spool.radius * ratio * half * x) for x in (sign, 1)])
-        friction = sign * (spool.friction - ratio * twin.friction)
-        pull = spool.radius * (1 - ratio)
-        feedback.append((rows[speed] * rational(friction) + rows["tension"] * rational(pull)).tolist()[0])
+    for one, speed, sign in zip(decoupler(drives), ("w1", "w2"), (-1, 1), strict=True):
+        torque.append([rational(one.share * x / 2) for x in (sign, 1)])
+        pull = rows[speed] * rational(one.per_speed) + rows["tension"] * rational(one.per_tension)
+        feedback.append(pull.tolist()[0])
     gains = [rational(one.gain) for one in (design.speed, design.tension)]
     rates = [rational(one.gain / one.integral_time) for one in (design.speed, design.tension)]
     return _Law(seen, _diagonal(gains), _diagonal(rates), fmpq_mat(torque), fmpq_mat(feedback))
@@ -121,7 +119,8 @@ def simulate_control(
     Raises
     ------
     InputError
-        What `drives.simulation` refuses, or a limit that is not more than 0.
+        What `drives.simulation` refuses, a limit that is not more than 0, or an unstable loop that leaves the range of
+        floats. One that does not is a verdict of the run, and so are set points that the limit cannot hold.
 
     Examples
     --------
@@ -133,18 +132,34 @@ def simulate_control(
     loop, inputs, drives = closed_loop(design), (belt_speed, tension, d1, d2), design.drives
     t, x0 = sample_times(end, step), initial_state(loop.states, initial)
     u = np.column_stack([one.pieces(t)[0] for one in inputs])
+    fastest = loop.poles[-1]
+    verdict = (f"the loop is unstable: a pole at {written(fastest)} rad/s",) if fastest.real > 0 else ()
     if limit is None:
         way = legs(inputs, float(step), len(t))
-        ends = propagate(loop.a, loop.b, x0, way)
-        x, energy = ends[way.sampled], energy_of(drives, loop, _torque_rows(loop), ends, way)
-        return Run(t, named(loop.states, x), named(loop.outputs, x @ loop.C.T + u @ loop.D.T), energy)
+        with np.errstate(over="ignore", invalid="ignore"):
+            ends = propagate(loop.a, loop.b, x0, way)
+            x, energy = ends[way.sampled], energy_of(drives, loop, _torque_rows(loop), ends, way)
+            outputs = named(loop.outputs, x @ loop.C.T + u @ loop.D.T)
+        _within_floats(t, np.column_stack([x, energy.stored, energy.dissipated, energy.supplied]), verdict)
+        return Run(t, named(loop.states, x), outputs, energy, pushing(t, outputs["tension"]), verdict)
     motors, rates = _saturated(design, float(positive(limit, "limit")), antiwindup)
+    verdict += tuple(unreachable(drives, *inputs, limit=limit, end=float(t[-1])))
     found = integrate(rates, np.append(x0, [0.0, 0.0]), inputs, t)
     x, heat, work = found[:, :-2], found[:, -2], found[:, -1]
     given = np.array([motors(*one)[1] for one in zip(x, u, strict=True)])
     plant = drives.state_space()
     outputs = named(loop.outputs, np.hstack([x[:, : len(drives.states)] @ plant.C.T, given]))
-    return Run(t, named(loop.states, x), outputs, Energy(stored_in(drives, x), heat, work))
+    energy = Energy(stored_in(drives, x), heat, work)
+    return Run(t, named(loop.states, x), outputs, energy, pushing(t, outputs["tension"]), verdict)
+
+
+def _within_floats(t: NDArray, values: NDArray, verdict: tuple[str, ...]) -> None:
+    """Refuse a run that leaves the range of floats."""
+    lost = ~np.isfinite(values).all(axis=1)
+    if lost.any():
+        why = verdict[0] if verdict else "inputs too large"
+        got = f"{why}, lost at {t[lost.argmax()]:.4g} s"
+        raise InputError("simulation", "beyond the range of floats", "a stable loop", got)
 
 
 def _torque_rows(loop: StateSpace) -> Rows:

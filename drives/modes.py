@@ -72,7 +72,7 @@ def hidden_modes(drives: CoupledDrives, output: str, source: str) -> list[Hidden
     found = []
     for factor, times in cancelled.factor()[1]:
         names = [name for polynomial, name in known if polynomial % factor == 0][:times]
-        rest = left_over or (ALIKE if names else CHANCE)
+        rest = left_over or (ALIKE if names and _of_spools_alike(drives, factor) else CHANCE)
         names += [rest] * (times - len(names))
         unreached, unseen = (_times(factor, full.modes // part.modes) for part in (reached, seen))
         told = tuple(name for name, _ in names), tuple(why for _, why in names)
@@ -92,6 +92,13 @@ def _structure(drives: CoupledDrives, output: str) -> list[tuple[fmpq_poly, tupl
     if belts[0].gcd(belts[1]).degree() == 1:
         found.append((belts[0], BELTS))
     return found
+
+
+def _of_spools_alike(drives: CoupledDrives, factor: fmpq_poly) -> bool:
+    """Whether both spools, on their own, have this mode."""
+    return all(
+        fmpq_poly([rational(x.friction), rational(x.inertia)]) % factor == 0 for x in (drives.left, drives.right)
+    )
 
 
 def _times(factor: fmpq_poly, polynomial: fmpq_poly) -> int:

@@ -84,3 +84,8 @@ def fill(part: object, **fields: object) -> None:
     """Set the fields of a frozen dataclass from its `__init__`."""
     for name, value in fields.items():
         object.__setattr__(part, name, value)
+
+
+def written(z: complex) -> str:
+    """A complex number for the eye."""
+    return f"{z.real:.6g}" if z.imag == 0 else f"{z.real:.6g} {'+' if z.imag > 0 else '−'} {abs(z.imag):.6g}j"

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from drives.control import Design
 from drives.modes import HiddenMode
+from drives.number import written
 from drives.transfer import TransferFunction
 
 
@@ -26,7 +27,7 @@ def transfer_data(h: TransferFunction) -> dict[str, Any]:
 
 def transfer_text(h: TransferFunction) -> str:
     """A transfer function with its poles, zeros and DC gain in two lines."""
-    poles, zeros = (", ".join(map(number, found)) or "none" for found in (h.poles, h.zeros))
+    poles, zeros = (", ".join(map(written, found)) or "none" for found in (h.poles, h.zeros))
     return f"{h}\n  poles {poles} rad/s; zeros {zeros}; DC gain {float(h.dc_gain):.6g}"
 
 
@@ -54,6 +55,8 @@ def design_data(found: Design) -> dict[str, Any]:
             "phase_margin_degrees": finite(math.degrees(margin.phase)),
             "crossover": finite(margin.crossover),
             "gain_margin": finite(margin.gain),
+            "stable": all(z.real < 0 for z in found.poles[name]),
+            "bandwidth": vars(found.bandwidths[name]) if name in found.bandwidths else None,
         }
     return data
 
@@ -65,7 +68,7 @@ def design_text(found: Design) -> list[str]:
         ("speed", found.speed, found.speed_plant),
         ("tension", found.tension, found.tension_plant),
     ):
-        margin, poles = found.margins[name], ", ".join(number(z) for z in found.poles[name])
+        margin, poles = found.margins[name], ", ".join(written(z) for z in found.poles[name])
         lines += [
             f"{name}: {plant}",
             f"  gain {float(controller.gain):.5g}, integral time {float(controller.integral_time):.5g} s",
@@ -84,8 +87,3 @@ def finite(x: Fraction | float) -> float | None:
 def pair(z: complex) -> list[float]:
     """Real and imaginary part, for JSON."""
     return [z.real, z.imag]
-
-
-def number(z: complex) -> str:
-    """A complex number for the eye."""
-    return f"{z.real:.6g}" if z.imag == 0 else f"{z.real:.6g} {'+' if z.imag > 0 else '−'} {abs(z.imag):.6g}j"

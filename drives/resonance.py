@@ -1,22 +1,29 @@
 """The resonance of the tension: where it would be without damping, and how much friction of the spools removes it.
 
 For spools alike to the belt and equal belts, with M = J/r^2, D = B/r^2, k_p = k/(4 cos(theta)^2):
-1/K_eff = 2/K + 1/k_p, the undamped natural frequency is sqrt(2 K_eff/M), and |f/T| rises from omega = 0 as long as
+1/K_eff = 2/K + 1/k_p, the undamped natural frequency is sqrt(2 K_eff/M), and with 1/K_tot = 2/(K + B_belt s) + 1/k_p
+at s = j omega, f/T is proportional to 1/(2 + s (M s + D)/K_tot). With 1/K_tot = alpha - j omega beta it is larger than
+at rest where
 
-    D^2 + 8 q^2 B_belt D < 4 M K_eff,    q = k_p/(K + 2 k_p),
+    (alpha^2 + omega^2 beta^2) D^2 + 4 beta D < 4 M alpha - M^2 omega^2 (alpha^2 + omega^2 beta^2),
 
-which is the sign of its curvature at omega = 0. There is a peak elsewhere only if the derivative of |f/T|^2 has a root
-there; `peak` looks at all of these.
+so at each frequency for D below a bound; the largest of these bounds is the largest D with a peak. Most often it is the
+one at omega = 0, but stiff pulleys with well damped belts resonate where the belts have become rigid.
 """
 
 import math
 from dataclasses import dataclass
 from fractions import Fraction
 
+import numpy as np
+from numpy.typing import NDArray
+
 from drives.coupled import CoupledDrives
 from drives.roots import positive_roots, squared
 from drives.transfer import TransferFunction
 from tline.errors import InputError
+
+FINE, POINTS, REFINED = 1e-3, 2001, 4  # where the search for the bound begins, and how finely
 
 
 @dataclass(frozen=True)
@@ -99,9 +106,22 @@ def largest_friction_with_peak(drives: CoupledDrives) -> float:
     left, right, belt = drives.left, drives.right, drives.left_belt
     if (left.inertia, left.radius) != (right.inertia, right.radius) or belt != drives.right_belt:
         raise InputError("drives", "spools or belts differ", "equal ones for this formula")
-    k_p = drives.pulley.belt_stiffness
-    half = 4 * (k_p / (belt.stiffness + 2 * k_p)) ** 2 * belt.damping
-    m, _ = drives.mobility(left)
-    product = 4 * m * effective_stiffness(drives)
-    d = float(product) / (float(half) + math.sqrt(half**2 + product))  # the root without cancellation
-    return d * float(left.radius**2)
+    m, k_p = float(drives.mobility(left)[0]), float(drives.pulley.belt_stiffness)
+    stiff, damped = float(belt.stiffness), float(belt.damping)
+
+    def bound(omega: NDArray) -> NDArray:
+        """The largest D with |f/T| above its value at rest, NaN where there is none."""
+        size = stiff**2 + (omega * damped) ** 2
+        alpha, beta = 1 / k_p + 2 * stiff / size, 2 * damped / size
+        a, c = alpha**2 + (omega * beta) ** 2, 4 * m * alpha
+        c = c - (m * omega) ** 2 * a
+        with np.errstate(invalid="ignore"):
+            return np.where(c > 0, c / (2 * beta + np.sqrt(4 * beta**2 + a * c)), 0.0)  # no cancellation
+
+    fastest = 2 * math.sqrt(k_p / m)  # above it nothing exceeds the value at rest
+    slowest = min(fastest, stiff / damped if damped else fastest, math.sqrt(float(effective_stiffness(drives)) / m))
+    omega = np.concatenate([[0.0], np.geomspace(FINE * slowest, fastest, POINTS)])
+    for _ in range(REFINED):
+        best = int(np.argmax(bound(omega)))
+        omega = np.linspace(omega[max(best - 1, 0)], omega[min(best + 1, len(omega) - 1)], POINTS)
+    return float(bound(omega).max() * left.radius**2)

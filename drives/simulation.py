@@ -14,6 +14,7 @@ from drives.torque import ZERO, Torque
 from tline.errors import InputError
 
 MOST_STEPS = 1_000_000
+PUSHES = 1e-9  # of the largest tension: more is no rounding
 
 
 @dataclass(frozen=True)
@@ -29,12 +30,18 @@ class Run:
         torques T1 and T2 of the motors, N m.
     energy : Energy
         Stored, dissipated and supplied since the start, J, each of shape (n,).
+    notes : tuple of str
+        What to know beside the numbers: where the belt pushes.
+    verdicts : tuple of str
+        What was asked for and cannot be had: set points that the limit does not hold, a stable loop.
     """
 
     t: NDArray[np.float64]
     states: dict[str, NDArray[np.float64]]
     outputs: dict[str, NDArray[np.float64]]
     energy: Energy
+    notes: tuple[str, ...] = ()
+    verdicts: tuple[str, ...] = ()
 
 
 def simulate(
@@ -74,7 +81,17 @@ def simulate(
     x = propagate(model.a, model.b, x0, way)
     seen = x[way.sampled]
     states, outputs = named(drives.states, seen), named(model.outputs, seen @ model.C.T)
-    return Run(t, states, outputs, energy_of(drives, model, open_torques(drives), x, way))
+    energy = energy_of(drives, model, open_torques(drives), x, way)
+    return Run(t, states, outputs, energy, pushing(t, outputs["tension"]))
+
+
+def pushing(t: NDArray, tension: NDArray) -> tuple[str, ...]:
+    """A note, if the belt pushes at a sample by more than rounding."""
+    lowest = int(np.argmin(tension))
+    if tension[lowest] >= -PUSHES * np.abs(tension).max():
+        return ()
+    seen = f"{tension[lowest]:.4g} N at {t[lowest]:.4g} s"
+    return (f"the tension falls to {seen}: there the belt pushes, which this linear model lets it do",)
 
 
 def named(names: tuple[str, ...], columns: NDArray) -> dict[str, NDArray[np.float64]]:

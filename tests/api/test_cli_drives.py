@@ -33,7 +33,14 @@ def told(command):
     [
         ("exercise", "2 eigenvalues are exactly 0"),
         ("exercise", "With these numbers there is no peak"),
-        ("exercise --part c", "a pole at 306.525 rad/s, it runs away"),
+        ("exercise --part d", "a pole at 306.525 rad/s, it runs away"),
+        ("exercise --part d", "horizontal: −F1 sin θ + F2 sin θ = 0 so F1 = F2 = F"),
+        ("exercise --part d --angle '30 deg'", "F1 = 1.15470054 N, F2 = 1.15470054 N; the model's pulley 1.15470054 N"),
+        ("exercise --part f", "2 eigenvalues are exactly 0"),
+        ("exercise --part g --friction '0.1 N m s, 0 N m s'", "the phase starts at −180°. Here at -90°"),
+        ("exercise --part h --radius '10 cm, 5 cm'", "T2 = 1.06667 (τ_f + τ_v)/2 − 0.03 F"),
+        ("bode --from '1 Hz' --to '10 Hz' --points 2", " 62.832 "),
+        ("step --step '0.3 s'", "highest sample at 1.8 s"),
         ("exercise --part g --friction '0.001 N m s'", "a peak at 19.8"),
         ("exercise --part g --friction '0 N m s' --belt-damping '0 N s/m'", "a peak at 20 rad/s, without bound"),
         ("exercise --part h --friction '0 N m s' --belt-damping '0 N s/m'", "no PI controller of this rule"),
@@ -113,6 +120,43 @@ def test_mistakes(command, sentence, tmp_path, monkeypatch):
     assert (result.exit_code, result.stdout) == (2, "")
 
 
+@pytest.mark.parametrize(
+    ("options", "verdict"),
+    [
+        ("--tension-bandwidth '400 rad/s'", "the tension loop reaches 286.3 rad/s, not the 400 rad/s asked for"),
+        ("--tension-bandwidth '100 Hz'", "the tension loop reaches 286.3 rad/s, not the 628.3 rad/s asked for"),
+        (
+            "--tension '50 N' --limit '2 N m'",
+            "cannot be held: they take T1 = 4 N m and T2 = 6 N m, and the limit is 2 N m; "
+            "at that speed the largest tension is 10 N; at no speed more than 20 N",
+        ),
+        ("--speed '5 m/s' --limit '2 N m'", "at that tension the largest speed is 1.5 m/s"),
+        ("--disturbance='-3 N m' --limit '2 N m'", "from 1 s on, a belt speed of 1 m/s and a tension of 5 N cannot"),
+    ],
+)
+def test_what_cannot_be_had_is_said_and_exits_1(options, verdict, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    plain, table = run(f"control {options}"), run(f"control {options} --json --csv run.csv")
+    assert (plain.exit_code, table.exit_code) == (1, 1)
+    assert verdict in plain.stdout.splitlines()[-1]
+    assert [verdict in one for one in json.loads(table.stdout)["verdicts"]] == [True]
+    assert (tmp_path / "run.csv").exists()
+
+
+def test_what_is_asked_for_is_reached():
+    seen = told("control --tension-bandwidth '200 rad/s'")
+    band = seen["design"]["tension"]["bandwidth"]
+    assert (band, seen["verdicts"]) == ({"asked": 200.0, "reached": 200.0}, [])
+    assert seen["design"]["tension"]["crossover"] == pytest.approx(200, rel=1e-12)
+
+
+def test_a_belt_that_pushes_is_noted():
+    result = run("step --t1 '-0.1 N m' --json")
+    assert result.exit_code == 0
+    assert result.stderr == f"note: {json.loads(result.stdout)['notes'][0]}\n"
+    assert "the belt pushes" in result.stderr
+
+
 def test_bode_as_json_is_the_library():
     found, own = told("bode --points 50"), CoupledDrives().transfer("x_k", "T1")
     assert found["omega"] == np.logspace(-1, 4, 50).tolist()
@@ -151,14 +195,17 @@ def test_control_as_json_is_the_library():
     assert (design["gain"], design["integral_time"]) == (float(own.speed.gain), float(own.speed.integral_time))
     assert design["poles"] == [[z.real, z.imag] for z in own.poles["speed"]]
     assert max(seen["outputs"]["T2"]) == 2.0
-    assert set(seen) == {"design", "t", "outputs", "energy"}
+    assert set(seen) == {"design", "t", "outputs", "energy", "notes", "verdicts"}
 
 
 def test_the_exercise_as_json():
     seen = told("exercise")
     assert list(seen) == list("abcdefgh")
-    assert seen["e"]["artefact"]["exact_zeros"] == 2
-    assert 0.6 < seen["e"]["artefact"]["unstable"] / seen["e"]["artefact"]["runs"] < 0.9
+    assert [seen[letter]["title"].split()[0] for letter in "abcdefgh"] == [
+        "torque", "drive", "belt", "pulley,", "pulley", "assembly:", "Bode", "simulation",
+    ]  # fmt: skip
+    assert seen["f"]["artefact"]["exact_zeros"] == 2
+    assert 0.6 < seen["f"]["artefact"]["unstable"] / seen["f"]["artefact"]["runs"] < 0.9
     claims = seen["g"]["claims"]
     assert claims["resonance_claimed"] == pytest.approx(500**0.5)
     assert (claims["undamped_frequency"], claims["peak"]) == (20, None)

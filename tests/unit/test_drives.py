@@ -353,7 +353,7 @@ def test_answers_for_any_drives():
     for one in (EXERCISE, UNEQUAL, WITHOUT_DAMPING, CoupledDrives(right_belt=Belt(70, 0))):
         told = {answer.letter: answer for answer in drives.exercise(one)}
         assert list(told) == list("abcdefgh")
-        assert (told["c"].data["pole_of_the_wrong_sign"][0] > 0) is (len(one.damped) == 2)  # an undamped one is softer
-    pulley = drives.exercise()[2]
+        assert (told["d"].data["pole_of_the_wrong_sign"][0] > 0) is (len(one.damped) == 2)  # an undamped one is softer
+    pulley = drives.exercise()[3]
     by_hand = 150 + math.sqrt(24500)  # s^2 - 300 s - 2000 with k_p = -100 N/m
     assert math.isclose(pulley.data["pole_of_the_wrong_sign"][0], by_hand, rel_tol=1e-15)

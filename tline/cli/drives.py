@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tline.cli.drives_input import PARAMETERS, build, quantity, torques
-from tline.cli.drives_output import check_files, print_json, run_data, run_text, save_picture, save_table
+from tline.cli.drives_output import (
+    check_files,
+    print_json,
+    run_data,
+    run_text,
+    save_picture,
+    save_table,
+    say_notes,
+    say_verdicts,
+)
 from tline.errors import InputError
 
 if TYPE_CHECKING:
@@ -60,7 +69,7 @@ end_option = click.option("--end", metavar="TIME", default="2 s", show_default=T
     epilog="""\b
 Examples:
   tline drives exercise
-  tline drives exercise --part e
+  tline drives exercise --part d
   tline drives exercise --friction "0.01 N m s" --plot bode.png
   tline drives exercise --json
 """,
@@ -209,6 +218,7 @@ def step(
         print_json(run_data(run))
     else:
         click.echo(run_text(run))
+    say_notes(run)
     save_table(table_file, as_json, {"t": run.t} | run.outputs)
     save_picture(plot, as_json, lambda: draw_run(run.t, run.outputs, ("x_k", "tension", "belt_speed")))
 
@@ -250,7 +260,7 @@ def control(found: "CoupledDrives", table_file: str | None, plot: str | None, as
     """Design PI controllers for belt speed and tension behind a decoupler, and run them.
 
     Spools that differ are made alike by an inner feedback. Set points step at t = 0. At the limit the tension comes
-    first.
+    first. What cannot be had, a bandwidth with good margins or set points at the limit, is said with what can; exit 1.
     """
     import numpy as np
 
@@ -259,16 +269,19 @@ def control(found: "CoupledDrives", table_file: str | None, plot: str | None, as
 
     check_files(plot, table_file)
     made, run, limit = _controlled(found, **given)
+    verdicts = (*made.verdicts, *run.verdicts)
     if as_json:
-        print_json({"design": design_data(made)} | run_data(run))
+        print_json({"design": design_data(made)} | run_data(run) | {"verdicts": list(verdicts)})
     else:
         click.echo("\n".join(design_text(made)))
         click.echo(run_text(run))
+    say_notes(run)
     save_table(table_file, as_json, {"t": run.t} | run.outputs)
     points = {"belt_speed": quantity("--speed", given["speed"], "m/s")}
     points["tension"] = quantity("--tension", given["tension"], "N")
     lines = {name: np.full(len(run.t), point) for name, point in points.items()}
     save_picture(plot, as_json, lambda: draw_closed_loop(run.t, run.outputs, lines, limit))
+    say_verdicts(verdicts, as_json)
 
 
 @drives.command(
@@ -290,10 +303,12 @@ def animate(found: "CoupledDrives", file: str, **given: Any) -> None:
     if not file.lower().endswith(SUFFIXES):
         raise InputError(file, "unknown kind of animation", " or ".join(SUFFIXES))
     check_writable(file)
-    _, run, _ = _controlled(found, **given)
+    made, run, _ = _controlled(found, **given)
     with replacing(file) as temporary:
         animate(found, run.t, run.outputs, temporary)
     click.echo(f"wrote {file}")
+    say_notes(run)
+    say_verdicts((*made.verdicts, *run.verdicts), quiet=False)
 
 
 def _controlled(found: "CoupledDrives", **given: Any) -> tuple[Any, Any, float | None]:

@@ -10,7 +10,7 @@ import click
 from tline.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
@@ -63,14 +63,30 @@ def run_data(run: "Run") -> dict[str, Any]:
         "t": run.t.tolist(),
         "outputs": {name: values.tolist() for name, values in run.outputs.items()},
         "energy": _balance(run),
+        "notes": list(run.notes),
     }
 
 
+def say_notes(run: "Run") -> None:
+    """What to know beside the numbers, on stderr."""
+    for note in run.notes:
+        click.echo(f"note: {note}", err=True)
+
+
+def say_verdicts(verdicts: "Sequence[str]", quiet: bool) -> None:
+    """What was asked for and cannot be had, and the exit status for it."""
+    for verdict in verdicts if not quiet else ():
+        click.echo(verdict)
+    if verdicts:
+        click.get_current_context().exit(1)
+
+
 def run_text(run: "Run") -> str:
-    """Smallest, largest and last value of each output, and the energy at the end."""
+    """Smallest, largest and last of the samples of each output, and the energy at the end."""
     from drives.picture import ALL_UNITS
 
-    rows: list[tuple[str, ...]] = [("output", "minimum", "maximum", "at the end")]
+    head = ("output", "lowest sample", "highest sample", f"at {run.t[-1]:.6g} s")
+    rows: list[tuple[str, ...]] = [head]
     for name, x in run.outputs.items():
         rows.append((f"{name} [{ALL_UNITS[name]}]", *(f"{value:.6g}" for value in (x.min(), x.max(), x[-1]))))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]

@@ -1,0 +1,86 @@
+"""The pulley from a balance of forces in both directions, step by step, checked against the model in use."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from drives.coupled import CoupledDrives
+from drives.parts import Pulley
+from drives.symbolic import transfer
+
+STEPS = (
+    "1 directions: y along the way of the pulley, away from the spools; x from spool 1 to spool 2.",
+    "  Each straight piece of belt makes the angle θ with y. Forces on the pulley, as (x, y):",
+    "  F1 (−sin θ, −cos θ) of belt 1, F2 (+sin θ, −cos θ) of belt 2, F_k (0, 1) of the spring",
+    "2 massless, so the forces balance at every instant:",
+    "  horizontal: −F1 sin θ + F2 sin θ = 0        so F1 = F2 = F, as sin θ ≠ 0",
+    "  vertical:   −F1 cos θ − F2 cos θ + F_k = 0  so F_k = 2 F cos θ",
+    "  (about its axle, massless and without friction: F1 = F2 again, so a guide at its sides bears no force)",
+    "3 spring: F_k = −k x_k. Under tension the pulley is drawn towards the spools, x_k < 0, and F_k > 0",
+    "4 belt: a move dx_k lengthens both straight pieces by dx_k cos θ each, and that much more belt comes than goes:",
+    "  v1 − v2 = 2 v_k cos θ, v_k = dx_k/dt        θ constant: first order in x_k over the length of the pieces",
+    "5 put together: F = −k x_k/(2 cos θ). With e_p = −2 x_k cos θ the belt sees a spring:",
+    "  F = k_p e_p, k_p = k/(4 cos²θ), de_p/dt = v2 − v1",
+    "6 power: F1 v1 − F2 v2 = 2 F v_k cos θ = F_k v_k = −d(k x_k²/2)/dt: the spring stores what leaves the belts",
+)
+DEFLECTION = -0.01  # m, for the check
+
+
+@dataclass(frozen=True)
+class PulleyCheck:
+    """The balances, solved at one deflection, beside what the model says.
+
+    Attributes
+    ----------
+    x_k : float
+        m.
+    F1, F2 : float
+        From the horizontal and the vertical balance, N.
+    by_model, by_stiffness : float
+        Tension by `Pulley.tension`, and k_p e_p, N.
+    power : float
+        F1 v1 - F2 v2 less the spring's F_k v_k at v_k = 1 m/s, W; 0 but for rounding.
+    """
+
+    x_k: float
+    F1: float
+    F2: float
+    by_model: float
+    by_stiffness: float
+    power: float
+
+
+def check_pulley(pulley: Pulley, x_k: float = DEFLECTION) -> PulleyCheck:
+    """Solve both balances for F1 and F2 and compare.
+
+    Examples
+    --------
+    >>> found = check_pulley(CoupledDrives().pulley)
+    >>> [round(force, 12) for force in (found.F1, found.F2, found.by_model, found.by_stiffness)]
+    [1.41421356237, 1.41421356237, 1.41421356237, 1.41421356237]
+    """
+    sine, cosine = math.sin(pulley.angle), math.cos(pulley.angle)
+    spring = -float(pulley.stiffness) * x_k
+    first, second = np.linalg.solve([[-sine, sine], [-cosine, -cosine]], [0.0, -spring])
+    v1, v2 = cosine, -cosine  # v1 - v2 = 2 v_k cos(theta) at v_k = 1 m/s
+    return PulleyCheck(
+        x_k,
+        float(first),
+        float(second),
+        pulley.tension(x_k),
+        float(pulley.belt_stiffness) * -2 * x_k * cosine,
+        float(first * v1 - second * v2 - spring),
+    )
+
+
+def wrong_sign(drives: CoupledDrives) -> complex:
+    """Rightmost pole of the tension if the pulley had F_k = +k x_k, rad/s: a spring of negative stiffness.
+
+    Examples
+    --------
+    >>> round(wrong_sign(CoupledDrives()).real, 3)
+    306.525
+    """
+    parameters = drives.parameters | {"k": -drives.pulley.stiffness}
+    return max(transfer(parameters, "tension", "T1").poles, key=lambda z: z.real)
