@@ -49,10 +49,18 @@ def test_the_table_is_aligned() -> None:
 def test_json_has_every_quantity_in_full_precision() -> None:
     result = run("line", "hydraulic", "--radius", "10 cm", "--wave-speed", "1500", "--density", "980", "--json")
     expected = HydraulicLine(radius=0.1, wave_speed=1500, density=980)
-    assert json.loads(result.stdout) == {item.name: getattr(expected, item.name) for item in HYDRAULIC.quantities}
+    quantities = {item.name: getattr(expected, item.name) for item in HYDRAULIC.quantities}
+    assert json.loads(result.stdout) == quantities | {"notes": []}
     assert json.loads(result.stdout)["delay"] is None
     result = run("line", "electrical", "--z0", "50", "--velocity-factor", "66 %", "--json")
     assert json.loads(result.stdout)["inductance"] == ElectricalLine(z0=50, velocity_factor=0.66).inductance
+
+
+def test_what_is_hardly_meant_is_a_note_and_in_json() -> None:
+    result = run("line", "hydraulic", "--radius", "10", "--wave-speed", "1500", "--density", "980", "--json")
+    note = "radius: 10 m is outside what is built, 50 µm to 8 m: meant 10 cm?"
+    assert (result.exit_code, result.stderr) == (0, f"note: {note}\n")
+    assert json.loads(result.stdout)["notes"] == [note]
 
 
 MISTAKES = [

@@ -9,6 +9,7 @@ from tline.line.modes import even_and_odd, modes
 from tline.pictures.fronts import only_line
 from tline.pictures.path import route
 from tline.scene.line import Cable
+from tline.scene.plausible import doubts
 from tline.scene.scene import Scene
 from tline.solver.stability.scattering import Scattering
 from tline.study.reference.network import Network
@@ -121,6 +122,11 @@ def test_in_an_insulation_all_alike_modes_are_those_of_any_resistances():
         (MATRICES | {"conductance": [[2, 1], [1, 2]]}, "lines.pair.conductance: positive beside its diagonal"),
         (MATRICES | {"skin": {"resistance": [[1]], "frequency": 1}},
          "lines.pair.skin.resistance: not of the size of the other matrix, expected 2 rows, got 1"),
+        (MATRICES | {"capacitance": [[1.3e-12, -1e-13], [-1e-13, 1.3e-12]], "conductance": [[1, 0], [0, 1]]},
+         "lines.pair: of mode 1: the wave would be faster than light, expected a wave speed up to 299792 km/s, got"),
+        (MATRICES | {"length": "1 km", "inductance": [[3e-9, 6e-10], [6e-10, 3e-9]], "resistance": [[1, 0], [0, 1]]},
+         "lines.pair: of mode 1: the wave would be faster than light"),
+        ({"even": LOSSY, "odd": MODES["odd"], "length": "1 m"}, "lines.pair: of mode 1: the wave would be faster than"),
         (MODES | {"inductanse": 1}, "lines.pair.inductanse: unknown key, expected 'inductance'"),
     ],
 )  # fmt: skip
@@ -154,6 +160,12 @@ def test_what_coupled_conductors_exclude_is_named(parts, sentence):
 def test_what_does_not_know_them_says_so(ask):
     with pytest.raises(InputError, match="coupled conductors"):
         ask(scene(MODES))
+
+
+def test_lossless_modes_faster_than_light_are_a_note():
+    fast = scene(MATRICES | {"capacitance": [[1.3e-12, -1e-13], [-1e-13, 1.3e-12]]})
+    assert doubts(fast) == ["lines.pair: L and C are too small: a mode is faster than light"]
+    assert doubts(scene(MATRICES)) == []
 
 
 def test_pipes_are_not_coupled():

@@ -49,11 +49,11 @@ def source(**waveform) -> dict:
         ),
         (
             {
-                "lines": {"pipe": PIPE | {"length": "300", "radius": "10"}},
+                "lines": {"pipe": PIPE | {"length": "300", "radius": "0.1"}},
                 "loads": {},
                 "sources": source(to="3", at="1"),
             },
-            "taken as SI for want of a unit: lines.pipe.radius = '10' (m), lines.pipe.length = '300' (m), "
+            "taken as SI for want of a unit: lines.pipe.radius = '0.1' (m), lines.pipe.length = '300' (m), "
             "sources.s.value.to = '3' (Pa) and 1 more",
         ),
     ],

@@ -102,8 +102,9 @@ def as_table(medium: Medium, parameters: LineParameters) -> str:
 
 
 def as_json(medium: Medium, parameters: LineParameters) -> str:
-    """All quantities of a line in SI."""
-    return json.dumps({item.name: getattr(parameters, item.name) for item in medium.quantities}, indent=2)
+    """All quantities of a line in SI, and what is odd about them."""
+    told = {item.name: getattr(parameters, item.name) for item in medium.quantities}
+    return json.dumps(told | {"notes": list(parameters.remarks)}, indent=2, ensure_ascii=False)
 
 
 def _option(name: str) -> str:

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 from tline.errors import InputError
 from tline.line.parameters import LineParameters, Quantity, read
+from tline.line.plausible import CABLES, unusual
 from tline.line.relations import System, determine, listed
 from tline.units import engineering
 
@@ -133,6 +134,7 @@ class ElectricalLine(LineParameters):
     ):
         arguments = {name: value for name, value in locals().items() if name != "self"}
         given = read(QUANTITIES, arguments)
+        given.remarks += unusual(CABLES, given)
         shape = {name: given.values.pop(name) for name in SHAPE if name in given.values}
         if shape:
             # first in line, so that a contradiction is told of a quantity the user knows

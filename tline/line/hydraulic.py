@@ -8,6 +8,7 @@ from tline.line.fluids import fluid as named_fluid
 from tline.line.fluids import metastable
 from tline.line.given import AGREE, Given
 from tline.line.parameters import LineParameters, Quantity, read
+from tline.line.plausible import PIPES, unusual
 from tline.line.relations import Law, System, determine
 from tline.line.walls import youngs_modulus as named_modulus
 
@@ -170,6 +171,7 @@ class HydraulicLine(LineParameters):
     ):
         arguments = {name: value for name, value in locals().items() if name != "self"}
         given = read(QUANTITIES, arguments)
+        given.remarks += unusual(PIPES, given)
         if fluid is not None:
             given.include("fluid", named_fluid(fluid, temperature)._asdict())
             given.remarks += metastable(temperature)

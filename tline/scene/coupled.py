@@ -3,14 +3,15 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+from pydantic import BeforeValidator, Field, PrivateAttr, ValidationError, model_validator
 
 from tline.errors import InputError
+from tline.line.electrical import LIGHT, ROUNDING
 from tline.line.modes import Modes, even_and_odd, modes
 from tline.scene.cable_loss import Skin
 from tline.scene.element import Element, Name
 from tline.scene.line import Cable, SceneLine
-from tline.scene.mistakes import place, shown
+from tline.scene.mistakes import mistakes, place, shown
 from tline.scene.quantity import LARGEST, SMALLEST, Frequency, Quantity, Role
 
 MOST = 16  # conductors
@@ -108,6 +109,11 @@ class Coupled(Element):
         return float(self._modes.delay.min())
 
     @property
+    def faster_than_light(self) -> bool:
+        """Whether its length is known and too long for its fastest mode."""
+        return self.length is not None and self.length > self.shortest * LIGHT * (1 + ROUNDING)
+
+    @property
     def losses(self) -> None:
         """None of its own: they are those of its modes."""
 
@@ -143,7 +149,17 @@ class Coupled(Element):
                 raise InputError(
                     "", "a mode's z0 or delay is out of range", f"{SMALLEST:g} to {LARGEST:g}", f"{value:g}"
                 )
+        self._check_modes()
         return self
+
+    def _check_modes(self) -> None:
+        """Let each mode be a line of its own, so that what is wrong with one is said at the door."""
+        for k, table in enumerate(self._lines, 1):
+            try:
+                Cable.model_validate({"nodes": ("end 1", "end 2")} | table)
+            except ValidationError as error:
+                found = mistakes(error, Cable)[0]
+                raise InputError(found.where, f"of mode {k}: {found.problem}", found.expected, found.got) from None
 
     def _of_pair(self, even: OneMode, odd: OneMode) -> tuple[Modes, list[dict[str, Any]]]:
         tables = [even.table(), odd.table()]

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from math import isfinite
 from typing import Any
 
+from tline.scene.coupled import Coupled
 from tline.scene.element import Element
 from tline.scene.load import Switch
 from tline.scene.mistakes import place
@@ -39,6 +40,9 @@ def _of_lines(scene: Scene) -> Iterator[str]:
     for name, line in scene.single_lines.items():
         for remark in line.parameters.remarks:
             lines[remark].append(place("lines", name))
+    for name, line in scene.lines.items():
+        if isinstance(line, Coupled) and line.faster_than_light:
+            lines["L and C are too small: a mode is faster than light"].append(place("lines", name))
     return (f"{_first(names)}: {remark}" for remark, names in lines.items())
 
 

@@ -1,0 +1,106 @@
+"""Quantities of lines that are valid and yet hardly meant, and those of which nothing is to be said."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tline.line import ElectricalLine, HydraulicLine
+from tline.line.electrical import QUANTITIES as ELECTRICAL
+from tline.line.given import Given
+from tline.line.hydraulic import QUANTITIES as HYDRAULIC
+from tline.line.plausible import CABLES, PIPES, unusual
+from tline.scene.file import read_scene
+from tline.scene.plausible import doubts
+from tline.scene.scene import Scene
+from tline.units import to_si
+
+SCENES = sorted((Path(__file__).parents[2] / "scenes").glob("**/*.toml"))
+PIPE = {"wave_speed": "1200 m/s", "density": "1 kg/L", "radius": "10 cm", "length": "100 m"}
+CABLE = {"z0": "50 ohm", "wave_speed": "20 cm/ns", "length": "1 m"}
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [
+        ({"radius": 10}, "radius: 10 m is outside what is built, 50 µm to 8 m: meant 10 cm?"),
+        ({"radius": "10"}, "radius: 10 m is outside what is built, 50 µm to 8 m: meant 10 cm?"),
+        ({"radius": "10 m"}, "radius: 10 m is outside what is built, 50 µm to 8 m: meant 10 cm?"),
+        ({"radius": 5}, "radius: 5, read as 5 m, is outside what is usual, 100 µm to 2 m: meant 5 cm?"),
+        ({"radius": 100}, "radius: 100 m is outside what is built, 50 µm to 8 m: meant 100 mm?"),
+        ({"wave_speed": 1.2}, "1.2, read as 1.2 m/s, is outside what is usual, 10 m/s to 2500 m/s: meant 1.2 km/s?"),
+        ({"density": 0.98}, "is outside what is usual, 300 kg/m^3 to 25000 kg/m^3: meant 0.98 kg/L?"),
+        ({"wall_thickness": 5, "wall": "steel"}, "5 m is outside what is built, 10 µm to 3 m: meant 5 mm?"),
+        (
+            {"youngs_modulus": 210, "wall_thickness": "5 mm", "wave_speed": None, "bulk_modulus": "2.2 GPa"},
+            "meant 210 GPa?",
+        ),
+        ({"length": "1 mm"}, "length: 0.001 m is short beside a radius of 0.1 m"),
+        ({"wall_thickness": "20 cm", "wall": "concrete"}, "wall_thickness: 0.2 m is thick beside a radius of 0.1 m"),
+    ],
+)  # fmt: skip
+def test_of_pipes(given: dict, meant: str) -> None:
+    remarks = HydraulicLine(**(PIPE | given)).remarks
+    assert meant in remarks[0]
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [
+        ({"wave_speed": 200}, "200 m/s is outside what is built, 1e+06 m/s to 3.1e+08 m/s: meant 200 m/us?"),
+        ({"wave_speed": "20"}, "meant 20 cm/ns?"),
+        ({"z0": "75 kohm"}, "z0: 75000 ohm is outside what is built, 50 mohm to 5 kohm"),
+        ({"z0": 0.075}, "0.075, read as 0.075 ohm, is outside what is usual, 100 mohm to 3 kohm: meant 0.075 kohm?"),
+        ({"velocity_factor": 0.0066, "wave_speed": None}, "velocity_factor: 0.0066, read as 0.0066, is outside"),
+        ({"capacitance": 100, "wave_speed": None}, "is outside what is built, 100 fF/m to 1 µF/m: meant 100 pF/m?"),
+    ],
+)  # fmt: skip
+def test_of_cables(given: dict, meant: str) -> None:
+    assert meant in ElectricalLine(**(CABLE | given)).remarks[0]
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {},
+        {"radius": 0.1, "wave_speed": 1200.0, "density": 998, "length": 100},
+        {"radius": "5 m"},  # a tunnel, with its unit
+        {"radius": "0.2 mm", "wave_speed": 5, "density": 1060} | {"wave_speed": "5 m/s", "length": "1 cm"},  # an artery
+        {"density": 1.2, "wave_speed": 340},  # air in a duct
+        {"radius": 1.26, "length": 0.3048},  # a dummy link of a network
+    ],
+)
+def test_nothing_is_said_of_what_exists(given: dict) -> None:
+    assert HydraulicLine(**(PIPE | given)).remarks == ()
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_nothing_is_said_of_the_shipped_scenes(path: Path) -> None:
+    assert [doubt for doubt in doubts(read_scene(path)) if "outside what" in doubt or "beside a radius" in doubt] == []
+
+
+KNOWN = [(name, unit, known) for ranges, quantities in ((PIPES, HYDRAULIC), (CABLES, ELECTRICAL))
+         for name, _, unit, *_ in quantities if (known := ranges.get(name))]  # fmt: skip
+
+
+@given(st.sampled_from(KNOWN), st.floats(0.01, 0.99), st.integers(0, 3))
+def test_what_is_usual_passes_in_any_unit_and_what_is_proposed_is_usual(which, share: float, other: int) -> None:
+    name, unit, known = which
+    value = known.usual_least ** (1 - share) * known.usual_most**share
+    scale = known.units[other % len(known.units)]
+    text = f"{value / to_si(f'1 {scale}', unit)!r} {scale}"
+    for typed in (value, repr(value), text):
+        assert list(unusual({name: known}, Given({name: value}, typed={name: typed}, units={name: unit}))) == []
+    bare = float(text.split()[0])
+    said = list(unusual({name: known}, Given({name: bare}, typed={name: bare}, units={name: unit})))
+    assert len(said) == (not known.usual_least <= bare <= known.usual_most)
+    for remark in said:  # one of the units makes it usual, if only the one it was made with
+        proposed = remark.partition("meant ")[2].rstrip("?")
+        assert known.usual_least <= to_si(proposed, unit) <= known.usual_most
+
+
+def test_a_scene_names_the_pipes() -> None:
+    lines = {name: {"nodes": ["a", name], "radius": 10, "length": 300, "fluid": "water"} for name in ("b", "c")}
+    scene = Scene(medium="hydraulic", t_end="1 s", lines=lines, probes={"a": {"at": "b"}})
+    assert doubts(scene) == ["lines.b, lines.c: radius: 10 m is outside what is built, 50 µm to 8 m: meant 10 cm?"]
