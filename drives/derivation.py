@@ -57,8 +57,8 @@ def check_pulley(pulley: Pulley, x_k: float = DEFLECTION) -> PulleyCheck:
     Examples
     --------
     >>> found = check_pulley(CoupledDrives().pulley)
-    >>> [round(force, 12) for force in (found.F1, found.F2, found.by_model, found.by_stiffness)]
-    [1.41421356237, 1.41421356237, 1.41421356237, 1.41421356237]
+    >>> [round(force, 6) for force in (found.F1, found.F2, found.by_model, found.by_stiffness)]
+    [1.414214, 1.414214, 1.414214, 1.414214]
     """
     sine, cosine = math.sin(pulley.angle), math.cos(pulley.angle)
     spring = -float(pulley.stiffness) * x_k

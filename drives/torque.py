@@ -81,7 +81,7 @@ class Torque:
         --------
         >>> Torque.table([0, 2, 1], [1, 1, 1])
         Traceback (most recent call last):
-        drives.errors.InputError: times[2]: out of order, expected a time later than 2 s, got 1 s
+        tline.errors.InputError: times[2]: out of order, expected a time later than 2 s, got 1 s
         """
         if not 0 < len(times) <= LONGEST_TABLE or len(times) != len(values):
             expected = f"as many values as times, from 1 to {LONGEST_TABLE}"
