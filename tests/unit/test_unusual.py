@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tline.interchange.water_scene import read_inp
 from tline.line import ElectricalLine, HydraulicLine
 from tline.line.electrical import QUANTITIES as ELECTRICAL
 from tline.line.given import Given
@@ -78,6 +79,13 @@ def test_nothing_is_said_of_what_exists(given: dict) -> None:
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_nothing_is_said_of_the_shipped_scenes(path: Path) -> None:
     assert [doubt for doubt in doubts(read_scene(path)) if "outside what" in doubt or "beside a radius" in doubt] == []
+
+
+@pytest.mark.parametrize("name", ["Net1", "Net2", "Net3"])
+def test_nothing_is_said_of_networks_of_epanet(name: str) -> None:
+    wntr = pytest.importorskip("wntr")
+    scene, _ = read_inp(Path(wntr.__file__).parent / f"library/networks/{name}.inp", 1000)
+    assert doubts(scene) == []
 
 
 KNOWN = [(name, unit, known) for ranges, quantities in ((PIPES, HYDRAULIC), (CABLES, ELECTRICAL))
