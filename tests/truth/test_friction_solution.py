@@ -9,8 +9,8 @@ from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.nodes import nodes_of
 from tline.solver.steady import steady_state
-from tline.study.programs import rthym, tsnet
 from tline.study.charts.scenes import chart_scene
+from tline.study.programs import rthym, tsnet
 from tline.study.reference import lattice
 from tline.study.reference.friction import FrictionSolution
 

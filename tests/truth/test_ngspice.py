@@ -9,10 +9,10 @@ from tline.interchange.spice import read_spice
 from tline.scene.scene import Scene
 from tline.solver.result import Result
 from tline.solver.simulate import simulate
-from tline.study.programs import ngspice
 from tline.study.charts.judge import Judge
 from tline.study.charts.scenes import chart_scene
 from tline.study.charts.work_precision import simulated
+from tline.study.programs import ngspice
 
 DEFAULT = 20  # steps in the shortest delay, which an exported netlist asks for
 REFINED = {"rc": 640, "rlc": 640, "lossy": 160}  # the lossy element's time goes with the square

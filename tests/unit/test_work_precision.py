@@ -8,13 +8,13 @@ import pytest
 
 from tline.errors import InputError
 from tline.study.charts import peers, work_precision
-from tline.study.programs import ngspice, rthym, tsnet
 from tline.study.charts.clock import QUICK, Run
 from tline.study.charts.judge import Judge
 from tline.study.charts.picture import draw
 from tline.study.charts.scenes import NAMES, chart_scene
 from tline.study.charts.table import Row, Table
 from tline.study.charts.work_precision import add, fixed, refined, simulated, to_tolerances
+from tline.study.programs import ngspice, rthym, tsnet
 from tline.study.reference import exact
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")  # coarse on purpose
