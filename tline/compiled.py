@@ -75,7 +75,7 @@ class UnitCache(_Cache):
         try:
             return CompileResultCacheImpl(self._function)
         except RuntimeError:
-            _say("no folder for it can be written, expected one in NUMBA_CACHE_DIR")
+            _say("no folder for it can be written, expected NUMBA_CACHE_DIR to name one")
             return None
 
     @property
@@ -184,5 +184,5 @@ def _say(reason: str) -> None:
 
     if not _said:
         _said.add(reason)
-        text = f"compiled code is not kept for later runs, which begin some seconds later: {reason}"
+        text = f"compiled code is not kept, so every process compiles anew: {reason}"
         warnings.warn(text, NotKeptWarning, stacklevel=2)
