@@ -4,8 +4,6 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -165,14 +163,13 @@ class Node:
 
 
 NOTHING = Constant(level=ZERO)
-NONE: Mapping[str, Any] = MappingProxyType({})
 CANCELLED = 1e-9  # share of the lines' conductance that active loads must leave
 
 
-def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
+def nodes_of(scene: Scene, cells: Mapping[str, int] | None = None) -> dict[str, Node]:
     """The nodes of a scene by name, in the order in which lines and links name them; `cells` are of lumped lines."""
     nodes: dict[str, Node] = {}
-    kept = 0
+    kept, cells = 0, cells or {}
     refuse_cavities(scene.single_lines, "what is asked")
     for name, line in scene.single_lines.items():
         admittance = 1 / line.parameters.z0
