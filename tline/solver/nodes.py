@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -163,13 +164,14 @@ class Node:
 
 
 NOTHING = Constant(level=ZERO)
+NONE: Mapping[str, Any] = {}  # results hold it, and no proxy of it can be pickled
 CANCELLED = 1e-9  # share of the lines' conductance that active loads must leave
 
 
-def nodes_of(scene: Scene, cells: Mapping[str, int] | None = None) -> dict[str, Node]:
+def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
     """The nodes of a scene by name, in the order in which lines and links name them; `cells` are of lumped lines."""
     nodes: dict[str, Node] = {}
-    kept, cells = 0, cells or {}
+    kept = 0
     refuse_cavities(scene.single_lines, "what is asked")
     for name, line in scene.single_lines.items():
         admittance = 1 / line.parameters.z0

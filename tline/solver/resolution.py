@@ -14,7 +14,7 @@ from tline.scene.mistakes import place
 from tline.scene.multiport import Multiport
 from tline.scene.scene import Scene
 from tline.solver.lumps import Group, grouped
-from tline.solver.nodes import Node
+from tline.solver.nodes import NONE, Node
 
 ORDER = 5
 FIT = 1e-7
@@ -42,7 +42,7 @@ class Resolution(NamedTuple):
     h: float
     notes: tuple[str, ...] = ()
     blind: bool = False  # whether an oscillation may pass unseen, so that no comparison with another order tells
-    cells: Mapping[str, int] = {}  # of each lumped line
+    cells: Mapping[str, int] = NONE  # of each lumped line
     settle: float = 0.0  # time in which these settle after a front, s
     fit: float = FIT  # tolerance of the circuits of lossy lines, relative
     band: float = HELD  # of these, cycles per slab at which it ends, at least
@@ -54,7 +54,7 @@ def resolution(
     nodes: dict[str, Node],
     s: int | None = None,
     h: float | None = None,
-    cells: Mapping[str, int] | None = None,
+    cells: Mapping[str, int] = NONE,
     settle: float = 0.0,
 ) -> Resolution:
     """Order and slab width of a scene, if they are not given, and notes on what is too fast for them.
@@ -67,7 +67,7 @@ def resolution(
     InputError
         The waves under way would not fit in memory, or the run has too many slabs or ends within the first.
     """
-    lines, cells = scene.single_lines, cells or {}
+    lines = scene.single_lines
     delays = {name: line.parameters.delay or 0.0 for name, line in lines.items() if name not in cells}
     lossy = [delay for name, delay in delays.items() if lines[name].losses is not None]
     s = s or scene.solver.order or ORDER
@@ -171,7 +171,7 @@ def _poles(scene: Scene, nodes: dict[str, Node]) -> Iterator[tuple[str, NDArray]
 def _joined(scene: Scene, nodes: dict[str, Node]) -> list[Group]:
     """Groups of the nodes that multiports join."""
     none = np.zeros(len(scene.single_lines))
-    return [group for group in grouped(scene, {}, nodes, none, none)[0] if group.ports]
+    return [group for group in grouped(scene, NONE, nodes, none, none)[0] if group.ports]
 
 
 def _shortest(poles: NDArray) -> float:
