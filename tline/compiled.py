@@ -59,12 +59,15 @@ def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 class UnitCache(_Cache):
     """Compiled code of one function on disk, valid while all source code that it is made of means the same.
 
-    Functions whose sources cannot be read, and functions made within functions, are not kept.
+    What no file tells all about is not kept: functions made within functions, or from text.
     """
 
     def __init__(self, function: Any):
         self._function = function
-        self._sources: Mapping[str, Source] | None = None if function.__closure__ else sources_of(function.__module__)
+        self._sources: Mapping[str, Source] | None = None
+        spec = getattr(sys.modules.get(function.__module__), "__spec__", None)
+        if spec and function.__code__.co_filename == spec.origin and not function.__closure__:
+            self._sources = sources_of(function.__module__)
         self._enabled = True
 
     @cached_property

@@ -8,8 +8,10 @@ import ast
 import hashlib
 import re
 import sys
+import tokenize
 from collections.abc import Mapping
 from functools import cached_property
+from importlib.abc import InspectLoader
 from importlib.machinery import ModuleSpec
 from importlib.util import resolve_name
 
@@ -105,11 +107,22 @@ def _source(name: str) -> Source | None:
     if spec is None:
         return None
     if name not in _loaded or _loaded[name][0] is not spec:
-        text = spec.loader.get_source(spec.name) if hasattr(spec.loader, "get_source") else None
+        text = _text(spec)
         if text is None:
             return None
         _loaded[name] = spec, Source(spec.name, spec.parent or "", text)
     return _loaded[name][1]
+
+
+def _text(spec: ModuleSpec) -> str | None:
+    """Source text from whoever loaded the module, such as an archive's loader; else from its file."""
+    if isinstance(spec.loader, InspectLoader):
+        return spec.loader.get_source(spec.name)
+    try:
+        with tokenize.open(spec.origin or "") as file:
+            return file.read()
+    except (OSError, SyntaxError):
+        return None
 
 
 def _provider(origin: str, name: str) -> str:

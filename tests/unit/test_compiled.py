@@ -7,6 +7,7 @@ import pickle
 import subprocess
 import sys
 import warnings
+from importlib.machinery import ModuleSpec
 from pathlib import Path
 
 import numba
@@ -298,11 +299,13 @@ def test_code_of_others_has_the_cache_of_numba(package):
 
 
 def test_functions_within_functions_are_not_kept(package):
-    """What they enclose is not in any file."""
+    """What they enclose is not in any file, nor is what is made from a text."""
     text = FILES["linked"] + "\ndef plus(a):\n    @njit()\n    def add(x):\n        return x + a\n    return add\n"
     (package.folder / "linked.py").write_text(text)
     plus = package.load("linked").plus
     assert (plus(1)(1), plus(2)(1)) == (2, 3)
+    exec("@njit()\ndef same(x):\n    return x\n", plus.__globals__)
+    assert plus.__globals__["same"](3) == 3
     assert package.kept() == []
 
 
@@ -368,6 +371,13 @@ print(numba.njit(lambda a: own(a, 0.5, 3.0, 2.0)[0])(address), own.stats.cache_m
     path = tmp_path / "tline" / "solver" / "called.py"
     path.write_text(path.read_text().replace("values[1:]", "[values[2], values[1]]"))
     assert process(package, code).stdout == "0.0 1\n"
+
+
+def test_a_module_is_read_from_its_file_where_its_loader_cannot_tell(package):
+    """As those that pytest loads."""
+    module = package.load("linked")
+    module.__spec__ = ModuleSpec("made.linked", None, origin=str(package.folder / "linked.py"))
+    assert sources_of("made.linked")["made.linked"].text == FILES["linked"]
 
 
 def test_a_module_whose_source_cannot_be_read_is_not_kept():
