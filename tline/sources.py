@@ -11,7 +11,6 @@ import sys
 import tokenize
 from collections.abc import Mapping
 from functools import cached_property
-from importlib.abc import InspectLoader
 from importlib.machinery import ModuleSpec
 from importlib.util import resolve_name
 
@@ -116,8 +115,9 @@ def _source(name: str) -> Source | None:
 
 def _text(spec: ModuleSpec) -> str | None:
     """Source text from whoever loaded the module, such as an archive's loader; else from its file."""
-    if isinstance(spec.loader, InspectLoader):
-        return spec.loader.get_source(spec.name)
+    get_source = getattr(spec.loader, "get_source", None)
+    if get_source:
+        return get_source(spec.name)
     try:
         with tokenize.open(spec.origin or "") as file:
             return file.read()

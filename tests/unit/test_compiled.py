@@ -9,6 +9,7 @@ import sys
 import warnings
 from importlib.machinery import ModuleSpec
 from pathlib import Path
+from zipfile import ZipFile
 
 import numba
 import pytest
@@ -378,6 +379,18 @@ def test_a_module_is_read_from_its_file_where_its_loader_cannot_tell(package):
     module = package.load("linked")
     module.__spec__ = ModuleSpec("made.linked", None, origin=str(package.folder / "linked.py"))
     assert sources_of("made.linked")["made.linked"].text == FILES["linked"]
+
+
+def test_modules_in_an_archive_are_kept_as_well(package, monkeypatch):
+    archive = package.folder.parent / "made.zip"
+    with ZipFile(archive, "w") as file:
+        for path in package.folder.glob("*.py"):
+            file.write(path, f"made/{path.name}")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(package.folder.parent / "cache"))
+    monkeypatch.syspath_prepend(str(archive))
+    assert package.answer() == (162.0, True)
+    assert package.answer() == (162.0, False)
+    assert str(archive) in sys.modules["made.unit"].__spec__.origin
 
 
 def test_a_module_whose_source_cannot_be_read_is_not_kept():
