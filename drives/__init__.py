@@ -6,6 +6,8 @@ Names are imported when they are used: most programs need few of them.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+import tline.exact_numbers  # noqa: F401 (models hold them, and are sent to other processes)
+
 if TYPE_CHECKING:
     from drives.animation import animate
     from drives.answers import exercise

@@ -8,7 +8,8 @@ from math import copysign, cos, exp, expm1, factorial, inf, pi, sin, tanh
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
+
+from tline.compiled import njit
 
 SIGN, ZONE, BRISTLE, TANH = range(4)  # kinds of law
 EULER, RK4, MOREAU, EXPONENTIAL = range(4)  # fixed steps
@@ -19,7 +20,7 @@ STUCK, SLIDING, PUSHED = 0, 1, 2  # modes, with the sign of the motion; pushed: 
 N = 20  # terms of a Taylor series
 MOST_HALVINGS = 2000  # in the search for a root
 FACTORIAL = np.array([float(factorial(k)) for k in range(N + 1)])
-OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "fastmath": {"contract", "nsz"}}
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": {"contract", "nsz"}}
 
 # Rodas5P, Steinebach, BIT Numerical Mathematics 63 (2023) 27, doi:10.1007/s10543-023-00967-x: order 5, L-stable, and
 # no loss of order on z, which follows the stiff balance of bristles

@@ -1,6 +1,7 @@
 """What a user did wrong, in one sentence: where, what is wrong, what was expected, what was given.
 
-All four packages say it with these classes, which survive pickle and copies.
+All four packages say it with these classes, which survive pickle and copies. What is no mistake of the user but may
+surprise is a warning.
 """
 
 
@@ -50,3 +51,7 @@ class SceneError(InputError):
 
 class ActiveError(InputError):
     """The scene has an active load, and nobody asked to run it all the same."""
+
+
+class NotKeptWarning(UserWarning):
+    """Compiled code cannot be kept on disk, so every process compiles for itself."""

@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,10 +37,6 @@ class MeasuredNetwork:
     model: MatrixModel
     samples: SampledResponse
     gamma: float = 1.0
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Without the proof, whose exact numbers cannot be sent to other processes; it is found anew."""
-        return {name: value for name, value in vars(self).items() if name != "verdict"}
 
     @cached_property
     def verdict(self) -> MatrixVerdict:

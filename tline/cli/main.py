@@ -3,13 +3,16 @@
 import io
 import sys
 import traceback
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import click
 
-from tline.errors import ActiveError, InputError
+from tline.errors import ActiveError, InputError, NotKeptWarning
 
 COMMANDS = {
     "line": (
@@ -67,7 +70,8 @@ class LazyGroup(click.Group):
         A fault of the program exits with 70 (EX_SOFTWARE of sysexits.h), for 1 would be an answer.
         """
         try:
-            return super().invoke(ctx)
+            with _noted():
+                return super().invoke(ctx)
         except InputError as error:
             click.echo(str(error), err=True)
             ctx.exit(1 if isinstance(error, ActiveError) else 2)
@@ -82,6 +86,23 @@ class LazyGroup(click.Group):
             said = " ".join(f"{error!s:.200}".split())
             click.echo(f"tline: a fault of the program, please report it with the command: {what}: {said}", err=True)
             ctx.exit(70)
+
+
+@contextmanager
+def _noted() -> Iterator[None]:
+    """Say in a line that compiled code cannot be kept, without the place in the program that a warning has."""
+    with warnings.catch_warnings():
+        show = warnings.showwarning
+
+        def note(message: Warning | str, category: type[Warning], *rest: Any) -> None:
+            if issubclass(category, NotKeptWarning):
+                click.echo(f"note: {message}", err=True)
+            else:
+                show(message, category, *rest)
+
+        warnings.simplefilter("always", NotKeptWarning)
+        warnings.showwarning = note
+        yield
 
 
 def _print_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:

@@ -85,7 +85,7 @@ def many(
         click.echo("\n".join([*([read.title] if read.title else []), *_table(told, MEDIA[read.medium])]))
         for file in written:
             click.echo(f"wrote {file}")
-    if said:
+    if any(issubclass(note.category, UnresolvedWarning) for note in said):
         sys.exit(1)
 
 

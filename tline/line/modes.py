@@ -32,7 +32,7 @@ class Modes(NamedTuple):
     T: NDArray
     z0: NDArray
     delay: NDArray
-    losses: Mapping[str, NDArray] = NONE
+    losses: Mapping[str, NDArray]
 
     @property
     def admittance(self) -> NDArray:
@@ -115,7 +115,8 @@ def modes(
 def even_and_odd(even: tuple[float, float], odd: tuple[float, float]) -> Modes:
     """Modes of two conductors alike, from z0 in ohm and delay in s of each."""
     T = np.array([[1.0, 1.0], [1.0, -1.0]]) / np.sqrt(2)
-    return Modes(T, *np.array([even, odd]).T)
+    z0, delay = np.array([even, odd]).T
+    return Modes(T, z0, delay, {})
 
 
 def _shared_axes(matrices: Sequence[NDArray]) -> NDArray:

@@ -67,6 +67,11 @@ class Element(BaseModel):
         """Count the word that tells kinds apart as given, so that it is always written to a file."""
         self.model_fields_set.update(type(self).model_fields.keys() & WORDS)
 
+    def __eq__(self, other: object) -> bool:
+        """Whether the same was given: all else follows from that."""
+        fields = type(self).model_fields
+        return type(self) is type(other) and all(getattr(self, name) == getattr(other, name) for name in fields)
+
     def table(self) -> dict[str, Any]:
         """The element as it stands in a scene file: what was given, as it was typed."""
         return self.model_dump(by_alias=True, exclude_unset=True)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from ctypes import CFUNCTYPE, c_double, c_void_p, cast
 from math import inf, nan
+from operator import attrgetter
 from threading import get_ident
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, SupportsIndex
 from weakref import finalize, ref
 
 from pydantic import Field, WrapSerializer, WrapValidator
@@ -48,6 +50,26 @@ class OwnElement(NonLinear):
             m³/s or A. It must not fall where the effort rises; what takes energy has effort·flow >= 0.
         """
         raise NotImplementedError
+
+    def __reduce_ex__(self, protocol: SupportsIndex) -> str | tuple[Any, ...]:
+        """What is sent to another process, which finds the class by its name.
+
+        Raises
+        ------
+        InputError
+            The class has no place to import it from.
+        """
+        kind = type(self)
+        try:
+            known = attrgetter(kind.__qualname__)(sys.modules.get(kind.__module__))
+        except AttributeError:
+            known = None
+        if known is not kind:
+            expected = "a class that can be imported from a module, for other processes to find it"
+            raise InputError(
+                "", f"an element of class '{kind.__name__}' cannot be pickled", expected, kind.__qualname__
+            )
+        return super().__reduce_ex__(protocol)
 
     def law(self) -> Law:
         """The method as a C function, which the kernel calls at its address."""

@@ -13,8 +13,9 @@ number alone; `int64(0)` does not.
 from typing import Any
 
 import numpy as np
-from numba import int64, njit, uint64
+from numba import int64, uint64
 
+from tline.compiled import njit
 from tline.solver.borrowed import borrowed
 from tline.solver.called import answer
 
@@ -23,7 +24,7 @@ SCRATCH = 512  # samples per tile
 ABREAST = 64  # lumps advanced together
 FEW = 24  # samples that are not worth gathering
 CONSTANT, SQUARED, TABLED = range(3)  # kinds of lumps; the others have a memory
-OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": {"contract", "nsz"}}
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract", "nsz"}}
 INNER: dict[str, Any] = OPTIONS | {
     "no_cpython_wrapper": True,
     "no_cfunc_wrapper": True,

@@ -4,7 +4,6 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -165,7 +164,7 @@ class Node:
 
 
 NOTHING = Constant(level=ZERO)
-NONE: Mapping[str, Any] = MappingProxyType({})
+NONE: Mapping[str, Any] = {}  # results hold it, and no proxy of it can be pickled
 CANCELLED = 1e-9  # share of the lines' conductance that active loads must leave
 
 

@@ -5,8 +5,8 @@ not. Slabs of a period differ, periods are alike.
 """
 
 import numpy as np
-from numba import njit
 
+from tline.compiled import njit
 from tline.solver.kernel import INNER, OPTIONS, TINY
 
 NEWTON = 3  # steps from the best point of a slab to the extreme of its polynomial

@@ -4,12 +4,12 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
 from tline.solver.nodes import nodes_of
-from tline.study.baseline.loads import Euler, scatter, scattering, trapezoid
+from tline.study.baseline.loads import Euler, scattering, trapezoid
+from tline.study.baseline.loops import advance_moc
 from tline.study.baseline.method import Trace
 from tline.study.baseline.steps import MOST_KEPT, count_steps, delays_of, shortest_delay, stepped, within
 
@@ -58,22 +58,3 @@ def moc(
     net = scattering(scene, list(nodes.values()), dt, rule)
     loop = partial(advance_moc, net, late, taps)
     return stepped(scene, loop, dt, steps, [node.drives for node in nodes.values()])
-
-
-@njit(cache=True, error_model="numpy")
-def advance_moc(net, late, taps, drive, seen, steps, record):
-    """Lines by their histories: all that was sent from an end, after as many zeros as the longest delay takes."""
-    ends, m, pad = 2 * len(late), net.x_x.shape[1], np.max(late) + 2
-    history = np.zeros((ends, steps + 1 + pad))
-    w, u, x, new = np.zeros(len(net.row)), np.zeros(len(net.row)), np.zeros((len(net.x_x), m)), np.zeros(m)
-    arriving, sent = np.zeros(ends), np.zeros(ends)
-    for k in range(steps + 1):
-        for e in range(ends):
-            at = k + pad - late[e // 2]
-            arriving[e] = 0.0
-            for j in range(4):
-                if taps[e // 2, j] != 0.0:
-                    arriving[e] += taps[e // 2, j] * history[e ^ 1, at + 1 - j]
-        scatter(net, drive[:, k], arriving, w, x, new, u, sent)
-        history[:, k + pad] = sent
-        record[:, k] = u[seen]

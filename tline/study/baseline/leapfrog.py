@@ -3,11 +3,11 @@
 from functools import partial
 
 import numpy as np
-from numba import njit
 
 from tline.scene.scene import Scene
 from tline.solver.nodes import node_of_end, nodes_of
 from tline.study.baseline.loads import trapezoid
+from tline.study.baseline.loops import advance_fdtd
 from tline.study.baseline.method import Trace
 from tline.study.baseline.node_systems import half_sections, on_capacitor
 from tline.study.baseline.steps import (
@@ -38,32 +38,3 @@ def fdtd(scene: Scene, n: float, courant: float = COURANT) -> Trace:
     C = cells * dt / delays_of(scene)
     loop = partial(advance_fdtd, cells, C, impedances_of(scene), node_of_end(nodes.values()), held, x_x, x_i)
     return stepped(scene, loop, dt, steps, parts)
-
-
-@njit(cache=True, error_model="numpy")
-def advance_fdtd(cells, courant, z0, at, held, x_x, x_i, drive, seen, steps, record):
-    """Efforts u of each line at cell edges, flows y (times z0) between; x are the states of the nodes."""
-    lines, nodes, m = len(cells), len(held), x_x.shape[1]
-    u, y = np.zeros((lines, np.max(cells) + 1)), np.zeros((lines, np.max(cells)))
-    x, new, effort, flow = np.zeros((nodes, m)), np.zeros(m), np.zeros(nodes), np.zeros(nodes)
-    for k in range(steps + 1):
-        flow[:] = (drive[:, k] + drive[:, max(k - 1, 0)]) / 2
-        for j in range(lines if k else 0):
-            n = cells[j]
-            for i in range(n):
-                y[j, i] -= courant[j] * (u[j, i + 1] - u[j, i])
-            for i in range(1, n):
-                u[j, i] -= courant[j] * (y[j, i] - y[j, i - 1])
-            flow[at[2 * j]] -= y[j, 0] / z0[j]
-            flow[at[2 * j + 1]] += y[j, n - 1] / z0[j]
-        for node in range(nodes):
-            if k:
-                new[:] = x_i[node] * flow[node]
-                for i in range(m):
-                    for j in range(m):
-                        new[i] += x_x[node, i, j] * x[node, j]
-                x[node] = new
-            effort[node] = drive[node, k] if held[node] else x[node, 0]
-        for j in range(lines):
-            u[j, 0], u[j, cells[j]] = effort[at[2 * j]], effort[at[2 * j + 1]]
-        record[:, k] = effort[seen]

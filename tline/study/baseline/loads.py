@@ -4,13 +4,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
 from tline.solver.nodes import Node
 
-TINY = 1e-150  # waves below are flushed to zero, as in the production kernel
 Euler = tuple[NDArray, NDArray, NDArray]  # x_next = first x + second w_now + third w_next
 
 
@@ -60,25 +58,3 @@ def scattering(scene: Scene, nodes: list[Node], dt: float, rule: Callable[[NDArr
     ends, first = np.array([end for node in nodes for end in node.ends]), np.cumsum([0, *(len(n.ends) for n in nodes)])
     row, u_w = np.where(dynamic, np.cumsum(dynamic) - 1, -1), np.array([system.d[0, 0] for system in systems])
     return Scattering(first, ends, np.concatenate(own), row, x_x, x_before, x_now, u_x, u_w)
-
-
-@njit(cache=True, error_model="numpy")
-def scatter(net, drive, arriving, w, x, new, u, sent):
-    """All nodes at one instant: w, x and u are brought up to it, and sent is what leaves the ends."""
-    for k in range(len(net.row)):
-        wave, r = drive[k], net.row[k]
-        for j in range(net.first[k], net.first[k + 1]):
-            wave += net.weight[j] * arriving[net.ends[j]]
-        effort = wave
-        if r >= 0:
-            effort *= net.u_w[r]
-            for i in range(len(new)):
-                new[i] = net.x_before[r, i] * w[k] + net.x_now[r, i] * wave
-                for j in range(len(new)):
-                    new[i] += net.x_x[r, i, j] * x[r, j]
-                effort += net.u_x[r, i] * new[i]
-            x[r] = new
-        w[k], u[k] = wave, effort
-        for j in range(net.first[k], net.first[k + 1]):
-            back = 2.0 * effort - arriving[net.ends[j]]
-            sent[net.ends[j]] = 0.0 if abs(back) < TINY else back

@@ -3,8 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from tline.compiled import njit
 
 ROUNDS = 60  # of Newton's method for the steady state
 CLOSE = 1e-9  # a step of Newton's method at a node, relative to what arrives; what is left is its square
@@ -50,7 +51,7 @@ def steady(pipes: Pipes, given: NDArray) -> tuple[NDArray, NDArray]:
     return scale * found[lines:], found[:lines]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def march(pipes, reaches, effort, flow, given, seen):
     """Efforts at some nodes at all steps, from a steady state, for the flows that are given into the nodes."""
     lines, most, effort = len(reaches), np.max(reaches) + 1, effort.copy()
@@ -78,7 +79,7 @@ def march(pipes, reaches, effort, flow, given, seen):
     return record
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def inside(u, y, plus, minus, n, z0, K):
     """One step at the points between the ends of a line; what travels on is left in plus and minus."""
     for i in range(n + 1):
@@ -90,7 +91,7 @@ def inside(u, y, plus, minus, n, z0, K):
         u[i] = (plus[i - 1] + minus[i + 1]) / 2
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def arriving(pipes, reaches, end, effort, plus, minus):
     """Flow out of an end of a line at an effort there, by how much it falls with that, and what arrives."""
     j = end // 2
@@ -100,7 +101,7 @@ def arriving(pipes, reaches, end, effort, plus, minus):
     return flow, 1 / (z0 + K * abs(flow)), w
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def at_node(pipes, reaches, k, effort, given, plus, minus):
     """The effort at which as much flows into a node as out of it, by Newton's method from the one before."""
     if not np.isnan(pipes.held[k]):
