@@ -15,10 +15,11 @@ from fractions import Fraction
 
 from flint import ctx
 
+from passivity.ball import of_point
 from passivity.delayed.form import Form
 from passivity.delayed.quasi import BITS, MAX_PIECES, QuasiPolynomial, on_axis, pieces, winding
 from passivity.delayed.reflection import UnresolvedError, reflection
-from passivity.delayed.value import point, value
+from passivity.delayed.value import value
 from passivity.one_port.polynomial_sign import UndecidedError
 from passivity.status import Kind
 
@@ -80,7 +81,7 @@ def _is_of_the_form(proof: BallProof) -> bool:
     """Whether X leads back to the values of the form, at a few points and to many digits."""
     with ctx.workprec(_DIGITS):
         x = reflection(proof.kind, proof.form)
-        points = [point(re * proof.radius / far, im * proof.radius / far) for re, im in _PLACES for far in (1, 2**20)]
+        points = [of_point(re * proof.radius / far, im * proof.radius / far) for re, im in _PLACES for far in (1, 2**20)]
         pairs = [(x.given(proof.kind, s), value(proof.form, s)) for s in points]
         known = [(a, b) for a, b in pairs if a.is_finite() and b.is_finite()]
         return bool(known) and all(a.overlaps(b) for a, b in known)

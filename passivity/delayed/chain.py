@@ -11,8 +11,9 @@ before is. For a rational load the converse holds too: an active load makes an a
 from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import acb, ctx, fmpq, fmpz_poly
+from flint import acb, ctx, fmpz_poly
 
+from passivity.ball import of_point
 from passivity.errors import ExpressionError
 from passivity.expression.number import digits
 from passivity.one_port.axis import allowance
@@ -158,13 +159,9 @@ def _input(witness: Witness, delay: Fraction) -> acb:
     bits = 64
     while True:
         with ctx.workprec(bits):
-            turn = _ball(-2 * delay * witness.re, -2 * delay * witness.im)
-            h1 = turn.exp() * _ball(witness.value_re, witness.value_im)
+            turn = of_point(-2 * delay * witness.re, -2 * delay * witness.im)
+            h1 = turn.exp() * of_point(witness.value_re, witness.value_im)
             there = (1 - h1) / (1 + h1)
         if there.real < 0 and there.real.rel_accuracy_bits() > 40:
             return there
         bits *= 2
-
-
-def _ball(re: Fraction, im: Fraction) -> acb:
-    return acb(*(fmpq(x.numerator, x.denominator) for x in (re, im)))

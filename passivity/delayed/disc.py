@@ -3,11 +3,9 @@
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TypeAlias
 
-from flint import arb
-
-Real: TypeAlias = Fraction | float  # a float is an infinity
+from passivity.ball import Real, of_fraction
+from passivity.size import MAX_BITS, bits_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,12 +77,17 @@ def _inverse(x: Real) -> Real:
     return 1 / x if x else math.inf
 
 
+def power_of_bound(x: Real, e: int) -> Real:
+    """A modulus to a power e > 0, infinite where it would have too many digits."""
+    return x**e if isinstance(x, Fraction) and (bits_of(x) == 1 or bits_of(x) * e <= MAX_BITS) else math.inf
+
+
 def _text(x: Real) -> str:
     """The number, or what it is about where that is shorter."""
     exact = Fraction(x)
     if max(abs(exact.numerator), exact.denominator) < 10**9:
         return str(exact)
-    return f"about {(arb(exact.numerator) / exact.denominator).str(9, radius=False)}"
+    return f"about {of_fraction(exact).str(9, radius=False)}"
 
 
 RIGHT = Disc(Fraction(0), math.inf)  # Re >= 0

@@ -14,8 +14,8 @@ from typing import TypeAlias
 from flint import fmpz_poly
 
 from passivity.errors import ExpressionError
-from passivity.rational.evaluate import MAX_BITS, MAX_DEGREE
 from passivity.rational.function import RationalFunction
+from passivity.size import check_size
 
 ONE = RationalFunction.constant(Fraction(1))
 _INVERSES = {"tanh": "coth", "coth": "tanh", "sinh": "csch", "csch": "sinh", "cosh": "sech", "sech": "cosh"}
@@ -148,7 +148,6 @@ def multiply(powers: Iterable[tuple[Base, int]]) -> Form:
             if not base.terms and e > 0:
                 return Form(())
             for term in base.terms:
-                _check_degree(abs(e) * term.rational.degree)
                 rational = _kept((rational * term.rational**e).reduced())
                 stack += [(inner, e * k) for inner, k in term.factors]
         elif isinstance(base, Function) and base.name == "sqrt" and e % 2 == 0:
@@ -161,6 +160,7 @@ def multiply(powers: Iterable[tuple[Base, int]]) -> Form:
         if base.name in _INVERSES:
             inverse = Function(_INVERSES[base.name], base.argument)
             factors[inverse] = factors.get(inverse, 0) - factors.pop(base)
+    check_size(max(map(abs, factors.values()), default=0), 0)
     kept = sorted(((base, e) for base, e in factors.items() if e), key=lambda item: str(item[0]))
     if rational.is_zero:
         return Form(())
@@ -202,15 +202,8 @@ def depends_on_s(form: Form) -> bool:
 
 
 def _kept(r: RationalFunction) -> RationalFunction:
-    _check_degree(r.degree)
-    if max(r.p.height_bits(), r.q.height_bits()) > MAX_BITS:
-        raise ExpressionError("", "the coefficients are too long", f"at most {MAX_BITS} bits")
+    check_size(r.degree, r.bits)
     return r
-
-
-def _check_degree(degree: int) -> None:
-    if degree > MAX_DEGREE:
-        raise ExpressionError("", "the degree in s is too high", f"at most {MAX_DEGREE}", f"{degree}")
 
 
 def _power(base: Base, e: int) -> str:

@@ -8,7 +8,8 @@ from operator import add
 
 from flint import acb, arb, ctx
 
-from passivity.delayed.disc import RIGHT, UNIT, Disc, Real
+from passivity.ball import Real, ends, of_fraction
+from passivity.delayed.disc import RIGHT, UNIT, Disc, power_of_bound
 from passivity.delayed.field import TooLargeError
 from passivity.delayed.form import ONE, Form, Function, Product, constant, depends_on_s, multiply, of_rational
 from passivity.delayed.leaf import leaves
@@ -145,7 +146,9 @@ class _Prover:
             if best is None or _size(best, e) == _INF:
                 return
             chosen.append(best)
-            bound *= Fraction(_size(best, e)) ** abs(e)
+            bound *= power_of_bound(_size(best, e), abs(e))
+            if bound == _INF:
+                return
         yield Step("moduli", form, Disc(-bound, bound), tuple(chosen))
 
     def function(self, function: Function) -> Iterator[Step]:
@@ -159,15 +162,15 @@ class _Prover:
                     yield Step("root", form, turn.turn / 2, (turn,))
                     for step in self.discs(argument):
                         if step.disc.low > 0:
-                            low = _enclosed(_arb(step.disc.low).sqrt()).low
+                            low = _enclosed(of_fraction(step.disc.low).sqrt()).low
                             yield Step("root", form, Disc(low, _INF), (turn, step))
                         if step.disc.radius < _INF:
-                            high = _enclosed(_arb(step.disc.radius).sqrt()).high
+                            high = _enclosed(of_fraction(step.disc.radius).sqrt()).high
                             yield Step("root", form, Disc(-high, high), (turn, step))
             case "log":
                 for step in self.discs(argument):
                     if step.disc.low > 0:
-                        low = Fraction(0) if step.disc.low == 1 else _enclosed(_arb(step.disc.low).log()).low
+                        low = Fraction(0) if step.disc.low == 1 else _enclosed(of_fraction(step.disc.low).log()).low
                         yield Step("logarithm", form, Disc(low, _INF), (step,))
             case "tanh" | "coth":
                 if step := self.right(argument):
@@ -179,7 +182,7 @@ class _Prover:
     def exponential(self, form: Form, argument: Form) -> Iterator[Step]:
         best = min(self.discs(argument), key=_high, default=None)
         if best and _high(best) < _INF:
-            bound = Fraction(1) if _high(best) == 0 else _enclosed(_arb(_high(best)).exp()).high
+            bound = Fraction(1) if _high(best) == 0 else _enclosed(of_fraction(_high(best)).exp()).high
             yield Step("exponential", form, Disc(-bound, bound), (best,))
         if (power := of_power(argument)) and (turn := self.turn(power[1])) and turn.turn <= 2:
             yield Step("power", form, abs(power[0]) * turn.turn, (turn,))
@@ -225,13 +228,7 @@ def _is_not_zero(form: Form) -> bool:
 
 
 def _enclosed(ball: arb) -> Disc:
-    low, high = ball.lower().fmpq(), ball.upper().fmpq()
-    return Disc(Fraction(int(low.p), int(low.q)), Fraction(int(high.p), int(high.q)))
-
-
-def _arb(x: Real) -> arb:
-    x = Fraction(x)
-    return arb(x.numerator) / x.denominator
+    return Disc(*ends(ball))
 
 
 def _low(step: Step) -> Real:

@@ -12,6 +12,7 @@ from itertools import pairwise
 
 from flint import acb, arb, arb_poly
 
+from passivity.ball import of_fraction
 from passivity.one_port.polynomial_sign import UndecidedError
 
 MAX_PIECES = 10_000
@@ -69,12 +70,12 @@ def winding(f: QuasiPolynomial, radius: Fraction, cuts: list[Fraction]) -> int:
         If the balls do not leave a single whole number.
     """
     turned = arb(0)
-    values = [f(_J * _arb(w)) for w in cuts]
+    values = [f(_J * of_fraction(w)) for w in cuts]
     for before, after in pairwise(values):
         turned += (after / before).arg()
     degree = f.degree
     leading, _ = f.far(radius, degree)
-    end = values[-1] / (_J * _arb(radius)) ** degree / leading
+    end = values[-1] / (_J * of_fraction(radius)) ** degree / leading
     whole = (degree * arb.pi() + 2 * end.arg() - 2 * turned) / (2 * arb.pi())
     if (count := whole.unique_fmpz()) is None:
         raise UndecidedError("the winding number is not resolved")
@@ -88,7 +89,7 @@ def pieces(cuts: list[Fraction]) -> Iterator[acb]:
 
 def on_axis(low: Fraction, high: Fraction) -> acb:
     """A ball around a piece of the axis."""
-    return _J * _arb(low).union(_arb(high))
+    return _J * of_fraction(low).union(of_fraction(high))
 
 
 def _radius(f: QuasiPolynomial) -> Fraction:
@@ -121,7 +122,3 @@ def _cuts(f: QuasiPolynomial, radius: Fraction) -> Iterator[Fraction]:
         else:
             middle = (low + high) / 2
             stack += [(middle, high), (low, middle)]
-
-
-def _arb(x: Fraction) -> arb:
-    return arb(x.numerator) / x.denominator

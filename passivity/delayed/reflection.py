@@ -8,6 +8,7 @@ from fractions import Fraction
 
 from flint import acb, arb, arb_poly, fmpz_mpoly
 
+from passivity.ball import of_fraction
 from passivity.delayed.field import Element, Field, TooLargeError
 from passivity.delayed.form import Form, Function, depends_on_s, multiply, of_rational
 from passivity.delayed.quasi import QuasiPolynomial
@@ -38,9 +39,9 @@ class Reflection:
     def given(self, kind: Kind, s: acb) -> acb:
         """The function that was given, Z or H = (Z - 1)/(Z + 1), back from X at a point."""
         x = self.n(s) / self.d(s)
-        z = (1 + x) / (1 - x) * _acb(self.far) + s * _acb(self.slopes[-1])
+        z = (1 + x) / (1 - x) * of_fraction(self.far) + s * of_fraction(self.slopes[-1])
         for slope in self.slopes[-2::-1]:
-            z = s * _acb(slope) + 1 / z
+            z = s * of_fraction(slope) + 1 / z
         return z if kind is Kind.PR else (z - 1) / (z + 1)
 
 
@@ -141,7 +142,3 @@ def _quasi(meaning: list[tuple[arb, arb]], f: fmpz_mpoly) -> QuasiPolynomial:
     return QuasiPolynomial(
         tuple((delays[key], arb_poly([p.get(k, 0) for k in range(max(p, default=-1) + 1)])) for key, p in parts.items())
     )
-
-
-def _acb(x: Fraction) -> acb:
-    return acb(x.numerator) / x.denominator

@@ -2,8 +2,9 @@
 
 from fractions import Fraction
 
-from flint import acb, ctx, fmpq
+from flint import acb, ctx
 
+from passivity.ball import of_point
 from passivity.delayed.form import Base, Form, Product
 
 _MOST_BITS = 4096
@@ -34,15 +35,10 @@ def exact_value(form: Form, re: Fraction, im: Fraction) -> acb:
     while True:
         # the precision is global to the process: what counts is the accuracy found, not asked for
         with ctx.workprec(bits):
-            found = value(form, point(re, im))
+            found = value(form, of_point(re, im))
         if bits >= _MOST_BITS or all(x.rel_accuracy_bits() >= 60 or x == 0 for x in (found.real, found.imag)):
             return found
         bits *= 2
-
-
-def point(re: Fraction, im: Fraction) -> acb:
-    """The rational point, at the present precision."""
-    return acb(*(fmpq(x.numerator, x.denominator) for x in (re, im)))
 
 
 def _product(term: Product, s: acb) -> acb:

@@ -8,7 +8,8 @@ from operator import add
 
 from flint import acb, arb, ctx
 
-from passivity.delayed.disc import RIGHT, UNIT, Disc, Real
+from passivity.ball import Real, of_fraction
+from passivity.delayed.disc import RIGHT, UNIT, Disc, power_of_bound
 from passivity.delayed.field import Field, TooLargeError
 from passivity.delayed.form import ONE, Form, Function, apply, constant, depends_on_s, multiply, of_rational
 from passivity.delayed.leaf import moved
@@ -49,10 +50,6 @@ def _number(form: Form) -> Fraction | None:
     return r.numerator[0] / r.denominator[0] if r is not None and r.degree == 0 else None
 
 
-def _arb(x: Real) -> arb:
-    return arb(x) if isinstance(x, float) else arb(x.numerator) / x.denominator
-
-
 def _constant(step: Step) -> bool:
     if depends_on_s(step.form):
         return False
@@ -61,7 +58,7 @@ def _constant(step: Step) -> bool:
     x = value(step.form, acb(1))
     if isinstance(step.claim, Fraction):
         return x.imag == 0 and bool(x.real > 0)
-    return x.imag == 0 and bool(x.real >= _arb(step.disc.low) and x.real <= _arb(step.disc.high))
+    return x.imag == 0 and bool(x.real >= of_fraction(step.disc.low) and x.real <= of_fraction(step.disc.high))
 
 
 def _rational(step: Step) -> bool:
@@ -121,7 +118,7 @@ def _moduli(step: Step) -> bool:
 
 def _modulus(disc: Disc, e: int) -> Real:
     image = disc if e > 0 else disc.inverse()
-    return image.radius ** abs(e) if image and image.radius < inf else inf
+    return power_of_bound(image.radius, abs(e)) if image else inf
 
 
 def _product(step: Step) -> bool:
@@ -161,7 +158,7 @@ def _root(step: Step) -> bool:
 def _logarithm(step: Step) -> bool:
     (premise,) = step.premises
     fits = step.form == apply("log", premise.form) and step.disc.high == inf
-    return fits and premise.disc.low > 0 and bool(_arb(premise.disc.low).log() >= _arb(step.disc.low))
+    return fits and premise.disc.low > 0 and bool(of_fraction(premise.disc.low).log() >= of_fraction(step.disc.low))
 
 
 def _hyperbolic(step: Step) -> bool:
@@ -180,7 +177,7 @@ def _exponential(step: Step) -> bool:
     (premise,) = step.premises
     bound = min(-step.disc.low, step.disc.high)
     fits = step.form == apply("exp", premise.form) and premise.disc.high < inf
-    return fits and bool(_arb(premise.disc.high).exp() <= _arb(bound))
+    return fits and bool(of_fraction(premise.disc.high).exp() <= of_fraction(bound))
 
 
 def _power(step: Step) -> bool:

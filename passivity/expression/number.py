@@ -6,7 +6,10 @@ from decimal import Context, Decimal
 from fractions import Fraction
 from typing import Any
 
+from flint import fmpq
+
 from passivity.errors import ExpressionError
+from passivity.size import bits_of, check_size
 
 
 def fraction(number: Any, where: str) -> Fraction:
@@ -18,9 +21,11 @@ def fraction(number: Any, where: str) -> Fraction:
     Fraction(1, 2)
     """
     try:
-        return Fraction(getattr(number, "item", lambda: number)())  # the number in a numpy scalar
+        found = Fraction(getattr(number, "item", lambda: number)())  # the number in a numpy scalar
     except (TypeError, ValueError, OverflowError):
         raise not_a_number(number, where) from None
+    check_size(0, bits_of(found), where)
+    return found
 
 
 def not_a_number(value: object, where: str) -> ExpressionError:
@@ -41,6 +46,17 @@ def double(x: Fraction | float) -> float:
         return float(x)
     except OverflowError:
         return math.inf if x > 0 else -math.inf
+
+
+def written(x: Fraction | float) -> str:
+    """A number in full, of any length; Python refuses to write more than 4300 digits.
+
+    Examples
+    --------
+    >>> written(Fraction(-1, 3)), len(written(Fraction(10**5000))), written(math.inf)
+    ('-1/3', 5001, 'inf')
+    """
+    return str(x) if isinstance(x, float) else str(fmpq(x.numerator, x.denominator))
 
 
 def digits(x: Fraction | float, count: int = 6) -> str:

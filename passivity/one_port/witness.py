@@ -6,6 +6,7 @@ from math import isqrt
 
 from flint import acb, arb, ctx, fmpq, fmpz, fmpz_poly
 
+from passivity.ball import near
 from passivity.one_port.ladder import approximate_roots
 from passivity.one_port.verdict import Witness
 from passivity.status import Kind
@@ -81,14 +82,14 @@ def candidates(f: fmpz_poly) -> Iterator[tuple[Fraction, Fraction]]:
     for start in approximate_roots(f)[:3]:
         root = _polished(f, acb(start))
         if root.is_finite():
-            yield from _rounded(_middle(root.real), _middle(root.imag), _ACCURACY)
+            yield from _rounded(near(root.real), near(root.imag), _ACCURACY)
     accuracy = _ACCURACY
     while True:
         # the precision is global to the process: should another thread lower it, the next round helps
         with ctx.workprec(accuracy):
             roots: list = f.complex_roots()
             root = max((root for root, _ in roots), key=_cosine)
-        yield from _rounded(_middle(root.real), _middle(root.imag), accuracy - 10)
+        yield from _rounded(near(root.real), near(root.imag), accuracy - 10)
         accuracy *= 4
 
 
@@ -106,19 +107,14 @@ def _rounded(re: Fraction, im: Fraction, bits: int) -> Iterator[tuple[Fraction, 
     shown = 2
     while shown < bits:
         grid = power_of_two(abs(re) + abs(im)) / 2**shown
-        near, up = round(re / grid) * grid, round(abs(im) / grid) * grid
-        yield near, up
-        yield near + grid, up
+        left, up = round(re / grid) * grid, round(abs(im) / grid) * grid
+        yield left, up
+        yield left + grid, up
         shown *= 2
 
 
 def _cosine(root: acb) -> float:
     return float((root.real / abs(root)).mid())
-
-
-def _middle(ball: arb) -> Fraction:
-    middle = ball.mid().fmpq()
-    return Fraction(int(middle.p), int(middle.q))
 
 
 def square_roots(x: Fraction) -> Iterator[Fraction]:

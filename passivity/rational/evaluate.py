@@ -12,9 +12,8 @@ from passivity.expression.number import fraction, not_a_number
 from passivity.expression.parse import parse
 from passivity.expression.tree import Add, Call, Divide, Multiply, Negate, Node, Number, Power, Symbol, symbols
 from passivity.rational.quotient import Quotient
+from passivity.size import check_size
 
-MAX_DEGREE = 400
-MAX_BITS = 100_000  # of a coefficient
 MAX_WORK = 300_000_000  # bits in all intermediate results of one expression: half a second
 
 Exact: TypeAlias = int | float | Fraction | Decimal | str
@@ -105,9 +104,7 @@ class _Evaluation:
             case Divide(numerator, denominator):
                 return self.kept(self.of(numerator) / self.of(denominator))
             case Power(operand, exponent):
-                base = self.of(operand)
-                _check_size(abs(exponent) * base.degree, abs(exponent) * _bits(base))
-                return self.kept(base**exponent)
+                return self.kept(self.of(operand) ** exponent)
             case Add(children) | Multiply(children):
                 result = self.of(children[0])
                 for child in children[1:]:
@@ -119,23 +116,12 @@ class _Evaluation:
                 raise ExpressionError("", problem, "only + - * / and whole powers")
 
     def kept(self, result: Quotient) -> Quotient:
-        bits = _bits(result)
-        _check_size(result.degree, bits)
+        bits = result.bits
+        check_size(result.degree, bits)
         self.work += (result.degree + 1) * bits
         if self.work > MAX_WORK:
             raise ExpressionError("", "the expression is too laborious", "fewer terms, or shorter numbers")
         return result
-
-
-def _check_size(degree: int, bits: int) -> None:
-    if degree > MAX_DEGREE:
-        raise ExpressionError("", "the degree in s is too high", f"at most {MAX_DEGREE}", f"{degree}")
-    if bits > MAX_BITS:
-        raise ExpressionError("", "the coefficients are too long", f"at most {MAX_BITS} bits", f"{bits}")
-
-
-def _bits(function: Quotient) -> int:
-    return max(function.p.height_bits(), function.q.height_bits())
 
 
 def _list(names: Iterable[str]) -> str:

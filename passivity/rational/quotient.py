@@ -10,6 +10,7 @@ from flint import fmpz_poly
 
 from passivity.errors import ExpressionError
 from passivity.expression.number import fraction
+from passivity.size import powered
 
 Number: TypeAlias = int | float | Fraction
 Q = TypeVar("Q", bound="Quotient")
@@ -81,6 +82,11 @@ class Quotient:
         return max(self.p.degree(), self.q.degree())
 
     @property
+    def bits(self) -> int:
+        """Length of the longest coefficient."""
+        return max(self.p.height_bits(), self.q.height_bits())
+
+    @property
     def is_zero(self) -> bool:
         """Whether this is the short circuit."""
         return not self.p
@@ -124,8 +130,8 @@ class Quotient:
         return type(self)(-self.p, self.q)
 
     def __pow__(self, exponent: int) -> Self:
-        base = self if exponent >= 0 else self.inverse()
-        return type(self)(base.p ** abs(exponent), base.q ** abs(exponent))
+        base, size = self if exponent >= 0 else self.inverse(), abs(exponent)
+        return type(self)(*(powered(f, size, f.degree(), f.height_bits()) for f in (base.p, base.q)))
 
     def inverse(self) -> Self:
         """The admittance of an impedance; open and short circuit change places."""
