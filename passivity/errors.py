@@ -1,10 +1,26 @@
 """What is wrong with a given impedance, in one sentence."""
 
+from collections.abc import Callable
+
 from tline.errors import InputError
 
 
 class ExpressionError(InputError):
     """One mistake in a given impedance: at ``column 7``, ``parameter L``, ``numerator[2]``."""
+
+
+def shown(given: object, write: Callable[[object], str] = str) -> str:
+    """What was given, as a message quotes it: at most 60 characters, by `str` or `repr`.
+
+    Examples
+    --------
+    >>> shown("-1 ohm"), shown([1, 2], repr), shown(10**5000)
+    ('-1 ohm', '[1, 2]', 'int of over 4300 digits')
+    """
+    try:
+        return write(given)[:60]
+    except ValueError:  # Python writes no longer ones
+        return f"{type(given).__name__} of over 4300 digits"
 
 
 def shorten(text: str) -> str:

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 from passivity.delayed.chain import Chain
+from passivity.expression.number import written
 from passivity.one_port.certificate import verify
 from passivity.one_port.margin import Margin, Margins
 from passivity.one_port.robustness import Robustness
@@ -29,21 +30,21 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None, chain
         told["certificate"] = {
             "cancelled": _list(c.common),
             "sign_factors": [{"factor": _list(f), "power": power} for f, power in c.sign.factors],
-            "sign_breaks": [str(x) for x in c.sign.breaks],
+            "sign_breaks": [written(x) for x in c.sign.breaks],
             "routh_column": [pivot.str(12) for pivot in c.column],
             "verified": verify(c),
         }
     if robust:
         exception = robust.exception
         told["robustness"] = {
-            "tolerance": str(robust.tolerance),
+            "tolerance": written(robust.tolerance),
             "same": robust.same,
             "exception": exception and {"numerator": _list(exception.p), "denominator": _list(exception.q)},
         }
     if chain:
         told["line"] = {
-            "z0": str(chain.z0),
-            "delay": str(chain.delay),
+            "z0": written(chain.z0),
+            "delay": written(chain.delay),
             "status": chain.status.value,
             "steps": [{"claim": x.claim, "status": x.status.value, "reason": x.reason} for x in chain.steps],
         }
@@ -53,7 +54,7 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None, chain
 
 
 def _witness(witness: Witness) -> dict[str, str | None]:
-    return {key: None if part is None else str(part) for key, part in vars(witness).items()}
+    return {key: None if part is None else written(part) for key, part in vars(witness).items()}
 
 
 def _list(polynomial: Any) -> list[str]:
@@ -64,4 +65,4 @@ def _margin(margin: Margin | None) -> dict[str, Any] | None:
     if margin is None:
         return None
     value, frequency = (x if math.isfinite(x) else str(x) for x in (margin.value, margin.frequency))
-    return {"value": value, "low": str(margin.low), "high": str(margin.high), "frequency": frequency}
+    return {"value": value, "low": written(margin.low), "high": written(margin.high), "frequency": frequency}

@@ -81,7 +81,8 @@ def _is_of_the_form(proof: BallProof) -> bool:
     """Whether X leads back to the values of the form, at a few points and to many digits."""
     with ctx.workprec(_DIGITS):
         x = reflection(proof.kind, proof.form)
-        points = [of_point(re * proof.radius / far, im * proof.radius / far) for re, im in _PLACES for far in (1, 2**20)]
+        sizes = [proof.radius / far for far in (1, 2**20)]
+        points = [of_point(re * size, im * size) for re, im in _PLACES for size in sizes]
         pairs = [(x.given(proof.kind, s), value(proof.form, s)) for s in points]
         known = [(a, b) for a, b in pairs if a.is_finite() and b.is_finite()]
         return bool(known) and all(a.overlaps(b) for a, b in known)

@@ -14,7 +14,7 @@ from fractions import Fraction
 from flint import acb, ctx, fmpz_poly
 
 from passivity.ball import of_point
-from passivity.errors import ExpressionError
+from passivity.errors import ExpressionError, shown
 from passivity.expression.number import digits
 from passivity.one_port.axis import allowance
 from passivity.one_port.polynomial_sign import find_sign
@@ -93,9 +93,9 @@ def check_line(load: RationalFunction, z0: Exact, delay: Exact) -> Chain:
     """
     reference, travel = exact(z0, "z0"), exact(delay, "delay")
     if reference <= 0:
-        raise ExpressionError("z0", "not positive", "more than 0", str(z0))
+        raise ExpressionError("z0", "not positive", "more than 0", shown(z0))
     if travel < 0:
-        raise ExpressionError("delay", "negative", "at least 0", str(delay))
+        raise ExpressionError("delay", "negative", "at least 0", shown(delay))
     one, unit = load.p * reference.denominator, load.q * reference.numerator
     h2 = RationalFunction(one - unit, one + unit)
     verdict, reflection = check_positive_real(load), check_bounded_real(h2)

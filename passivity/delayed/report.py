@@ -5,6 +5,7 @@ from typing import Any
 from passivity.delayed.boxes import holds
 from passivity.delayed.decide import ExpressionVerdict
 from passivity.delayed.verify import verify_proof
+from passivity.expression.number import written
 
 
 def expression_as_dict(verdict: ExpressionVerdict) -> dict[str, Any]:
@@ -28,16 +29,16 @@ def expression_as_dict(verdict: ExpressionVerdict) -> dict[str, Any]:
         told["proof"] = {"steps": list(verdict.proof.lines()), "verified": verify_proof(verdict.proof)}
     if verdict.balls:
         told["balls"] = {
-            "radius": str(verdict.balls.radius),
-            "cuts": [str(cut) for cut in verdict.balls.cuts],
+            "radius": written(verdict.balls.radius),
+            "cuts": [written(cut) for cut in verdict.balls.cuts],
             "verified": holds(verdict.balls),
         }
     if found := verdict.witness:
-        told["witness"] = {"re": str(found.re), "im": str(found.im), "value": found.value.str(20)}
+        told["witness"] = {"re": written(found.re), "im": written(found.im), "value": found.value.str(20)}
     if margin := verdict.margin:
         told["margin"] = {
             "attained": margin.attained.str(20),
-            "bound": None if margin.bound is None else str(margin.bound),
+            "bound": None if margin.bound is None else written(margin.bound),
             "frequency": margin.frequency,
         }
     return told

@@ -9,7 +9,7 @@ from fractions import Fraction
 from flint import arb, arb_poly, ctx, fmpz_poly
 
 from passivity.delayed.quasi import BITS, QuasiPolynomial, zeros_right
-from passivity.errors import ExpressionError
+from passivity.errors import ExpressionError, shown
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
 
@@ -100,9 +100,9 @@ def _checked(h2: RationalFunction, delay: Exact, sign: int) -> tuple[fmpz_poly, 
     """Numerator, with the sign, and denominator of H2 in lowest terms, and T."""
     travel = exact(delay, "delay")
     if travel < 0:
-        raise ExpressionError("delay", "negative", "at least 0", str(delay))
+        raise ExpressionError("delay", "negative", "at least 0", shown(delay))
     if sign not in (1, -1):
-        raise ExpressionError("sign", "neither sign", "1 or -1", repr(sign))
+        raise ExpressionError("sign", "neither sign", "1 or -1", shown(sign, repr))
     if h2.is_infinite:
         raise ExpressionError("h2", "infinite everywhere", "a reflection with a denominator")
     reduced = h2.reduced()

@@ -8,7 +8,7 @@ from typing import Any
 
 from flint import fmpq
 
-from passivity.errors import ExpressionError
+from passivity.errors import ExpressionError, shown
 from passivity.size import bits_of, check_size
 
 
@@ -31,7 +31,7 @@ def fraction(number: Any, where: str) -> Fraction:
 def not_a_number(value: object, where: str) -> ExpressionError:
     """The error for a value that is none."""
     expected = "a finite int, float or Fraction, or text such as '0.1' or '10 nH'"
-    return ExpressionError(where, "not a number", expected, repr(value)[:60])
+    return ExpressionError(where, "not a number", expected, shown(value, repr))
 
 
 def double(x: Fraction | float) -> float:

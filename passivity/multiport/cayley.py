@@ -4,7 +4,7 @@ from fractions import Fraction
 
 from flint import fmpz_poly
 
-from passivity.errors import ExpressionError
+from passivity.errors import ExpressionError, shown
 from passivity.multiport.matrix import RationalMatrix
 from passivity.multiport.polynomial_matrix import PolynomialMatrix, add, identity, minor_sums, scaled
 from passivity.rational.evaluate import Exact, exact
@@ -95,5 +95,5 @@ def _quotient(n: PolynomialMatrix, d: fmpz_poly) -> RationalMatrix:
 def _positive(given: Exact, name: str) -> Fraction:
     value = exact(given, name)
     if value <= 0:
-        raise ExpressionError(name, "not positive", "more than 0", str(given))
+        raise ExpressionError(name, "not positive", "more than 0", shown(given))
     return value

@@ -3,7 +3,7 @@
 All flows are counted into the element; waves a and b are those of ports with the same reference resistance.
 """
 
-from passivity.errors import ExpressionError
+from passivity.errors import ExpressionError, shown
 from passivity.multiport.cayley import scattering
 from passivity.multiport.matrix import MAX_PORTS, RationalMatrix
 from passivity.rational.evaluate import Exact, exact
@@ -61,5 +61,5 @@ def circulator_scattering(ports: int = 3) -> RationalMatrix:
     [(0)/(1), (0)/(1), (1)/(1); (1)/(1), (0)/(1), (0)/(1); (0)/(1), (1)/(1), (0)/(1)]
     """
     if not isinstance(ports, int) or not 1 < ports <= MAX_PORTS:
-        raise ExpressionError("ports", "not a number of ports", f"from 2 to {MAX_PORTS}", repr(ports)[:60])
+        raise ExpressionError("ports", "not a number of ports", f"from 2 to {MAX_PORTS}", shown(ports, repr))
     return RationalMatrix.from_rows([[int(i == (k + 1) % ports) for k in range(ports)] for i in range(ports)])

@@ -8,7 +8,7 @@ from typing import Any, Self, TypeAlias
 
 from flint import fmpq, fmpq_mat, fmpz_poly
 
-from passivity.errors import ExpressionError
+from passivity.errors import ExpressionError, shown
 from passivity.expression.parse import parse
 from passivity.expression.tree import symbols
 from passivity.multiport.polynomial_matrix import PolynomialMatrix
@@ -82,7 +82,7 @@ class RationalMatrix:
             for i, row in enumerate(given, 1)
         )
         if unused := sorted(set(named) - used, key=str):
-            raise ExpressionError(f"parameter {unused[0]!s:.60}", "not in the matrix", "only names that are in it")
+            raise ExpressionError(f"parameter {shown(unused[0])}", "not in the matrix", "only names that are in it")
         return cls(done)
 
     @property
@@ -148,11 +148,11 @@ def table(name: str, rows: Any) -> list[list[Any]]:
     """
     expected = "a sequence of rows, each a sequence of entries"
     if isinstance(rows, str) or not isinstance(rows, Iterable):
-        raise ExpressionError(name, "not a matrix", expected, repr(rows)[:60])
+        raise ExpressionError(name, "not a matrix", expected, shown(rows, repr))
     done = []
     for row in rows:
         if isinstance(row, str) or not isinstance(row, Iterable):
-            raise ExpressionError(name, "not a matrix", expected, repr(row)[:60])
+            raise ExpressionError(name, "not a matrix", expected, shown(row, repr))
         done.append(list(row))
     return done
 

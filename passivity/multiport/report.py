@@ -3,10 +3,10 @@
 import math
 from typing import Any
 
+from passivity.expression.number import written
 from passivity.multiport.certificate import verify
 from passivity.multiport.margin import MatrixMargin
 from passivity.multiport.verdict import Certificate, MatrixVerdict, StorageCertificate
-from passivity.one_port.witness import to_fmpq
 
 
 def as_dict(verdict: MatrixVerdict, margin: MatrixMargin | None) -> dict[str, Any]:
@@ -30,10 +30,10 @@ def as_dict(verdict: MatrixVerdict, margin: MatrixMargin | None) -> dict[str, An
     }
     if witness := verdict.witness:
         told["witness"] = {
-            "re": str(witness.re),
-            "im": str(witness.im),
-            "vector": [[str(x) for x in pair] for pair in witness.vector],
-            "value": str(to_fmpq(witness.value)),  # Python refuses to write more than 4300 digits
+            "re": written(witness.re),
+            "im": written(witness.im),
+            "vector": [[written(x) for x in pair] for pair in witness.vector],
+            "value": written(witness.value),
         }
     if verdict.analysis:
         bands = [[_number(x) for x in band] for band in verdict.analysis.bands]
@@ -56,7 +56,7 @@ def _certificate(certificate: Certificate) -> dict[str, Any]:
                 "sum": _list(x.a),
                 "power": x.power,
                 "sign_factors": [{"factor": _list(f), "power": power} for f, power in x.sign.factors],
-                "sign_breaks": [str(b) for b in x.sign.breaks],
+                "sign_breaks": [written(b) for b in x.sign.breaks],
             }
             for x in certificate.sums
         ],

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from flint import fmpz_poly
 
-from passivity.errors import ExpressionError
+from passivity.errors import ExpressionError, shown
 from passivity.expression.number import double
 from passivity.one_port.axis import allowance, product
 from passivity.one_port.infimum import Infimum, infimum
@@ -86,7 +86,7 @@ def margins(verdict: Verdict, z0: Exact = 1) -> Margins:
     """
     p, q, reference = verdict.function.p, verdict.function.q, exact(z0, "z0")
     if reference <= 0:
-        raise ExpressionError("z0", "not positive", "more than 0", str(z0))
+        raise ExpressionError("z0", "not positive", "more than 0", shown(z0))
     if verdict.kind is Kind.BR:
         return Margins(None, None, _reflection(p, q))
     a = allowance(Kind.PR, p, q)

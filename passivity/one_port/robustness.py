@@ -16,7 +16,7 @@ from itertools import product
 
 from flint import fmpz, fmpz_poly
 
-from passivity.errors import ExpressionError
+from passivity.errors import ExpressionError, shown
 from passivity.one_port.hurwitz import routh_column
 from passivity.one_port.polynomial_sign import SignProof, find_sign
 from passivity.one_port.positive_real import check_positive_real
@@ -70,7 +70,7 @@ def robustness(verdict: Verdict, tolerance: Exact) -> Robustness:
     """
     eps = exact(tolerance, "tolerance")
     if not 0 <= eps < 1:
-        raise ExpressionError("tolerance", "out of range", "at least 0 and below 1", str(tolerance))
+        raise ExpressionError("tolerance", "out of range", "at least 0 and below 1", shown(tolerance))
     if verdict.status is Status.UNDECIDED or verdict.kind is not Kind.PR:
         raise ExpressionError("verdict", "has no box to ask about", "proved or refuted by check_positive_real")
     if verdict.witness:

@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 from flint import fmpz_poly
 
-from passivity.errors import ExpressionError
+from passivity.errors import ExpressionError, shown
 from passivity.expression.number import fraction, not_a_number
 from passivity.expression.parse import parse
 from passivity.expression.tree import Add, Call, Divide, Multiply, Negate, Node, Number, Power, Symbol, symbols
@@ -38,7 +38,7 @@ def with_values(text: str, parameters: Mapping[str, Exact]) -> tuple[Node, dict[
             expected = "a rational number for it, such as pi=3.14159265358979; the verdict is then about that number"
         raise ExpressionError(where, "no value", expected, _list(parameters))
     if unused:
-        where, problem = f"parameter {unused[0]!s:.60}", "not in the expression"
+        where, problem = f"parameter {shown(unused[0])}", "not in the expression"
         problem = "s is the Laplace variable" if unused[0] == "s" else problem
         raise ExpressionError(where, problem, f"values for {_list(names)}", _list(parameters))
     return tree, {name: exact(x, f"parameter {name}") for name, x in parameters.items()}

@@ -9,7 +9,7 @@ from typing import Self
 
 from flint import acb, ctx, fmpq, fmpq_poly
 
-from passivity.errors import ExpressionError
+from passivity.errors import ExpressionError, shown
 from passivity.rational.evaluate import Exact, evaluate, exact
 from passivity.rational.quotient import Quotient
 from passivity.rational.systems import coefficients
@@ -170,7 +170,7 @@ class RationalFunction(Quotient):
 def _polynomial(given: Iterable[Exact], name: str) -> fmpq_poly:
     if isinstance(given, str) or not isinstance(given, Iterable):
         expected = "a sequence of numbers, highest power first"
-        raise ExpressionError(name, "not coefficients", expected, repr(given)[:60])
+        raise ExpressionError(name, "not coefficients", expected, shown(given, repr))
     values = [exact(value, f"{name}[{i}]") for i, value in enumerate(given)]
     if not values:
         raise ExpressionError(name, "no coefficients", "at least one number")

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from passivity.errors import ExpressionError
+from passivity.errors import ExpressionError, shorten, shown
 from passivity.sampled.response import Parameter, SampledResponse, array
 from passivity.status import Status
 
@@ -140,7 +140,7 @@ def check_samples(response: SampledResponse, tolerance: ArrayLike = 0.0) -> Samp
     given = array(tolerance, float, "tolerance")
     if given.shape not in ((), response.f.shape) or (given < 0).any():
         expected = f"a number >= 0, or {len(response.f)} of them"
-        raise ExpressionError("tolerance", "not an error bar", expected, f"{tolerance!s:.40}")
+        raise ExpressionError("tolerance", "not an error bar", expected, shorten(shown(tolerance)))
     worst = worst_values(values, parameter)
     bars = given + ROUNDING * response.ports * np.sqrt((np.abs(values) ** 2).sum((1, 2)))
     beyond = excess(worst, parameter) - bars

@@ -19,7 +19,7 @@ G. Schwarz, "Estimating the dimension of a model", Annals of Statistics 6 (1978)
 import numpy as np
 from numpy.typing import NDArray
 
-from passivity.errors import ExpressionError
+from passivity.errors import ExpressionError, shown
 from passivity.sampled.enforce import deviation
 from passivity.sampled.model import MAX_POLES, PoleResidueModel, terms
 from passivity.sampled.response import MAX_SAMPLES, Parameter, SampledResponse
@@ -67,7 +67,7 @@ def fit(response: SampledResponse, order: int | None = None) -> PoleResidueModel
         raise ExpressionError("response", "too few samples for a model", "at least 3", f"{n}")
     orders = [k for k in (ORDERS if order is None else (order,)) if isinstance(k, int) and 0 <= k <= most]
     if not orders:
-        raise ExpressionError("order", "does not suit the samples", f"0 to {most}", f"{order!r:.40}")
+        raise ExpressionError("order", "does not suit the samples", f"0 to {most}", shown(order, repr))
     best, least, in_vain = None, np.inf, 0
     for k in orders:
         model = _fit(response, k)

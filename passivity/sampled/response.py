@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from passivity.errors import ExpressionError
+from passivity.errors import ExpressionError, shorten, shown
 from passivity.status import Kind
 
 MAX_PORTS = 16
@@ -25,7 +25,7 @@ class Parameter(StrEnum):
 
     @classmethod
     def _missing_(cls, value: object):
-        raise ExpressionError("parameter", "not known", "Z, Y or S", f"{value!r:.40}")
+        raise ExpressionError("parameter", "not known", "Z, Y or S", shown(value, repr))
 
     @property
     def kind(self) -> Kind:
@@ -86,7 +86,7 @@ class SampledResponse:
         z0 = array(self.z0, float, "z0")
         if z0.ndim > 1 or z0.size not in (1, values.shape[1]) or (z0 <= 0).any():
             raise ExpressionError(
-                "z0", "not a reference resistance", "a number > 0, or one for each port", f"{self.z0!s:.40}"
+                "z0", "not a reference resistance", "a number > 0, or one for each port", shorten(shown(self.z0))
             )
         z0 = np.broadcast_to(z0, (values.shape[1],))
         for name, value in (("f", f), ("values", values), ("parameter", parameter), ("z0", z0)):

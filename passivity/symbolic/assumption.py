@@ -5,7 +5,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
-from passivity.errors import ExpressionError, shorten
+from passivity.errors import ExpressionError, shorten, shown
+from passivity.expression.number import written
 from passivity.expression.parse import parse
 from passivity.expression.tree import Symbol
 from passivity.rational.evaluate import exact
@@ -51,14 +52,15 @@ class Range:
         return Range(self.name, low, high, open_low, not shut)
 
     def __str__(self) -> str:
+        low, high = ("" if end is None else written(end) for end in (self.low, self.high))
         if self.is_point:
-            return f"{self.name} = {self.low}"
+            return f"{self.name} = {low}"
         below, above = "<" if self.open_low else "<=", "<" if self.open_high else "<="
         if self.low is None:
-            return f"{self.name} real" if self.high is None else f"{self.name} {above} {self.high}"
+            return f"{self.name} real" if self.high is None else f"{self.name} {above} {high}"
         if self.high is None:
-            return f"{self.name} {'>' if self.open_low else '>='} {self.low}"
-        return f"{self.low} {below} {self.name} {above} {self.high}"
+            return f"{self.name} {'>' if self.open_low else '>='} {low}"
+        return f"{low} {below} {self.name} {above} {high}"
 
 
 def parse_assumption(text: str) -> Range:
@@ -81,7 +83,7 @@ def parse_assumption(text: str) -> Range:
     0 < k < 1/2 - k real - C = 1/250000000000
     """
     if not isinstance(text, str) or len(text) > _MAX_CHARACTERS:
-        raise ExpressionError("assumption", "not an assumption", _FORMS, shorten(repr(text)[:60]))
+        raise ExpressionError("assumption", "not an assumption", _FORMS, shorten(shown(text, repr)))
     where = f"assumption {shorten(text.strip())}"
     if real := re.fullmatch(r"\s*(\S+)\s+real\s*", text):
         return Range(_name(real[1], where))
@@ -106,7 +108,7 @@ def parse_assumption(text: str) -> Range:
 def collect(assumptions: Iterable[str | Range]) -> dict[str, Range]:
     """The range of each parameter that is named; several assumptions on one hold together."""
     if isinstance(assumptions, str):
-        raise ExpressionError("assumptions", "one text", "a list of texts", shorten(repr(assumptions)))
+        raise ExpressionError("assumptions", "one text", "a list of texts", shorten(shown(assumptions, repr)))
     ranges: dict[str, Range] = {}
     for given in assumptions:
         one = given if isinstance(given, Range) else parse_assumption(given)

@@ -3,7 +3,8 @@
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
 
-from passivity.errors import ExpressionError
+from passivity.errors import ExpressionError, shown
+from passivity.expression.number import written
 from passivity.expression.parse import parse
 from passivity.expression.tree import Node, symbols
 from passivity.rational.evaluate import Exact, exact
@@ -89,7 +90,7 @@ def check_symbolic(
         return _refutation(tree, kind, numbers | values)
 
     if found := search(domain.ranges, trial):
-        at = ", ".join(f"{name} = {x}" for name, x in found.values.items()) or "these numbers"
+        at = ", ".join(f"{name} = {written(x)}" for name, x in found.values.items()) or "these numbers"
         why = f"not for {write.cut(at, _SHOWN)}: {found.why}"
         return SymbolicVerdict(kind, ranges, Status.REFUTED, why, (), condition, found, note)
     help_ = f"whether the assumptions imply {condition}" if condition else "values for the parameters"
@@ -120,5 +121,5 @@ def _ranges(tree: Node, assumptions: Iterable[str | Range], parameters: Mapping[
         raise ExpressionError(f"parameter {name:.60}", "no value and no assumption", f"such as {name:.60} > 0")
     for name in sorted(set(ranges) - names, key=str):
         problem = "s is the Laplace variable" if name == "s" else "not in the expression"
-        raise ExpressionError(f"parameter {name!s:.60}", problem, f"something about {listed}")
+        raise ExpressionError(f"parameter {shown(name)}", problem, f"something about {listed}")
     return tuple(ranges[name] for name in sorted(names))

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from passivity.expression.number import written
 from passivity.symbolic.verdict import SymbolicVerdict
 
 
@@ -25,9 +26,9 @@ def symbolic_as_dict(verdict: SymbolicVerdict) -> dict[str, Any]:
         "proof": list(verdict.proof),
         "counterexample": found
         and {
-            "values": {name: str(value) for name, value in found.values.items()},
-            "witness": {key: None if part is None else str(part) for key, part in vars(found.witness).items()},
-            "delay": str(found.delay),
+            "values": {name: written(value) for name, value in found.values.items()},
+            "witness": {key: None if part is None else written(part) for key, part in vars(found.witness).items()},
+            "delay": written(found.delay),
         },
         "note": verdict.note,
     }

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from flint import fmpz_mpoly
 
-from passivity.errors import ExpressionError
+from passivity.errors import ExpressionError, shorten, shown
 from passivity.rational.evaluate import Exact, exact
 from passivity.status import Kind, Status
 from passivity.symbolic.assumption import Range
@@ -49,7 +49,7 @@ class Condition:
             numbers[r.name] = exact(values[r.name], f"parameter {r.name}")
             if numbers[r.name] not in r:
                 raise ExpressionError(
-                    f"parameter {r.name}", "against the assumption", str(r), f"{values[r.name]!s:.30}"
+                    f"parameter {r.name}", "against the assumption", str(r), shorten(shown(values[r.name]))
                 )
         if all(_vanishes(f, numbers) for f in self.function):
             raise ExpressionError("parameters", "0/0 has no value", "a numerator or a denominator that is not zero")

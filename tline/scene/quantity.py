@@ -113,7 +113,7 @@ class Whole:
     """What makes an int of a scene a whole number within limits; a text of digits will do, a truth value will not."""
 
     least: int
-    most: int | None = None
+    most: int = 2**53  # beyond, doubles leave some out
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
@@ -124,13 +124,14 @@ class Whole:
         number = int(digits) if re.fullmatch(r"[+-]?[0-9]+", digits) else typed
         if isinstance(number, float) and number.is_integer():
             number = int(number)
-        limits = f"from {self.least} to {self.most}" if self.most is not None else f"of at least {self.least}"
-        if type(number) is not int or not self.least <= number <= (self.most or number):
+        limits = f"from {self.least} to {self.most}" if self.most < 2**53 else f"of at least {self.least}"
+        limits = "of at most 2^53" if type(number) is int and number > self.most == 2**53 else limits
+        if type(number) is not int or not self.least <= number <= self.most:
             raise InputError("", "not a whole number in range", f"one {limits}", shown(typed))
         return number
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        limits = {"minimum": self.least} | ({} if self.most is None else {"maximum": self.most})
+        limits = {"minimum": self.least, "maximum": self.most}
         return {"anyOf": [{"type": "integer"} | limits, {"type": "string"}]}
 
 

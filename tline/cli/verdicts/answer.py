@@ -52,9 +52,9 @@ class Answer:
 
 def complex_text(re: Fraction, im: Fraction) -> str:
     """An exact complex number if it is short, else a rounded one."""
-    from passivity.expression.number import digits
+    from passivity.expression.number import digits, written
 
-    exact = f"{re} {'-' if im < 0 else '+'} {abs(im)}j"
+    exact = f"{written(re)} {'-' if im < 0 else '+'} {written(abs(im))}j"
     if len(exact) <= LONGEST:
         return exact
     return f"{digits(re, 12)} {'-' if im < 0 else '+'} {digits(abs(im), 12)}j  (rounded; exactly: --json)"

@@ -33,13 +33,14 @@ def answer(text: str, asked: Asked) -> Answer:
 
 
 def _symbolic(verdict: "SymbolicVerdict") -> Answer:
+    from passivity.expression.number import written
     from passivity.symbolic.report import symbolic_as_dict
 
     lines = [f"{verdict.kind.value}: {verdict.status.value}", f"  because {verdict.why}"]
     if verdict.condition:
         lines.append(f"  exactly if {verdict.condition}")
     if found := verdict.counterexample:
-        lines += [f"  {name} = {value}" for name, value in found.values.items()]
+        lines += [f"  {name} = {written(value)}" for name, value in found.values.items()]
         lines.append(f"  witness s = {complex_text(found.witness.re, found.witness.im)}")
     lines += [f"  {line}" for line in _cut(list(verdict.proof))]
     if verdict.note:
