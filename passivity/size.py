@@ -7,6 +7,7 @@ from passivity.errors import ExpressionError
 
 MAX_DEGREE = 400
 MAX_BITS = 100_000  # of a number or a coefficient
+MAX_TOTAL = 4_000_000  # bits of all coefficients together
 
 
 def check_size(degree: int, bits: int, where: str = "") -> None:
@@ -23,6 +24,9 @@ def check_size(degree: int, bits: int, where: str = "") -> None:
         raise ExpressionError(where, "the degree in s is too high", f"at most {MAX_DEGREE}", f"{_count(degree)}")
     if bits > MAX_BITS:
         raise ExpressionError(where, "the numbers are too long", f"at most {MAX_BITS} bits", f"{_count(bits)}")
+    if (degree + 1) * bits > MAX_TOTAL:
+        problem = f"degree {degree} is too high for numbers of {bits} bits"
+        raise ExpressionError(where, problem, f"at most {MAX_TOTAL} bits in all")
 
 
 def _count(number: int) -> str:

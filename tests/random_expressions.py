@@ -72,7 +72,7 @@ def question(random: Random) -> list[str]:
         line = ["--kind", "chain", "--z0", number(random), "--delay", number(random)]
         return [expression(random, min(depth, 4), (), False), *line, *as_json]
     if what == "within":
-        return [expression(random, min(depth, 4), (), False), "--within", random.choice(["1e-9", "1 %", "1e-300"]), *as_json]
+        return [expression(random, min(depth, 4), (), False), "--within", random.choice(["1e-9", "1 %", "1e-300"])]
     return [expression(random, depth, (), what == "function"), *kind, *as_json]
 
 

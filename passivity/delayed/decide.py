@@ -6,6 +6,7 @@ from functools import cached_property
 
 from flint import acb
 
+from passivity.budget import ASIDE, VERDICT, UndecidedError, budget
 from passivity.delayed.boxes import BallProof, UnresolvedError, prove_in_balls
 from passivity.delayed.disc import RIGHT, UNIT
 from passivity.delayed.form import Form, of_rational
@@ -24,6 +25,7 @@ from passivity.rational.evaluate import Exact, is_rational, of_tree, with_values
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 
+_EACH = VERDICT // 2
 _PLACES = (acb(37, 29), acb(5, 3) / 7, acb(1, 70) / 13)
 
 
@@ -82,7 +84,11 @@ class ExpressionVerdict:
     @cached_property
     def margin(self) -> AxisValue | None:
         """Smallest Re Z(jω), or largest |H(jω)|; None where the axis has no values, or where `rational` has them."""
-        return None if self.rational else axis_value(self.kind, self.form, self.proof)
+        try:
+            with budget(ASIDE):
+                return None if self.rational else axis_value(self.kind, self.form, self.proof)
+        except UndecidedError:
+            return None
 
 
 def check_expression(text: str, kind: Kind, parameters: Mapping[str, Exact] | None = None) -> ExpressionVerdict:
@@ -140,17 +146,38 @@ def _exact(kind: Kind, r: RationalFunction) -> ExpressionVerdict:
 
 
 def _decided(kind: Kind, form: Form) -> ExpressionVerdict:
-    goal = RIGHT if kind is Kind.PR else UNIT
-    if (proof := prove(form, goal, DEPTHS[:2])) and verify_proof(proof):
-        return ExpressionVerdict(kind, form, Status.PROVED, proof=proof)
-    if witness := find_witness(kind, form):
-        return ExpressionVerdict(kind, form, Status.REFUTED, witness=witness)
+    """The first of the ways that leads to an answer; each has its own budget."""
+    missing = []
+    for way in (_composed, _searched, _in_balls, _composed_deeply):
+        try:
+            with budget(_EACH):
+                found = way(kind, form)
+        except UndecidedError as error:
+            found, _ = None, missing.append(str(error))
+        if found:
+            return found
+    unresolved = f"no rule applies, no counterexample was found, and balls do not settle it: {'; '.join(missing)}"
+    return ExpressionVerdict(kind, form, Status.UNDECIDED, unresolved=unresolved)
+
+
+def _composed(kind: Kind, form: Form, depths: tuple[int, ...] = DEPTHS[:2]) -> ExpressionVerdict | None:
+    proof = prove(form, RIGHT if kind is Kind.PR else UNIT, depths)
+    return ExpressionVerdict(kind, form, Status.PROVED, proof=proof) if proof and verify_proof(proof) else None
+
+
+def _composed_deeply(kind: Kind, form: Form) -> ExpressionVerdict | None:
+    return _composed(kind, form, DEPTHS[2:])
+
+
+def _searched(kind: Kind, form: Form) -> ExpressionVerdict | None:
+    witness = find_witness(kind, form)
+    return ExpressionVerdict(kind, form, Status.REFUTED, witness=witness) if witness else None
+
+
+def _in_balls(kind: Kind, form: Form) -> ExpressionVerdict | None:
     try:
         return ExpressionVerdict(kind, form, Status.PROVED, balls=prove_in_balls(kind, form))
     except UnresolvedError as error:
         if error.frequency is not None and (witness := beside(kind, form, error.frequency)):
             return ExpressionVerdict(kind, form, Status.REFUTED, witness=witness)
-        unresolved = f"no rule applies, no counterexample was found, and balls do not settle it: {error}"
-    if (proof := prove(form, goal, DEPTHS[2:])) and verify_proof(proof):
-        return ExpressionVerdict(kind, form, Status.PROVED, proof=proof)
-    return ExpressionVerdict(kind, form, Status.UNDECIDED, unresolved=unresolved)
+        raise

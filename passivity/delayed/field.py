@@ -11,12 +11,15 @@ from typing import NamedTuple, TypeAlias
 
 from flint import Ordering, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
+from passivity.budget import UndecidedError, spend
 from passivity.delayed.form import ONE, Form, Function, Product, add, apply, constant, functions, multiply, of_rational
 from passivity.rational.function import RationalFunction
+from passivity.size import check_size
 
 MAX_GENERATORS = 24
 MAX_TERMS = 300
 MAX_EXPONENT = 40  # of a sum
+MAX_POWER = 4_000  # of s or a generator in a polynomial
 MAX_UNITS = 2000  # of a delay, in its largest common measure with the others
 _FACTORED = 16  # degree
 _PRIME_BITS = 64  # of numbers that are split into primes
@@ -24,7 +27,7 @@ _PRIME_BITS = 64  # of numbers that are split into primes
 Monomial: TypeAlias = dict[Function, Fraction]
 
 
-class TooLargeError(ArithmeticError):
+class TooLargeError(UndecidedError):
     """The polynomials would grow too large."""
 
 
@@ -87,6 +90,7 @@ class Field:
     def power_of(self, f: fmpz_mpoly, e: int) -> fmpz_mpoly:
         """A polynomial to a power, if it is not too large."""
         if len(f) == 1:
+            check_size(0, e * _bits(f))
             return self.reduced(f**e)
         result = self.ring.constant(1)
         for _ in range(e):
@@ -118,6 +122,7 @@ class Field:
         """The product of two polynomials, if it is not too large."""
         if len(f) * len(g) > MAX_TERMS * 40:
             raise TooLargeError
+        spend(5_000 + len(f) * len(g) * (500 + _bits(f) + _bits(g)), "multiplying out")
         return self.reduced(f * g)
 
     def reduced(self, f: fmpz_mpoly) -> fmpz_mpoly:
@@ -134,7 +139,7 @@ class Field:
                 f = sum(
                     (self.ring.from_dict(p) * relation ** (e // 2) for e, p in parts.items()), self.ring.constant(0)
                 )
-        if len(f) > MAX_TERMS:
+        if len(f) > MAX_TERMS or max(f.degrees(), default=0) > MAX_POWER:
             raise TooLargeError
         return f
 
@@ -142,6 +147,7 @@ class Field:
         """The quotient without common factors."""
         if not x.n:
             return Element(x.n, self.ring.constant(1))
+        spend(20_000 + 300 * len(x.n) * len(x.d) * (1 + _bits(x.n) // 64 + _bits(x.d) // 64), "a common factor")
         common = x.n.gcd(x.d)
         return Element(x.n // common, x.d // common)
 
@@ -167,6 +173,10 @@ class Field:
         if g.name == "exp":
             return apply("exp", g.argument * constant(int(e) * self.units[g]))
         return multiply([(g, int(e))])
+
+
+def _bits(f: fmpz_mpoly) -> int:
+    return max((abs(c).bit_length() for c in f.coeffs()), default=0)
 
 
 def _common(a: Fraction, b: Fraction) -> Fraction:

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any, TypeAlias
 
+from passivity.budget import spend
 from passivity.delayed.form import Base, Form, functions
 from passivity.expression.number import double
 
@@ -15,6 +16,7 @@ def values(form: Form, s: Array) -> Array:
     """Values at an array of points, in complex doubles; what overflows is not finite."""
     import numpy as np
 
+    spend(form.size * (5_000 + 20 * s.size), "a search for a counterexample")
     total = np.zeros_like(s, dtype=complex)
     for term in form.terms:
         r = term.rational

@@ -97,6 +97,13 @@ class Form:
         return max((1 + (b.argument if isinstance(b, Function) else b).depth for b in bases), default=0)
 
     @cached_property
+    def size(self) -> int:
+        """Number of coefficients and powers in it."""
+        bases = [base for term in self.terms for base, _ in term.factors]
+        inner = sum(1 + (b.argument if isinstance(b, Function) else b).size for b in bases)
+        return inner + sum(len(term.rational.p) + len(term.rational.q) for term in self.terms)
+
+    @cached_property
     def _text(self) -> str:
         return " + ".join(map(str, self.terms)).replace("+ -", "- ") or "0"
 

@@ -9,6 +9,7 @@ from operator import add
 from flint import acb, arb, ctx
 
 from passivity.ball import Real, ends, of_fraction
+from passivity.budget import spend
 from passivity.delayed.disc import RIGHT, UNIT, Disc, power_of_bound
 from passivity.delayed.field import TooLargeError
 from passivity.delayed.form import ONE, Form, Function, Product, constant, depends_on_s, multiply, of_rational
@@ -50,6 +51,7 @@ class _Prover:
 
     def facts(self, form: Form) -> list[Step]:
         if form not in self.known:
+            spend(100_000, "a proof by composition")
             self.known[form] = []
             found = list(self.direct(form))
             if not any(isinstance(step.claim, Disc) for step in found):

@@ -13,6 +13,7 @@ from itertools import pairwise
 from flint import acb, arb, arb_poly
 
 from passivity.ball import of_fraction
+from passivity.budget import spend
 from passivity.one_port.polynomial_sign import UndecidedError
 
 MAX_PIECES = 10_000
@@ -29,6 +30,7 @@ class QuasiPolynomial:
 
     def __call__(self, s: acb) -> acb:
         """A ball with the values in a ball."""
+        spend(sum(3_000 + 300 * len(p) for _, p in self.terms), "the values on the axis")
         return sum(((-s * delay).exp() * p(s) for delay, p in self.terms), acb(0))
 
     @property
@@ -39,6 +41,7 @@ class QuasiPolynomial:
     def far(self, radius: Fraction, degree: int) -> tuple[arb, arb]:
         """Coefficient of s^degree at T = 0, and a bound of all else in f/s^degree for |s| >= radius, Re s >= 0."""
         unit, rest, leading = arb(radius.denominator) / radius.numerator, arb(0), arb(0)
+        spend(sum(1_000 + 500 * len(p) for _, p in self.terms), "the values far out")
         for delay, p in self.terms:
             for k in range(p.degree() + 1):
                 if k == degree and delay == 0:

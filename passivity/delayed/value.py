@@ -5,6 +5,7 @@ from fractions import Fraction
 from flint import acb, ctx
 
 from passivity.ball import of_point
+from passivity.budget import spend
 from passivity.delayed.form import Base, Form, Product
 
 _MOST_BITS = 4096
@@ -34,6 +35,7 @@ def exact_value(form: Form, re: Fraction, im: Fraction) -> acb:
     bits = 128
     while True:
         # the precision is global to the process: what counts is the accuracy found, not asked for
+        spend(form.size * (2_000 + bits * 20), "a value")
         with ctx.workprec(bits):
             found = value(form, of_point(re, im))
         if bits >= _MOST_BITS or all(x.rel_accuracy_bits() >= 60 or x == 0 for x in (found.real, found.imag)):

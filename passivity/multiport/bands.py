@@ -22,16 +22,14 @@ def violations(sums: Sequence[fmpz_poly]) -> list[tuple[float, float]]:
     [(1.0, 1.7320508075688772)]
     """
     given = [a for a in sums if a]
-    roots = {
-        float(root) for a in given for f, power in squarefree(a) if power % 2 and f[0] for root in positive_roots(f)
-    }
+    odd = [f for a in given for f, power in squarefree(a) if power % 2 and f[0]]
+    edges = {root.frequency for f in odd for root in positive_roots(f)} - {0.0, math.inf}
     found: list[tuple[float, float]] = []
-    for low, high in pairwise([0.0, *sorted(roots), math.inf]):
-        middle = Fraction(2 * low + 1 if high == math.inf else low + (high - low) / 2)
-        x = fmpq(middle.numerator, middle.denominator)
+    for low, high in pairwise([0.0, *sorted(edges), math.inf]):
+        middle = 2 * Fraction(low) + 1 if high == math.inf else (Fraction(low) + Fraction(high)) / 2
+        x = fmpq(middle.numerator, middle.denominator) ** 2
         if any(a(x) < 0 for a in given):
-            start = found.pop()[0] if found and found[-1][1] == math.sqrt(low) else math.sqrt(low)
-            found.append((start, math.sqrt(high)))
+            found.append((found.pop()[0] if found and found[-1][1] == low else low, high))
     return found
 
 

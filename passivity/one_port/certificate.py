@@ -13,6 +13,7 @@ from fractions import Fraction
 
 from flint import arb, arb_poly, ctx, fmpz_poly
 
+from passivity.budget import spend
 from passivity.one_port.verdict import Certificate
 from passivity.status import Kind
 
@@ -78,6 +79,7 @@ def is_hurwitz(f: fmpz_poly) -> bool:
     n, bits = f.degree(), 64 + 8 * f.degree()
     a = arb(2) ** (round((f[0].bit_length() - f[n].bit_length()) / n) if n else 0)
     while bits < _MAX_BITS:
+        spend(2 * len(f) ** 2 * (1000 + bits), f"the verification for degree {n}")
         with ctx.workprec(bits):
             answer = _reduces(arb_poly(f)(arb_poly([0, a])), n)  # roots of about modulus 1
         if answer is not None:

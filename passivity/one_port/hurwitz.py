@@ -9,6 +9,8 @@ from collections.abc import Iterator
 
 from flint import arb, arb_poly, ctx, fmpz_poly
 
+from passivity.budget import spend
+
 
 def routh_column(f: fmpz_poly) -> tuple[arb, ...] | None:
     """Routh's column of an integer polynomial, as balls above zero; None if a root has a real part >= 0.
@@ -37,6 +39,7 @@ def routh_column(f: fmpz_poly) -> tuple[arb, ...] | None:
         return None
     bits = 64 + 4 * f.degree()
     while True:
+        spend(10_000 * len(f) + len(f) ** 2 * bits // 2, f"Routh's scheme of degree {f.degree()}")
         # the precision is global to the process: what counts is the accuracy found, not asked for
         with ctx.workprec(bits):
             column, determinant = [], arb(1)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from flint import arb, arb_poly, ctx, fmpq, fmpz_poly
 
+from passivity.budget import spend
 from passivity.one_port.polynomial_sign import SignProof, UndecidedError, find_sign, squarefree
 from passivity.one_port.real_roots import positive_roots, sqrt
 
@@ -14,6 +15,7 @@ BITS = 40  # values not found exactly lie in an interval shorter than 2^-BITS of
 _SIMPLE = 10_000  # denominators up to this are tried
 _FINE = 100  # bits of the place of a minimum, at first
 _FINEST = 3200
+_LONG = "the smallest value of a function of degree {}"
 
 
 class Infimum(NamedTuple):
@@ -72,6 +74,7 @@ def infimum(num: fmpz_poly, den: fmpz_poly, guess: int = 0) -> Infimum:
         before, x = x, _descend(num, den, below, fine)
         if abs(x - before) * 2 ** (fine // 2) < x:  # the same minimum, and it is a narrow one
             fine = min(2 * fine, _FINEST)
+        spend(_exact_cost(num, x) + _exact_cost(den, x), _LONG.format(den.degree()))
         value = num(x) / den(x)
         low, high = _around(Fraction(int(value.p), int(value.q)), guess)
         below = find_sign(_above(num, den, low))
@@ -145,14 +148,20 @@ def _descend(num: fmpz_poly, den: fmpz_poly, start: Fraction, fine: int) -> fmpq
     with ctx.workprec(bits):
         f, g, df = arb_poly(num), arb_poly(den), arb_poly(slope)
 
+    cost = 1000 * len(slope) + len(slope) * bits // 10
+
     def rising(x: fmpq) -> bool:
+        spend(cost, _LONG.format(den.degree()))
         with ctx.workprec(bits):
             return bool(df(arb(x)) > 0)
 
     def higher(x: fmpq) -> bool:
+        spend(cost, _LONG.format(den.degree()))
         with ctx.workprec(bits):
             a, b = arb(x), arb(inner)
             gap = f(a) * g(b) - f(b) * g(a)
+        if gap.contains(0):
+            spend(_exact_cost(num, x) + _exact_cost(den, x), _LONG.format(den.degree()))
         return bool(gap > 0 if gap > 0 or gap < 0 else num(x) * den(inner) > num(inner) * den(x))
 
     inner = fmpq(start.numerator, start.denominator)
@@ -170,6 +179,11 @@ def _descend(num: fmpz_poly, den: fmpz_poly, start: Fraction, fine: int) -> fmpq
         middle = (inner + outer) / 2
         inner, outer = (inner, middle) if beyond(middle) else (middle, outer)
     return inner
+
+
+def _exact_cost(f: fmpz_poly, x: fmpq) -> int:
+    """Of one value in exact numbers."""
+    return len(f) * (f.height_bits() + len(f) * x.height_bits())
 
 
 def _around(value: Fraction, guess: int) -> tuple[Fraction, Fraction]:

@@ -14,6 +14,7 @@ from flint import ctx, fmpz_poly
 
 from passivity.one_port.hurwitz import pivots
 
+_FARTHEST = 1000  # binary exponent of a modulus
 SHIFT = 256  # where the scheme ends early, it is tried again for f(s - 1/SHIFT)
 
 
@@ -27,6 +28,8 @@ def approximate_roots(f: fmpz_poly) -> list[complex]:
     """
     n = f.degree()
     k = round((f[0].bit_length() - f[n].bit_length()) / n) if f[0] else 0
+    if abs(k) > _FARTHEST:
+        return []
     f = f(fmpz_poly([0, 1 << k])) if k > 0 else fmpz_poly([c << (-k * (n - i)) for i, c in enumerate(f.coeffs())])
     found = [s * 2.0**k for s in _natural_frequencies(f)]
     if not found:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from flint import fmpz_poly
 
+from passivity.budget import ASIDE, budget
 from passivity.errors import ExpressionError, shown
 from passivity.expression.number import double
 from passivity.one_port.axis import allowance, product
@@ -84,6 +85,11 @@ def margins(verdict: Verdict, z0: Exact = 1) -> Margins:
     >>> found.input, found.reflection.value, found.reflection.frequency
     (Margin(low=Fraction(3, 1), high=Fraction(3, 1), frequency=0.0), 0.6, 1.0)
     """
+    with budget(ASIDE):
+        return _margins(verdict, z0)
+
+
+def _margins(verdict: Verdict, z0: Exact) -> Margins:
     p, q, reference = verdict.function.p, verdict.function.q, exact(z0, "z0")
     if reference <= 0:
         raise ExpressionError("z0", "not positive", "more than 0", shown(z0))

@@ -13,16 +13,14 @@ from typing import NamedTuple, TypeAlias
 
 from flint import fmpq, fmpz, fmpz_poly, nmod_poly
 
+from passivity.budget import UndecidedError, spend
+
 MAX_PIECES = 20_000
 _SPARE_BITS = 64  # kept of the smallest coefficient, besides two for each degree
 _PRIME = 2**61 - 1
 _SHIFT = fmpz_poly([1, 1])
 
 Factors: TypeAlias = tuple[tuple[fmpz_poly, int], ...]
-
-
-class UndecidedError(ArithmeticError):
-    """The budget ran out; the message says on what."""
 
 
 class SignProof(NamedTuple):
@@ -68,6 +66,7 @@ def split(piece: Piece) -> tuple[Piece, Piece]:
     f, (l0, l1), (r0, r1) = piece
     c = f.coeffs()
     n = len(c) - 1
+    spend(10_000 + (n + 1) * f.height_bits() * (10 + n // 40), f"the sign of a polynomial of degree {n}")
     k = round((c[0].bit_length() - c[-1].bit_length()) / n)
     if k > 0:
         f = fmpz_poly([a << (k * i) for i, a in enumerate(c)])
@@ -160,9 +159,10 @@ def coprime(f: fmpz_poly, g: fmpz_poly) -> bool:
 
 def _below(a: fmpz_poly, piece: Piece, direction: int) -> Fraction:
     """A point near the left (-1) or the right end (1) of a piece where a < 0, known to be so at that end."""
-    c = piece.f.coeffs()
+    c, cost = piece.f.coeffs(), len(a) * (len(a) + a.height_bits())
     k, step = round((c[0].bit_length() - c[-1].bit_length()) / max(len(c) - 1, 1)), direction
     while True:
+        spend(cost, f"the sign of a polynomial of degree {a.degree()}")
         x = piece.at(fmpq(2) ** k)
         if a(x) < 0:
             return Fraction(int(x.p), int(x.q))

@@ -14,6 +14,7 @@ from fractions import Fraction
 
 from flint import fmpz_poly
 
+from passivity.budget import VERDICT, budget
 from passivity.one_port.axis import allowance
 from passivity.one_port.hurwitz import routh_column
 from passivity.one_port.polynomial_sign import UndecidedError, coprime, find_sign
@@ -62,6 +63,11 @@ def check_bounded_real(h: RationalFunction) -> Verdict:
 def check(function: RationalFunction, kind: Kind) -> Verdict:
     """The verdict of one of the two functions above."""
     p, q = function.p, function.q
+    with budget(VERDICT):
+        return _checked(function, kind, p, q)
+
+
+def _checked(function: RationalFunction, kind: Kind, p: fmpz_poly, q: fmpz_poly) -> Verdict:
     try:
         allowed = allowance(kind, p, q)
         sign = find_sign(allowed)

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from flint import arb, arb_poly, ctx, fmpq, fmpz_poly
 
+from passivity.budget import spend
 from passivity.one_port.polynomial_sign import MAX_PIECES, UndecidedError, half_line, split
 
 
@@ -31,9 +32,12 @@ class Root(NamedTuple):
             rounded = arb_poly(f)
         while low < high and (low == 0 or (high - low) * 2**bits > low):
             middle = (low + high) / 2
+            spend(1000 + len(f) * (100 + working // 10), f"a root of a polynomial of degree {f.degree()}")
             with ctx.workprec(working):
                 value: arb | fmpq = rounded(arb(middle))
             if value.contains(0):
+                exactly = len(f) * (f.height_bits() + len(f) * middle.height_bits())
+                spend(exactly, f"a root of a polynomial of degree {f.degree()}")
                 value = f(middle)
             if value == 0:
                 low = high = middle

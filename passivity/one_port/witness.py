@@ -7,8 +7,10 @@ from math import isqrt
 from flint import acb, arb, ctx, fmpq, fmpz, fmpz_poly
 
 from passivity.ball import near
+from passivity.budget import spend
 from passivity.one_port.ladder import approximate_roots
 from passivity.one_port.verdict import Witness
+from passivity.size import bits_of
 from passivity.status import Kind
 
 _NONE = Fraction(0)
@@ -64,7 +66,8 @@ def _scaled(f: fmpz_poly, re: Fraction, im: Fraction, degree: int) -> tuple[fmpz
 
 def _witness(kind: Kind, p: fmpz_poly, q: fmpz_poly, re: Fraction, im: Fraction, delay: Fraction) -> Witness | None:
     """The point as a witness, None if it is none."""
-    degree = max(p.degree(), q.degree())
+    degree, size = max(p.degree(), q.degree()), max(bits_of(re), bits_of(im))
+    spend(10_000 + 5 * (degree + 1) * ((degree + 1) * size + p.height_bits() + q.height_bits()), "a witness")
     (a, b), (c, d) = _scaled(p, re, im, degree), _scaled(q, re, im, degree)
     real, size = a * c + b * d, c * c + d * d
     wrong = real < 0 if kind is Kind.PR else a * a + b * b > size
@@ -86,6 +89,7 @@ def candidates(f: fmpz_poly) -> Iterator[tuple[Fraction, Fraction]]:
     accuracy = _ACCURACY
     while True:
         # the precision is global to the process: should another thread lower it, the next round helps
+        spend(100 * len(f) ** 2 * (f.height_bits() + accuracy), f"the roots of a polynomial of degree {f.degree()}")
         with ctx.workprec(accuracy):
             roots: list = f.complex_roots()
             root = max((root for root, _ in roots), key=_cosine)

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
 
+from passivity.budget import VERDICT, UndecidedError, budget
 from passivity.errors import ExpressionError, shown
 from passivity.expression.number import written
 from passivity.expression.parse import parse
@@ -13,7 +14,7 @@ from passivity.symbolic import write
 from passivity.symbolic.assumption import Range, collect, meet
 from passivity.symbolic.counterexample import Counterexample, search
 from passivity.symbolic.domain import Domain
-from passivity.symbolic.expand import Expansion, ExpansionError
+from passivity.symbolic.expand import Expansion
 from passivity.symbolic.formula import Claim, Joined
 from passivity.symbolic.question import Question
 from passivity.symbolic.structure import Structure
@@ -65,17 +66,27 @@ def check_symbolic(
     >>> print(verdict.status, "/", verdict.condition, "/", verdict.counterexample.values["k"])
     refuted / -1 <= k <= 1 / 2
     """
+    with budget(VERDICT):
+        return _decided(text, kind, assumptions, parameters)
+
+
+def _decided(
+    text: str, kind: Kind, assumptions: Iterable[str | Range], parameters: Mapping[str, Exact] | None
+) -> SymbolicVerdict:
     tree = parse(text)
     ranges = _ranges(tree, assumptions, parameters or {})
     numbers = {r.name: r.low for r in ranges if r.low is not None and r.is_point}
     domain = Domain(tuple(r for r in ranges if not r.is_point))
-    if proof := Structure(Expansion(domain, numbers)).prove(tree, kind):
+    with budget(VERDICT // 4):
+        proof = Structure(Expansion(domain, numbers)).prove(tree, kind)
+    if proof:
         return SymbolicVerdict(kind, ranges, Status.PROVED, "so is each of its parts", tuple(proof.lines()))
     question, formula, limit = None, None, "neither a proof nor a counterexample was found"
     try:
-        question = Question.of(kind, tree, Expansion(domain, numbers))
-        formula = question.formula()
-    except ExpansionError as error:
+        with budget(VERDICT // 3):
+            question = Question.of(kind, tree, Expansion(domain, numbers))
+            formula = question.formula()
+    except UndecidedError as error:
         limit = str(error)
     if question and formula is True:
         why = "the exact test holds, whatever the parameters are"
@@ -102,7 +113,7 @@ def _refutation(tree: Node, kind: Kind, values: dict[str, Fraction]) -> tuple[Co
     expansion = Expansion(Domain(()), values)
     try:
         question = Question.of(kind, tree, expansion)
-    except (ExpansionError, ExpressionError):  # 0/0 among them
+    except (UndecidedError, ExpressionError):  # 0/0 among them
         return None, expansion.work
     return question.refutation(), expansion.work + question.degree**2
 

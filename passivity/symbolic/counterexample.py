@@ -10,6 +10,7 @@ from fractions import Fraction
 from itertools import islice
 from random import Random
 
+from passivity.budget import UndecidedError
 from passivity.one_port.verdict import Verdict, Witness
 from passivity.symbolic.assumption import Range
 
@@ -57,7 +58,10 @@ def search(
     """The first counterexample in many trials; a test also tells what part of MAX_WORK it took."""
     work = 0
     for values in islice(_trials(ranges), MAX_TRIALS):
-        found, cost = test(values)
+        try:
+            found, cost = test(values)
+        except UndecidedError:
+            return None
         work += cost
         if found or work > MAX_WORK:
             return found

@@ -11,12 +11,14 @@ from functools import cached_property
 from itertools import product
 from typing import TypeAlias
 
-from flint import Ordering, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
+from flint import Ordering, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
+from passivity.budget import spend
 from passivity.one_port.polynomial_sign import SignProof, UndecidedError, find_sign
 from passivity.symbolic.assumption import Range
 
 _MAX_FACTORED = 250  # terms of a polynomial that is factored, or written in other variables
+_MAX_FACTORED_BITS = 4_000
 _MAX_DEGREES = 50  # of such a polynomial in all its variables together
 _MAX_SUBSTITUTED = 5_000  # terms of a polynomial, times the parameters to be written in another way
 _MAX_SPLIT = 4  # parameters of which nothing is known, in one polynomial
@@ -59,7 +61,7 @@ class Domain:
             return found
         if not is_small(f):
             return ALL
-        unit, factors = f.factor()
+        unit, factors = factored(f)
         found = frozenset({1 if unit > 0 else -1})
         for factor, power in factors:
             signs = self._of_irreducible(factor)
@@ -115,7 +117,18 @@ class Domain:
 
 def is_small(f: fmpz_mpoly) -> bool:
     """Whether a polynomial can be factored in a fraction of a second."""
-    return len(f) <= _MAX_FACTORED and sum(f.degrees()) <= _MAX_DEGREES
+    small = len(f) <= _MAX_FACTORED and sum(f.degrees()) <= _MAX_DEGREES
+    return small and max((abs(c).bit_length() for c in f.coeffs()), default=0) <= _MAX_FACTORED_BITS
+
+
+def factored(f: fmpz_mpoly) -> tuple[fmpz, list[tuple[fmpz_mpoly, int]]]:
+    """Unit and irreducible factors of a small polynomial; itself where the library has no order for long factors."""
+    spend(1_000 * len(f) ** 2 * (1 + sum(f.degrees())), "factors of a polynomial of the parameters")
+    try:
+        unit, found = f.factor()
+    except OverflowError:
+        return fmpz(1), [(f, 1)]
+    return unit, [(factor, int(power)) for factor, power in found]
 
 
 def times(a: Signs, b: Signs) -> Signs:

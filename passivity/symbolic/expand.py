@@ -8,8 +8,10 @@ from typing import NamedTuple
 
 from flint import fmpz_mpoly
 
+from passivity.budget import UndecidedError, spend
 from passivity.errors import ExpressionError
 from passivity.expression.tree import Add, Call, Divide, Multiply, Negate, Node, Number, Power, Symbol
+from passivity.size import bits_of
 from passivity.symbolic.domain import Domain
 
 MAX_PARAMETERS = 40
@@ -20,7 +22,7 @@ MAX_WORK = 3_000_000  # products of terms in one expression
 _MAX_REDUCED = 2_000  # terms of a pair that is freed of common factors
 
 
-class ExpansionError(ArithmeticError):
+class ExpansionError(UndecidedError):
     """The expression has no expansion, or one that is too large; the message says why."""
 
 
@@ -38,6 +40,7 @@ class Pair(NamedTuple):
         """The pair without common factors."""
         if len(self.p) + len(self.q) > _MAX_REDUCED:
             raise ExpansionError(f"the expanded function has over {_MAX_REDUCED} terms")
+        spend(100_000 + 300 * len(self.p) * len(self.q) * (1 + bits(self.p) // 64 + bits(self.q) // 64), "a common factor")
         common = self.p.gcd(self.q)
         return Pair(self.p / common, self.q / common)
 
@@ -80,6 +83,8 @@ class Expansion:
 
     def number(self, x: Fraction) -> Pair:
         """A number as a pair."""
+        if bits_of(x) > MAX_BITS:
+            raise ExpansionError(f"a number has over {MAX_BITS} bits")
         return Pair(self.one * x.numerator, self.one * x.denominator)
 
     def function(self, tree: Node) -> Expanded:
@@ -162,6 +167,7 @@ class Expansion:
         self.work += size
         if self.work > MAX_WORK or size > 100 * MAX_TERMS:
             raise ExpansionError(f"to expand the function takes over {MAX_WORK} products")
+        spend(2_000 + size * (50 + (bits(f) + bits(g)) // 8), "the expansion")
         found = f * g
         if len(found) > MAX_TERMS or bits(found) > MAX_BITS or max(found.degrees()) > MAX_DEGREE:
             limits = f"{MAX_TERMS} terms, or numbers of over {MAX_BITS} bits, or a degree over {MAX_DEGREE}"

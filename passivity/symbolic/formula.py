@@ -15,7 +15,7 @@ from flint import fmpz_mpoly
 
 from passivity.symbolic import write
 from passivity.symbolic.assumption import Range
-from passivity.symbolic.domain import Domain, is_small
+from passivity.symbolic.domain import Domain, factored, is_small
 
 _RELATIONS: dict[str, Callable[[Fraction | int, int], bool]] = {">=": ge, ">": gt, "=": eq}
 
@@ -96,7 +96,7 @@ def claim(f: fmpz_mpoly, relation: str, domain: Domain, written: str = "") -> Fo
         return truths.pop()
     if not is_small(f):
         return Claim(((f, 1),), relation, written)
-    unit, found = f.factor()
+    unit, found = factored(f)
     sign, kept = 1 if unit > 0 else -1, []
     for factor, power in found:
         known = domain.signs(factor)

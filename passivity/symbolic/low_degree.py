@@ -20,7 +20,7 @@ from math import isqrt, prod
 from flint import fmpz_mpoly
 
 from passivity.symbolic import write
-from passivity.symbolic.domain import Domain, coefficients, is_small
+from passivity.symbolic.domain import Domain, coefficients, factored, is_small
 from passivity.symbolic.expand import Pair
 from passivity.symbolic.formula import Claim, Formula, Joined, claim, join, narrowed
 
@@ -62,7 +62,7 @@ def _root(f: fmpz_mpoly) -> fmpz_mpoly | None:
         return f
     if not is_small(f):
         return None
-    unit, factors = f.factor()
+    unit, factors = factored(f)
     if unit < 0 or isqrt(int(unit)) ** 2 != unit or any(power % 2 for _, power in factors):
         return None
     return prod((g ** (power // 2) for g, power in factors), start=f.context().constant(isqrt(int(unit))))

@@ -14,7 +14,7 @@ M. Z. Q. Chen, M. C. Smith, IEEE Transactions on Automatic Control 54 (2009), 39
 from flint import fmpz_mpoly
 
 from passivity.status import Kind
-from passivity.symbolic.domain import Domain, Signs, coefficients, is_small
+from passivity.symbolic.domain import Domain, Signs, coefficients, factored, is_small
 from passivity.symbolic.expand import Expansion, ExpansionError, Pair
 from passivity.symbolic.formula import Formula, claim, narrowed
 
@@ -45,7 +45,7 @@ def positivity_condition(z: Pair, domain: Domain, expansion: Expansion) -> Formu
 def _decisive_factor(a: fmpz_mpoly, domain: Domain) -> Formula | bool | None:
     if not is_small(a):
         return None
-    unit, factors = a.factor()
+    unit, factors = factored(a)
     c, b = 0 * a + unit, 0 * a + 1
     for f, power in factors:
         if f.degrees()[0]:

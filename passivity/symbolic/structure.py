@@ -18,6 +18,7 @@ from fractions import Fraction
 from functools import reduce
 from itertools import chain
 
+from passivity.budget import UndecidedError
 from passivity.errors import ExpressionError
 from passivity.expression.tree import Add, Call, Divide, Multiply, Negate, Node, Power, Symbol, symbols
 from passivity.status import Kind
@@ -58,7 +59,7 @@ class Structure:
         try:
             product = self.product(node)
             return self.positive(product) if kind is Kind.PR else self.bounded(product)
-        except (ExpansionError, ExpressionError):  # 0/0 among them
+        except (UndecidedError, ExpressionError):  # 0/0 among them
             return None
 
     def positive(self, z: Product) -> Proof | None:
