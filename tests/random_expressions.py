@@ -80,8 +80,8 @@ def _parameters(random: Random, names: list[str]) -> list[str]:
     found = []
     for name in names:
         x = number(random)
-        forms = [f"{name}>0", f"{name}>=0", f"{name} real", f"0<{name}<={x}", f"{name}>{x}", f"{name}={x}", f"{name}<-{x}"]
-        found += ["--param", random.choice(forms)]
+        forms = ["{n}>0", "{n}>=0", "{n} real", "0<{n}<={x}", "{n}>{x}", "{n}={x}", "{n}<-{x}"]
+        found += ["--param", random.choice(forms).format(n=name, x=x)]
     return found
 
 

@@ -14,6 +14,7 @@ from fractions import Fraction
 from flint import acb, ctx, fmpz_poly
 
 from passivity.ball import of_point
+from passivity.budget import ASIDE, UndecidedError, budget, spend
 from passivity.errors import ExpressionError, shown
 from passivity.expression.number import digits
 from passivity.one_port.axis import allowance
@@ -48,7 +49,8 @@ class Chain:
     steps : tuple of Step
         The derivation.
     witness : Witness or None
-        For an active port: s with Re s > 0, H2(s) exactly, and |exp(-2Ts) H2(s)| > 1 shown in ball arithmetic.
+        For an active port: s with Re s > 0, H2(s) exactly, and |exp(-2Ts) H2(s)| > 1 shown in ball arithmetic; None
+        where a long delay leaves no such point in reach of reasonable numbers.
     input : acb or None
         G1 at the witness, a ball with negative real part.
     """
@@ -106,10 +108,16 @@ def check_line(load: RationalFunction, z0: Exact, delay: Exact) -> Chain:
     if reflection.status is not Status.REFUTED:
         steps += tuple(_onwards(h2, reflection, travel))
         return Chain(verdict, reflection, reference, travel, steps)
-    witness = _witness(h2, travel)
-    there = _input(witness, travel)
-    reason = f"|H1(s)| > 1 at s = {digits(witness.re)} + {digits(witness.im)}j"
-    value = f"Re G1(s) = {there.real.str(6, radius=False)} there"
+    try:
+        with budget(ASIDE):
+            witness = _witness(h2, travel)
+            there = _input(witness, travel)
+        reason = f"|H1(s)| > 1 at s = {digits(witness.re)} + {digits(witness.im)}j"
+        value = f"Re G1(s) = {there.real.str(6, radius=False)} there"
+    except UndecidedError:  # the point would have too many digits
+        witness, there = None, None
+        reason = "exp(-2Ts) takes away no pole of H2 in Re s > 0, and has the modulus 1 on the axis"
+        value = "Re G1 < 0 where |H1| > 1"
     steps += (
         Step("H1 = exp(-2Ts) H2 is bounded real", Status.REFUTED, reason),
         Step("G1 = (1 - H1)/(1 + H1) is positive real", Status.REFUTED, value),
@@ -158,6 +166,7 @@ def _input(witness: Witness, delay: Fraction) -> acb:
         return acb(-1)
     bits = 64
     while True:
+        spend(20 * bits + 10_000, "the value at the input port")
         with ctx.workprec(bits):
             turn = of_point(-2 * delay * witness.re, -2 * delay * witness.im)
             h1 = turn.exp() * of_point(witness.value_re, witness.value_im)

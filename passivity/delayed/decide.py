@@ -6,11 +6,14 @@ from functools import cached_property
 
 from flint import acb
 
+from passivity.ball import near
 from passivity.budget import ASIDE, VERDICT, UndecidedError, budget
 from passivity.delayed.boxes import BallProof, UnresolvedError, prove_in_balls
 from passivity.delayed.disc import RIGHT, UNIT
+from passivity.delayed.field import TooLargeError
 from passivity.delayed.form import Form, of_rational
 from passivity.delayed.margin import AxisValue, axis_value
+from passivity.delayed.poles import Pole, find_pole
 from passivity.delayed.proof import Step
 from passivity.delayed.prove import DEPTHS, prove
 from passivity.delayed.search import Point, beside, find_witness
@@ -40,7 +43,7 @@ class ExpressionVerdict:
     form : Form
         The expression, its rational parts brought together.
     status : Status
-        `PROVED` comes with one of `rational`, `proof` and `balls`; `REFUTED` with `rational` or `witness`;
+        `PROVED` comes with one of `rational`, `proof` and `balls`; `REFUTED` with `rational`, `witness` or `pole`;
         `UNDECIDED` with `unresolved`.
     rational : Verdict or None
         Of the exact test, if the expression is rational.
@@ -50,6 +53,8 @@ class ExpressionVerdict:
         A proof in ball arithmetic, which `passivity.delayed.boxes.holds` repeats.
     witness : Point or None
         s with rational parts, Re s > 0, and the ball that holds the value there.
+    pole : Pole or None
+        Where the function is unbounded or, an impedance, zero in Re s > 0; then there may be no other witness.
     unresolved : str
         What was not resolved, if undecided.
     """
@@ -61,6 +66,7 @@ class ExpressionVerdict:
     proof: Step | None = None
     balls: BallProof | None = None
     witness: Point | None = None
+    pole: Pole | None = None
     unresolved: str = ""
 
     @property
@@ -72,6 +78,9 @@ class ExpressionVerdict:
             return f"composed of parts that are proved: {self.proof}"
         if self.balls:
             return f"strictly so in {len(self.balls.cuts) - 1} balls on the axis up to ω = {digits(self.balls.radius)}"
+        if self.pole:
+            letter = "Z" if self.kind is Kind.PR else "H"
+            return f"{letter} has a {self.pole.word} at s = {_place(self.pole.place)}"
         if self.witness is None:
             return self.unresolved
         s = f"s = {digits(self.witness.re)} + {digits(self.witness.im)}j"
@@ -140,6 +149,10 @@ def check_expression(text: str, kind: Kind, parameters: Mapping[str, Exact] | No
     return _decided(kind, form)
 
 
+def _place(s: acb) -> str:
+    return f"{digits(near(s.real))} + {digits(near(s.imag))}j"
+
+
 def _exact(kind: Kind, r: RationalFunction) -> ExpressionVerdict:
     verdict = positive_real.check(r, kind)
     return ExpressionVerdict(kind, of_rational(r), verdict.status, rational=verdict, unresolved=verdict.budget)
@@ -148,7 +161,7 @@ def _exact(kind: Kind, r: RationalFunction) -> ExpressionVerdict:
 def _decided(kind: Kind, form: Form) -> ExpressionVerdict:
     """The first of the ways that leads to an answer; each has its own budget."""
     missing = []
-    for way in (_composed, _searched, _in_balls, _composed_deeply):
+    for way in (_composed, _by_a_pole, _searched, _in_balls, _composed_deeply):
         try:
             with budget(_EACH):
                 found = way(kind, form)
@@ -167,6 +180,14 @@ def _composed(kind: Kind, form: Form, depths: tuple[int, ...] = DEPTHS[:2]) -> E
 
 def _composed_deeply(kind: Kind, form: Form) -> ExpressionVerdict | None:
     return _composed(kind, form, DEPTHS[2:])
+
+
+def _by_a_pole(kind: Kind, form: Form) -> ExpressionVerdict | None:
+    try:
+        pole = find_pole(kind, form)
+    except TooLargeError:
+        return None
+    return ExpressionVerdict(kind, form, Status.REFUTED, witness=pole.witness, pole=pole) if pole else None
 
 
 def _searched(kind: Kind, form: Form) -> ExpressionVerdict | None:

@@ -25,6 +25,8 @@ def expression_as_dict(verdict: ExpressionVerdict) -> dict[str, Any]:
         "why": verdict.why,
         "function": str(verdict.form),
     }
+    if verdict.pole:
+        told[verdict.pole.word] = verdict.pole.place.str(20)
     if verdict.proof:
         told["proof"] = {"steps": list(verdict.proof.lines()), "verified": verify_proof(verdict.proof)}
     if verdict.balls:

@@ -3,12 +3,14 @@
 import math
 from collections.abc import Iterator
 from fractions import Fraction
+from itertools import islice
 from typing import NamedTuple, TypeAlias
 
 from flint import acb
 
+from passivity.ball import near
 from passivity.delayed.floats import Array, periods, scales, values
-from passivity.delayed.form import Form
+from passivity.delayed.form import Form, functions, multiply
 from passivity.delayed.value import exact_value
 from passivity.status import Kind
 
@@ -17,6 +19,12 @@ _ANGLES = 16
 _AXIS = 4000
 _POLISHED = 12  # best points that are improved
 _STEPS = 60
+_WITH_POLES = ("tanh", "coth", "sech", "csch")
+_STARTS = 400  # points from which Newton's method looks for poles
+_NEWTON = 16
+
+_DISTANCES = (4, 8, 16, 32, 64, 128, 256)  # binary, in parts of the modulus
+_DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
 
 Place: TypeAlias = tuple[Fraction, Fraction]
 
@@ -50,6 +58,19 @@ def beside(kind: Kind, form: Form, w: float) -> Point | None:
     return next(filter(None, (check(kind, form, *place) for place in _beside(w))), None)
 
 
+def around(kind: Kind, form: Form, root: acb) -> Point | None:
+    """A witness ever nearer to a pole or a zero in Re s >= 0."""
+    size = max(abs(near(root.real)), abs(near(root.imag))) or Fraction(1)
+    unit = Fraction(2) ** (size.numerator.bit_length() - size.denominator.bit_length())
+    for distance in _DISTANCES:
+        grid = unit / 2**distance
+        re, im = (round(near(part) / grid) for part in (root.real, root.imag))
+        for x, y in _DIRECTIONS:
+            if found := check(kind, form, (re + x) * grid, (im + y) * grid):
+                return found
+    return None
+
+
 def check(kind: Kind, form: Form, re: Fraction, im: Fraction) -> Point | None:
     """The point as a witness, if ball arithmetic shows that it is one."""
     if re <= 0:
@@ -80,6 +101,8 @@ def _candidates(kind: Kind, form: Form) -> Iterator[Place]:
     unreal = radii[np.abs(values(form, radii + 0j).imag) > 1e-6 * np.abs(values(form, radii + 0j))]
     angles = np.pi / 2 * np.linspace(0, 1, _ANGLES, endpoint=False)
     s = (radii[:, None] * np.exp(1j * angles)).ravel()
+    for root in _singular(kind, form, s[:: max(len(s) // _STARTS, 1)]):
+        yield from _near_root(root)
     wrong = _badness(kind, form, s)
     clear = s[wrong > min(max(wrong.max() / 2, 0), 1)]
     middle = math.sqrt(low) * math.sqrt(high)
@@ -88,6 +111,41 @@ def _candidates(kind: Kind, form: Form) -> Iterator[Place]:
     for tilt in (0.0, 1e-6):
         for w in _refined(kind, form, tilt)[:4]:
             yield from _beside(float(w))
+
+
+def _suspects(kind: Kind, form: Form) -> Iterator[tuple[Form, int]]:
+    """Functions whose poles (1) or zeros (-1) in Re s > 0 may be poles of the whole, or zeros of an impedance."""
+    yield from ((form, sign) for sign in ((1, -1) if kind is Kind.PR else (1,)))
+    for term in form.terms:
+        yield from ((base, -1) for base, e in term.factors if isinstance(base, Form) and e < 0)
+    yield from ((multiply([(f, 1)]), 1) for f in functions(form) if f.name in _WITH_POLES)
+
+
+def _singular(kind: Kind, form: Form, s: Array) -> list[complex]:
+    """Where Newton's method, from some points, finds poles and zeros of the suspects in Re s > 0."""
+    import numpy as np
+
+    found: list[complex] = []
+    for suspect, sign in islice(_suspects(kind, form), _POLISHED):
+        z = s
+        for _ in range(_NEWTON):
+            h = 1e-6 * np.abs(z)
+            slope = (values(suspect, z + h) - values(suspect, z - h)) / (2 * h)
+            before, z = z, z + sign * values(suspect, z) / slope
+            z = np.where((np.abs(z) < 3 * np.abs(before)) & (z.real > 0), z, np.nan)
+        settled = z[np.abs(z - before) < 1e-6 * np.abs(z)]
+        for root in settled[np.argsort(np.abs(settled.imag))]:
+            if all(abs(root - other) > 1e-4 * abs(root) for other in found):
+                found.append(complex(root))
+    return found[: 2 * _POLISHED]
+
+
+def _near_root(root: complex) -> Iterator[Place]:
+    """Points around one that is known to some six digits."""
+    for bits in (4, 12, 24, 34):
+        step = Fraction(abs(root)) / 2**bits
+        re, im = _short(root.real, bits + 4), _short(abs(root.imag), bits + 4)
+        yield from ((re + x * step, im + y * step) for x, y in _DIRECTIONS)
 
 
 def _nearest(s: Array, size: float) -> Array:

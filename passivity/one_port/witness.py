@@ -110,6 +110,7 @@ def _rounded(re: Fraction, im: Fraction, bits: int) -> Iterator[tuple[Fraction, 
     """The point, or its mirror image, on ever finer grids, and its right neighbour."""
     shown = 2
     while shown < bits:
+        spend(1_000 + 50 * shown, "a witness")
         grid = power_of_two(abs(re) + abs(im)) / 2**shown
         left, up = round(re / grid) * grid, round(abs(im) / grid) * grid
         yield left, up

@@ -40,7 +40,8 @@ class Pair(NamedTuple):
         """The pair without common factors."""
         if len(self.p) + len(self.q) > _MAX_REDUCED:
             raise ExpansionError(f"the expanded function has over {_MAX_REDUCED} terms")
-        spend(100_000 + 300 * len(self.p) * len(self.q) * (1 + bits(self.p) // 64 + bits(self.q) // 64), "a common factor")
+        words = 1 + (bits(self.p) + bits(self.q)) // 64
+        spend(100_000 + 300 * len(self.p) * len(self.q) * words, "a common factor")
         common = self.p.gcd(self.q)
         return Pair(self.p / common, self.q / common)
 

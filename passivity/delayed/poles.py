@@ -1,0 +1,106 @@
+"""Poles in Re s > 0 that stand in a factor free of delays and roots, where no exponential can take them away.
+
+Multiplied out, F = n/(f g) with f a polynomial in s alone. Near a root r of f, |F| grows without bound if n/g stays
+away from 0 there, which a ball around r shows. Where n vanishes too, as in (exp(-s) - exp(-2))/(s - 2), it shows nothing.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from flint import acb, arb, ctx, fmpz_mpoly, fmpz_poly
+
+from passivity.budget import spend
+from passivity.delayed.field import Element, Field
+from passivity.delayed.form import Form, constant, of_rational
+from passivity.delayed.search import Point, around
+from passivity.delayed.value import value
+from passivity.one_port.axis import parts
+from passivity.one_port.polynomial_sign import squarefree
+from passivity.one_port.real_roots import positive_roots
+from passivity.rational.function import RationalFunction
+from passivity.status import Kind
+
+_BITS = 256
+_MAX_DEGREE = 60
+_ONE = fmpz_poly([1])
+
+
+class Pole(NamedTuple):
+    """A pole, or for an impedance a zero, in a ball in Re s >= 0; `witness` is a point near it, if one is in reach."""
+
+    place: acb
+    word: str
+    witness: Point | None
+
+
+def find_pole(kind: Kind, form: Form) -> Pole | None:
+    """A pole in Re s > 0 or, of a reflection, on the axis; of an impedance also a zero in Re s > 0.
+
+    Examples
+    --------
+    >>> from passivity.delayed.translate import of_text
+    >>> found = find_pole(Kind.BR, of_text("exp(-1000*s)*(s + 2)/(s - 2)"))
+    >>> found.word, float(found.place.real), found.witness.re > 2
+    ('pole', 2.0, True)
+    >>> find_pole(Kind.BR, of_text("(exp(-s) - exp(-2))/(s - 2)")) is None
+    True
+    """
+    field = Field(form)
+    whole = field.of(form)
+    sides = [("pole", form, whole)]
+    if kind is Kind.PR and whole.n:
+        sides.append(("zero", constant(1) / form, Element(whole.d, whole.n)))
+    for word, function, x in sides:
+        f = _alone(x.d)
+        if not 0 < f.degree() <= _MAX_DEGREE:
+            continue
+        rest = function * of_rational(RationalFunction(f, _ONE))
+        for root in _roots(kind, f):
+            if _stays_away(rest, root):
+                return Pole(root, word, around(kind, form, root))
+    return None
+
+
+def _alone(d: fmpz_mpoly) -> fmpz_poly:
+    """The factor of a polynomial that is free of all generators but s."""
+    by_generators: dict[tuple, dict[int, int]] = {}
+    for exponents, c in d.to_dict().items():
+        by_generators.setdefault(tuple(exponents[1:]), {})[int(exponents[0])] = int(c)
+    found = fmpz_poly([])
+    for powers in by_generators.values():
+        found = found.gcd(fmpz_poly([powers.get(k, 0) for k in range(max(powers) + 1)]))
+    return found
+
+
+def _roots(kind: Kind, f: fmpz_poly) -> Iterator[acb]:
+    """Balls around the roots in Re s > 0 and, for a reflection, those on the axis; one of each pair."""
+    for factor, _ in squarefree(f):
+        if factor.degree() < 1:
+            continue
+        spend(100 * len(factor) ** 2 * (factor.height_bits() + _BITS), f"the roots of degree {factor.degree()}")
+        with ctx.workprec(_BITS):
+            roots: list = factor.complex_roots()
+        yield from (root for root, _ in roots if root.real > 0 and not root.imag < 0)
+        if kind is Kind.BR:
+            yield from _on_axis(factor)
+
+
+def _on_axis(f: fmpz_poly) -> Iterator[acb]:
+    if not f[0]:
+        yield acb(0)
+    even, odd = parts(f)
+    common = even.gcd(odd)
+    if common.degree() > 0:
+        for found in positive_roots(common.right_shift(int(not common[0]))):
+            root = found.refined(_BITS)
+            with ctx.workprec(2 * _BITS):
+                yield acb(0, arb(root.low).union(arb(root.high)).sqrt())
+
+
+def _stays_away(rest: Form, root: acb) -> bool:
+    """Whether a function has no zero in a small ball around a point, nor is infinite there."""
+    with ctx.workprec(_BITS):
+        size = abs(root).upper() if root != 0 else arb(1)
+        room = arb(0, (size * arb(2) ** (16 - _BITS)).upper())
+        there = value(rest, acb(root.real + room, root.imag + room))
+    return bool(there.is_finite() and there != 0)
