@@ -1,7 +1,7 @@
 """Poles in Re s > 0 that stand in a factor free of delays and roots, where no exponential can take them away.
 
 Multiplied out, F = n/(f g) with f a polynomial in s alone. Near a root r of f, |F| grows without bound if n/g stays
-away from 0 there, which a ball around r shows. Where n vanishes too, as in (exp(-s) - exp(-2))/(s - 2), it shows nothing.
+away from 0 there, which a ball around r shows. Where n vanishes too, as in (exp(-s) - exp(-2))/(s - 2), it does not.
 """
 
 from collections.abc import Iterator

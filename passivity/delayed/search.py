@@ -127,13 +127,15 @@ def _singular(kind: Kind, form: Form, s: Array) -> list[complex]:
 
     found: list[complex] = []
     for suspect, sign in islice(_suspects(kind, form), _POLISHED):
-        z = s
+        z, step = s, np.full(len(s), np.inf)
         for _ in range(_NEWTON):
             h = 1e-6 * np.abs(z)
             slope = (values(suspect, z + h) - values(suspect, z - h)) / (2 * h)
-            before, z = z, z + sign * values(suspect, z) / slope
-            z = np.where((np.abs(z) < 3 * np.abs(before)) & (z.real > 0), z, np.nan)
-        settled = z[np.abs(z - before) < 1e-6 * np.abs(z)]
+            after = z + sign * values(suspect, z) / slope
+            near_by = (np.abs(after) < 3 * np.abs(z)) & (after.real > 0)
+            step = np.where(near_by, np.abs(after - z), np.where(np.isfinite(after), np.inf, step))
+            z = np.where(near_by, after, z)
+        settled = z[step < 1e-6 * np.abs(z)]
         for root in settled[np.argsort(np.abs(settled.imag))]:
             if all(abs(root - other) > 1e-4 * abs(root) for other in found):
                 found.append(complex(root))
