@@ -110,10 +110,7 @@ def fit_scattering(
         raise ExpressionError("samples", "not a scattering matrix", "S", response.parameter.value)
     if len(response.f) < 3:
         raise ExpressionError("samples", "too few for a model", "at least 3", f"{len(response.f)}")
-    seen, excess = check_samples(response), tolerance * response.ports
-    if seen.worst_value > 1 + excess:
-        problem = f"S has a singular value of {seen.worst_value:.6g} at {seen.worst_frequency:.6g} Hz"
-        raise ExpressionError("samples", f"{problem}: no passive network within the tolerance", "at most 1")
+    check_samples(response).refuse_beyond(tolerance * response.ports, "network")
     turned = np.exp(2j * np.pi * response.f[:, None] * np.broadcast_to(delays, response.ports))
     values = turned[:, :, None] * response.values * turned[:, None, :]
     response = SampledResponse(response.f, values, Parameter.S, response.z0)

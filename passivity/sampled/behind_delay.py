@@ -129,12 +129,7 @@ def fit_behind_delay(
         raise ExpressionError("samples", "not a reflection", "S of one port", got)
     if len(response.f) < 3:
         raise ExpressionError("samples", "too few for a model", "at least 3", f"{len(response.f)}")
-    seen = check_samples(response)
-    if seen.worst_value > 1 + tolerance:
-        problem = (
-            f"|S| = {seen.worst_value:.6g} at {seen.worst_frequency:.6g} Hz: no passive one-port within the tolerance"
-        )
-        raise ExpressionError("samples", problem, "at most 1")
+    check_samples(response).refuse_beyond(tolerance, "one-port")
     orders = [k for k in ORDERS if k <= len(response.f) - 2]
     T = rough = _rough_delay(response) if delay is None else delay
     least, fewest = np.inf, 0

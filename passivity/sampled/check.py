@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from passivity.errors import ExpressionError, shorten, shown
-from passivity.sampled.response import Parameter, SampledResponse, array
+from passivity.sampled.response import LARGEST, Parameter, SampledResponse, array
 from passivity.status import Status
 
 ROUNDING = 2.0**-48  # 16 units in the last place: the error bar that every sample has
@@ -47,7 +47,8 @@ class SampleWitness(NamedTuple):
     value : Fraction
         Re(v* Z v)/v*v of Z or Y, below -bar; v*S*S v/v*v of S, above (1 + bar)^2.
     bar : Fraction
-        Any matrix within this distance of M (spectral norm) violates the bound too.
+        Any matrix within this distance of M (spectral norm) violates the bound too; where the bar comes from the digits
+        of a file, any that is printed with the same.
     """
 
     sample: int
@@ -70,7 +71,9 @@ class SampleVerdict:
     worst : ndarray, shape (n,)
         Largest singular value of S, or smallest eigenvalue of (Z + Z*)/2, at each frequency.
     bars : ndarray, shape (n,)
-        Error bar of each: the tolerance and ROUNDING times ports and size of the sample.
+        Error bar of each: the tolerance, or what the digits allow, and ROUNDING times ports and size of the sample.
+    by_digits : bool
+        Whether the bars come from the digits of a file.
     bands : tuple of Band
         Where the samples violate the bound, in order.
     witness : SampleWitness or None
@@ -83,6 +86,7 @@ class SampleVerdict:
     bars: NDArray
     bands: tuple[Band, ...]
     witness: SampleWitness | None
+    by_digits: bool = False
 
     @property
     def worst_value(self) -> float:
@@ -95,8 +99,31 @@ class SampleVerdict:
         return float(self.response.f[self._worst])
 
     @property
+    def worst_excess(self) -> float:
+        """How far it is beyond the bound: sigma - 1, or minus the eigenvalue."""
+        return float(excess(self.worst, self.response.parameter)[self._worst])
+
+    @property
+    def worst_bar(self) -> float:
+        """The error bar there."""
+        return float(self.bars[self._worst])
+
+    def refuse_beyond(self, tolerance: float, what: str) -> None:
+        """Raise ExpressionError where S is beyond its bound by more than a model may miss it, and the digits allow."""
+        beyond = excess(self.worst, self.response.parameter) - np.maximum(tolerance, self.bars)
+        k = int(np.argmax(beyond))
+        if beyond[k] <= 0:
+            return
+        value = "|S| =" if self.response.ports == 1 else "S has a singular value of"
+        problem = f"{value} {self.worst[k]:.6g} at {self.response.f[k]:.6g} Hz: no passive {what} within the tolerance"
+        digits = f", or {1 + self.bars[k]:.6g} by the digits of the file" if self.by_digits else ""
+        raise ExpressionError("samples", problem, "at most 1" + digits)
+
+    @property
     def _worst(self) -> int:
-        return int(np.argmax(excess(self.worst, self.response.parameter)))
+        """The sample that is furthest beyond its bar, or if there is none, beyond the bound."""
+        beyond = excess(self.worst, self.response.parameter)
+        return int(np.argmax(beyond - self.bars if self.bands else beyond))
 
     @property
     def caveats(self) -> tuple[str, ...]:
@@ -112,16 +139,17 @@ class SampleVerdict:
         )
 
 
-def check_samples(response: SampledResponse, tolerance: ArrayLike = 0.0) -> SampleVerdict:
+def check_samples(response: SampledResponse, tolerance: ArrayLike | None = None) -> SampleVerdict:
     """Do samples of Z, Y or S show more energy leaving the ports than entering?
 
     Parameters
     ----------
     response : SampledResponse
         With n frequencies.
-    tolerance : float or array_like, shape (n,)
+    tolerance : float or array_like, shape (n,), optional
         How far each sample may be from the truth, >= 0, in the unit of the samples: a bound of the spectral norm of the
-        error, for one port of its modulus. Some rounding is always allowed for, see `SampleVerdict.bars`.
+        error, for one port of its modulus. If it is not given, what the digits of the file allow, where the samples
+        come from one, else 0. Some rounding is always allowed for, see `SampleVerdict.bars`.
 
     Raises
     ------
@@ -137,17 +165,20 @@ def check_samples(response: SampledResponse, tolerance: ArrayLike = 0.0) -> Samp
     <Status.NO_VIOLATION: 'no violation seen'>
     """
     values, parameter = response.values, response.parameter
-    given = array(tolerance, float, "tolerance")
+    worst, (left, right) = worst_values(values, parameter), worst_vectors(values, parameter)
+    by_digits = tolerance is None and response.rounding is not None
+    if by_digits:
+        tolerance = np.minimum(response.rounding.reach(left, right), LARGEST)
+    given = array(0.0 if tolerance is None else tolerance, float, "tolerance")
     if given.shape not in ((), response.f.shape) or (given < 0).any():
         expected = f"a number >= 0, or {len(response.f)} of them"
         raise ExpressionError("tolerance", "not an error bar", expected, shorten(shown(tolerance)))
-    worst = worst_values(values, parameter)
     bars = given + ROUNDING * response.ports * np.sqrt((np.abs(values) ** 2).sum((1, 2)))
     beyond = excess(worst, parameter) - bars
     k = int(np.argmax(beyond))
     witness = _witness(response, k, Fraction(float(bars[k]))) if beyond[k] > 0 else None
     status = Status.REFUTED if witness else Status.NO_VIOLATION
-    return SampleVerdict(response, status, worst, bars, _bands(response, worst, beyond > 0), witness)
+    return SampleVerdict(response, status, worst, bars, _bands(response, worst, beyond > 0), witness, by_digits)
 
 
 def worst_values(values: NDArray, parameter: Parameter) -> NDArray:
@@ -161,6 +192,15 @@ def worst_values(values: NDArray, parameter: Parameter) -> NDArray:
     if parameter is Parameter.S:
         return np.linalg.svd(values, compute_uv=False)[:, 0]
     return np.linalg.eigvalsh((values + values.conj().swapaxes(1, 2)) / 2)[:, 0]
+
+
+def worst_vectors(values: NDArray, parameter: Parameter) -> tuple[NDArray, NDArray]:
+    """Left and right singular vector of the largest singular value, or the eigenvector of the smallest eigenvalue."""
+    if parameter is Parameter.S:
+        u, _, v = np.linalg.svd(values)
+        return u[:, :, 0], v[:, 0].conj()
+    x = np.linalg.eigh((values + values.conj().swapaxes(1, 2)) / 2)[1][:, :, 0]
+    return x, x
 
 
 def excess(worst: NDArray, parameter: Parameter) -> NDArray:

@@ -6,8 +6,10 @@ import warnings
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from passivity.errors import ExpressionError
+from passivity.sampled.digits import Rounding, of_tokens
 from passivity.sampled.response import MAX_PORTS, Parameter, SampledResponse
 
 MAX_BYTES = 10_000_000
@@ -58,12 +60,17 @@ def read_csv(path: str | Path, parameter: Parameter | str, z0: float = 50.0) -> 
         except ValueError:
             expected = "three numbers f,re,im" if rows else "the header f,re,im"
             raise ExpressionError(f"{path}: line {n}", "not a sample", expected, f"{line!r:.40}") from None
-        rows.append((f, complex(re_, im)))
-    return SampledResponse([f for f, _ in rows[1:]], [value for _, value in rows[1:]], parameter, z0)
+        rows.append((f, complex(re_, im), cells[1:]))
+    f, values, printed = ([row[k] for row in rows[1:]] for k in range(3))
+    finite = bool(rows[1:]) and np.isfinite(values).all()  # else the response says what is wrong
+    return SampledResponse(f, values, parameter, z0, of_tokens("ri", printed, 1)[0] if finite else None)
 
 
 def read_touchstone(path: str | Path) -> SampledResponse:
     """Scattering matrices from a Touchstone file of version 1, read by scikit-rf; Z and Y in it are turned into S.
+
+    The digits that are printed stay known, see `Rounding`. Z and Y are taken as normalised to the reference resistance,
+    as version 1 has them.
 
     Parameters
     ----------
@@ -73,8 +80,8 @@ def read_touchstone(path: str | Path) -> SampledResponse:
     Raises
     ------
     ExpressionError
-        If scikit-rf is missing, the file cannot be read or is longer than MAX_BYTES, a reference is not one real
-        resistance for each port.
+        If scikit-rf is missing, the file cannot be read or is longer than MAX_BYTES, holds hybrid parameters, a
+        reference is not one real resistance for each port.
 
     References
     ----------
@@ -115,7 +122,26 @@ def read_touchstone(path: str | Path) -> SampledResponse:
         raise ExpressionError(f"{path}", "not a Touchstone file", "samples, Touchstone version 1", said) from None
     if not constant:
         raise ExpressionError(f"{path}", "reference impedance", "a constant resistance at each port", f"{z0}")
-    return SampledResponse(read.f, read.s, Parameter.S, z0.real)
+    if read.parameter not in ("s", "z", "y"):
+        raise ExpressionError(f"{path}", "hybrid parameters are not read", "S, Z or Y", read.parameter.upper())
+    rounding, values = _printed(lines, read.format, len(read.f), int(suffix[1]))
+    if read.parameter != "s":
+        one = np.eye(int(suffix[1]))
+        try:
+            rounding = rounding.through_cayley(values)
+            values = (1 if read.parameter == "z" else -1) * (one - 2 * np.linalg.inv(one + values))
+        except np.linalg.LinAlgError:
+            raise ExpressionError(f"{path}", f"{read.parameter.upper()} + 1 is singular", "one that has an S") from None
+    return SampledResponse(read.f, values, Parameter.S, z0.real, rounding)
+
+
+def _printed(lines: list[str], form: str, number: int, ports: int) -> tuple[Rounding, NDArray[np.complex128]]:
+    """What the numbers of the first samples are and leave open; S21 of two ports comes before S12."""
+    numbers = [x for line in lines if line[:1] not in ("!", "#") for x in line.partition("!")[0].split()]
+    width = 1 + 2 * ports**2
+    rows = [numbers[k * width + 1 : (k + 1) * width] for k in range(number)]
+    rounding, values = of_tokens(form, rows, ports)
+    return (rounding.transposed(), values.swapaxes(1, 2)) if ports == 2 else (rounding, values)
 
 
 def _text(path: str | Path) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from passivity.errors import ExpressionError, shorten, shown
+from passivity.sampled.digits import Rounding
 from passivity.status import Kind
 
 MAX_PORTS = 16
@@ -47,6 +48,8 @@ class SampledResponse:
         "Z", "Y" or "S".
     z0 : float or array_like, shape (p,)
         Reference resistances of S, above zero, ohm; kept as (p,). Without effect on Z and Y.
+    rounding : Rounding, optional
+        What the digits leave open where the values were read from text.
 
     Raises
     ------
@@ -64,6 +67,7 @@ class SampledResponse:
     values: Any
     parameter: Any
     z0: Any = 50.0
+    rounding: Rounding | None = None
 
     def __post_init__(self):
         parameter = Parameter(self.parameter)

@@ -1,0 +1,110 @@
+"""What the digits of a file leave open: each number is known to half a unit in the last place that is printed.
+
+An entry of a matrix lies in a rectangle around its value, along and across a direction: the real axis for real and
+imaginary part, the entry's own for modulus and angle. With the singular vectors u, v of S the largest singular value of
+S + E is at least |u* (S + E) v| >= sigma - |Re u* E v|, and with the eigenvector v the smallest eigenvalue of the
+Hermitian part of Z + E is at most that of Z plus Re v* E v. So nothing that is printed the same is missed.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+LARGEST = 1e150
+
+
+def half_unit(text: str) -> float:
+    """Half a unit in the last place of a number as it is written.
+
+    Examples
+    --------
+    >>> half_unit(".70711"), half_unit("-1.50e-3"), half_unit("12")
+    (5e-06, 5e-06, 0.5)
+    """
+    mantissa, _, exponent = text.lower().partition("e")
+    return min(float(f"5e{int(exponent or 0) - len(mantissa.partition('.')[2]) - 1}"), LARGEST)
+
+
+@dataclass(frozen=True, eq=False)
+class Rounding:
+    """Rectangles in which the entries of matrices lie, all arrays of shape (n, p, p).
+
+    Parameters
+    ----------
+    direction : ndarray of complex
+        Of modulus 1.
+    along, across : ndarray
+        Half the sides, along and across the direction.
+    """
+
+    direction: NDArray[np.complex128]
+    along: NDArray
+    across: NDArray
+
+    @classmethod
+    def of_pairs(cls, form: str, first: NDArray, second: NDArray, halves: NDArray) -> Self:
+        """Of numbers in a file; `halves` are the half units of first and second, shape (2, n, p, p).
+
+        Parameters
+        ----------
+        form : str
+            ``ri`` for real and imaginary part, ``ma`` for modulus and angle in degrees, ``db`` for decibels and angle.
+        """
+        one, two = halves
+        if form == "ri":
+            return cls(np.ones_like(first, dtype=complex), one, two)
+        with np.errstate(over="ignore"):
+            size = np.minimum(np.abs(first) if form == "ma" else 10 ** (first / 20), LARGEST)
+            radial = np.minimum(one if form == "ma" else size * np.expm1(one * np.log(10) / 20), LARGEST)
+        direction = np.exp(1j * np.radians(second)) * np.where((form == "ma") & (first < 0), -1, 1)
+        if first.shape[1] == 1:  # of one port the angle does not matter
+            return cls(direction, radial, np.zeros_like(radial))
+        turn = np.minimum(np.radians(two), np.pi)
+        top = size + radial
+        return cls(direction, radial + top * (1 - np.cos(turn)), top * np.sin(np.minimum(turn, np.pi / 2)))
+
+    def transposed(self) -> Self:
+        """Of the transposed matrices."""
+        return type(self)(*(x.swapaxes(1, 2) for x in (self.direction, self.along, self.across)))
+
+    def through_cayley(self, matrices: NDArray[np.complex128]) -> Self:
+        """Of S = +-(1 - 2 (1 + z)^-1) for normalised z of these values.
+
+        S' - S = +-2 (1 + z)^-1 (z' - z) (1 + z')^-1, the last factor by Neumann's series.
+        """
+        one, size = np.eye(matrices.shape[1]), np.hypot(self.along, self.across)
+        inverse = np.abs(np.linalg.inv(one + matrices))
+        grown = inverse @ size
+        safe = np.linalg.norm(grown, axis=(1, 2)) < 0.5
+        series = np.linalg.inv(one - np.where(safe[:, None, None], grown, 0.0))
+        side = np.where(safe[:, None, None], 2 * grown @ series @ inverse, LARGEST)
+        return type(self)(np.ones_like(matrices), side, side)
+
+    def reach(self, left: NDArray, right: NDArray) -> NDArray:
+        """Bound of |Re u* E v| for vectors u, v at each frequency, shape (n, p); returns shape (n,)."""
+        weights = left.conj()[:, :, None] * right[:, None, :] * self.direction
+        return (np.abs(weights.real) * self.along + np.abs(weights.imag) * self.across).sum((1, 2))
+
+
+def of_tokens(form: str, rows: Sequence[Sequence[str]], ports: int) -> tuple[Rounding, NDArray[np.complex128]]:
+    """Rounding and values of rows of 2 ports^2 numbers as they are written, first index slowest.
+
+    Examples
+    --------
+    >>> rounding, values = of_tokens("ri", [[".70711", ".70711"]], 1)
+    >>> round(abs(values[0, 0, 0]) - 1, 8), rounding.reach(values[:, 0] / abs(values[:, 0]), np.ones((1, 1))).round(8)
+    (4.52e-06, array([7.07e-06]))
+    """
+    shape = len(rows), ports, ports, 2
+    numbers = np.array([[float(x) for x in row] for row in rows]).reshape(shape)
+    halves = np.array([[half_unit(x) for x in row] for row in rows]).reshape(shape)
+    first, second = numbers[..., 0], numbers[..., 1]
+    rounding = Rounding.of_pairs(form, first, second, np.moveaxis(halves, 3, 0))
+    if form == "ri":
+        return rounding, first + 1j * second
+    with np.errstate(over="ignore"):
+        size = np.abs(first) if form == "ma" else 10 ** (first / 20)
+    return rounding, size * rounding.direction
