@@ -3,11 +3,13 @@
 What may take long says so before it does: `spend`. Within `budget` the sum is limited, and what passes it is undecided.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
+T = TypeVar("T")
 VERDICT = 1_500_000_000
 ASIDE = 500_000_000  # for what is said beside the verdict
 
@@ -46,6 +48,21 @@ def budget(units: int) -> Iterator[None]:
         _account.reset(token)
         if around is not None:
             around.left -= given - own.left
+
+
+def if_affordable(units: int, ask: Callable[..., T], *given: Any) -> T | None:
+    """What a function says of what is given, None if the budget runs out.
+
+    Examples
+    --------
+    >>> if_affordable(100, abs, -3), if_affordable(100, spend, 200, "this")
+    (3, None)
+    """
+    try:
+        with budget(units):
+            return ask(*given)
+    except UndecidedError:
+        return None
 
 
 def spend(units: int, what: str) -> None:

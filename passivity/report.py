@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+from passivity.budget import VERDICT, if_affordable
 from passivity.delayed.chain import Chain
 from passivity.expression.number import written
 from passivity.one_port.certificate import verify
@@ -32,7 +33,7 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None, chain
             "sign_factors": [{"factor": _list(f), "power": power} for f, power in c.sign.factors],
             "sign_breaks": [written(x) for x in c.sign.breaks],
             "routh_column": [pivot.str(12) for pivot in c.column],
-            "verified": verify(c),
+            "verified": if_affordable(VERDICT, verify, c),
         }
     if robust:
         exception = robust.exception

@@ -7,7 +7,7 @@ from functools import cached_property
 from flint import acb
 
 from passivity.ball import near
-from passivity.budget import ASIDE, VERDICT, UndecidedError, budget
+from passivity.budget import ASIDE, VERDICT, UndecidedError, budget, if_affordable
 from passivity.delayed.boxes import BallProof, UnresolvedError, prove_in_balls
 from passivity.delayed.disc import RIGHT, UNIT
 from passivity.delayed.field import TooLargeError
@@ -93,11 +93,7 @@ class ExpressionVerdict:
     @cached_property
     def margin(self) -> AxisValue | None:
         """Smallest Re Z(jω), or largest |H(jω)|; None where the axis has no values, or where `rational` has them."""
-        try:
-            with budget(ASIDE):
-                return None if self.rational else axis_value(self.kind, self.form, self.proof)
-        except UndecidedError:
-            return None
+        return None if self.rational else if_affordable(ASIDE, axis_value, self.kind, self.form, self.proof)
 
 
 def check_expression(text: str, kind: Kind, parameters: Mapping[str, Exact] | None = None) -> ExpressionVerdict:

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from passivity.budget import VERDICT, if_affordable
 from passivity.delayed.boxes import holds
 from passivity.delayed.decide import ExpressionVerdict
 from passivity.delayed.verify import verify_proof
@@ -28,12 +29,13 @@ def expression_as_dict(verdict: ExpressionVerdict) -> dict[str, Any]:
     if verdict.pole:
         told[verdict.pole.word] = verdict.pole.place.str(20)
     if verdict.proof:
-        told["proof"] = {"steps": list(verdict.proof.lines()), "verified": verify_proof(verdict.proof)}
+        verified = if_affordable(VERDICT, verify_proof, verdict.proof)
+        told["proof"] = {"steps": list(verdict.proof.lines()), "verified": verified}
     if verdict.balls:
         told["balls"] = {
             "radius": written(verdict.balls.radius),
             "cuts": [written(cut) for cut in verdict.balls.cuts],
-            "verified": holds(verdict.balls),
+            "verified": if_affordable(VERDICT, holds, verdict.balls),
         }
     if found := verdict.witness:
         told["witness"] = {"re": written(found.re), "im": written(found.im), "value": found.value.str(20)}

@@ -7,7 +7,8 @@ from itertools import pairwise
 
 from flint import fmpq, fmpz_poly
 
-from passivity.one_port.polynomial_sign import UndecidedError, squarefree
+from passivity.budget import ASIDE, if_affordable
+from passivity.one_port.polynomial_sign import squarefree
 from passivity.one_port.real_roots import positive_roots
 
 MOST_NAMED = 4  # bands in one sentence
@@ -41,10 +42,7 @@ def bands(sums: Sequence[fmpz_poly]) -> str:
     >>> bands([fmpz_poly([3, -4, 1])])
     'for 1 < ω < 1.73205'
     """
-    try:
-        return in_words(violations(sums))
-    except UndecidedError:
-        return "in bands that take too long to find"
+    return if_affordable(ASIDE, lambda: in_words(violations(sums))) or "in bands that take too long to find"
 
 
 def in_words(intervals: Sequence[tuple[float, float]]) -> str:

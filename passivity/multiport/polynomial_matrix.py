@@ -4,6 +4,8 @@ from typing import TypeAlias
 
 from flint import fmpz_poly
 
+from passivity.budget import spend
+
 PolynomialMatrix: TypeAlias = list[list[fmpz_poly]]
 
 
@@ -24,6 +26,9 @@ def scaled(a: PolynomialMatrix, factor: fmpz_poly | int) -> PolynomialMatrix:
 
 def multiply(a: PolynomialMatrix, b: PolynomialMatrix) -> PolynomialMatrix:
     """a b."""
+    m, long = len(a), height_bits(a) + height_bits(b)
+    top = 1 + max(x.degree() for rows in (a, b) for row in rows for x in row)
+    spend(m**3 * (2_000 + 5 * (top + 1) * long), f"a product of matrices with {m} ports of degree {top}")
     columns = list(zip(*b, strict=True))
     return [[sum((x * y for x, y in zip(row, c, strict=True)), fmpz_poly()) for c in columns] for row in a]
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from flint import arb, fmpz_poly
 
+from passivity.budget import ASIDE, if_affordable
 from passivity.one_port.polynomial_sign import SignProof
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
@@ -92,7 +93,8 @@ class Verdict:
         """The reason in plain words: band, pole, residue, degree."""
         from passivity.one_port.reason import reason
 
-        return reason(self)
+        short = "it fails at the witness" if self.witness else "the exact test holds"
+        return if_affordable(ASIDE, reason, self) or f"{short}; the frequencies take too long to find"
 
     @cached_property
     def margins(self) -> "Margins":

@@ -48,6 +48,8 @@ def value(f: fmpz_poly, re: Fraction, im: Fraction) -> tuple[Fraction, Fraction]
     >>> value(fmpz_poly([0, 0, 1]), Fraction(1, 2), Fraction(1))
     (Fraction(-3, 4), Fraction(1, 1))
     """
+    size = max(bits_of(re), bits_of(im))
+    spend(5_000 + 5 * len(f) * (len(f) * size + f.height_bits()), "a value")
     u, v = _scaled(f, re, im, f.degree())
     unit = (re.denominator * im.denominator) ** max(f.degree(), 0)
     return Fraction(int(u), unit), Fraction(int(v), unit)

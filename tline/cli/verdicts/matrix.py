@@ -7,10 +7,10 @@ from tline.errors import InputError
 def answer(text: str, asked: Asked) -> Answer:
     """Decide a matrix of rational functions."""
     from passivity import Kind, RationalMatrix, check_bounded_real_matrix, check_positive_real_matrix
+    from passivity.budget import ASIDE, VERDICT, budget, if_affordable
     from passivity.expression.number import digits
     from passivity.multiport.margin import margin
     from passivity.multiport.report import as_dict
-    from passivity.one_port.polynomial_sign import UndecidedError
 
     asked.refuse("matrices", "z0", "delay", "within", "error", "nearest")
     if not text.rstrip().endswith("]"):
@@ -18,11 +18,9 @@ def answer(text: str, asked: Asked) -> Answer:
     rows = [[entry.strip() for entry in row.split(",")] for row in text.strip()[1:-1].split(";")]
     matrix = RationalMatrix.from_rows(rows, values(asked.parameters))
     kind = Kind.BR if asked.kind == "br" else Kind.PR
-    verdict = (check_bounded_real_matrix if kind is Kind.BR else check_positive_real_matrix)(matrix)
-    try:
-        found = margin(matrix, kind)
-    except UndecidedError:
-        found = None
+    with budget(2 * VERDICT):
+        verdict = (check_bounded_real_matrix if kind is Kind.BR else check_positive_real_matrix)(matrix)
+    found = if_affordable(ASIDE, margin, matrix, kind)
     lines = [f"{kind.value}, {matrix.size} ports: {verdict.status.value}", f"  because {verdict.why}"]
     if w := verdict.witness:
         vector = ", ".join(complex_text(re, im) for re, im in w.vector)
