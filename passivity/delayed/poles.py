@@ -39,7 +39,7 @@ def find_pole(kind: Kind, form: Form) -> Pole | None:
     Examples
     --------
     >>> from passivity.delayed.translate import of_text
-    >>> found = find_pole(Kind.BR, of_text("exp(-1000*s)*(s + 2)/(s - 2)"))
+    >>> found = find_pole(Kind.BR, of_text("exp(-9*s)*(s + 2)/(s - 2)"))
     >>> found.word, float(found.place.real), found.witness.re > 2
     ('pole', 2.0, True)
     >>> find_pole(Kind.BR, of_text("(exp(-s) - exp(-2))/(s - 2)")) is None

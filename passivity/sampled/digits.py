@@ -7,7 +7,7 @@ Hermitian part of Z + E is at most that of Z plus Re v* E v. So nothing that is 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -38,11 +38,17 @@ class Rounding:
         Of modulus 1.
     along, across : ndarray
         Half the sides, along and across the direction.
+    inverse : ndarray of complex, optional
+        (1 + z)^-1 of each matrix z, where this is about their Cayley transforms; see `through_cayley`.
+    second : ndarray, shape (n,)
+        What is then left to be added.
     """
 
     direction: NDArray[np.complex128]
     along: NDArray
     across: NDArray
+    inverse: NDArray[np.complex128] | None = None
+    second: NDArray | float = 0.0
 
     @classmethod
     def of_pairs(cls, form: str, first: NDArray, second: NDArray, halves: NDArray) -> Self:
@@ -71,22 +77,27 @@ class Rounding:
         return type(self)(*(x.swapaxes(1, 2) for x in (self.direction, self.along, self.across)))
 
     def through_cayley(self, matrices: NDArray[np.complex128]) -> Self:
-        """Of S = +-(1 - 2 (1 + z)^-1) for normalised z of these values.
+        """Of S = +-(1 - 2 M), M = (1 + z)^-1, for normalised z of these values.
 
-        S' - S = +-2 (1 + z)^-1 (z' - z) (1 + z')^-1, the last factor by Neumann's series.
+        S' - S = +-2 M E M' with E = z' - z, which is 2 M E M but for 2 M E M E M'; there M' is bounded by Neumann's
+        series.
         """
-        one, size = np.eye(matrices.shape[1]), np.hypot(self.along, self.across)
-        inverse = np.abs(np.linalg.inv(one + matrices))
-        grown = inverse @ size
+        one = np.eye(matrices.shape[1])
+        inverse = np.linalg.inv(one + matrices)
+        grown = np.abs(inverse) @ np.hypot(self.along, self.across)
         safe = np.linalg.norm(grown, axis=(1, 2)) < 0.5
-        series = np.linalg.inv(one - np.where(safe[:, None, None], grown, 0.0))
-        side = np.where(safe[:, None, None], 2 * grown @ series @ inverse, LARGEST)
-        return type(self)(np.ones_like(matrices), side, side)
+        grown = np.where(safe[:, None, None], grown, 0.0)
+        second = 2 * np.linalg.norm(grown @ grown @ np.linalg.inv(one - grown) @ np.abs(inverse), axis=(1, 2))
+        return replace(self, inverse=inverse, second=np.where(safe, second, LARGEST))
 
     def reach(self, left: NDArray, right: NDArray) -> NDArray:
         """Bound of |Re u* E v| for vectors u, v at each frequency, shape (n, p); returns shape (n,)."""
+        if self.inverse is not None:
+            left = 2 * np.einsum("nki,nk->ni", self.inverse.conj(), left)
+            right = np.einsum("nik,nk->ni", self.inverse, right)
         weights = left.conj()[:, :, None] * right[:, None, :] * self.direction
-        return (np.abs(weights.real) * self.along + np.abs(weights.imag) * self.across).sum((1, 2))
+        first = (np.abs(weights.real) * self.along + np.abs(weights.imag) * self.across).sum((1, 2))
+        return first + self.second
 
 
 def of_tokens(form: str, rows: Sequence[Sequence[str]], ports: int) -> tuple[Rounding, NDArray[np.complex128]]:
@@ -95,8 +106,8 @@ def of_tokens(form: str, rows: Sequence[Sequence[str]], ports: int) -> tuple[Rou
     Examples
     --------
     >>> rounding, values = of_tokens("ri", [[".70711", ".70711"]], 1)
-    >>> round(abs(values[0, 0, 0]) - 1, 8), rounding.reach(values[:, 0] / abs(values[:, 0]), np.ones((1, 1))).round(8)
-    (4.52e-06, array([7.07e-06]))
+    >>> (abs(values[:, 0, 0]) - 1).round(8), rounding.reach(values[:, 0] / abs(values[:, 0]), np.ones((1, 1))).round(8)
+    (array([4.55e-06]), array([7.07e-06]))
     """
     shape = len(rows), ports, ports, 2
     numbers = np.array([[float(x) for x in row] for row in rows]).reshape(shape)

@@ -1,0 +1,121 @@
+"""What printed digits leave open: half units, rectangles, and the verdicts on samples."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from passivity import ExpressionError, Status, check_samples, fit_behind_delay, read_csv, read_touchstone
+from passivity.sampled.digits import half_unit
+from tests.touchstone_files import FILTER, SHIPPED
+from tline.cli.main import main
+
+
+@pytest.mark.parametrize(
+    ("text", "half"),
+    [
+        (".70711", 5e-6),
+        ("0.70711", 5e-6),
+        ("0.707110", 5e-7),
+        ("-1.50E-3", 5e-6),
+        ("+5.", 0.5),
+        ("7", 0.5),
+        ("1.2e3", 50.0),
+        ("1e-400", 0.0),
+        ("1e400", 1e150),
+    ],
+)
+def test_half_a_unit_in_the_last_place(text, half):
+    assert half_unit(text) == pytest.approx(half, rel=1e-12)
+
+
+def sampled(tmp_path, name, text):
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_rounded_digits_do_not_refute(tmp_path):
+    path = sampled(tmp_path, "a.s1p", "# GHz S RI R 50\n1 0.5 0.1\n1.2 .70711 .70711\n")
+    verdict = check_samples(read_touchstone(path))
+    assert verdict.status is Status.NO_VIOLATION
+    assert (verdict.worst_excess, verdict.worst_bar) == pytest.approx((4.552e-6, 7.071e-6), rel=1e-3)
+    assert check_samples(read_touchstone(path), 0.0).status is Status.REFUTED
+    told = CliRunner().invoke(main, ["passivity", str(path)])
+    assert "σ − 1 = 4.6e-06 at 1.2e+09 Hz, digits of the file allow 7.1e-06: consistent with a passive" in told.stdout
+    assert told.exit_code == 3
+    data = json.loads(CliRunner().invoke(main, ["passivity", str(path), "--json"]).stdout)
+    assert (data["status"], data["allowed_by"]) == ("no violation seen", "digits")
+    assert data["excess"] < data["allowed"]
+
+
+@pytest.mark.parametrize(
+    ("form", "numbers", "status"),
+    [
+        ("RI", ".70711 .70711", Status.NO_VIOLATION),
+        ("RI", ".707110 .707110", Status.REFUTED),  # trailing zeros count
+        ("RI", "1.0000049 0", Status.REFUTED),
+        ("MA", "1.00005 45.1", Status.REFUTED),
+        ("MA", "1.0001 45.10000", Status.REFUTED),
+        ("MA", "1.0 45", Status.NO_VIOLATION),
+        ("DB", "0.004 30", Status.REFUTED),
+        ("DB", "0.0 30", Status.NO_VIOLATION),
+        ("DB", "0 30", Status.NO_VIOLATION),
+        ("DB", "4e-3 30.5", Status.REFUTED),
+    ],
+)
+def test_each_number_has_its_own_digits(tmp_path, form, numbers, status):
+    path = sampled(tmp_path, "a.s1p", f"# MHz S {form} R 50\n1 {numbers}\n")
+    assert check_samples(read_touchstone(path)).status is status
+
+
+def test_a_violation_beyond_the_digits_is_one(tmp_path):
+    path = sampled(tmp_path, "a.s2p", "! comment\n# GHz S MA R 50\n1 0.1 0 0.9 10 1.2 10 ! 3\n 0.1 3\n")
+    verdict = check_samples(read_touchstone(path))
+    assert verdict.status is Status.REFUTED
+    assert verdict.worst_excess > verdict.worst_bar > 0
+    table = sampled(tmp_path, "a.csv", "f,re,im\n1,-0.1,3\n2,-0.01,1\n")
+    assert check_samples(read_csv(table, "Z")).status is Status.REFUTED
+    table = sampled(tmp_path, "b.csv", "f,re,im\n1,-0.0,3\n2,-0.01,1.0\n3,-4e-3,1\n4,-0,7\n")
+    assert check_samples(read_csv(table, "Z")).bands[0].frequency == 2
+
+
+def test_noise_parameters_after_the_samples_are_none(tmp_path):
+    text = "# GHz S MA R 50\n1 .5 0 .7071 0 .7071 0 .5 180\n2 .5 0 .7 0 .7 0 .5 180\n1 1.2 0.3 45 0.2\n"
+    assert len(check_samples(read_touchstone(sampled(tmp_path, "a.s2p", text))).bars) == 2
+
+
+@pytest.mark.parametrize(("kind", "sign"), [("Z", 1), ("Y", -1)])
+def test_impedances_and_admittances_are_normalised(tmp_path, kind, sign):
+    text = f"# GHz {kind} RI R 75\n1 2.000 0.000\n2 0.00000 1.00000\n3 -1e-3 0.500\n"
+    response = read_touchstone(sampled(tmp_path, "a.s1p", text))
+    z = np.array([2, 1j, -1e-3 + 0.5j])
+    assert response.values[:, 0, 0] == pytest.approx(sign * (z - 1) / (z + 1))
+    verdict = check_samples(response)
+    assert [verdict.worst_frequency, len(verdict.bands)] == [3e9, 1]
+    coarse = read_touchstone(sampled(tmp_path, "b.s1p", f"# GHz {kind} RI R 75\n3 -0.00 0.5\n4 0.00 .70\n"))
+    assert check_samples(coarse).status is Status.NO_VIOLATION
+
+
+def test_hybrid_parameters_are_refused(tmp_path):
+    path = sampled(tmp_path, "a.s2p", "# GHz H RI R 50\n1 1 0 2 0 3 0 4 0\n")
+    with pytest.raises(ExpressionError, match="hybrid parameters are not read, expected S, Z or Y, got H"):
+        read_touchstone(path)
+
+
+def test_a_model_of_rounded_samples_is_found_not_refused(tmp_path):
+    f = np.linspace(0.1, 4, 80)
+    values = (1 - 0.5j * f) / (1 + 0.5j * f)  # of modulus 1, to three digits
+    rows = (f"{x:.4f} {v.real:.3f} {v.imag:.3f}" for x, v in zip(f, values, strict=True))
+    response = read_touchstone(sampled(tmp_path, "a.s1p", "\n".join(["# GHz S RI R 50", *rows])))
+    assert check_samples(response, 0.0).status is Status.REFUTED
+    assert fit_behind_delay(response, 1e-4 + 1e-3, 0.0).order == 1
+    with pytest.raises(ExpressionError, match="no model of up to 24 poles is that near"):
+        fit_behind_delay(response, 1e-5, 0.0)
+
+
+@pytest.mark.parametrize("path", [SHIPPED, FILTER])
+def test_the_shipped_files_are_not_refuted(path):
+    assert check_samples(read_touchstone(Path(path))).status is Status.NO_VIOLATION
