@@ -78,7 +78,7 @@ class Field:
         return total
 
     def _term(self, term: Product) -> Element:
-        result = Element(self._univariate(term.rational.p), self._univariate(term.rational.q))
+        result = Element(self.univariate(term.rational.p), self.univariate(term.rational.q))
         for base, e in term.factors:
             x = self.of(base) if isinstance(base, Form) else self._function(base)
             if abs(e) > MAX_EXPONENT and len(x.n) + len(x.d) > 2:
@@ -101,7 +101,7 @@ class Field:
         if (rational := _hyperbolic(function)) is not None:
             return self.of(rational)
         r, powers = monomial(function)
-        n, d = self._univariate(r.p), self._univariate(r.q)
+        n, d = self.univariate(r.p), self.univariate(r.q)
         for g, e in powers.items():
             k = int(e / self.units[g])
             if abs(k) > MAX_UNITS:
@@ -110,7 +110,8 @@ class Field:
             n, d = (n * generator, d) if k > 0 else (n, d * generator)
         return Element(n, d)
 
-    def _univariate(self, f: fmpz_poly) -> fmpz_mpoly:
+    def univariate(self, f: fmpz_poly) -> fmpz_mpoly:
+        """A polynomial in s, as one in s and the generators."""
         zeros = (0,) * len(self.gens)
         return self.ring.from_dict({(k, *zeros): c for k, c in enumerate(f.coeffs()) if c})
 
@@ -131,7 +132,7 @@ class Field:
             if g.name != "sqrt" or (inside := g.argument.rational) is None or inside.q != 1:
                 continue
             if f and f.degrees()[k] > 1:
-                relation = self._univariate(inside.p)
+                relation = self.univariate(inside.p)
                 parts: dict[int, dict] = {}
                 for exponents, c in f.to_dict().items():
                     e = exponents[k]

@@ -11,18 +11,16 @@ from flint import acb, arb, ctx, fmpz_mpoly, fmpz_poly
 
 from passivity.budget import spend
 from passivity.delayed.field import Element, Field
-from passivity.delayed.form import Form, constant, of_rational
+from passivity.delayed.form import Form
 from passivity.delayed.search import Point, around
 from passivity.delayed.value import value
 from passivity.one_port.axis import parts
 from passivity.one_port.polynomial_sign import squarefree
 from passivity.one_port.real_roots import positive_roots
-from passivity.rational.function import RationalFunction
 from passivity.status import Kind
 
 _BITS = 256
 _MAX_DEGREE = 60
-_ONE = fmpz_poly([1])
 
 
 class Pole(NamedTuple):
@@ -47,14 +45,14 @@ def find_pole(kind: Kind, form: Form) -> Pole | None:
     """
     field = Field(form)
     whole = field.of(form)
-    sides = [("pole", form, whole)]
+    sides = [("pole", whole)]
     if kind is Kind.PR and whole.n:
-        sides.append(("zero", constant(1) / form, Element(whole.d, whole.n)))
-    for word, function, x in sides:
+        sides.append(("zero", Element(whole.d, whole.n)))
+    for word, x in sides:
         f = _alone(x.d)
         if not 0 < f.degree() <= _MAX_DEGREE:
             continue
-        rest = function * of_rational(RationalFunction(f, _ONE))
+        rest = field.form(Element(x.n, x.d // field.univariate(f)))
         for root in _roots(kind, f):
             if _stays_away(rest, root):
                 return Pole(root, word, around(kind, form, root))

@@ -49,7 +49,7 @@ def value(f: fmpz_poly, re: Fraction, im: Fraction) -> tuple[Fraction, Fraction]
     (Fraction(-3, 4), Fraction(1, 1))
     """
     size = max(bits_of(re), bits_of(im))
-    spend(5_000 + 5 * len(f) * (len(f) * size + f.height_bits()), "a value")
+    spend(5_000 + 10 * _reducing(len(f) * size + f.height_bits()), "a value")
     u, v = _scaled(f, re, im, f.degree())
     unit = (re.denominator * im.denominator) ** max(f.degree(), 0)
     return Fraction(int(u), unit), Fraction(int(v), unit)
@@ -66,6 +66,11 @@ def _scaled(f: fmpz_poly, re: Fraction, im: Fraction, degree: int) -> tuple[fmpz
     return u, v
 
 
+def _reducing(bits: int) -> int:
+    """Cost of bringing a fraction of this length to lowest terms."""
+    return 1_000 + bits * bits // 300
+
+
 def _witness(kind: Kind, p: fmpz_poly, q: fmpz_poly, re: Fraction, im: Fraction, delay: Fraction) -> Witness | None:
     """The point as a witness, None if it is none."""
     degree, size = max(p.degree(), q.degree()), max(bits_of(re), bits_of(im))
@@ -79,6 +84,7 @@ def _witness(kind: Kind, p: fmpz_poly, q: fmpz_poly, re: Fraction, im: Fraction,
         return None
     if not size:
         return Witness(re, im, None, None)
+    spend(_reducing(size.bit_length()), "a witness")
     return Witness(re, im, Fraction(int(real), int(size)), Fraction(int(b * c - a * d), int(size)))
 
 
