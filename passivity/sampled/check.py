@@ -166,8 +166,8 @@ def check_samples(response: SampledResponse, tolerance: ArrayLike | None = None)
     """
     values, parameter = response.values, response.parameter
     worst, (left, right) = worst_values(values, parameter), worst_vectors(values, parameter)
-    by_digits = tolerance is None and response.rounding is not None
-    if by_digits:
+    if by_digits := tolerance is None and response.rounding is not None:
+        assert response.rounding
         tolerance = np.minimum(response.rounding.reach(left, right), LARGEST)
     given = array(0.0 if tolerance is None else tolerance, float, "tolerance")
     if given.shape not in ((), response.f.shape) or (given < 0).any():

@@ -123,8 +123,8 @@ def read_touchstone(path: str | Path) -> SampledResponse:
     if not constant:
         raise ExpressionError(f"{path}", "reference impedance", "a constant resistance at each port", f"{z0}")
     if read.parameter not in ("s", "z", "y"):
-        raise ExpressionError(f"{path}", "hybrid parameters are not read", "S, Z or Y", read.parameter.upper())
-    rounding, values = _printed(lines, read.format, len(read.f), int(suffix[1]))
+        raise ExpressionError(f"{path}", "hybrid parameters are not read", "S, Z or Y", f"{read.parameter}".upper())
+    rounding, values = _printed(lines, f"{read.format}", len(read.f), int(suffix[1]))
     if read.parameter != "s":
         one = np.eye(int(suffix[1]))
         try:
