@@ -4,9 +4,12 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
+import click
+
 from tline.errors import InputError
 
 PICTURE = (".png", ".svg", ".pdf")
+confined_option = click.option("--confined", is_flag=True, help="Read no files outside of the scene's folder.")
 
 
 def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None:

@@ -12,6 +12,7 @@ from passivity import DelayedModel, RationalFunction, Status, fit_behind_delay, 
 from passivity.errors import ExpressionError
 from tline.errors import InputError
 from tline.scene.line import Cable, SceneLine
+from tline.scene.named_file import beside
 from tline.scene.quantity import Quantity, Role, Tolerance
 from tline.scene.rational_load import Rational
 
@@ -117,7 +118,7 @@ def electrical(kind: str, info: ValidationInfo, instead: str) -> str:
 
 def read_model(model_of: Callable[..., Model], file: str, info: ValidationInfo, *asked: Any) -> Model:
     """The model of a file beside the scene's, found once for each time that it is written."""
-    path = Path((info.context or {}).get("folder", ".")) / file
+    path = beside(file, info)
     try:
         return model_of(path, path.stat().st_mtime_ns if path.is_file() else 0, *asked)
     except (ExpressionError, OSError, ValueError) as error:
