@@ -1,4 +1,4 @@
-"""`python -m benchmarks.fuzz`: a million hostile inputs over all doors; prints the seed and what is wrong, if anything."""
+"""`python -m benchmarks.fuzz`: a million hostile inputs over all doors; prints the seed and what is found wrong."""
 
 import argparse
 import os
@@ -49,7 +49,7 @@ def main() -> int:
     for door in doors:
         print(f"{door:<12} {done[door]:>9,} {longest[door]:>12.2f} {1e3 * spent[door] / max(done[door], 1):>10.2f}")
     print(
-        f"{sum(done.values()):,} cases, {bad} found wrong; limits {SECONDS:g} s and {MEMORY / 1e6:g} MB; {minutes:.1f} minutes"
+        f"{sum(done.values()):,} cases, {bad} wrong; limits {SECONDS:g} s, {MEMORY / 1e6:g} MB; {minutes:.1f} minutes"
     )
     return 1 if bad else 0
 

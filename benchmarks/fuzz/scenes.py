@@ -8,7 +8,8 @@ from benchmarks.fuzz.case import Case, shipped
 from benchmarks.fuzz.mutate import TEXTS, damaged, value
 
 SMALL = (
-    "air_vessel", "antenna", "cable_mismatch", "cable_rc", "cable_rlc", "column_separation", "coupled_pair", "diode_clamp",
+    "air_vessel", "antenna", "cable_mismatch", "cable_rc", "cable_rlc", "column_separation", "coupled_pair",
+    "diode_clamp",
     "load_lines", "loop", "lossy_cable", "lossy_pair", "open_line", "pipe_friction", "pump_trip", "tabulated_cable",
     "tdr", "transformer", "valve_closure", "water_pipe", "y_junction",
 )  # fmt: skip
@@ -22,12 +23,15 @@ SIZES = {  # typical values by unit, and by quantity where the unit depends on t
 }  # fmt: skip
 COMMANDS = (
     ["run"], ["run"], ["run"], ["run", "--json"], ["run", "--active"], ["run", "--ledger"], ["passivity"], ["export"],
-    ["frequency", "--points", "20"], ["frequency", "--points", "20", "--ports", "a,b"], ["tdr", "--port", "a", "--rise", "1 ns"],
-    ["eye", "--probe", "p", "--bit", "2 ns", "--bits", "5"], ["run", "--csv", "out.csv"], ["run", "--envelope", "out.csv"],
+    ["frequency", "--points", "20"], ["frequency", "--points", "20", "--ports", "a,b"], ["tdr", "--port", "a",
+    "--rise", "1 ns"],
+    ["eye", "--probe", "p", "--bit", "2 ns", "--bits", "5"], ["run", "--csv", "out.csv"], ["run", "--envelope",
+    "out.csv"],
     ["many", "--vary", "lines.l0.z0=uniform(40, 60)", "--runs", "20"], ["run", "--order", "3", "--slab", "1 ns"],
 )  # fmt: skip
 RARE = (
-    ["run", "--animate", "out.html"], ["run", "--plot", "out.svg"], ["run", "--map", "out.svg"], ["run", "--profile", "out.svg"],
+    ["run", "--animate", "out.html"], ["run", "--plot", "out.svg"], ["run", "--map", "out.svg"], ["run",
+    "--profile", "out.svg"],
     ["run", "--lattice", "out.svg"], ["run", "--npz", "out.npz"], ["run", "--space-time", "out.png"],
 )  # fmt: skip
 
@@ -62,7 +66,7 @@ def _schema() -> dict[str, Any]:
 
 
 def drawn(rng: Random) -> dict[str, Any]:
-    """Tables of a scene that is nearly valid: all elements of the schema, with typical numbers and some awkward ones."""
+    """Tables of a scene that is nearly valid: elements of the schema, with typical numbers and some awkward ones."""
     medium = rng.choice(("electrical", "electrical", "hydraulic"))
     draw = _Draw(rng, medium)
     properties = _schema()["properties"]

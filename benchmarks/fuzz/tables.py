@@ -20,8 +20,8 @@ TWO = HEAD + LINE + '[links.m]\nnodes = ["a", "b"]\nkind = "touchstone"\nfile = 
 def csv(rng: Random) -> Case:
     """A table of two to five columns."""
     kind, columns, head = rng.choice(
-        (("wave", 2, "t,u"), ("cable", 3, "f,R,L"), ("cable", 5, "f,R,L,G,C"), ("samples", 3, "f,re,im"), ("force", 2, "t,F"),
-         ("torque", 3, "t,T1,T2"))
+        (("wave", 2, "t,u"), ("cable", 3, "f,R,L"), ("cable", 5, "f,R,L,G,C"), ("samples", 3, "f,re,im"),
+         ("force", 2, "t,F"), ("torque", 3, "t,T1,T2"))
     )  # fmt: skip
     rows = [
         ",".join([f"{k * 1e-9 if kind == 'wave' else k:g}", *(_cell(rng) for _ in range(columns - 1))])

@@ -66,8 +66,8 @@ OPTIONS = {
 def matrix(rng: Random) -> Case:
     """`tline passivity` of a matrix."""
     size = rng.choice((1, 2, 2, 2, 3))
-    rows = [[rational(rng, 2) if rng.random() < 0.3 else rng.choice(("0", "1", "s", "2*s", "1/s", "s/2", "1/2")) for _ in range(size)]
-            for _ in range(size)]  # fmt: skip
+    plain = ("0", "1", "s", "2*s", "1/s", "s/2", "1/2")
+    rows = [[rational(rng, 2) if rng.random() < 0.3 else rng.choice(plain) for _ in range(size)] for _ in range(size)]
     if rng.random() < 0.6:
         rows = [[rows[min(i, j)][max(i, j)] for j in range(size)] for i in range(size)]
     text = "[" + "; ".join(", ".join(row) for row in rows) + "]"

@@ -1,17 +1,20 @@
-"""What makes a million cases short: all code compiled and imported first, and limits at which long runs are refused lowered."""
+"""What makes a million cases short: code compiled and imported first, and lower limits at which runs are refused."""
 
 import contextlib
 import io
 import os
 import tempfile
+from importlib import import_module
 from pathlib import Path
 
 from benchmarks.fuzz.case import SCENES
 from benchmarks.fuzz.scenes import RARE, SMALL
 
 COMMANDS = (
-    ["passivity", "1/(1+s)"], ["passivity", "tanh(s)"], ["passivity", "R + s", "--param", "R>0"], ["passivity", "[1, 0; 0, s]"],
-    ["friction", "exercise"], ["friction", "run", "lugre"], ["friction", "run", "dahl"], ["friction", "run", "elasto-plastic"],
+    ["passivity", "1/(1+s)"], ["passivity", "tanh(s)"], ["passivity", "R + s", "--param", "R>0"], ["passivity",
+    "[1, 0; 0, s]"],
+    ["friction", "exercise"], ["friction", "run", "lugre"], ["friction", "run", "dahl"], ["friction", "run",
+    "elasto-plastic"],
     ["friction", "run", "karnopp"], ["friction", "run", "tanh"], ["friction", "curve", "lugre"], ["drives", "exercise"],
     ["drives", "control"], ["drives", "step", "--slack"], ["drives", "bode"], ["line", "hydraulic", "--radius", "1"],
     ["fit", "antenna.s1p"], ["passivity", "antenna.s1p"], ["schema"], ["chart", "growth", "--csv", "x"],
@@ -44,9 +47,11 @@ def warm_up() -> None:
 
 
 def lower_limits() -> None:
-    """Refuse runs that would legitimately take minutes: their sizes are limits of the program, and only these change."""
+    """Refuse runs that would legitimately take minutes: sizes that are limits of the program, and only these change."""
+    from drives import simulation
     from tline.solver import resolution, search
 
     resolution.MOST_SLABS, resolution.LARGEST = 2e4, 1e6
     resolution.CHEAP, resolution.CHEAP_IN_BLOCKS, resolution.ROOM = 1e5, 1e6, 1e5
     search.MOST_SECONDS = 0.3
+    import_module("friction.simulate").MOST_STEPS, simulation.MOST_STEPS = 20_000, 5_000

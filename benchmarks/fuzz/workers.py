@@ -44,7 +44,7 @@ def findings(
     processes: int,
     told: Callable[[Block, float, float], None],
 ) -> Iterator[Finding]:
-    """Run all blocks; `told` hears of each that is done, with the longest processor time of a case in it, and that of all."""
+    """Run all blocks; `told` hears of each that is done, with the processor time of its longest case and of all."""
     with tempfile.TemporaryDirectory(prefix="fuzz-", dir=_memory()) as scratch:
         yield from _supervised(blocks, case_of, processes, told, Path(scratch))
 

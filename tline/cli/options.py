@@ -34,6 +34,23 @@ def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None
         check_writable(file)
 
 
+def check_readable(file: str) -> None:
+    """Refuse a file that could be read for ever: a device, a terminal, a pipe with a name.
+
+    Raises
+    ------
+    InputError
+        Also if there is none.
+    """
+    from tline.scene.text_file import check_ordinary
+
+    try:
+        check_ordinary(file)
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise InputError(file, "cannot be read", got=reason or "no file") from None
+
+
 @contextmanager
 def options_named(options: Mapping[str, str]) -> Iterator[None]:
     """Let errors name the option where the library names its argument."""

@@ -24,7 +24,7 @@ ENDS = ("SIGTERM", "SIGHUP")  # signals that end a program without a word, where
 def replacing(path: str | Path) -> Iterator[Path]:
     """A temporary path beside `path` that takes its place when the block ends well, and is removed otherwise.
 
-    Also where the program is told to end meanwhile. One that is killed leaves a hidden file ``.NAME.tline-*``, which the
+    Also where a signal ends the program meanwhile. One that is killed leaves a hidden file ``.NAME.tline-*``, which the
     next that writes `path` removes: whoever writes holds a lock, which no dead program does.
 
     Parameters

@@ -41,10 +41,12 @@ def answer(file: str, asked: Asked) -> Answer:
 
 
 def _read(file: str, asked: Asked) -> "SampledResponse":
+    from tline.cli.options import check_readable
     from passivity.expression.number import double
     from passivity.rational.evaluate import exact
     from passivity.sampled.read import read_csv, read_touchstone
 
+    check_readable(file)
     if not file.lower().endswith(".csv"):
         asked.refuse("Touchstone files, which say so themselves", "kind", "z0")
         return read_touchstone(file)
