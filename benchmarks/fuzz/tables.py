@@ -12,7 +12,7 @@ WAVE = (
     + LINE
     + '[sources.s]\nat = "a"\nkind = "voltage"\nresistance = 50\nvalue = {shape = "table", file = "t.csv"}\n'
 )
-CABLE = HEAD + '[lines.l]\nnodes = ["a", "b"]\nlength = 1\ntable = {file = "t.csv"}\n'
+CABLE = HEAD + '[lines.l]\nnodes = ["a", "b"]\nlength = 1\ntabulated = {file = "t.csv"}\n'
 ONE = HEAD + LINE + '[loads.m]\nat = "b"\nkind = "touchstone"\nfile = "m.s1p"\n'
 TWO = HEAD + LINE + '[links.m]\nnodes = ["a", "b"]\nkind = "touchstone"\nfile = "m.s2p"\n'
 

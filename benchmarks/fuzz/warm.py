@@ -20,9 +20,20 @@ COMMANDS = (
     ["fit", "antenna.s1p"], ["passivity", "antenna.s1p"], ["schema"], ["chart", "growth", "--csv", "x"],
     ["import", "town.inp", "--wave-speed", "1000 m/s"], ["import", "cable_rc.cir"], ["export", "cable_rc.toml"],
     ["tdr", "cable_rc.toml", "--port", "near", "--rise", "1 ns"], ["frequency", "cable_rc.toml", "--points", "5"],
-    ["eye", "cable_rc.toml", "--probe", "far", "--bit", "2 ns", "--bits", "5"],
+    ["eye", "cable_rc.toml", "--probe", "far", "--bit", "2 ns", "--rise", "0.2 ns", "--bits", "5"],
     ["many", "cable_rc.toml", "--vary", "lines.cable.z0=uniform(40, 60)", "--runs", "20"],
 )  # fmt: skip
+
+LOWER = {
+    ("tline.solver.resolution", "MOST_SLABS"): 2e4,
+    ("tline.solver.resolution", "LARGEST"): 1e6,
+    ("tline.solver.resolution", "CHEAP"): 1e5,
+    ("tline.solver.resolution", "CHEAP_IN_BLOCKS"): 1e6,
+    ("tline.solver.resolution", "ROOM"): 1e5,
+    ("tline.solver.search", "MOST_SECONDS"): 0.3,
+    ("friction.simulate", "MOST_STEPS"): 20_000,
+    ("drives.simulation", "MOST_STEPS"): 5_000,
+}
 
 
 def warm_up() -> None:
@@ -48,10 +59,5 @@ def warm_up() -> None:
 
 def lower_limits() -> None:
     """Refuse runs that would legitimately take minutes: sizes that are limits of the program, and only these change."""
-    from drives import simulation
-    from tline.solver import resolution, search
-
-    resolution.MOST_SLABS, resolution.LARGEST = 2e4, 1e6
-    resolution.CHEAP, resolution.CHEAP_IN_BLOCKS, resolution.ROOM = 1e5, 1e6, 1e5
-    search.MOST_SECONDS = 0.3
-    import_module("friction.simulate").MOST_STEPS, simulation.MOST_STEPS = 20_000, 5_000
+    for (module, name), limit in LOWER.items():
+        setattr(import_module(module), name, limit)
