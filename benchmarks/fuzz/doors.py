@@ -7,18 +7,18 @@ from random import Random
 from benchmarks.fuzz import flags, networks, scenes, tables, verdicts
 from benchmarks.fuzz.case import Case
 
-DOORS: dict[str, tuple[Callable[[Random], Case], int]] = {  # and how many of a hundred cases
-    "scenes": (scenes.case, 20),
-    "expressions": (verdicts.scalar, 15),
-    "matrices": (verdicts.matrix, 5),
-    "csv": (tables.csv, 10),
-    "touchstone": (tables.touchstone, 5),
-    "spice": (networks.spice, 15),
-    "epanet": (networks.epanet, 5),
-    "flags": (flags.case, 5),
-    "line": (partial(flags.case, first="line"), 10),
-    "friction": (partial(flags.case, first="friction"), 5),
-    "drives": (partial(flags.case, first="drives"), 5),
+DOORS: dict[str, tuple[Callable[[Random], Case], int]] = {  # and how many of a thousand cases
+    "scenes": (scenes.case, 120),
+    "expressions": (verdicts.scalar, 200),
+    "matrices": (verdicts.matrix, 25),
+    "csv": (tables.csv, 130),
+    "touchstone": (tables.touchstone, 40),
+    "spice": (networks.spice, 220),
+    "epanet": (networks.epanet, 50),
+    "flags": (flags.case, 30),
+    "line": (partial(flags.case, first="line"), 150),
+    "friction": (partial(flags.case, first="friction"), 15),
+    "drives": (partial(flags.case, first="drives"), 20),
 }
 
 

@@ -72,7 +72,9 @@ def case(rng: Random, first: str | None = None) -> Case:
     for parameter in command.params:
         if isinstance(parameter, click.Argument):
             args += [_value(rng, parameter, asked) for _ in range(1 if rng.random() < 0.97 else rng.choice((0, 2)))]
-        elif parameter.required or rng.random() < min(0.3, 2.5 / len(command.params)):
+        elif parameter.required or rng.random() < (
+            0.03 if parameter.name == "plot" else min(0.3, 2.5 / len(command.params))
+        ):
             args += _option(rng, parameter, asked)
     if words[0] == "chart":  # with all that a chart needs it would be measured, for minutes
         args += rng.choice((["nothing"], ["--csv", "out.txt"], ["--plot", "none/out.png"], ["--points"]))

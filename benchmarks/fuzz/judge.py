@@ -10,6 +10,8 @@ from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 from shutil import rmtree
 
+import matplotlib.font_manager  # noqa: F401 (makes folders of its own when it is imported)
+
 from benchmarks.fuzz.case import Case
 
 EXITS = {0, 1, 2}

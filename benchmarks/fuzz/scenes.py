@@ -25,7 +25,8 @@ COMMANDS = (
     ["run"], ["run"], ["run"], ["run", "--json"], ["run", "--active"], ["run", "--ledger"], ["passivity"], ["export"],
     ["frequency", "--points", "20"], ["frequency", "--points", "20", "--ports", "a,b"], ["tdr", "--port", "a",
     "--rise", "1 ns"],
-    ["eye", "--probe", "p", "--bit", "2 ns", "--rise", "0.2 ns", "--bits", "5"], ["run", "--csv", "out.csv"], ["run", "--envelope",
+    ["eye", "--probe", "p", "--bit", "2 ns", "--rise", "0.2 ns", "--bits", "5"], ["run", "--csv", "out.csv"],
+    ["run", "--envelope",
     "out.csv"],
     ["many", "--vary", "lines.l0.z0=uniform(40, 60)", "--runs", "20"], ["run", "--order", "3", "--slab", "1 ns"],
 )  # fmt: skip

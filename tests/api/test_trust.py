@@ -52,7 +52,8 @@ at = "far"
 HOSTILE = "<script>alert(1)</script></title><!-- $x$ DATA TITLE \\u001b[2J"
 READ_SCENES = {
     "run": [], "many": ["--vary", "lines.cable.z0=uniform(40, 60)"], "frequency": ["--points", "5"], "export": [],
-    "tdr": ["--port", "near", "--rise", "1 ns"], "eye": ["--probe", "seen", "--bit", "1 ns", "--rise", "0.1 ns"], "passivity": [],
+    "tdr": ["--port", "near", "--rise", "1 ns"], "eye": ["--probe", "seen", "--bit", "1 ns", "--rise", "0.1 ns"],
+    "passivity": [],
 }  # fmt: skip
 
 

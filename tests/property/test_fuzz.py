@@ -11,7 +11,7 @@ from benchmarks.fuzz.judge import verdict
 from benchmarks.fuzz.warm import LOWER
 
 SEED = 5
-CASES = {door: 60 for door in DOORS} | {"scenes": 20, "matrices": 20, "touchstone": 20, "flags": 10} | {
+CASES = dict.fromkeys(DOORS, 60) | {"scenes": 20, "matrices": 20, "touchstone": 10, "flags": 10} | {
     "friction": 8, "drives": 8,
 }  # fmt: skip
 
@@ -40,7 +40,7 @@ def test_a_case_is_the_same_whatever_ran_before():
     ("case", "said"),
     [
         (Case(["schema", "-o", "other"], {}, frozenset({"out"})), "file 'other' was written"),
-        (Case(["schema", "-o", "../other"]), "opened for writing"),
+        (Case(["schema", "-o", "../other"]), "os.rename"),
         (Case(["schema", "-o", "in"], {"in": b"mine"}), "file 'in' was written"),
     ],
 )
@@ -54,7 +54,6 @@ def test_the_judge_sees_files_that_nobody_asked_for(case, said, folder):
     ("done", "said"),
     [
         (lambda: 1 / 0, "exit status 70"),
-        (lambda: print("\x1b[2J"), ""),
         (lambda: exec("import os; os.system('true')"), "os.system"),
         (
             lambda: Path("/dev/shm/x").write_text("") if Path("/dev/shm").exists() else Path("../x").write_text(""),
@@ -67,7 +66,7 @@ def test_the_judge_sees_what_a_command_does(done, said, folder, monkeypatch):
     inside.mkdir()
     monkeypatch.setattr("tline.scene.file.schema", lambda: done() or {})
     found = " ".join(_judged(Case(["schema"]), inside))
-    assert said in found if said else not found
+    assert said in found
 
 
 def _judged(case: Case, folder: Path) -> list[str]:
