@@ -392,6 +392,18 @@ def test_an_interrupted_run_says_so(folder, monkeypatch):
     assert (result.exit_code, result.stderr.strip()) == (130, "interrupted")
 
 
+def test_too_little_memory_is_said(monkeypatch):
+    def too_large(*_, **__):
+        raise MemoryError
+
+    monkeypatch.setattr("tline.scene.file.read_scene", too_large)
+    result = call("export", "in.toml")
+    assert (result.exit_code, result.stderr) == (
+        2,
+        "memory: there is not enough of it for this, expected a smaller input\n",
+    )
+
+
 def test_a_fault_of_the_program_is_no_answer(monkeypatch):
     monkeypatch.setattr("tline.scene.file.read_scene", lambda *_, **__: 1 / 0)
     result = call("export", "in.toml")

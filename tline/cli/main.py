@@ -72,6 +72,9 @@ class LazyGroup(click.Group):
         except (click.Abort, KeyboardInterrupt):
             click.echo("interrupted", err=True)
             return 130
+        except MemoryError:
+            click.echo("memory: there is not enough of it for this, expected a smaller input", err=True)
+            return 2
         except Exception as error:  # noqa: BLE001 (whatever it is)
             place = traceback.extract_tb(error.__traceback__)[-1]
             what = f"{type(error).__name__} in line {place.lineno} of {Path(place.filename).name}"
