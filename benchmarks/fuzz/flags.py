@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from benchmarks.fuzz.case import Case, shipped
-from benchmarks.fuzz.mutate import value
+from benchmarks.fuzz.mutate import damaged, value
 
 WORDS = {  # likely values by what an option stands for
     "z0": ("50", "75 ohm"), "delay": ("1 ns", "2e-9"), "length": ("10 m", "300 m"), "radius": ("10 cm", "5 mm"),
@@ -22,7 +22,8 @@ WORDS = {  # likely values by what an option stands for
     "output": ("x_k", "tension", "out.toml", "out.cir"), "models": ("lugre", "dahl", "coulomb", "tanh"),
     "model": ("coulomb", "karnopp", "lugre", "dahl", "elasto-plastic", "tanh"), "parameters": ("F_s=1.2 N",
     "sigma0=1e4"),
-    "what": ("1/(1+s)", "[1, 0; 0, 1]", "cable_rc.toml"), "scene": ("cable_rc.toml",), "file": ("cable_rc.cir",
+    "parameter_file": ("p.toml",), "what": ("1/(1+s)", "[1, 0; 0, 1]", "cable_rc.toml"),
+    "scene": ("cable_rc.toml",), "file": ("cable_rc.cir",
     "m.s1p", "out.html"),
     "velocity": ("0.5",), "slope": ("0.5", "2 N/s"), "sine": ("1 N",), "frequency": ("1 Hz",), "angle": ("45 deg",
     "30 deg"),
@@ -38,6 +39,11 @@ WRITTEN = {
     "save": ("out.s1p",),
     "nearest": ("out.json",),
 }
+PARAMETERS = """inertia = ["1e-3 kg m^2", "2e-3 kg m^2"]
+friction = "0.1 N m s"
+radius = "10 cm"
+angle = "45 deg"
+"""
 MEASURED = "# MHz S RI R 50\n1 0.5 0.1\n2 0.4 0.2\n3 0.35 0.2\n4 0.3 0.2\n"
 
 
@@ -82,7 +88,8 @@ def case(rng: Random, first: str | None = None) -> Case:
         args.insert(rng.randrange(len(args) + 1), value(rng))
     if rng.random() < 0.01:
         args += ["--help"]
-    return Case([arg.replace("\0", "") for arg in args], _files(), frozenset(asked))
+    files = _files() | {"p.toml": damaged(rng, PARAMETERS)}
+    return Case([arg.replace("\0", "") for arg in args], files, frozenset(asked))
 
 
 def _option(rng: Random, parameter: click.Parameter, asked: set[str]) -> list[str]:

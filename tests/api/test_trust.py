@@ -178,6 +178,33 @@ def test_a_pipe_with_a_name_is_refused_and_not_waited_for(args, folder):
     assert re.match(f"{re.escape(file)}: cannot be read, got a pipe with a name", call(args[0], file).stderr)
 
 
+@pytest.mark.parametrize(
+    "args",
+    [
+        "friction run coulomb --table FILE", "drives step --table FILE", "drives bode --parameters FILE", "run FILE",
+    ],
+)  # fmt: skip
+def test_what_could_be_read_for_ever_is_refused_wherever_a_file_is_read(args, folder):
+    os.mkfifo(folder / "pipe")
+    for file, kind in (("pipe", "a pipe with a name"), ("/dev/zero", "a device, not a file")):
+        result = call(*args.replace("FILE", file).split())
+        assert result.exit_code == 2
+        assert result.stderr.endswith(f"cannot be read, got {kind}\n")
+
+
+def test_tables_and_parameters_that_break_a_reader_are_refused(folder):
+    (folder / "long.csv").write_text('t,T1,T2\n0,1,"' + "1" * 200_000 + '"\n')
+    (folder / "deep.toml").write_text("radius = " + "[" * 5000)
+    (folder / "digits.toml").write_text("radius = " + "1" * 5000)
+    for args in (
+        ["step", "--table", "long.csv"],
+        ["bode", "--parameters", "deep.toml"],
+        ["bode", "--parameters", "digits.toml"],
+    ):
+        result = call("drives", *args)
+        assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1), result.stderr
+
+
 def test_a_scene_names_no_device(folder):
     (folder / "in.toml").write_text(CABLE.replace("FILE", "/dev/zero"))
     with pytest.raises(SceneError, match="'/dev/zero' cannot be read, got a device, not a file"):

@@ -1,14 +1,12 @@
 """Scenes in TOML files, and the JSON schema that editors check them with."""
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
-from tline.errors import InputError
 from tline.scene.named_file import Folder
 from tline.scene.own import own_elements
 from tline.scene.scene import Scene
-from tline.scene.text_file import read_text
+from tline.scene.text_file import read_toml
 
 PLAIN = bool, int, float, str, list, tuple, dict  # what TOML knows
 
@@ -31,14 +29,7 @@ def read_scene(path: str | Path, progress: bool = False, *, confined: bool = Fal
         The file cannot be read or is not TOML; SceneError with all mistakes of the scene.
     """
     path = Path(path)
-    text = read_text(path)
-    try:
-        data = tomllib.loads(text)
-    except RecursionError:
-        raise InputError(str(path), "is nested too deeply", "a scene in TOML") from None
-    except ValueError as error:  # beside TOMLDecodeError: an integer of too many digits
-        raise InputError(str(path), f"is not valid TOML: {error}") from None
-    return Scene(Folder(path.parent, confined), progress, **data)
+    return Scene(Folder(path.parent, confined), progress, **read_toml(path, "a scene in TOML"))
 
 
 def scene_from(data: dict[str, Any], folder: str | Folder = ".") -> Scene:

@@ -2,7 +2,9 @@
 
 import os
 import stat
+import tomllib
 from pathlib import Path
+from typing import Any
 
 from tline.errors import InputError
 from tline.printable import one_line
@@ -39,6 +41,23 @@ def read_text(path: Path, where: str = "") -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(where or str(path), f"{name}is not a text file", "text in UTF-8") from None
+
+
+def read_toml(path: Path, what: str) -> dict[str, Any]:
+    """Tables of a TOML file; `what` says what is expected there.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, or is not TOML.
+    """
+    text = read_text(path)
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise InputError(str(path), "is nested too deeply", what) from None
+    except ValueError as error:  # beside TOMLDecodeError: an integer of too many digits
+        raise InputError(str(path), f"is not valid TOML: {error!s:.200}") from None
 
 
 def check_ordinary(path: str | Path) -> None:
