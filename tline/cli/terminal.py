@@ -25,16 +25,11 @@ class Printable(io.TextIOBase):
         Whether text that cannot be written there is dropped.
     """
 
+    encoding, errors = "utf-8", "replace"
+
     def __init__(self, stream: TextIO, optional: bool):
         self.stream, self.optional = stream, optional
-
-    @property
-    def encoding(self) -> str:  # noqa: D102
-        return self.stream.encoding or "utf-8"
-
-    @property
-    def errors(self) -> str:  # noqa: D102
-        return "replace"
+        self.encoding = stream.encoding or "utf-8"
 
     def writable(self) -> bool:  # noqa: D102
         return True

@@ -81,7 +81,7 @@ class Touchstone(Rational):
         """The line of its delay, named after its own place, and what is behind it."""
         if not self._model.delay:
             return {}, self
-        line = Cable(nodes=(self.near, own), z0=self.z0, delay=self._model.delay)
+        line = Cable(**{"nodes": (self.near, own), "z0": self.z0, "delay": self._model.delay})
         moved = self.model_copy(update={"at": own})
         moved._near = self.near
         return {own: line}, moved
