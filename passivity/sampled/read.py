@@ -116,10 +116,14 @@ def read_touchstone(path: str | Path) -> SampledResponse:
         z0 = np.asarray(read.z0, complex)[0]
         constant = (read.z0 == z0).all() and (z0.imag == 0).all()
         if read.s_flat.shape[1] != int(suffix[1]) ** 2:
-            raise ValueError("numbers are missing")
-    except (ArithmeticError, AttributeError, IndexError, KeyError, TypeError, ValueError, Warning) as error:
-        said = f"{error!s:.80}" if isinstance(error, ValueError) else ""  # else words for programmers
-        raise ExpressionError(f"{path}", "not a Touchstone file", "samples, Touchstone version 1", said) from None
+            raise ExpressionError(
+                f"{path}", "not a Touchstone file", "samples, Touchstone version 1", "too few numbers"
+            )
+    except ExpressionError:
+        raise
+    except (ArithmeticError, AttributeError, IndexError, KeyError, TypeError, ValueError, Warning):
+        # what they say quotes the file, and a scene may name any
+        raise ExpressionError(f"{path}", "not a Touchstone file", "samples, Touchstone version 1") from None
     if not constant:
         raise ExpressionError(f"{path}", "reference impedance", "a constant resistance at each port", f"{z0}")
     if read.parameter not in ("s", "z", "y"):

@@ -85,7 +85,7 @@ def test_answers(command, words):
         ("bode --parameters nothing.toml", "nothing.toml: cannot be read"),
         ("bode --parameters typo.toml", "typo.toml: radus: unknown parameter, expected inertia"),
         ("bode --parameters number.toml", "number.toml: radius: not a text with a unit"),
-        ("bode --parameters broken.toml", "broken.toml: not TOML"),
+        ("bode --parameters broken.toml", "broken.toml: is not valid TOML"),
         ("step --table late.csv", "late.csv, times[2]: out of order, expected a time later than 2 s, got 1 s"),
         ("step --table short.csv", "short.csv, row 3: not three numbers, expected t,T1,T2 in SI"),
         ("step --table bare.csv", "bare.csv: another header, expected t,T1,T2"),

@@ -63,7 +63,7 @@ def test_answers(command, words):
         ("run coulomb --spring 1", "--spring: needs its partner"),
         ("run coulomb --spring -1 --pull 1", "--spring: too small"),
         ("run coulomb --slope 1 --sine 1 --frequency 1", "--sine: another force than --slope"),
-        ("run coulomb --table nothing.csv", "--table: cannot be read"),
+        ("run coulomb --table nothing.csv", "--table: 'nothing.csv' cannot be read"),
         ("run coulomb --plot out.gif", "--plot: unknown kind of file"),
         ("run coulomb --time 0", "--time: too small"),
         ("curve lugre --velocity 0", "--velocity: not positive"),

@@ -308,6 +308,7 @@ def test_help_teaches_with_examples_whose_options_exist() -> None:
     assert options == {
         "scene",
         "--active",
+        "--confined",
         "--tol",
         "--order",
         "--slab",

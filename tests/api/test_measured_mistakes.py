@@ -61,7 +61,7 @@ def run(line):
 
 
 MISTAKES = [
-    ('file = "gone.s1p"', "file: 'gone.s1p': cannot be read, expected a file, got No such file or directory"),
+    ('file = "gone.s1p"', "file: 'gone.s1p' cannot be read, got No such file or directory"),
     ('file = "words.s1p"', "file: 'words.s1p': not a Touchstone file, expected samples, Touchstone version 1"),
     ('file = "empty.s1p"', "file: 'empty.s1p': "),
     ('file = "few.s1p"', "file: 'few.s1p': too few for a model, expected at least 3, got 2"),
@@ -73,7 +73,7 @@ MISTAKES = [
     ),
     ('file = "series.s1p"', "file: 'series.s1p': the model with 2 poles is not proved passive: |S| > 1 "),
     ('file = "noise.s1p"', "tolerance: no model of up to 24 poles is that near to the samples, expected at least 0."),
-    ('file = "a\\u0000b.s1p"', "file: 'a\0b.s1p' cannot be read"),
+    ('file = "a\\u0000b.s1p"', "file: 'a\\x00b.s1p' cannot be read"),
     (f'file = "{SHIPPED}"\ntolerance = 0', "tolerance: tolerance out of range, expected at least 1e-13, got 0"),
     (f'file = "{SHIPPED}"\ndelay = "-1 ns"', "delay: delay out of range, expected at least 0, got '-1 ns'"),
     (f'file = "{SHIPPED}"\nnearest = 3', "nearest: "),

@@ -61,7 +61,7 @@ def folder(tmp_path, monkeypatch):
 
 
 MISTAKES = [
-    ('file = "gone.s2p"', "file: 'gone.s2p': cannot be read, expected a file, got No such file or directory"),
+    ('file = "gone.s2p"', "file: 'gone.s2p' cannot be read, got No such file or directory"),
     ('file = "words.s2p"', "file: 'words.s2p': not a Touchstone file"),
     ('file = "three.s3p"', "file: 'three.s3p': not one port for each node, expected 2, got 3 ports"),
     (f'file = "{SHIPPED}"', f"file: '{SHIPPED}': not one port for each node, expected 2, got 1 port"),

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tline.printable import one_line
 from tline.scene.file import scene_from, scene_text, schema
 from tline.scene.line import Cable, Pipe
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
@@ -142,7 +143,7 @@ def scenes(draw):
     end = {"at": nodes[-1]}
     probes = draw(st.sampled_from([{"p": middle}, {"a b": share}, {"p": middle, "q": share, '"': end}]))
     extra = {
-        "title": st.text("abc äöü\n\t\"'\\日", max_size=20),
+        "title": st.text("abc äöü\n\t\x1b\"'\\日", max_size=20).map(one_line),
         "start": st.sampled_from(["rest", "steady"]),
         "solver": table({}, {"order": st.integers(1, 16), "slab": st.just("1e-12 s") | st.just(1e-20)}),
         "sources": st.just({draw(name): source}),

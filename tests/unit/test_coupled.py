@@ -11,6 +11,7 @@ from tline.pictures.path import route
 from tline.scene.line import Cable
 from tline.scene.plausible import doubts
 from tline.scene.scene import Scene
+from tline.solver.simulate import simulate
 from tline.solver.stability.scattering import Scattering
 from tline.study.reference.network import Network
 
@@ -171,3 +172,16 @@ def test_lossless_modes_faster_than_light_are_a_note():
 def test_pipes_are_not_coupled():
     with pytest.raises(SceneError, match=r"lines\.pair\.nodes1: unknown key"):
         scene(MODES, medium="hydraulic")
+
+
+@pytest.mark.parametrize("resistance", ["1 Tohm", "9223372036854775807 ohm", 1e30])
+def test_a_resistor_that_hardly_conducts_is_an_open_end_of_a_conductor(resistance):
+    tables = {
+        "medium": "electrical", "t_end": "3 ns", "probes": {"p": {"at": "c"}},
+        "lines": {"pair": {"nodes1": ["a", "b"], "nodes2": ["c", "d"], "even": {"z0": 60, "delay": "1.1 ns"},
+                           "odd": {"z0": 40, "delay": "0.9 ns"}}},
+        "sources": {"s": {"at": "a", "kind": "voltage", "value": 1, "resistance": 30}},
+    }  # fmt: skip
+    loads = {"end": {"at": "c", "kind": "resistor", "resistance": resistance}}
+    end, free = (simulate(Scene(**tables | more)).probes["p"].u for more in ({"loads": loads}, {}))
+    assert np.abs(end - free).max() <= 1e-10 * np.abs(free).max()  # 50 ohm beside 1 Tohm

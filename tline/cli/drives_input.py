@@ -2,19 +2,18 @@
 
 import csv
 import re
-import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError
+from tline.scene.text_file import read_text, read_toml
 from tline.units import to_si
 
 if TYPE_CHECKING:
     from drives import CoupledDrives, Torque
 
 BARE = re.compile(r"\s*[+-]?[0-9.]+(e[+-]?[0-9]+)?\s*", re.IGNORECASE)
-LARGEST_FILE = 2_000_000  # bytes
 # key: unit, part, its field, help
 PARAMETERS = {
     "inertia": ("kg m^2", "spool", "inertia", "J of the spools, '1e-3 kg m^2' if not given."),
@@ -68,28 +67,11 @@ def _part(kind: Callable, side: dict[str, tuple[str, float]]) -> Any:
 
 
 def _read_parameters(file: str) -> dict[str, Any]:
-    try:
-        table = tomllib.loads(_read(file))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(file, "not TOML", got=str(error)) from error
+    table = read_toml(Path(file), "parameters in TOML")
     for name in table:
         if name not in PARAMETERS:
-            raise InputError(f"{file}: {name}", "unknown parameter", ", ".join(PARAMETERS))
+            raise InputError(f"{file}: {name:.60}", "unknown parameter", ", ".join(PARAMETERS))
     return table
-
-
-def _read(file: str) -> str:
-    try:
-        with Path(file).open("rb") as stream:
-            text = stream.read(LARGEST_FILE + 1)
-    except OSError as error:
-        raise InputError(file, "cannot be read", got=(error.strerror or str(error)).lower()) from None
-    if len(text) > LARGEST_FILE:
-        raise InputError(file, "too large", f"at most {LARGEST_FILE:,} bytes")
-    try:
-        return text.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise InputError(file, "not a text", "UTF-8") from None
 
 
 def quantity(where: str, given: Any, unit: str) -> float:
@@ -127,7 +109,10 @@ def _table(file: str, hold: bool) -> "tuple[Torque, Torque]":
     from drives import InputError as DrivesError
     from drives import Torque
 
-    rows = [row for row in csv.reader(_read(file).splitlines()) if row]
+    try:
+        rows = [row for row in csv.reader(read_text(Path(file)).splitlines()) if row]
+    except csv.Error as error:
+        raise InputError(file, f"cannot be read: {error}", "t,T1,T2") from None
     if not rows or [name.strip() for name in rows[0]] != ["t", "T1", "T2"]:
         raise InputError(file, "another header", "t,T1,T2", repr(",".join(rows[0]))[:40] if rows else "nothing")
     try:

@@ -2,6 +2,8 @@
 
 import click
 
+from tline.cli.options import confined_option
+
 EXAMPLES = """\b
 Examples:
   tline export cable.toml -o cable.cir
@@ -13,7 +15,8 @@ Examples:
 @click.argument("scene")
 @click.option("-o", "--output", metavar="FILE.cir", help="Write the netlist to a file instead of printing it.")
 @click.option("--rise", metavar="TIME", help="What a jump takes in the netlist, such as '1 ps': SPICE has no jumps.")
-def export(scene: str, output: str | None, rise: str | None) -> None:
+@confined_option
+def export(scene: str, output: str | None, rise: str | None, confined: bool) -> None:
     """Turn an electrical scene into a SPICE netlist.
 
     Lines become T elements, sources V or I with their resistors, loads R, L and C, probes .save, all values exact. What
@@ -32,7 +35,7 @@ def export(scene: str, output: str | None, rise: str | None) -> None:
     seconds = None if rise is None else to_si(rise, "s", "--rise")
     if seconds is not None and not seconds > 0:
         raise InputError("--rise", "not above zero", "a time such as '1 ps'", rise or "")
-    text = spice_text(read_scene(scene), seconds)
+    text = spice_text(read_scene(scene, confined=confined), seconds)
     if output is None:
         click.echo(text, nl=False)
         return

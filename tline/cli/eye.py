@@ -4,7 +4,7 @@ import json
 
 import click
 
-from tline.cli.options import PICTURE, check_files, options_named
+from tline.cli.options import PICTURE, check_files, confined_option, options_named
 
 EXAMPLES = """\b
 Examples:
@@ -23,8 +23,19 @@ Examples:
 @click.option("--low", default="0", show_default=True, metavar="LEVEL", help="Level of a zero.")
 @click.option("--high", default="1", show_default=True, metavar="LEVEL", help="Level of a one.")
 @click.option("--plot", metavar="FILE", help="Eye diagram; .png, .svg or .pdf.")
+@confined_option
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers in SI and full precision.")
-def eye(scene: str, probe: str, bit: str, rise: str, bits: str, plot: str | None, as_json: bool, **given: str) -> None:
+def eye(
+    scene: str,
+    probe: str,
+    bit: str,
+    rise: str,
+    bits: str,
+    plot: str | None,
+    confined: bool,
+    as_json: bool,
+    **given: str,
+) -> None:
     """Send a bit pattern through a scene, and measure how far the eye opens at a probe.
 
     The pattern is sent twice, and the second round is measured. The width is taken half way between ones and zeros
@@ -35,7 +46,7 @@ def eye(scene: str, probe: str, bit: str, rise: str, bits: str, plot: str | None
     from tline.scene.medium import MEDIA
     from tline.signal.eye import eye as measure
 
-    read = read_scene(scene)
+    read = read_scene(scene, confined=confined)
     levels = {key: float(value) if _is_number(value) else value for key, value in given.items() if key != "source"}
     names = {"period": "--bit", "rise": "--rise", "bits": "--bits", "probe": "--probe", "source": "--source"}
     with options_named(names):

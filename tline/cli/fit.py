@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tline.cli.options import PICTURE, check_files
+from tline.cli.options import PICTURE, check_files, check_readable
 from tline.errors import InputError
 
 if TYPE_CHECKING:
@@ -45,6 +45,7 @@ def fit(
     from passivity.errors import ExpressionError
 
     check_files({"--plot": (plot, PICTURE)})
+    check_readable(file)
     try:
         found = _found(file, tolerance, delay, nearest)
     except ExpressionError as error:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tline.cli.aligned import aligned
+from tline.cli.options import confined_option
 from tline.errors import InputError
 from tline.scene.medium import MEDIA
 
@@ -42,8 +43,9 @@ Examples:
 @click.option("--csv", metavar="FILE.csv", help="Table of the transfer functions, real and imaginary parts.")
 @click.option("--save", metavar="FILE.sNp", help="S-parameters as Touchstone, or as .csv.")
 @click.option("--plot", metavar="FILE", help="Bode plot; .png, .svg or .pdf.")
+@confined_option
 @click.option("--json", "as_json", is_flag=True, help="Print all numbers.")
-def frequency(scene: str, points: int, as_json: bool, **given: str | None) -> None:
+def frequency(scene: str, points: int, confined: bool, as_json: bool, **given: str | None) -> None:
     """Transfer functions, S-parameters and natural oscillations of a scene.
 
     SCENE is a TOML file as for `tline run`. Waveforms do not count: the answer is what each probe sees per unit of the
@@ -56,7 +58,7 @@ def frequency(scene: str, points: int, as_json: bool, **given: str | None) -> No
 
     files = {key: given[key] for key in ("csv", "save", "plot") if given[key]}
     _check(given, files, points)
-    read = read_scene(scene)
+    read = read_scene(scene, confined=confined)
     f = _frequencies(read, given["low"], given["high"], points)
     if given["ports"]:
         told, curves = _parameters(read, f, given)

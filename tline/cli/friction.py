@@ -242,12 +242,12 @@ def _table(file: str) -> "Force":
     from pathlib import Path
 
     from friction import Table
+    from tline.scene.text_file import read_text
 
+    text = read_text(Path(file), "--table")
     try:
-        lines = list(csv.reader(Path(file).read_text(encoding="utf-8").splitlines()))
+        lines = list(csv.reader(text.splitlines()))
         points = [(float(t), float(f)) for t, f in lines if t.strip() not in ("", "t")]
-    except OSError as error:
-        raise InputError("--table", "cannot be read", "a file", (error.strerror or str(error)).lower()) from error
     except (ValueError, csv.Error) as error:
         raise InputError("--table", "not a table of t,F", "two numbers a line", str(error)[:60]) from error
     with _named({}):

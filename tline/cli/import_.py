@@ -5,6 +5,7 @@ from pathlib import Path
 
 import click
 
+from tline.cli.options import check_readable
 from tline.errors import InputError
 
 SPICE, EPANET = "tline.interchange.spice:read_spice", "tline.interchange.water_scene:read_inp"
@@ -39,6 +40,7 @@ def import_(file: str, output: str | None, wave_speed: str | None) -> None:
         if wave_speed is None:
             raise InputError("--wave-speed", "is missing, for an .inp file has none", "such as --wave-speed '1000 m/s'")
         raise InputError("--wave-speed", "is for .inp files", "none", wave_speed)
+    check_readable(file)
     module, _, reader = READERS[suffix].partition(":")
     read = getattr(import_module(module), reader)
     scene, notes = (read(file), ()) if wave_speed is None else read(file, wave_speed)

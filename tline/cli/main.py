@@ -1,6 +1,5 @@
 """The command `tline`: finds a subcommand by name, imports only that one, and says errors in one sentence."""
 
-import io
 import sys
 import traceback
 import warnings
@@ -12,6 +11,7 @@ from typing import Any
 
 import click
 
+from tline.cli.terminal import UnreadError, forsake_stdout, terminal
 from tline.errors import ActiveError, InputError, NotKeptWarning
 
 COMMANDS = {
@@ -42,11 +42,46 @@ class LazyGroup(click.Group):
     """A group that imports a subcommand when it is used, and lists them all without importing any."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
-        """Run as a program; where Greek letters cannot be printed, '?' stands for them."""
-        for stream in (sys.stdout, sys.stderr):
-            if isinstance(stream, io.TextIOWrapper):
-                stream.reconfigure(errors="replace")
-        return super().main(*args, **kwargs)
+        """Run as a program, and exit.
+
+        What the user got wrong goes to stderr in one sentence and exits with 2, an active scene with 1. A fault of the
+        program exits with 70 (EX_SOFTWARE of sysexits.h), for 1 would be an answer; like other programs one that is
+        interrupted with 130, and quietly one that nobody reads to the end with 141.
+        """
+        with terminal():
+            sys.exit(self._exit_code(*args, **kwargs))
+
+    def _exit_code(self, *args: Any, **kwargs: Any) -> int:
+        try:
+            with _noted():
+                done = super().main(*args, **kwargs | {"standalone_mode": False})
+            sys.stdout.flush()
+        except InputError as error:
+            click.echo(str(error), err=True)
+            return 1 if isinstance(error, ActiveError) else 2
+        except UnreadError:
+            forsake_stdout()
+            return 141
+        except OSError as error:  # what is left of them: the output cannot be written
+            click.echo(f"output: cannot be written, got {(error.strerror or str(error)).lower()}", err=True)
+            forsake_stdout()
+            return 2
+        except click.ClickException as error:
+            error.show()
+            return error.exit_code
+        except (click.Abort, KeyboardInterrupt):
+            click.echo("interrupted", err=True)
+            return 130
+        except MemoryError:
+            click.echo("memory: there is not enough of it for this, expected a smaller input", err=True)
+            return 2
+        except Exception as error:  # noqa: BLE001 (whatever it is)
+            place = traceback.extract_tb(error.__traceback__)[-1]
+            what = f"{type(error).__name__} in line {place.lineno} of {Path(place.filename).name}"
+            said = " ".join(f"{error!s:.200}".split())
+            click.echo(f"tline: a fault of the program, please report it with the command: {what}: {said}", err=True)
+            return 70
+        return done if isinstance(done, int) else 0
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Names of all subcommands."""
@@ -63,29 +98,6 @@ class LazyGroup(click.Group):
         """List the subcommands with their lines in the table above."""
         with formatter.section("Commands"):
             formatter.write_dl([(name, summary) for name, (_, summary) in COMMANDS.items()])
-
-    def invoke(self, ctx: click.Context) -> object:
-        """Run; what the user got wrong goes to stderr in one sentence and exits with 2, an active scene with 1.
-
-        A fault of the program exits with 70 (EX_SOFTWARE of sysexits.h), for 1 would be an answer.
-        """
-        try:
-            with _noted():
-                return super().invoke(ctx)
-        except InputError as error:
-            click.echo(str(error), err=True)
-            ctx.exit(1 if isinstance(error, ActiveError) else 2)
-        except OSError as error:  # what is left of them: the output cannot be written
-            click.echo(f"output: cannot be written, got {(error.strerror or str(error)).lower()}", err=True)
-            ctx.exit(2)
-        except (click.ClickException, click.exceptions.Exit, click.Abort):
-            raise
-        except Exception as error:  # noqa: BLE001 (whatever it is)
-            place = traceback.extract_tb(error.__traceback__)[-1]
-            what = f"{type(error).__name__} in line {place.lineno} of {Path(place.filename).name}"
-            said = " ".join(f"{error!s:.200}".split())
-            click.echo(f"tline: a fault of the program, please report it with the command: {what}: {said}", err=True)
-            ctx.exit(70)
 
 
 @contextmanager

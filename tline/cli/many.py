@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tline.cli.aligned import aligned
-from tline.cli.options import PICTURE, check_files, options_named
+from tline.cli.options import PICTURE, check_files, confined_option, options_named
 from tline.errors import InputError
 
 if TYPE_CHECKING:
@@ -34,9 +34,17 @@ Examples:
 @click.option("--csv", metavar="FILE.csv", help="Numbers drawn and extremes of every run, SI, full precision.")
 @click.option("--npz", metavar="FILE.npz", help="The same as NumPy arrays, with the scene.")
 @click.option("--plot", metavar="FILE", help="Histograms of the extremes; .png, .svg or .pdf.")
+@confined_option
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers in SI and full precision.")
 def many(
-    scene: str, vary: tuple[str, ...], runs: str, seed: str, tol: str | None, as_json: bool, **files: str | None
+    scene: str,
+    vary: tuple[str, ...],
+    runs: str,
+    seed: str,
+    tol: str | None,
+    confined: bool,
+    as_json: bool,
+    **files: str | None,
 ) -> None:
     """Run a scene many times with numbers that vary, and print how the extremes at its probes are spread.
 
@@ -56,7 +64,7 @@ def many(
     from tline.solver.many.draws import draw
     from tline.solver.simulate import UnresolvedWarning
 
-    read = read_scene(scene)
+    read = read_scene(scene, confined=confined)
     with (
         options_named({"runs": "--runs", "seed": "--seed", "tol": "--tol"}),
         warnings.catch_warnings(record=True) as said,

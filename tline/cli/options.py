@@ -4,9 +4,12 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
+import click
+
 from tline.errors import InputError
 
 PICTURE = (".png", ".svg", ".pdf")
+confined_option = click.option("--confined", is_flag=True, help="Read no files outside of the scene's folder.")
 
 
 def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None:
@@ -29,6 +32,23 @@ def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None
         if other != option:
             raise InputError(option, f"would overwrite what {other} writes", "another file", f"'{file}'")
         check_writable(file)
+
+
+def check_readable(file: str) -> None:
+    """Refuse a file that could be read for ever: a device, a terminal, a pipe with a name.
+
+    Raises
+    ------
+    InputError
+        Also if there is none.
+    """
+    from tline.scene.text_file import check_ordinary
+
+    try:
+        check_ordinary(file)
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise InputError(file, "cannot be read", got=reason or "no file") from None
 
 
 @contextmanager

@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from tline.cli.options import confined_option
 from tline.cli.verdicts.answer import Answer, Asked
 from tline.errors import InputError
 
@@ -66,6 +67,7 @@ class ExpressionCommand(click.Command):
     help="Fit samples of one port and write the nearest passive model; the exit status is then its own.",
 )
 @click.option("--plot", metavar="FILE", help="Nyquist and Smith chart, |H(jω)|, or samples; .png, .svg or .pdf.")
+@confined_option
 @click.option("--json", "as_json", is_flag=True, help="Print everything exactly, with the certificate.")
 @click.pass_context
 def passivity(ctx: click.Context, what: str, plot: str | None, as_json: bool, **given: Any) -> None:

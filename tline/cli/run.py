@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from tline.cli.options import confined_option
 from tline.errors import ActiveError, InputError, SceneError
 
 if TYPE_CHECKING:
@@ -72,6 +73,7 @@ Examples:
     help="Show energy by element: supplied, dissipated, stored, and what is off; or do not keep it.",
 )
 @click.option("--active", is_flag=True, help="Run even if a load is active, that is, not positive real.")
+@confined_option
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers in SI and full precision.")
 def run(
     scene: str,
@@ -81,6 +83,7 @@ def run(
     path: str | None,
     active: bool,
     ledger: bool | None,
+    confined: bool,
     as_json: bool,
     **files: str | None,
 ) -> None:
@@ -100,7 +103,7 @@ def run(
     solver = {key: value for key, value in (("tol", tol), ("order", order), ("slab", slab)) if value is not None}
     with _options_named({f"solver.{key}": f"--{key}" for key in solver} | {"path": "--path", "lattice": "--lattice"}):
         _check_files(wanted)
-        read = _read(scene, solver)
+        read = _read(scene, solver, confined)
         way = _route(read, path, wanted)
         result = _simulate(read, _recorded(read, way, wanted), active, ledger, wanted)
         for kind, file in wanted.items():
@@ -153,14 +156,11 @@ def _check_files(wanted: dict[str, str]) -> None:
         check_writable(file)
 
 
-def _read(scene: str, given: dict[str, str]) -> "Scene":
-    from tline.scene.file import read_scene, scene_from
+def _read(scene: str, given: dict[str, str], confined: bool) -> "Scene":
+    from tline.scene.file import read_scene
 
-    read = read_scene(scene, progress=sys.stderr.isatty())
-    if not given:
-        return read
-    table = read.table()
-    return scene_from(table | {"solver": table.get("solver", {}) | given}, str(Path(scene).parent))
+    read = read_scene(scene, progress=sys.stderr.isatty(), confined=confined)
+    return read.with_changes(solver=read.table().get("solver", {}) | given) if given else read
 
 
 def _route(scene: "Scene", path: str | None, wanted: dict[str, str]) -> "Route | None":

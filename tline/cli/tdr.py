@@ -4,7 +4,7 @@ import json
 
 import click
 
-from tline.cli.options import PICTURE, check_files, options_named
+from tline.cli.options import PICTURE, check_files, confined_option, options_named
 
 EXAMPLES = """\b
 Examples:
@@ -21,8 +21,11 @@ Examples:
 @click.option("--to", "t_end", metavar="TIME", help="How long to look; until the scene's end if not given.")
 @click.option("--csv", metavar="FILE.csv", help="Time, incident and reflected wave per step, impedance.")
 @click.option("--plot", metavar="FILE", help="Waves and impedance over time; .png, .svg or .pdf.")
+@confined_option
 @click.option("--json", "as_json", is_flag=True, help="Print all numbers.")
-def tdr(scene: str, port: str, csv: str | None, plot: str | None, as_json: bool, **given: str | None) -> None:
+def tdr(
+    scene: str, port: str, csv: str | None, plot: str | None, confined: bool, as_json: bool, **given: str | None
+) -> None:
     """Send a step into a node of a scene, and show what comes back.
 
     The impedance is z0 (1 + ρ)/(1 - ρ) of the reflected wave ρ, as if each reflection had come back on its first way:
@@ -33,7 +36,7 @@ def tdr(scene: str, port: str, csv: str | None, plot: str | None, as_json: bool,
     from tline.scene.medium import MEDIA
     from tline.signal.tdr import reflectometry, save_reflections
 
-    read = read_scene(scene)
+    read = read_scene(scene, confined=confined)
     with options_named({"node": "--port", "rise": "--rise", "z0": "--z0", "t_end": "--to"}):
         seen = reflectometry(read, port, given["rise"] or "", given["z0"], given["t_end"])
     medium = MEDIA[read.medium]

@@ -11,6 +11,7 @@ from tline.errors import InputError
 from tline.interchange.spice_number import Parameters, parse_value
 from tline.scene.text_file import read_text
 
+LONGEST = 400  # characters of what is said of a card
 MOST_CARDS, DEEPEST = 100_000, 20  # after all subcircuits are opened
 COMMENT = re.compile(r";.*|//.*|(?:^|\s)\$.*")
 WORD = re.compile(r"\{[^{}]*\}|'[^']*'|=|[^\s(),={}']+")
@@ -32,8 +33,8 @@ class Card(NamedTuple):
         return parse_value(word, self.parameters, self.where)
 
     def refuse(self, problem: str, expected: str = "", got: str = "") -> InputError:
-        """The error to raise, pointing here."""
-        return InputError(self.where, problem, expected, got)
+        """The error to raise, pointing here, whatever long words the card has."""
+        return InputError(self.where, *(f"{text:.{LONGEST}}" for text in (problem, expected, got)))
 
 
 @dataclass

@@ -1,7 +1,6 @@
 """Cables by tables of R(f) and L(f), and perhaps G(f) and C(f), per metre."""
 
 from functools import lru_cache
-from pathlib import Path
 from typing import Annotated
 
 from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
@@ -10,6 +9,7 @@ from tline.errors import InputError
 from tline.loss import Foster, tabulated
 from tline.scene.csv_rows import read_rows
 from tline.scene.element import Element
+from tline.scene.named_file import beside
 from tline.scene.quantity import Quantity, Role
 
 COLUMNS = {3: "frequency, R, L", 5: "frequency, R, L, G, C"}
@@ -41,7 +41,7 @@ class CableTable(Element):
 
     @model_validator(mode="after")
     def _read(self, info: ValidationInfo):
-        path = Path((info.context or {}).get("folder", ".")) / self.file
+        path = beside(self.file, info)
         rows = tuple(read_rows(path, "file", "a row of the table", COLUMNS))
         columns = len(rows[0]) if rows else 3
         self._laws = tuple(_fitted(rows, first, float(self.tolerance)) for first in range(1, columns, 2))

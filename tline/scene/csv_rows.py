@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from tline.errors import InputError
-from tline.scene.mistakes import shown
+from tline.printable import one_line
 from tline.scene.quantity import LARGEST
 from tline.scene.text_file import read_text
 
@@ -31,6 +31,7 @@ def read_rows(path: Path, where: str, what: str, columns: Mapping[int, str]) -> 
         The file cannot be read, or a line is no such row.
     """
     found: list[tuple[float, ...]] = []
+    name = one_line(str(path))
     rows = csv.reader(io.StringIO(read_text(path, where)))
     try:
         for row in rows:
@@ -38,11 +39,11 @@ def read_rows(path: Path, where: str, what: str, columns: Mapping[int, str]) -> 
                 continue
             known = {len(found[0]): columns[len(found[0])]} if found else columns
             if len(row) not in known or not all(map(_is_number, row)):
-                problem = f"line {rows.line_num} of '{path}' is not {what}"
-                raise InputError(where, problem, ", or ".join(known.values()), shown(",".join(row)))
+                problem = f"line {rows.line_num} of '{name}' is not {what}"
+                raise InputError(where, problem, ", or ".join(known.values()))  # quoted, any file could be read so
             found.append(tuple(map(float, row)))
     except csv.Error as error:
-        raise InputError(where, f"line {rows.line_num} of '{path}' cannot be read: {error}") from None
+        raise InputError(where, f"line {rows.line_num} of '{name}' cannot be read: {error}") from None
     return found
 
 

@@ -1,18 +1,17 @@
 """Scenes in TOML files, and the JSON schema that editors check them with."""
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
-from tline.errors import InputError
+from tline.scene.named_file import Folder
 from tline.scene.own import own_elements
 from tline.scene.scene import Scene
-from tline.scene.text_file import read_text
+from tline.scene.text_file import read_toml
 
 PLAIN = bool, int, float, str, list, tuple, dict  # what TOML knows
 
 
-def read_scene(path: str | Path, progress: bool = False) -> Scene:
+def read_scene(path: str | Path, progress: bool = False, *, confined: bool = False) -> Scene:
     """Read a scene from a TOML file.
 
     Parameters
@@ -21,6 +20,8 @@ def read_scene(path: str | Path, progress: bool = False) -> Scene:
         The file, in UTF-8; the CSV tables it names are looked for beside it.
     progress : bool
         Show a progress bar on stderr if reading the lines takes more than two seconds.
+    confined : bool
+        Refuse tables and Touchstone files that do not lie in the scene's folder or below it, links followed.
 
     Raises
     ------
@@ -28,18 +29,11 @@ def read_scene(path: str | Path, progress: bool = False) -> Scene:
         The file cannot be read or is not TOML; SceneError with all mistakes of the scene.
     """
     path = Path(path)
-    text = read_text(path)
-    try:
-        data = tomllib.loads(text)
-    except RecursionError:
-        raise InputError(str(path), "is nested too deeply", "a scene in TOML") from None
-    except ValueError as error:  # beside TOMLDecodeError: an integer of too many digits
-        raise InputError(str(path), f"is not valid TOML: {error}") from None
-    return Scene(str(path.parent), progress, **data)
+    return Scene(Folder(path.parent, confined), progress, **read_toml(path, "a scene in TOML"))
 
 
-def scene_from(data: dict[str, Any], folder: str = ".") -> Scene:
-    """A scene from tables, as a TOML file holds them; `folder` is where CSV tables are looked for."""
+def scene_from(data: dict[str, Any], folder: str | Folder = ".") -> Scene:
+    """A scene from tables, as a TOML file holds them; `folder` is where the files it names are looked for."""
     return Scene(folder, **data)
 
 

@@ -85,7 +85,7 @@ class MeasuredMultiport(Multiport):
         for k, delay in enumerate(self.delays or ()):
             if delay:
                 z0, nodes[k] = float(self._model.samples.z0[k]), f"{own}.{k + 1}"
-                lines[nodes[k]] = Cable.model_validate({"nodes": (self.near[k], nodes[k]), "z0": z0, "delay": delay})
+                lines[nodes[k]] = Cable(**{"nodes": (self.near[k], nodes[k]), "z0": z0, "delay": delay})
         moved = self.model_copy(update={"nodes": tuple(nodes)})
         moved._near = self.near
         return lines, moved

@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_
 from tline.errors import InputError
 from tline.scene.csv_rows import read_rows
 from tline.scene.mistakes import shown
+from tline.scene.named_file import beside
 from tline.scene.quantity import ZERO, Duration, Level, Time
 from tline.scene.shape import Floats, Shape
 
@@ -84,7 +85,7 @@ class Table(Points):
 
     @model_validator(mode="after")
     def _read(self, info: ValidationInfo):
-        self._points = read_table(Path((info.context or {}).get("folder", ".")) / self.file, "file")
+        self._points = read_table(beside(self.file, info), "file")
         return self
 
     def points(self):  # noqa: D102

@@ -1,9 +1,11 @@
 """A scene: lines, sources, loads and probes, an end time, and how finely to compute."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import (
+    AfterValidator,
     Field,
     PlainValidator,
     PrivateAttr,
@@ -16,6 +18,7 @@ from pydantic import (
 )
 
 from tline.errors import InputError, SceneError
+from tline.printable import one_line
 from tline.scene.cavities import refuse_cavities
 from tline.scene.check import conflicts, misplaced
 from tline.scene.coupled import Coupled, single_lines
@@ -27,6 +30,7 @@ from tline.scene.load import Load
 from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import MOST, limited, mistakes, place
+from tline.scene.named_file import Folder
 from tline.scene.own import own_elements
 from tline.scene.probe import Probe
 from tline.scene.quantity import Duration, Effort, Tolerance, Whole
@@ -78,7 +82,7 @@ class Scene(Element):
 
     Parameters
     ----------
-    folder : str, by position
+    folder : str or Folder, by position
         Where CSV tables and Touchstone files are looked for; without it the working folder.
     progress : bool, by position
         Show a progress bar on stderr if reading the lines takes more than two seconds.
@@ -97,7 +101,7 @@ class Scene(Element):
     solver : Solver
         The tolerance (1e-6 without it), or order and slab width, where they are to be fixed by hand.
     title : str
-        Said in plots and files.
+        Said in plots and files, in one line: control characters and line breaks become spaces.
 
     Raises
     ------
@@ -117,7 +121,7 @@ class Scene(Element):
     5e-09
     """
 
-    title: str = Field(default="", description="said in plots and files")
+    title: Annotated[str, AfterValidator(one_line)] = Field(default="", description="said in plots and files")
     medium: Literal["hydraulic", "electrical"] = Field(description="what the lines carry")
     t_end: Duration = Field(description="end time; a run goes on to the end of its last slab")
     start: Literal["rest", "steady"] = Field(
@@ -132,12 +136,13 @@ class Scene(Element):
     nodes: dict[Name, Site] = Field(default_factory=dict, description="height and place of nodes, by name")
     rating: Effort | None = Field(default=None, description="largest pressure or voltage that all lines are made for")
 
-    _folder: str = PrivateAttr(default=".")
+    _folder: Folder = PrivateAttr(default=Folder())
 
-    def __init__(self, folder: str = ".", progress: bool = False, /, **data: Any) -> None:
+    def __init__(self, folder: str | Folder = ".", progress: bool = False, /, **data: Any) -> None:
         """Validate everything and collect all mistakes."""
         from tqdm import tqdm
 
+        folder = folder if isinstance(folder, Folder) else Folder(Path(folder))
         medium = data.get("medium")
         known = MEDIA.get(medium) if isinstance(medium, str) else None
         lines = data.get("lines")

@@ -1,8 +1,13 @@
 """Text files that a user names: whatever lies there, it is read within limits or refused in one sentence."""
 
+import os
+import stat
+import tomllib
 from pathlib import Path
+from typing import Any
 
 from tline.errors import InputError
+from tline.printable import one_line
 
 LARGEST = 100_000_000  # bytes
 
@@ -13,17 +18,18 @@ def read_text(path: Path, where: str = "") -> str:
     Parameters
     ----------
     path : Path
-        What to read; a pipe will do.
+        What to read; a pipe will do, but not one with a name, for which a writer may never come.
     where : str
         The key that names the file; without it the error points at the file.
 
     Raises
     ------
     InputError
-        It cannot be read, is larger than LARGEST, or is no text.
+        It cannot be read, is larger than LARGEST, a device, or no text.
     """
-    name = f"'{path}' " if where and len(str(path)) < 300 else ""
+    name = f"'{one_line(str(path))}' " if where and len(str(path)) < 300 else ""
     try:
+        check_ordinary(path)
         with path.open("rb") as file:
             data = file.read(LARGEST + 1)
     except (OSError, ValueError) as error:  # a ValueError for a name with a null character
@@ -35,3 +41,34 @@ def read_text(path: Path, where: str = "") -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(where or str(path), f"{name}is not a text file", "text in UTF-8") from None
+
+
+def read_toml(path: Path, what: str) -> dict[str, Any]:
+    """Tables of a TOML file; `what` says what is expected there.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, or is not TOML.
+    """
+    text = read_text(path)
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise InputError(str(path), "is nested too deeply", what) from None
+    except ValueError as error:  # beside TOMLDecodeError: an integer of too many digits
+        raise InputError(str(path), f"is not valid TOML: {error!s:.200}") from None
+
+
+def check_ordinary(path: str | Path) -> None:
+    """Refuse what could be read for ever: devices, terminals, pipes that nobody may be writing to.
+
+    Raises
+    ------
+    OSError
+        Saying what it is.
+    """
+    kind = os.stat(path).st_mode
+    nameless = stat.S_ISFIFO(kind) and not os.path.exists(os.path.realpath(path))  # of a shell
+    if not (stat.S_ISREG(kind) or stat.S_ISDIR(kind) or nameless):
+        raise OSError(0, "a pipe with a name" if stat.S_ISFIFO(kind) else "a device, not a file")

@@ -12,6 +12,7 @@ from passivity import DelayedModel, RationalFunction, Status, fit_behind_delay, 
 from passivity.errors import ExpressionError
 from tline.errors import InputError
 from tline.scene.line import Cable, SceneLine
+from tline.scene.named_file import beside
 from tline.scene.quantity import Quantity, Role, Tolerance
 from tline.scene.rational_load import Rational
 
@@ -80,7 +81,7 @@ class Touchstone(Rational):
         """The line of its delay, named after its own place, and what is behind it."""
         if not self._model.delay:
             return {}, self
-        line = Cable.model_validate({"nodes": (self.near, own), "z0": self.z0, "delay": self._model.delay})
+        line = Cable(**{"nodes": (self.near, own), "z0": self.z0, "delay": self._model.delay})
         moved = self.model_copy(update={"at": own})
         moved._near = self.near
         return {own: line}, moved
@@ -117,7 +118,7 @@ def electrical(kind: str, info: ValidationInfo, instead: str) -> str:
 
 def read_model(model_of: Callable[..., Model], file: str, info: ValidationInfo, *asked: Any) -> Model:
     """The model of a file beside the scene's, found once for each time that it is written."""
-    path = Path((info.context or {}).get("folder", ".")) / file
+    path = beside(file, info)
     try:
         return model_of(path, path.stat().st_mtime_ns if path.is_file() else 0, *asked)
     except (ExpressionError, OSError, ValueError) as error:

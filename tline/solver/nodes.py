@@ -207,9 +207,10 @@ def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
             nodes[at].respond(RationalFunction.from_coefficients([1], [half, 0]), place("lines", name))
     for name, node in nodes.items():
         if node.held is None and abs(node.total) < CANCELLED * (node.lines + node.lumped):
-            active = next(n for n, load in scene.loads.items() if load.at == name and isinstance(load, Rational))
-            problem = f"cancels the conductance of the lines at node '{name}': no wave is defined"
-            raise InputError(place("loads", active), problem, "another resistance")
+            at_node = [n for n, load in scene.loads.items() if load.at == name and isinstance(load, Rational)]
+            if at_node:  # else it is small, not cancelled
+                problem = f"cancels the conductance of the lines at node '{name}': no wave is defined"
+                raise InputError(place("loads", at_node[0]), problem, "another resistance")
     return nodes
 
 

@@ -26,11 +26,12 @@ class Asked:
     within: str | None
     error: str | None
     nearest: str | None
+    confined: bool = False
 
     def refuse(self, about: str, *options: str) -> None:
         """Raise InputError for the first of these options that was given."""
         for option in options:
-            if getattr(self, option) not in (None, ()):
+            if getattr(self, option) not in (None, (), False):
                 name = {"parameters": "param"}.get(option, option)
                 raise InputError(f"--{name}", f"says nothing about {about}", "another option, or none")
 

@@ -44,7 +44,9 @@ def _read(file: str, asked: Asked) -> "SampledResponse":
     from passivity.expression.number import double
     from passivity.rational.evaluate import exact
     from passivity.sampled.read import read_csv, read_touchstone
+    from tline.cli.options import check_readable
 
+    check_readable(file)
     if not file.lower().endswith(".csv"):
         asked.refuse("Touchstone files, which say so themselves", "kind", "z0")
         return read_touchstone(file)

@@ -14,7 +14,7 @@ def answer(file: str, asked: Asked) -> Answer:
     from tline.solver.stability.growth import active_loads, active_parts, controlled_sources, growth_sentence
 
     asked.refuse("scenes", "kind", "parameters", "z0", "delay", "within", "error", "nearest")
-    scene = read_scene(file)
+    scene = read_scene(file, confined=asked.confined)
     sources = controlled_sources(scene)
     active = active_loads(scene)
     tested = [name for name, load in scene.loads.items() if isinstance(load, Impedance)]

@@ -1,0 +1,97 @@
+"""Where text leaves: nothing that is printed steers the terminal, and streams that are closed or full do no harm."""
+
+import io
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import TextIO
+
+from tline.printable import printable
+
+
+class UnreadError(Exception):
+    """Nobody reads what is printed any more."""
+
+
+class Printable(io.TextIOBase):
+    """A stream that writes control characters as ``\\u001b``; a carriage return in front, of a progress bar, stays.
+
+    Parameters
+    ----------
+    stream : TextIO
+        Where the text goes.
+    optional : bool
+        Whether text that cannot be written there is dropped.
+    """
+
+    encoding, errors = "utf-8", "replace"
+
+    def __init__(self, stream: TextIO, optional: bool):
+        self.stream, self.optional = stream, optional
+        self.encoding = stream.encoding or "utf-8"
+
+    def writable(self) -> bool:  # noqa: D102
+        return True
+
+    def isatty(self) -> bool:  # noqa: D102
+        return self.stream.isatty()
+
+    def fileno(self) -> int:  # noqa: D102
+        return self.stream.fileno()
+
+    def write(self, text: str) -> int:  # noqa: D102
+        front = "\r" if text.startswith("\r") else ""
+        with self._tolerant():
+            self.stream.write(front + printable(text[len(front) :]))
+        return len(text)
+
+    def flush(self) -> None:  # noqa: D102
+        with self._tolerant():
+            self.stream.flush()
+
+    @contextmanager
+    def _tolerant(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            if not self.optional:
+                raise (UnreadError() if isinstance(error, BrokenPipeError) else error) from None
+
+
+@contextmanager
+def terminal() -> Iterator[None]:
+    """Open streams in place of closed ones, and let all text through `Printable`, while a command runs.
+
+    What is printed to a closed stdout is an error when it is printed; what is said on a closed or full stderr is lost.
+    """
+    _open_descriptors()
+    before = sys.stdout, sys.stderr
+    out, err = before[0] or _stream(1), before[1] or _stream(2)
+    for stream in (out, err):
+        if isinstance(stream, io.TextIOWrapper):  # where Greek letters cannot be printed, '?' stands for them
+            stream.reconfigure(errors="replace")
+    sys.stdout, sys.stderr = Printable(out, False), Printable(err, True)
+    try:
+        yield
+    finally:
+        sys.stdout, sys.stderr = before
+
+
+def forsake_stdout() -> None:
+    """Let what is still to be flushed go nowhere, after nobody reads any more."""
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _open_descriptors() -> None:
+    """Take the numbers 0 to 2 before a file of ours gets one of them and is written into."""
+    for number, mode in enumerate((os.O_RDONLY, os.O_RDONLY, os.O_WRONLY)):  # writing to stdout shall fail
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, mode)
+
+
+def _stream(number: int) -> TextIO:
+    return io.TextIOWrapper(io.FileIO(number, "w", closefd=False), "utf-8", write_through=True)  # pyright: ignore[reportArgumentType]
