@@ -1,6 +1,7 @@
 """A scene: lines, sources, loads and probes, an end time, and how finely to compute."""
 
 from collections.abc import Mapping
+from math import nan
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -20,6 +21,7 @@ from tline.scene.cavities import refuse_cavities
 from tline.scene.check import conflicts, misplaced
 from tline.scene.coupled import Coupled, single_lines
 from tline.scene.element import Element, Name
+from tline.scene.heights import Height, heights_of
 from tline.scene.law import FACTORS, Law, NonLinear
 from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.link import Link
@@ -31,7 +33,7 @@ from tline.scene.own import own_elements
 from tline.scene.probe import Probe
 from tline.scene.quantity import Duration, Effort, Tolerance, Whole
 from tline.scene.shape import Shape
-from tline.scene.site import Site
+from tline.scene.site import GRAVITY, Site
 from tline.scene.source import Source
 from tline.scene.touchstone import Touchstone
 from tline.scene.uncollected import uncollected
@@ -133,6 +135,7 @@ class Scene(Element):
     rating: Effort | None = Field(default=None, description="largest pressure or voltage that all lines are made for")
 
     _folder: str = PrivateAttr(default=".")
+    _heights: dict[str, Height] | None = PrivateAttr(default=None)
 
     def __init__(self, folder: str = ".", progress: bool = False, /, **data: Any) -> None:
         """Validate everything and collect all mistakes."""
@@ -203,6 +206,22 @@ class Scene(Element):
     def single_lines(self) -> Mapping[str, SceneLine]:
         """The lines that carry waves: single ones, and one for each mode of coupled conductors."""
         return single_lines(self.lines)
+
+    @property
+    def heights(self) -> Mapping[str, Height]:
+        """Height of each node by name; empty in a scene without elevations."""
+        if self._heights is None:
+            self._heights = heights_of(self)
+        return self._heights
+
+    def height(self, probe: str) -> Height:
+        """Height of a probe; inside a line on the straight line between those of its ends."""
+        if self.medium == "electrical":
+            return Height()
+        line = self.lines[self.probed_line(probe)]
+        own = Height(per_metre=GRAVITY * (getattr(line.parameters, "density", None) or nan))
+        (near, far), share = (self.heights.get(node, own) for node in line.nodes), self.probes[probe].fraction(line)
+        return near._replace(elevation=(1 - share) * near.elevation + share * far.elevation)
 
     @property
     def placed(self) -> list[tuple[tuple[str, str], Any]]:
