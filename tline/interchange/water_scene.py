@@ -125,7 +125,7 @@ def _add_node(
     if isinstance(node, Basin):
         tables["loads"][name] = {"at": name, "kind": "reservoir", "pressure": weight * node.head}
         return
-    outside = {"at": name, "kind": "check valve", "back_pressure": weight * node.elevation}
+    outside = {"at": name, "kind": "check valve"}
     height = node.head - node.elevation
     if node.demand > STILL and height > LEAST_DROP:
         tables["loads"][name] = outside | {"flow": node.demand, "pressure_drop": weight * height}

@@ -39,14 +39,14 @@ def beyond_limits(scene: Scene, extremes: Mapping[str, tuple[float, float]]) -> 
         modelled = "modelled at cavities only, and a jump within a slab shoots past it" if boils else "not modelled"
         limit = f"a liquid cavitates below {engineering(VACUUM, unit)} gauge (0 absolute): {modelled}"
         falls = f"the pressure falls to {engineering(min(deep.values()), unit)}"
-        found.append(f"{first_of(sorted(deep, key=deep.__getitem__))}: {falls}; {limit}")
+        found.append(f"{first_of(worst_first(deep, -1))}: {falls}; {limit}")
     rating = float(scene.rating or inf)
     sizes = {where: high if medium is HYDRAULIC else max(high, -low) for where, (low, high) in extremes.items()}
     high = {where: size for where, size in sizes.items() if size > rating}
     if high:
         rises = f"the {medium.effort} rises to {engineering(max(high.values()), unit)}"
         above = f"above the rating of {engineering(rating, unit)}"
-        found.append(f"{first_of(sorted(high, key=high.__getitem__, reverse=True))}: {rises}, {above}")
+        found.append(f"{first_of(worst_first(high, 1))}: {rises}, {above}")
     return found
 
 
@@ -64,6 +64,11 @@ def weight_at(scene: Scene) -> dict[str, float]:
     """
     given = (name for name, site in scene.nodes.items() if site.elevation is not None)
     return {name: scene.heights[name].weight for name in given}
+
+
+def worst_first(sizes: Mapping[str, float], sign: int) -> list[str]:
+    """Places by falling size (sign 1) or rising (sign -1); those that only rounding tells apart as they are given."""
+    return sorted(sizes, key=lambda where: -sign * float(f"{sizes[where]:.9g}"))
 
 
 def first_of(places: list[str]) -> str:

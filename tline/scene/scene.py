@@ -95,7 +95,8 @@ class Scene(Element):
     rating : number or text
         Largest pressure or voltage that all lines are made for; a run says where it is exceeded.
     start : str
-        "rest", or "steady": the state that the sources imply by what they are just before t = 0.
+        "rest": the liquid stands still, filled up to the highest node; or "steady": the state that the sources imply by
+        what they are just before t = 0.
     solver : Solver
         The tolerance (1e-6 without it), or order and slab width, where they are to be fixed by hand.
     title : str

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.limits import first_of
+from tline.scene.limits import first_of, worst_first
 from tline.scene.load import Switch
 from tline.scene.medium import HYDRAULIC, MEDIA
 from tline.scene.mistakes import place
@@ -64,7 +64,7 @@ def surges(
     beyond = {where: rise for where, rise in beyond.items() if rise > MARGIN * (joukowsky + packing[where])}
     if joukowsky <= TRICKLE * abs(highest) or not beyond:
         return []
-    worst, *_ = places = sorted(beyond, key=beyond.__getitem__, reverse=True)
+    worst, *_ = places = worst_first(beyond, 1)
     operated += [where for where, one in scene.placed if isinstance(one, Switch)]
     moved = [place(*where) for where in operated]
     causes = moved[:LISTED] + ["more"] * (len(moved) > LISTED)
