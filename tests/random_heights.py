@@ -113,7 +113,8 @@ def sloping(seed: int, lift: float = 0.0, load: str = "closed", link: str = "", 
         probes={
             "near": {"at": "b", "line": "upper"},
             "far": {"at": "d"},
-        } | ({} if friction else {"middle": {"line": "upper", "position": "40 %"}}),
+        }
+        | ({} if friction else {"middle": {"line": "upper", "position": "40 %"}}),
         rating="6 bar",
         **scene,
     )

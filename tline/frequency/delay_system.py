@@ -160,7 +160,7 @@ class DelaySystem:
         return pade_state_space(self._with_a_step(), self.probe, self.quantity, order)
 
     def _with_a_step(self) -> Scene:
-        """The scene with a unit step in the source, all other pressures at zero, no heights, and switches after their move."""
+        """The scene without heights, a unit step in the source, all else at zero, and switches after their move."""
         table = self.scene.table()
         silent = {
             name: source | {"value": {"shape": "constant", "level": 0}} for name, source in table["sources"].items()

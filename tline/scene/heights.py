@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from tline.errors import InputError
 from tline.line import HydraulicLine
+from tline.scene.medium import MEDIA, Medium
 from tline.scene.mistakes import place
 from tline.scene.multiport import Multiport
 from tline.scene.probe import Probe
@@ -87,9 +88,7 @@ def heights_of(scene: Scene) -> dict[str, Height]:
         density = next(iter(_densities(scene, lines).values()), float("nan"))
         elevations = [known.get(node, 0.0) for node in nodes]
         highest = max(elevations)
-        found |= {
-            node: Height(z, highest, density * GRAVITY) for node, z in zip(nodes, elevations, strict=True)
-        }
+        found |= {node: Height(z, highest, density * GRAVITY) for node, z in zip(nodes, elevations, strict=True)}
     return found
 
 
@@ -110,6 +109,12 @@ def height_mistakes(scene: Scene) -> Iterator[InputError]:
                 expected = f"{density:.9g} kg/m^3"
                 yield InputError(place("lines", other, "density"), problem, expected, f"{another:.9g} kg/m^3")
                 break
+
+
+def words(scene: Scene, effort: str = "piezometric pressure") -> Medium:
+    """Words and units of a scene's medium; with elevations efforts have a name that tells which they are."""
+    medium = MEDIA[scene.medium]
+    return medium._replace(effort=effort) if scene.heights else medium
 
 
 def taken_as_zero(scene: Scene) -> list[str]:

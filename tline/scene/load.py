@@ -47,7 +47,9 @@ class Reservoir(AtNode):
     """A node held at constant pressure."""
 
     kind: Literal["reservoir"] = "reservoir"
-    pressure: Pressure = Field(description="pressure at the node; piezometric, density·g·head, if nodes have elevations")
+    pressure: Pressure = Field(
+        description="pressure at the node; piezometric, density·g·head, if nodes have elevations"
+    )
 
     @field_validator("kind")
     @classmethod

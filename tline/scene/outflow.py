@@ -41,7 +41,9 @@ class Demand(AtNode, OfLiquids):
 
     kind: Literal["demand"] = "demand"
     flow: Flow = Field(description="flow that is asked for")
-    required_pressure: Annotated[Quantity, Role("pressure", "Pa")] = Field(description="gauge pressure from which it is met")
+    required_pressure: Annotated[Quantity, Role("pressure", "Pa")] = Field(
+        description="gauge pressure from which it is met"
+    )
     least_pressure: Annotated[Quantity, Role("pressure", "Pa")] = Field(
         default=ZERO, description="gauge pressure below which nothing comes"
     )

@@ -122,10 +122,11 @@ def states_of(elements: list[Element], effort: dict[str, float]) -> NDArray:
     for element in elements:
         kind, constants = element.law.kind, element.constants
         u = effort[element.nodes[0]]
+        gauge = f"{u - element.above_level:.6g} Pa"
         if kind == "gas":
             above, outside, n = u - constants[0], constants[2], constants[4]
             if above <= -outside:
-                raise InputError(element.where, "no state at rest: the pressure is below vacuum", got=f"{above:.6g} Pa")
+                raise InputError(element.where, "no state at rest: the pressure is below vacuum", got=gauge)
             states.append(-np.log1p(above / outside) / n)
         elif kind == "tank":
             states.append(u - constants[0])
@@ -133,11 +134,11 @@ def states_of(elements: list[Element], effort: dict[str, float]) -> NDArray:
             states.append(1.0)
         elif kind == "vapour":
             if u < constants[0]:
-                raise InputError(element.where, "no state at rest: the liquid boils", got=f"{u - element.above_level:.6g} Pa")
+                raise InputError(element.where, "no state at rest: the liquid boils", got=gauge)
             states.append(0.0)
         elif kind == "air":
             if u < constants[0]:
-                raise InputError(element.where, "no state at rest: it draws air", got=f"{u - element.above_level:.6g} Pa")
+                raise InputError(element.where, "no state at rest: it draws air", got=gauge)
             states += [0.0, 0.0]
     return np.array(states, float)
 

@@ -22,7 +22,7 @@ class Envelope:
     nodes : tuple of str
         Those that a line ends at which is not lumped.
     start : ndarray, shape (nodes,)
-        Effort before t = 0, Pa or V.
+        Effort before t = 0, Pa or V; in a scene with elevations the piezometric pressure, as the next.
     lowest, highest : ndarray, shape (nodes,)
         Pa or V.
     lowest_at, highest_at : ndarray, shape (nodes,)
@@ -79,9 +79,7 @@ class Extremes:
         (low, high), (low_at, high_at), at = self.top, self.at, [heights.get(node, Height()) for node in self.nodes]
         level = np.array([height.level for height in at])
         extremes = (self.start + level, level - low, low_at, high + level, high_at)
-        return Envelope(
-            self.nodes, *extremes, np.array([h.weight for h in at]), np.array([h.per_metre for h in at])
-        )
+        return Envelope(self.nodes, *extremes, np.array([h.weight for h in at]), np.array([h.per_metre for h in at]))
 
 
 def watch(assembly: Assembly) -> Extremes:

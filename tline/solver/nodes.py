@@ -1,8 +1,8 @@
 """What stands at each node of a scene, in numbers: conductances, prescribed efforts and flows, loads, switches.
 
-In a scene with heights all efforts count from the level, which is the piezometric pressure of the liquid at rest, filled
-up to the highest node. What stands between a node and the open air sees the gauge pressure there: the effort less what
-`Height.above_level` says.
+In a scene with heights all efforts count from the level: the piezometric pressure of the liquid at rest, filled up to
+the highest node. What stands between a node and the open air sees the gauge pressure there, the effort less
+`Height.above_level`.
 """
 
 from collections.abc import Collection, Mapping
@@ -25,8 +25,8 @@ from tline.scene.multiport import Multiport
 from tline.scene.quantity import ZERO
 from tline.scene.rational_load import MOST_STATES, Rational
 from tline.scene.scene import Scene
-from tline.scene.touchstone import Touchstone
 from tline.scene.shape import Lowered
+from tline.scene.touchstone import Touchstone
 from tline.scene.waveform import Constant, Shape
 from tline.solver.drive import just_before
 from tline.solver.load_step import NO_LOAD, StateSpace, counted_from, effort, reflection

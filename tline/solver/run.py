@@ -72,7 +72,8 @@ def run(
     probes = {}
     for name, probe in scene.probes.items():
         line, at = scene.probed_line(name), conductor(scene, name)
-        share, record = (probe.fraction(scene.lines[line]), lines[line]) if at is None else (float(at.end), record_of(at, lines))
+        share = probe.fraction(scene.lines[line]) if at is None else float(at.end)
+        record = lines[line] if at is None else record_of(at, lines)
         probes[name] = ProbeResult(name, line, share, record, ends, scene.height(name))
     seen = extremes and extremes.envelope(scene.heights)
     unresolved = (*chosen.notes, *smeared(done.fronts))
@@ -102,8 +103,9 @@ def _extremes(probes: dict[str, ProbeResult], envelope: Envelope | None) -> dict
     for name, probe in probes.items():
         found[place("probes", name)] = float(probe.gauge_pressure.min()), float(probe.gauge_pressure.max())
     if envelope is not None:
-        extremes = zip(envelope.nodes, envelope.lowest - envelope.weight, envelope.highest - envelope.weight, strict=True)
-        found |= {f"node '{node}'": (float(low), float(high)) for node, low, high in extremes}
+        low, high = (extreme - envelope.weight for extreme in (envelope.lowest, envelope.highest))
+        pairs = zip(low.tolist(), high.tolist(), strict=True)
+        found |= {f"node '{node}'": pair for node, pair in zip(envelope.nodes, pairs, strict=True)}
     return found
 
 
