@@ -151,7 +151,7 @@ def _elevations(scene: Scene) -> dict[str, float]:
 
 
 def _probed(scene: Scene, probe: Probe) -> tuple[str, ...]:
-    return (probe.at,) if probe.at is not None else scene.lines[probe.line].nodes
+    return (probe.at,) if probe.at is not None else scene.lines[probe.line or ""].nodes
 
 
 def _densities(scene: Scene, lines: list[str]) -> dict[str, float]:

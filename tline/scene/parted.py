@@ -42,7 +42,7 @@ def parted(scene: Scene) -> Scene:
             lines[name] = given
             continue
         lines |= _stretches(name, cut[name], given)
-        loads |= {node: cut[name].cavities.load(node) for node in places_of(name, cut[name])}
+        loads |= _cavities(name, cut[name])
         nodes |= _heights(name, cut[name], scene)
     probes = {name: _seen(name, probe, cut) or table["probes"][name] for name, probe in scene.probes.items()}
     return scene.with_changes(lines=lines, loads=loads, probes=probes, nodes=nodes)
@@ -55,6 +55,11 @@ def _stretches(name: str, line: SceneLine, given: dict[str, Any]) -> dict[str, A
     alike |= {key: float(getattr(line, key)) / line.stretches for key in ("length", "delay") if key in given}
     pairs = zip(stretches_of(name, line), nodes, nodes[1:], strict=False)
     return {stretch: alike | {"nodes": [near, far]} for stretch, near, far in pairs}
+
+
+def _cavities(name: str, line: Any) -> dict[str, Any]:
+    """Tables of the cavities of a line."""
+    return {node: line.cavities.load(node) for node in places_of(name, line)}
 
 
 def _heights(name: str, line: SceneLine, scene: Scene) -> dict[str, Any]:

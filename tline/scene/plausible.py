@@ -76,7 +76,7 @@ def _without_unit(part: Any) -> list[tuple[tuple[str | int, ...], Quantity]]:
         bare = isinstance(part.typed, str) and _is_number(part.typed) and part.unit not in {None, *EVERYDAY}
         return [((), part)] if bare else []
     if isinstance(part, Element):
-        inside = vars(part).items()
+        inside = [(key, vars(part)[key]) for key in type(part).model_fields]
     elif isinstance(part, dict):
         inside = part.items()
     elif isinstance(part, list | tuple):

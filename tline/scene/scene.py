@@ -1,6 +1,7 @@
 """A scene: lines, sources, loads and probes, an end time, and how finely to compute."""
 
 from collections.abc import Mapping
+from functools import cached_property
 from math import nan
 from typing import Annotated, Any, Literal
 
@@ -136,7 +137,6 @@ class Scene(Element):
     rating: Effort | None = Field(default=None, description="largest pressure or voltage that all lines are made for")
 
     _folder: str = PrivateAttr(default=".")
-    _heights: dict[str, Height] | None = PrivateAttr(default=None)
 
     def __init__(self, folder: str = ".", progress: bool = False, /, **data: Any) -> None:
         """Validate everything and collect all mistakes."""
@@ -208,12 +208,10 @@ class Scene(Element):
         """The lines that carry waves: single ones, and one for each mode of coupled conductors."""
         return single_lines(self.lines)
 
-    @property
+    @cached_property
     def heights(self) -> Mapping[str, Height]:
         """Height of each node by name; empty in a scene without elevations."""
-        if self._heights is None:
-            self._heights = heights_of(self)
-        return self._heights
+        return heights_of(self)
 
     def height(self, probe: str) -> Height:
         """Height of a probe; inside a line on the straight line between those of its ends."""

@@ -96,8 +96,8 @@ def bergeron(scene: Scene, hops: int = 12) -> Bergeron:
         u.append(float(found[0]))
         y.append(float(found[1]))
     level = nodes[near].height.level
-    ends = tuple(end._replace(r=end.r + end.p * level) for end in ends)
-    return Bergeron(z0, line.parameters.delay or 0.0, ends, np.array(u) + level, np.array(y))
+    one, two = (end._replace(r=end.r + end.p * level) for end in ends)
+    return Bergeron(z0, line.parameters.delay or 0.0, (one, two), np.array(u) + level, np.array(y))
 
 
 def _load_line(scene: Scene, name: str, node: Node, into_line: float) -> LoadLine:

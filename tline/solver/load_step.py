@@ -29,7 +29,7 @@ class StateSpace(NamedTuple):
     @property
     def constant(self) -> Matrix:
         """Which states nothing moves; these are 1."""
-        return ~(self.A.any(axis=1) | self.b.any(axis=1))
+        return np.array(~(np.any(self.A, axis=1) | np.any(self.b, axis=1)))
 
     def at_rest_under(self, wave: float) -> Matrix:
         """State in the steady state under a constant input, the same at all ports."""

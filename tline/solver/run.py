@@ -73,8 +73,8 @@ def run(
     for name, probe in scene.probes.items():
         line, at = scene.probed_line(name), conductor(scene, name)
         share = probe.fraction(scene.lines[line]) if at is None else float(at.end)
-        record = lines[line] if at is None else record_of(at, lines)
-        probes[name] = ProbeResult(name, line, share, record, ends, scene.height(name))
+        seen_there = lines[line] if at is None else record_of(at, lines)
+        probes[name] = ProbeResult(name, line, share, seen_there, ends, scene.height(name))
     seen = extremes and extremes.envelope(scene.heights)
     unresolved = (*chosen.notes, *smeared(done.fronts))
     surged = surges(scene, ends, assembly.start, probes, seen)

@@ -73,7 +73,7 @@ def run(scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, t: F
     for name, (u, _, lowest, _, highest, _) in found.items():
         for effort in (u, lowest, highest):
             effort += scene.height(name).level
-    return {name: Seen(*arrays, scene.height(name)) for name, arrays in found.items()}
+    return {name: Seen(*arrays, height=scene.height(name)) for name, arrays in found.items()}
 
 
 def _periods(scene: Scene, unit: float) -> int:
