@@ -73,7 +73,7 @@ MULTIPORTS = {
     "coupled inductors": {"inductance": ["2e6 Pa s^2/m^3", "3e6 Pa s^2/m^3"], "coupling": 0.5},
     "junction": {"z0": "2e7 Pa s/m^3", "scattering": [[0, 0.8], [0.8, 0]]},
 }
-ALONE = {"short", "resistor", "valve", "switched capacitor", "inductor", "capacitor", "series", "parallel", "impedance"}
+HOLDING = {"short", "inductor"}  # the effort at their node, in a steady state
 
 
 def sloping(seed: int, lift: float = 0.0, load: str = "closed", link: str = "", **scene) -> Scene:
@@ -87,9 +87,9 @@ def sloping(seed: int, lift: float = 0.0, load: str = "closed", link: str = "", 
             "at": "a", "kind": "pressure",
             "value": {"shape": "ramp", "from": head, "to": head + WEIGHT * float(rng.uniform(-10, 20)), "at": 0.3,
                       "duration": 0.11},
-        } | ({"resistance": "1e6 Pa s/m^3"} if rng.random() < 0.5 else {}),
+        } | ({"resistance": "1e6 Pa s/m^3"} if rng.random() < 0.5 or load in HOLDING else {}),
     }  # fmt: skip
-    if not (load in ALONE and "flow" in load) and link not in MULTIPORTS and rng.random() < 0.5:
+    if link not in MULTIPORTS and rng.random() < 0.5:
         sources["inflow"] = {"at": "a", "kind": "flow", "value": "-3 L/s", "resistance": "4e7 Pa s/m^3"}
         sources["tank"] |= {"resistance": "1e6 Pa s/m^3"}
     loads = {"end": _element(LOADS[load], load, at="d")}
@@ -97,7 +97,7 @@ def sloping(seed: int, lift: float = 0.0, load: str = "closed", link: str = "", 
         loads["leak"] = {"at": far, "kind": "leak", "flow": "2 L/s", "pressure": "3 bar"}
     friction = {"friction": {"kind": "darcy", "factor": 0.02}} if rng.random() < 0.4 else {}
     pipe = {"wave_speed": 1000, "density": 1000, "diameter": "20 cm"}
-    if link in ("tripping pump",):
+    if link == "tripping pump":
         loads.pop("leak")
     return Scene(
         medium="hydraulic",

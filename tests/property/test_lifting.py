@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from random_heights import LINKS, LOADS, MULTIPORTS, sloping
+from random_heights import LINKS, LOADS, MULTIPORTS, WEIGHT, sloping
 
 from tline.scene.scene import Scene
 from tline.solver.nodes import nodes_of
@@ -14,7 +14,7 @@ from tline.solver.run import run
 from tline.solver.simulate import simulate
 
 LIFT = 1000.0  # m: 9.8 MPa, of which doubles keep 2e-9 Pa
-BOUND = 1e-11  # of the largest pressure; ten times what was ever seen
+BOUND = 1e-10  # of the largest pressure; 2e-9 Pa are 5e-15 of it, which narrow pieces at fronts magnify up to 4000 times
 
 
 def same(low: Result, high: Result, bound: float = BOUND) -> None:
@@ -25,8 +25,8 @@ def same(low: Result, high: Result, bound: float = BOUND) -> None:
         lifted = high.probes[name]
         np.testing.assert_allclose(lifted.gauge_pressure, probe.gauge_pressure, rtol=0, atol=bound * pressure)
         np.testing.assert_allclose(lifted.y, probe.y, rtol=0, atol=100 * bound * flow)
-        np.testing.assert_allclose(lifted.head, probe.head + LIFT, rtol=1e-13)
-        np.testing.assert_allclose(lifted.u, probe.u + 9806.65 * LIFT, rtol=1e-13)
+        np.testing.assert_allclose(lifted.u, probe.u + WEIGHT * LIFT, rtol=0, atol=bound * pressure)
+        np.testing.assert_allclose(lifted.head, lifted.u / WEIGHT, rtol=1e-15)
     for word in ("start", "lowest", "highest"):
         gauge = [getattr(each.envelope, word) - each.envelope.weight for each in (low, high)]
         np.testing.assert_allclose(*gauge, rtol=0, atol=bound * pressure)
@@ -90,7 +90,7 @@ def how(attempt) -> tuple[int, float]:
 @pytest.mark.parametrize("load", ["resistor", "inductor", "series", "parallel"])
 def test_a_short_line_that_is_lumped(load, start):
     def stub(lift: float) -> Scene:
-        table = sloping(3, lift, load=load, start=start, solver={"order": 4, "slab": 0.04}).table()
+        table = sloping(3, lift, load=load, start=start).table()
         pipe = {"length": 0.5, "wave_speed": 1000, "density": 1000, "diameter": "20 cm"}
         table["lines"]["stub"] = {"nodes": ["d", "e"]} | pipe
         table["nodes"]["e"] = {"elevation": 7 + lift}
