@@ -14,7 +14,7 @@ from tline.solver.run import run
 from tline.solver.simulate import simulate
 
 LIFT = 1000.0  # m: 9.8 MPa, of which doubles keep 2e-9 Pa
-BOUND = 1e-10  # of the largest pressure; 2e-9 Pa are 5e-15 of it, which narrow pieces at fronts magnify up to 4000 times
+BOUND = 1e-10  # of the largest pressure; those 2e-9 Pa are 5e-15 of it, and narrow pieces at fronts magnify them
 
 
 def same(low: Result, high: Result, bound: float = BOUND) -> None:

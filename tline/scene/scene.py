@@ -125,7 +125,9 @@ class Scene(Element):
     medium: Literal["hydraulic", "electrical"] = Field(description="what the lines carry")
     t_end: Duration = Field(description="end time; a run goes on to the end of its last slab")
     start: Literal["rest", "steady"] = Field(
-        default="rest", description="state before t = 0: nothing, or the steady state that the sources imply"
+        default="rest",
+        description="state before t = 0: nothing moves, the liquid filled up to the highest node; or the steady state "
+        "that the sources imply",
     )
     solver: Solver = Field(default=Solver(), description="tolerance; or order and slab width, if fixed by hand")
     lines: dict[Name, Line] = Field(description="lines by name")
