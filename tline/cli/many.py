@@ -110,7 +110,7 @@ def _summary(seen: "Many", medium: "Medium", count: int) -> dict[str, Any]:
 
     probes = {
         name: {
-            word: np.quantile(getattr(probe, word) - probe.height.weight, QUANTILES).tolist()
+            word: np.quantile(getattr(probe, word) - seen.heights[name].weight, QUANTILES).tolist()
             for word in ("lowest", "highest")
         }
         for name, probe in seen.probes.items()

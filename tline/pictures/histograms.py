@@ -36,7 +36,7 @@ def plot_extremes(runs: Many, medium: Medium, title: str = "") -> Figure:
     picture = figure(8.0, 0.9 + 2.1 * len(runs.probes), title)
     panels = picture.subplots(len(runs.probes), 2, squeeze=False)
     for row, (name, seen) in zip(panels, runs.probes.items(), strict=True):
-        weight = seen.height.weight
+        weight = runs.heights[name].weight
         largest = float(max(np.abs(seen.lowest - weight).max(), np.abs(seen.highest - weight).max()))
         size, unit = handy(largest, medium.shown["effort"])
         error = runs.estimate * largest / size

@@ -7,14 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.heights import Height
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.solver.many.copies import Copies
 from tline.solver.many.period import driven_waves, modes_of
 from tline.solver.radau import basis
 
-NO_HEIGHT = Height()
 Floats = NDArray[np.floating]
 BATCH = 64  # copies in the kernel at once
 PERIOD, ROOM, LARGEST = 25e3, 8e6, 1e8  # samples that are set up at once in a period, and in all; and of one copy
@@ -27,13 +25,11 @@ class Seen:
     Attributes
     ----------
     u, y : ndarray, shape (copies, instants)
-        Effort and flow at the instants asked for.
+        Effort, piezometric pressure in a scene with elevations, and flow at the instants asked for.
     lowest, highest : ndarray, shape (copies,)
-        Smallest and largest effort from t = 0, where it is zero, to the end.
+        Smallest and largest effort from t = 0, where it is that of rest, to the end.
     lowest_at, highest_at : ndarray, shape (copies,)
         When they are reached, s.
-    height : Height
-        Of the probe; in a scene with elevations efforts are piezometric pressures, and begin as the liquid at rest.
     """
 
     u: Floats
@@ -42,7 +38,6 @@ class Seen:
     lowest_at: Floats
     highest: Floats
     highest_at: Floats
-    height: Height = NO_HEIGHT
 
 
 def run(scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, t: Floats) -> dict[str, Seen]:
@@ -73,7 +68,7 @@ def run(scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, t: F
     for name, (u, _, lowest, _, highest, _) in found.items():
         for effort in (u, lowest, highest):
             effort += scene.height(name).level
-    return {name: Seen(*arrays, height=scene.height(name)) for name, arrays in found.items()}
+    return {name: Seen(*arrays) for name, arrays in found.items()}
 
 
 def _periods(scene: Scene, unit: float) -> int:

@@ -34,10 +34,14 @@ def save_csv(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many, path: str 
     columns += [f"{word} head [m]" for word in ("lowest", "highest")] if scene.heights else []
     head = [*vary, *(f"{name} {column}" for name in runs.probes for column in columns)]
     seen = []
-    for probe in runs.probes.values():
-        weight = probe.height.weight
+    for name, probe in runs.probes.items():
+        weight = runs.heights[name].weight
         seen += [probe.lowest - weight, probe.lowest_at, probe.highest - weight, probe.highest_at]
-        seen += [extreme / probe.height.per_metre for extreme in (probe.lowest, probe.highest)] if scene.heights else []
+        seen += (
+            [extreme / runs.heights[name].per_metre for extreme in (probe.lowest, probe.highest)]
+            if scene.heights
+            else []
+        )
     rows = np.stack([*(np.asarray(values, float) for values in vary.values()), *seen], axis=1)
     write_table(path, head, rows.tolist())
 
@@ -61,7 +65,7 @@ def save_npz(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many, path: str 
 def _arrays(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many) -> Iterator[tuple[str, Any]]:
     yield from ((where, np.asarray(values, float)) for where, values in vary.items())
     for name, seen in runs.probes.items():
-        weight = {"lowest": seen.height.weight, "highest": seen.height.weight}
+        weight = dict.fromkeys(("lowest", "highest"), runs.heights[name].weight)
         yield from ((f"{name}/{key}", getattr(seen, key) - weight.get(key, 0.0)) for key in EXTREMES)
     yield "scene", np.array(scene_text(scene))
     yield "version", np.array(version("tline"))
