@@ -65,8 +65,9 @@ def save_npz(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many, path: str 
 def _arrays(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many) -> Iterator[tuple[str, Any]]:
     yield from ((where, np.asarray(values, float)) for where, values in vary.items())
     for name, seen in runs.probes.items():
-        weight = dict.fromkeys(("lowest", "highest"), runs.heights[name].weight)
-        yield from ((f"{name}/{key}", getattr(seen, key) - weight.get(key, 0.0)) for key in EXTREMES)
+        for key in EXTREMES:
+            weight = 0.0 if key.endswith("_at") else runs.heights[name].weight
+            yield f"{name}/{key}", getattr(seen, key) - weight
     yield "scene", np.array(scene_text(scene))
     yield "version", np.array(version("tline"))
     yield "estimate", np.array(runs.estimate)
