@@ -70,7 +70,7 @@ def disturbed(tables: dict[str, Any]) -> dict[str, dict[str, Any]]:
     demands = {name: load["flow"] for name, load in tables["loads"].items() if load["kind"] == "check valve"}
     largest = max(demands, key=demands.__getitem__)
     load = tables["loads"][largest]
-    hole = {"at": load["at"], "kind": "orifice", "back_pressure": load["back_pressure"]}  # to the air at that height
+    hole = {"at": load["at"], "kind": "orifice"}  # to the air at that height
     shut = {"flow": load["flow"], "pressure_drop": load["pressure_drop"], "opening": down}
     events["closure"] = "loads", largest, hole | shut
     if pumps:

@@ -18,8 +18,8 @@ SECTIONS = {
     ),
     "loads": (
         "Loads",
-        "What a node lets pass to earth, or to zero pressure; several stand side by side. Flow counts positive out of "
-        "the node.",
+        "What a node lets pass to earth, or to the open air at its height; several stand side by side. Flow counts "
+        "positive out of the node.",
     ),
     "links": (
         "Links",
@@ -33,7 +33,9 @@ SECTIONS = {
     ),
     "nodes": (
         "Nodes",
-        "Where nodes are, if that matters. With elevations pressures are piezometric, density·g·head.",
+        "Where nodes are, if that matters. With elevations reservoirs and sources prescribe piezometric pressures, "
+        "density·g·head, and what leads to the open air sees the gauge pressure at its height: "
+        "[heights](networks.md#heights).",
     ),
 }
 SHAPES = ("Constant", "Step", "Ramp", "PiecewiseLinear", "Table", "Pulses", "Sine", "Exponential", "DoubleExponential")
@@ -217,13 +219,13 @@ def _network() -> None:
 
 
 def _cavities() -> None:
-    """Column separation in a pipe, with the highest pressure measured: 1015 kPa, absolute, 2.03 m above the tank."""
+    """Column separation in a pipe, with the highest pressure measured: 1015 kPa, absolute."""
     from tline.pictures.style import INK, save_figure
     from tline.pictures.traces import plot_probes
     from tline.solver.simulate import simulate
 
     picture = plot_probes(simulate(read_scene(DOCS.parent / "scenes" / "column_separation.toml")))
-    measured = (1015e3 - 101_325 + 999.1 * 9.80665 * 2.03) / 1e5
+    measured = (1015e3 - 101_325) / 1e5
     axes = picture.axes[0]
     axes.axhline(measured, color=INK, linestyle=":", linewidth=1.4)
     axes.annotate("highest measured", (0.99, measured), (0, 3), ("axes fraction", "data"), "offset points", ha="right")

@@ -64,7 +64,7 @@ class Experiment(NamedTuple):
             del pipe["friction"]
         table["nodes"]["valve"]["elevation"] = self.rise
         table["loads"]["tank"]["pressure"] = self.head * METRE
-        table["loads"]["end"] |= {"gas_volume": gas / 2, "back_pressure": self.rise * METRE}
+        table["loads"]["end"] |= {"gas_volume": gas / 2}
         begin = 0.9 * self.closes if late else 0.0
         shut = {"from": -self.velocity * area, "at": begin, "duration": self.closes - begin}
         table["sources"]["valve"]["value"] |= shut

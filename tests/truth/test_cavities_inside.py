@@ -76,7 +76,7 @@ def delay_equation() -> tuple[np.ndarray, np.ndarray]:
 def test_gas_cavities_inside_are_a_delay_equation():
     """Places at heights between those of the ends, and a cavity at the end."""
     t, u = delay_equation()
-    end = {"kind": "cavity", "gas_volume": GAS, "back_pressure": WEIGHT * HEIGHT}
+    end = {"kind": "cavity", "gas_volume": GAS}
     result = simulate(scene(6, 32, {"places": PLACES, "gas_volume": GAS}, end), record=["pipe"])
     assert u[-1].min() < 0.8 * (WEIGHT * HEIGHT - ABOVE_VAPOUR)  # next to vapour for a while
     whole = np.isclose((t + 1e-9) % STRETCH, 0, atol=2e-9)
@@ -109,7 +109,7 @@ def test_cavities_add_no_energy(gas, order, slabs):
     """Whatever the slab: the ledger closes, and cavities take; so little gas holds next to nothing at first."""
     cavities = {"places": PLACES} | ({"gas_volume": gas} if gas else {})
     end = {"kind": "cavity", "gas_volume": gas} if gas else {"kind": "vapour cavity"}
-    ledger = simulate(scene(order, slabs, cavities, end | {"back_pressure": WEIGHT * HEIGHT}), ledger=True).ledger
+    ledger = simulate(scene(order, slabs, cavities, end), ledger=True).ledger
     assert ledger is not None
     assert ledger.residual < 1e-12
     assert ledger.of("lines.pipe.cavities").taken + ledger.of("loads.end").taken > 0

@@ -41,9 +41,10 @@ def written_out() -> Scene:
     names = ["tank", "one", "two", "three", "end"]
     pipes = {f"p{k}": PIPE | {"nodes": names[k : k + 2], "length": 75} for k in range(4)}
     cavity = {"kind": "vapour cavity", "vapour_pressure": 2000}
-    loads = {at: cavity | {"at": at, "back_pressure": 9806.65 * (k + 1)} for k, at in enumerate(names[1:-1])}
+    loads = {at: cavity | {"at": at} for at in names[1:-1]}
     probes = {"end": {"at": "end"}, "near": {"at": "tank"}, "third": {"at": "three", "line": "p2"}}
-    return Scene(**TABLE | {"lines": pipes, "loads": TABLE["loads"] | loads, "probes": probes})
+    nodes = {at: {"elevation": k} for k, at in enumerate(names)}
+    return Scene(**TABLE | {"lines": pipes, "nodes": nodes, "loads": TABLE["loads"] | loads, "probes": probes})
 
 
 def test_a_line_with_cavities_is_pipes_and_loads_in_a_row():

@@ -59,7 +59,7 @@ def many(
     check_files({"--csv": (csv, (".csv",)), "--npz": (npz, (".npz",)), "--plot": (plot, PICTURE)})
     wanted = _wanted(vary)
     from tline.scene.file import read_scene
-    from tline.scene.medium import MEDIA
+    from tline.scene.heights import words
     from tline.solver.many import many as run
     from tline.solver.many.draws import draw
     from tline.solver.simulate import UnresolvedWarning
@@ -82,15 +82,15 @@ def many(
         from tline.pictures.histograms import plot_extremes
         from tline.pictures.style import save_figure
 
-        save_figure(plot_extremes(seen, MEDIA[read.medium], read.title), plot)
+        save_figure(plot_extremes(seen, words(read, "gauge pressure"), read.title), plot)
     for note in said:
         click.echo(f"note: {note.message}", err=True)
     written = [file for file in files.values() if file]
-    told = _summary(seen, MEDIA[read.medium], len(next(iter(numbers.values()))))
+    told = _summary(seen, words(read, "gauge pressure"), len(next(iter(numbers.values()))))
     if as_json:
         click.echo(json.dumps(told | {"files": written}, indent=2, ensure_ascii=False))
     else:
-        click.echo("\n".join([*([read.title] if read.title else []), *_table(told, MEDIA[read.medium])]))
+        click.echo("\n".join([*([read.title] if read.title else []), *_table(told, words(read, "gauge pressure"))]))
         for file in written:
             click.echo(f"wrote {file}")
     if any(issubclass(note.category, UnresolvedWarning) for note in said):
@@ -117,7 +117,10 @@ def _summary(seen: "Many", medium: "Medium", count: int) -> dict[str, Any]:
     import numpy as np
 
     probes = {
-        name: {word: np.quantile(getattr(probe, word), QUANTILES).tolist() for word in ("lowest", "highest")}
+        name: {
+            word: np.quantile(getattr(probe, word) - seen.heights[name].weight, QUANTILES).tolist()
+            for word in ("lowest", "highest")
+        }
         for name, probe in seen.probes.items()
     }
     how = {"order": seen.order, "slabs": seen.slabs, "estimate": seen.estimate, "seconds": seen.seconds}

@@ -35,7 +35,7 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
     for name, probe in result.probes.items():
         seen = curve(probe)
         probes[name] = {}
-        for word, letter, unit, _ in quantities(result.medium):
+        for word, letter, unit, _ in quantities(result.scene):
             values = getattr(seen, letter)
             low, high = extreme(values, seen.t, -1), extreme(values, seen.t, 1)
             probes[name][word] = {
@@ -47,10 +47,9 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
                 "end": float(values[-1]),
             }
             if accuracy and accuracy.estimates:
-                relative, amplitude = (
-                    getattr(accuracy.estimates[name], letter),
-                    float(np.abs(getattr(probe, letter)).max()),
-                )
+                relative = getattr(accuracy.estimates[name], "y" if letter == "y" else "u")
+                amplitude = float(np.abs(probe.y if letter == "y" else probe.gauge_pressure).max())
+                amplitude /= probe.height.per_metre if letter == "head" else 1.0
                 probes[name][word]["error"] = relative * amplitude
                 probes[name][word]["error_inside_slabs"] = max(relative, accuracy.inside[name]) * amplitude
     return {
@@ -153,7 +152,7 @@ def as_table(result: Result, accuracy: Accuracy | None) -> str:
     at = f"at [{time_unit}]"
     rows = [["probe", "quantity", "minimum", at, "maximum", at, "at the end", "± error"]]
     for name, probe in told["probes"].items():
-        for k, (word, _, _, shown) in enumerate(quantities(result.medium)):
+        for k, (word, _, _, shown) in enumerate(quantities(result.scene)):
             seen = probe[word]
             size, unit = handy(max(abs(seen["minimum"]), abs(seen["maximum"])), shown)
             numbers = [

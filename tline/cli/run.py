@@ -247,9 +247,10 @@ def _picture(result: "Result", way: "Route | None", kind: str) -> "Figure":
         return plot_lattice(result)
     if kind == "load_lines":
         from tline.pictures.load_lines import plot_load_lines
+        from tline.scene.heights import words
         from tline.signal.load_line import bergeron
 
-        return plot_load_lines(bergeron(result.scene), result.medium, result.scene.title)
+        return plot_load_lines(bergeron(result.scene), words(result.scene), result.scene.title)
     from tline.pictures.traces import plot_probes
 
     return plot_probes(result)

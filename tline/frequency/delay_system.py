@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from tline.errors import InputError
 from tline.frequency.resonances import Resonance, resonances
 from tline.frequency.response import respond, source_named
-from tline.scene.load import Switch
+from tline.scene.load import Reservoir, Switch
 from tline.scene.mistakes import nearest
 from tline.scene.scene import Scene
 from tline.solver.stability.growth import growth
@@ -160,14 +160,14 @@ class DelaySystem:
         return pade_state_space(self._with_a_step(), self.probe, self.quantity, order)
 
     def _with_a_step(self) -> Scene:
-        """The scene with a unit step in the source, all other sources at zero, and switches after their move."""
+        """The scene without heights, a unit step in the source, all else at zero, and switches after their move."""
         table = self.scene.table()
         silent = {
             name: source | {"value": {"shape": "constant", "level": 0}} for name, source in table["sources"].items()
         }
         silent[self.source]["value"] = {"shape": "step", "to": 1}
+        still = {Switch: {"time": -1}, Reservoir: {"pressure": 0}}
         loads = {
-            name: load | ({"time": -1} if isinstance(self.scene.loads[name], Switch) else {})
-            for name, load in table.get("loads", {}).items()
+            name: load | still.get(type(self.scene.loads[name]), {}) for name, load in table.get("loads", {}).items()
         }
-        return self.scene.with_changes(sources=silent, loads=loads)
+        return self.scene.with_changes(sources=silent, loads=loads, nodes={})

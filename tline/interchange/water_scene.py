@@ -37,10 +37,10 @@ def read_inp(path: str, wave_speed: float | str) -> tuple[Scene, tuple[str, ...]
 def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, tuple[str, ...]]:
     """The scene of a network, and notes.
 
-    Pressures are piezometric, density·g·head. The friction factor of a pipe is the one that the operating point has.
-    Reservoirs and tanks hold their level, valves their opening; a demand is what an opening to the air lets out that
-    gives the demand at the operating point. A pump has the parabola through its shut-off head with head and slope at
-    the operating point.
+    Pressures of reservoirs are piezometric, density·g·head. The friction factor of a pipe is the one that the operating
+    point has. Reservoirs and tanks hold their level, valves their opening; a demand is what an opening to the air at
+    its node's height lets out that gives the demand at the operating point. A pump has the parabola through its
+    shut-off head with head and slope at the operating point.
 
     Raises
     ------
@@ -125,7 +125,7 @@ def _add_node(
     if isinstance(node, Basin):
         tables["loads"][name] = {"at": name, "kind": "reservoir", "pressure": weight * node.head}
         return
-    outside = {"at": name, "kind": "check valve", "back_pressure": weight * node.elevation}
+    outside = {"at": name, "kind": "check valve"}
     height = node.head - node.elevation
     if node.demand > STILL and height > LEAST_DROP:
         tables["loads"][name] = outside | {"flow": node.demand, "pressure_drop": weight * height}

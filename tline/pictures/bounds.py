@@ -6,13 +6,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.line import HydraulicLine
 from tline.pictures.handy import handy
 from tline.pictures.path import Leg, Route
+from tline.scene.heights import words
 from tline.scene.limits import VACUUM, weight_at
 from tline.scene.medium import HYDRAULIC, MEDIA
 from tline.scene.scene import Scene
-from tline.scene.site import GRAVITY
 from tline.units import engineering
 
 
@@ -38,7 +37,7 @@ class Bound(NamedTuple):
 
 
 def scale(scene: Scene, lines: Iterable[str], largest: float) -> Scale:
-    """Metres of head where nodes have heights and all those lines the same density; else a handy unit.
+    """Metres of head where nodes have heights and those lines hold the same liquid; else a handy unit.
 
     Examples
     --------
@@ -49,13 +48,12 @@ def scale(scene: Scene, lines: Iterable[str], largest: float) -> Scale:
     >>> scale(Scene(**given, nodes={"b": {"elevation": "35 m"}}), ["pipe"], 2e5)
     Scale(word='head', size=9806.65, unit='m')
     """
-    medium = MEDIA[scene.medium]
-    found = (scene.single_lines[line].parameters for line in lines)
-    densities = {line.density if isinstance(line, HydraulicLine) else None for line in found}
-    density = densities.pop() if len(densities) == 1 else None
-    if density is not None and weight_at(scene):
-        return Scale("head", density * GRAVITY, "m")
-    return Scale(medium.effort, *handy(largest, medium.shown["effort"]))
+    nodes = {node for line in lines for node in scene.single_lines[line].nodes}
+    per_metre = {scene.heights[node].per_metre if node in scene.heights else None for node in nodes}
+    one = per_metre.pop() if len(per_metre) == 1 else None
+    if one is not None:
+        return Scale("head", one, "m")
+    return Scale(words(scene).effort, *handy(largest, MEDIA[scene.medium].shown["effort"]))
 
 
 def bounds(scene: Scene, way: Route, x: NDArray, lowest: NDArray) -> list[Bound]:

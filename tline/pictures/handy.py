@@ -1,29 +1,36 @@
 """The unit in which people read a set of values."""
 
-from tline.scene.medium import Medium
+from tline.scene.medium import MEDIA
+from tline.scene.scene import Scene
 from tline.units import engineering, to_si
 
 
 def handy(largest: float, unit: str) -> tuple[float, str]:
     """Size in SI and name of the unit for values up to `largest`: `unit`, with a prefix where it takes one.
 
-    Times of a second and more stay in seconds.
+    Times of a second and more stay in seconds, heights in metres.
 
     Examples
     --------
     >>> handy(0.0042, "A"), handy(7e5, "bar"), handy(3600.0, "s")
     ((0.001, 'mA'), (100000.0, 'bar'), (1.0, 's'))
     """
-    if unit == "s" and largest >= 1:
-        return 1.0, "s"
+    if unit == "m" or (unit == "s" and largest >= 1):
+        return 1.0, unit
     name = engineering(largest, unit).partition(" ")[2]
     return to_si(f"1 {name}", None), name
 
 
-def quantities(medium: Medium) -> list[tuple[str, str, str, str]]:
-    """Effort and flow: what they are called, letter in a result, SI unit and the unit people read."""
+def quantities(scene: Scene) -> list[tuple[str, str, str, str]]:
+    """Effort and flow: what they are called, attribute of a result, SI unit and the unit people read.
+
+    In a scene with elevations gauge pressure and head stand for the effort.
+    """
+    medium = MEDIA[scene.medium]
+    effort = (medium.units["effort"], medium.shown["effort"])
+    efforts = [("gauge pressure", "gauge_pressure", *effort), ("head", "head", "m", "m")]
     return [
-        (medium.effort, "u", medium.units["effort"], medium.shown["effort"]),
+        *(efforts if scene.heights else [(medium.effort, "u", *effort)]),
         (medium.flow, "y", medium.units["flow"], medium.shown["flow"]),
     ]
 

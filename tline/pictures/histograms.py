@@ -36,11 +36,12 @@ def plot_extremes(runs: Many, medium: Medium, title: str = "") -> Figure:
     picture = figure(8.0, 0.9 + 2.1 * len(runs.probes), title)
     panels = picture.subplots(len(runs.probes), 2, squeeze=False)
     for row, (name, seen) in zip(panels, runs.probes.items(), strict=True):
-        largest = float(max(np.abs(seen.lowest).max(), np.abs(seen.highest).max()))
+        weight = runs.heights[name].weight
+        largest = float(max(np.abs(seen.lowest - weight).max(), np.abs(seen.highest - weight).max()))
         size, unit = handy(largest, medium.shown["effort"])
         error = runs.estimate * largest / size
         for axes, word, colour in zip(row, ("lowest", "highest"), COLOURS, strict=False):
-            _draw(axes, getattr(seen, word) / size, error, colour)
+            _draw(axes, (getattr(seen, word) - weight) / size, error, colour)
             axes.set_xlabel(f"{word} {medium.effort} at {name} [{unit}]")
         row[0].set_ylabel("runs")
     return picture

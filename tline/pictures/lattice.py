@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from tline.pictures.fronts import Bounces, Front, Stay, bounces
 from tline.pictures.handy import handy
 from tline.pictures.style import DOWN, FAINT, INK, UP, figure, styled
+from tline.scene.heights import words
 from tline.solver.result import Result
 
 FLAT = 1e-6  # of the largest effort; a smaller one is zero
@@ -57,7 +58,7 @@ def plot_lattice(result: Result) -> Figure:
         if stay.stop - stay.start > ROOM * shown.until:
             _draw_level(axes, stay, zero)
     (line,) = result.scene.lines.values()
-    effort = f"{result.medium.effort} [{unit}]"
+    effort = f"{words(result.scene).effort} [{unit}]"
     _frame(axes, line.nodes, effort, shown.until)
     axes.set_ylabel(f"time [{time_unit}]")
     jumps = [front.jump for front in shown.fronts]

@@ -36,7 +36,7 @@ def plot_map(result: Result) -> Figure:
     """Two maps of the network: how far the effort rose above what it was before t = 0, and how far it fell below it.
 
     Squares are nodes at which a source or a reservoir holds the effort, dots are links, and a cross stands where the
-    rating is exceeded or the pressure on the wall falls below a vacuum. Where not all nodes have positions, they are
+    rating is exceeded or the gauge pressure falls below a vacuum. Where not all nodes have positions, they are
     laid out so that distances tell delays.
 
     Parameters

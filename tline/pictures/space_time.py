@@ -6,6 +6,7 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
 from tline.pictures.along import effort_along, start_effort
+from tline.pictures.bounds import scale
 from tline.pictures.handy import handy, spread
 from tline.pictures.path import Route, axis
 from tline.pictures.style import DIVERGING, figure, name_nodes, styled
@@ -40,7 +41,7 @@ def plot_space_time(result: Result, path: Route) -> Figure:
     x = (np.arange(across) + 0.5) / across * end
     t = (np.arange(down) + 0.5) / down * t_end
     effort = effort_along(result, path, x, t)
-    size, unit = handy(float(abs(effort).max()), result.medium.shown["effort"])
+    word, size, unit = scale(result.scene, path.lines, float(abs(effort).max()))
     effort = effort / size
     low, high = spread(effort.min(), effort.max())
     colours, norm = _colours(low, high, start_effort(result, path) / size)
@@ -60,7 +61,7 @@ def plot_space_time(result: Result, path: Route) -> Figure:
     axes.set_xlabel(place)
     axes.set_ylabel(f"time [{time_unit}]")
     bar = picture.colorbar(image, ax=axes, pad=0.02, fraction=0.06)
-    bar.set_label(f"{result.medium.effort} [{unit}]")
+    bar.set_label(f"{word} [{unit}]")
     bar.outline.set_visible(False)
     bar.ax.set_ylim(low, high)
     return picture

@@ -7,14 +7,14 @@ from tline.pictures.style import COLOURS, DASHES, figure, styled
 from tline.solver.curve import curve
 from tline.solver.result import Result
 
-WIDTH, HEIGHT = 8.0, 5.2  # inches
+WIDTH, HEIGHT, MORE = 8.0, 5.2, 2.2  # inches; more for a third panel
 MARGIN = 0.08  # of the range, above and below
 ENTRY = 0.11  # inches per letter in the legend
 
 
 @styled
 def plot_probes(result: Result) -> Figure:
-    """Effort above, flow below, one curve for each probe.
+    """Effort above, or gauge pressure and head in a scene with elevations, flow below; one curve for each probe.
 
     Parameters
     ----------
@@ -24,16 +24,17 @@ def plot_probes(result: Result) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        With two axes that share time.
+        With two axes, or three, that share time.
     """
     curves = {name: curve(probe) for name, probe in result.probes.items()}
     columns = max(int(WIDTH / (0.6 + ENTRY * max(map(len, curves)))), 1)
     rows = -(-len(curves) // columns) if len(curves) > 1 else 0
-    picture = figure(WIDTH, HEIGHT + 0.22 * rows, result.scene.title)
-    panels = picture.subplots(2, 1, sharex=True, height_ratios=[3, 2])
+    picture = figure(WIDTH, HEIGHT + 0.22 * rows + MORE * bool(result.scene.heights), result.scene.title)
+    shown = quantities(result.scene)
+    panels = picture.subplots(len(shown), 1, sharex=True, height_ratios=[*[3] * (len(shown) - 1), 2])
     second, time_unit = handy(result.t[-1], "s")
     handles = []
-    for axes, (word, letter, _, unit) in zip(panels, quantities(result.medium), strict=True):
+    for axes, (word, letter, _, unit) in zip(panels, shown, strict=True):
         values = [getattr(samples, letter) for samples in curves.values()]
         size, name = handy(max(abs(v).max() for v in values), unit)
         handles = [
@@ -51,7 +52,7 @@ def plot_probes(result: Result) -> Figure:
         axes.margins(x=0)
         low, high = spread(min(v.min() for v in values) / size, max(v.max() for v in values) / size)
         axes.set_ylim(low - MARGIN * (high - low), high + MARGIN * (high - low))
-    panels[1].set_xlabel(f"time [{time_unit}]")
+    panels[-1].set_xlabel(f"time [{time_unit}]")
     picture.align_ylabels(panels)
     if len(curves) > 1:
         names = [f" {name}" for name in curves]  # a name that begins with '_' would be left out

@@ -35,7 +35,7 @@ class AirValve(AtNode, OfLiquids):
         default=Quantity("20 degC", "K"), description="of the air"
     )
     atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
-    back_pressure: Pressure = Field(default=ZERO, description="pressure in the scene at which the outside is")
+    back_pressure: Pressure = Field(default=ZERO, description="gauge pressure outside; 0 is the open air")
 
     def law(self) -> Law:  # noqa: D102
         speed = sqrt(GAS_CONSTANT * self.temperature)

@@ -35,9 +35,9 @@ class Cavities(Boiling):
         "between two places; without it vapour alone",
     )
 
-    def load(self, node: str, back: float) -> dict[str, Any]:
-        """The table of the load at a node, where the pressure outside is `back` in the scene."""
-        table: dict[str, Any] = {"at": node, "kind": "vapour cavity", "back_pressure": back}
+    def load(self, node: str) -> dict[str, Any]:
+        """The table of the load at a node."""
+        table: dict[str, Any] = {"at": node, "kind": "vapour cavity"}
         table |= {"vapour_pressure": float(self.vapour_pressure), "atmosphere": float(self.atmosphere)}
         return table | ({"kind": "cavity", "gas_volume": float(self.gas_volume)} if self.gas_volume is not None else {})
 

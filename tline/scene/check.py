@@ -13,6 +13,7 @@ from tline.scene.coupled import Coupled, ends_of
 from tline.scene.crowded import crowded
 from tline.scene.element import is_name
 from tline.scene.factor import check_range
+from tline.scene.heights import height_mistakes
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.mistakes import nearest, place, shown
 from tline.scene.rational_load import Rational
@@ -103,7 +104,7 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
     yield from _slab(scene)
     yield from _waveforms(scene)
     yield from _held(scene)
-    yield from _heights(scene)
+    yield from height_mistakes(scene)
     yield from _coupled(scene)
     yield from _cavities(scene)
     yield from crowded(scene, {node for _, node in ideal_efforts(scene)})
@@ -199,14 +200,6 @@ def _held(scene: Scene) -> Iterator[InputError]:
         if isinstance(load, Switch) and 0 in (load.before, load.after) and holder:
             problem = f"shorts node '{load.at}', which {holder} holds"
             yield InputError(place("loads", name), problem, "a resistance above zero")
-
-
-def _heights(scene: Scene) -> Iterator[InputError]:
-    """Elevations, which turn a pressure into one on the wall where the liquid's density is known."""
-    high = [name for name, site in scene.nodes.items() if site.elevation is not None]
-    if high and all(getattr(line.parameters, "density", None) is None for line in scene.lines.values()):
-        where, expected = place("nodes", high[0], "elevation"), "none, or the density of a pipe"
-        yield InputError(where, "the weight of the liquid does not follow", expected)
 
 
 def ideal_efforts(scene: Scene) -> list[tuple[str, str]]:

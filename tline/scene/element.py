@@ -78,6 +78,6 @@ class Element(BaseModel):
 
 
 class AtNode(Element):
-    """An element between a node and the reference (earth, or zero pressure)."""
+    """An element between a node and the reference (earth, or the open air at the node's height)."""
 
     at: Name = Field(description="node")

@@ -3,10 +3,8 @@
 from collections.abc import Mapping
 from math import inf
 
-from tline.line import HydraulicLine
 from tline.scene.medium import HYDRAULIC, MEDIA
 from tline.scene.scene import Scene
-from tline.scene.site import GRAVITY
 from tline.scene.vessel import Boiling
 from tline.units import engineering
 
@@ -20,7 +18,7 @@ def beyond_limits(scene: Scene, extremes: Mapping[str, tuple[float, float]]) -> 
     ----------
     scene : Scene
     extremes : mapping of str to pair of float
-        Lowest and highest effort by place; a pressure is that on the wall, Pa; else V.
+        Lowest and highest effort by place; a gauge pressure, Pa; else V.
 
     Examples
     --------
@@ -41,19 +39,19 @@ def beyond_limits(scene: Scene, extremes: Mapping[str, tuple[float, float]]) -> 
         modelled = "modelled at cavities only, and a jump within a slab shoots past it" if boils else "not modelled"
         limit = f"a liquid cavitates below {engineering(VACUUM, unit)} gauge (0 absolute): {modelled}"
         falls = f"the pressure falls to {engineering(min(deep.values()), unit)}"
-        found.append(f"{first_of(sorted(deep, key=deep.__getitem__))}: {falls}; {limit}")
+        found.append(f"{first_of(worst_first(deep, -1))}: {falls}; {limit}")
     rating = float(scene.rating or inf)
     sizes = {where: high if medium is HYDRAULIC else max(high, -low) for where, (low, high) in extremes.items()}
     high = {where: size for where, size in sizes.items() if size > rating}
     if high:
         rises = f"the {medium.effort} rises to {engineering(max(high.values()), unit)}"
         above = f"above the rating of {engineering(rating, unit)}"
-        found.append(f"{first_of(sorted(high, key=high.__getitem__, reverse=True))}: {rises}, {above}")
+        found.append(f"{first_of(worst_first(high, 1))}: {rises}, {above}")
     return found
 
 
 def weight_at(scene: Scene) -> dict[str, float]:
-    """Density·g·elevation of nodes, Pa: so much the piezometric pressure exceeds that on the wall.
+    """Density·g·elevation of nodes whose elevation is given, Pa: the piezometric pressure less the gauge pressure.
 
     Examples
     --------
@@ -64,13 +62,13 @@ def weight_at(scene: Scene) -> dict[str, float]:
     >>> weight_at(scene)
     {'b': 98066.5}
     """
-    heights = {name: float(site.elevation) for name, site in scene.nodes.items() if site.elevation is not None}
-    densities: dict[str, float] = {}
-    for line in scene.lines.values() if heights else ():
-        if isinstance(line.parameters, HydraulicLine) and line.parameters.density is not None:
-            densities |= dict.fromkeys(line.nodes, line.parameters.density)
-    other = next(iter(densities.values()), 0.0)  # at a node where no pipe ends
-    return {name: densities.get(name, other) * GRAVITY * height for name, height in heights.items()}
+    given = (name for name, site in scene.nodes.items() if site.elevation is not None)
+    return {name: scene.heights[name].weight for name in given}
+
+
+def worst_first(sizes: Mapping[str, float], sign: int) -> list[str]:
+    """Places by falling size (sign 1) or rising (sign -1); those that only rounding tells apart as they are given."""
+    return sorted(sizes, key=lambda where: -sign * float(f"{sizes[where]:.9g}"))
 
 
 def first_of(places: list[str]) -> str:

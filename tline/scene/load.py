@@ -38,7 +38,7 @@ class NoFlow(AtNode):
 
 
 class Short(AtNode):
-    """An end held at zero effort."""
+    """An end held at zero effort; of a pipe at zero gauge pressure, open to the air."""
 
     kind: Literal["short"] = "short"
 
@@ -47,7 +47,9 @@ class Reservoir(AtNode):
     """A node held at constant pressure."""
 
     kind: Literal["reservoir"] = "reservoir"
-    pressure: Pressure = Field(description="pressure at the node")
+    pressure: Pressure = Field(
+        description="pressure at the node; piezometric, density·g·head, if nodes have elevations"
+    )
 
     @field_validator("kind")
     @classmethod

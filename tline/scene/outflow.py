@@ -16,11 +16,11 @@ SOME = Quantity("0.5", "")
 
 
 class Leak(AtNode, OfLiquids):
-    """A leak: flow·(pressure/reference pressure)^exponent out of the node, nothing in."""
+    """A leak to the open air: flow·(gauge pressure/reference pressure)^exponent out of the node, nothing in."""
 
     kind: Literal["leak"] = "leak"
     flow: Flow = Field(description="flow at the reference pressure")
-    pressure: Annotated[Quantity, Role("pressure", "Pa", above=0)] = Field(description="reference pressure")
+    pressure: Annotated[Quantity, Role("pressure", "Pa", above=0)] = Field(description="reference gauge pressure")
     exponent: Exponent = Field(default=SOME, description="0.5 for a hole in a stiff wall")
     opening: Factor = Field(default=ALWAYS, description="factor of the flow, constant or over time: 0 before it bursts")
 
@@ -31,7 +31,7 @@ class Leak(AtNode, OfLiquids):
 class Demand(AtNode, OfLiquids):
     """A demand that is met in full above the required pressure, in part down to the least, and not below.
 
-    The share met is ((p - least)/(required - least))^exponent.
+    The share met is ((p - least)/(required - least))^exponent, p the gauge pressure.
 
     References
     ----------
@@ -41,9 +41,11 @@ class Demand(AtNode, OfLiquids):
 
     kind: Literal["demand"] = "demand"
     flow: Flow = Field(description="flow that is asked for")
-    required_pressure: Annotated[Quantity, Role("pressure", "Pa")] = Field(description="pressure from which it is met")
+    required_pressure: Annotated[Quantity, Role("pressure", "Pa")] = Field(
+        description="gauge pressure from which it is met"
+    )
     least_pressure: Annotated[Quantity, Role("pressure", "Pa")] = Field(
-        default=ZERO, description="pressure below which nothing comes"
+        default=ZERO, description="gauge pressure below which nothing comes"
     )
     exponent: Exponent = Field(default=SOME, description="of the share met")
     pattern: Factor = Field(default=ALWAYS, description="factor of the flow, constant or over time")

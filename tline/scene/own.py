@@ -40,7 +40,8 @@ class OwnElement(NonLinear):
         Parameters
         ----------
         effort : float
-            Pressure, Pa, or voltage, V; between nodes that of the first over the second.
+            Gauge pressure at the node, Pa, or voltage, V; between nodes by how much that of the first exceeds that of
+            the second, of piezometric pressures if the nodes have elevations.
         opening : float
             Value of ``opening`` at that instant.
 

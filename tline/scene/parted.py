@@ -4,7 +4,6 @@ from typing import Any
 
 from tline.errors import InputError
 from tline.scene.cavities import places_of, stretches_of, with_cavities
-from tline.scene.limits import weight_at
 from tline.scene.line import SceneLine
 from tline.scene.mistakes import place
 from tline.scene.probe import Probe
@@ -35,14 +34,15 @@ def parted(scene: Scene) -> Scene:
     cut = with_cavities(scene.lines)
     if not cut:
         return scene
-    table, weight = scene.table(), weight_at(scene)
-    lines, loads, nodes = {}, dict(table.get("loads", {})), dict(table.get("nodes", {}))
+    table = scene.table()
+    lines: dict[str, Any] = {}
+    loads, nodes = dict(table.get("loads", {})), dict(table.get("nodes", {}))
     for name, given in table["lines"].items():
         if name not in cut:
             lines[name] = given
             continue
         lines |= _stretches(name, cut[name], given)
-        loads |= _cavities(name, cut[name], weight)
+        loads |= _cavities(name, cut[name])
         nodes |= _heights(name, cut[name], scene)
     probes = {name: _seen(name, probe, cut) or table["probes"][name] for name, probe in scene.probes.items()}
     return scene.with_changes(lines=lines, loads=loads, probes=probes, nodes=nodes)
@@ -57,10 +57,9 @@ def _stretches(name: str, line: SceneLine, given: dict[str, Any]) -> dict[str, A
     return {stretch: alike | {"nodes": [near, far]} for stretch, near, far in pairs}
 
 
-def _cavities(name: str, line: Any, weight: dict[str, float]) -> dict[str, Any]:
-    """Tables of the cavities of a line; outside is the air at their heights."""
-    back = _between(line, [weight.get(node, 0.0) for node in line.nodes])
-    return {node: line.cavities.load(node, u) for node, u in zip(places_of(name, line), back, strict=True)}
+def _cavities(name: str, line: Any) -> dict[str, Any]:
+    """Tables of the cavities of a line."""
+    return {node: line.cavities.load(node) for node in places_of(name, line)}
 
 
 def _heights(name: str, line: SceneLine, scene: Scene) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from typing import Any
 
 from tline.scene.coupled import Coupled
 from tline.scene.element import Element
+from tline.scene.heights import taken_as_zero
 from tline.scene.load import Switch
 from tline.scene.mistakes import place
 from tline.scene.quantity import Quantity
@@ -31,7 +32,7 @@ def doubts(scene: Scene) -> list[str]:
     loads.breaker (0.001 s): nothing changes there before the run ends at 1e-06 s
     taken as SI for want of a unit: lines.cable.length = '300' (m)
     """
-    return [*_of_lines(scene), *_rings(scene), *_idle(scene), *_bare(scene)]
+    return [*_of_lines(scene), *_rings(scene), *taken_as_zero(scene), *_idle(scene), *_bare(scene)]
 
 
 def _of_lines(scene: Scene) -> Iterator[str]:
@@ -75,7 +76,7 @@ def _without_unit(part: Any) -> list[tuple[tuple[str | int, ...], Quantity]]:
         bare = isinstance(part.typed, str) and _is_number(part.typed) and part.unit not in {None, *EVERYDAY}
         return [((), part)] if bare else []
     if isinstance(part, Element):
-        inside = vars(part).items()
+        inside = [(key, vars(part)[key]) for key in type(part).model_fields]
     elif isinstance(part, dict):
         inside = part.items()
     elif isinstance(part, list | tuple):

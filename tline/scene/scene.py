@@ -1,6 +1,8 @@
 """A scene: lines, sources, loads and probes, an end time, and how finely to compute."""
 
 from collections.abc import Mapping
+from functools import cached_property
+from math import nan
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -23,6 +25,7 @@ from tline.scene.cavities import refuse_cavities
 from tline.scene.check import conflicts, misplaced
 from tline.scene.coupled import Coupled, single_lines
 from tline.scene.element import Element, Name
+from tline.scene.heights import Height, heights_of
 from tline.scene.law import FACTORS, Law, NonLinear
 from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.link import Link
@@ -35,7 +38,7 @@ from tline.scene.own import own_elements
 from tline.scene.probe import Probe
 from tline.scene.quantity import Duration, Effort, Tolerance, Whole
 from tline.scene.shape import Shape
-from tline.scene.site import Site
+from tline.scene.site import GRAVITY, Site
 from tline.scene.source import Source
 from tline.scene.touchstone import Touchstone
 from tline.scene.uncollected import uncollected
@@ -97,7 +100,8 @@ class Scene(Element):
     rating : number or text
         Largest pressure or voltage that all lines are made for; a run says where it is exceeded.
     start : str
-        "rest", or "steady": the state that the sources imply by what they are just before t = 0.
+        "rest": the liquid stands still, filled up to the highest node; or "steady": the state that the sources imply by
+        what they are just before t = 0.
     solver : Solver
         The tolerance (1e-6 without it), or order and slab width, where they are to be fixed by hand.
     title : str
@@ -125,7 +129,9 @@ class Scene(Element):
     medium: Literal["hydraulic", "electrical"] = Field(description="what the lines carry")
     t_end: Duration = Field(description="end time; a run goes on to the end of its last slab")
     start: Literal["rest", "steady"] = Field(
-        default="rest", description="state before t = 0: nothing, or the steady state that the sources imply"
+        default="rest",
+        description="state before t = 0: nothing moves, the liquid filled up to the highest node; or the steady state "
+        "that the sources imply",
     )
     solver: Solver = Field(default=Solver(), description="tolerance; or order and slab width, if fixed by hand")
     lines: dict[Name, Line] = Field(description="lines by name")
@@ -208,6 +214,20 @@ class Scene(Element):
     def single_lines(self) -> Mapping[str, SceneLine]:
         """The lines that carry waves: single ones, and one for each mode of coupled conductors."""
         return single_lines(self.lines)
+
+    @cached_property
+    def heights(self) -> Mapping[str, Height]:
+        """Height of each node by name; empty in a scene without elevations."""
+        return heights_of(self)
+
+    def height(self, probe: str) -> Height:
+        """Height of a probe; inside a line on the straight line between those of its ends."""
+        if self.medium == "electrical":
+            return Height()
+        line = self.lines[self.probed_line(probe)]
+        own = Height(per_metre=GRAVITY * (getattr(line.parameters, "density", None) or nan))
+        (near, far), share = (self.heights.get(node, own) for node in line.nodes), self.probes[probe].fraction(line)
+        return near._replace(elevation=(1 - share) * near.elevation + share * far.elevation)
 
     @property
     def placed(self) -> list[tuple[tuple[str, str], Any]]:

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_serializer
+from pydantic import Field, SerializeAsAny, model_serializer
 
 from tline.scene.element import Element
 from tline.scene.quantity import ZERO, Level, Time
@@ -50,6 +50,22 @@ class Constant(Shape):
 
     def value(self, t, inside):  # noqa: D102
         return np.full(np.broadcast_shapes(t.shape, inside.shape), float(self.level))
+
+
+class Lowered(Shape):
+    """A waveform less a constant; made, not read from files."""
+
+    waveform: SerializeAsAny[Shape]
+    by: float
+
+    def breaks(self, t_end):  # noqa: D102
+        return self.waveform.breaks(t_end)
+
+    def value(self, t, inside):  # noqa: D102
+        return self.waveform.value(t, inside) - self.by
+
+    def fastest(self):  # noqa: D102
+        return self.waveform.fastest()
 
 
 class Step(Shape):

@@ -23,11 +23,14 @@ Place = Annotated[tuple[float, float], BeforeValidator(_pair)]
 
 
 class Site(Element):
-    """Height and place of a node, for pictures, limits of pressures and elements of other programs.
+    """Height and place of a node.
 
-    In a scene with elevations the pressure u is the piezometric one, density·g·head, with g = 9.80665 m/s²: the same
-    along a pipe at rest whatever its slope. The pressure on the wall is u - density·g·elevation.
+    In a scene with elevations the effort u is the piezometric pressure, density·g·head, with g = 9.80665 m/s²: the same
+    along a pipe at rest whatever its slope. Reservoirs and sources of pressure prescribe it. What leads to the open air
+    sees the gauge pressure at its node, u - density·g·elevation.
     """
 
-    elevation: Annotated[Quantity, Role("length", "m")] | None = Field(default=None, description="height of the node")
+    elevation: Annotated[Quantity, Role("length", "m")] | None = Field(
+        default=None, description="height of the node; 0 m if other nodes have one"
+    )
     position: Place | None = Field(default=None, description="coordinates on a map, in any unit")

@@ -35,7 +35,7 @@ class Source(AtNode):
     kind : str
         "pressure" or "flow" in a hydraulic scene, "voltage" or "current" in an electrical one.
     value : number, text or waveform
-        What is prescribed; a flow is counted into the node.
+        What is prescribed; a flow is counted into the node. A pressure is piezometric if nodes have elevations.
     resistance : number or text
         Internal resistance; without it an effort has none, and a flow an infinite one.
 
@@ -50,7 +50,10 @@ class Source(AtNode):
     )
     value: Annotated[
         SerializeAsAny[Shape], PlainValidator(_waveform, json_schema_input_type=Waveform | float | str)
-    ] = Field(description="how much, constant or over time; a flow counts into the node")
+    ] = Field(
+        description="how much, constant or over time; a flow counts into the node; a pressure is piezometric, "
+        "density·g·head, if nodes have elevations"
+    )
     resistance: Resistance | None = Field(
         default=None, description="internal resistance; without it the source is ideal"
     )

@@ -81,7 +81,7 @@ class _ReliefValve(Rated, OfLiquids):
 
 
 class _Behind(AtNode):
-    back_pressure: Pressure = Field(default=ZERO, description="pressure on the other side")
+    back_pressure: Pressure = Field(default=ZERO, description="gauge pressure on the other side; 0 is the open air")
 
 
 def _behind(element: Element) -> float:

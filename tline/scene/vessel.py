@@ -27,7 +27,7 @@ class AirVessel(_Vessel):
 
     kind: Literal["air vessel"] = "air vessel"
     gas_volume: Annotated[Quantity, Role("volume", "m^3", above=0)] = Field(description="volume of the gas")
-    gas_pressure: Pressure = Field(description="pressure at which it has that volume, above the atmosphere's")
+    gas_pressure: Pressure = Field(description="gauge pressure at which it has that volume")
     exponent: Annotated[Quantity, Role("exponent", "", at_least=1, at_most=2)] = Field(
         default=Quantity("1.2", ""), description="n: 1 if the gas stays at one temperature, 1.4 if it has no time to"
     )
@@ -61,9 +61,7 @@ class Boiling(Element):
 
 
 class _BoilingAtNode(Boiling, AtNode, OfLiquids):
-    back_pressure: Pressure = Field(
-        default=ZERO, description="pressure in the scene at which the outside is: density·gravity·height, or 0"
-    )
+    back_pressure: Pressure = Field(default=ZERO, description="gauge pressure outside; 0 is the open air")
 
 
 class Cavity(_BoilingAtNode):
@@ -104,7 +102,7 @@ class VapourCavity(_BoilingAtNode):
 
 
 class SurgeTank(_Vessel):
-    """A surge tank open to the air; its level above the node's zero of pressure is p/(density·gravity)."""
+    """A surge tank open to the air; its level above the node is p/(density·gravity), p the gauge pressure there."""
 
     kind: Literal["surge tank"] = "surge tank"
     tank_diameter: Annotated[Quantity, Role("diameter", "m", above=0)] | None = Field(

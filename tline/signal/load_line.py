@@ -12,7 +12,7 @@ from tline.scene.lossless import refuse_losses
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.solver.nodes import Node, nodes_of
-from tline.solver.steady import rest, steady_state
+from tline.solver.steady import above_level, rest
 
 
 class LoadLine(NamedTuple):
@@ -87,7 +87,7 @@ def bergeron(scene: Scene, hops: int = 12) -> Bergeron:
     if near == far:
         raise InputError("lines", "both ends are at one node", "two nodes")
     ends = _load_line(scene, near, nodes[near], 1.0), _load_line(scene, far, nodes[far], -1.0)
-    effort, flow = steady_state(scene, nodes) if scene.start == "steady" else rest(scene, nodes)
+    effort, flow = above_level(scene, nodes) if scene.start == "steady" else rest(scene, nodes)
     u, y = [effort[near]], [float(flow[0, 0])]
     for k in range(hops):
         slope = -z0 if k % 2 == 0 else z0  # of what arrives: u - z0 y at end 1, u + z0 y at end 2
@@ -95,7 +95,9 @@ def bergeron(scene: Scene, hops: int = 12) -> Bergeron:
         found = np.linalg.solve([[p, q], [1.0, slope]], [r, u[-1] + slope * y[-1]])
         u.append(float(found[0]))
         y.append(float(found[1]))
-    return Bergeron(z0, line.parameters.delay or 0.0, ends, np.array(u), np.array(y))
+    level = nodes[near].height.level
+    one, two = (end._replace(r=end.r + end.p * level) for end in ends)
+    return Bergeron(z0, line.parameters.delay or 0.0, (one, two), np.array(u) + level, np.array(y))
 
 
 def _load_line(scene: Scene, name: str, node: Node, into_line: float) -> LoadLine:

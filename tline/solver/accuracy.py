@@ -21,7 +21,8 @@ class Estimate:
     Parameters
     ----------
     u, y : float
-        Of the effort and the flow; 0 where there is none.
+        Of the effort and the flow; 0 where there is none. Relative to the amplitude of the gauge pressure, if efforts
+        are pressures.
     """
 
     u: float
@@ -107,7 +108,7 @@ def apart(coarse: Result, fine: Result) -> dict[str, Estimate]:
     every = round(coarse.resolution.h / fine.resolution.h)
     found = {}
     for name, probe in fine.probes.items():
-        ours, theirs = (np.stack([p.u, p.record.z0 * p.y]) for p in (probe, coarse.probes[name]))
+        ours, theirs = (np.stack([p.gauge_pressure, p.record.z0 * p.y]) for p in (probe, coarse.probes[name]))
         ours = ours[:, ::every]
         n = min(ours.shape[1], theirs.shape[1])
         amplitude = np.abs(ours).max(axis=1)
@@ -127,7 +128,7 @@ def apart_inside(coarse: Result, fine: Result) -> dict[str, float]:
     found = {}
     for name, probe in fine.probes.items():
         u = probe.at(t).u
-        amplitude = float(np.abs(probe.u).max()) or 1.0
+        amplitude = float(np.abs(probe.gauge_pressure).max()) or 1.0
         found[name] = float(np.abs(u - coarse.probes[name].at(t).u).max()) / amplitude
     return found
 

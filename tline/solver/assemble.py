@@ -23,7 +23,7 @@ from tline.solver.node_maps import node_maps
 from tline.solver.nodes import Node, nodes_of
 from tline.solver.radau import Basis, basis
 from tline.solver.resolution import WHOLE, Resolution, resolution
-from tline.solver.steady import rest, steady_state
+from tline.solver.steady import above_level, rest
 from tline.solver.steady_lines import Ends, fill_cells, fill_lumped, tables_of
 
 STAGES = 4  # lines, state before t = 0, nodes, waves
@@ -46,11 +46,16 @@ class Assembly:
     nodes: list[str]
     lines: dict[str, SceneLine]  # those that are not lumped
     recorded: dict[str, int]  # line name -> first of its two rows in the record
-    start: dict[str, NDArray]  # line name -> (a1, b1, a2, b2) before t = 0
+    start: dict[str, NDArray]  # line name -> (a1, b1, a2, b2) before t = 0, counted from the level
     elements: list[list[str]]  # of each group, where its non-linear elements stand
     circuits: dict[str, Circuits]  # of lossy lines
     echoes: dict[str, NDArray]  # of lines in cells, what an end sends into itself (s, s)
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
+
+    def level_of(self, line: str) -> float:
+        """Effort of the liquid at rest, from which those of a line count; zero without heights."""
+        height = self.scene.heights.get(self.lines[line].nodes[0])
+        return height.level if height else 0.0
 
     @property
     def follows_edges(self) -> bool:
@@ -75,7 +80,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, *
     lumps, memory = lumps_of(lines, circuits, delay, order, h, chosen.lumps, in_cells)
     bar.update()
     steady = scene.start == "steady"
-    effort, y = steady_state(scene, nodes, tables_of(lumps, list(lines))) if steady else rest(scene, nodes)
+    effort, y = above_level(scene, nodes, tables_of(lumps, list(lines))) if steady else rest(scene, nodes)
     u = np.array([[effort[at] for at in line.nodes] for line in scene.single_lines.values()])
     bar.update()
     own = nodes_of(scene, chosen.cells) if chosen.cells else nodes
@@ -97,7 +102,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, *
     cells, held = cells_of(
         in_cells, [e if group.elements else [None] * len(e) for e, group in zip(echoes, groups, strict=True)]
     )
-    maps = node_maps(groups, order, h, thevenin, echoes)
+    maps = node_maps(groups, order, h, thevenin if steady else None, echoes)
     bar.update()
     recorded, record_row = _recorded(lines, record)
     drives = list(filter(None, drives))

@@ -42,11 +42,11 @@ def curve(probe: ProbeResult) -> Samples:
     instants = np.concatenate([[0.0], (start + after).ravel(), fronts, fronts + AFTER])
     order = np.argsort(instants)
     seen = shown.at(np.minimum(instants[order], n) * h)
-    noise = NOISE * max(abs(seen.a).max(), abs(seen.b).max())
-    u = np.where(abs(seen.u) > noise, seen.u, 0.0)
+    noise, zero = NOISE * max(abs(seen.a).max(), abs(seen.b).max()), seen.height.weight
+    u = np.where(abs(seen.gauge_pressure) > noise, seen.u, zero)
     y = np.where(abs(seen.y) > noise / probe.record.z0, seen.y, 0.0)
     drawn = np.concatenate([[0.0], (start + local).ravel(), fronts, fronts])
-    return Samples(drawn[order] * h, u, y, seen.a, seen.b)
+    return Samples(drawn[order] * h, u, y, seen.a, seen.b, seen.height)
 
 
 def _fronts(probe: ProbeResult) -> NDArray:

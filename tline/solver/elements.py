@@ -28,6 +28,13 @@ class Element(NamedTuple):
     law: Law
     one: str | None
     other: str | None
+    above_level: float = 0.0  # of a node that it leads from to the open air; of one that it leads to, less than zero
+
+    @property
+    def constants(self) -> tuple[float, ...]:
+        """Of its law; the first, from which efforts count, at its height."""
+        first, *rest = self.law.constants
+        return (first + self.above_level, *rest)
 
     @property
     def nodes(self) -> list[str]:
@@ -42,8 +49,14 @@ def elements_of(scene: Scene, nodes: dict[str, Node]) -> list[Element]:
         ends = scene.links[name].nodes if part == "links" else (scene.loads[name].at, None)
         if any(node is not None and nodes[node].held is None for node in ends):
             one, other = reversed(ends) if law.reverse else ends
-            found.append(Element(place(part, name), law, one, other))
+            found.append(Element(place(part, name), law, one, other, _height(nodes, one, other)))
     return found
+
+
+def _height(nodes: dict[str, Node], one: str | None, other: str | None) -> float:
+    if one is not None and other is not None:
+        return 0.0
+    return nodes[one].above_level if one is not None else -nodes[other or ""].above_level
 
 
 def laws_of(
@@ -73,7 +86,7 @@ def laws_of(
         states.append(first_state if element.law.kind in STATES else -1)
         first_state += STATES.get(element.law.kind, 0)
         seen.append(sum(max(impedance[node], 0.0) for node in element.nodes) or largest)
-    constants = [element.law.constants for element in flat]
+    constants = [element.constants for element in flat]
     laws = Laws(
         first=np.cumsum([0, *map(len, elements)]),
         kind=np.array([KINDS.index(element.law.kind) for element in flat], int),
@@ -107,24 +120,25 @@ def states_of(elements: list[Element], effort: dict[str, float]) -> NDArray:
     """
     states = []
     for element in elements:
-        kind, constants = element.law.kind, element.law.constants
+        kind, constants = element.law.kind, element.constants
         u = effort[element.nodes[0]]
+        gauge = f"{u - element.above_level:.6g} Pa"
         if kind == "gas":
             above, outside, n = u - constants[0], constants[2], constants[4]
             if above <= -outside:
-                raise InputError(element.where, "no state at rest: the pressure is below vacuum", got=f"{u:.6g} Pa")
+                raise InputError(element.where, "no state at rest: the pressure is below vacuum", got=gauge)
             states.append(-np.log1p(above / outside) / n)
         elif kind == "tank":
-            states.append(u)
+            states.append(u - constants[0])
         elif kind == "rotor":
             states.append(1.0)
         elif kind == "vapour":
             if u < constants[0]:
-                raise InputError(element.where, "no state at rest: the liquid boils", got=f"{u:.6g} Pa")
+                raise InputError(element.where, "no state at rest: the liquid boils", got=gauge)
             states.append(0.0)
         elif kind == "air":
             if u < constants[0]:
-                raise InputError(element.where, "no state at rest: it draws air", got=f"{u:.6g} Pa")
+                raise InputError(element.where, "no state at rest: it draws air", got=gauge)
             states += [0.0, 0.0]
     return np.array(states, float)
 

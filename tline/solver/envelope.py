@@ -1,11 +1,13 @@
 """The lowest and highest effort at every node, and when, without a record of all that lies between."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.heights import Height
 from tline.solver.assemble import Assembly
 
 ROUNDING = 1e-12  # what tops an extreme by less, relatively, is the same one again
@@ -20,11 +22,13 @@ class Envelope:
     nodes : tuple of str
         Those that a line ends at which is not lumped.
     start : ndarray, shape (nodes,)
-        Effort before t = 0, Pa or V.
+        Effort before t = 0, Pa or V; in a scene with elevations the piezometric pressure, as the next.
     lowest, highest : ndarray, shape (nodes,)
         Pa or V.
     lowest_at, highest_at : ndarray, shape (nodes,)
         When they are first reached, s.
+    weight, per_metre : ndarray, shape (nodes,)
+        Density·g·elevation, Pa, by which the piezometric pressure exceeds the gauge pressure, and density·g, Pa/m.
     """
 
     nodes: tuple[str, ...]
@@ -33,6 +37,8 @@ class Envelope:
     lowest_at: NDArray
     highest: NDArray
     highest_at: NDArray
+    weight: NDArray
+    per_metre: NDArray
 
     def of(self, node: str) -> dict[str, float]:
         """Start, extremes and their instants of one node.
@@ -68,10 +74,12 @@ class Extremes:
             new = found > top + ROUNDING * np.abs(top)
             top[new], at[new] = found[new], (first + 1 + k[new]) * h
 
-    def envelope(self) -> Envelope:
-        """What was seen."""
-        (low, high), (low_at, high_at) = self.top, self.at
-        return Envelope(self.nodes, self.start, 0.0 - low, low_at, high, high_at)
+    def envelope(self, heights: Mapping[str, Height]) -> Envelope:
+        """What was seen at nodes of these heights, counted from their levels."""
+        (low, high), (low_at, high_at), at = self.top, self.at, [heights.get(node, Height()) for node in self.nodes]
+        level = np.array([height.level for height in at])
+        extremes = (self.start + level, level - low, low_at, high + level, high_at)
+        return Envelope(self.nodes, *extremes, np.array([h.weight for h in at]), np.array([h.per_metre for h in at]))
 
 
 def watch(assembly: Assembly) -> Extremes:

@@ -82,6 +82,7 @@ def _without(envelope: Envelope, places: set[str]) -> Envelope:
     """Extremes at the nodes that the scene names."""
     kept = [k for k, node in enumerate(envelope.nodes) if node not in places]
     columns = (envelope.start, envelope.lowest, envelope.lowest_at, envelope.highest, envelope.highest_at)
+    columns += (envelope.weight, envelope.per_metre)
     return Envelope(tuple(envelope.nodes[k] for k in kept), *(column[kept] for column in columns))
 
 

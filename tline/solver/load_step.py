@@ -26,10 +26,18 @@ class StateSpace(NamedTuple):
     c: Matrix  # (k, n)
     d: Matrix  # (k, k)
 
+    @property
+    def constant(self) -> Matrix:
+        """Which states nothing moves; these are 1."""
+        return np.array(~(np.any(self.A, axis=1) | np.any(self.b, axis=1)))
+
     def at_rest_under(self, wave: float) -> Matrix:
         """State in the steady state under a constant input, the same at all ports."""
-        forcing = self.b.sum(axis=1) * wave
-        return -np.linalg.solve(self.A, forcing) if forcing.any() else forcing
+        state, moving = self.constant.astype(float), ~self.constant
+        forcing = self.b[moving].sum(axis=1) * wave + self.A[moving] @ state
+        if forcing.any():
+            state[moving] = -np.linalg.solve(self.A[np.ix_(moving, moving)], forcing)
+        return state
 
 
 NO_LOAD = StateSpace(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))  # the effort is the wave
@@ -68,6 +76,18 @@ def effort(reflection: StateSpace, g: float) -> StateSpace:
     else:
         back, passed = g / (2.0 + g * direct), 2.0 / (2.0 + g * direct)
     return StateSpace(A - back * b @ c, b * passed, c * passed / 2, (1.0 + d) * passed / 2)
+
+
+def counted_from(level: float, system: StateSpace) -> StateSpace:
+    """A system of one port whose wave and effort both count from a level; its last state is 1 and nothing moves it."""
+    A, b, c, d = system
+    n = len(A)
+    return StateSpace(
+        np.block([[A, -level * b], [np.zeros((1, n + 1))]]),
+        np.vstack([b, np.zeros((1, 1))]),
+        np.hstack([c, level * (1.0 - d)]),
+        d,
+    )
 
 
 @lru_cache

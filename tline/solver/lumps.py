@@ -70,7 +70,7 @@ class Group(NamedTuple):
         if self.ports:
             return joined(self.nodes, self.ports)
         if not self.lumps:
-            return self.nodes[0].effort(switched)
+            return self.nodes[0].response(switched)
         return coupled(self)
 
     def settles(self, h: float) -> float:
@@ -82,14 +82,9 @@ class Group(NamedTuple):
         return max(GONE / decay, LONG * max(lump.delay for lump in self.lumps)) if decay > 0 else np.inf
 
     def at_rest_under(self, waves: NDArray) -> NDArray:
-        """State before t = 0 under Thévenin waves, shape (nodes,), while the lumped lines carry their flows.
-
-        Beside coupled conductors and multiports there is none but rest.
-        """
-        if self.ends or self.ports:
-            return np.zeros(len(self.system(0.0).A))
+        """Steady state under Thévenin waves, shape (nodes,), while the lumped lines carry their flows."""
         if not self.lumps:
-            return self.nodes[0].effort(self.nodes[0].switched(0.0)).at_rest_under(waves[0])
+            return self.nodes[0].response(self.nodes[0].switched(0.0)).at_rest_under(waves[0])
         states, out, level = [], np.zeros(len(self.nodes)), np.zeros(len(self.nodes))
         for lump in self.lumps:
             level[[lump.first, lump.second]] = lump.u
@@ -97,9 +92,20 @@ class Group(NamedTuple):
             out[lump.second] -= lump.y
         for node, wave, flow, u in zip(self.nodes, waves, out, level, strict=True):
             if node.held is None:
-                states.append(node.effort(0.0).at_rest_under(wave - flow / node.total + u * node.floating))
+                states.append(node.response(0.0).at_rest_under(wave - flow / node.total + u * node.floating))
         inner = [np.resize([lump.z0 * lump.y, lump.u], lump.states) for lump in self.lumps]
         return np.concatenate([*states, *inner])
+
+    def standing(self) -> NDArray:
+        """State while the liquid stands still."""
+        system = self.system(0.0)
+        state, first = np.where(system.constant, 1.0, 0.0), 0
+        for node in self.nodes:
+            if node.held is None:
+                own = node.standing()
+                state[first : first + len(own)] = own
+                first += len(own)
+        return state
 
 
 def coupled(group: Group) -> StateSpace:
@@ -109,7 +115,7 @@ def coupled(group: Group) -> StateSpace:
     but short lines conducts takes their sum for g, and gets back its own effort, w - i/g + u; with a capacitor there, u
     does not depend on that wave but through the state.
     """
-    own = [NO_LOAD if node.held is not None else node.effort(0.0) for node in group.nodes]
+    own = [NO_LOAD if node.held is not None else node.response(0.0) for node in group.nodes]
     first = np.cumsum([0, *(len(system.A) for system in own), *(lump.states for lump in group.lumps)])
     k = len(own)
     A, B, C, D = side_by_side(own, sum(lump.states for lump in group.lumps))

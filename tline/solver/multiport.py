@@ -27,6 +27,16 @@ class PortPlaces(NamedTuple):
     ports: Ports
 
 
+def counted_from(levels: NDArray, ports: Ports) -> Ports:
+    """Equations whose efforts count from levels, shape (k,); their last state is then 1 and nothing moves it."""
+    if not levels.any():
+        return ports
+    M, N, E, Q, P, R = ports
+    none = np.zeros((1, len(M)))
+    Q = np.block([[Q, -(P @ levels)[:, None]], [np.zeros((1, len(Q) + 1))]])
+    return Ports(M, N, np.hstack([E, (M @ levels)[:, None]]), Q, np.vstack([P, none]), np.vstack([R, none]))
+
+
 def joined(nodes: Sequence[Node], multiports: Sequence[PortPlaces]) -> StateSpace:
     """State space of a group with multiports, from the nodes' Thévenin waves to their efforts.
 
@@ -36,8 +46,10 @@ def joined(nodes: Sequence[Node], multiports: Sequence[PortPlaces]) -> StateSpac
         The efforts do not follow: two of them are prescribed at once, or none.
     """
     k, held = len(nodes), np.array([node.held is not None for node in nodes])
-    states = [part.ports.E.shape[1] for part in multiports]
-    loads = [NO_LOAD if node.held is not None else node.effort(0.0) for node in nodes]
+    heights = np.array([node.above_level for node in nodes])
+    everywhere = [counted_from(heights[part.nodes], part.ports) for part in multiports]
+    states = [ports.E.shape[1] for ports in everywhere]
+    loads = [NO_LOAD if node.held is not None else node.response(0.0) for node in nodes]
     A, B, C, D = side_by_side(loads, sum(states))
     own = np.diag([float(node.held is None and (node.dead or node.floating)) for node in nodes])
     unit = np.mean([node.total for node in nodes])  # of flows, so that both unknowns are of one size
@@ -47,10 +59,10 @@ def joined(nodes: Sequence[Node], multiports: Sequence[PortPlaces]) -> StateSpac
     bound, given = np.zeros((flows, k + flows)), np.zeros((flows, len(A)))
     driven = np.zeros((len(A), k + flows))
     row, state = 0, len(A) - sum(states)
-    for part, n in zip(multiports, states, strict=True):
+    for part, ports, n in zip(multiports, everywhere, states, strict=True):
         rows, those = slice(row, row + len(part.nodes)), slice(state, state + n)
         into[part.nodes, np.arange(rows.start, rows.stop)] = 1.0
-        M, N, E, Q, P, R = part.ports
+        M, N, E, Q, P, R = ports
         size = np.maximum(np.abs(M).max(axis=1), np.abs(N).max(axis=1) * unit)[:, None]
         bound[rows, part.nodes], bound[rows, k + row : k + rows.stop] = M / size, N * unit / size
         given[rows, those], A[those, those] = E / size, Q

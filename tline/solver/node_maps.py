@@ -24,12 +24,14 @@ class NodeMaps(NamedTuple):
 
 
 def node_maps(
-    groups: list[Group], order: Basis, h: float, thevenin: NDArray, echoes: list[list[NDArray | None]]
+    groups: list[Group], order: Basis, h: float, thevenin: NDArray | None, echoes: list[list[NDArray | None]]
 ) -> NodeMaps:
-    """Maps of all groups with states, switches or echoes, at rest under the given Thévenin waves, shape (nodes,).
+    """Maps of all groups with states, switches or echoes.
 
     Parameters
     ----------
+    thevenin : ndarray, shape (nodes,), or None
+        Waves under which they are steady at the start; without them the liquid stands still.
     echoes : list of lists of ndarray, shape (s, s), or None
         Of each node of each group: from its effort to what lines in cells send back at once.
     """
@@ -44,7 +46,7 @@ def node_maps(
         felt = [] if group.elements else echoes[g]
         if group.dynamic or any(echo is not None for echo in felt):
             load_at[g], step_row[g] = filled, len(systems)
-            states.append(group.at_rest_under(thevenin[first:last]))
+            states.append(group.standing() if thevenin is None else group.at_rest_under(thevenin[first:last]))
             filled += len(states[-1])
             switches, switched = group.nodes[0].switches, group.nodes[0].switched
             times = sorted({float(switch.time) for switch in switches if switch.time >= 0})

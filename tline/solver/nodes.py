@@ -1,4 +1,9 @@
-"""What stands at each node of a scene, in numbers: conductances, prescribed efforts and flows, loads, switches."""
+"""What stands at each node of a scene, in numbers: conductances, prescribed efforts and flows, loads, switches.
+
+In a scene with heights all efforts count from the level: the piezometric pressure of the liquid at rest, filled up to
+the highest node. What stands between a node and the open air sees the gauge pressure there, the effort less
+`Height.above_level`.
+"""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
@@ -13,17 +18,21 @@ from passivity import RationalFunction
 from tline.errors import InputError
 from tline.scene.cavities import refuse_cavities
 from tline.scene.coupled import ends_of
+from tline.scene.heights import Height, below
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.mistakes import place
 from tline.scene.multiport import Multiport
 from tline.scene.quantity import ZERO
 from tline.scene.rational_load import MOST_STATES, Rational
 from tline.scene.scene import Scene
+from tline.scene.shape import Lowered
 from tline.scene.touchstone import Touchstone
 from tline.scene.waveform import Constant, Shape
 from tline.solver.drive import just_before
-from tline.solver.load_step import NO_LOAD, StateSpace, effort, reflection
+from tline.solver.load_step import NO_LOAD, StateSpace, counted_from, effort, reflection
 from tline.solver.partial_fractions import reflection_of_poles
+
+SEA_LEVEL = Height()
 
 
 @dataclass
@@ -41,6 +50,7 @@ class Node:
     measured: Touchstone | None = None  # if that is all of the load
     switches: list[Switch] = field(default_factory=list)
     alone: float = 1.0  # reference where nothing conducts
+    height: Height = SEA_LEVEL
 
     @property
     def total(self) -> float:
@@ -95,6 +105,36 @@ class Node:
             problem = "a switch shorts it, and it holds its effort"
             raise InputError(self.load_name, problem, "a switch with a resistance above zero") from None
 
+    def response(self, switched: float) -> StateSpace:
+        """The same where loads and switches see the gauge pressure; they then have a last state that is always 1."""
+        system = self.effort(switched)
+        return counted_from(self.above_level, system) if self.has_constant else system
+
+    @property
+    def above_level(self) -> float:
+        """Effort at which the gauge pressure is zero."""
+        return self.height.above_level
+
+    @property
+    def has_constant(self) -> bool:
+        """Whether the response has that state."""
+        return bool(self.above_level) and (self.load is not None or bool(self.switches))
+
+    def standing(self) -> NDArray:
+        """State of the response while the liquid stands still.
+
+        Capacitances without a path for a steady flow, or straight across, hold the gauge pressure; nothing flows in
+        inductances.
+        """
+        A, b, c, d = self.effort(0.0)
+        state = np.zeros(len(A))
+        if self.above_level and self.load is not None:
+            if np.isinf(float(self.load.at_zero())):
+                state = np.linalg.solve(A, b[:, 0]) * self.above_level
+            elif float(d[0, 0]) == 0.0:
+                state = b[:, 0] * (-self.above_level / float((c @ b)[0, 0]))
+        return np.append(state, 1.0) if self.has_constant else state
+
     def weights(self, z0: NDArray) -> NDArray:
         """Share of each end's arriving wave in the Thévenin wave; none reach an effort that is held."""
         own = 1 / z0[np.array(self.ends, int) // 2]
@@ -120,13 +160,13 @@ class Node:
         """Attach a load that stands at `where` in the scene."""
         match load:
             case Resistor():
-                self._conduct(load.resistance)
+                self._conduct(1 / load.resistance if load.resistance else np.inf)
             case Short():
-                self._conduct(0.0)
+                self._conduct(np.inf)
             case Reservoir():
-                self.held = Constant(level=load.pressure)
+                self.held = lowered(Constant(level=load.pressure), self.height.level)
             case Matched():
-                self.conductance += self.lines + self.lumped
+                self._conduct(self.lines + self.lumped)
             case Switch():
                 self.switches.append(load)
             case Touchstone():
@@ -137,24 +177,32 @@ class Node:
                 pass
 
     def prescribe(self, waveform: Shape, conductance: float, is_effort: bool) -> None:
-        """Attach a source."""
+        """Attach a source; a pressure is piezometric."""
+        if is_effort:
+            waveform = lowered(waveform, self.height.level)
         if np.isinf(conductance):
             self.held = waveform
-        else:
+        elif is_effort:
             self.conductance += conductance
-            self.flows.append((waveform, conductance if is_effort else 1.0))
-
-    def _conduct(self, resistance: float) -> None:
-        """Attach a resistance; zero holds the node at no effort."""
-        if resistance == 0:
-            self.held = NOTHING
+            self.flows.append((waveform, conductance))
         else:
-            self.conductance += 1 / resistance
+            self.flows.append((waveform, 1.0))
+            self._conduct(conductance)
+
+    def _conduct(self, conductance: float) -> None:
+        """Attach a conductance to the open air; an infinite one holds the node at no gauge pressure."""
+        if np.isinf(conductance):
+            self.held = Constant.model_validate({"level": self.above_level}) if self.above_level else NOTHING
+            return
+        self.conductance += conductance
+        if conductance and self.above_level:
+            self.flows.append((UNIT, conductance * self.above_level))
 
     def respond(self, impedance: RationalFunction, where: str, measured: Touchstone | None = None) -> None:
         """Attach a rational impedance, or a measured one; without dynamics it is a resistance."""
         if impedance.degree == 0:
-            self._conduct(float(impedance.at_zero()))
+            resistance = float(impedance.at_zero())
+            self._conduct(1 / resistance if resistance else np.inf)
             return
         self.load = impedance if self.load is None else self.load.parallel(impedance).reduced()
         self.load_name, self.measured = where, measured
@@ -163,9 +211,18 @@ class Node:
             raise InputError(where, problem, f"at most {MOST_STATES}", f"{self.load.degree}")
 
 
-NOTHING = Constant(level=ZERO)
+NOTHING, UNIT = Constant(level=ZERO), Constant.model_validate({"level": 1})
 NONE: Mapping[str, Any] = {}  # results hold it, and no proxy of it can be pickled
 CANCELLED = 1e-9  # share of the lines' conductance that active loads must leave
+
+
+def lowered(pressure: Shape, level: float) -> Shape:
+    """A prescribed pressure less the level."""
+    if not level:
+        return pressure
+    if isinstance(pressure, Constant):
+        return Constant.model_validate({"level": below(pressure.level, level)})
+    return Lowered.model_construct(waveform=pressure, by=level)
 
 
 def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
@@ -196,6 +253,8 @@ def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
         usual = float(1 / np.mean([line.parameters.z0 for line in scene.single_lines.values()]))
         for at in {node for link in multiports for node in link.nodes}:
             nodes[at].alone = usual
+    for name, height in scene.heights.items():
+        nodes[name].height = height
     for source in scene.sources.values():
         nodes[source.at].prescribe(source.value, source.conductance, source.is_effort)
     for name, load in scene.loads.items():

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
+from tline.scene.heights import Height
 from tline.scene.medium import MEDIA, Medium
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from tline.solver.envelope import Envelope
     from tline.solver.ledger.ledger import Ledger
 
+NO_HEIGHT = Height()
 NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
 
 
@@ -104,6 +106,25 @@ class Samples:
     y: NDArray
     a: NDArray
     b: NDArray
+    height: Height = NO_HEIGHT
+
+    @property
+    def gauge_pressure(self) -> NDArray:
+        """Pressure above the air's at the same height, Pa: u - density·g·elevation; u itself without elevations."""
+        return self.u - self.height.weight
+
+    @property
+    def head(self) -> NDArray:
+        """Height above the zero of elevations to which the liquid would rise, m: u/(density·g).
+
+        Raises
+        ------
+        InputError
+            The density of the liquid is not known.
+        """
+        if np.isnan(self.height.per_metre):
+            raise InputError("head", "the density of the liquid is not known", "the density of the pipe")
+        return self.u / self.height.per_metre
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +136,7 @@ class ProbeResult:
     share: float  # place on the line, 0 at end 1 and 1 at end 2
     record: LineRecord
     slab_ends: NDArray
+    height: Height = NO_HEIGHT
 
     def at(self, t: ArrayLike) -> Samples:
         """Effort, flow and waves at any instants of the run, and before t = 0.
@@ -130,7 +152,7 @@ class ProbeResult:
                 place("probes", self.name), "instant not in the run", f"at most {end:.9g} s", f"{t.max():.9g} s"
             )
         a, b = self.record.waves(t, self.share)
-        return Samples(t, (a + b) / 2, (a - b) / (2 * self.record.z0), a, b)
+        return Samples(t, (a + b) / 2, (a - b) / (2 * self.record.z0), a, b, self.height)
 
     @cached_property
     def samples(self) -> Samples:
@@ -144,8 +166,24 @@ class ProbeResult:
 
     @property
     def u(self) -> NDArray:
-        """Effort: pressure in Pa, or voltage in V."""
+        """Effort: pressure in Pa, piezometric if nodes have elevations, or voltage in V."""
         return self.samples.u
+
+    @property
+    def gauge_pressure(self) -> NDArray:
+        """Pressure above the air's at the same height, Pa: u - density·g·elevation; u itself without elevations."""
+        return self.samples.gauge_pressure
+
+    @property
+    def head(self) -> NDArray:
+        """Height above the zero of elevations to which the liquid would rise, m: u/(density·g).
+
+        Raises
+        ------
+        InputError
+            The density of the liquid is not known.
+        """
+        return self.samples.head
 
     @property
     def y(self) -> NDArray:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.coupled import Coupled, refuse_coupled
-from tline.scene.limits import beyond_limits, weight_at
+from tline.scene.limits import beyond_limits
 from tline.scene.mistakes import place
 from tline.scene.plausible import doubts
 from tline.scene.scene import Scene
@@ -72,14 +72,13 @@ def run(
     probes = {}
     for name, probe in scene.probes.items():
         line, at = scene.probed_line(name), conductor(scene, name)
-        if at is None:
-            probes[name] = ProbeResult(name, line, probe.fraction(scene.lines[line]), lines[line], ends)
-        else:
-            probes[name] = ProbeResult(name, line, float(at.end), record_of(at, lines), ends)
-    seen = extremes and extremes.envelope()
+        share = probe.fraction(scene.lines[line]) if at is None else float(at.end)
+        seen_there = lines[line] if at is None else record_of(at, lines)
+        probes[name] = ProbeResult(name, line, share, seen_there, ends, scene.height(name))
+    seen = extremes and extremes.envelope(scene.heights)
     unresolved = (*chosen.notes, *smeared(done.fronts))
     surged = surges(scene, ends, assembly.start, probes, seen)
-    doubtful = (*doubts(scene), *beyond_limits(scene, _extremes(scene, probes, seen)), *surged)
+    doubtful = (*doubts(scene), *beyond_limits(scene, _extremes(probes, seen)), *surged)
     remarks = (*untouched(probes), *unconnected(scene), *lumped(chosen), *doubtful)
     return Result(
         scene,
@@ -98,30 +97,16 @@ def run(
     )
 
 
-def _extremes(
-    scene: Scene, probes: dict[str, ProbeResult], envelope: Envelope | None
-) -> dict[str, tuple[float, float]]:
-    """Lowest and highest effort at each probe and node; of pressures those on the wall."""
-    weight = weight_at(scene)
+def _extremes(probes: dict[str, ProbeResult], envelope: Envelope | None) -> dict[str, tuple[float, float]]:
+    """Lowest and highest effort at each probe and node; of pressures the gauge pressures."""
     found = {}
     for name, probe in probes.items():
-        less = _weight_of(name, scene, weight)
-        found[place("probes", name)] = float(probe.u.min()) - less, float(probe.u.max()) - less
+        found[place("probes", name)] = float(probe.gauge_pressure.min()), float(probe.gauge_pressure.max())
     if envelope is not None:
-        for node, low, high in zip(envelope.nodes, envelope.lowest, envelope.highest, strict=True):
-            less = weight.get(node, 0.0)
-            found[f"node '{node}'"] = float(low) - less, float(high) - less
+        low, high = (extreme - envelope.weight for extreme in (envelope.lowest, envelope.highest))
+        pairs = zip(low.tolist(), high.tolist(), strict=True)
+        found |= {f"node '{node}'": pair for node, pair in zip(envelope.nodes, pairs, strict=True)}
     return found
-
-
-def _weight_of(name: str, scene: Scene, weight: dict[str, float]) -> float:
-    """Density·g·elevation at a probe, Pa; between ends of known height on a straight line."""
-    probe = scene.probes[name]
-    if probe.at is not None or not weight:
-        return weight.get(probe.at or "", 0.0)
-    line = scene.lines[scene.probed_line(name)]
-    here, known = probe.fraction(line), [weight[node] for node in line.nodes if node in weight]
-    return (1 - here) * known[0] + here * known[1] if len(known) == 2 else 0.0
 
 
 def _refuse_inside(scene: Scene) -> None:
@@ -143,15 +128,16 @@ def _record(assembly: Assembly, name: str, waves: NDArray, done: Run, smears: bo
     row, echo = assembly.recorded[name], assembly.echoes.get(name)
     parameters = assembly.lines[name].parameters
     s, h = assembly.resolution.s, assembly.resolution.h
+    level = assembly.level_of(name)
 
     def wave(end: int, side: int, before: float) -> Wave:
         here, noted = done.pieces.row == row + end, done.pieces
-        pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side])
+        pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + level)
         values = waves[row + end, side].reshape(-1, s)
         if echo is not None:  # arrives as well, and so was not sent
             both = waves[row + end].sum(axis=0).reshape(-1, s)
             values = values + (1 - 2 * side) * both @ echo.T
-        return Wave(values, before, assembly.basis, h, pieces)
+        return Wave(values + level, before + level, assembly.basis, h, pieces)
 
     sides = (0, 1), (0, 0), (1, 0), (1, 1)
     a1, b1, a2, b2 = (wave(*at, float(before)) for at, before in zip(sides, assembly.start[name], strict=True))

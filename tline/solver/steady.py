@@ -23,13 +23,14 @@ from tline.solver.nodes import NONE, Node
 from tline.solver.steady_lines import Table, pi
 
 SAME = 1e-9  # efforts that differ by less than this, relatively, are equal
+LAST_DIGITS = 1e-14  # of the level, which efforts have lost by counting from it
 SMALL = 300  # nodes
 ROUNDING = 1e-12  # of the flows that meet
 STUCK = 1e-9  # of the largest flow, or of what held efforts send into a line, that only a leak takes
 
 
 def rest(scene: Scene, nodes: dict[str, Node]) -> tuple[dict[str, float], NDArray]:
-    """Effort of each node and flows at both ends of each line where nothing has happened yet."""
+    """Effort of each node, which counts from the level, and flows at both ends of each line while all stands still."""
     return dict.fromkeys(nodes, 0.0), np.zeros((len(scene.single_lines), 2))
 
 
@@ -48,6 +49,14 @@ def steady_state(
     InputError
         If there is none: different ideal efforts on connected lines, or a flow that nothing takes; or none was found.
     """
+    effort, flows = above_level(scene, nodes, tables)
+    return {name: u + nodes[name].height.level for name, u in effort.items()}, flows
+
+
+def above_level(
+    scene: Scene, nodes: dict[str, Node], tables: Mapping[str, Table] = NONE
+) -> tuple[dict[str, float], NDArray]:
+    """The same with efforts that count from the level."""
     number = {name: k for k, name in enumerate(nodes)}
     first, second = np.array([[number[node] for node in line.nodes] for line in scene.lines.values()]).T
     n = len(nodes)
@@ -57,7 +66,7 @@ def steady_state(
     part = parts(first[stiff], second[stiff], n)
     given, conductance, driven, tie = _balances(nodes)
     conductance += np.bincount(first, leak, n) + np.bincount(second, leak, n)
-    _check_held(scene, number, part, given)
+    _check_held(scene, nodes, part, given)
     edges = Edges(scene, nodes, number, lossy, tables)
     if edges.count:
         level, flow = _between_parts(scene, number, part, given, conductance, driven, edges)
@@ -121,14 +130,16 @@ def _balances(nodes: dict[str, Node]) -> tuple[NDArray, NDArray, NDArray, NDArra
         if node.held is not None:
             given[k], tie[k] = just_before(node.held), np.inf
         elif switched == np.inf:
-            given[k], tie[k] = 0.0, np.inf
+            given[k], tie[k] = node.above_level, np.inf
         else:
             driven[k], conductance[k] = node.flow_before(), node.conductance + switched
+            driven[k] += switched * node.above_level
             if node.load is not None and resistance == 0:  # an inductor: a short, its inertia beside those of the lines
                 inertia = float(node.load.numerator[-2] / node.load.denominator[-1])
-                given[k], tie[k] = 0.0, 1 / inertia if inertia else np.inf
+                given[k], tie[k] = node.above_level, 1 / inertia if inertia else np.inf
             else:
                 conductance[k] += 1 / resistance
+                driven[k] += node.above_level / resistance
     return given, conductance, driven, tie
 
 
@@ -139,18 +150,20 @@ def _least(values: NDArray, part: NDArray) -> NDArray:
     return least
 
 
-def _check_held(scene: Scene, number: dict[str, int], part: NDArray, given: NDArray) -> None:
+def _check_held(scene: Scene, nodes: dict[str, Node], part: NDArray, given: NDArray) -> None:
     """Refuse different ideal efforts in one part."""
-    units, names = MEDIA[scene.medium].units, list(number)
+    units, names = MEDIA[scene.medium].units, list(nodes)
     low, high = _least(given, part), -_least(-given, part)
-    torn = np.flatnonzero(high - low > SAME * np.fmax(np.abs(low), np.abs(high)))
+    level = np.zeros(len(low))
+    level[part] = [node.height.level for node in nodes.values()]
+    torn = np.flatnonzero(high - low > SAME * np.fmax(np.abs(low), np.abs(high)) + LAST_DIGITS * np.abs(level))
     if torn.size:
         k = torn[0]
         lowest, highest = (names[np.flatnonzero((part == k) & (given == level))[0]] for level in (low[k], high[k]))
         raise InputError(
             f"nodes '{lowest}' and '{highest}'",
             "no steady state: lossless lines join different ideal efforts",
-            got=f"{low[k]:g} and {high[k]:g} {units['effort']}",
+            got=f"{low[k] + level[k]:g} and {high[k] + level[k]:g} {units['effort']}",
         )
 
 

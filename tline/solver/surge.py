@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.limits import first_of
+from tline.scene.limits import first_of, worst_first
 from tline.scene.load import Switch
 from tline.scene.medium import HYDRAULIC, MEDIA
 from tline.scene.mistakes import place
@@ -42,7 +42,7 @@ def surges(
     t : ndarray
         Instants of the run, s.
     start : mapping of str to ndarray
-        By line the waves (a1, b1, a2, b2) before t = 0.
+        By line the waves (a1, b1, a2, b2) before t = 0, counted from the level.
     probes : mapping of str to ProbeResult
     envelope : Envelope or None
         Extremes at all nodes, if they were watched.
@@ -64,7 +64,7 @@ def surges(
     beyond = {where: rise for where, rise in beyond.items() if rise > MARGIN * (joukowsky + packing[where])}
     if joukowsky <= TRICKLE * abs(highest) or not beyond:
         return []
-    worst, *_ = places = sorted(beyond, key=beyond.__getitem__, reverse=True)
+    worst, *_ = places = worst_first(beyond, 1)
     operated += [where for where, one in scene.placed if isinstance(one, Switch)]
     moved = [place(*where) for where in operated]
     causes = moved[:LISTED] + ["more"] * (len(moved) > LISTED)
@@ -80,10 +80,15 @@ def surges(
 def _rises(
     scene: Scene, probes: Mapping[str, ProbeResult], envelope: Envelope | None
 ) -> dict[str, tuple[float, float]]:
-    """Effort before t = 0, and the highest, at each probe and at nodes without one."""
-    found = {place("probes", name): (float(probe.u[0]), float(probe.u.max())) for name, probe in probes.items()}
+    """Effort before t = 0, and the highest, at each probe and at nodes without one, counted from the level."""
+    found = {}
+    for name, probe in probes.items():
+        u = probe.u - probe.height.level
+        found[place("probes", name)] = float(u[0]), float(u.max())
     if envelope is not None:
-        pairs = zip(envelope.start.tolist(), envelope.highest.tolist(), strict=True)
+        heights = [scene.heights.get(node) for node in envelope.nodes]
+        level = np.array([height.level if height else 0.0 for height in heights])
+        pairs = zip((envelope.start - level).tolist(), (envelope.highest - level).tolist(), strict=True)
         probed = {probe.at for probe in scene.probes.values()}
         found |= {f"node '{node}'": x for node, x in zip(envelope.nodes, pairs, strict=True) if node not in probed}
     return found

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tline.scene.shape import Shape
 from tline.solver.ledger.columns import Columns
 from tline.solver.ledger.flows import Flows, Port, flows_of
-from tline.solver.ledger.ledger import COLUMNS, DISSIPATED, STORED, SUPPLIED, TAKEN, UNACCOUNTED
+from tline.solver.ledger.ledger import COLUMNS, DISSIPATED, GRAVITY, STORED, SUPPLIED, TAKEN, UNACCOUNTED
 from tline.solver.ledger.standing import Conductor, Drive, Member, Standing
 from tline.solver.nodes import Node
 
@@ -28,6 +28,9 @@ class Accounts(NamedTuple):
     conductors: list[tuple[int, int, Conductor]]
     flows: Flows
     posts: list[tuple[int, int, Member | None]]  # of each flow its account, column, and the member if it is one alone
+    above_level: NDArray  # (nodes,) effort at which the gauge pressure is zero
+    falls: NDArray  # (flows,) the same where all that takes the flow leads to the open air, else 0
+    gravity: int  # account of what goes out to the air below the level
 
     def energies(self, w: NDArray, o: NDArray, columns: Columns) -> tuple[NDArray, NDArray]:
         """Energies in each stretch of time, J.
@@ -54,21 +57,30 @@ class Accounts(NamedTuple):
             u[node] = columns.values(shape, np.empty(0))
         for account, node, drive in self.drives:
             level, g = columns.values(drive.waveform, drive.breaks), drive.conductance
-            flow = g * (level - u[node]) if drive.is_effort else level - g * u[node]
-            lost = level - u[node] if drive.is_effort else u[node]
+            gauge = u[node] - self.above_level[node]
+            flow = g * (level - u[node]) if drive.is_effort else level - g * gauge
+            lost = level - u[node] if drive.is_effort else gauge
+            if not drive.is_effort:
+                found[self.gravity, SUPPLIED] -= self.above_level[node] * g * columns.integral_of(gauge)
             found[account, SUPPLIED] += integral(level, flow if drive.is_effort else u[node])
             found[account, DISSIPATED] += g * integral(lost, lost)
             rest[node] += flow
         for account, node, conductor in self.conductors:
-            g = _conductance(conductor, columns)
-            found[account, DISSIPATED] += integral(u[node], u[node]) * g
-            rest[node] -= g[:, None] * u[node]
+            g, gauge = _conductance(conductor, columns), u[node] - self.above_level[node]
+            found[account, DISSIPATED] += integral(gauge, gauge) * g
+            found[self.gravity, SUPPLIED] -= self.above_level[node] * g * columns.integral_of(gauge)
+            rest[node] -= g[:, None] * gauge
         flows = np.tensordot(self.flows.shares, rest, 1)
-        for flow, node, (account, column, member) in zip(flows, self.flows.node, self.posts, strict=True):
-            power = integral(u[node], flow)
+        for flow, node, falls, (account, column, member) in zip(
+            flows, self.flows.node, self.falls, self.posts, strict=True
+        ):
+            effort = u[node] - falls
+            power = integral(effort, flow)
             found[account, column] += -power if column == SUPPLIED else power
+            if falls:
+                found[self.gravity, SUPPLIED] -= falls * columns.integral_of(flow)
             if member is not None and (member.series or member.beside):
-                burnt = member.series * integral(flow, flow) + member.beside * integral(u[node], u[node])
+                burnt = member.series * integral(flow, flow) + member.beside * integral(effort, effort)
                 found[account, DISSIPATED] += burnt
                 found[account, STORED] -= burnt
         return columns.integral(w - o, w + o) / (4 * self.z0[:, None]), found
@@ -105,21 +117,30 @@ def accounts_of(group: Mapping[str, Node], standing: Standing, z0: NDArray) -> A
     flows = flows_of(ports, [k in heads or k in held for k in range(len(group))])
     where = [one.where for one in (*standing.drives, *standing.conductors)]
     may_give = [True for _ in standing.drives] + [False for _ in standing.conductors]
+    above_level = np.array([node.above_level for node in group.values()])
+    falls = np.zeros(len(flows.node))
     posts: list[tuple[int, int, Member | None]] = []
     opened: dict[tuple[int, ...], int] = {}
-    for elements, node in zip(flows.elements, flows.node, strict=True):
+    for k, (elements, node) in enumerate(zip(flows.elements, flows.node, strict=True)):
         members = [standing.members[e] for e in elements]
         if not members:
             posts.append((len(where), UNACCOUNTED, None))
             where.append(f"node '{list(group)[node]}'")
             may_give.append(True)
             continue
+        to_air = all(member.to_air for member in members)
+        falls[k] = above_level[node] if to_air else 0.0
         if elements not in opened:
             opened[elements] = len(where)
             where.append(" and ".join(member.where for member in members))
-            may_give.append(any(member.may_give for member in members))
+            lifts = not to_air and any(member.to_air and above_level[number[member.nodes[0]]] for member in members)
+            may_give.append(lifts or any(member.may_give for member in members))
         alone = members[0] if len(members) == 1 else None
         posts.append((opened[elements], alone.column if alone else TAKEN, alone))
     drives = [(k, number[drive.node], drive) for k, drive in enumerate(standing.drives)]
     conductors = [(len(drives) + k, number[one.node], one) for k, one in enumerate(standing.conductors)]
-    return Accounts(where, may_give, ends, z0[ends // 2], gathers, heads, held, drives, conductors, flows, posts)
+    if above_level.any():
+        where.append(GRAVITY)
+        may_give.append(True)
+    columns = z0[ends // 2], gathers, heads, held, drives, conductors, flows, posts, above_level, falls, len(where) - 1
+    return Accounts(where, may_give, ends, *columns)

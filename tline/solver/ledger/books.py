@@ -13,7 +13,7 @@ from tline.solver.assemble import Assembly
 from tline.solver.fronts import Fronts
 from tline.solver.ledger.accounts import Accounts, accounts_of
 from tline.solver.ledger.columns import Columns
-from tline.solver.ledger.ledger import COLUMNS, Entry, Ledger
+from tline.solver.ledger.ledger import COLUMNS, GRAVITY, Entry, Ledger
 from tline.solver.ledger.standing import Standing, standing
 from tline.solver.ledger.under_way import under_way
 from tline.solver.nodes import Node, nodes_of
@@ -138,10 +138,16 @@ class Books:
         entries = self._of_lines(under_way(self.assembly, fronts))
         lossless = np.array([line.losses is None for line in self.assembly.lines.values()])
         turnover = float(np.where(lossless, self.start, np.maximum(-self.least, 0.0)).sum())
+        gravity = np.zeros(len(COLUMNS))
         for group, totals, lowest in zip(self.groups, self.totals, self.lowest, strict=True):
             turnover -= float(lowest.sum())
             for where, may_give, numbers, low in zip(group.where, group.may_give, totals, lowest, strict=True):
-                entries.append(Entry(where, *numbers.tolist(), created=0.0 if may_give else 0.0 - float(low)))
+                if where == GRAVITY:
+                    gravity += numbers
+                else:
+                    entries.append(Entry(where, *numbers.tolist(), created=0.0 if may_give else 0.0 - float(low)))
+        if self.assembly.scene.heights:
+            entries.append(Entry(GRAVITY, *gravity.tolist(), created=0.0))
         return Ledger(tuple(entries), turnover)
 
     def _of_lines(self, end: NDArray) -> list[Entry]:

@@ -48,3 +48,7 @@ class Columns(NamedTuple):
     def integral(self, x: NDArray, y: NDArray) -> NDArray:
         """Of products of polynomials over each, exact; shapes (…, m, s) to (…, m)."""
         return (x * y) @ self.basis.A[-1] * self.width
+
+    def integral_of(self, x: NDArray) -> NDArray:
+        """Of polynomials over each; shapes (…, m, s) to (…, m)."""
+        return x @ self.basis.A[-1] * self.width

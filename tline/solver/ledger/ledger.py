@@ -9,6 +9,7 @@ from tline.errors import InputError
 
 COLUMNS = ("supplied", "dissipated", "stored", "taken", "unaccounted")
 SUPPLIED, DISSIPATED, STORED, TAKEN, UNACCOUNTED = range(len(COLUMNS))
+GRAVITY = "gravity"  # account of what flows out to the open air below the highest node
 TOLERANCE = 1e-3  # of the turnover; what is lost or made beyond it is told
 
 
@@ -45,6 +46,9 @@ class Entry(NamedTuple):
 
 class Ledger(NamedTuple):
     """Energy of a whole run, by element: supplied = dissipated + stored + taken + unaccounted.
+
+    With elevations, energies of lines, sources and reservoirs count from the highest node, those of what leads to the
+    open air from the gauge pressure; "gravity" supplies the difference, density·g·height for what flows out below.
 
     Attributes
     ----------

@@ -15,7 +15,7 @@ from tline.scene.shape import Shape
 from tline.solver.drive import places_of
 from tline.solver.elements import Element, elements_of
 from tline.solver.ledger.ledger import DISSIPATED, STORED, SUPPLIED, TAKEN
-from tline.solver.nodes import Node
+from tline.solver.nodes import Node, lowered
 
 GIVING = {"pump", "rotor"}  # kinds of laws
 STORING = {"gas", "tank", "table"}  # those that may give what they held; a table may hold a source
@@ -29,6 +29,7 @@ class Member(NamedTuple):
     column: int
     may_give: bool
     through: bool = False  # whether what flows in at one node flows out at the other
+    to_air: bool = True  # whether it leads from its nodes to the open air at their heights
     series: float = 0.0  # resistance that the flow passes
     beside: float = 0.0  # conductance beside the rest
 
@@ -74,14 +75,14 @@ def standing(scene: Scene, nodes: Mapping[str, Node], lumped: Collection[str], h
         Slab width and end of the run, s.
     """
     unseen = {name for name, node in nodes.items() if not node.ends and node.held is None}
-    drives, conductors = list(_drives(scene, h, t_end)), list(_conductors(scene))
+    drives, conductors = list(_drives(scene, nodes, h, t_end)), list(_conductors(scene))
     members = [
-        *(Member(one.where, (one.node,), TAKEN, True) for one in drives if one.node in unseen),
+        *(Member(one.where, (one.node,), TAKEN, True, to_air=False) for one in drives if one.node in unseen),
         *(Member(one.where, (one.node,), DISSIPATED, False) for one in conductors if one.node in unseen),
         *_holding(scene),
         *_dynamic(scene, nodes),
         *(_non_linear(element) for element in elements_of(scene, dict(nodes))),
-        *(Member(place("lines", name), scene.lines[name].nodes, TAKEN, scene.start != "rest") for name in lumped),
+        *(_short(name, scene) for name in lumped),
     ]
     return Standing(
         members,
@@ -90,12 +91,17 @@ def standing(scene: Scene, nodes: Mapping[str, Node], lumped: Collection[str], h
     )
 
 
-def _drives(scene: Scene, h: float, t_end: float) -> Iterator[Drive]:
+def _drives(scene: Scene, nodes: Mapping[str, Node], h: float, t_end: float) -> Iterator[Drive]:
     for name, source in scene.sources.items():
         if np.isfinite(source.conductance):
             breaks = places_of([(source.value, 1.0)], t_end, h)
-            where = place("sources", name)
-            yield Drive(where, source.at, source.value, breaks, source.conductance, source.is_effort)
+            value = lowered(source.value, nodes[source.at].height.level) if source.is_effort else source.value
+            yield Drive(place("sources", name), source.at, value, breaks, source.conductance, source.is_effort)
+
+
+def _short(name: str, scene: Scene) -> Member:
+    """A lumped line."""
+    return Member(place("lines", name), scene.lines[name].nodes, TAKEN, scene.start != "rest", to_air=False)
 
 
 def _conductors(scene: Scene) -> Iterator[Conductor]:
@@ -121,10 +127,10 @@ def _holding(scene: Scene) -> Iterator[Member]:
     """What holds the effort of its node, or may."""
     for name, source in scene.sources.items():
         if np.isinf(source.conductance):
-            yield Member(place("sources", name), (source.at,), SUPPLIED, True)
+            yield Member(place("sources", name), (source.at,), SUPPLIED, True, to_air=False)
     for name, load in scene.loads.items():
         if isinstance(load, Reservoir):
-            yield Member(place("loads", name), (load.at,), SUPPLIED, True)
+            yield Member(place("loads", name), (load.at,), SUPPLIED, True, to_air=False)
         elif isinstance(load, Short | Resistor | Switch) and np.isinf(_conductance(load, scene)):
             yield Member(place("loads", name), (load.at,), DISSIPATED, False)
 
@@ -137,7 +143,7 @@ def _dynamic(scene: Scene, nodes: Mapping[str, Node]) -> Iterator[Member]:
             R = float(getattr(load, "resistance", None) or 0.0)
             column = STORED if isinstance(load, Series | Parallel) else TAKEN
             series, beside = isinstance(load, Series) and R, isinstance(load, Parallel) and R and 1 / R
-            yield Member(place("loads", name), (load.at,), column, holds, False, float(series), float(beside))
+            yield Member(place("loads", name), (load.at,), column, holds, series=float(series), beside=float(beside))
     for name, link in scene.links.items():
         if isinstance(link, Multiport):
             yield Member(place("links", name), link.nodes, TAKEN, holds or isinstance(link, ControlledSource))
@@ -147,4 +153,5 @@ def _non_linear(element: Element) -> Member:
     """A valve, pump, vessel, diode or table; beyond a valve may be a pressure."""
     kind, back = element.law.kind, element.law.constants[0] if element.other is None else 0.0
     column = SUPPLIED if kind in GIVING else TAKEN if kind in STORING or back else DISSIPATED
-    return Member(element.where, tuple(element.nodes), column, column != DISSIPATED, len(element.nodes) == 2)
+    between = len(element.nodes) == 2
+    return Member(element.where, tuple(element.nodes), column, column != DISSIPATED, between, to_air=not between)

@@ -25,9 +25,9 @@ class Seen:
     Attributes
     ----------
     u, y : ndarray, shape (copies, instants)
-        Effort and flow at the instants asked for.
+        Effort, piezometric pressure in a scene with elevations, and flow at the instants asked for.
     lowest, highest : ndarray, shape (copies,)
-        Smallest and largest effort from t = 0, where it is zero, to the end.
+        Smallest and largest effort from t = 0, where it is that of rest, to the end.
     lowest_at, highest_at : ndarray, shape (copies,)
         When they are reached, s.
     """
@@ -65,6 +65,9 @@ def run(scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, t: F
             seen = u, sign * (w - u) / copies.z0[end // 2, rows[mine], None], *extremes[:, row].swapaxes(0, 1)
             for array, part in zip(found[name], seen, strict=True):
                 array[mine] = part
+    for name, (u, _, lowest, _, highest, _) in found.items():
+        for effort in (u, lowest, highest):
+            effort += scene.height(name).level
     return {name: Seen(*arrays) for name, arrays in found.items()}
 
 

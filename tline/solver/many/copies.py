@@ -1,6 +1,7 @@
 """A scene in many copies: topology and waveforms are shared, numbers vary; all of them as arrays over the copies."""
 
 from collections.abc import Mapping
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +17,7 @@ from tline.scene.rational_load import Parallel, Series
 from tline.scene.scene import Scene
 from tline.scene.shape import Shape
 from tline.solver.many.load import Load, parallel, series
-from tline.solver.nodes import Node, nodes_of
+from tline.solver.nodes import UNIT, Node, lowered, nodes_of
 from tline.solver.resolution import WHOLE, common_parts
 
 Floats = NDArray[np.floating]
@@ -86,6 +87,10 @@ def _refuse(scene: Scene) -> None:
             if load.at in states:
                 raise InputError(place("loads", name), f"a second L or C at node '{load.at}'", "one load with a state")
             states.add(load.at)
+            height, path = scene.heights.get(load.at), load.rational().at_zero()
+            if height and height.above_level and load.inductance is not None and path != inf:
+                problem = f"lets a steady flow out through an inductance below the highest node, at '{load.at}'"
+                raise InputError(place("loads", name), problem, what)
 
 
 def variable(scene: Scene) -> dict[str, float]:
@@ -137,7 +142,7 @@ def _junction(scene: Scene, name: str, node: Node, z0: Floats, numbers: Mapping[
     own = 1 / z0[np.array(node.ends) // 2]
     if node.held is not None:
         return Junction(node.ends, 0.0 * own, [(node.held, np.ones(z0.shape[1]))], None)
-    total = own.sum(axis=0)
+    total, to_air = own.sum(axis=0), np.zeros(z0.shape[1])
     flows: list[tuple[Shape, Floats | float]] = []
     dynamic: tuple[Series | Parallel, Floats | None, Floats | None, Floats | None] | None = None
     for key, load in scene.loads.items():
@@ -148,15 +153,22 @@ def _junction(scene: Scene, name: str, node: Node, z0: Floats, numbers: Mapping[
             assert isinstance(load, Series | Parallel)
             dynamic = load, R, L, C
         if isinstance(load, Matched):
-            total = total + own[0]
+            to_air = to_air + own[0]
         elif R is not None and not (isinstance(load, Series) and dynamic and dynamic[0] is load):
-            total = total + 1 / R
+            to_air = to_air + 1 / R
     for key, source in scene.sources.items():
         if source.at == name:
             R = numbers.get(place("sources", key, "resistance"))
             conductance = 0.0 if R is None else 1 / R
-            total = total + conductance
-            flows.append((source.value, conductance if source.is_effort else 1.0))
+            if source.is_effort:
+                total = total + conductance
+                flows.append((lowered(source.value, node.height.level), conductance))
+            else:
+                to_air = to_air + conductance
+                flows.append((source.value, 1.0))
+    total = total + to_air
+    if node.above_level and np.any(to_air):
+        flows.append((UNIT, node.above_level * to_air))
     drives = [(waveform, factor / total) for waveform, factor in flows]
     weights = own / total
     if dynamic is None:

@@ -92,7 +92,8 @@ def _apart(scene: Scene, copies: Copies, rows: NDArray, coarse: Mapping[str, See
     worst = ROUNDING
     for name, seen in fine.items():
         other, z0 = coarse[name], copies.z0[list(scene.lines).index(scene.probed_line(name)), rows]
-        amplitude = np.maximum(-seen.lowest, seen.highest)
+        weight = scene.height(name).weight
+        amplitude = np.maximum(weight - seen.lowest, seen.highest - weight)
         flow = z0 * np.abs(seen.y).max(axis=1)
         pairs = [(seen.u, other.u), (seen.lowest[:, None], other.lowest[:, None])]
         pairs += [(seen.highest[:, None], other.highest[:, None])]

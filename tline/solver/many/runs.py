@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
+from tline.scene.heights import Height
 from tline.scene.mistakes import shown
 from tline.scene.quantity import Role
 from tline.scene.scene import Scene
@@ -42,6 +43,8 @@ class Many:
         a sample of the copies that holds the smallest and the largest of each number that varies.
     seconds, processor : float
         Time of the runs, and of all cores for them; those for the estimate left out.
+    heights : mapping of str to Height
+        By name of the probe: a gauge pressure is the effort less its weight.
     """
 
     t: Floats
@@ -51,6 +54,7 @@ class Many:
     estimate: float
     seconds: float
     processor: float
+    heights: Mapping[str, Height]
 
 
 def many(scene: Scene, vary: Mapping[str, ArrayLike], *, times: ArrayLike = (), tol: float | str | None = None) -> Many:
@@ -115,7 +119,8 @@ def many(scene: Scene, vary: Mapping[str, ArrayLike], *, times: ArrayLike = (), 
     if estimate > tol:
         problem = f"the estimated error of {estimate:.1g} is above the tolerance of {tol:.1g}"
         warnings.warn(f"{problem}: a load is too fast for many runs", UnresolvedWarning, stacklevel=2)
-    return Many(t, probes, order, len(edges) - 1, estimate, seconds, processor)
+    heights = {name: scene.height(name) for name in probes}
+    return Many(t, probes, order, len(edges) - 1, estimate, seconds, processor, heights)
 
 
 def _instants(scene: Scene, times: ArrayLike) -> Floats:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tline.scene.file import scene_text
-from tline.scene.medium import MEDIA
+from tline.scene.heights import words
 from tline.scene.scene import Scene
 from tline.solver.atomic import replacing, write_table
 from tline.solver.many.runs import Many
@@ -28,11 +28,20 @@ def save_csv(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many, path: str 
     InputError
         The file cannot be written.
     """
-    medium = MEDIA[scene.medium]
+    medium = words(scene, "gauge pressure")
     unit = medium.units["effort"]
     columns = [f"{word} {rest}" for word in ("lowest", "highest") for rest in (f"{medium.effort} [{unit}]", "at [s]")]
+    columns += [f"{word} head [m]" for word in ("lowest", "highest")] if scene.heights else []
     head = [*vary, *(f"{name} {column}" for name in runs.probes for column in columns)]
-    seen = [getattr(probe, key) for probe in runs.probes.values() for key in EXTREMES]
+    seen = []
+    for name, probe in runs.probes.items():
+        weight = runs.heights[name].weight
+        seen += [probe.lowest - weight, probe.lowest_at, probe.highest - weight, probe.highest_at]
+        seen += (
+            [extreme / runs.heights[name].per_metre for extreme in (probe.lowest, probe.highest)]
+            if scene.heights
+            else []
+        )
     rows = np.stack([*(np.asarray(values, float) for values in vary.values()), *seen], axis=1)
     write_table(path, head, rows.tolist())
 
@@ -41,7 +50,8 @@ def save_npz(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many, path: str 
     """Write the same as NumPy arrays, with the scene.
 
     The arrays are the numbers that vary, by place; ``NAME/lowest``, ``NAME/lowest_at``, ``NAME/highest`` and
-    ``NAME/highest_at`` of each probe, in SI; ``scene`` as TOML text; ``version`` of this package; ``estimate``.
+    ``NAME/highest_at`` of each probe, in SI, of gauge pressures in a scene with elevations; ``scene`` as TOML text;
+    ``version`` of this package; ``estimate``.
 
     Raises
     ------
@@ -55,7 +65,9 @@ def save_npz(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many, path: str 
 def _arrays(scene: Scene, vary: Mapping[str, ArrayLike], runs: Many) -> Iterator[tuple[str, Any]]:
     yield from ((where, np.asarray(values, float)) for where, values in vary.items())
     for name, seen in runs.probes.items():
-        yield from ((f"{name}/{key}", getattr(seen, key)) for key in EXTREMES)
+        for key in EXTREMES:
+            weight = 0.0 if key.endswith("_at") else runs.heights[name].weight
+            yield f"{name}/{key}", getattr(seen, key) - weight
     yield "scene", np.array(scene_text(scene))
     yield "version", np.array(version("tline"))
     yield "estimate", np.array(runs.estimate)

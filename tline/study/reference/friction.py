@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_interp_spline
 
 from tline.errors import InputError
+from tline.scene.heights import refuse_heights
 from tline.scene.load import Load, Reservoir, Short
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
@@ -109,6 +110,7 @@ def _read(splines: list[tuple[float, BSpline]], t: NDArray) -> NDArray:
 
 def _pipes(scene: Scene) -> tuple[Pipes, list[str]]:
     """The pipes of a scene as arrays, and the names of the nodes."""
+    refuse_heights(scene, "exact solutions")
     if scene.links or scene.start != "steady":
         raise InputError("scene", "has links, or does not start from the steady state")
     for name, line in scene.single_lines.items():

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.cavities import refuse_cavities
+from tline.scene.heights import refuse_heights
 from tline.scene.load import NoFlow, Resistor
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
@@ -57,6 +58,7 @@ class LossySolution:
         if scene.start != "rest":
             raise InputError("start", "exact solutions start at rest", "'rest'", f"'{scene.start}'")
         refuse_cavities(scene.lines, "exact solutions")
+        refuse_heights(scene, "exact solutions")
         ((name, line),) = scene.single_lines.items()
         ((given, source),) = scene.sources.items()
         if line.losses is None or not line.losses.linear:

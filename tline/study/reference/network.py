@@ -7,6 +7,7 @@ from math import inf
 
 from passivity import RationalFunction
 from tline.errors import InputError
+from tline.scene.heights import refuse_heights
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.lossless import refuse_losses
 from tline.scene.mistakes import nearest, place
@@ -46,6 +47,7 @@ class Network:
 
     def __init__(self, scene: Scene):
         scene.check_linear("exact solutions")
+        refuse_heights(scene, "exact solutions")
         refuse_losses(scene, "no exact solution of that kind; see tline.study.reference.lossy")
         lines = [line.parameters for line in scene.lines.values()]
         self.scene = scene

@@ -1,0 +1,186 @@
+"""Heights of nodes as pressures: what the weight of the liquid adds on the way down from the highest node."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+from tline.errors import InputError
+from tline.line import HydraulicLine
+from tline.scene.medium import MEDIA, Medium
+from tline.scene.mistakes import place
+from tline.scene.multiport import Multiport
+from tline.scene.probe import Probe
+from tline.scene.site import GRAVITY
+
+if TYPE_CHECKING:
+    from tline.scene.scene import Scene
+
+SAME = 1e-9  # densities that differ by less than this, relatively, are equal
+LISTED = 4  # names
+
+
+class Height(NamedTuple):
+    """Height of a place in a liquid.
+
+    Attributes
+    ----------
+    elevation : float
+        Above the zero of heights, m.
+    highest : float
+        Elevation of the highest node that lines or links connect it with, m.
+    per_metre : float
+        Density·g, Pa/m; nan if the density is not known.
+    """
+
+    elevation: float = 0.0
+    highest: float = 0.0
+    per_metre: float = float("nan")
+
+    @property
+    def weight(self) -> float:
+        """Density·g·elevation, Pa: the piezometric pressure less the gauge pressure."""
+        return self.per_metre * self.elevation if self.elevation else 0.0
+
+    @property
+    def level(self) -> float:
+        """Piezometric pressure of the liquid that stands still and is filled up to the highest node, Pa."""
+        return self.per_metre * self.highest if self.highest else 0.0
+
+    @property
+    def above_level(self) -> float:
+        """Weight less level, Pa: minus the gauge pressure of the liquid at rest."""
+        drop = self.elevation - self.highest
+        return self.per_metre * drop if drop else 0.0
+
+    def below(self, pressure: float) -> float:
+        """A piezometric pressure less the level, Pa; zero if only rounding tells them from each other."""
+        return below(pressure, self.level)
+
+
+def below(pressure: float, level: float) -> float:
+    """Their difference; zero if only rounding tells them from each other."""
+    difference = float(pressure) - level
+    return difference if abs(difference) > 1e-15 * abs(level) else 0.0
+
+
+def heights_of(scene: Scene) -> dict[str, Height]:
+    """Height of every node that lines or links connect with one of given elevation; none without elevations.
+
+    A node without an elevation of its own counts as one at 0 m.
+
+    Examples
+    --------
+    >>> from tline.scene.scene import Scene
+    >>> pipe = {"nodes": ["a", "b"], "z0": 1e8, "delay": 1, "density": 1000}
+    >>> scene = Scene(
+    ...     medium="hydraulic", t_end=1, probes={"p": {"at": "a"}}, lines={"pipe": pipe}, nodes={"b": {"elevation": 10}}
+    ... )
+    >>> scene.heights["a"].above_level, scene.heights["b"].weight
+    (-98066.5, 98066.5)
+    """
+    known = _elevations(scene)
+    found: dict[str, Height] = {}
+    for nodes, lines in _components(scene) if known else ():
+        if known.keys().isdisjoint(nodes):
+            continue
+        density = next(iter(_densities(scene, lines).values()), float("nan"))
+        elevations = [known.get(node, 0.0) for node in nodes]
+        highest = max(elevations)
+        found |= {node: Height(z, highest, density * GRAVITY) for node, z in zip(nodes, elevations, strict=True)}
+    return found
+
+
+def height_mistakes(scene: Scene) -> Iterator[InputError]:
+    """Elevations where the density of the liquid is not known, or is not one."""
+    known = _elevations(scene)
+    for nodes, lines in _components(scene) if known else ():
+        high = next((node for node in nodes if node in known), None)
+        if high is None:
+            continue
+        densities = _densities(scene, lines)
+        if not densities:
+            where, expected = place("nodes", high, "elevation"), "none, or the density of a pipe"
+            yield InputError(where, "the weight of the liquid does not follow", expected)
+        for (one, density), (other, another) in pairwise(densities.items()):
+            if abs(density - another) > SAME * density:
+                problem = f"not that of {place('lines', one)}, with which it is connected: heights need one liquid"
+                expected = f"{density:.9g} kg/m^3"
+                yield InputError(place("lines", other, "density"), problem, expected, f"{another:.9g} kg/m^3")
+                break
+
+
+def words(scene: Scene, effort: str = "piezometric pressure") -> Medium:
+    """Words and units of a scene's medium; with elevations efforts have a name that tells which they are."""
+    medium = MEDIA[scene.medium]
+    return medium._replace(effort=effort) if scene.heights else medium
+
+
+def taken_as_zero(scene: Scene) -> list[str]:
+    """Nodes without an elevation at which it matters, in a scene with elevations; a sentence, or none."""
+    known = _elevations(scene)
+    if not known:
+        return []
+    indifferent = {"closed", "open", "reservoir"}
+    at = [load.at for load in scene.loads.values() if load.kind not in indifferent]
+    at += [source.at for source in scene.sources.values() if not source.is_effort]
+    at += [node for probe in scene.probes.values() for node in _probed(scene, probe)]
+    at += [node for link in scene.links.values() if isinstance(link, Multiport) for node in link.nodes]
+    missing = list(dict.fromkeys(node for node in at if node not in known))
+    if not missing:
+        return []
+    named = ", ".join(map(repr, missing[:LISTED])) + f" and {len(missing) - LISTED} more" * (len(missing) > LISTED)
+    return [f"nodes: no elevation is given at {named}, but at other nodes: taken as 0 m"]
+
+
+def refuse_heights(scene: Scene, what: str) -> None:
+    """Refuse elevations where something does not know them.
+
+    Raises
+    ------
+    InputError
+        Naming the first.
+    """
+    for node in _elevations(scene):
+        raise InputError(place("nodes", node, "elevation"), "heights are not known here", f"none for {what}")
+
+
+def _elevations(scene: Scene) -> dict[str, float]:
+    return {name: float(site.elevation) for name, site in scene.nodes.items() if site.elevation is not None}
+
+
+def _probed(scene: Scene, probe: Probe) -> tuple[str, ...]:
+    return (probe.at,) if probe.at is not None else scene.lines[probe.line or ""].nodes
+
+
+def _densities(scene: Scene, lines: list[str]) -> dict[str, float]:
+    """Those that are known, by line."""
+    found = {name: scene.lines[name].parameters for name in lines}
+    return {
+        name: float(line.density)
+        for name, line in found.items()
+        if isinstance(line, HydraulicLine) and line.density is not None
+    }
+
+
+def _components(scene: Scene) -> list[tuple[list[str], list[str]]]:
+    """Nodes and lines of each connected component."""
+    parent: dict[str, str] = {}
+
+    def root(node: str) -> str:
+        parent.setdefault(node, node)
+        while parent[node] != node:
+            parent[node] = node = parent[parent[node]]
+        return node
+
+    for joint in (*scene.lines.values(), *scene.links.values()):
+        first = root(joint.nodes[0])
+        for node in joint.nodes[1:]:
+            parent[root(node)] = first
+    found: dict[str, tuple[list[str], list[str]]] = {}
+    for node in list(parent):
+        found.setdefault(root(node), ([], []))[0].append(node)
+    for name, line in scene.lines.items():
+        found[root(line.nodes[0])][1].append(name)
+    return list(found.values())
