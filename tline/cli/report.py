@@ -3,7 +3,6 @@
 from dataclasses import asdict
 from typing import Any
 
-import numpy as np
 
 from tline.cli.aligned import aligned
 from tline.cli.energies import ledger_as_dict
@@ -47,12 +46,9 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
                 "end": float(values[-1]),
             }
             if accuracy and accuracy.estimates:
-                relative, amplitude = (
-                    getattr(accuracy.estimates[name], letter),
-                    float(np.abs(getattr(probe, letter)).max()),
-                )
-                probes[name][word]["error"] = relative * amplitude
-                probes[name][word]["error_inside_slabs"] = max(relative, accuracy.inside[name]) * amplitude
+                amplitude = max(abs(low[0]), abs(high[0]))
+                probes[name][word]["error"] = getattr(accuracy.estimates[name], letter) * amplitude
+                probes[name][word]["error_inside_slabs"] = getattr(accuracy.inside[name], letter) * amplitude
     return {
         "title": result.scene.title,
         "medium": result.medium.name,
@@ -132,7 +128,8 @@ def _told(accuracy: Accuracy) -> dict[str, Any]:
         "met": None if accuracy.tol is None else accuracy.met,
         "limit": accuracy.limit,
         "estimate": accuracy.worst,
-        "inside_slabs": accuracy.inside,
+        "estimate_at_slab_ends": accuracy.at_slab_ends,
+        "inside_slabs": {name: estimate.worst for name, estimate in accuracy.inside.items()},
         "runs": [asdict(attempt) for attempt in accuracy.attempts],
     }
 
@@ -173,10 +170,9 @@ def _in_words(accuracy: Accuracy | None) -> str:
     """What was asked, reached and spent."""
     if accuracy is None:
         return "error not estimated: the run is long, and fixed by hand"
-    worst = max(accuracy.estimates, key=lambda name: accuracy.estimates[name].worst, default=None)
+    worst = max(accuracy.inside, key=lambda name: accuracy.inside[name].worst, default=None)
     reached = f"estimated error {accuracy.worst:.1g} of the amplitude at '{worst}'" if worst else "no estimate"
-    inside = max(accuracy.inside.values(), default=0.0)
-    reached += f" (inside slabs up to {inside:.1g})" if inside > 10 * accuracy.worst else ""
+    reached += f" ({accuracy.at_slab_ends:.1g} at slab ends)" if accuracy.worst > 10 * accuracy.at_slab_ends else ""
     if accuracy.tol is None:
         return f"{reached}, from a run of the next order"
     runs, seconds = len(accuracy.attempts), sum(attempt.seconds for attempt in accuracy.attempts)

@@ -2,13 +2,14 @@
 
 from collections.abc import Generator, Mapping
 from dataclasses import replace
-from math import inf
+from itertools import pairwise
+from math import inf, log2
 from typing import NamedTuple
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.scene.vessel import Boiling
-from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside
+from tline.solver.accuracy import Accuracy, Attempt, compared
 from tline.solver.nodes import NONE, nodes_of
 from tline.solver.resolution import FIT, Resolution, resolution
 from tline.solver.result import Result
@@ -16,6 +17,8 @@ from tline.solver.run import run
 from tline.solver.short import short_lines
 
 FIRST, LAST = 2, 12  # orders
+MOST_INSIDE = 1e7  # line-end samples in all runs together, for the sake of instants inside slabs alone
+TRIED = 3  # halvings of the slab, from which the next ones are foretold
 HELPS = 0.5  # a step that leaves more of the difference than this does not converge
 STALE = 2  # halvings of the slab in a row that may bring nothing
 MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
@@ -87,11 +90,12 @@ def _cost_of_lines(scene: Scene) -> tuple[float, str]:
 def refined(search: Search, cells: Mapping[str, int]) -> Result:
     """Raise the order and narrow the slab until the next finer run differs by no more than the tolerance.
 
-    From where that is so on, lines in cells have twice as many in each finer run: the last must have.
+    From where that is so on, lines in cells have twice as many in each finer run: the last must have. Slab ends come
+    first; what is left inside slabs is worked on while that promises to be enough.
     """
     steps, limit, stale, helps = _finer(search, cells), "", 0, True
     result = best = search.run(next(steps))
-    attempts, accuracy = [Attempt.of(result)], Accuracy(search.tol, {}, ())
+    attempts, accuracy = [Attempt.of(result)], Accuracy(search.tol)
     found = accuracy  # of the last comparison
     while not limit:
         try:
@@ -102,23 +106,67 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
         except InputError as error:
             limit = f"{error.where}: {error.problem}"
             break
-        before, found = found.worst, Accuracy(search.tol, apart(result, finer), (), apart_inside(result, finer))
+        before, found = found, Accuracy(search.tol, *compared(result, finer))
         attempts[-1] = replace(attempts[-1], estimate=found.worst)
         attempts.append(Attempt.of(finer))
-        if found.worst <= accuracy.worst:
+        if _better(found, accuracy):
             best, accuracy = result, found
         blind = finer.resolution.blind
         doubled = finer.resolution.cells != result.resolution.cells or not cells
-        if before < inf and found.met and doubled and not blind:
+        if before.worst < inf and found.met and doubled and not blind:
             break
-        helps = not blind and found.worst <= HELPS * before
         narrowed = finer.resolution.h < result.resolution.h
-        stale = stale + 1 if narrowed and not blind and found.worst >= before else 0
-        limit = limit_of(attempts, stale, search)
+        helps = not blind and _gained(before, found) <= HELPS
+        stale = stale + 1 if narrowed and not blind and _gained(before, found) >= 1.0 else 0
+        limit = limit_of(attempts, stale, search) or (not blind and _inside_limit(attempts, found))
         result = finer
     damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
     unresolved = tuple(note for note in best.unresolved if note not in damped)
+    limit = limit and (inside_slabs(accuracy) or limit)
     return replace(best, unresolved=unresolved, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit))
+
+
+def _better(found: Accuracy, best: Accuracy) -> bool:
+    """Whether a run is more accurate: at any instant, and no worse at slab ends than is asked."""
+    assert found.tol is not None
+    return (max(found.at_slab_ends, found.tol), found.worst) <= (max(best.at_slab_ends, found.tol), best.worst)
+
+
+def _gained(before: Accuracy, found: Accuracy) -> float:
+    """What a step left of the difference: at slab ends as long as these are not as asked, and then inside."""
+    assert found.tol is not None
+    if found.at_slab_ends > found.tol or before.worst == inf:
+        return found.at_slab_ends / before.at_slab_ends
+    return found.worst / before.worst if before.worst > 0 else inf
+
+
+def _inside_limit(attempts: list[Attempt], found: Accuracy) -> str:
+    """What forbids finer runs for the sake of instants inside slabs: that they would not be enough."""
+    assert found.tol is not None
+    if found.at_slab_ends > found.tol or found.worst <= found.tol:
+        return ""
+    told = [(a.slab, a.estimate) for a in attempts if a.estimate is not None]
+    halvings = [worst for (h, _), (slab, worst) in pairwise(told) if slab < h]
+    samples = sum(a.samples for a in attempts)
+    left = log2(max(MOST_INSIDE / samples, 1.0))
+    if left < 1:
+        return "no room"
+    if len(halvings) < TRIED:
+        return ""
+    widest = max(worst for slab, worst in told if slab > told[-1][0])
+    pace = (widest / found.worst) ** (1 / len(halvings))
+    return "" if pace > 1 and found.worst <= found.tol * pace**left else "too slow"
+
+
+def inside_slabs(accuracy: Accuracy) -> str:
+    """What kept the tolerance from being met, if that was not at slab ends."""
+    if accuracy.tol is None or accuracy.at_slab_ends > accuracy.tol or accuracy.worst <= accuracy.tol:
+        return ""
+    name, told = max(accuracy.inside.items(), key=lambda item: item[1].worst)
+    return (
+        f"inside slabs the error at '{name}' is up to {told.worst:.1g}, where a law or a front bends the wave; at slab "
+        f"ends it is {accuracy.at_slab_ends:.1g}: read values there, ask for less, or give a narrower slab"
+    )
 
 
 def limit_of(attempts: list[Attempt], stale: int, search: Search) -> str:

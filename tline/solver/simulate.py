@@ -10,7 +10,7 @@ from tline.scene.own import own_elements, own_mistakes
 from tline.scene.parted import parted
 from tline.scene.quantity import TOLERANCE
 from tline.scene.scene import Scene
-from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside
+from tline.solver.accuracy import Accuracy, Attempt, compared
 from tline.solver.joined import joined, recorded
 from tline.solver.nodes import nodes_of
 from tline.solver.resolution import Resolution, resolution
@@ -133,9 +133,8 @@ def judged(result: Result) -> Accuracy:
     s, h, scene = result.resolution.s, result.resolution.h, (result.parts or result).scene
     with own_mistakes(scene):
         better = run(scene, Resolution(s, h / 2) if is_lossy(scene) else Resolution(s + 1, h))
-    estimates = apart(result, better)
-    worst = max(estimate.worst for estimate in estimates.values())
-    return Accuracy(None, estimates, (Attempt.of(result, worst), Attempt.of(better)), apart_inside(result, better))
+    found = Accuracy(None, *compared(result, better))
+    return replace(found, attempts=(Attempt.of(result, found.worst), Attempt.of(better)))
 
 
 def _by_hand(result: Result, tol: float) -> Accuracy:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver.accuracy import Accuracy, Attempt, added, apart, apart_inside
+from tline.solver.accuracy import Accuracy, Attempt, added, compared
 from tline.solver.cells import fits
 from tline.solver.extrapolate import extrapolated, seen_on
 from tline.solver.nodes import NONE, nodes_of
@@ -46,7 +46,9 @@ def with_losses(search: Search) -> Result:
             return replace(result, accuracy=replace(accuracy, attempts=attempts))
         again = search.run(last.resolution._replace(fit=closer), last.t[-1])
         attempts += (Attempt.of(again),)
-        accuracy = replace(accuracy, estimates=added(accuracy.estimates, apart(last, again)), attempts=attempts)
+        more = compared(last, again)
+        sums = (added(told, change) for told, change in zip((accuracy.estimates, accuracy.inside), more, strict=True))
+        accuracy = Accuracy(search.tol, *sums, attempts)
         if accuracy.worst <= search.tol:
             return replace(result, accuracy=accuracy)
         fit = closer
@@ -66,14 +68,14 @@ def _refined(search: Search) -> tuple[Result, Result]:
         result = refined(search, NONE)
         return result, result
     result = seen = last = first
-    attempts, limit, stale, accuracy = [Attempt.of(first)], "", 0, Accuracy(search.tol, {}, ())
+    attempts, limit, stale, accuracy = [Attempt.of(first)], "", 0, Accuracy(search.tol)
     while not limit:
         last = search.run(last.resolution._replace(h=last.resolution.h / 2), first.t[-1])
         finer = seen_on(first, last)
         if finer is None:
             limit = "fronts lie inside slabs"
             break
-        found = Accuracy(search.tol, apart(seen, finer), (), apart_inside(seen, finer))
+        found = Accuracy(search.tol, *compared(seen, finer))
         attempts[-1] = replace(attempts[-1], estimate=found.worst)
         attempts.append(Attempt.of(last))
         stale = stale + 1 if found.worst >= accuracy.worst else 0
@@ -95,7 +97,7 @@ def _halved(search: Search) -> tuple[Result, Result]:
     chosen = resolution(search.scene, nodes, order)._replace(fit=search.fit)
     best = last = search.run(chosen)
     row: Row = {(): last}
-    attempts, limit, stale, accuracy = [Attempt.of(last)], "", 0, Accuracy(search.tol, {}, ())
+    attempts, limit, stale, accuracy = [Attempt.of(last)], "", 0, Accuracy(search.tol)
     while not limit:
         try:
             finer = resolution(search.scene, nodes, order, chosen.h / 2)
@@ -133,4 +135,4 @@ def _judged(above: Row, row: Row, tol: float) -> Iterator[tuple[Result, Accuracy
     """Entries of a row with their differences to those above."""
     for powers in above.keys() & row.keys():
         coarse, fine = above[powers], row[powers]
-        yield fine, Accuracy(tol, apart(coarse, fine), (), apart_inside(coarse, fine))
+        yield fine, Accuracy(tol, *compared(coarse, fine))
