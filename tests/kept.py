@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from tline.cli.report import summary
 from tline.errors import InputError
 from tline.scene.scene import Scene
+from tline.solver.curve import extremes
 from tline.solver.resolution import Resolution
 from tline.solver.result import Result
 from tline.solver.run import run
@@ -55,13 +56,13 @@ def kept(scene: Scene, tol: float, finer: int = 32, order: int = 4) -> Kept:
             error[near | _at_fronts(t, doubt)] = 0.0
             k = int(error.argmax())
             margin = seen["error_inside_slabs"] + 1e-12 * amplitude
-            unsure = float(np.abs(doubt[~near]).max(initial=0.0))
-            low, high = float(true.min()), float(true.max())
-            outside = max(abs(seen["minimum"] - low), abs(seen["maximum"] - high)) - 2 * unsure
-            if unsure > 0.3 * margin:
-                outside = 0.0
+            outside = 0.0
+            for which, low_or_high in ((0, "minimum"), (1, "maximum")):
+                best, rougher = (extremes(each, letter)[which][0] for each in (fine, rough))
+                if abs(best - rougher) < 0.3 * margin:
+                    outside = max(outside, abs(seen[low_or_high] - best) - abs(best - rougher))
             told_here = seen["error_inside_slabs"] / amplitude if amplitude else 0.0
-            here = (error[k] / margin, error[k] / amplitude / tol, max(outside, 0.0) / margin, told_here)
+            here = (error[k] / margin, error[k] / amplitude / tol, outside / margin, told_here)
             if here[0] > worst.inside:
                 worst = worst._replace(where=f"{name}.{letter}", at=float(t[k]))
             worst = worst._replace(

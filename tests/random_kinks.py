@@ -95,7 +95,7 @@ def _pipe(rng: np.random.Generator, kind: str) -> dict[str, Any]:
         "medium": "hydraulic",
         "t_end": 8.0,
         "lines": {
-            "l": {"nodes": ["a", "b"], "length": 1000.0, "radius": "25 mm", "density": 900, "wave_speed": 1000, **losses}
+            "l": {"nodes": ["a", "b"], "length": 1e3, "radius": 0.025, "density": 900, "wave_speed": 1e3, **losses}
         },
         "sources": {"s": {"at": "a", "kind": "pressure", "value": _scaled(_waveform(rng, kind), 1e5), "resistance": 0}},
         "loads": loads,
@@ -140,7 +140,7 @@ def _water(rng: np.random.Generator) -> dict[str, Any]:
         {"kind": "check valve"} | rated,
         {"kind": "relief valve", "set_pressure": 0.3 * _size(rng), "band": 0.3 * _size(rng)} | rated,
         {"kind": "leak", "flow": _size(rng), "pressure": 1.0, "exponent": float(rng.uniform(0.4, 1.6))},
-        {"kind": "demand", "flow": _size(rng), "required_pressure": _size(rng), "exponent": float(rng.uniform(0.5, 1.5))},
+        {"kind": "demand", "flow": _size(rng), "required_pressure": _size(rng), "exponent": float(rng.uniform(0.5, 2))},
         {"kind": "table", "points": [[-1, -2], [0, 0], [0.5, 0.5], [1, 2]]},
     ][int(rng.integers(6))]  # fmt: skip
 

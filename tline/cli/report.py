@@ -3,7 +3,6 @@
 from dataclasses import asdict
 from typing import Any
 
-
 from tline.cli.aligned import aligned
 from tline.cli.energies import ledger_as_dict
 from tline.cli.measured import model_as_dict, model_in_words, network_as_dict, network_in_words
@@ -13,7 +12,7 @@ from tline.scene.mistakes import place
 from tline.scene.touchstone import Touchstone
 from tline.solver.accuracy import Accuracy
 from tline.solver.cells import fits
-from tline.solver.curve import curve, extreme
+from tline.solver.curve import extremes
 from tline.solver.lossy import lumps_in
 from tline.solver.result import Result
 from tline.solver.simulate import judged
@@ -32,18 +31,16 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
     """Resolution, and smallest, largest and last value of every probe and its estimated error, in SI."""
     probes: dict[str, Any] = {}
     for name, probe in result.probes.items():
-        seen = curve(probe)
         probes[name] = {}
         for word, letter, unit, _ in quantities(result.medium):
-            values = getattr(seen, letter)
-            low, high = extreme(values, seen.t, -1), extreme(values, seen.t, 1)
+            low, high = extremes(probe, letter)
             probes[name][word] = {
                 "unit": unit,
                 "minimum": low[0],
                 "minimum_time": low[1],
                 "maximum": high[0],
                 "maximum_time": high[1],
-                "end": float(values[-1]),
+                "end": float(getattr(probe, letter)[-1]),
             }
             if accuracy and accuracy.estimates:
                 amplitude = max(abs(low[0]), abs(high[0]))

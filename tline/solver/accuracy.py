@@ -1,7 +1,7 @@
 """How accurate a run is: what runs of rising order, or on narrower slabs, leave of their differences."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf
 
 import numpy as np
@@ -116,6 +116,13 @@ def compared(coarse: Result, fine: Result) -> tuple[dict[str, Estimate], dict[st
             relative = np.where(heard, size / np.where(heard, found.amplitude, 1.0), 0.0)
             told[name] = Estimate(*(max(float(e), ROUNDING) if e > 0 else 0.0 for e in relative))
     return at_ends, inside
+
+
+def with_errors(result: Result, other: Result) -> Result:
+    """A result whose envelope, if it has one, knows its differences to that of another run."""
+    if result.envelope is None or other.envelope is None:
+        return result
+    return replace(result, envelope=result.envelope.compared(other.envelope))
 
 
 def added(one: Mapping[str, Estimate], other: Mapping[str, Estimate]) -> dict[str, Estimate]:

@@ -1,7 +1,7 @@
 """The largest difference between two runs at a probe: at slab ends, and at any instant between them.
 
 Inside slabs each run has its own polynomials. They are compared in every slab of the finer run: in one piece, at
-Chebyshev's places; where a front of either run lies inside, at such places of every piece, and on both sides of the front.
+Chebyshev's places; where a front of either run lies inside, at such places of every piece, on both sides of the front.
 """
 
 from typing import NamedTuple
@@ -26,11 +26,14 @@ class Difference(NamedTuple):
 
 def difference(coarse: ProbeResult, fine: ProbeResult) -> Difference:
     """Compare what one probe saw in two runs; a slab of the coarser run is a whole number of slabs of the finer one."""
-    every = round(coarse.record.a1.h / fine.record.a1.h)
-    ends = np.stack([fine.u, fine.record.z0 * fine.y])
-    n = min(len(fine.slab_ends) - 1, every * (len(coarse.slab_ends) - 1))
-    theirs = np.stack([coarse.u, fine.record.z0 * coarse.y])[:, : n // every + 1]
-    at_ends = np.abs(ends[:, : n + 1 : every] - theirs).max(axis=1)
+    apart, every = (round(x / y) for x, y in (
+        (coarse.slab_ends[1], fine.slab_ends[1]), (coarse.record.a1.h, fine.record.a1.h)
+    ))  # fmt: skip
+    ends, theirs = (np.stack([probe.u, fine.record.z0 * probe.y]) for probe in (fine, coarse))
+    ends_there = ends[:, ::apart]
+    common = min(ends_there.shape[1], theirs.shape[1])
+    at_ends = np.abs(ends_there[:, :common] - theirs[:, :common]).max(axis=1)
+    n = min(len(fine.record.a1.values), every * len(coarse.record.a1.values))
     inside, amplitude = at_ends, np.abs(ends).max(axis=1)
     if every * (n // every):
         for one, other in (*_in_one_piece(coarse, fine, every, n), _in_pieces(coarse, fine, n)):
@@ -43,7 +46,9 @@ def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, n: int):
     """Both runs at places of the fine slabs that hold no front, chunk by chunk, each of shape (2, instants)."""
     x = np.array(chebyshev(max(coarse.record.a1.basis.s, fine.record.a1.basis.s)))
     if 0.0 < fine.share < 1.0:
-        edges = [delay / probe.record.a1.h * k % 1.0 for probe, k in ((fine, 1), (coarse, every)) for delay in _ways(probe)]
+        edges = [
+            delay / probe.record.a1.h * k % 1.0 for probe, k in ((fine, 1), (coarse, every)) for delay in _ways(probe)
+        ]
         x = np.unique(np.clip(np.concatenate([x, *(np.array([edge - BESIDE, edge + BESIDE]) for edge in edges)]), 0, 1))
     whole = ~_broken(coarse, fine, n)
     in_coarse = (np.arange(every)[:, None] + x).ravel() / every

@@ -69,8 +69,9 @@ def save_envelope(result: Result, path: str | Path) -> None:
         raise InputError(str(path), "the run kept no envelope", "simulate(scene, envelope=True)")
     effort = result.medium.effort
     start, lowest, highest = (f"{what} {effort} [{unit}]" for what in ("start", "lowest", "highest"))
+    error = f"± error [{unit}]"
     columns = [getattr(envelope, name).tolist() for name in COLUMNS]
-    head = ["node", start, lowest, "at [s]", highest, "at [s]"]
+    head = ["node", start, lowest, "at [s]", error, highest, "at [s]", error]
     write_table(path, head, zip(envelope.nodes, *columns, strict=True))
 
 

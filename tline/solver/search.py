@@ -9,7 +9,7 @@ from typing import NamedTuple
 from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.scene.vessel import Boiling
-from tline.solver.accuracy import Accuracy, Attempt, compared
+from tline.solver.accuracy import Accuracy, Attempt, compared, with_errors
 from tline.solver.nodes import NONE, nodes_of
 from tline.solver.resolution import FIT, Resolution, resolution
 from tline.solver.result import Result
@@ -109,16 +109,16 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
         before, found = found, Accuracy(search.tol, *compared(result, finer))
         attempts[-1] = replace(attempts[-1], estimate=found.worst)
         attempts.append(Attempt.of(finer))
-        if _better(found, accuracy):
-            best, accuracy = result, found
+        if better(found, accuracy):
+            best, accuracy = with_errors(result, finer), found
         blind = finer.resolution.blind
         doubled = finer.resolution.cells != result.resolution.cells or not cells
         if before.worst < inf and found.met and doubled and not blind:
             break
         narrowed = finer.resolution.h < result.resolution.h
-        helps = not blind and _gained(before, found) <= HELPS
-        stale = stale + 1 if narrowed and not blind and _gained(before, found) >= 1.0 else 0
-        limit = limit_of(attempts, stale, search) or (not blind and _inside_limit(attempts, found))
+        helps = not blind and gained(before, found) <= HELPS
+        stale = stale + 1 if narrowed and not blind and gained(before, found) >= 1.0 else 0
+        limit = limit_of(attempts, stale, search) or (not blind and inside_limit(attempts, found))
         result = finer
     damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
     unresolved = tuple(note for note in best.unresolved if note not in damped)
@@ -126,21 +126,27 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
     return replace(best, unresolved=unresolved, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit))
 
 
-def _better(found: Accuracy, best: Accuracy) -> bool:
-    """Whether a run is more accurate: at any instant, and no worse at slab ends than is asked."""
+def rank(found: Accuracy) -> tuple[float, float]:
+    """What orders runs by their accuracy: slab ends first, as long as these are not as asked; then any instant."""
     assert found.tol is not None
-    return (max(found.at_slab_ends, found.tol), found.worst) <= (max(best.at_slab_ends, found.tol), best.worst)
+    return max(found.at_slab_ends, found.tol), found.worst
 
 
-def _gained(before: Accuracy, found: Accuracy) -> float:
+def better(found: Accuracy, best: Accuracy) -> bool:
+    """Whether a run is at least as accurate as another."""
+    return rank(found) <= rank(best)
+
+
+def gained(before: Accuracy, found: Accuracy) -> float:
     """What a step left of the difference: at slab ends as long as these are not as asked, and then inside."""
     assert found.tol is not None
-    if found.at_slab_ends > found.tol or before.worst == inf:
-        return found.at_slab_ends / before.at_slab_ends
-    return found.worst / before.worst if before.worst > 0 else inf
+    here, there = (
+        (accuracy.at_slab_ends if found.at_slab_ends > found.tol else accuracy.worst) for accuracy in (found, before)
+    )
+    return here / there if there > 0 else inf
 
 
-def _inside_limit(attempts: list[Attempt], found: Accuracy) -> str:
+def inside_limit(attempts: list[Attempt], found: Accuracy) -> str:
     """What forbids finer runs for the sake of instants inside slabs: that they would not be enough."""
     assert found.tol is not None
     if found.at_slab_ends > found.tol or found.worst <= found.tol:
