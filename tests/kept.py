@@ -31,7 +31,7 @@ class Kept(NamedTuple):
     at: float
 
 
-def kept(scene: Scene, tol: float, finer: int = 32, order: int = 4) -> Kept:
+def kept(scene: Scene, tol: float, finer: int = 16, order: int = 4) -> Kept:
     """Run a scene to a tolerance and compare all that was told with a run on far narrower slabs."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnresolvedWarning)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tline.solver.result import ProbeResult, Wave
 
-LEAST_PLACES = 8  # in a slab or piece; twice the order if that is more
+LEAST_PLACES = 8  # in a slab or piece; two more than the order if those are more
 BESIDE = 1e-7  # slabs, from a front or an edge to the places beside it
 CHUNK = 100_000  # slabs at a time
 
@@ -137,5 +137,5 @@ def _ways(probe: ProbeResult) -> tuple[float, float]:
 
 def chebyshev(order: int) -> list[float]:
     """Places in a slab, denser toward its edges: 0 among them, 1 not, for that is the slab's end."""
-    n = max(LEAST_PLACES, 2 * order)
+    n = max(LEAST_PLACES, order + 2)
     return ((1 - np.cos(np.pi * np.arange(n) / n)) / 2).tolist()

@@ -10,15 +10,17 @@ from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.scene.vessel import Boiling
 from tline.solver.accuracy import Accuracy, Attempt, compared, with_errors
+from tline.solver.kinks import Kinks, kinking, kinks_of
 from tline.solver.nodes import NONE, nodes_of
 from tline.solver.resolution import FIT, Resolution, resolution
 from tline.solver.result import Result
-from tline.solver.run import run
+from tline.solver.run import NO_KINKS, run
 from tline.solver.short import short_lines
 
 FIRST, LAST = 2, 12  # orders
-MOST_INSIDE = 1e7  # line-end samples in all runs together, for the sake of instants inside slabs alone
-TRIED = 3  # halvings of the slab, from which the next ones are foretold
+MOST_INSIDE = 2e6  # line-end samples in all runs together, for the sake of instants inside slabs alone
+TRIED = 2  # halvings of the slab, from which the next ones are foretold
+TRACED = 4  # runs in which kinks are followed before slabs are narrowed again
 HELPS = 0.5  # a step that leaves more of the difference than this does not converge
 STALE = 2  # halvings of the slab in a row that may bring nothing
 MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
@@ -42,7 +44,7 @@ class Search(NamedTuple):
     envelope: bool = False
     ledger: bool | None = False
 
-    def run(self, chosen: Resolution, end: float | None = None) -> Result:
+    def run(self, chosen: Resolution, end: float | None = None, kinks: Kinks = NO_KINKS) -> Result:
         """One run, to the scene's end time or to another."""
         slabs = None if end is None else round(end / chosen.h)
         return run(
@@ -53,6 +55,7 @@ class Search(NamedTuple):
             ledger=self.ledger,
             progress=self.progress,
             slabs=slabs,
+            kinks=kinks,
         )
 
 
@@ -91,15 +94,18 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
     """Raise the order and narrow the slab until the next finer run differs by no more than the tolerance.
 
     From where that is so on, lines in cells have twice as many in each finer run: the last must have. Slab ends come
-    first; what is left inside slabs is worked on while that promises to be enough.
+    first; what is left inside slabs is worked on while that promises to be enough. Where a higher order does not help
+    and laws kink, slabs are from then on cut in pieces where they did in the run before.
     """
     steps, limit, stale, helps = _finer(search, cells), "", 0, True
+    kinked, traced = kinking(search.scene), 0
     result = best = search.run(next(steps))
-    attempts, accuracy = [Attempt.of(result)], Accuracy(search.tol)
+    attempts, accuracy, wanted = [Attempt.of(result)], Accuracy(search.tol), set(result.lines)
     found = accuracy  # of the last comparison
     while not limit:
         try:
-            finer = search.run(steps.send((helps, found.met)))
+            kinks = kinks_of(result, kinked) if traced > 1 else NO_KINKS
+            finer = search.run(steps.send((helps, found.met)), kinks=kinks)
         except StopIteration:
             limit = "order and slab are as fine as they may be"
             break
@@ -117,13 +123,20 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
             break
         narrowed = finer.resolution.h < result.resolution.h
         helps = not blind and gained(before, found) <= HELPS
+        if traced or (kinked and not helps and not blind):
+            traced += 1
+            helps |= traced <= TRACED
+            lines = [line for _, names in kinked.values() for line in names]
+            search = search._replace(record=[*dict.fromkeys([*search.record, *lines])])
         stale = stale + 1 if narrowed and not blind and gained(before, found) >= 1.0 else 0
         limit = limit_of(attempts, stale, search) or (not blind and inside_limit(attempts, found))
         result = finer
     damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
     unresolved = tuple(note for note in best.unresolved if note not in damped)
     limit = limit and (inside_slabs(accuracy) or limit)
-    return replace(best, unresolved=unresolved, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit))
+    lines = {name: record for name, record in best.lines.items() if name in wanted}
+    accuracy = replace(accuracy, attempts=tuple(attempts), limit=limit)
+    return replace(best, lines=lines, unresolved=unresolved, accuracy=accuracy)
 
 
 def rank(found: Accuracy) -> tuple[float, float]:
