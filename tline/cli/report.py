@@ -45,7 +45,7 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
             if accuracy and accuracy.estimates:
                 amplitude = max(abs(low[0]), abs(high[0]))
                 probes[name][word]["error"] = getattr(accuracy.estimates[name], letter) * amplitude
-                probes[name][word]["error_inside_slabs"] = getattr(accuracy.inside[name], letter) * amplitude
+                probes[name][word]["error_inside_slabs"] = getattr(accuracy.blurred[name], letter) * amplitude
     return {
         "title": result.scene.title,
         "medium": result.medium.name,

@@ -78,6 +78,9 @@ class Accuracy:
     inside : dict of str to Estimate
         By probe, at any instant of the run. Between slab ends the order is lower, and laws and fronts may bend waves
         there: this is never smaller than at slab ends, and it is what the tolerance is about.
+    blurred : dict of str to Estimate
+        The same with the time in which lumped lines settle after a front; what they do there is not resolved, and no
+        tolerance is asked of it.
     attempts : tuple of Attempt
         All runs; that of the result is the one before the finest that it was compared with.
     limit : str
@@ -87,6 +90,7 @@ class Accuracy:
     tol: float | None
     estimates: Mapping[str, Estimate] = field(default_factory=dict)
     inside: Mapping[str, Estimate] = field(default_factory=dict)
+    blurred: Mapping[str, Estimate] = field(default_factory=dict)
     attempts: tuple[Attempt, ...] = ()
     limit: str = ""
 
@@ -106,16 +110,16 @@ class Accuracy:
         return self.tol is None or (self.worst <= self.tol and not self.limit)
 
 
-def compared(coarse: Result, fine: Result) -> tuple[dict[str, Estimate], dict[str, Estimate]]:
-    """Errors of a run by its largest differences to a finer one, at slab ends and at any instant, by probe."""
-    at_ends, inside = {}, {}
+def compared(coarse: Result, fine: Result) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
+    """Errors of a run by its largest differences to a finer one: `estimates`, `inside` and `blurred` of `Accuracy`."""
+    told: tuple[dict[str, Estimate], ...] = {}, {}, {}
     for name, probe in fine.probes.items():
-        found = difference(coarse.probes[name], probe)
+        found = difference(coarse.probes[name], probe, fine.resolution.settle)
         heard = found.amplitude > SILENT * found.amplitude.max()
-        for told, size in ((at_ends, found.at_ends), (inside, found.inside)):
+        for each, size in zip(told, found[:3], strict=True):
             relative = np.where(heard, size / np.where(heard, found.amplitude, 1.0), 0.0)
-            told[name] = Estimate(*(max(float(e), ROUNDING) if e > 0 else 0.0 for e in relative))
-    return at_ends, inside
+            each[name] = Estimate(*(max(float(e), ROUNDING) if e > 0 else 0.0 for e in relative))
+    return told
 
 
 def with_errors(result: Result, other: Result) -> Result:

@@ -13,6 +13,7 @@ from tline.solver.result import ProbeResult, Wave
 
 LEAST_PLACES = 8  # in a slab or piece; two more than the order if those are more
 BESIDE = 1e-7  # slabs, from a front or an edge to the places beside it
+SETTLES = 16  # times that lumped lines settle: a piece up to that wide is blurred, for each pass adds one
 CHUNK = 100_000  # slabs at a time
 
 
@@ -20,12 +21,16 @@ class Difference(NamedTuple):
     """Of effort u and flow times impedance z0·y, each of shape (2,)."""
 
     at_ends: NDArray  # largest difference at slab ends
-    inside: NDArray  # the same at all places
+    inside: NDArray  # the same at all places, but where lumped lines settle after a front
+    blurred: NDArray  # the same there, too
     amplitude: NDArray  # largest value of the finer run
 
 
-def difference(coarse: ProbeResult, fine: ProbeResult) -> Difference:
-    """Compare what one probe saw in two runs; a slab of the coarser run is a whole number of slabs of the finer one."""
+def difference(coarse: ProbeResult, fine: ProbeResult, settle: float = 0.0) -> Difference:
+    """Compare what one probe saw in two runs; a slab of the coarser run is a whole number of slabs of the finer one.
+
+    `settle` is the time that lumped lines take after a front, s.
+    """
     apart, every = (round(x / y) for x, y in (
         (coarse.slab_ends[1], fine.slab_ends[1]), (coarse.record.a1.h, fine.record.a1.h)
     ))  # fmt: skip
@@ -34,12 +39,16 @@ def difference(coarse: ProbeResult, fine: ProbeResult) -> Difference:
     common = min(ends_there.shape[1], theirs.shape[1])
     at_ends = np.abs(ends_there[:, :common] - theirs[:, :common]).max(axis=1)
     n = min(len(fine.record.a1.values), every * len(coarse.record.a1.values))
-    inside, amplitude = at_ends, np.abs(ends).max(axis=1)
+    inside, blurred, amplitude = at_ends, np.zeros(2), np.abs(ends).max(axis=1)
+    narrow = SETTLES * settle
     if every * (n // every):
-        for one, other in (*_in_one_piece(coarse, fine, every, n), _in_pieces(coarse, fine, n)):
+        for one, other in (*_in_one_piece(coarse, fine, every, n), _in_pieces(coarse, fine, n, narrow, np.inf)):
             inside = np.maximum(inside, np.abs(one - other).max(axis=1, initial=0.0))
             amplitude = np.maximum(amplitude, np.abs(other).max(axis=1, initial=0.0))
-    return Difference(at_ends, inside, amplitude)
+        if settle:
+            one, other = _in_pieces(coarse, fine, n, 0.0, narrow)
+            blurred = np.abs(one - other).max(axis=1, initial=0.0)
+    return Difference(at_ends, inside, np.maximum(inside, blurred), amplitude)
 
 
 def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, n: int):
@@ -83,8 +92,10 @@ def _wave_on_slabs(wave: Wave, late: float, x: NDArray, first: int, n: int) -> N
     return seen
 
 
-def _in_pieces(coarse: ProbeResult, fine: ProbeResult, n: int) -> tuple[NDArray, NDArray]:
-    """Both runs at places of all pieces of the slabs that hold fronts, each of shape (2, instants)."""
+def _in_pieces(
+    coarse: ProbeResult, fine: ProbeResult, n: int, narrowest: float, widest: float
+) -> tuple[NDArray, NDArray]:
+    """Both runs at places of the pieces, so wide, of slabs that hold fronts, each of shape (2, instants)."""
     broken, h = _broken(coarse, fine, n), fine.record.a1.h
     if not broken.any():
         return np.empty((2, 0)), np.empty((2, 0))
@@ -92,7 +103,8 @@ def _in_pieces(coarse: ProbeResult, fine: ProbeResult, n: int) -> tuple[NDArray,
     fronts = np.concatenate([breakpoints(coarse), breakpoints(fine)]) / h
     knots = np.unique(np.concatenate([slabs, slabs + 1, fronts[(fronts > 0) & (fronts < n)]]))
     start, width = knots[:-1], np.diff(knots)
-    kept = (width > 4 * BESIDE) & broken[np.minimum((start + width / 2).astype(int), n - 1)]
+    kept = (width > max(4 * BESIDE, narrowest / h)) & (width <= widest / h)
+    kept &= broken[np.minimum((start + width / 2).astype(int), n - 1)]
     start, width = start[kept] + BESIDE, width[kept] - 2 * BESIDE
     x = np.array([*chebyshev(fine.record.a1.basis.s), 1.0])
     t = (start[:, None] + width[:, None] * x).ravel() * h

@@ -46,8 +46,8 @@ def with_losses(search: Search) -> Result:
             return replace(result, accuracy=replace(accuracy, attempts=attempts))
         again = search.run(last.resolution._replace(fit=closer), last.t[-1])
         attempts += (Attempt.of(again),)
-        ends, inside = compared(last, again)
-        told = Accuracy(search.tol, added(accuracy.estimates, ends), added(accuracy.inside, inside), attempts)
+        before, more = (accuracy.estimates, accuracy.inside, accuracy.blurred), compared(last, again)
+        told = Accuracy(search.tol, *map(added, before, more), attempts)
         if told.at_slab_ends <= search.tol:
             return replace(result, accuracy=replace(told, limit=inside_slabs(told) or accuracy.limit))
         fit = closer
