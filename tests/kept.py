@@ -38,7 +38,8 @@ def kept(scene: Scene, tol: float, finer: int = 16, order: int = 4) -> Kept:
         result = simulate(scene, tol=tol)
         told = summary(result, result.accuracy)["probes"]
         first = max(a.slab for a in result.accuracy.attempts)
-        runs = [run(scene, Resolution(order, first / n)) for n in (finer // 2, finer)]
+        end = result.t[-1] / first
+        runs = [run(scene, Resolution(order, first / n), slabs=round(n * end)) for n in (finer // 2, finer)]
     worst = Kept(result.accuracy.met, 0.0, 0.0, 0.0, 0.0, "", 0.0)
     for name, probe in result.probes.items():
         rough, fine = (each.probes[name] for each in runs)

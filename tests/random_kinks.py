@@ -127,7 +127,7 @@ def _scaled(value: dict[str, Any], by: float) -> dict[str, Any]:
 
 def _electric(rng: np.random.Generator) -> dict[str, Any]:
     return [
-        {"kind": "diode", "saturation": 1e-3, "temperature": float(10 ** rng.uniform(2, 4)), "reverse": False},
+        {"kind": "diode", "saturation": 1e-3, "temperature": float(10 ** rng.uniform(2, 3.6)), "reverse": False},
         {"kind": "diode", "saturation": 1e-6, "temperature": 1000.0, "reverse": True},
         {"kind": "table", "points": [[-1, -2], [0, 0], [0.5, 0.5], [1, 2]]},
     ][int(rng.integers(3))]

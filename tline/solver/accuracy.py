@@ -10,6 +10,7 @@ from tline.solver.difference import difference
 from tline.solver.result import Result
 
 ROUNDING = 2e-15  # relative to the amplitude; no estimate is smaller
+SLOWEST = 2 / 3  # share of a difference that a step counts as leaving, at most
 SILENT = 1e-9  # of the larger of u and z0·y; an amplitude below it is not weighed
 
 
@@ -103,6 +104,20 @@ class Accuracy:
     def at_slab_ends(self) -> float:
         """The largest estimate at slab ends; infinite if there is none."""
         return max((estimate.worst for estimate in self.estimates.values()), default=inf)
+
+    def cautious(self, before: "Accuracy | None" = None) -> "Accuracy":
+        """The same with errors inside slabs that allow for what the finer run still has of them.
+
+        Where a step leaves the share r of the difference before, the next ones leave r², r³, …; the sum of all is the
+        difference over 1 - r. Where laws bend waves r is erratic: it counts as at most two thirds, also if unknown.
+        """
+        left = self.worst / before.worst if before and 0 < before.worst < inf else SLOWEST
+        by = 1 / (1 - min(left, SLOWEST))
+        inside, blurred = (
+            {name: Estimate(by * told.u, by * told.y) for name, told in each.items()}
+            for each in (self.inside, self.blurred)
+        )
+        return replace(self, inside=inside, blurred=blurred)
 
     @property
     def met(self) -> bool:

@@ -117,7 +117,9 @@ class ProbeResult:
     slab_ends: NDArray
 
     def at(self, t: ArrayLike) -> Samples:
-        """Effort, flow and waves at any instants of the run, and before t = 0.
+        """Effort, flow and waves at any instants of the run, and before t = 0; at a jump what was before it.
+
+        Errors are as `Accuracy.inside` tells; slab ends (`t`, `u`, `y`) are more accurate.
 
         Raises
         ------

@@ -101,11 +101,11 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
     kinked, traced = kinking(search.scene), 0
     result = best = search.run(next(steps))
     attempts, accuracy, wanted = [Attempt.of(result)], Accuracy(search.tol), set(result.lines)
-    found = accuracy  # of the last comparison
+    found = told = accuracy  # of the last comparison
     while not limit:
         try:
             kinks = kinks_of(result, kinked) if traced > 1 else NO_KINKS
-            finer = search.run(steps.send((helps, found.met)), kinks=kinks)
+            finer = search.run(steps.send((helps, told.met)), kinks=kinks)
         except StopIteration:
             limit = "order and slab are as fine as they may be"
             break
@@ -113,13 +113,14 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
             limit = f"{error.where}: {error.problem}"
             break
         before, found = found, Accuracy(search.tol, *compared(result, finer))
-        attempts[-1] = replace(attempts[-1], estimate=found.worst)
+        told = found.cautious(before)
+        attempts[-1] = replace(attempts[-1], estimate=told.worst)
         attempts.append(Attempt.of(finer))
-        if better(found, accuracy):
-            best, accuracy = with_errors(result, finer), found
+        if better(told, accuracy):
+            best, accuracy = with_errors(result, finer), told
         blind = finer.resolution.blind
         doubled = finer.resolution.cells != result.resolution.cells or not cells
-        if before.worst < inf and found.met and doubled and not blind:
+        if before.worst < inf and told.met and doubled and not blind:
             break
         narrowed = finer.resolution.h < result.resolution.h
         helps = not blind and gained(before, found) <= HELPS
@@ -129,7 +130,7 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
             lines = [line for _, names in kinked.values() for line in names]
             search = search._replace(record=[*dict.fromkeys([*search.record, *lines])])
         stale = stale + 1 if narrowed and not blind and gained(before, found) >= 1.0 else 0
-        limit = limit_of(attempts, stale, search) or (not blind and inside_limit(attempts, found))
+        limit = limit_of(attempts, stale, search) or (not blind and inside_limit(attempts, told))
         result = finer
     damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
     unresolved = tuple(note for note in best.unresolved if note not in damped)

@@ -72,7 +72,7 @@ def _refined(search: Search) -> tuple[Result, Result]:
     while not limit:
         last = search.run(last.resolution._replace(h=last.resolution.h / 2), first.t[-1])
         finer = seen_at_ends(first, last)
-        found = Accuracy(search.tol, *compared(seen, finer))
+        found = Accuracy(search.tol, *compared(seen, finer)).cautious()
         attempts[-1] = replace(attempts[-1], estimate=found.worst)
         attempts.append(Attempt.of(last))
         stale = stale + 1 if gained(accuracy, found) >= 1.0 else 0
@@ -134,4 +134,4 @@ def _judged(above: Row, row: Row, tol: float) -> Iterator[tuple[Result, Accuracy
     """Entries of a row with their differences to those above."""
     for powers in above.keys() & row.keys():
         coarse, fine = above[powers], row[powers]
-        yield fine, Accuracy(tol, *compared(coarse, fine))
+        yield fine, Accuracy(tol, *compared(coarse, fine))  # of the coarser one: no caution is needed
