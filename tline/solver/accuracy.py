@@ -10,7 +10,8 @@ from tline.solver.difference import difference
 from tline.solver.result import Result
 
 ROUNDING = 2e-15  # relative to the amplitude; no estimate is smaller
-SLOWEST = 2 / 3  # share of a difference that a step counts as leaving, at most
+SLOWEST = 0.5  # share of a difference that a step counts as leaving, at most
+BETWEEN = 1.5  # times the largest difference at the places that are compared: what lies between them
 SILENT = 1e-9  # of the larger of u and z0·y; an amplitude below it is not weighed
 
 
@@ -109,10 +110,10 @@ class Accuracy:
         """The same with errors inside slabs that allow for what the finer run still has of them.
 
         Where a step leaves the share r of the difference before, the next ones leave r², r³, …; the sum of all is the
-        difference over 1 - r. Where laws bend waves r is erratic: it counts as at most two thirds, also if unknown.
+        difference over 1 - r. Where laws bend waves r is erratic: it counts as at most a half, also if unknown.
         """
         left = self.worst / before.worst if before and 0 < before.worst < inf else SLOWEST
-        by = 1 / (1 - min(left, SLOWEST))
+        by = BETWEEN / (1 - min(left, SLOWEST))
         inside, blurred = (
             {name: Estimate(by * told.u, by * told.y) for name, told in each.items()}
             for each in (self.inside, self.blurred)
