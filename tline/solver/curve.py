@@ -157,13 +157,13 @@ def _highest(
     few = min(CANDIDATES, len(t))
     at = np.unique(np.concatenate([np.argpartition(-each, few - 1)[:few] for each in (rising, rising + gain)]))
     found, width = t[at], span / max(DENSE // (len(shown.slab_ends) - 1), PLACES)
-    around = np.linspace(-1.0, 1.0, AROUND)
+    around, heights = np.linspace(-1.0, 1.0, AROUND), rising[at]
     for _ in range(ZOOMS):
         near = np.clip(found[:, None] + width * around, 0.0, shown.slab_ends[-1])
         height = sign * getattr(shown.at(near.ravel()), letter).reshape(near.shape)
         best = height.argmax(axis=1)[:, None]
-        found, width = np.take_along_axis(near, best, 1)[:, 0], width * 4 / AROUND
-    heights = np.take_along_axis(height, best, 1)[:, 0]
+        found, heights = (np.take_along_axis(each, best, 1)[:, 0] for each in (near, height))
+        width *= 4 / AROUND
     higher = heights > rising.max() + noise
     found, heights = found[higher], heights[higher]
     return extreme(np.append(values, sign * heights), np.append(t, found), sign)

@@ -5,7 +5,7 @@ i the flow, e + ρ i rises along the graph for any ρ > 0, and passes each point
 accurate as its order; so the instant is sought on the piece before or behind, continued into the one that has it.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -64,7 +64,7 @@ def kinks_of(result: Result, elements: Mapping[str, tuple[Element, list[str]]]) 
     return found
 
 
-def _points(law: Law) -> list[tuple[float | None, float | None]] | None:
+def _points(law: Law) -> Sequence[tuple[float | None, float | None]] | None:
     """Points (e, i) at which a law's graph bends, one of them None if the other tells; None of a smooth law."""
     c = law.constants
     if law.kind == "quadratic":
