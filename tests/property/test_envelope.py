@@ -1,5 +1,6 @@
 """An envelope taken on the way, window by window, is that of a run whose record is kept whole."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,20 +12,23 @@ from random_scenes import random_scene
 from tline.errors import InputError
 from tline.scene.file import read_scene
 from tline.solver import march
+from tline.solver.curve import extremes
 from tline.solver.nodes import nodes_of
 from tline.solver.resolution import resolution
+from tline.solver.result import ProbeResult
 from tline.solver.run import run
 from tline.solver.simulate import simulate
 
 SEEDS = st.integers(0, 10**6)
 SAME = 1e-12  # roundings of another order
+CLOSE = 1e-6  # places searched in a slab
 
 
 def windowed_as_whole(scene, chosen, window):
     """Compare the two; `window` is in slabs."""
     lines = scene.lines
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(march, "CHUNK", 2 * len(lines) * chosen.s * window)
+        patch.setattr(march, "LOOK", 2 * len(lines) * chosen.s * window)
         whole = run(scene, chosen, record=lines)
         windowed = run(scene, chosen, envelope=True)
     assert windowed.envelope is not None
@@ -35,15 +39,14 @@ def windowed_as_whole(scene, chosen, window):
     assert np.abs(once - again).max() <= SAME * np.abs(once).max()
     for node in windowed.envelope.nodes:
         name, line = next((name, line) for name, line in lines.items() if node in line.nodes)
-        record = whole.lines[name]
-        a, b = (record.a1, record.b1) if line.nodes[0] == node else (record.a2, record.b2)
-        u = (a.at_slab_ends() + b.at_slab_ends()) / 2
-        seen, close = windowed.envelope.of(node), SAME * np.abs(u).max()
-        assert seen["start"] == pytest.approx(u[0], abs=close)
-        assert seen["lowest"] == pytest.approx(u.min(), abs=close)
-        assert seen["highest"] == pytest.approx(u.max(), abs=close)
-        for at, level in (("lowest_at", u.min()), ("highest_at", u.max())):
-            assert u[round(seen[at] / chosen.h)] == pytest.approx(level, abs=close)
+        share = float(line.nodes[0] != node)
+        probe = ProbeResult(node, name, share, replace(whole.lines[name], smeared=False), whole.t)
+        seen, close = windowed.envelope.of(node), CLOSE * np.abs(probe.u).max()
+        assert seen["start"] == pytest.approx(probe.u[0], abs=close)
+        for extreme, (level, _) in zip(("lowest", "highest"), extremes(probe, "u"), strict=True):
+            assert seen[extreme] == pytest.approx(level, abs=close)
+            at = seen[f"{extreme}_at"] + np.array([-1e-7, 0.0, 1e-7]) * chosen.h  # either side of a jump
+            assert np.abs(probe.at(np.clip(at, 0.0, probe.t[-1])).u - level).min() <= 10 * close
 
 
 @settings(max_examples=20, deadline=None)

@@ -3,8 +3,6 @@
 from dataclasses import asdict
 from typing import Any
 
-import numpy as np
-
 from tline.cli.aligned import aligned
 from tline.cli.energies import ledger_as_dict
 from tline.cli.measured import model_as_dict, model_in_words, network_as_dict, network_in_words
@@ -14,9 +12,9 @@ from tline.scene.mistakes import place
 from tline.scene.touchstone import Touchstone
 from tline.solver.accuracy import Accuracy
 from tline.solver.cells import fits
-from tline.solver.curve import curve, extreme
+from tline.solver.curve import extremes
 from tline.solver.lossy import lumps_in
-from tline.solver.result import Result
+from tline.solver.result import ProbeResult, Result
 from tline.solver.simulate import judged
 
 SMALL = 1e8  # line-end samples of a run fixed by hand that is worth another one, only to judge it
@@ -33,25 +31,21 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
     """Resolution, and smallest, largest and last value of every probe and its estimated error, in SI."""
     probes: dict[str, Any] = {}
     for name, probe in result.probes.items():
-        seen = curve(probe)
         probes[name] = {}
         for word, letter, unit, _ in quantities(result.scene):
-            values = getattr(seen, letter)
-            low, high = extreme(values, seen.t, -1), extreme(values, seen.t, 1)
+            low, high = extremes(probe, letter)
             probes[name][word] = {
                 "unit": unit,
                 "minimum": low[0],
                 "minimum_time": low[1],
                 "maximum": high[0],
                 "maximum_time": high[1],
-                "end": float(values[-1]),
+                "end": float(getattr(probe, letter)[-1]),
             }
             if accuracy and accuracy.estimates:
-                relative = getattr(accuracy.estimates[name], "y" if letter == "y" else "u")
-                amplitude = float(np.abs(probe.y if letter == "y" else probe.gauge_pressure).max())
-                amplitude /= probe.height.per_metre if letter == "head" else 1.0
-                probes[name][word]["error"] = relative * amplitude
-                probes[name][word]["error_inside_slabs"] = max(relative, accuracy.inside[name]) * amplitude
+                size, known = _amplitude(probe, letter), "y" if letter == "y" else "u"
+                probes[name][word]["error"] = getattr(accuracy.estimates[name], known) * size
+                probes[name][word]["error_inside_slabs"] = getattr(accuracy.blurred[name], known) * size
     return {
         "title": result.scene.title,
         "medium": result.medium.name,
@@ -87,6 +81,13 @@ def _measured_in_words(result: Result) -> list[str]:
         + (model_in_words(x.model) if isinstance(x, Touchstone) else network_in_words(x.model))
         for where, x in result.scene.measured.items()
     ]
+
+
+def _amplitude(probe: ProbeResult, letter: str) -> float:
+    """What estimates are relative to, in the unit of a quantity: of a head as much as of the gauge pressure."""
+    low, high = extremes(probe, "y" if letter == "y" else "gauge_pressure")
+    size = max(abs(low[0]), abs(high[0]))
+    return size / probe.height.per_metre if letter == "head" else size
 
 
 def _losses(result: Result) -> dict[str, Any]:
@@ -131,7 +132,8 @@ def _told(accuracy: Accuracy) -> dict[str, Any]:
         "met": None if accuracy.tol is None else accuracy.met,
         "limit": accuracy.limit,
         "estimate": accuracy.worst,
-        "inside_slabs": accuracy.inside,
+        "estimate_at_slab_ends": accuracy.at_slab_ends,
+        "inside_slabs": {name: estimate.worst for name, estimate in accuracy.inside.items()},
         "runs": [asdict(attempt) for attempt in accuracy.attempts],
     }
 
@@ -172,10 +174,9 @@ def _in_words(accuracy: Accuracy | None) -> str:
     """What was asked, reached and spent."""
     if accuracy is None:
         return "error not estimated: the run is long, and fixed by hand"
-    worst = max(accuracy.estimates, key=lambda name: accuracy.estimates[name].worst, default=None)
+    worst = max(accuracy.inside, key=lambda name: accuracy.inside[name].worst, default=None)
     reached = f"estimated error {accuracy.worst:.1g} of the amplitude at '{worst}'" if worst else "no estimate"
-    inside = max(accuracy.inside.values(), default=0.0)
-    reached += f" (inside slabs up to {inside:.1g})" if inside > 10 * accuracy.worst else ""
+    reached += f" ({accuracy.at_slab_ends:.1g} at slab ends)" if accuracy.worst > 10 * accuracy.at_slab_ends else ""
     if accuracy.tol is None:
         return f"{reached}, from a run of the next order"
     runs, seconds = len(accuracy.attempts), sum(attempt.seconds for attempt in accuracy.attempts)

@@ -1,22 +1,23 @@
 """How accurate a run is: what runs of rising order, or on narrower slabs, leave of their differences."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf
 
 import numpy as np
 
+from tline.solver.difference import difference
 from tline.solver.result import Result
 
 ROUNDING = 2e-15  # relative to the amplitude; no estimate is smaller
-PLACES = np.array([0.01, 0.25, 0.5, 0.75])  # in a slab
-LOOKED_INTO = 2000  # slabs
+SLOWEST = 0.5  # share of a difference that a step counts as leaving, at most
+BETWEEN = 1.5  # times the largest difference at the places that are compared: what lies between them
 SILENT = 1e-9  # of the larger of u and z0·y; an amplitude below it is not weighed
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """Estimated largest errors at one probe, at slab ends, each relative to its own amplitude.
+    """Estimated largest errors at one probe, each relative to its own amplitude.
 
     Parameters
     ----------
@@ -44,7 +45,7 @@ class Attempt:
     slab : float
         Width of a slab, s.
     estimate : float or None
-        The worst of all probes; None where there is nothing to compare with yet.
+        The worst of all probes, at any instant; None where there is nothing to compare with yet.
     samples : int
         Line-end samples computed.
     seconds : float
@@ -76,26 +77,49 @@ class Accuracy:
     tol : float or None
         What was asked; None for a run fixed by hand.
     estimates : dict of str to Estimate
-        By probe.
+        By probe, at slab ends.
+    inside : dict of str to Estimate
+        By probe, at any instant of the run. Between slab ends the order is lower, and laws and fronts may bend waves
+        there: this is never smaller than at slab ends, and it is what the tolerance is about.
+    blurred : dict of str to Estimate
+        The same with the time in which lumped lines settle after a front; what they do there is not resolved, and no
+        tolerance is asked of it.
     attempts : tuple of Attempt
         All runs; that of the result is the one before the finest that it was compared with.
-    inside : dict of str to float
-        Between slab ends the order is lower and fronts may pass: largest difference there to the next finer run,
-        relative to the amplitude of u, by probe.
     limit : str
         What kept the tolerance from being met; empty if nothing did.
     """
 
     tol: float | None
-    estimates: Mapping[str, Estimate]
-    attempts: tuple[Attempt, ...]
-    inside: Mapping[str, float] = field(default_factory=dict)
+    estimates: Mapping[str, Estimate] = field(default_factory=dict)
+    inside: Mapping[str, Estimate] = field(default_factory=dict)
+    blurred: Mapping[str, Estimate] = field(default_factory=dict)
+    attempts: tuple[Attempt, ...] = ()
     limit: str = ""
 
     @property
     def worst(self) -> float:
-        """The largest estimate; infinite if there is none."""
+        """The largest estimate at any instant of any probe; infinite if there is none."""
+        return max((estimate.worst for estimate in self.inside.values()), default=inf)
+
+    @property
+    def at_slab_ends(self) -> float:
+        """The largest estimate at slab ends; infinite if there is none."""
         return max((estimate.worst for estimate in self.estimates.values()), default=inf)
+
+    def cautious(self, before: "Accuracy | None" = None) -> "Accuracy":
+        """The same with errors inside slabs that allow for what the finer run still has of them.
+
+        Where a step leaves the share r of the difference before, the next ones leave r², r³, …; the sum of all is the
+        difference over 1 - r. Where laws bend waves r is erratic: it counts as at most a half, also if unknown.
+        """
+        left = self.worst / before.worst if before and 0 < before.worst < inf else SLOWEST
+        by = BETWEEN / (1 - min(left, SLOWEST))
+        inside, blurred = (
+            {name: Estimate(by * told.u, by * told.y) for name, told in each.items()}
+            for each in (self.inside, self.blurred)
+        )
+        return replace(self, inside=inside, blurred=blurred)
 
     @property
     def met(self) -> bool:
@@ -103,34 +127,23 @@ class Accuracy:
         return self.tol is None or (self.worst <= self.tol and not self.limit)
 
 
-def apart(coarse: Result, fine: Result) -> dict[str, Estimate]:
-    """Errors of a run by its largest differences, at common slab ends, to a finer one."""
-    every = round(coarse.resolution.h / fine.resolution.h)
-    found = {}
+def compared(coarse: Result, fine: Result) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
+    """Errors of a run by its largest differences to a finer one: `estimates`, `inside` and `blurred` of `Accuracy`."""
+    told: tuple[dict[str, Estimate], ...] = {}, {}, {}
     for name, probe in fine.probes.items():
-        ours, theirs = (np.stack([p.gauge_pressure, p.record.z0 * p.y]) for p in (probe, coarse.probes[name]))
-        ours = ours[:, ::every]
-        n = min(ours.shape[1], theirs.shape[1])
-        amplitude = np.abs(ours).max(axis=1)
-        difference = np.abs(ours[:, :n] - theirs[:, :n]).max(axis=1)
-        heard = amplitude > SILENT * amplitude.max()
-        relative = np.where(heard, difference / np.where(heard, amplitude, 1.0), 0.0)
-        found[name] = Estimate(*(max(float(e), ROUNDING) if e > 0 else 0.0 for e in relative))
-    return found
+        found = difference(coarse.probes[name], probe, fine.resolution.settle)
+        heard = found.amplitude > SILENT * found.amplitude.max()
+        for each, size in zip(told, found[:3], strict=True):
+            relative = np.where(heard, size / np.where(heard, found.amplitude, 1.0), 0.0)
+            each[name] = Estimate(*(max(float(e), ROUNDING) if e > 0 else 0.0 for e in relative))
+    return told
 
 
-def apart_inside(coarse: Result, fine: Result) -> dict[str, float]:
-    """Largest difference of u at some places inside the fine slabs, by probe, relative to its amplitude."""
-    slabs = fine.t[:-1]
-    slabs = slabs[:: len(slabs) // LOOKED_INTO + 1]
-    t = (slabs[:, None] + fine.resolution.h * PLACES).ravel()
-    t = t[t < min(coarse.t[-1], fine.t[-1])]
-    found = {}
-    for name, probe in fine.probes.items():
-        u = probe.at(t).u
-        amplitude = float(np.abs(probe.gauge_pressure).max()) or 1.0
-        found[name] = float(np.abs(u - coarse.probes[name].at(t).u).max()) / amplitude
-    return found
+def with_errors(result: Result, other: Result) -> Result:
+    """A result whose envelope, if it has one, knows its differences to that of another run."""
+    if result.envelope is None or other.envelope is None:
+        return result
+    return replace(result, envelope=result.envelope.compared(other.envelope))
 
 
 def added(one: Mapping[str, Estimate], other: Mapping[str, Estimate]) -> dict[str, Estimate]:

@@ -11,10 +11,12 @@ DENSE = 4000  # instants
 AFTER = 1e-8  # slabs behind an edge where the value just after it is taken
 ROUGH = 1e-2  # of the wave's range: larger in the highest degrees, and at a slab's edge, means a front inside it
 NOISE = 1e-13  # of the largest wave; a smaller effort, or flow times z0, is zero
+PLACES = 5  # in a slab, at least, where extremes are looked for
+CANDIDATES, AROUND, ZOOMS = 16, 17, 5  # samples from which polynomials are searched, places round each, and how often
 WIDEST = 4  # slabs over which a front may have spread
 
 
-def curve(probe: ProbeResult) -> Samples:
+def curve(probe: ProbeResult, least: int = 2) -> Samples:
     """What a probe saw along the whole run, several instants a slab and both sides of every front and slab's edge.
 
     A jump gives two values at one instant. Where a front was not followed, the polynomial of its slab wiggles round it;
@@ -24,15 +26,17 @@ def curve(probe: ProbeResult) -> Samples:
     ----------
     probe : ProbeResult
         Probe of a finished run.
+    least : int, from 2
+        Instants in a slab, edges included, where there are many slabs.
 
     Returns
     -------
     Samples
-        At some four thousand instants, or two a slab if there are more slabs.
+        At some four thousand instants, or so many a slab if there are more slabs.
     """
     shown = replace(probe, record=drawable(probe.record))
     n, h = len(probe.slab_ends) - 1, float(probe.slab_ends[1])
-    local = np.linspace(0.0, 1.0, max(DENSE // n, 2))
+    local = np.linspace(0.0, 1.0, max(DENSE // n, least))
     after = np.where(local == 0.0, AFTER, local)
     offsets = np.array([probe.share, 1.0 - probe.share]) * probe.record.delay / h % 1.0
     edges = offsets[(offsets > AFTER) & (offsets < 1.0 - 2 * AFTER) & (0.0 < probe.share < 1.0)]
@@ -123,8 +127,51 @@ def _bridged(wave: Wave, largest: float) -> Wave:
     return replace(wave, values=values)
 
 
+def extremes(probe: ProbeResult, letter: str) -> tuple[tuple[float, float], tuple[float, float]]:
+    """The smallest and the largest value of the curve, and when each is first reached.
+
+    Slabs are sampled; where values, or parabolas through three of them, come highest, the polynomials are searched.
+
+    Parameters
+    ----------
+    probe : ProbeResult
+        Probe of a finished run.
+    letter : {"u", "gauge_pressure", "head", "y", "a", "b"}
+        What of it.
+    """
+    seen, shown = curve(probe, PLACES), replace(probe, record=drawable(probe.record))
+    values = getattr(seen, letter)
+    unit = {"y": probe.record.z0, "head": probe.height.per_metre}.get(letter, 1.0)
+    noise = NOISE * max(abs(seen.a).max(), abs(seen.b).max()) / unit
+    low, high = (_highest(shown, letter, seen.t, values, sign, noise) for sign in (-1, 1))
+    return low, high
+
+
+def _highest(
+    shown: ProbeResult, letter: str, t: NDArray, values: NDArray, sign: int, noise: float
+) -> tuple[float, float]:
+    rising, span = sign * values, float(shown.slab_ends[1])
+    fall = 2 * rising[1:-1] - rising[2:] - rising[:-2]
+    top = (rising[1:-1] >= rising[2:]) & (rising[1:-1] >= rising[:-2]) & (fall > 0)
+    gain = np.zeros(len(rising))
+    gain[1:-1][top] = (rising[2:] - rising[:-2])[top] ** 2 / (8 * fall[top])
+    few = min(CANDIDATES, len(t))
+    at = np.unique(np.concatenate([np.argpartition(-each, few - 1)[:few] for each in (rising, rising + gain)]))
+    found, width = t[at], span / max(DENSE // (len(shown.slab_ends) - 1), PLACES)
+    around, heights = np.linspace(-1.0, 1.0, AROUND), rising[at]
+    for _ in range(ZOOMS):
+        near = np.clip(found[:, None] + width * around, 0.0, shown.slab_ends[-1])
+        height = sign * getattr(shown.at(near.ravel()), letter).reshape(near.shape)
+        best = height.argmax(axis=1)[:, None]
+        found, heights = (np.take_along_axis(each, best, 1)[:, 0] for each in (near, height))
+        width *= 4 / AROUND
+    higher = heights > rising.max() + noise
+    found, heights = found[higher], heights[higher]
+    return extreme(np.append(values, sign * heights), np.append(t, found), sign)
+
+
 def extreme(samples: NDArray, t: NDArray, sign: int) -> tuple[float, float]:
     """The largest value (sign 1) or the smallest (sign -1), and when it is first reached, rounding aside."""
     best = (sign * samples).max()
-    first = int(np.argmax(sign * samples >= best - 1e-9 * np.ptp(samples)))
-    return float(sign * best) + 0.0, float(t[first])  # no negative zero
+    reached = sign * samples >= best - 1e-9 * np.ptp(samples)
+    return float(sign * best) + 0.0, float(t[reached].min())  # no negative zero

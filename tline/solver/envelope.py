@@ -1,7 +1,7 @@
 """The lowest and highest effort at every node, and when, without a record of all that lies between."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,13 +9,18 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.scene.heights import Height
 from tline.solver.assemble import Assembly
+from tline.solver.difference import chebyshev
+from tline.solver.elements import BREAKING
+from tline.solver.march import Noted
+from tline.solver.radau import Basis
 
 ROUNDING = 1e-12  # what tops an extreme by less, relatively, is the same one again
+SEARCHED = np.linspace(0.0, 1.0, 129)  # places of a slab where its extreme is looked for
 
 
 @dataclass(frozen=True, eq=False)
 class Envelope:
-    """Extremes at nodes, at slab ends.
+    """Extremes at nodes, at any instant; in scenes with cavities or air valves, whose fronts are blurred, at slab ends.
 
     Attributes
     ----------
@@ -27,6 +32,8 @@ class Envelope:
         Pa or V.
     lowest_at, highest_at : ndarray, shape (nodes,)
         When they are first reached, s.
+    lowest_error, highest_error : ndarray, shape (nodes,)
+        By how much they differ from those of the next finer run, Pa or V; not a number if there is none.
     weight, per_metre : ndarray, shape (nodes,)
         Density·g·elevation, Pa, by which the piezometric pressure exceeds the gauge pressure, and density·g, Pa/m.
     """
@@ -35,13 +42,15 @@ class Envelope:
     start: NDArray
     lowest: NDArray
     lowest_at: NDArray
+    lowest_error: NDArray
     highest: NDArray
     highest_at: NDArray
+    highest_error: NDArray
     weight: NDArray
     per_metre: NDArray
 
     def of(self, node: str) -> dict[str, float]:
-        """Start, extremes and their instants of one node.
+        """Start, extremes, their instants and errors of one node.
 
         Raises
         ------
@@ -53,33 +62,80 @@ class Envelope:
         k = self.nodes.index(node)
         return {name: float(getattr(self, name)[k]) for name in COLUMNS}
 
+    def compared(self, other: "Envelope") -> "Envelope":
+        """The same with its differences to the envelope of another run as errors."""
+        return replace(
+            self,
+            lowest_error=np.abs(self.lowest - other.lowest),
+            highest_error=np.abs(self.highest - other.highest),
+        )
 
-COLUMNS = ("start", "lowest", "lowest_at", "highest", "highest_at")
+
+COLUMNS = ("start", "lowest", "lowest_at", "lowest_error", "highest", "highest_at", "highest_error")
 
 
 class Extremes:
     """An envelope that grows with a run."""
 
-    def __init__(self, nodes: tuple[str, ...], rows: NDArray, start: NDArray):
+    def __init__(self, nodes: tuple[str, ...], rows: NDArray, start: NDArray, order: Basis, at_ends: bool):
         self.nodes, self.rows, self.start = nodes, rows, start
         self.top = np.stack([-start, start])  # two maxima: of the negative effort, and of the effort
         self.at = np.zeros_like(self.top)
+        self.at_ends = at_ends
+        self.places = order.evaluation([1.0] if at_ends else [*chebyshev(order.s), 1.0])
+        self.searched = order.evaluation(SEARCHED)
 
-    def see(self, record: NDArray, s: int, first: int, n: int, h: float) -> None:
+    def see(self, record: NDArray, first: int, n: int, h: float, pieces: Noted) -> None:
         """Take note of n slabs from number `first` on, recorded from the first column of the record on."""
-        u = (record[self.rows, 0, s - 1 : n * s : s] + record[self.rows, 1, s - 1 : n * s : s]) / 2
-        for sign, top, at in zip((-1, 1), self.top, self.at, strict=True):
-            k = (sign * u).argmax(axis=1)
-            found = sign * u[np.arange(len(u)), k]
-            new = found > top + ROUNDING * np.abs(top)
-            top[new], at[new] = found[new], (first + 1 + k[new]) * h
+        s, rows = self.places.shape[1], np.arange(len(self.rows))
+        u = (record[self.rows, 0, : n * s] + record[self.rows, 1, : n * s]).reshape(len(rows), n, s) / 2
+        seen = u @ self.places.T
+        node = np.full(len(record), -1)
+        node[self.rows] = rows
+        ours = node[pieces.row] >= 0
+        of, slab, span = node[pieces.row[ours]], pieces.slab[ours], pieces.span[ours]
+        for k, sign in enumerate((-1, 1)):
+            height = (sign * seen).max(axis=2)
+            if not self.at_ends:
+                height[of, slab - first] = -np.inf  # in pieces
+            best = height.argmax(axis=1)
+            if self.at_ends:
+                found, late = height[rows, best], np.ones(len(rows))
+            else:
+                found, late = _searched(sign * u[rows, best] @ self.searched.T)
+                found[np.isinf(height[rows, best])] = -np.inf
+            self._note(k, rows, found, (first + best + late) * h)
+            if len(of) and not self.at_ends:
+                found, late = _searched(sign * pieces.values[ours].sum(axis=1) / 2 @ self.searched.T)
+                order = np.argsort(found)
+                when = (slab + span[:, 0] + late * (span[:, 1] - span[:, 0])) * h
+                self._note(k, of[order], found[order], when[order])
+
+    def _note(self, k: int, node: NDArray, found: NDArray, when: NDArray) -> None:
+        """Keep what is higher; of several at one node the last is the highest."""
+        top = self.top[k]
+        new = found > top[node] + ROUNDING * np.abs(top[node])
+        top[node[new]], self.at[k, node[new]] = found[new], when[new]
 
     def envelope(self, heights: Mapping[str, Height]) -> Envelope:
         """What was seen at nodes of these heights, counted from their levels."""
         (low, high), (low_at, high_at), at = self.top, self.at, [heights.get(node, Height()) for node in self.nodes]
-        level = np.array([height.level for height in at])
-        extremes = (self.start + level, level - low, low_at, high + level, high_at)
-        return Envelope(self.nodes, *extremes, np.array([h.weight for h in at]), np.array([h.per_metre for h in at]))
+        level, unknown = np.array([height.level for height in at]), np.full(len(low), np.nan)
+        extremes = (level - low, low_at, unknown, high + level, high_at, unknown)
+        weight, per_metre = np.array([h.weight for h in at]), np.array([h.per_metre for h in at])
+        return Envelope(self.nodes, self.start + level, *extremes, weight, per_metre)
+
+
+def _searched(values: NDArray) -> tuple[NDArray, NDArray]:
+    """The highest of each row, on a parabola through three neighbours, and its place in the slab."""
+    rows, k = np.arange(len(values)), values.argmax(axis=1)
+    middle = np.clip(k, 1, values.shape[1] - 2)
+    before, here, after = (values[rows, middle + j] for j in (-1, 0, 1))
+    bend = 2 * here - before - after
+    inside = (k == middle) & (bend > 0)
+    off = np.where(inside, (after - before) / np.where(inside, 2 * bend, 1.0), 0.0)
+    top = np.where(inside, here + off * (after - before) / 4, values[rows, k])
+    return top, SEARCHED[k] + off * SEARCHED[1]
 
 
 def watch(assembly: Assembly) -> Extremes:
@@ -90,4 +146,6 @@ def watch(assembly: Assembly) -> Extremes:
     new = one[network.record_row[one] < 0]
     network.record_row[new] = 2 * len(assembly.recorded) + np.arange(len(new))
     before = np.array([assembly.start[name].reshape(2, 2).mean(axis=1) for name in assembly.lines]).ravel()
-    return Extremes(tuple(assembly.nodes[k] for k in there), network.record_row[one], before[one])
+    at_ends = any(law.kind in BREAKING for law in assembly.scene.laws.values())
+    names = tuple(assembly.nodes[k] for k in there)
+    return Extremes(names, network.record_row[one], before[one], assembly.basis, at_ends)

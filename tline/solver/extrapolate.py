@@ -15,27 +15,24 @@ def extrapolated(coarse: Result, fine: Result, power: int) -> Result | None:
     The answer is on the coarse slabs: at their ends, and only there, the runs err alike. None if the runs differ in
     length, or fronts lie inside slabs.
     """
-    return _combined(coarse, fine, 1.0 / (2.0**power - 1.0))
-
-
-def seen_on(coarse: Result, fine: Result) -> Result | None:
-    """A run on the slabs of a coarser one; None in the same cases."""
-    return _combined(coarse, fine, 0.0)
-
-
-def _combined(coarse: Result, fine: Result, weight: float) -> Result | None:
-    """The fine run at the points of the coarse slabs, and a weight times its difference to the coarse one."""
     if fine.t[-1] < coarse.t[-1] - fine.resolution.h / 2:
         return None
     lines = (*coarse.lines.values(), *fine.lines.values())
     if any(len(getattr(line, wave).pieces.slab) for line in lines for wave in WAVES):
         return None
+    weight = 1.0 / (2.0**power - 1.0)
     records = {name: _record(line, fine.lines[name], weight) for name, line in coarse.lines.items()}
     probes = {
         name: replace(probe, record=records.get(probe.line) or _record(probe.record, fine.probes[name].record, weight))
         for name, probe in coarse.probes.items()  # one at coupled conductors is on no line that is recorded
     }
     return replace(coarse, lines=records, probes=probes, envelope=fine.envelope, ledger=fine.ledger)
+
+
+def seen_at_ends(coarse: Result, fine: Result) -> Result:
+    """A run with the slab ends of a coarser one for its samples; between them it is as it is."""
+    probes = {name: replace(probe, slab_ends=coarse.t) for name, probe in fine.probes.items()}
+    return replace(fine, t=coarse.t, resolution=coarse.resolution, probes=probes)
 
 
 def _record(coarse: LineRecord, fine: LineRecord, weight: float) -> LineRecord:

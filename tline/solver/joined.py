@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from tline.scene.cavities import places_of, stretches_of, with_cavities
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
-from tline.solver.envelope import Envelope
+from tline.solver.envelope import COLUMNS, Envelope
 from tline.solver.ledger.ledger import Entry, Ledger
 from tline.solver.result import LineRecord, Result
 
@@ -81,9 +81,8 @@ def _record(stretches: tuple[LineRecord, ...]) -> CutRecord:
 def _without(envelope: Envelope, places: set[str]) -> Envelope:
     """Extremes at the nodes that the scene names."""
     kept = [k for k, node in enumerate(envelope.nodes) if node not in places]
-    columns = (envelope.start, envelope.lowest, envelope.lowest_at, envelope.highest, envelope.highest_at)
-    columns += (envelope.weight, envelope.per_metre)
-    return Envelope(tuple(envelope.nodes[k] for k in kept), *(column[kept] for column in columns))
+    columns = (getattr(envelope, name)[kept] for name in (*COLUMNS, "weight", "per_metre"))
+    return Envelope(tuple(envelope.nodes[k] for k in kept), *columns)
 
 
 def _summed(ledger: Ledger, scene: Scene) -> Ledger:

@@ -14,14 +14,14 @@ from tline.errors import InputError
 from tline.scene.mistakes import place
 from tline.solver.assemble import Assembly
 from tline.solver.drive import EDGE, broken, places_of, sampled
-from tline.solver.envelope import Extremes
 from tline.solver.fronts import LIVE, LULL, NOTED, Fronts, Tally, fronts_of, sources_of, tally
 
 if TYPE_CHECKING:
+    from tline.solver.envelope import Extremes
     from tline.solver.ledger.books import Books
 
 CHUNK = 2e7  # line-end samples between two looks at the progress bar
-LOOK = 2e6  # between two looks of a ledger, which wants all pieces too
+LOOK = 2e6  # between two looks of a ledger or an envelope, which want all pieces too
 STRETCH = 1024  # slabs advanced in pieces between two looks for fronts
 
 
@@ -57,7 +57,7 @@ def march(
     assembly: Assembly,
     n: int,
     *,
-    extremes: Extremes | None = None,
+    extremes: "Extremes | None" = None,
     books: "Books | None" = None,
     progress: bool = False,
 ) -> tuple[NDArray, Run]:
@@ -82,12 +82,12 @@ def march(
 
     s = assembly.basis.s
     windowed = extremes is not None or books is not None
-    samples = LOOK if books is not None else CHUNK
+    samples = LOOK if windowed else CHUNK
     chunk = min(max(int(samples / (len(assembly.network.ends) * s)), 1), n)
     kept, rows = 2 * len(assembly.recorded), int(assembly.network.record_row.max(initial=-1)) + 1
     record = np.empty((kept, 2, n * s))
     window = np.empty((rows, 2, chunk * s)) if windowed else record
-    steps = Stepper(assembly, n, window, kept if books is None else rows)
+    steps = Stepper(assembly, n, window, rows if windowed else kept)
     steps.compile()
     with tqdm(total=n, disable=not progress, delay=2, unit="slab", unit_scale=True) as bar:
         started = time.perf_counter()
@@ -99,12 +99,12 @@ def march(
                 steps.begin_record(low)
                 steps.advance(low, high)
                 record[:, :, low * s : high * s] = window[:kept, :, : (high - low) * s]
+                pieces = joined(steps.noted[seen:], s)
                 if extremes is not None:
-                    extremes.see(window, s, low, high - low, steps.h)
+                    extremes.see(window, low, high - low, steps.h, pieces)
                 if books is not None:
-                    pieces = joined(steps.noted[seen:], s)
                     books.see(window, low, high - low, pieces)
-                    steps.noted[seen:] = [pieces.of_rows(kept)]
+                steps.noted[seen:] = [pieces.of_rows(kept)]
             bar.update(high - low)
         seconds = time.perf_counter() - started
     return record, steps.run(seconds)

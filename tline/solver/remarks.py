@@ -48,6 +48,7 @@ def lumped(chosen: Resolution) -> list[str]:
     return [
         f"lines: {named}{' and more' * (count > LISTED)} {'is' if count == 1 else 'are'} far shorter than a slab and "
         f"lumped: {n} {'cell' if n == 1 else 'cells'} of L and C each"
+        + (f"; for {chosen.settle:.3g} s and more behind a front, what they do is blurred" if chosen.settle else "")
     ]
 
 

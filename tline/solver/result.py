@@ -139,7 +139,9 @@ class ProbeResult:
     height: Height = NO_HEIGHT
 
     def at(self, t: ArrayLike) -> Samples:
-        """Effort, flow and waves at any instants of the run, and before t = 0.
+        """Effort, flow and waves at any instants of the run, and before t = 0; at a jump what was before it.
+
+        Errors are as `Accuracy.inside` tells; slab ends (`t`, `u`, `y`) are more accurate.
 
         Raises
         ------

@@ -1,7 +1,8 @@
 """One run of a scene at a stated resolution: assemble it, step the kernel, and hand back what the probes saw."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from math import ceil
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from tline.solver.assemble import Assembly, assemble
 from tline.solver.conductor import conductor, record_of
 from tline.solver.elements import BREAKING
 from tline.solver.envelope import Envelope, watch
+from tline.solver.kinks import Kinks
 from tline.solver.ledger.books import Books
 from tline.solver.march import Run, march
 from tline.solver.remarks import VISIBLE, lumped, smeared, unconnected, untouched
@@ -26,6 +28,8 @@ from tline.solver.surge import surges
 
 LARGEST_RECORD = 4e8  # samples
 LARGEST_LEDGER = 1e7  # samples at line ends, of a ledger that is not asked for: half a second
+NO_KINKS: Kinks = MappingProxyType({})
+NOWHERE = np.empty(0)
 EACH_NODE = 4000  # samples that take a ledger as long as a node
 
 
@@ -38,10 +42,12 @@ def run(
     ledger: bool | None = False,
     progress: bool = False,
     slabs: int | None = None,
+    kinks: Kinks = NO_KINKS,
 ) -> Result:
     """Run a scene with slabs of a given width and order, to its end time or for so many slabs.
 
-    `record` names lines to keep beside those of the probes; a ledger of None is kept where it costs little.
+    `record` names lines to keep beside those of the probes; a ledger of None is kept where it costs little. Slabs are
+    cut in pieces at the instants of `kinks`, s, where the elements named by its keys stand.
 
     Raises
     ------
@@ -55,6 +61,7 @@ def run(
     with uncollected():
         assembly = assemble(scene, kept, chosen, progress=progress)
     s, h = chosen.s, chosen.h
+    assembly.changes = sorted([*assembly.changes, *_cuts(assembly, kinks)])
     n = slabs or max(ceil(scene.t_end / h - 1e-9), 1)
     if 4 * len(kept) * n * s > LARGEST_RECORD:
         problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
@@ -95,6 +102,14 @@ def run(
         ledger=books and books.ledger(done.under_way),
         circuits=assembly.circuits,
     )
+
+
+def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[tuple[float, int, int]]:
+    """Changes of maps that change nothing, but begin a piece at the elements' groups."""
+    for group, places in enumerate(assembly.elements):
+        for where in places:
+            row = int(assembly.network.step_row[group])
+            yield from ((float(t), group, row) for t in kinks.get(where, NOWHERE) / assembly.resolution.h)
 
 
 def _extremes(probes: dict[str, ProbeResult], envelope: Envelope | None) -> dict[str, tuple[float, float]]:

@@ -73,8 +73,9 @@ def save_envelope(result: Result, path: str | Path) -> None:
     heights, words = bool(result.scene.heights), ("start", "lowest", "highest")
     effort = "gauge pressure" if heights else result.medium.effort
     start, lowest, highest = (f"{what} {effort} [{unit}]" for what in words)
+    error = f"± error [{unit}]"
     columns = [getattr(envelope, name) - envelope.weight * (name in words) for name in COLUMNS]
-    head = ["node", start, lowest, "at [s]", highest, "at [s]"]
+    head = ["node", start, lowest, "at [s]", error, highest, "at [s]", error]
     if heights:
         head += [f"{word} head [m]" for word in words]
         columns += [getattr(envelope, word) / envelope.per_metre for word in words]

@@ -2,20 +2,25 @@
 
 from collections.abc import Generator, Mapping
 from dataclasses import replace
-from math import inf
+from itertools import pairwise
+from math import inf, log2
 from typing import NamedTuple
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.scene.vessel import Boiling
-from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside
+from tline.solver.accuracy import Accuracy, Attempt, compared, with_errors
+from tline.solver.kinks import Kinks, kinking, kinks_of
 from tline.solver.nodes import NONE, nodes_of
 from tline.solver.resolution import FIT, Resolution, resolution
 from tline.solver.result import Result
-from tline.solver.run import run
+from tline.solver.run import NO_KINKS, run
 from tline.solver.short import short_lines
 
 FIRST, LAST = 2, 12  # orders
+MOST_INSIDE = 2e6  # line-end samples in all runs together, for the sake of instants inside slabs alone
+TRIED = 2  # halvings of the slab, from which the next ones are foretold
+TRACED = 4  # runs in which kinks are followed before slabs are narrowed again
 HELPS = 0.5  # a step that leaves more of the difference than this does not converge
 STALE = 2  # halvings of the slab in a row that may bring nothing
 MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
@@ -39,7 +44,7 @@ class Search(NamedTuple):
     envelope: bool = False
     ledger: bool | None = False
 
-    def run(self, chosen: Resolution, end: float | None = None) -> Result:
+    def run(self, chosen: Resolution, end: float | None = None, kinks: Kinks = NO_KINKS) -> Result:
         """One run, to the scene's end time or to another."""
         slabs = None if end is None else round(end / chosen.h)
         return run(
@@ -50,6 +55,7 @@ class Search(NamedTuple):
             ledger=self.ledger,
             progress=self.progress,
             slabs=slabs,
+            kinks=kinks,
         )
 
 
@@ -87,38 +93,100 @@ def _cost_of_lines(scene: Scene) -> tuple[float, str]:
 def refined(search: Search, cells: Mapping[str, int]) -> Result:
     """Raise the order and narrow the slab until the next finer run differs by no more than the tolerance.
 
-    From where that is so on, lines in cells have twice as many in each finer run: the last must have.
+    From where that is so on, lines in cells have twice as many in each finer run: the last must have. Slab ends come
+    first; what is left inside slabs is worked on while that promises to be enough. Where a higher order does not help
+    and laws kink, slabs are from then on cut in pieces where they did in the run before.
     """
     steps, limit, stale, helps = _finer(search, cells), "", 0, True
+    kinked, traced = kinking(search.scene), 0
     result = best = search.run(next(steps))
-    attempts, accuracy = [Attempt.of(result)], Accuracy(search.tol, {}, ())
-    found = accuracy  # of the last comparison
+    attempts, accuracy, wanted = [Attempt.of(result)], Accuracy(search.tol), set(result.lines)
+    found = told = accuracy  # of the last comparison
     while not limit:
         try:
-            finer = search.run(steps.send((helps, found.met)))
+            kinks = kinks_of(result, kinked) if traced > 1 else NO_KINKS
+            finer = search.run(steps.send((helps, told.met)), kinks=kinks)
         except StopIteration:
             limit = "order and slab are as fine as they may be"
             break
         except InputError as error:
             limit = f"{error.where}: {error.problem}"
             break
-        before, found = found.worst, Accuracy(search.tol, apart(result, finer), (), apart_inside(result, finer))
-        attempts[-1] = replace(attempts[-1], estimate=found.worst)
+        before, found = found, Accuracy(search.tol, *compared(result, finer))
+        told = found.cautious(before)
+        attempts[-1] = replace(attempts[-1], estimate=told.worst)
         attempts.append(Attempt.of(finer))
-        if found.worst <= accuracy.worst:
-            best, accuracy = result, found
+        if better(told, accuracy):
+            best, accuracy = with_errors(result, finer), told
         blind = finer.resolution.blind
         doubled = finer.resolution.cells != result.resolution.cells or not cells
-        if before < inf and found.met and doubled and not blind:
+        if before.worst < inf and told.met and doubled and not blind:
             break
-        helps = not blind and found.worst <= HELPS * before
         narrowed = finer.resolution.h < result.resolution.h
-        stale = stale + 1 if narrowed and not blind and found.worst >= before else 0
-        limit = limit_of(attempts, stale, search)
+        helps = not blind and gained(before, found) <= HELPS
+        if traced or (kinked and not helps and not blind):
+            traced += 1
+            helps |= traced <= TRACED
+            lines = [line for _, names in kinked.values() for line in names]
+            search = search._replace(record=[*dict.fromkeys([*search.record, *lines])])
+        stale = stale + 1 if narrowed and not blind and gained(before, found) >= 1.0 else 0
+        limit = limit_of(attempts, stale, search) or (not blind and inside_limit(attempts, told))
         result = finer
     damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
     unresolved = tuple(note for note in best.unresolved if note not in damped)
-    return replace(best, unresolved=unresolved, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit))
+    limit = limit and (inside_slabs(accuracy) or limit)
+    lines = {name: record for name, record in best.lines.items() if name in wanted}
+    accuracy = replace(accuracy, attempts=tuple(attempts), limit=limit)
+    return replace(best, lines=lines, unresolved=unresolved, accuracy=accuracy)
+
+
+def rank(found: Accuracy) -> tuple[float, float]:
+    """What orders runs by their accuracy: slab ends first, as long as these are not as asked; then any instant."""
+    assert found.tol is not None
+    return max(found.at_slab_ends, found.tol), found.worst
+
+
+def better(found: Accuracy, best: Accuracy) -> bool:
+    """Whether a run is at least as accurate as another."""
+    return rank(found) <= rank(best)
+
+
+def gained(before: Accuracy, found: Accuracy) -> float:
+    """What a step left of the difference: at slab ends as long as these are not as asked, and then inside."""
+    assert found.tol is not None
+    here, there = (
+        (accuracy.at_slab_ends if found.at_slab_ends > found.tol else accuracy.worst) for accuracy in (found, before)
+    )
+    return here / there if there > 0 else inf
+
+
+def inside_limit(attempts: list[Attempt], found: Accuracy) -> str:
+    """What forbids finer runs for the sake of instants inside slabs: that they would not be enough."""
+    assert found.tol is not None
+    if found.at_slab_ends > found.tol or found.worst <= found.tol:
+        return ""
+    told = [(a.slab, a.estimate) for a in attempts if a.estimate is not None]
+    halvings = [worst for (h, _), (slab, worst) in pairwise(told) if slab < h]
+    samples = sum(a.samples for a in attempts)
+    left = log2(max(MOST_INSIDE / samples, 1.0))
+    if left < 1:
+        return "no room"
+    if len(halvings) < TRIED:
+        return ""
+    widest = max(worst for slab, worst in told if slab > told[-1][0])
+    pace = (widest / found.worst) ** (1 / len(halvings))
+    return "" if pace > 1 and found.worst <= found.tol * pace**left else "too slow"
+
+
+def inside_slabs(accuracy: Accuracy) -> str:
+    """What kept the tolerance from being met, if that was not at slab ends."""
+    if accuracy.tol is None or accuracy.at_slab_ends > accuracy.tol or accuracy.worst <= accuracy.tol:
+        return ""
+    name, told = max(accuracy.inside.items(), key=lambda item: item[1].worst)
+    return (
+        f"inside slabs the error at '{name}' is up to {told.worst:.1g}, where a law or a front bends the wave; at slab "
+        f"ends it is {accuracy.at_slab_ends:.1g}: read values there, ask for less, or give a narrower slab"
+    )
 
 
 def limit_of(attempts: list[Attempt], stale: int, search: Search) -> str:

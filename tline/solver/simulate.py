@@ -10,7 +10,7 @@ from tline.scene.own import own_elements, own_mistakes
 from tline.scene.parted import parted
 from tline.scene.quantity import TOLERANCE
 from tline.scene.scene import Scene
-from tline.solver.accuracy import Accuracy, Attempt, apart, apart_inside
+from tline.solver.accuracy import Accuracy, Attempt, compared
 from tline.solver.joined import joined, recorded
 from tline.solver.nodes import nodes_of
 from tline.solver.resolution import Resolution, resolution
@@ -40,9 +40,10 @@ def simulate(
 ) -> Result:
     """Simulate a scene from t = 0 to its end time.
 
-    Order and slab are raised and narrowed until the estimated error of all probes is within the tolerance. The error
-    of a run is its difference, at common slab ends, to the next finer one; the result is the run before the last.
-    Where a higher order leaves more than half of the difference, the slab is halved instead. Lines far shorter than a
+    Order and slab are raised and narrowed until the estimated error of all probes, at any instant, is within the
+    tolerance. The error of a run is its difference to the next finer one; the result is the run before the last.
+    Where a higher order leaves more than half of the difference, the slab is halved instead; where laws kink, slabs
+    are cut in pieces. Lines far shorter than a
     slab are lumped, each in as many cells of L and C as the tolerance needs: the next finer run has twice as many. A
     scene that fixes order or slab by hand and asks for no tolerance is run once.
 
@@ -54,7 +55,7 @@ def simulate(
     scene : Scene
         What to simulate.
     tol : float, 1e-13 to 0.1
-        Largest error of effort and flow at slab ends, relative to their amplitudes at each probe, instead of the
+        Largest error of effort and flow at any instant, relative to their amplitudes at each probe, instead of the
         scene's ``solver.tol``; 1e-6 where there is neither.
     record : iterable of str
         Lines whose end waves are kept in addition to those of the probes.
@@ -101,6 +102,8 @@ def simulate(
     >>> result = simulate(scene, tol=1e-9)
     >>> result.accuracy.met, result.accuracy.estimates["far"].u < 1e-9
     (True, True)
+    >>> bool(abs(result.probes["far"].at(12.34e-9).u) <= 2), result.accuracy.worst <= 1e-9  # at any instant
+    (True, True)
     """
     whole = parted(scene)
     if whole is not scene:
@@ -133,9 +136,8 @@ def judged(result: Result) -> Accuracy:
     s, h, scene = result.resolution.s, result.resolution.h, (result.parts or result).scene
     with own_mistakes(scene):
         better = run(scene, Resolution(s, h / 2) if is_lossy(scene) else Resolution(s + 1, h))
-    estimates = apart(result, better)
-    worst = max(estimate.worst for estimate in estimates.values())
-    return Accuracy(None, estimates, (Attempt.of(result, worst), Attempt.of(better)), apart_inside(result, better))
+    found = Accuracy(None, *compared(result, better)).cautious()
+    return replace(found, attempts=(Attempt.of(result, found.worst), Attempt.of(better)))
 
 
 def _by_hand(result: Result, tol: float) -> Accuracy:

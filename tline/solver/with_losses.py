@@ -5,13 +5,13 @@ from dataclasses import replace
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver.accuracy import Accuracy, Attempt, added, apart, apart_inside
+from tline.solver.accuracy import Accuracy, Attempt, added, compared, with_errors
 from tline.solver.cells import fits
-from tline.solver.extrapolate import extrapolated, seen_on
+from tline.solver.extrapolate import extrapolated, seen_at_ends
 from tline.solver.nodes import NONE, nodes_of
 from tline.solver.resolution import resolution
 from tline.solver.result import Result
-from tline.solver.search import Search, limit_of, refined
+from tline.solver.search import Search, better, gained, inside_limit, inside_slabs, limit_of, rank, refined
 
 ORDER, ORDER_IN_CELLS = 3, 6
 TABLE = ((2,), (2, 4), (2, 4, 6), (1,), (1, 2), (1, 2, 3), (1, 2, 3, 4))  # powers of h taken out, smooth and not
@@ -42,13 +42,14 @@ def with_losses(search: Search) -> Result:
         assert accuracy is not None
         closer = max(CLOSER * fit, CLOSEST)
         attempts += accuracy.attempts
-        if not result.circuits_error or accuracy.limit or closer == fit:
+        if not result.circuits_error or accuracy.at_slab_ends > search.tol or closer == fit:
             return replace(result, accuracy=replace(accuracy, attempts=attempts))
         again = search.run(last.resolution._replace(fit=closer), last.t[-1])
         attempts += (Attempt.of(again),)
-        accuracy = replace(accuracy, estimates=added(accuracy.estimates, apart(last, again)), attempts=attempts)
-        if accuracy.worst <= search.tol:
-            return replace(result, accuracy=accuracy)
+        before, more = (accuracy.estimates, accuracy.inside, accuracy.blurred), compared(last, again)
+        told = Accuracy(search.tol, *map(added, before, more), attempts=attempts)
+        if told.at_slab_ends <= search.tol:
+            return replace(result, accuracy=replace(told, limit=inside_slabs(told) or accuracy.limit))
         fit = closer
 
 
@@ -56,9 +57,10 @@ def _refined(search: Search) -> tuple[Result, Result]:
     """A result in cells, and the last run.
 
     Right behind a front, lines with a memory answer faster than a slab can follow; some slabs later all is right. So
-    with a memory slabs are halved, and what is judged and given back is what the runs are at the ends of the first
-    run's slabs. Their circuits have a narrow band: those of a wide one are steeper than polynomials can be, and what
-    these lose is missing ever after, while what a circuit without fast rates has wrong decays with the rates it has.
+    with a memory slabs are halved, and samples are given at the ends of the first run's slabs. Between these the result
+    is what the finest run but one is on its own slabs. Their circuits have a narrow band: those of a wide one are
+    steeper than polynomials can be, and what these lose is missing ever after, while what a circuit without fast rates
+    has wrong decays with the rates it has.
     """
     start = resolution(search.scene, nodes_of(search.scene), search.scene.solver.order or ORDER_IN_CELLS)
     first = search.run(start._replace(fit=search.fit, band=CALM))
@@ -66,22 +68,20 @@ def _refined(search: Search) -> tuple[Result, Result]:
         result = refined(search, NONE)
         return result, result
     result = seen = last = first
-    attempts, limit, stale, accuracy = [Attempt.of(first)], "", 0, Accuracy(search.tol, {}, ())
+    attempts, limit, stale, accuracy = [Attempt.of(first)], "", 0, Accuracy(search.tol)
     while not limit:
         last = search.run(last.resolution._replace(h=last.resolution.h / 2), first.t[-1])
-        finer = seen_on(first, last)
-        if finer is None:
-            limit = "fronts lie inside slabs"
-            break
-        found = Accuracy(search.tol, apart(seen, finer), (), apart_inside(seen, finer))
+        finer = seen_at_ends(first, last)
+        found = Accuracy(search.tol, *compared(seen, finer)).cautious()
         attempts[-1] = replace(attempts[-1], estimate=found.worst)
         attempts.append(Attempt.of(last))
-        stale = stale + 1 if found.worst >= accuracy.worst else 0
-        if found.worst <= accuracy.worst:
-            result, accuracy = seen, found
+        stale = stale + 1 if gained(accuracy, found) >= 1.0 else 0
+        if better(found, accuracy):
+            result, accuracy = with_errors(seen, finer), found
         if found.met and len(attempts) > 2:
             break
-        seen, limit = finer, limit_of(attempts, stale, search)
+        seen, limit = finer, limit_of(attempts, stale, search) or inside_limit(attempts, found)
+    limit = limit and (inside_slabs(accuracy) or limit)
     return replace(result, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit)), last
 
 
@@ -95,7 +95,7 @@ def _halved(search: Search) -> tuple[Result, Result]:
     chosen = resolution(search.scene, nodes, order)._replace(fit=search.fit)
     best = last = search.run(chosen)
     row: Row = {(): last}
-    attempts, limit, stale, accuracy = [Attempt.of(last)], "", 0, Accuracy(search.tol, {}, ())
+    attempts, limit, stale, accuracy = [Attempt.of(last)], "", 0, Accuracy(search.tol)
     while not limit:
         try:
             finer = resolution(search.scene, nodes, order, chosen.h / 2)
@@ -105,14 +105,15 @@ def _halved(search: Search) -> tuple[Result, Result]:
             limit = f"{error.where}: {error.problem}"
             break
         above, row = row, _row(row, last)
-        result, found = min(_judged(above, row, search.tol), key=lambda entry: entry[1].worst)
+        result, found = min(_judged(above, row, search.tol), key=lambda entry: rank(entry[1]))
         attempts.append(Attempt.of(last, found.worst))
-        stale = stale + 1 if found.worst >= accuracy.worst else 0
-        if found.worst <= accuracy.worst:
-            best, accuracy = result, found
+        stale = stale + 1 if gained(accuracy, found) >= 1.0 else 0
+        if better(found, accuracy):
+            best, accuracy = with_errors(result, above[()]), found
         if found.worst <= search.tol and len(attempts) > 2 and not chosen.blind:
             break
-        limit = limit_of(attempts, stale, search)
+        limit = limit_of(attempts, stale, search) or inside_limit(attempts, found)
+    limit = limit and (inside_slabs(accuracy) or limit)
     damped = () if limit else best.resolution.notes
     unresolved = tuple(note for note in best.unresolved if note not in damped)
     accuracy = replace(accuracy, attempts=tuple(attempts), limit=limit)
@@ -133,4 +134,4 @@ def _judged(above: Row, row: Row, tol: float) -> Iterator[tuple[Result, Accuracy
     """Entries of a row with their differences to those above."""
     for powers in above.keys() & row.keys():
         coarse, fine = above[powers], row[powers]
-        yield fine, Accuracy(tol, apart(coarse, fine), (), apart_inside(coarse, fine))
+        yield fine, Accuracy(tol, *compared(coarse, fine))  # of the coarser one: no caution is needed

@@ -131,7 +131,7 @@ def simulated(scene: Scene, tol: float | None = None) -> Run:
     accuracy = result.accuracy
     seconds = sum(attempt.seconds for attempt in accuracy.attempts) if accuracy else result.seconds
     u = {name: probe.u for name, probe in result.probes.items()}
-    return Run(result.t, u, seconds, first, accuracy.worst if accuracy else np.inf)
+    return Run(result.t, u, seconds, first, accuracy.at_slab_ends if accuracy else np.inf)
 
 
 def baseline_run(method: Any, scene: Scene, n: int) -> Run:

@@ -1,0 +1,138 @@
+"""What is told of a run's accuracy holds wherever a user looks: any instant of a probe, and its printed extremes."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+from kept import kept
+from random_kinks import KINDS, random_kinks
+
+from tline.cli.report import summary
+from tline.scene.scene import Scene
+from tline.solver.accuracy import Accuracy
+from tline.solver.curve import extremes
+from tline.solver.resolution import Resolution
+from tline.solver.run import run
+from tline.solver.simulate import UnresolvedWarning, simulate
+
+pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
+FACTOR = 2  # an error is told by a difference of two runs, which may be that much smaller than it
+
+
+@pytest.mark.parametrize(("seed", "kind", "tol"), [(k, kind, 10.0 ** -(3 + k % 4)) for k, kind in enumerate(KINDS)])
+def test_errors_are_as_told_at_any_instant(seed, kind, tol):
+    """`python -m benchmarks.tolerance` tries hundreds."""
+    found = kept(random_kinks(seed, kind), tol)
+    assert found.inside <= FACTOR
+    assert found.extreme <= 1
+    assert not found.met or found.over <= FACTOR
+
+
+@pytest.mark.parametrize(("seed", "kind"), list(enumerate(KINDS)))
+def test_another_clock_changes_nothing(seed, kind):
+    by, tol = 1.3, 1e-5
+    scene, later = random_kinks(seed, kind), random_kinks(seed, kind, by)
+    one, other = (simulate(each, tol=tol) for each in (scene, later))
+    t = np.linspace(0.0, 7.9, 400)
+    for name, probe in one.probes.items():
+        then = other.probes[name]
+        fronts = np.concatenate([wave.breakpoints() for wave in (probe.record.a1, probe.record.b1)])
+        edges = np.concatenate([fronts, probe.slab_ends, then.slab_ends - by, scene_fronts(probe)])
+        near = np.abs(t[:, None] - edges).min(axis=1) < 1e-6
+        for letter in "uy":
+            a, b = (getattr(seen, letter)[~near] for seen in (probe.at(t), then.at(t + by)))
+            told = sum(getattr(each.accuracy.inside[name], letter) for each in (one, other))
+            assert np.abs(a - b).max() <= FACTOR * (told + 1e-12) * max(np.abs(a).max(), 1e-300)
+
+
+def scene_fronts(probe) -> np.ndarray:
+    """Instants at which slabs' edges pass a probe inside a line."""
+    ends, delay = probe.slab_ends, probe.record.delay
+    return np.concatenate([ends + probe.share * delay, ends + (1 - probe.share) * delay])
+
+
+def diode(value: dict, **more) -> Scene:
+    """A cable into a diode."""
+    return Scene(
+        medium="electrical",
+        t_end="40 ns",
+        lines={"cable": {"nodes": ["in", "out"], "z0": 50, "delay": "5 ns"}},
+        sources={"s": {"at": "in", "kind": "voltage", "value": value, "resistance": 30}},
+        loads={"d": {"at": "out", "kind": "diode", "saturation": "1e-12 A"}},
+        probes={"out": {"at": "out"}},
+        **more,
+    )
+
+
+def test_a_ramp_into_a_diode_has_no_minimum_below_zero():
+    result = simulate(diode({"shape": "ramp", "to": "2 V", "duration": "1 ns"}), tol=1e-8)
+    told = summary(result, result.accuracy)["probes"]["out"]["voltage"]
+    assert result.accuracy.met
+    assert told["minimum"] + told["error_inside_slabs"] >= 0.0
+    assert told["error_inside_slabs"] <= 1e-8 * told["maximum"]
+
+
+def test_a_run_that_bends_inside_slabs_is_not_met_there():
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnresolvedWarning)
+        scene = diode({"shape": "ramp", "to": "2 V", "duration": "1 ns"}, solver={"order": 3, "slab": "0.5 ns"})
+        accuracy = simulate(scene, tol=1e-6).accuracy
+    assert accuracy.at_slab_ends <= 1e-6 < accuracy.worst
+    assert not accuracy.met
+    assert accuracy.limit.startswith("inside slabs the error at 'out' is up to")
+
+
+def test_a_check_valve_that_shuts_inside_a_slab_costs_a_few_runs():
+    """An ideal one at a pipe's end: the wave's mirror image is cut off where the flow turns, known in closed form."""
+    scene = Scene(
+        medium="hydraulic",
+        t_end=1.9,
+        lines={"p": {"nodes": ["in", "out"], "z0": 1.0, "delay": 1.0}},
+        sources={"s": {"at": "in", "kind": "pressure", "resistance": 1.0,
+                       "value": {"shape": "sine", "amplitude": 1.0, "frequency": 1.3}}},
+        loads={"v": {"at": "out", "kind": "check valve"}},
+        probes={"out": {"at": "out"}},
+    )  # fmt: skip
+    result = simulate(scene, tol=1e-9)
+    assert result.accuracy.met
+    assert sum(attempt.samples for attempt in result.accuracy.attempts) < 1e6
+    t = np.linspace(1.0, 1.9, 1001)
+    arrived = np.sin(2 * np.pi * 1.3 * (t - 1.0))  # a wave of twice half the source's amplitude
+    expected = np.where(arrived > 0, 0.0, arrived)  # open to pressure 0 outside, else shut
+    assert np.abs(result.probes["out"].at(t).u - expected).max() < 2e-9
+
+
+@pytest.mark.parametrize("share", ["0 %", "37 %", "100 %"])
+def test_extremes_lie_between_samples(share):
+    """A sine's peaks, of the first wave alone."""
+    scene = Scene(
+        medium="electrical",
+        t_end=0.99,
+        lines={"l": {"nodes": ["a", "b"], "z0": 1.0, "delay": 0.5}},
+        sources={"s": {"at": "a", "kind": "voltage", "resistance": 1.0,
+                       "value": {"shape": "sine", "amplitude": 2.0, "frequency": 3.1, "until": 5.0}}},
+        loads={"r": {"at": "b", "kind": "resistor", "resistance": 1.0}},
+        probes={"p": {"line": "l", "position": share}},
+    )  # fmt: skip
+    probe = run(scene, Resolution(12, 0.05)).probes["p"]
+    (low, low_at), (high, high_at) = extremes(probe, "u")
+    late = 0.5 * float(share[:-2]) / 100
+    assert (low, high) == pytest.approx((-1.0, 1.0), abs=1e-10)
+    assert high_at == pytest.approx(late + 0.25 / 3.1, abs=1e-5)
+    assert low_at == pytest.approx(late + 0.75 / 3.1, abs=1e-5)
+
+
+def test_envelopes_know_their_errors():
+    scene = diode({"shape": "sine", "amplitude": "2 V", "frequency": "80 MHz"})
+    rough, fine = (simulate(scene, tol=tol, envelope=True).envelope for tol in (1e-3, 1e-6))
+    for name in ("lowest", "highest"):
+        off = np.abs(getattr(rough, name) - getattr(fine, name))
+        told = getattr(rough, f"{name}_error") + getattr(fine, f"{name}_error")
+        assert (told <= 2e-3 * np.abs(fine.highest)).all()
+        assert (off <= FACTOR * told + 1e-12).all()
+
+
+def test_an_accuracy_that_knows_nothing_is_not_met():
+    assert Accuracy(1e-6).worst == math.inf
+    assert not Accuracy(1e-6).met
