@@ -1,18 +1,24 @@
 """From a water network at its operating point to a scene that starts there."""
 
+from math import pi, sqrt
 from typing import Any
 
 from tline.errors import InputError
 from tline.interchange.epanet import read_epanet
 from tline.interchange.head_loss import GRAVITY as EPANETS
-from tline.interchange.water_network import STILL, Basin, Junction, Pipe, Pump, Valve, WaterNetwork
+from tline.interchange.compare_heads import differences
+from tline.interchange.water_network import STILL, Basin, Junction, Pipe, Pump, Valve, WaterNetwork, listed
 from tline.scene.file import scene_from
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
+from tline.scene.travel import open_loss, opening_of, shares
 
 T_END, TOL = "10 s", 1e-3  # of the scene, for the user to change
-LEAST_DROP = 1e-3  # m; of a valve without loss
+LEAST_DROP = 1e-3  # m; less is none
+TRICKLE = 1e-6  # m³/s; what EPANET lets pass a valve that holds tight
+TRAVELS = {"PRV": "globe", "PSV": "globe", "PBV": "globe", "FCV": "globe", "TCV": "gate", "GPV": "gate"}
+FLAT = 1e-6  # share by which a head that is added falls with the flow
 
 
 def read_inp(path: str, wave_speed: float | str) -> tuple[Scene, tuple[str, ...]]:
@@ -31,14 +37,16 @@ def read_inp(path: str, wave_speed: float | str) -> tuple[Scene, tuple[str, ...]
         The file cannot be read, or holds what no scene has.
     """
     Quantity(wave_speed, "m/s", "wave_speed")
-    return water_scene(read_epanet(path), wave_speed)
+    network = read_epanet(path)
+    scene, notes = water_scene(network, wave_speed)
+    return scene, (*notes, *differences(network, scene))
 
 
 def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, tuple[str, ...]]:
     """The scene of a network, and notes.
 
     Pressures are piezometric, density·g·head. The friction factor of a pipe is the one that the operating point has.
-    Reservoirs and tanks hold their level, valves their opening; a demand is what an opening to the air lets out that
+    Reservoirs and tanks hold their level, valves the opening that loses what they lose there; a demand is what an opening to the air lets out that
     gives the demand at the operating point. A pump has the parabola through its shut-off head with head and slope at
     the operating point.
 
@@ -53,15 +61,23 @@ def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, 
         _add_pipe(tables, network, name, pipe, wave_speed)
     for name, pump in network.pumps.items():
         tables["links"][name] = _pump(network, name, pump, notes)
+    shut = {name for name, valve in network.valves.items() if _is_shut(valve)}
     for name, valve in network.valves.items():
-        tables["links"][name] = _valve(valve, weight)
+        tables["links"][name] = _valve(name, valve, network.density, name in shut, notes)
     for name, node in network.nodes.items():
         _add_node(tables, network, name, node, weight, notes)
+    for name in _pockets(network, shut):
+        tables["nodes"][name]["start"] = weight * network.nodes[name].head
     tanks = [repr(name) for name, basin in network.basins.items() if basin.kind == "tank"]
     if tanks:
         notes.append(f"tanks: held at their level: {', '.join(tanks)}")
     if network.valves:
         notes.append("valves: held at the opening that they have at the operating point")
+    for kind in sorted({*TRAVELS.values()}):
+        names = [n for n in network.valves if tables["links"][n].get("characteristic") == kind]
+        if names:
+            guess = f"that of a {kind} valve is a guess; give them the characteristic that they have"
+            notes.append(f"how valves lose on their way from open to shut: {guess}: {listed(names)}")
     head = {"title": network.title, "medium": "hydraulic", "t_end": T_END, "start": "steady", "solver": {"tol": TOL}}
     return scene_from(head | {key: table for key, table in tables.items() if table} | _probe(network)), tuple(notes)
 
@@ -90,9 +106,61 @@ def _site(node: Junction | Basin) -> dict[str, Any]:
     return {"elevation": node.elevation, "position": list(node.position)}
 
 
-def _valve(valve: Valve, weight: float) -> dict[str, Any]:
-    drop = weight * max(abs(valve.drop), LEAST_DROP)
-    return {"kind": "orifice", "nodes": list(valve.nodes), "flow": abs(valve.flow), "pressure_drop": drop}
+def _is_shut(valve: Valve) -> bool:
+    """Whether it holds a head and lets nothing pass."""
+    return abs(valve.flow) <= TRICKLE and abs(valve.drop) > LEAST_DROP
+
+
+def _valve(name: str, valve: Valve, density: float, shut: bool, notes: list[str]) -> dict[str, Any]:
+    """A valve at the opening at which it loses what it loses at the operating point.
+
+    If that is less than such a valve loses wide open, it loses so much less all along its travel.
+    """
+    if valve.flow * valve.drop < 0 and abs(valve.flow) > TRICKLE and abs(valve.drop) > LEAST_DROP:
+        return _adding(name, valve, density * GRAVITY, notes)
+    kind = TRAVELS[valve.kind]
+    usual, speed = open_loss(kind, valve.diameter), abs(valve.flow) / (pi / 4 * valve.diameter**2)
+    opening, loss = 0.0 if shut else 1.0, usual
+    if abs(valve.flow) > TRICKLE:
+        per_head = 2 * GRAVITY / speed**2
+        lost = max(abs(valve.drop), LEAST_DROP) * per_head
+        loss = min(lost, usual)
+        opening = opening_of(shares(kind, loss), sqrt(loss / lost))
+    return {
+        "kind": "orifice",
+        "nodes": list(valve.nodes),
+        "loss_coefficient": loss,
+        "diameter": valve.diameter,
+        "density": density,
+        "opening": opening,
+        "characteristic": kind,
+    }
+
+
+def _adding(name: str, valve: Valve, weight: float, notes: list[str]) -> dict[str, Any]:
+    """What stands for a pressure breaker against whose setting water flows: EPANET lets it add head."""
+    rise, flow = abs(valve.drop), abs(valve.flow)
+    says = f"water flows through it backward, and EPANET lets it add {rise:.4g} m of head, as no valve can"
+    notes.append(f"valve '{name}': {says}; a pump of that head stands for it, so check the network")
+    one, two = valve.nodes if valve.flow > 0 else reversed(valve.nodes)
+    return {"kind": "pump", "nodes": [one, two], "curve": [[0.0, weight * rise * (1 + FLAT)], [flow, weight * rise]]}
+
+
+def _pockets(network: WaterNetwork, shut: set[str]) -> list[str]:
+    """Nodes that nothing joins with a basin but shut valves, and check valves through which nothing flows."""
+    beside: dict[str, list[str]] = {name: [] for name in network.nodes}
+    still = {name for name, pipe in network.pipes.items() if pipe.one_way and abs(pipe.flow) <= TRICKLE}
+    links = {**network.pipes, **network.pumps, **network.valves}
+    for name in links.keys() - shut - still:
+        one, two = links[name].nodes
+        beside[one].append(two)
+        beside[two].append(one)
+    new = list(network.basins)
+    found = set(new)
+    while new:
+        new = [other for node in new for other in beside[node] if other not in found]
+        found |= {*new}
+    return [name for name in network.nodes if name not in found]
 
 
 def _pump(network: WaterNetwork, name: str, pump: Pump, notes: list[str]) -> dict[str, Any]:
@@ -136,6 +204,9 @@ def _add_node(
     if node.emitter and network.exponent != 0.5:
         problem = f"the exponent of emitters is {network.exponent:g}, and a scene has square roots"
         raise InputError(f"junction '{name}'", problem, "0.5")
+    if node.emitter and f"{name}:emitter" in network.nodes:
+        problem = "its emitter needs a name that a node has"
+        raise InputError(f"junction '{name}'", problem, f"no node '{name}:emitter'")
     if node.emitter:
         tables["loads"][f"{name}:emitter"] = outside | {"flow": node.emitter, "pressure_drop": weight}
 
