@@ -3,7 +3,15 @@
 from math import inf
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidatorFunctionWrapHandler,
+    WrapSerializer,
+    WrapValidator,
+    model_validator,
+)
 
 from tline.errors import InputError
 from tline.scene.between import Between
@@ -26,19 +34,21 @@ def _pair(point: Any) -> Any:
     return point
 
 
-def _kind(name: Any) -> Any:
-    if name not in ADDED:
-        raise InputError("", "not a kind of valve", f"{' or '.join(map(repr, ADDED))}, or points", shown(name))
-    return name
+def _named_or_points(value: Any, points: ValidatorFunctionWrapHandler) -> Any:
+    if not isinstance(value, str):
+        return points(value)
+    if value not in ADDED:
+        raise InputError("", "not a kind of valve", f"{' or '.join(map(repr, ADDED))}, or points", shown(value))
+    return value
 
 
-def _named(value: Any) -> str:
-    return "kind" if isinstance(value, str) else "points"
+def _as_typed(value: Any, points: SerializerFunctionWrapHandler) -> Any:
+    return value if isinstance(value, str) else points(value)
 
 
 Points = list[Annotated[tuple[Share, Share], BeforeValidator(_pair)]]
 Characteristic = Annotated[
-    Annotated[Points, Tag("points")] | Annotated[Kind, BeforeValidator(_kind), Tag("kind")], Discriminator(_named)
+    Points, WrapValidator(_named_or_points, json_schema_input_type=Points | Kind), WrapSerializer(_as_typed)
 ]
 
 
@@ -51,13 +61,13 @@ class _Orifice(Rated, OfLiquids):
     )
 
     @property
-    def _may_have_a_section(self) -> bool:
+    def _may_have_a_bore(self) -> bool:
         return isinstance(self.characteristic, str)
 
     @model_validator(mode="after")
     def _rises(self):
         points = self.characteristic
-        if isinstance(points, str) and self.section is None:
+        if isinstance(points, str) and self.bore is None:
             raise InputError("diameter", "is missing", f"the bore of the {points} valve")
         if points is None or isinstance(points, str):
             return self
