@@ -10,8 +10,10 @@ from tline.scene.scene import Scene
 from tline.solver.balance import Laws
 from tline.solver.elements import Element, elements_of, laws_of
 from tline.solver.nodes import Node
+from tline.solver.pockets import held_drops
 from tline.solver.steady_lines import Falls, Table
 
+NOTHING = 1e-11  # of the largest flow: so little passes where it is rounded or leaks
 FILLED = {"gas", "tank", "vapour", "air"}  # kinds through which nothing flows in the end
 
 
@@ -59,6 +61,15 @@ class Edges:
         """The same between the parts that the nodes are in."""
         ends = np.append(part, -1)
         return Laws(ends[self.one], ends[self.other], np.concatenate([self.falls.z0, self.packed.seen]), self._solved)
+
+    def holding(
+        self, part: NDArray, flow: NDArray, scale: float
+    ) -> tuple[tuple[NDArray, NDArray], NDArray, tuple[NDArray, NDArray]]:
+        """Ends of edges, which of them pass flow or would, and drops between which they hold: for `pockets.settled`."""
+        ends, none = np.append(part, -1), np.zeros(len(self.falls.z0))
+        low, high = (np.concatenate([none, drops]) for drops in held_drops(self.packed))
+        passing = (low == high) | (np.abs(flow) > NOTHING * scale)
+        return (ends[self.one], ends[self.other]), passing, (low, high)
 
     def _solved(self, a: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """Drops and flows, and their slopes over the efforts a behind the impedances."""

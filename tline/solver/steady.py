@@ -20,6 +20,7 @@ from tline.solver.connected import parts
 from tline.solver.drive import just_before
 from tline.solver.edges import Edges
 from tline.solver.nodes import NONE, Node
+from tline.solver.pockets import settled
 from tline.solver.steady_lines import Table, pi
 
 SAME = 1e-9  # efforts that differ by less than this, relatively, are equal
@@ -98,7 +99,23 @@ def _between_parts(
     stuck = np.flatnonzero(np.abs(found.leak) > STUCK * scale)
     if stuck.size:
         _refuse_flow(scene, number, part, int(stuck[0]), float(found.leak[stuck[0]]))
-    return found.effort, found.flow
+    known = ~np.isnan(_least(given, part)) | (total != 0)
+    start = _starts(scene, number, part)
+    effort, opened = settled(found.effort, known, start, *edges.holding(part, found.flow, scale))
+    if opened.size:
+        name = next(name for name, site in scene.nodes.items() if site.start is not None and part[number[name]] in opened)
+        got, unit = effort[part[number[name]]], MEDIA[scene.medium].units["effort"]
+        raise InputError(place("nodes", name, "start"), "a valve would open", f"such as {got:g} {unit}")
+    return effort, found.flow
+
+
+def _starts(scene: Scene, number: dict[str, int], part: NDArray) -> NDArray:
+    """What parts are to start with where nothing else determines it, else nan."""
+    start = np.full(part.max() + 1, np.nan)
+    for name, site in scene.nodes.items():
+        if site.start is not None and name in number:
+            start[part[number[name]]] = float(site.start)
+    return start
 
 
 def _refuse_flow(scene: Scene, number: dict[str, int], part: NDArray, stuck: int, flow: float) -> None:
