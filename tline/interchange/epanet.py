@@ -87,6 +87,7 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str) -> WaterNet
     closed = {name for name, link in links.items() if _is_closed(link)}
     reached = _reached(nodes, links, closed)
     _check_heads({name: nodes[name]["head"] for name in sorted(reached)}, path)
+    reached |= _pockets(nodes, links, closed, reached)
     kept = {name for name, link in links.items() if {*link["ends"]} <= reached and not _is_left_out(link, name in closed)}
     used = {name: link for name, link in links.items() if name in kept}
     law = formula, (viscosity,) if formula == "D-W" else ()
@@ -149,21 +150,40 @@ def _is_left_out(link: Mapping[str, Any], closed: bool) -> bool:
     return closed and link["type"] in (PIPE, PUMP)
 
 
+def _spread(begin: set[str], links: Mapping[str, Any], through: set[str], within: set[str] | None = None) -> set[str]:
+    """Nodes that links join with the first ones, these among them."""
+    beside = defaultdict(list)
+    for name in through:
+        one, two = links[name]["ends"]
+        beside[one].append(two)
+        beside[two].append(one)
+    found, new = set(begin), list(begin)
+    while new:
+        new = [*{other for node in new for other in beside[node] if within is None or other in within} - found]
+        found |= {*new}
+    return found
+
+
 def _reached(nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str]) -> set[str]:
     """Nodes that open links join with a reservoir or a tank."""
-    beside = defaultdict(list)
-    for name, link in links.items():
-        if name not in closed:
-            one, two = link["ends"]
-            beside[one].append(two)
-            beside[two].append(one)
-    found = {name for name, node in nodes.items() if node["type"] != JUNCTION and name in beside}
-    new = list(found)
-    while new:
-        grown = {other for node in new for other in beside[node]} - found
-        found |= grown
-        new = list(grown)
-    return found
+    ends = {end for name in links.keys() - closed for end in links[name]["ends"]}
+    basins = {name for name, node in nodes.items() if node["type"] != JUNCTION}
+    return _spread(basins & ends, links, links.keys() - closed)
+
+
+def _pockets(
+    nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str], reached: set[str]
+) -> set[str]:
+    """Nodes without demand that shut valves, check valves among them, join with those that are reached."""
+    quiet = {
+        name
+        for name, node in nodes.items()
+        if name not in reached and node["type"] == JUNCTION and not node["demand"] and not node["emitter"]
+    }
+    loud = set(nodes) - reached - quiet
+    quiet -= _spread(loud, links, set(links) - closed)
+    shut = {name for name in closed if not _is_left_out(links[name], True)}
+    return _spread(reached, links, shut | (set(links) - closed), quiet) - reached
 
 
 def _pipe(link: Mapping[str, Any], units: Units, law: str, given: tuple[float, ...], vertices: list) -> Pipe:
@@ -224,6 +244,9 @@ def _notes(answer: Mapping[str, Any], text: EpanetText, closed: set[str], cut_of
     ):
         if names:
             yield f"left out, {why}: {listed(names)}"
+    lost = sum(node["demand"] * _units(answer["units"]).flow for node in answer["nodes"] if node["name"] in cut_off)
+    if abs(lost) > STILL:
+        yield f"left out, a demand of {lost:.3g} m³/s there: EPANET takes it out of the network through what is closed"
     if text.held:
         yield "patterns, controls and rules: held as they stand at the start of time"
     if answer["warning"] in WARNED:

@@ -1,5 +1,6 @@
 """From a water network at its operating point to a scene that starts there."""
 
+from collections import Counter
 from math import pi, sqrt
 from typing import Any
 
@@ -66,6 +67,7 @@ def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, 
         tables["links"][name] = _valve(name, valve, network.density, name in shut, notes)
     for name, node in network.nodes.items():
         _add_node(tables, network, name, node, weight, notes)
+    _close_ends(tables)
     for name in _pockets(network, shut):
         tables["nodes"][name]["start"] = weight * network.nodes[name].head
     tanks = [repr(name) for name, basin in network.basins.items() if basin.kind == "tank"]
@@ -144,6 +146,14 @@ def _adding(name: str, valve: Valve, weight: float, notes: list[str]) -> dict[st
     notes.append(f"valve '{name}': {says}; a pump of that head stands for it, so check the network")
     one, two = valve.nodes if valve.flow > 0 else reversed(valve.nodes)
     return {"kind": "pump", "nodes": [one, two], "curve": [[0.0, weight * rise * (1 + FLAT)], [flow, weight * rise]]}
+
+
+def _close_ends(tables: dict[str, Any]) -> None:
+    """Close nodes at which a link ends and nothing else is."""
+    ends = Counter(node for link in tables["links"].values() for node in link["nodes"])
+    there = {node for line in tables["lines"].values() for node in line["nodes"]}
+    there |= {table["at"] for part in ("loads", "sources") for table in tables[part].values()}
+    tables["loads"] |= {node: {"at": node, "kind": "closed"} for node, n in ends.items() if n == 1 and node not in there}
 
 
 def _pockets(network: WaterNetwork, shut: set[str]) -> list[str]:

@@ -89,11 +89,11 @@ def _between_parts(
 ) -> tuple[NDArray, NDArray]:
     """The effort of each connected part, and the flow through each edge between them."""
     total, source = (np.bincount(part, weights) for weights in (conductance, driven))
-    found = balanced(edges.laws(part), _least(given, part), total, source)
+    held = np.nanmax(np.abs(given), initial=0.0)
+    found = balanced(edges.laws(part, held), _least(given, part), total, source)
     if not found.rest.max() <= CLOSE:
         where = edges.where[int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))]
         raise InputError(where, "no steady state found: efforts and flows do not settle here", "start = 'rest'")
-    held = np.nanmax(np.abs(given), initial=0.0)
     largest = held / min(line.parameters.z0 for line in scene.single_lines.values())
     scale = np.abs(found.flow).max(initial=max(np.abs(driven).max(), largest))
     stuck = np.flatnonzero(np.abs(found.leak) > STUCK * scale)
