@@ -12,10 +12,11 @@ from tline.interchange.confined import solved
 from tline.interchange.epanet_text import EpanetText, parse, read_text
 from tline.interchange.head_loss import FOOT, GRAVITY, LAWS
 from tline.interchange.pump_curve import Polyline, PowerLaw, pump_curve
-from tline.interchange.water_network import STILL, Basin, Junction, Pipe, Pump, Valve, WaterNetwork, listed
+from tline.interchange.water_network import STILL, TRICKLE, Basin, Junction, Pipe, Pump, Valve, WaterNetwork, listed
 
 WATER, VISCOSITY = 1000.0, 1.1e-5 * FOOT**2  # kg/m³ and m²/s, EPANET's
 HIGHEST = 1e5  # m, of a head that is no accident of an unsolved network
+UNEVEN = 1e-4  # of the largest flow
 SLOWEST = 0.01  # m/s; friction at slower flow is taken at this speed
 INCH, HORSEPOWER, KILOWATT = FOOT / 12, 745.7, 1e3
 GALLON, IMPERIAL, ACRE_FOOT = 3.785411784e-3, 4.54609e-3, 43560 * FOOT**3
@@ -141,7 +142,8 @@ def _check_finite(network: WaterNetwork, path: str) -> None:
 def _is_closed(link: Mapping[str, Any]) -> bool:
     """Whether nothing can flow from one of its nodes to the other."""
     if link["type"] == PUMP:
-        return not link["status"] or link["setting"] <= 0 or abs(link["flow"]) < STILL
+        without = not link["curve"] and abs(link["flow"]) <= TRICKLE  # its head is any then
+        return not link["status"] or link["setting"] <= 0 or without
     return not link["status"]
 
 
@@ -237,6 +239,18 @@ def _position(node: Mapping[str, Any], text: EpanetText) -> tuple[float, float]:
     return text.positions.get(node["name"], (0.0, 0.0))
 
 
+def _unbalanced(answer: Mapping[str, Any], flow: float, cut_off: set[str]) -> set[str]:
+    """Junctions at which more flows in than out, or less, in EPANET's solution."""
+    rest = {node["name"]: -node["demand"] * flow for node in answer["nodes"] if node["type"] == JUNCTION}
+    for link in answer["links"]:
+        for node, sign in zip(link["ends"], (-1, 1), strict=True):
+            if node in rest:
+                rest[node] += sign * link["flow"]
+    largest = max((abs(link["flow"]) for link in answer["links"]), default=0.0)
+    beside = {end for link in answer["links"] for end in link["ends"] if {*link["ends"]} & cut_off}
+    return {node for node, by in rest.items() if abs(by) > TRICKLE + UNEVEN * largest and node not in beside | cut_off}
+
+
 def _notes(answer: Mapping[str, Any], text: EpanetText, closed: set[str], cut_off: set[str]) -> Iterator[str]:
     for names, why in (
         (closed, "closed or without flow"),
@@ -247,6 +261,9 @@ def _notes(answer: Mapping[str, Any], text: EpanetText, closed: set[str], cut_of
     lost = sum(node["demand"] * _units(answer["units"]).flow for node in answer["nodes"] if node["name"] in cut_off)
     if abs(lost) > STILL:
         yield f"left out, a demand of {lost:.3g} m³/s there: EPANET takes it out of the network through what is closed"
+    torn = _unbalanced(answer, _units(answer["units"]).flow, cut_off)
+    if torn:
+        yield f"EPANET's flows do not balance at {listed(torn)}: its solution is none there"
     if text.held:
         yield "patterns, controls and rules: held as they stand at the start of time"
     if answer["warning"] in WARNED:

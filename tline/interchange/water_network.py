@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from tline.interchange.pump_curve import Polyline, PowerLaw
 
 Position = tuple[float, float]
-STILL = 1e-9  # m³/s; a flow below it is none
+STILL = 1e-9  # m³/s; a demand below it is none
+TRICKLE = 1e-6  # m³/s; what EPANET lets pass a valve that holds tight, or into a part that takes nothing
 LISTED = 6
 
 

@@ -8,7 +8,7 @@ from tline.errors import InputError
 from tline.interchange.epanet import read_epanet
 from tline.interchange.head_loss import GRAVITY as EPANETS
 from tline.interchange.compare_heads import differences
-from tline.interchange.water_network import STILL, Basin, Junction, Pipe, Pump, Valve, WaterNetwork, listed
+from tline.interchange.water_network import STILL, TRICKLE, Basin, Junction, Pipe, Pump, Valve, WaterNetwork, listed
 from tline.scene.file import scene_from
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
@@ -17,7 +17,6 @@ from tline.scene.travel import open_loss, opening_of, shares
 
 T_END, TOL = "10 s", 1e-3  # of the scene, for the user to change
 LEAST_DROP = 1e-3  # m; less is none
-TRICKLE = 1e-6  # m³/s; what EPANET lets pass a valve that holds tight
 TRAVELS = {"PRV": "globe", "PSV": "globe", "PBV": "globe", "FCV": "globe", "TCV": "gate", "GPV": "gate"}
 FLAT = 1e-6  # share by which a head that is added falls with the flow
 
@@ -181,7 +180,11 @@ def _pump(network: WaterNetwork, name: str, pump: Pump, notes: list[str]) -> dic
         head = (two - one) / pump.speed**2
         slope, shut_off = -head / flow, None
     else:
+        flow = flow if pump.flow > TRICKLE else pump.curve.last / 2
         head, slope, shut_off = pump.curve.head(flow), pump.curve.slope(flow), pump.curve.head(0.0)
+    if head < 0:
+        where, problem = f"pump '{name}'", f"works beyond its curve, at a head of {head:.4g} m"
+        raise InputError(where, problem, "a head above zero")
     fall = -slope * flow
     if shut_off is not None and shut_off - head <= fall <= 2 * (shut_off - head) * (1 + 1e-12):
         bend = fall - (shut_off - head)

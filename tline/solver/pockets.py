@@ -15,7 +15,7 @@ from tline.solver.connected import parts
 from tline.solver.elements import KINDS
 from tline.solver.network import Laws as Elements
 
-WITHIN = 1e-5  # of the largest effort: how exactly a start has to be known
+WITHIN = 1e-4  # of the largest effort: how exactly a start has to be known
 
 
 class Holding(NamedTuple):
