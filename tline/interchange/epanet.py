@@ -91,6 +91,9 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str) -> WaterNet
     reached |= _pockets(nodes, links, closed, reached)
     kept = {name for name, link in links.items() if {*link["ends"]} <= reached and not _is_left_out(link, name in closed)}
     used = {name: link for name, link in links.items() if name in kept}
+    cut_off = set(nodes) - reached
+    lost = sum(nodes[name]["demand"] for name in cut_off) * units.flow
+    torn = _unbalanced(nodes, links, units.flow, cut_off)
     law = formula, (viscosity,) if formula == "D-W" else ()
     return WaterNetwork(
         title=text.title,
@@ -114,7 +117,8 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str) -> WaterNet
             name: _pump(f"{path}: pump '{name}'", link, units) for name, link in used.items() if link["type"] == PUMP
         },
         valves={name: _valve(link, units) for name, link in used.items() if link["type"] > PUMP},
-        notes=tuple(_notes(answer, text, closed - kept, set(nodes) - reached)),
+        sound=not (abs(lost) > STILL or torn),
+        notes=tuple(_notes(answer["warning"], text.held, closed - kept, cut_off, lost, torn)),
     )
 
 
@@ -239,32 +243,32 @@ def _position(node: Mapping[str, Any], text: EpanetText) -> tuple[float, float]:
     return text.positions.get(node["name"], (0.0, 0.0))
 
 
-def _unbalanced(answer: Mapping[str, Any], flow: float, cut_off: set[str]) -> set[str]:
+def _unbalanced(
+    nodes: Mapping[str, Any], links: Mapping[str, Any], unit: float, cut_off: set[str]
+) -> set[str]:
     """Junctions at which more flows in than out, or less, in EPANET's solution."""
-    rest = {node["name"]: -node["demand"] * flow for node in answer["nodes"] if node["type"] == JUNCTION}
-    for link in answer["links"]:
+    rest = {name: -node["demand"] * unit for name, node in nodes.items() if node["type"] == JUNCTION}
+    for link in links.values():
         for node, sign in zip(link["ends"], (-1, 1), strict=True):
             if node in rest:
                 rest[node] += sign * link["flow"]
-    largest = max((abs(link["flow"]) for link in answer["links"]), default=0.0)
-    beside = {end for link in answer["links"] for end in link["ends"] if {*link["ends"]} & cut_off}
-    return {node for node, by in rest.items() if abs(by) > TRICKLE + UNEVEN * largest and node not in beside | cut_off}
+    largest = max((abs(link["flow"]) for link in links.values()), default=0.0)
+    beside = {end for link in links.values() for end in link["ends"] if {*link["ends"]} & cut_off}
+    return {name for name, by in rest.items() if abs(by) > TRICKLE + UNEVEN * largest and name not in beside | cut_off}
 
 
-def _notes(answer: Mapping[str, Any], text: EpanetText, closed: set[str], cut_off: set[str]) -> Iterator[str]:
+def _notes(warning: int, held: bool, closed: set[str], cut_off: set[str], lost: float, torn: set[str]) -> Iterator[str]:
     for names, why in (
         (closed, "closed or without flow"),
         (cut_off, "no open link leads there from a reservoir or tank"),
     ):
         if names:
             yield f"left out, {why}: {listed(names)}"
-    lost = sum(node["demand"] * _units(answer["units"]).flow for node in answer["nodes"] if node["name"] in cut_off)
     if abs(lost) > STILL:
         yield f"left out, a demand of {lost:.3g} m³/s there: EPANET takes it out of the network through what is closed"
-    torn = _unbalanced(answer, _units(answer["units"]).flow, cut_off)
     if torn:
         yield f"EPANET's flows do not balance at {listed(torn)}: its solution is none there"
-    if text.held:
+    if held:
         yield "patterns, controls and rules: held as they stand at the start of time"
-    if answer["warning"] in WARNED:
-        yield f"EPANET warns: {WARNED[answer['warning']]}"
+    if warning in WARNED:
+        yield f"EPANET warns: {WARNED[warning]}"

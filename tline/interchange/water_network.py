@@ -157,6 +157,8 @@ class WaterNetwork:
         Of all emitters.
     junctions, basins, pipes, pumps, valves : mapping
         By name; nodes and links each have names of their own.
+    sound : bool
+        Whether flows balance at all nodes, and no demand was left out.
     notes : tuple of str
         What was left out, and what is held.
     """
@@ -170,6 +172,7 @@ class WaterNetwork:
     pipes: Mapping[str, Pipe]
     pumps: Mapping[str, Pump]
     valves: Mapping[str, Valve]
+    sound: bool
     notes: tuple[str, ...]
 
     @property

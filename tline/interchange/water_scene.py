@@ -67,7 +67,7 @@ def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, 
     for name, node in network.nodes.items():
         _add_node(tables, network, name, node, weight, notes)
     _close_ends(tables)
-    for name in _pockets(network, shut):
+    for name in _pockets(network, shut) if network.sound else ():
         tables["nodes"][name]["start"] = weight * network.nodes[name].head
     tanks = [repr(name) for name, basin in network.basins.items() if basin.kind == "tank"]
     if tanks:
