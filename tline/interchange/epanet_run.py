@@ -94,9 +94,11 @@ def _found(toolkit: Toolkit) -> dict:
     nodes, links = [], []
     for k in range(1, toolkit.count("getcount", NODES) + 1):
         values = {key: toolkit.number("getnodevalue", k, code) for key, code in NODE_VALUES.items()}
+        values |= {key: typed(values[key]) for key in ("elevation", "emitter")}
         nodes.append({"name": toolkit.name("getnodeid", k), "type": toolkit.count("getnodetype", k)} | values)
     for k in range(1, toolkit.count("getcount", LINKS) + 1):
         values = {key: toolkit.number("getlinkvalue", k, code) for key, code in LINK_VALUES.items()}
+        values |= {key: typed(values[key]) for key in ("diameter", "length", "roughness", "minor", "setting")}
         kind, ends = toolkit.count("getlinktype", k), toolkit.pair(ctypes.c_int, "getlinknodes", k)
         values |= {"ends": [nodes[end - 1]["name"] for end in ends], "type": kind}
         if kind == PUMP:
@@ -106,10 +108,15 @@ def _found(toolkit: Toolkit) -> dict:
     return {"nodes": nodes, "links": links, "units": toolkit.count("getflowunits")} | options
 
 
+def typed(value: float) -> float:
+    """A number as it stood in the file, before EPANET turned it into feet and back."""
+    return float(f"{value:.13g}")
+
+
 def _curve(toolkit: Toolkit, pump: int) -> list:
     curve = int(toolkit.number("getlinkvalue", pump, PUMP_CURVE))
     points = range(1, toolkit.count("getcurvelen", curve) + 1) if curve else ()
-    return [toolkit.pair(ctypes.c_double, "getcurvevalue", curve, point) for point in points]
+    return [[*map(typed, toolkit.pair(ctypes.c_double, "getcurvevalue", curve, point))] for point in points]
 
 
 def _reported() -> str:

@@ -1,6 +1,7 @@
 """From a water network at its operating point to a scene that starts there."""
 
 from collections import Counter
+from dataclasses import replace
 from math import pi, sqrt
 from typing import Any
 
@@ -18,6 +19,7 @@ from tline.scene.travel import open_loss, opening_of, shares
 T_END, TOL = "10 s", 1e-3  # of the scene, for the user to change
 LEAST_DROP = 1e-3  # m; less is none
 TRAVELS = {"PRV": "globe", "PSV": "globe", "PBV": "globe", "FCV": "globe", "TCV": "gate", "GPV": "gate"}
+WIDE = 3.0  # times the bore of the pipes beside it: no valve's
 FLAT = 1e-6  # share by which a head that is added falls with the flow
 
 
@@ -61,8 +63,9 @@ def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, 
         _add_pipe(tables, network, name, pipe, wave_speed)
     for name, pump in network.pumps.items():
         tables["links"][name] = _pump(network, name, pump, notes)
-    shut = {name for name, valve in network.valves.items() if _is_shut(valve)}
-    for name, valve in network.valves.items():
+    valves = dict(zip(network.valves, _with_bores(network, notes), strict=True))
+    shut = {name for name, valve in valves.items() if _is_shut(valve)}
+    for name, valve in valves.items():
         tables["links"][name] = _valve(name, valve, network.density, name in shut, notes)
     for name, node in network.nodes.items():
         _add_node(tables, network, name, node, weight, notes)
@@ -105,6 +108,24 @@ def _add_pipe(tables: dict[str, Any], network: WaterNetwork, name: str, pipe: Pi
 
 def _site(node: Junction | Basin) -> dict[str, Any]:
     return {"elevation": node.elevation, "position": list(node.position)}
+
+
+def _with_bores(network: WaterNetwork, notes: list[str]) -> list[Valve]:
+    """The valves; where files give a bore that no valve has, with that of the pipes beside it."""
+    beside: dict[str, float] = {}
+    for pipe in network.pipes.values():
+        for node in pipe.nodes:
+            beside[node] = max(beside.get(node, 0.0), pipe.diameter)
+    found, changed = [], []
+    for name, valve in network.valves.items():
+        usual = max(beside.get(node, 0.0) for node in valve.nodes)
+        if usual and valve.diameter > WIDE * usual:
+            changed.append(name)
+            valve = replace(valve, diameter=usual)
+        found.append(valve)
+    if changed:
+        notes.append(f"valves: much wider than the pipes beside them, and taken as wide as these: {listed(changed)}")
+    return found
 
 
 def _is_shut(valve: Valve) -> bool:

@@ -22,6 +22,7 @@ LEAKS = 10.0 ** np.arange(0, -14, -1)  # the same on the way to a state that is 
 SMALL = 300  # unknowns
 STARTS = 10.0 ** np.arange(0, -7, -1)  # efforts over the largest
 NOTHING = 1e-12  # of the largest effort, or of 1 where nothing drives: so little is at rest
+TIED = 1e-13  # of what else ties a part, where that is not enough to tell its effort
 CORRECTIONS, EXACT = 2, 1e-9  # of linear systems
 
 
@@ -175,8 +176,11 @@ def _solved(entries: NDArray, rows: NDArray, columns: NDArray, count: int, whole
     if n <= SMALL:
         matrix = np.zeros((n, n))
         np.add.at(matrix, (rows, columns), entries)
-        return np.linalg.solve(matrix, whole)
-    from scipy.sparse import coo_array
+        try:
+            return np.linalg.solve(matrix, whole)
+        except np.linalg.LinAlgError:
+            return np.linalg.lstsq(matrix, whole)[0]
+    from scipy.sparse import coo_array, diags_array
     from scipy.sparse.linalg import splu
 
     matrix = coo_array((entries, (rows, columns)), shape=(n, n)).tocsr()
@@ -185,11 +189,15 @@ def _solved(entries: NDArray, rows: NDArray, columns: NDArray, count: int, whole
     own, of_ends = matrix[:count, :count].diagonal(), matrix[:count, count:]
     of_flows = matrix[count:, :count].multiply(1 / own[None, :]).tocsr()
     left = (matrix[count:, count:] - of_flows @ of_ends).tocsc()
-    parts = splu(left, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    try:
+        parts, cut_off = splu(left, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}), False
+    except RuntimeError:  # parts that only a leak ties down
+        tied = left + diags_array(TIED * np.abs(left.diagonal())).tocsc()
+        parts, cut_off = splu(tied, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}), True
     step = np.zeros(n)
     for _ in range(CORRECTIONS):
         rest = whole - matrix @ step
         level = parts.solve(rest[count:] - of_flows @ rest[:count])
         step += np.concatenate([(rest[:count] - of_ends @ level) / own, level])
     exact = np.abs(whole - matrix @ step).max() <= EXACT * np.abs(whole).max()
-    return step if exact else splu(matrix.tocsc()).solve(whole)
+    return step if exact or cut_off else splu(matrix.tocsc()).solve(whole)
