@@ -14,6 +14,7 @@ from tline.scene.text_file import LARGEST
 LONGEST = 1000  # bytes of a line; EPANET's buffer has 1024
 TITLE = 200  # characters
 END_OF_LINE, SEPARATORS = re.compile(r"\r\n|\r|\n"), re.compile(r"[ \t,]+")
+NO_NUMBER = re.compile(r"[+-]?(nan(\(.*\))?|inf|infinity)", re.IGNORECASE)
 GIVEN = (
     "JUNCTIONS", "RESERVOIRS", "TANKS", "PIPES", "PUMPS", "VALVES", "EMITTERS", "CURVES", "PATTERNS", "STATUS",
     "DEMANDS", "CONTROLS",
@@ -161,6 +162,8 @@ def _joined(words: list[str], where: str) -> str:
     line = " ".join(words)
     if words[0].startswith(("[", '"')) or ";" in line:
         raise InputError(where, "a name that is none", "one that begins with a letter or a digit", shown(line))
+    if any(NO_NUMBER.fullmatch(word) for word in words[1:]):
+        raise InputError(where, "a number that is none", "finite numbers", shown(line))
     if len(line.encode("utf-8", "replace")) > LONGEST:
         raise InputError(where, "the line is too long", f"at most {LONGEST} bytes")
     return line
