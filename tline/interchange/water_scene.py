@@ -18,7 +18,7 @@ from tline.scene.travel import open_loss, opening_of, shares
 
 T_END, TOL = "10 s", 1e-3  # of the scene, for the user to change
 LEAST_DROP = 1e-3  # m; less is none
-TRAVELS = {"PRV": "globe", "PSV": "globe", "PBV": "globe", "FCV": "globe", "TCV": "gate", "GPV": "gate"}
+TRAVELS = {"PRV": "globe", "PSV": "globe", "PBV": "globe", "FCV": "globe", "TCV": "butterfly", "GPV": "butterfly"}  # gates do not throttle
 WIDE = 3.0  # times the bore of the pipes beside it: no valve's
 FLAT = 1e-6  # share by which a head that is added falls with the flow
 
