@@ -24,7 +24,11 @@ def random_inp(seed: int, junctions: int = 12) -> str:
 
     def valve(one: str, two: str) -> None:
         kind, name = str(rng.choice(VALVES)), f"v{len(rows['VALVES'])}"
-        setting = {"FCV": f"{rng.uniform(0.2, 8) * flow:.4g}", "TCV": f"{10 ** rng.uniform(-1, 3):.4g}", "GPV": "losing"}
+        setting = {
+            "FCV": f"{rng.uniform(0.2, 8) * flow:.4g}",
+            "TCV": f"{10 ** rng.uniform(-1, 3):.4g}",
+            "GPV": "losing",
+        }
         value = setting.get(kind, f"{rng.uniform(5, 60) * pressure:.4g}")
         bore = rng.choice([80, 150, 250]) * wide
         rows["VALVES"].append(f"{name} {one} {two} {bore:.5g} {kind} {value} {rng.choice([0, 0, 3])}")

@@ -65,7 +65,7 @@ def test_no_file_is_written_or_read(folder: Path, lines: str) -> None:
 
 
 def test_what_epanet_is_given_names_no_file() -> None:
-    hostile = "[OPTIONS]\nHYDRAULICS SAVE a\nHYDR USE b\nMAP c\n[REPORT]\nFILE d\n[BACKDROP]\nFILE e\n[TITLE]\n[TIMES]\nREPORT 1\n"
+    hostile = "[OPTIONS]\nHYDRAULICS SAVE a\nHYDR USE b\nMAP c\n[REPORT]\nFILE d\n[BACKDROP]\nFILE e\n[TIMES]\n"
     given = parse(TEXT.replace("[END]", hostile), "x.inp").network
     assert not any(word in given.upper().split() for word in ("SAVE", "USE", "FILE", "MAP", "HYDRAULICS", "HYDR"))
 

@@ -73,7 +73,7 @@ def test_a_pocket_in_a_row(links, bar):
 def test_a_pocket_starts_with_what_it_is_said_to():
     assert row(CHECK, CHECK, start=6.5e5)["n1"] == pytest.approx(6.5e5, rel=1e-12)
     assert row(SHUT, SHUT, start=2e5)["n1"] == pytest.approx(2e5, rel=1e-12)
-    with pytest.raises(InputError, match="nodes.m0.start: a valve would open, expected such as 500000 Pa"):
+    with pytest.raises(InputError, match=r"nodes\.m0\.start: a valve would open, expected such as 500000 Pa"):
         row(CHECK, CHECK, start=4e5)
 
 

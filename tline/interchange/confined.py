@@ -39,9 +39,16 @@ def solved(path: str, text: str) -> dict[str, Any]:
         (Path(folder) / epanet_run.NETWORK).write_text(text, encoding="utf-8", newline="\n")
         command = [sys.executable, "-I", "-S", epanet_run.__file__, str(library)]
         limits = [str(seconds), str(MEMORY), str(WRITTEN)]
-        silent = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
         try:
-            ended = subprocess.run([*command, *limits], cwd=folder, timeout=WAITING * seconds, check=False, **silent)
+            ended = subprocess.run(
+                [*command, *limits],
+                cwd=folder,
+                timeout=WAITING * seconds,
+                check=False,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+            )
         except subprocess.TimeoutExpired:
             ended = None
         answer = None

@@ -89,7 +89,9 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str) -> WaterNet
     reached = _reached(nodes, links, closed)
     _check_heads({name: nodes[name]["head"] for name in sorted(reached)}, path)
     reached |= _pockets(nodes, links, closed, reached)
-    kept = {name for name, link in links.items() if {*link["ends"]} <= reached and not _is_left_out(link, name in closed)}
+    kept = {
+        name for name, link in links.items() if {*link["ends"]} <= reached and not _is_left_out(link, name in closed)
+    }
     used = {name: link for name, link in links.items() if name in kept}
     cut_off = set(nodes) - reached
     lost = sum(nodes[name]["demand"] for name in cut_off) * units.flow
@@ -177,9 +179,7 @@ def _reached(nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str
     return _spread(basins & ends, links, links.keys() - closed)
 
 
-def _pockets(
-    nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str], reached: set[str]
-) -> set[str]:
+def _pockets(nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str], reached: set[str]) -> set[str]:
     """Nodes without demand that shut valves, check valves among them, join with those that are reached."""
     quiet = {
         name
@@ -243,9 +243,7 @@ def _position(node: Mapping[str, Any], text: EpanetText) -> tuple[float, float]:
     return text.positions.get(node["name"], (0.0, 0.0))
 
 
-def _unbalanced(
-    nodes: Mapping[str, Any], links: Mapping[str, Any], unit: float, cut_off: set[str]
-) -> set[str]:
+def _unbalanced(nodes: Mapping[str, Any], links: Mapping[str, Any], unit: float, cut_off: set[str]) -> set[str]:
     """Junctions at which more flows in than out, or less, in EPANET's solution."""
     rest = {name: -node["demand"] * unit for name, node in nodes.items() if node["type"] == JUNCTION}
     for link in links.values():

@@ -26,7 +26,8 @@ OWN = ("TITLE", "COORDINATES", "VERTICES", "OPTIONS", "TIMES", "END")
 SECTIONS = {name.rstrip("S"): name for name in (*GIVEN, *LEFT, *OWN)}
 # options and times by how EPANET tells them, from their first letters
 OPTIONS = ("UNIT", "PRES", "HEADL", "VISC", "SPEC", "CHECKF", "MAXCH", "DAMP", "PATT", "DEMA", "EMIT", "MINI", "REQU")
-OTHER_OPTIONS = ("HYDR", "QUAL", "MAP", "VERI", "SEGM", "DIFF", "TOLE", "TRIA", "ACCU", "UNBA", "HEADE", "FLOWC", "BACKF")  # fmt: skip
+OTHER_OPTIONS = ("HYDR", "QUAL", "MAP", "VERI", "SEGM", "DIFF", "TOLE", "TRIA", "ACCU", "UNBA", "HEADE", "FLOWC",
+                 "BACKF")  # fmt: skip
 TIMES = ("PATT", "HYDR", "START")
 Position = tuple[float, float]
 

@@ -1,26 +1,20 @@
 """From a water network at its operating point to a scene that starts there."""
 
 from collections import Counter
-from dataclasses import replace
-from math import pi, sqrt
 from typing import Any
 
 from tline.errors import InputError
+from tline.interchange.compare_heads import differences
 from tline.interchange.epanet import read_epanet
 from tline.interchange.head_loss import GRAVITY as EPANETS
-from tline.interchange.compare_heads import differences
-from tline.interchange.water_network import STILL, TRICKLE, Basin, Junction, Pipe, Pump, Valve, WaterNetwork, listed
+from tline.interchange.water_network import LEAST_DROP, STILL, TRICKLE, Basin, Junction, Pipe, Pump, WaterNetwork
+from tline.interchange.water_valves import guesses, is_shut, valve_link, with_bores
 from tline.scene.file import scene_from
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
-from tline.scene.travel import open_loss, opening_of, shares
 
 T_END, TOL = "10 s", 1e-3  # of the scene, for the user to change
-LEAST_DROP = 1e-3  # m; less is none
-TRAVELS = {"PRV": "globe", "PSV": "globe", "PBV": "globe", "FCV": "globe", "TCV": "butterfly", "GPV": "butterfly"}  # gates do not throttle
-WIDE = 3.0  # times the bore of the pipes beside it: no valve's
-FLAT = 1e-6  # share by which a head that is added falls with the flow
 
 
 def read_inp(path: str, wave_speed: float | str) -> tuple[Scene, tuple[str, ...]]:
@@ -48,9 +42,9 @@ def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, 
     """The scene of a network, and notes.
 
     Pressures are piezometric, density·g·head. The friction factor of a pipe is the one that the operating point has.
-    Reservoirs and tanks hold their level, valves the opening that loses what they lose there; a demand is what an opening to the air lets out that
-    gives the demand at the operating point. A pump has the parabola through its shut-off head with head and slope at
-    the operating point.
+    Reservoirs and tanks hold their level, valves the opening that loses what they lose there; a demand is what an
+    opening to the air lets out that gives the demand at the operating point. A pump has the parabola through its
+    shut-off head with head and slope at the operating point.
 
     Raises
     ------
@@ -63,10 +57,10 @@ def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, 
         _add_pipe(tables, network, name, pipe, wave_speed)
     for name, pump in network.pumps.items():
         tables["links"][name] = _pump(network, name, pump, notes)
-    valves = dict(zip(network.valves, _with_bores(network, notes), strict=True))
-    shut = {name for name, valve in valves.items() if _is_shut(valve)}
-    for name, valve in valves.items():
-        tables["links"][name] = _valve(name, valve, network.density, name in shut, notes)
+    shut = set()
+    for name, valve in with_bores(network, notes):
+        tables["links"][name] = valve_link(name, valve, network.density, notes)
+        shut |= {name} if is_shut(valve) else set()
     for name, node in network.nodes.items():
         _add_node(tables, network, name, node, weight, notes)
     _close_ends(tables)
@@ -77,11 +71,7 @@ def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, 
         notes.append(f"tanks: held at their level: {', '.join(tanks)}")
     if network.valves:
         notes.append("valves: held at the opening that they have at the operating point")
-    for kind in sorted({*TRAVELS.values()}):
-        names = [n for n in network.valves if tables["links"][n].get("characteristic") == kind]
-        if names:
-            guess = f"that of a {kind} valve is a guess; give them the characteristic that they have"
-            notes.append(f"how valves lose on their way from open to shut: {guess}: {listed(names)}")
+        notes += guesses(tables["links"])
     head = {"title": network.title, "medium": "hydraulic", "t_end": T_END, "start": "steady", "solver": {"tol": TOL}}
     return scene_from(head | {key: table for key, table in tables.items() if table} | _probe(network)), tuple(notes)
 
@@ -110,70 +100,14 @@ def _site(node: Junction | Basin) -> dict[str, Any]:
     return {"elevation": node.elevation, "position": list(node.position)}
 
 
-def _with_bores(network: WaterNetwork, notes: list[str]) -> list[Valve]:
-    """The valves; where files give a bore that no valve has, with that of the pipes beside it."""
-    beside: dict[str, float] = {}
-    for pipe in network.pipes.values():
-        for node in pipe.nodes:
-            beside[node] = max(beside.get(node, 0.0), pipe.diameter)
-    found, changed = [], []
-    for name, valve in network.valves.items():
-        usual = max(beside.get(node, 0.0) for node in valve.nodes)
-        if usual and valve.diameter > WIDE * usual:
-            changed.append(name)
-            valve = replace(valve, diameter=usual)
-        found.append(valve)
-    if changed:
-        notes.append(f"valves: much wider than the pipes beside them, and taken as wide as these: {listed(changed)}")
-    return found
-
-
-def _is_shut(valve: Valve) -> bool:
-    """Whether it holds a head and lets nothing pass."""
-    return abs(valve.flow) <= TRICKLE and abs(valve.drop) > LEAST_DROP
-
-
-def _valve(name: str, valve: Valve, density: float, shut: bool, notes: list[str]) -> dict[str, Any]:
-    """A valve at the opening at which it loses what it loses at the operating point.
-
-    If that is less than such a valve loses wide open, it loses so much less all along its travel.
-    """
-    if valve.flow * valve.drop < 0 and abs(valve.flow) > TRICKLE and abs(valve.drop) > LEAST_DROP:
-        return _adding(name, valve, density * GRAVITY, notes)
-    kind = TRAVELS[valve.kind]
-    usual, speed = open_loss(kind, valve.diameter), abs(valve.flow) / (pi / 4 * valve.diameter**2)
-    opening, loss = 0.0 if shut else 1.0, usual
-    if abs(valve.flow) > TRICKLE:
-        per_head = 2 * GRAVITY / speed**2
-        lost = max(abs(valve.drop), LEAST_DROP) * per_head
-        loss = min(lost, usual)
-        opening = opening_of(shares(kind, loss), sqrt(loss / lost))
-    return {
-        "kind": "orifice",
-        "nodes": list(valve.nodes),
-        "loss_coefficient": loss,
-        "diameter": valve.diameter,
-        "density": density,
-        "opening": opening,
-        "characteristic": kind,
-    }
-
-
-def _adding(name: str, valve: Valve, weight: float, notes: list[str]) -> dict[str, Any]:
-    """What stands for a pressure breaker against whose setting water flows: EPANET lets it add head."""
-    rise, flow = abs(valve.drop), abs(valve.flow)
-    says = f"water flows through it backward, and EPANET lets it add {rise:.4g} m of head, as no valve can"
-    notes.append(f"valve '{name}': {says}; a pump of that head stands for it, so check the network")
-    one, two = valve.nodes if valve.flow > 0 else reversed(valve.nodes)
-    return {"kind": "pump", "nodes": [one, two], "curve": [[0.0, weight * rise * (1 + FLAT)], [flow, weight * rise]]}
-
-
 def _close_ends(tables: dict[str, Any]) -> None:
     """Close nodes at which a link ends and nothing else is."""
     ends = Counter(node for link in tables["links"].values() for node in link["nodes"])
     there = {node for line in tables["lines"].values() for node in line["nodes"]}
     there |= {table["at"] for part in ("loads", "sources") for table in tables[part].values()}
-    tables["loads"] |= {node: {"at": node, "kind": "closed"} for node, n in ends.items() if n == 1 and node not in there}
+    tables["loads"] |= {
+        node: {"at": node, "kind": "closed"} for node, n in ends.items() if n == 1 and node not in there
+    }
 
 
 def _pockets(network: WaterNetwork, shut: set[str]) -> list[str]:

@@ -76,7 +76,8 @@ class Rated(Element):
     @property
     def loss(self) -> float:
         """K, wide open, of a capacity and a section that are given."""
-        assert self.capacity is not None and self.bore is not None
+        assert self.capacity is not None
+        assert self.bore is not None
         return 2 * (self.bore / self.capacity) ** 2 / self.density
 
     @property

@@ -1,6 +1,7 @@
 """What common valves lose on their way from open to shut."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from math import log10, sqrt
 from typing import Literal
 
@@ -74,7 +75,7 @@ def opening_of(points: Sequence[tuple[float, float]], share: float) -> float:
     >>> opening_of([(0.0, 0.0), (0.5, 0.2), (1.0, 1.0)], 0.6)
     0.75
     """
-    for (x, y), (after, above) in zip(points, points[1:], strict=False):
+    for (x, y), (after, above) in pairwise(points):
         if share <= above:
             return x + (after - x) * (share - y) / (above - y)
     return 1.0

@@ -91,7 +91,7 @@ class Edges:
 
 
 def _steep(elements: Elements, largest: float) -> NDArray:
-    """Impedance of each element: that of its nodes, or drop over flow of one so tight that its root looks like a jump."""
+    """Impedance of each element: that of its nodes, or drop over flow of one so tight that its root is a jump."""
     seen = elements.seen.copy()
     for e in np.flatnonzero(elements.kind == KINDS.index("quadratic")):
         capacity = elements.constants[elements.at[e] + 1] * max(elements.factor[e], 0.0)

@@ -102,7 +102,7 @@ def settled(
     shift, opened = np.zeros(len(fixed)), []
     largest = np.abs(u).max()
     for part in np.argsort(np.isnan(start), kind="stable"):  # those with a start come first
-        g = group[part]
+        g = int(group[part])
         if fixed[g]:
             continue
         low, high = _bounds(holding, shift, fixed, g)
@@ -118,7 +118,7 @@ def settled(
 
 
 def _bounds(holding: Holding, shift: NDArray, fixed: NDArray, g: int) -> tuple[float, float]:
-    """Between what a group may be shifted, by way of all groups that are not fixed: shortest paths to it and from it."""
+    """Between what a group may be shifted: shortest paths to it and from it, by way of groups that are not fixed."""
     least, most = np.where(fixed, shift, -np.inf), np.where(fixed, shift, np.inf)
     one, other, low, high = holding
     for _ in range(len(fixed)):

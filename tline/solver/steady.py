@@ -103,7 +103,8 @@ def _between_parts(
     start = _starts(scene, number, part)
     effort, opened = settled(found.effort, known, start, *edges.holding(part, found.flow, scale))
     if opened.size:
-        name = next(name for name, site in scene.nodes.items() if site.start is not None and part[number[name]] in opened)
+        told = [name for name, site in scene.nodes.items() if site.start is not None and name in number]
+        name = next(name for name in told if part[number[name]] in opened)
         got, unit = effort[part[number[name]]], MEDIA[scene.medium].units["effort"]
         raise InputError(place("nodes", name, "start"), "a valve would open", f"such as {got:g} {unit}")
     return effort, found.flow
