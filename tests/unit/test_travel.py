@@ -1,5 +1,6 @@
 """Travels of common valves: K over the opening."""
 
+from itertools import pairwise
 from math import pi
 
 import pytest
@@ -8,7 +9,12 @@ from tline.errors import SceneError
 from tline.scene.travel import ADDED, open_loss, opening_of, shares
 from tline.scene.valve import Orifice
 
-PERRY = [("gate", 0.5, 4.5, 0.17), ("globe", 0.75, 13.0, 9.0), ("ball", 1 - 40 / 90, 17.3, 0.0), ("butterfly", 1 - 20 / 90, 1.54, 0.0)]  # fmt: skip
+PERRY = [
+    ("gate", 0.5, 4.5, 0.17),
+    ("globe", 0.75, 13.0, 9.0),
+    ("ball", 1 - 40 / 90, 17.3, 0.0),
+    ("butterfly", 1 - 20 / 90, 1.54, 0.0),
+]
 
 
 @pytest.mark.parametrize(("kind", "x", "k", "k_open"), PERRY)
@@ -29,7 +35,7 @@ def test_openings_and_shares_rise_together(kind):
     points = shares(kind, 0.2)
     assert list(points) == sorted(points)
     for x in (0.1, 0.3, 0.6, 0.95):
-        (low, below), (high, above) = next(pair for pair in zip(points, points[1:], strict=False) if pair[1][0] >= x)
+        (low, below), (high, above) = next(pair for pair in pairwise(points) if pair[1][0] >= x)
         share = below + (x - low) / (high - low) * (above - below)
         assert opening_of(points, share) == pytest.approx(x)
     assert open_loss(kind, 0.05) > open_loss(kind, 1.0) > 0

@@ -60,7 +60,7 @@ def open_loss(kind: str, diameter: float) -> float:
     Examples
     --------
     >>> round(open_loss("gate", 0.1), 3), round(open_loss("globe", 0.1), 2)
-    (0.131, 5.55)
+    (0.131, 5.57)
     """
     friction = 0.25 / log10(3.7 * diameter / STEEL) ** 2
     lengths = DIAMETERS.get(kind) or next(length for most, length in BUTTERFLIES if diameter <= most)
