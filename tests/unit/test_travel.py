@@ -2,12 +2,18 @@
 
 from itertools import pairwise
 from math import pi
+from typing import Any
 
 import pytest
 
 from tline.errors import SceneError
 from tline.scene.travel import ADDED, open_loss, opening_of, shares
 from tline.scene.valve import Orifice
+
+
+def valve_of(**given: Any) -> Orifice:
+    return Orifice(at="a", **given)
+
 
 PERRY = [
     ("gate", 0.5, 4.5, 0.17),
@@ -20,7 +26,7 @@ PERRY = [
 @pytest.mark.parametrize(("kind", "x", "k", "k_open"), PERRY)
 @pytest.mark.parametrize("k0", [0.01, 0.3, 9.0])
 def test_a_valve_loses_what_the_handbook_says(kind, x, k, k_open, k0):
-    valve = Orifice(at="a", loss_coefficient=k0, diameter=0.2, characteristic=kind, opening=x)
+    valve = valve_of(loss_coefficient=k0, diameter=0.2, characteristic=kind, opening=x)
     share = _share(kind, valve.loss, x)
     assert valve.loss == pytest.approx(k0)
     assert k0 / share**2 == pytest.approx(k0 + k - k_open)
@@ -42,9 +48,9 @@ def test_openings_and_shares_rise_together(kind):
 
 
 def test_the_capacity_may_be_given_in_any_way_beside_the_bore():
-    by_kv = Orifice(at="a", kv=300, diameter=0.1, characteristic="gate")
+    by_kv = valve_of(kv=300, diameter=0.1, characteristic="gate")
     assert by_kv.capacity is not None
-    by_loss = Orifice(at="a", loss_coefficient=by_kv.loss, area=pi / 4 * 0.01, characteristic="gate")
+    by_loss = valve_of(loss_coefficient=by_kv.loss, area=pi / 4 * 0.01, characteristic="gate")
     assert by_loss.capacity == pytest.approx(by_kv.capacity)
 
 
@@ -58,4 +64,4 @@ def test_the_capacity_may_be_given_in_any_way_beside_the_bore():
 )
 def test_mistakes(given, said):
     with pytest.raises(SceneError, match=said):
-        Orifice(at="a", kv=3, **given)
+        valve_of(kv=3, **given)
