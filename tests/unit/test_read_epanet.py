@@ -1,24 +1,16 @@
 """What an EPANET file may hold, and what is said of files that are none."""
 
-import builtins
-
 import pytest
 from networks import ring
 
 from tline.errors import InputError
+from tline.interchange import confined
 from tline.interchange.epanet import read_epanet
 from tline.interchange.pump_curve import pump_curve
 
 
 def test_without_wntr_it_says_what_to_install(monkeypatch, tmp_path):
-    load = builtins.__import__
-
-    def without(name, *args, **kwargs):
-        if name == "wntr":
-            raise ImportError(name=name)
-        return load(name, *args, **kwargs)
-
-    monkeypatch.setattr(builtins, "__import__", without)
+    monkeypatch.setattr(confined, "find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"wntr is missing.*tline\[epanet\]"):
         read_epanet(ring(tmp_path))
 
@@ -81,7 +73,7 @@ class TestWithWntr:
         [
             ({"[PIPES]": "[PIPE DREAMS]"}, "PIPE DREAMS"),
             ({" main lift a": " main lift nowhere"}, "nowhere"),
-            ({"lifting 90 75": "lifting 90 75\n lifting 100 80"}, "duty.*does not fall"),
+            ({"lifting 90 75": "lifting 90 75\n lifting 100 80"}, "invalid head curve for pump duty"),
             ({"900 250": "long 250"}, "long"),
         ],
     )

@@ -1,37 +1,59 @@
-"""Water networks from EPANET files, read by wntr and solved by EPANET itself for their operating point."""
+"""Water networks from EPANET files, at the operating point that EPANET itself finds."""
 
-import logging
-import tempfile
-import warnings
 from collections import defaultdict
-from collections.abc import Iterator
-from math import pi
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from math import isfinite, pi
 from pathlib import Path
-from typing import Any
-
-import numpy as np
+from typing import Any, NamedTuple
 
 from tline.errors import InputError
-from tline.interchange.head_loss import GRAVITY, LAWS
+from tline.interchange.confined import solved
+from tline.interchange.epanet_text import EpanetText, parse, read_text
+from tline.interchange.head_loss import FOOT, GRAVITY, LAWS
 from tline.interchange.pump_curve import Polyline, PowerLaw, pump_curve
-from tline.interchange.water_network import STILL, Basin, Junction, Pipe, Pump, Valve, WaterNetwork
+from tline.interchange.water_network import STILL, TRICKLE, Basin, Junction, Pipe, Pump, Valve, WaterNetwork, listed
 
-WATER, VISCOSITY = 1000.0, 1.1e-5 * 0.3048**2  # kg/m³ and m²/s, EPANET's
-MULTIPLIER = 1e-3  # a viscosity above it is a multiple of that of water
-PSI_PER_METRE = 0.4333 / 0.3048
-ACCURACY, TRIALS = 1e-5, 1000  # of EPANET's solution: flow changes, relative, in its last step
+WATER, VISCOSITY = 1000.0, 1.1e-5 * FOOT**2  # kg/m³ and m²/s, EPANET's
 HIGHEST = 1e5  # m, of a head that is no accident of an unsolved network
+UNEVEN = 1e-4  # of the largest flow
 SLOWEST = 0.01  # m/s; friction at slower flow is taken at this speed
-CLOSED = 0  # status of a link in results
-LISTED = 6
-TRADITIONAL = {"CFS", "GPM", "MGD", "IMGD", "AFD"}
+INCH, HORSEPOWER, KILOWATT = FOOT / 12, 745.7, 1e3
+GALLON, IMPERIAL, ACRE_FOOT = 3.785411784e-3, 4.54609e-3, 43560 * FOOT**3
+DAY, HOUR, MINUTE = 86400.0, 3600.0, 60.0
+FLOWS = (  # m³/s, in the order of EPANET's codes; the first five go with feet
+    FOOT**3, GALLON / MINUTE, 1e6 * GALLON / DAY, 1e6 * IMPERIAL / DAY, ACRE_FOOT / DAY,
+    1e-3, 1e-3 / MINUTE, 1e3 / DAY, 1 / HOUR, 1 / DAY,
+)  # fmt: skip
+TRADITIONAL = 5
+FORMULAS = ("H-W", "D-W", "C-M")
+JUNCTION, RESERVOIR, TANK = range(3)
+ONE_WAY, PIPE, PUMP = range(3)
+VALVES = ("PRV", "PSV", "PBV", "FCV", "TCV", "GPV")
+WARNED = {
+    2: "its solution may be unstable, for valves or pumps change their state again and again",
+    4: "a pump cannot deliver the flow or the head that is asked for",
+    5: "a valve cannot hold its setting",
+    6: "pressures are negative",
+}  # by EPANET's codes
+
+
+class Units(NamedTuple):
+    """SI units that one of the file is."""
+
+    length: float
+    diameter: float
+    flow: float
+    power: float
+    rough: float  # by Darcy and Weisbach
 
 
 def read_epanet(path: str | Path) -> WaterNetwork:
     """Read an EPANET file and its operating point: the steady flow at the file's start of time.
 
-    Demand patterns, controls and rules count as they stand at that instant. What is closed then is left out, but for
-    check valves, and the notes name it.
+    Demand patterns and controls count as they stand at that instant. What is closed then is left out, but for check
+    valves and regulating valves, and the notes name it. EPANET works in a process of its own, on a copy of the lines
+    that bear on the flow: no file but this one is read, and none is written.
 
     Parameters
     ----------
@@ -41,176 +63,210 @@ def read_epanet(path: str | Path) -> WaterNetwork:
     Raises
     ------
     InputError
-        wntr is not installed, cannot read the file, or finds no steady flow; or the file holds what cannot be
+        EPANET is not installed, cannot read the file, or finds no steady flow; or the file holds what cannot be
         represented.
     """
-    wntr = _wntr()
-    logging.getLogger("wntr").addHandler(logging.NullHandler())
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        try:
-            model = wntr.network.WaterNetworkModel(str(path))
-        except OSError as error:
-            raise InputError(str(path), "cannot be read", got=error.strerror or str(error)) from None
-        except Exception as error:  # noqa: BLE001 (a broken file makes wntr raise whatever comes)
-            raise InputError(str(path), "cannot be read as an EPANET file", got=_said(error)) from None
-        curves = {name: _curve(f"{path}: pump '{name}'", link) for name, link in model.head_pumps()}
-        return _network(model, curves, _solved(wntr, model, str(path)), str(path))
+    text = parse(read_text(str(path)), str(path))
+    answer = solved(str(path), text.network)
+    network = _network(answer, text, str(path))
+    _check_finite(network, str(path))
+    return network
 
 
-def _wntr() -> Any:
-    try:
-        import wntr  # pyright: ignore[reportMissingImports]
-    except ImportError as error:
-        raise InputError("EPANET files", f"are read by wntr, which is not installed ({error.name} is missing)",
-                         "pip install 'tline[epanet]'") from None  # fmt: skip
-    return wntr
-
-
-def _said(error: BaseException) -> str:
-    """The first reason given, for that names the line of the file."""
-    while error.__cause__ is not None:
-        error = error.__cause__
-    if isinstance(error, KeyError):
-        return f"the name {error}, which nothing has"
-    return " ".join(str(error).replace("%s", "").split())[:300] or type(error).__name__
-
-
-def _solved(wntr: Any, model: Any, path: str) -> Any:
-    """EPANET's solution at the start of time."""
-    model.options.time.duration = 0
-    model.options.hydraulic.accuracy, model.options.hydraulic.trials = ACCURACY, TRIALS
-    with tempfile.TemporaryDirectory() as folder:
-        try:
-            return wntr.sim.EpanetSimulator(model).run_sim(str(Path(folder) / "network"), convergence_error=True)
-        except Exception as error:  # noqa: BLE001
-            raise InputError(path, "EPANET finds no steady flow", got=_said(error)) from None
-
-
-def _network(model: Any, curves: dict[str, PowerLaw | Polyline], solution: Any, path: str) -> WaterNetwork:
-    hydraulic = model.options.hydraulic
-    viscosity = float(hydraulic.viscosity) * (VISCOSITY if hydraulic.viscosity > MULTIPLIER else 1.0)
-    heads, drawn = (solution.node[key].iloc[0] for key in ("head", "demand"))
-    flows, status, settings = (solution.link[key].iloc[0] for key in ("flowrate", "status", "setting"))
-    stopped = {name for name in (*model.pump_name_list, *model.valve_name_list) if abs(flows[name]) < STILL}
-    stopped |= {name for name in model.pump_name_list if settings[name] <= 0}
-    closed = {name for name in model.link_name_list if status[name] == CLOSED or name in stopped}
-    one_way = {name for name, link in model.pipes() if link.check_valve}
-    reached = _reached(model, closed)
-    _check_heads(heads[sorted(reached)], path)
-    in_use = {name for name, link in model.links() if {*_ends(link)} <= reached and name not in closed - one_way}
-    law = hydraulic.headloss, (viscosity,) if hydraulic.headloss == "D-W" else ()
-    pipes = {name: _pipe(link, float(flows[name]), *law) for name, link in model.pipes() if name in in_use}
-    pumps = {
-        name: Pump(
-            _ends(link), curves.get(name), getattr(link, "power", None), float(settings[name]), float(flows[name])
-        )
-        for name, link in model.pumps()
-        if name in in_use
+def _network(answer: Mapping[str, Any], text: EpanetText, path: str) -> WaterNetwork:
+    nodes = {node["name"]: node for node in answer["nodes"]}
+    links = {link["name"]: link for link in answer["links"]}
+    units = _units(answer["units"])
+    viscosity, formula = answer["viscosity"] * VISCOSITY, FORMULAS[int(answer["law"])]
+    for node in nodes.values():
+        node |= {key: node[key] * units.length for key in ("elevation", "head")}
+    for link in links.values():
+        link["flow"] *= units.flow
+        link["drop"] = nodes[link["ends"][0]]["head"] - nodes[link["ends"][1]]["head"]
+    highest = max(nodes.values(), key=lambda node: abs(node["head"] - node["elevation"]))
+    scale = highest["pressure"] / ((highest["head"] - highest["elevation"]) or 1.0)  # pressure of a metre in the file
+    closed = {name for name, link in links.items() if _is_closed(link)}
+    reached = _reached(nodes, links, closed)
+    _check_heads({name: nodes[name]["head"] for name in sorted(reached)}, path)
+    reached |= _pockets(nodes, links, closed, reached)
+    kept = {
+        name for name, link in links.items() if {*link["ends"]} <= reached and not _is_left_out(link, name in closed)
     }
-    valves = {
-        name: Valve(_ends(link), link.valve_type, float(flows[name]), float(np.subtract(*heads[[*_ends(link)]])))
-        for name, link in model.valves()
-        if name in in_use
-    }
-    junctions = {
-        name: _junction(hydraulic, node, float(heads[name]), float(drawn[name]))
-        for name, node in model.junctions()
-        if name in reached
-    }
-    basins = {
-        name: _basin(node, float(heads[name]))
-        for name, node in (*model.reservoirs(), *model.tanks())
-        if name in reached
-    }
+    used = {name: link for name, link in links.items() if name in kept}
+    cut_off = set(nodes) - reached
+    lost = sum(nodes[name]["demand"] for name in cut_off) * units.flow
+    torn = _unbalanced(nodes, links, units.flow, cut_off)
+    law = formula, (viscosity,) if formula == "D-W" else ()
     return WaterNetwork(
-        title=model.title[0] if model.title else Path(path).stem,
-        density=WATER * float(hydraulic.specific_gravity),
+        title=text.title,
+        density=WATER * answer["gravity"],
         viscosity=viscosity,
-        exponent=float(hydraulic.emitter_exponent),
-        junctions=junctions,
-        basins=basins,
-        pipes=pipes,
-        pumps=pumps,
-        valves=valves,
-        notes=tuple(_notes(model, [name for name in closed if name not in in_use], reached)),
+        exponent=answer["exponent"],
+        junctions={
+            name: _junction(node, answer["exponent"], scale, units, text)
+            for name, node in nodes.items()
+            if name in reached and node["type"] == JUNCTION
+        },
+        basins={
+            name: _basin(node, text) for name, node in nodes.items() if name in reached and node["type"] != JUNCTION
+        },
+        pipes={
+            name: _pipe(link, units, *law, text.vertices.get(name, []))
+            for name, link in used.items()
+            if link["type"] in (ONE_WAY, PIPE)
+        },
+        pumps={
+            name: _pump(f"{path}: pump '{name}'", link, units) for name, link in used.items() if link["type"] == PUMP
+        },
+        valves={name: _valve(link, units) for name, link in used.items() if link["type"] > PUMP},
+        sound=not (abs(lost) > STILL or torn),
+        notes=tuple(_notes(answer["warning"], text.held, closed - kept, cut_off, lost, torn)),
     )
 
 
-def _check_heads(heads: Any, path: str) -> None:
-    unsolved = heads[~(heads.abs() < HIGHEST)]
-    if len(unsolved) or not len(heads):
-        got = f"a head of {unsolved.iloc[0]:.3g} m at '{unsolved.index[0]}'" if len(heads) else "none that a link joins"
+def _units(code: int) -> Units:
+    if code < TRADITIONAL:
+        return Units(FOOT, INCH, FLOWS[code], HORSEPOWER, FOOT * 1e-3)
+    return Units(1.0, 1e-3, FLOWS[code], KILOWATT, 1e-3)
+
+
+def _check_heads(heads: Mapping[str, float], path: str) -> None:
+    unsolved = [f"a head of {head:.3g} m at '{name}'" for name, head in heads.items() if not abs(head) < HIGHEST]
+    if unsolved or not heads:
+        got = unsolved[0] if heads else "none that a link joins"
         raise InputError(path, "EPANET finds no steady flow", "a network fed by reservoirs or tanks", got)
 
 
-def _reached(model: Any, closed: set[str]) -> set[str]:
-    """Nodes that open links join with a reservoir or a tank."""
+def _check_finite(network: WaterNetwork, path: str) -> None:
+    for kind, table in asdict(network).items():
+        for name, values in table.items() if isinstance(table, dict) else ():
+            bad = [key for key, value in values.items() if isinstance(value, float) and not isfinite(value)]
+            if bad:
+                raise InputError(f"{path}: {kind}.{name}", f"its {bad[0]} is beyond all numbers", "a finite one")
+
+
+def _is_closed(link: Mapping[str, Any]) -> bool:
+    """Whether nothing can flow from one of its nodes to the other."""
+    if link["type"] == PUMP:
+        without = not link["curve"] and abs(link["flow"]) <= TRICKLE  # its head is any then
+        return not link["status"] or link["setting"] <= 0 or without
+    return not link["status"]
+
+
+def _is_left_out(link: Mapping[str, Any], closed: bool) -> bool:
+    """Whether a scene goes without it: valves that are shut can be opened there."""
+    return closed and link["type"] in (PIPE, PUMP)
+
+
+def _spread(begin: set[str], links: Mapping[str, Any], through: set[str], within: set[str] | None = None) -> set[str]:
+    """Nodes that links join with the first ones, these among them."""
     beside = defaultdict(list)
-    for name, link in model.links():
-        if name not in closed:
-            one, two = _ends(link)
-            beside[one].append(two)
-            beside[two].append(one)
-    found = {name for name in (*model.reservoir_name_list, *model.tank_name_list) if name in beside}
-    new = list(found)
+    for name in through:
+        one, two = links[name]["ends"]
+        beside[one].append(two)
+        beside[two].append(one)
+    found, new = set(begin), list(begin)
     while new:
-        grown = {other for node in new for other in beside[node]} - found
-        found |= grown
-        new = list(grown)
+        new = [*{other for node in new for other in beside[node] if within is None or other in within} - found]
+        found |= {*new}
     return found
 
 
-def _ends(link: Any) -> tuple[str, str]:
-    return link.start_node_name, link.end_node_name
+def _reached(nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str]) -> set[str]:
+    """Nodes that open links join with a reservoir or a tank."""
+    ends = {end for name in links.keys() - closed for end in links[name]["ends"]}
+    basins = {name for name, node in nodes.items() if node["type"] != JUNCTION}
+    return _spread(basins & ends, links, links.keys() - closed)
 
 
-def _pipe(link: Any, flow: float, law: str, given: tuple[float, ...]) -> Pipe:
+def _pockets(nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str], reached: set[str]) -> set[str]:
+    """Nodes without demand that shut valves, check valves among them, join with those that are reached."""
+    quiet = {
+        name
+        for name, node in nodes.items()
+        if name not in reached and node["type"] == JUNCTION and not node["demand"] and not node["emitter"]
+    }
+    loud = set(nodes) - reached - quiet
+    quiet -= _spread(loud, links, set(links) - closed)
+    shut = {name for name in closed if not _is_left_out(links[name], True)}
+    return _spread(reached, links, shut | (set(links) - closed), quiet) - reached
+
+
+def _pipe(link: Mapping[str, Any], units: Units, law: str, given: tuple[float, ...], vertices: list) -> Pipe:
     """A pipe with the friction factor that gives EPANET's loss at its flow."""
-    length, diameter = float(link.length), float(link.diameter)
+    length, diameter = link["length"] * units.length, link["diameter"] * units.diameter
+    roughness = link["roughness"] * (units.rough if law == "D-W" else 1.0)
     area = pi / 4 * diameter**2
-    at = max(abs(flow), SLOWEST * area)
-    loss = LAWS[law](at, length, diameter, float(link.roughness), *given)
-    factor = loss * diameter / length * 2 * GRAVITY / (at / area) ** 2 + float(link.minor_loss) * diameter / length
-    vertices = tuple((float(x), float(y)) for x, y in link.vertices)
-    return Pipe(_ends(link), length, diameter, flow, factor, bool(link.check_valve), vertices)
+    at = max(abs(link["flow"]), SLOWEST * area)
+    loss = LAWS[law](at, length, diameter, roughness, *given)
+    factor = loss * diameter / length * 2 * GRAVITY / (at / area) ** 2 + link["minor"] * diameter / length
+    return Pipe(_ends(link), length, diameter, link["flow"], factor, link["type"] == ONE_WAY, tuple(vertices))
 
 
-def _curve(where: str, link: Any) -> PowerLaw | Polyline:
-    curve = link.get_pump_curve()
+def _ends(link: Mapping[str, Any]) -> tuple[str, str]:
+    one, two = link["ends"]
+    return one, two
+
+
+def _pump(where: str, link: Mapping[str, Any], units: Units) -> Pump:
+    curve = _curve(where, link["curve"], units) if link["curve"] else None
+    return Pump(_ends(link), curve, None if curve else link["power"] * units.power, link["setting"], link["flow"])
+
+
+def _curve(where: str, points: list[tuple[float, float]], units: Units) -> PowerLaw | Polyline:
     try:
-        return pump_curve(curve.points if curve else [])
+        return pump_curve([(flow * units.flow, head * units.length) for flow, head in points])
     except InputError as error:
         raise InputError(where, error.problem, error.expected, error.got) from None
 
 
-def _junction(hydraulic: Any, node: Any, head: float, drawn: float) -> Junction:
-    elevation = float(node.elevation)
-    emitter = float(node.emitter_coefficient or 0.0)
-    if hydraulic.inpfile_units in TRADITIONAL:  # wntr turns pounds per square inch into metres for a square root
-        emitter *= PSI_PER_METRE ** (hydraulic.emitter_exponent - 0.5)
-    leaking = emitter * max(head - elevation, 0.0) ** hydraulic.emitter_exponent if emitter else 0.0
-    return Junction(elevation, head, _position(node), drawn - leaking, emitter)
+def _valve(link: Mapping[str, Any], units: Units) -> Valve:
+    kind = VALVES[link["type"] - PUMP - 1]
+    flow = link["flow"] if link["status"] else 0.0
+    return Valve(_ends(link), kind, link["diameter"] * units.diameter, flow, link["drop"])
 
 
-def _basin(node: Any, head: float) -> Basin:
-    tank = node.node_type == "Tank"
-    return Basin("tank" if tank else "reservoir", float(node.elevation) if tank else head, head, _position(node))
+def _junction(node: Mapping[str, Any], exponent: float, scale: float, units: Units, text: EpanetText) -> Junction:
+    elevation, head = node["elevation"], node["head"]
+    emitter = node["emitter"] * units.flow * scale**exponent
+    leaking = emitter * max(head - elevation, 0.0) ** exponent if emitter else 0.0
+    return Junction(elevation, head, _position(node, text), node["demand"] * units.flow - leaking, emitter)
 
 
-def _position(node: Any) -> tuple[float, float]:
-    x, y = node.coordinates
-    return float(x), float(y)
+def _basin(node: Mapping[str, Any], text: EpanetText) -> Basin:
+    tank = node["type"] == TANK
+    bottom = node["elevation"] if tank else node["head"]
+    return Basin("tank" if tank else "reservoir", bottom, node["head"], _position(node, text))
 
 
-def _notes(model: Any, closed: list[str], reached: set[str]) -> Iterator[str]:
-    cut_off = [name for name in model.node_name_list if name not in reached]
+def _position(node: Mapping[str, Any], text: EpanetText) -> tuple[float, float]:
+    return text.positions.get(node["name"], (0.0, 0.0))
+
+
+def _unbalanced(nodes: Mapping[str, Any], links: Mapping[str, Any], unit: float, cut_off: set[str]) -> set[str]:
+    """Junctions at which more flows in than out, or less, in EPANET's solution."""
+    rest = {name: -node["demand"] * unit for name, node in nodes.items() if node["type"] == JUNCTION}
+    for link in links.values():
+        for node, sign in zip(link["ends"], (-1, 1), strict=True):
+            if node in rest:
+                rest[node] += sign * link["flow"]
+    largest = max((abs(link["flow"]) for link in links.values()), default=0.0)
+    beside = {end for link in links.values() for end in link["ends"] if {*link["ends"]} & cut_off}
+    return {name for name, by in rest.items() if abs(by) > TRICKLE + UNEVEN * largest and name not in beside | cut_off}
+
+
+def _notes(warning: int, held: bool, closed: set[str], cut_off: set[str], lost: float, torn: set[str]) -> Iterator[str]:
     for names, why in (
         (closed, "closed or without flow"),
         (cut_off, "no open link leads there from a reservoir or tank"),
     ):
         if names:
-            listed = ", ".join(map(repr, sorted(names)[:LISTED]))
-            yield f"left out, {why}: {listed}" + f" and {len(names) - LISTED} more" * (len(names) > LISTED)
-    if model.num_controls or model.num_patterns:
+            yield f"left out, {why}: {listed(names)}"
+    if abs(lost) > STILL:
+        yield f"left out, a demand of {lost:.3g} m³/s there: EPANET takes it out of the network through what is closed"
+    if torn:
+        yield f"EPANET's flows do not balance at {listed(torn)}: its solution is none there"
+    if held:
         yield "patterns, controls and rules: held as they stand at the start of time"
+    if warning in WARNED:
+        yield f"EPANET warns: {WARNED[warning]}"

@@ -1,12 +1,26 @@
 """A water network at its operating point, as programs for steady flow know it; in SI, with heads in metres."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from tline.interchange.pump_curve import Polyline, PowerLaw
 
 Position = tuple[float, float]
-STILL = 1e-9  # m³/s; a flow below it is none
+STILL = 1e-9  # m³/s; a demand below it is none
+TRICKLE = 1e-6  # m³/s; what EPANET lets pass a valve that holds tight, or into a part that takes nothing
+LEAST_DROP = 1e-3  # m; less is none
+LISTED = 6
+
+
+def listed(names: Collection[str]) -> str:
+    """Names for a note: the first ones in their order, and how many more there are.
+
+    Examples
+    --------
+    >>> listed({"b", "a"})
+    "'a', 'b'"
+    """
+    return ", ".join(map(repr, sorted(names)[:LISTED])) + f" and {len(names) - LISTED} more" * (len(names) > LISTED)
 
 
 @dataclass(frozen=True)
@@ -107,21 +121,24 @@ class Pump:
 
 @dataclass(frozen=True)
 class Valve:
-    """A valve that lets something pass.
+    """A valve.
 
     Parameters
     ----------
     nodes : pair of str
     kind : str
         PRV, PSV, PBV, FCV, TCV or GPV.
+    diameter : float
+        m
     flow : float
-        m³/s
+        m³/s; none where it is shut.
     drop : float
         Head lost from the first node to the second, m.
     """
 
     nodes: tuple[str, str]
     kind: str
+    diameter: float
     flow: float
     drop: float
 
@@ -141,6 +158,8 @@ class WaterNetwork:
         Of all emitters.
     junctions, basins, pipes, pumps, valves : mapping
         By name; nodes and links each have names of their own.
+    sound : bool
+        Whether flows balance at all nodes, and no demand was left out.
     notes : tuple of str
         What was left out, and what is held.
     """
@@ -154,6 +173,7 @@ class WaterNetwork:
     pipes: Mapping[str, Pipe]
     pumps: Mapping[str, Pump]
     valves: Mapping[str, Valve]
+    sound: bool
     notes: tuple[str, ...]
 
     @property

@@ -1,18 +1,20 @@
 """From a water network at its operating point to a scene that starts there."""
 
+from collections import Counter
 from typing import Any
 
 from tline.errors import InputError
+from tline.interchange.compare_heads import differences
 from tline.interchange.epanet import read_epanet
 from tline.interchange.head_loss import GRAVITY as EPANETS
-from tline.interchange.water_network import STILL, Basin, Junction, Pipe, Pump, Valve, WaterNetwork
+from tline.interchange.water_network import LEAST_DROP, STILL, TRICKLE, Basin, Junction, Pipe, Pump, WaterNetwork
+from tline.interchange.water_valves import guesses, is_shut, valve_link, with_bores
 from tline.scene.file import scene_from
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
 
 T_END, TOL = "10 s", 1e-3  # of the scene, for the user to change
-LEAST_DROP = 1e-3  # m; of a valve without loss
 
 
 def read_inp(path: str, wave_speed: float | str) -> tuple[Scene, tuple[str, ...]]:
@@ -31,16 +33,18 @@ def read_inp(path: str, wave_speed: float | str) -> tuple[Scene, tuple[str, ...]
         The file cannot be read, or holds what no scene has.
     """
     Quantity(wave_speed, "m/s", "wave_speed")
-    return water_scene(read_epanet(path), wave_speed)
+    network = read_epanet(path)
+    scene, notes = water_scene(network, wave_speed)
+    return scene, (*notes, *differences(network, scene))
 
 
 def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, tuple[str, ...]]:
     """The scene of a network, and notes.
 
     Pressures of reservoirs are piezometric, density·g·head. The friction factor of a pipe is the one that the operating
-    point has. Reservoirs and tanks hold their level, valves their opening; a demand is what an opening to the air at
-    its node's height lets out that gives the demand at the operating point. A pump has the parabola through its
-    shut-off head with head and slope at the operating point.
+    point has. Reservoirs and tanks hold their level, valves the opening that loses what they lose there; a demand is
+    what an opening to the air at its node's height lets out that gives the demand at the operating point. A pump has
+    the parabola through its shut-off head with head and slope at the operating point.
 
     Raises
     ------
@@ -53,15 +57,21 @@ def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, 
         _add_pipe(tables, network, name, pipe, wave_speed)
     for name, pump in network.pumps.items():
         tables["links"][name] = _pump(network, name, pump, notes)
-    for name, valve in network.valves.items():
-        tables["links"][name] = _valve(valve, weight)
+    shut = set()
+    for name, valve in with_bores(network, notes):
+        tables["links"][name] = valve_link(name, valve, network.density, notes)
+        shut |= {name} if is_shut(valve) else set()
     for name, node in network.nodes.items():
         _add_node(tables, network, name, node, weight, notes)
+    _close_ends(tables)
+    for name in _pockets(network, shut) if network.sound else ():
+        tables["nodes"][name]["start"] = weight * network.nodes[name].head
     tanks = [repr(name) for name, basin in network.basins.items() if basin.kind == "tank"]
     if tanks:
         notes.append(f"tanks: held at their level: {', '.join(tanks)}")
     if network.valves:
         notes.append("valves: held at the opening that they have at the operating point")
+        notes += guesses(tables["links"])
     head = {"title": network.title, "medium": "hydraulic", "t_end": T_END, "start": "steady", "solver": {"tol": TOL}}
     return scene_from(head | {key: table for key, table in tables.items() if table} | _probe(network)), tuple(notes)
 
@@ -90,9 +100,31 @@ def _site(node: Junction | Basin) -> dict[str, Any]:
     return {"elevation": node.elevation, "position": list(node.position)}
 
 
-def _valve(valve: Valve, weight: float) -> dict[str, Any]:
-    drop = weight * max(abs(valve.drop), LEAST_DROP)
-    return {"kind": "orifice", "nodes": list(valve.nodes), "flow": abs(valve.flow), "pressure_drop": drop}
+def _close_ends(tables: dict[str, Any]) -> None:
+    """Close nodes at which a link ends and nothing else is."""
+    ends = Counter(node for link in tables["links"].values() for node in link["nodes"])
+    there = {node for line in tables["lines"].values() for node in line["nodes"]}
+    there |= {table["at"] for part in ("loads", "sources") for table in tables[part].values()}
+    tables["loads"] |= {
+        node: {"at": node, "kind": "closed"} for node, n in ends.items() if n == 1 and node not in there
+    }
+
+
+def _pockets(network: WaterNetwork, shut: set[str]) -> list[str]:
+    """Nodes that nothing joins with a basin but shut valves, and check valves through which nothing flows."""
+    beside: dict[str, list[str]] = {name: [] for name in network.nodes}
+    still = {name for name, pipe in network.pipes.items() if pipe.one_way and abs(pipe.flow) <= TRICKLE}
+    links = {**network.pipes, **network.pumps, **network.valves}
+    for name in links.keys() - shut - still:
+        one, two = links[name].nodes
+        beside[one].append(two)
+        beside[two].append(one)
+    new = list(network.basins)
+    found = set(new)
+    while new:
+        new = [other for node in new for other in beside[node] if other not in found]
+        found |= {*new}
+    return [name for name in network.nodes if name not in found]
 
 
 def _pump(network: WaterNetwork, name: str, pump: Pump, notes: list[str]) -> dict[str, Any]:
@@ -103,7 +135,11 @@ def _pump(network: WaterNetwork, name: str, pump: Pump, notes: list[str]) -> dic
         head = (two - one) / pump.speed**2
         slope, shut_off = -head / flow, None
     else:
+        flow = flow if pump.flow > TRICKLE else pump.curve.last / 2
         head, slope, shut_off = pump.curve.head(flow), pump.curve.slope(flow), pump.curve.head(0.0)
+    if head < 0:
+        where, problem = f"pump '{name}'", f"works beyond its curve, at a head of {head:.4g} m"
+        raise InputError(where, problem, "a head above zero")
     fall = -slope * flow
     if shut_off is not None and shut_off - head <= fall <= 2 * (shut_off - head) * (1 + 1e-12):
         bend = fall - (shut_off - head)
@@ -136,6 +172,9 @@ def _add_node(
     if node.emitter and network.exponent != 0.5:
         problem = f"the exponent of emitters is {network.exponent:g}, and a scene has square roots"
         raise InputError(f"junction '{name}'", problem, "0.5")
+    if node.emitter and f"{name}:emitter" in network.nodes:
+        problem = "its emitter needs a name that a node has"
+        raise InputError(f"junction '{name}'", problem, f"no node '{name}:emitter'")
     if node.emitter:
         tables["loads"][f"{name}:emitter"] = outside | {"flow": node.emitter, "pressure_drop": weight}
 

@@ -59,6 +59,9 @@ class Height(NamedTuple):
         return below(pressure, self.level)
 
 
+NO_HEIGHT = Height()
+
+
 def below(pressure: float, level: float) -> float:
     """Their difference; zero if only rounding tells them from each other."""
     difference = float(pressure) - level

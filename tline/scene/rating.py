@@ -57,7 +57,7 @@ class Rated(Element):
     @property
     def capacity(self) -> float | None:
         """C in m³/s per sqrt(Pa), wide open; None if it is not given."""
-        area = pi / 4 * self.diameter**2 if self.diameter is not None else self.area
+        area = self.bore
         if self.loss_coefficient is not None and area is not None:
             return area * sqrt(2 / (self.loss_coefficient * self.density))
         if self.kv is not None:
@@ -69,12 +69,30 @@ class Rated(Element):
         return None
 
     @property
+    def bore(self) -> float | None:
+        """Area that K refers to, m²; None if it is not given."""
+        return pi / 4 * self.diameter**2 if self.diameter is not None else self.area
+
+    @property
+    def loss(self) -> float:
+        """K, wide open, of a capacity and a section that are given."""
+        assert self.capacity is not None
+        assert self.bore is not None
+        return 2 * (self.bore / self.capacity) ** 2 / self.density
+
+    @property
     def _may_lack_a_loss(self) -> bool:
+        return False
+
+    @property
+    def _may_have_a_bore(self) -> bool:
         return False
 
     @model_validator(mode="after")
     def _said_once(self):
         given = {key for either in WAYS for part in either for key in part if getattr(self, key) is not None}
+        if self._may_have_a_bore and self.loss_coefficient is None and len(given & {"diameter", "area"}) == 1:
+            given -= {"diameter", "area"}
         if any(given == first | second for first, second in WAYS) or (not given and self._may_lack_a_loss):
             return self
         problem = "its capacity is not given once" if given else "its capacity is not given"

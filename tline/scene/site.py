@@ -33,4 +33,9 @@ class Site(Element):
     elevation: Annotated[Quantity, Role("length", "m")] | None = Field(
         default=None, description="height of the node; 0 m if other nodes have one"
     )
+    start: Annotated[Quantity, Role("effort")] | None = Field(
+        default=None,
+        description="piezometric pressure or voltage in the steady state of a part that nothing else determines, such "
+        "as a pocket behind shut valves or check valves",
+    )
     position: Place | None = Field(default=None, description="coordinates on a map, in any unit")

@@ -3,7 +3,15 @@
 from math import inf
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    ValidatorFunctionWrapHandler,
+    WrapSerializer,
+    WrapValidator,
+    model_validator,
+)
 
 from tline.errors import InputError
 from tline.scene.between import Between
@@ -14,6 +22,7 @@ from tline.scene.mistakes import shown
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.rating import Rated
 from tline.scene.shape import Shape
+from tline.scene.travel import ADDED, Kind, shares
 
 Share = Annotated[Quantity, Role("share", "", at_least=0, at_most=1)]
 Back = Annotated[Quantity, Role("pressure", "Pa")]
@@ -25,17 +34,42 @@ def _pair(point: Any) -> Any:
     return point
 
 
+def _named_or_points(value: Any, points: ValidatorFunctionWrapHandler) -> Any:
+    if not isinstance(value, str):
+        return points(value)
+    if value not in ADDED:
+        raise InputError("", "not a kind of valve", f"{' or '.join(map(repr, ADDED))}, or points", shown(value))
+    return value
+
+
+def _as_typed(value: Any, points: SerializerFunctionWrapHandler) -> Any:
+    return value if isinstance(value, str) else points(value)
+
+
+Points = list[Annotated[tuple[Share, Share], BeforeValidator(_pair)]]
+Characteristic = Annotated[
+    Points, WrapValidator(_named_or_points, json_schema_input_type=Points | Kind), WrapSerializer(_as_typed)
+]
+
+
 class _Orifice(Rated, OfLiquids):
     opening: Factor = Field(default=ALWAYS, description="0 (shut) to 1 (wide open), constant or over time")
-    characteristic: list[Annotated[tuple[Share, Share], BeforeValidator(_pair)]] | None = Field(
+    characteristic: Characteristic | None = Field(
         default=None,
-        description="points [opening, share of the capacity] with straight lines between; without it both are equal",
+        description="points [opening, share of the capacity] with straight lines between, or 'gate', 'globe', 'ball' "
+        "or 'butterfly' for what such a valve of that diameter loses on its way; without it both are equal",
     )
+
+    @property
+    def _may_have_a_bore(self) -> bool:
+        return isinstance(self.characteristic, str)
 
     @model_validator(mode="after")
     def _rises(self):
         points = self.characteristic
-        if points is None:
+        if isinstance(points, str) and self.bore is None:
+            raise InputError("diameter", "is missing", f"the bore of the {points} valve")
+        if points is None or isinstance(points, str):
             return self
         x = [opening for opening, _ in points]
         if len(x) < 2 or x[0] != 0 or x[-1] != 1 or sorted(set(x)) != x:
@@ -47,8 +81,11 @@ class _Orifice(Rated, OfLiquids):
         """Share of the capacity over time."""
         if self.characteristic is None:
             return self.opening
-        shares = tuple((float(x), float(y)) for x, y in self.characteristic)
-        return Characterised.model_construct(opening=self.opening, shares=shares)
+        if isinstance(self.characteristic, str):
+            points = shares(self.characteristic, self.loss)
+        else:
+            points = tuple((float(x), float(y)) for x, y in self.characteristic)
+        return Characterised.model_construct(opening=self.opening, shares=points)
 
     def law(self) -> Law:
         return Law("quadratic", (_behind(self), self.capacity or inf, 0.0), self.share)

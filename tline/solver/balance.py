@@ -18,9 +18,11 @@ STEPS, HALVINGS = 400, 40
 SPARE, CLOSE = 1e-15, 1e-10  # residuals, relative to the largest effort: where to stop, and what will do
 LEAST = 1e-12  # slope of a drop, in units of the impedance, that is taken for a law which has none at rest
 LEAK = 1e-14  # conductance of a part, in those units, that gives it an effort where nothing else does
+LEAKS = 10.0 ** np.arange(0, -14, -1)  # the same on the way to a state that is not found at once
 SMALL = 300  # unknowns
 STARTS = 10.0 ** np.arange(0, -7, -1)  # efforts over the largest
 NOTHING = 1e-12  # of the largest effort, or of 1 where nothing drives: so little is at rest
+TIED = 1e-13  # of what else ties a part, where that is not enough to tell its effort
 CORRECTIONS, EXACT = 2, 1e-9  # of linear systems
 
 
@@ -53,30 +55,75 @@ def balanced(laws: Laws, given: NDArray, conductance: NDArray, driven: NDArray) 
     conductance, driven : ndarray, shape (parts,)
         To the reference; flow of sources.
     """
+    start = _started(laws, given, conductance, driven)
+    found = _newton(laws, given, conductance, driven, LEAK, start)
+    if found.balance.rest.max(initial=0.0) <= CLOSE:
+        return found.balance
+    at = start
+    for leak in LEAKS:  # all tight things leak, less and less
+        at = _newton(laws, given, conductance, driven, leak, at)[:2]
+    again = _newton(laws, given, conductance, driven, LEAK, at)
+    return min(found.balance, again.balance, key=lambda balance: balance.rest.max(initial=0.0))
+
+
+class _Found(NamedTuple):
+    a: NDArray  # (edges,)
+    effort: NDArray  # (parts,)
+    balance: Balance
+
+
+def _started(laws: Laws, given: NDArray, conductance: NDArray, driven: NDArray) -> tuple[NDArray, NDArray]:
+    """Efforts a behind the impedances and efforts of parts to begin with: the best of several."""
+    effort = np.where(np.isnan(given), 0.0, given)
+    held = ~np.isnan(given)
+    effort[~held] = given[held].mean() if held.any() else 0.0
+    largest, r = _largest(laws, effort, driven), _mean(laws.impedance)
+    starts = [np.full(len(laws.one), share * largest) for share in STARTS]
+
+    def unbalance(a: NDArray) -> float:
+        drop, flow, _, _ = laws.solved(a)
+        rest, balance = _rests(laws, effort, drop, flow, conductance * effort - driven)
+        return max(np.abs(rest).max(), r * np.abs(balance[~held]).max(initial=0.0))
+
+    return min(starts, key=unbalance), effort
+
+
+def _mean(impedance: NDArray) -> float:
+    return float(np.exp(np.log(impedance).mean()))
+
+
+def _largest(laws: Laws, effort: NDArray, driven: NDArray) -> float:
+    return max(np.abs(effort).max(initial=0.0), _mean(laws.impedance) * np.abs(driven).max(initial=0.0)) or 1.0
+
+
+def _rests(laws: Laws, effort: NDArray, drop: NDArray, flow: NDArray, out: NDArray) -> tuple[NDArray, NDArray]:
+    """What is left of laws, and of flows out of each part with those that are given."""
+    ends, out = np.append(effort, 0.0), np.append(out, 0.0)
+    np.add.at(out, laws.one, flow)
+    np.add.at(out, laws.other, -flow)
+    return drop - (ends[laws.one] - ends[laws.other]), out[:-1]
+
+
+def _newton(
+    laws: Laws, given: NDArray, conductance: NDArray, driven: NDArray, leaking: float, start: tuple[NDArray, NDArray]
+) -> _Found:
+    """Newton's steps from a start, halved until what is left falls."""
     n, count = len(given), len(laws.one)
     free = np.flatnonzero(np.isnan(given))
     number = np.full(n + 1, -1)  # the last one is the reference
     number[free] = count + np.arange(len(free))
-    r = float(np.exp(np.log(laws.impedance).mean()))
-    leak = np.full(n, LEAK / r)
-    effort = np.where(np.isnan(given), 0.0, given)
-    effort[free] = np.nanmean(given) if len(free) < n else 0.0
-    largest = max(np.abs(effort).max(initial=0.0), r * np.abs(driven).max(initial=0.0)) or 1.0
+    r = _mean(laws.impedance)
+    leak = np.full(n, leaking / r)
+    a, effort = start
+    largest = _largest(laws, np.where(np.isnan(given), 0.0, given), driven)
 
     def unbalance(a: NDArray, effort: NDArray) -> tuple[NDArray, float, float, NDArray, NDArray, NDArray]:
         drop, flow, steep, slope = laws.solved(a)
-        ends = np.append(effort, 0.0)
-        rest = drop - (ends[laws.one] - ends[laws.other])
-        out = np.zeros(n + 1)
-        np.add.at(out, laws.one, flow)
-        np.add.at(out, laws.other, -flow)
-        balance = r * ((conductance + leak) * effort + out[:-1] - driven)[free]
-        whole = np.concatenate([rest, balance])
+        rest, balance = _rests(laws, effort, drop, flow, (conductance + leak) * effort - driven)
+        whole = np.concatenate([rest, r * balance[free]])
         scale = max(np.abs(drop).max(), np.abs(effort).max(), r * np.abs(flow).max(), NOTHING * largest)
         return whole, float(np.abs(whole).max()), float(scale), flow, steep, slope
 
-    starts = [np.full(count, share * largest) for share in STARTS]
-    a = min(starts, key=lambda a: unbalance(a, effort)[1])
     whole, worst, scale, flow, steep, slope = unbalance(a, effort)
     for _ in range(STEPS):
         if worst <= SPARE * scale:
@@ -94,7 +141,8 @@ def balanced(laws: Laws, given: NDArray, conductance: NDArray, driven: NDArray) 
         else:
             break
         a, effort, (whole, worst, scale, flow, steep, slope) = b, level, now
-    return Balance(effort, flow, np.abs(whole[:count]) / scale, np.where(np.isnan(given), leak * effort, 0.0))
+    stuck = np.where(np.isnan(given), leak * effort, 0.0)
+    return _Found(a, effort, Balance(effort, flow, np.abs(whole[:count]) / scale, stuck))
 
 
 def _jacobian(
@@ -128,8 +176,11 @@ def _solved(entries: NDArray, rows: NDArray, columns: NDArray, count: int, whole
     if n <= SMALL:
         matrix = np.zeros((n, n))
         np.add.at(matrix, (rows, columns), entries)
-        return np.linalg.solve(matrix, whole)
-    from scipy.sparse import coo_array
+        try:
+            return np.linalg.solve(matrix, whole)
+        except np.linalg.LinAlgError:
+            return np.linalg.lstsq(matrix, whole)[0]
+    from scipy.sparse import coo_array, diags_array
     from scipy.sparse.linalg import splu
 
     matrix = coo_array((entries, (rows, columns)), shape=(n, n)).tocsr()
@@ -138,11 +189,15 @@ def _solved(entries: NDArray, rows: NDArray, columns: NDArray, count: int, whole
     own, of_ends = matrix[:count, :count].diagonal(), matrix[:count, count:]
     of_flows = matrix[count:, :count].multiply(1 / own[None, :]).tocsr()
     left = (matrix[count:, count:] - of_flows @ of_ends).tocsc()
-    parts = splu(left, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    try:
+        parts, cut_off = splu(left, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}), False
+    except RuntimeError:  # parts that only a leak ties down
+        tied = left + diags_array(TIED * np.abs(left.diagonal())).tocsc()
+        parts, cut_off = splu(tied, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}), True
     step = np.zeros(n)
     for _ in range(CORRECTIONS):
         rest = whole - matrix @ step
         level = parts.solve(rest[count:] - of_flows @ rest[:count])
         step += np.concatenate([(rest[:count] - of_ends @ level) / own, level])
     exact = np.abs(whole - matrix @ step).max() <= EXACT * np.abs(whole).max()
-    return step if exact else splu(matrix.tocsc()).solve(whole)
+    return step if exact or cut_off else splu(matrix.tocsc()).solve(whole)

@@ -8,10 +8,14 @@ from numpy.typing import NDArray
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.solver.balance import Laws
-from tline.solver.elements import Element, elements_of, laws_of
+from tline.solver.elements import KINDS, Element, elements_of, laws_of
+from tline.solver.network import Laws as Elements
 from tline.solver.nodes import Node
+from tline.solver.pockets import held_drops
 from tline.solver.steady_lines import Falls, Table
 
+NOTHING = 1e-11  # of the largest flow: so little passes where it is rounded or leaks
+TIGHT, TIGHTEST = 1e2, 1e12  # drop over flow of a valve, in impedances of its nodes
 FILLED = {"gas", "tank", "vapour", "air"}  # kinds through which nothing flows in the end
 
 
@@ -55,10 +59,20 @@ class Edges:
         np.add.at(out, self.other, -flow)
         return out[:-1]
 
-    def laws(self, part: NDArray) -> Laws:
-        """The same between the parts that the nodes are in."""
+    def laws(self, part: NDArray, largest: float) -> Laws:
+        """The same between the parts that the nodes are in, where efforts are no larger than that."""
         ends = np.append(part, -1)
+        self.packed = self.packed._replace(seen=_steep(self.packed, largest))
         return Laws(ends[self.one], ends[self.other], np.concatenate([self.falls.z0, self.packed.seen]), self._solved)
+
+    def holding(
+        self, part: NDArray, flow: NDArray, scale: float
+    ) -> tuple[tuple[NDArray, NDArray], NDArray, tuple[NDArray, NDArray]]:
+        """Ends of edges, which of them pass flow or would, and drops between which they hold: for `pockets.settled`."""
+        ends, none = np.append(part, -1), np.zeros(len(self.falls.z0))
+        low, high = (np.concatenate([none, drops]) for drops in held_drops(self.packed))
+        passing = (low == high) | (np.abs(flow) > NOTHING * scale)
+        return (ends[self.one], ends[self.other]), passing, (low, high)
 
     def _solved(self, a: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """Drops and flows, and their slopes over the efforts a behind the impedances."""
@@ -74,6 +88,17 @@ class Edges:
             np.concatenate([steep, 1 - seen * slope]),
             np.concatenate([dy, slope]),
         )
+
+
+def _steep(elements: Elements, largest: float) -> NDArray:
+    """Impedance of each element: that of its nodes, or drop over flow of one so tight that its root is a jump."""
+    seen = elements.seen.copy()
+    for e in np.flatnonzero(elements.kind == KINDS.index("quadratic")):
+        capacity = elements.constants[elements.at[e] + 1] * max(elements.factor[e], 0.0)
+        drop_over_flow = np.sqrt(largest) / capacity if capacity > 0 else 0.0
+        if drop_over_flow > TIGHT * seen[e]:
+            seen[e] = min(drop_over_flow, TIGHTEST * seen[e])
+    return seen
 
 
 def _running(element: Element) -> Element:

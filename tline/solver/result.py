@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
-from tline.scene.heights import Height
+from tline.scene.heights import NO_HEIGHT, Height
 from tline.scene.medium import MEDIA, Medium
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from tline.solver.envelope import Envelope
     from tline.solver.ledger.ledger import Ledger
 
-NO_HEIGHT = Height()
 NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.heights import NO_HEIGHT
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
@@ -20,6 +21,7 @@ from tline.solver.connected import parts
 from tline.solver.drive import just_before
 from tline.solver.edges import Edges
 from tline.solver.nodes import NONE, Node
+from tline.solver.pockets import settled
 from tline.solver.steady_lines import Table, pi
 
 SAME = 1e-9  # efforts that differ by less than this, relatively, are equal
@@ -97,17 +99,35 @@ def _between_parts(
 ) -> tuple[NDArray, NDArray]:
     """The effort of each connected part, and the flow through each edge between them."""
     total, source = (np.bincount(part, weights) for weights in (conductance, driven))
-    found = balanced(edges.laws(part), _least(given, part), total, source)
+    held = np.nanmax(np.abs(given), initial=0.0)
+    found = balanced(edges.laws(part, held), _least(given, part), total, source)
     if not found.rest.max() <= CLOSE:
         where = edges.where[int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))]
         raise InputError(where, "no steady state found: efforts and flows do not settle here", "start = 'rest'")
-    held = np.nanmax(np.abs(given), initial=0.0)
     largest = held / min(line.parameters.z0 for line in scene.single_lines.values())
     scale = np.abs(found.flow).max(initial=max(np.abs(driven).max(), largest))
     stuck = np.flatnonzero(np.abs(found.leak) > STUCK * scale)
     if stuck.size:
         _refuse_flow(scene, number, part, int(stuck[0]), float(found.leak[stuck[0]]))
-    return found.effort, found.flow
+    known = ~np.isnan(_least(given, part)) | (total != 0)
+    start = _starts(scene, number, part)
+    effort, opened = settled(found.effort, known, start, *edges.holding(part, found.flow, scale))
+    if opened.size:
+        told = [name for name, site in scene.nodes.items() if site.start is not None and name in number]
+        name = next(name for name in told if part[number[name]] in opened)
+        got = effort[part[number[name]]] + scene.heights.get(name, NO_HEIGHT).level
+        unit = MEDIA[scene.medium].units["effort"]
+        raise InputError(place("nodes", name, "start"), "a valve would open", f"such as {got:g} {unit}")
+    return effort, found.flow
+
+
+def _starts(scene: Scene, number: dict[str, int], part: NDArray) -> NDArray:
+    """What parts are to start with, above the level, where nothing else determines it; else nan."""
+    start = np.full(part.max() + 1, np.nan)
+    for name, site in scene.nodes.items():
+        if site.start is not None and name in number:
+            start[part[number[name]]] = scene.heights.get(name, NO_HEIGHT).below(site.start)
+    return start
 
 
 def _refuse_flow(scene: Scene, number: dict[str, int], part: NDArray, stuck: int, flow: float) -> None:

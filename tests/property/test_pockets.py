@@ -1,0 +1,97 @@
+"""What valves cut off stands still, however they hold it."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from random_pockets import random_pockets
+
+from tline.errors import InputError
+from tline.scene.scene import Scene
+from tline.solver.nodes import nodes_of
+from tline.solver.simulate import simulate
+from tline.solver.steady import steady_state
+
+STILL = 1e-8  # of the largest effort: roots of drops within rounding, and what pockets shift to bound a valve exactly
+PIPE = {"length": 300, "diameter": 0.1, "wave_speed": 1000, "density": 1000}
+ROUGH = PIPE | {"friction": {"kind": "darcy", "factor": 0.02}}
+CHECK = {"kind": "check valve"}
+
+
+@given(seed=st.integers(0, 2**32 - 1), order=st.integers(1, 3))
+@settings(max_examples=25, deadline=None)
+@pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
+def test_nothing_operated_nothing_moves(seed, order):
+    envelope = simulate(random_pockets(seed, solver={"order": order}), envelope=True, ledger=False).envelope
+    assert envelope is not None
+    by = np.maximum(envelope.highest - envelope.start, envelope.start - envelope.lowest)
+    assert by.max() <= STILL * np.abs(envelope.start).max()
+
+
+def row(*links: dict, start: float | None = None) -> dict[str, float]:
+    """Steady efforts of a reservoir of 5 bar, elements in a row with pipes between, and one of 8 bar at the end."""
+    lines, between = {"first": ROUGH | {"nodes": ["lake", "n0"]}}, {}
+    for k, link in enumerate(links):
+        between[f"link{k}"] = {"nodes": [f"n{k}", f"m{k}"]} | link
+        lines[f"pipe{k}"] = ROUGH | {"nodes": [f"m{k}", f"n{k + 1}"]}
+    last = f"n{len(links)}"
+    scene = Scene(
+        medium="hydraulic",
+        t_end=1,
+        start="steady",
+        lines=lines,
+        links=between,
+        loads={
+            "lake": {"at": "lake", "kind": "reservoir", "pressure": "5 bar"},
+            "tower": {"at": last, "kind": "reservoir", "pressure": "8 bar"},
+        },
+        nodes={} if start is None else {"m0": {"start": start}},
+        probes={"p": {"at": "lake"}},
+    )
+    return steady_state(scene, nodes_of(scene))[0]
+
+
+SHUT = {"kind": "orifice", "kv": 10, "opening": 0}
+CRACKING = CHECK | {"cracking_pressure": "1 bar"}
+
+
+@pytest.mark.parametrize(
+    ("links", "bar"),
+    [
+        ((CHECK, CHECK), 5),  # as if filled from the reservoir below
+        ((CRACKING, CHECK), 4),
+        ((SHUT, CHECK), 8),  # the largest that does not open toward the reservoir above
+        ((SHUT, SHUT), 5),
+        ((CHECK, SHUT), 5),
+    ],
+)
+def test_a_pocket_in_a_row(links, bar):
+    effort = row(*links)
+    assert [effort["m0"], effort["n1"]] == pytest.approx([bar * 1e5] * 2, rel=1e-9)
+
+
+def test_a_pocket_starts_with_what_it_is_said_to():
+    assert row(CHECK, CHECK, start=6.5e5)["n1"] == pytest.approx(6.5e5, rel=1e-12)
+    assert row(SHUT, SHUT, start=2e5)["n1"] == pytest.approx(2e5, rel=1e-12)
+    with pytest.raises(InputError, match=r"nodes\.m0\.start: a valve would open, expected such as 500000 Pa"):
+        row(CHECK, CHECK, start=4e5)
+
+
+@pytest.mark.parametrize("flow", [1e-2, 1e-5, 1e-8, 1e-11])
+@pytest.mark.parametrize("drop", [1e-1, 1e3, 1e7])
+def test_a_tight_valve_before_a_dead_end(flow, drop):
+    """However little it lets pass, the same pressure is behind it."""
+    scene = Scene(
+        medium="hydraulic",
+        t_end=1,
+        start="steady",
+        lines={"first": ROUGH | {"nodes": ["lake", "a"]}, "second": ROUGH | {"nodes": ["b", "end"]}},
+        links={"tight": {"kind": "orifice", "nodes": ["a", "b"], "flow": flow, "pressure_drop": drop}},
+        loads={
+            "lake": {"at": "lake", "kind": "reservoir", "pressure": "15 bar"},
+            "out": {"at": "a", "kind": "orifice", "flow": 5e-3, "pressure_drop": "14 bar"},
+        },
+        probes={"p": {"at": "lake"}},
+    )
+    effort, _ = steady_state(scene, nodes_of(scene))
+    assert effort["end"] == pytest.approx(effort["a"], rel=1e-9)

@@ -1,0 +1,154 @@
+"""EPANET's own answer at the start of time: a program of its own, which reads and writes in the current folder alone.
+
+It is started by its path, and needs nothing but Python and EPANET's library, whose path is its argument. It reads
+``network.inp`` and writes ``answer.json``.
+
+References
+----------
+EPANET 2.2 Programmer's Toolkit, whose codes stand below.
+"""
+
+import ctypes
+import json
+import os
+import sys
+from pathlib import Path
+
+NETWORK, ANSWER, REPORT = "network.inp", "answer.json", "report.txt"
+NODES, LINKS = 0, 2  # counts
+NODE_VALUES = {"elevation": 0, "emitter": 3, "demand": 9, "head": 10, "pressure": 11}
+LINK_VALUES = {"diameter": 0, "length": 1, "roughness": 2, "minor": 3, "flow": 8, "status": 11, "setting": 12}
+OPTIONS = {"exponent": 3, "law": 7, "gravity": 12, "viscosity": 13}
+PUMP, PUMP_POWER, PUMP_CURVE = 2, 18, 19
+TRIALS, RELATIVE, ABSOLUTE = 0, 1, 6  # options: how often, and to which change of flows in the last step
+ATTEMPTS = (  # the last with what EPANET takes by default
+    {TRIALS: 100, RELATIVE: 1e-5, ABSOLUTE: 1e-6},  # of the file's unit of flow
+    {TRIALS: 1000, ABSOLUTE: 0},
+    {RELATIVE: 1e-3},
+)
+INITIAL_FLOWS = 10
+UNBALANCED, UNSTABLE, WARNINGS = 1, 2, 6
+NAME = 256  # bytes
+
+
+class Toolkit:
+    """A project of EPANET's."""
+
+    def __init__(self, library: str):
+        self._library = ctypes.CDLL(library)
+        self._project = ctypes.c_void_p()
+        self._library.EN_createproject(ctypes.byref(self._project))
+
+    def call(self, name: str, *given: object) -> int:
+        """Call a function that answers with a code alone."""
+        return getattr(self._library, f"EN_{name}")(self._project, *given)
+
+    def number(self, name: str, *given: int) -> float:
+        """The number that a function gives."""
+        found = ctypes.c_double()
+        self.call(name, *given, ctypes.byref(found))
+        return found.value
+
+    def count(self, name: str, *given: int) -> int:
+        """The integer that a function gives."""
+        found = ctypes.c_int()
+        self.call(name, *given, ctypes.byref(found))
+        return found.value
+
+    def pair(self, kind: type, name: str, *given: int) -> list:
+        """The two numbers that a function gives."""
+        one, two = kind(), kind()
+        self.call(name, *given, ctypes.byref(one), ctypes.byref(two))
+        return [one.value, two.value]
+
+    def name(self, function: str, index: int) -> str:
+        """Name of a node or link."""
+        found = ctypes.create_string_buffer(NAME)
+        self.call(function, index, found)
+        return found.value.decode("utf-8", "replace")
+
+
+def main(library: str) -> dict:
+    """All that EPANET knows of the network, in the units of the file; or the mistake that it found."""
+    toolkit = Toolkit(library)
+    code = toolkit.call("open", NETWORK.encode(), REPORT.encode(), b"")
+    if code > WARNINGS:
+        toolkit.call("close")
+        return {"mistake": _reported() or f"error {code}"}
+    code = toolkit.call("openH")
+    if code > WARNINGS:
+        return {"unsolved": f"error {code}"}
+    for options in ATTEMPTS:
+        for option, value in options.items():
+            toolkit.call("setoption", option, ctypes.c_double(value))
+        toolkit.call("initH", INITIAL_FLOWS)
+        code = toolkit.call("runH", ctypes.byref(ctypes.c_long()))
+        if code not in (UNBALANCED, UNSTABLE):
+            break
+    if code == UNBALANCED or code > WARNINGS:
+        return {"unsolved": "trials without end" if code == UNBALANCED else f"error {code}"}
+    return _found(toolkit) | {"warning": code}
+
+
+def _found(toolkit: Toolkit) -> dict:
+    nodes, links = [], []
+    for k in range(1, toolkit.count("getcount", NODES) + 1):
+        values = {key: toolkit.number("getnodevalue", k, code) for key, code in NODE_VALUES.items()}
+        values |= {key: typed(values[key]) for key in ("elevation", "emitter")}
+        nodes.append({"name": toolkit.name("getnodeid", k), "type": toolkit.count("getnodetype", k)} | values)
+    for k in range(1, toolkit.count("getcount", LINKS) + 1):
+        values = {key: toolkit.number("getlinkvalue", k, code) for key, code in LINK_VALUES.items()}
+        values |= {key: typed(values[key]) for key in ("diameter", "length", "roughness", "minor", "setting")}
+        kind, ends = toolkit.count("getlinktype", k), toolkit.pair(ctypes.c_int, "getlinknodes", k)
+        values |= {"ends": [nodes[end - 1]["name"] for end in ends], "type": kind}
+        if kind == PUMP:
+            values |= {"power": toolkit.number("getlinkvalue", k, PUMP_POWER), "curve": _curve(toolkit, k)}
+        links.append({"name": toolkit.name("getlinkid", k)} | values)
+    options = {key: toolkit.number("getoption", code) for key, code in OPTIONS.items()}
+    return {"nodes": nodes, "links": links, "units": toolkit.count("getflowunits")} | options
+
+
+def typed(value: float) -> float:
+    """A number as it stood in the file, before EPANET turned it into feet and back."""
+    return float(f"{value:.13g}")
+
+
+def _curve(toolkit: Toolkit, pump: int) -> list:
+    curve = int(toolkit.number("getlinkvalue", pump, PUMP_CURVE))
+    points = range(1, toolkit.count("getcurvelen", curve) + 1) if curve else ()
+    return [[*map(typed, toolkit.pair(ctypes.c_double, "getcurvevalue", curve, point))] for point in points]
+
+
+def _reported() -> str:
+    """The first mistake in EPANET's report, with the line of the file."""
+    lines = Path(REPORT).read_text(encoding="utf-8", errors="replace").splitlines()
+    first = next((k for k, line in enumerate(lines) if line.strip().startswith("Error ")), None)
+    if first is None:
+        return ""
+    message, after = lines[first].strip(), lines[first + 1].strip() if first + 1 < len(lines) else ""
+    return f"{message} {after}" if message.endswith(":") else message
+
+
+def limit(seconds: float, memory: int, written: int) -> None:
+    """Bound what this process may use, where the system can."""
+    try:
+        import resource
+    except ImportError:
+        return
+    for kind, most in (
+        (resource.RLIMIT_CPU, int(seconds) + 1),
+        (resource.RLIMIT_AS, memory),
+        (resource.RLIMIT_FSIZE, written),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        hard = resource.getrlimit(kind)[1]
+        try:
+            resource.setrlimit(kind, (most if hard < 0 else min(most, hard), hard))
+        except (ValueError, OSError):
+            continue
+
+
+if __name__ == "__main__":
+    limit(float(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]))
+    Path(ANSWER).write_text(json.dumps(main(sys.argv[1])), encoding="utf-8")
+    os._exit(0)  # whatever the library left behind

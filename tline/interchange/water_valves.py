@@ -1,0 +1,83 @@
+"""Valves of water networks as links of scenes."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from math import pi, sqrt
+from typing import Any
+
+from tline.interchange.water_network import LEAST_DROP, TRICKLE, Valve, WaterNetwork, listed
+from tline.scene.site import GRAVITY
+from tline.scene.travel import open_loss, opening_of, shares
+
+WIDE = 3.0  # times the bore of the pipes beside it: no valve's
+FLAT = 1e-6  # share by which a head that is added falls with the flow
+TRAVELS = {  # globes regulate, and butterflies throttle
+    "PRV": "globe", "PSV": "globe", "PBV": "globe", "FCV": "globe", "TCV": "butterfly", "GPV": "butterfly",
+}  # fmt: skip
+
+
+def with_bores(network: WaterNetwork, notes: list[str]) -> list[tuple[str, Valve]]:
+    """The valves by name; where files give a bore that no valve has, with that of the pipes beside it."""
+    beside: dict[str, float] = {}
+    for pipe in network.pipes.values():
+        for node in pipe.nodes:
+            beside[node] = max(beside.get(node, 0.0), pipe.diameter)
+    found, changed = [], []
+    for name, valve in network.valves.items():
+        usual = max(beside.get(node, 0.0) for node in valve.nodes)
+        if usual and valve.diameter > WIDE * usual:
+            changed.append(name)
+            valve = replace(valve, diameter=usual)
+        found.append((name, valve))
+    if changed:
+        notes.append(f"valves: much wider than the pipes beside them, and taken as wide as these: {listed(changed)}")
+    return found
+
+
+def is_shut(valve: Valve) -> bool:
+    """Whether it holds a head and lets nothing pass."""
+    return abs(valve.flow) <= TRICKLE and abs(valve.drop) > LEAST_DROP
+
+
+def valve_link(name: str, valve: Valve, density: float, notes: list[str]) -> dict[str, Any]:
+    """A valve at the opening at which it loses what it loses at the operating point.
+
+    If that is less than such a valve loses wide open, it loses so much less all along its travel.
+    """
+    if valve.flow * valve.drop < 0 and abs(valve.flow) > TRICKLE and abs(valve.drop) > LEAST_DROP:
+        return _adding(name, valve, density * GRAVITY, notes)
+    kind = TRAVELS[valve.kind]
+    usual, speed = open_loss(kind, valve.diameter), abs(valve.flow) / (pi / 4 * valve.diameter**2)
+    opening, loss = 0.0 if is_shut(valve) else 1.0, usual
+    if abs(valve.flow) > TRICKLE:
+        per_head = 2 * GRAVITY / speed**2
+        lost = max(abs(valve.drop), LEAST_DROP) * per_head
+        loss = min(lost, usual)
+        opening = opening_of(shares(kind, loss), sqrt(loss / lost))
+    return {
+        "kind": "orifice",
+        "nodes": list(valve.nodes),
+        "loss_coefficient": loss,
+        "diameter": valve.diameter,
+        "density": density,
+        "opening": opening,
+        "characteristic": kind,
+    }
+
+
+def _adding(name: str, valve: Valve, weight: float, notes: list[str]) -> dict[str, Any]:
+    """What stands for a pressure breaker against whose setting water flows: EPANET lets it add head."""
+    rise, flow = abs(valve.drop), abs(valve.flow)
+    says = f"water flows through it backward, and EPANET lets it add {rise:.4g} m of head, as no valve can"
+    notes.append(f"valve '{name}': {says}; a pump of that head stands for it, so check the network")
+    one, two = valve.nodes if valve.flow > 0 else reversed(valve.nodes)
+    return {"kind": "pump", "nodes": [one, two], "curve": [[0.0, weight * rise * (1 + FLAT)], [flow, weight * rise]]}
+
+
+def guesses(links: Mapping[str, Any]) -> Iterator[str]:
+    """Notes on travels that no file tells."""
+    for kind in sorted({*TRAVELS.values()}):
+        names = [name for name, link in links.items() if link.get("characteristic") == kind]
+        if names:
+            guess = f"that of a {kind} valve is a guess; give them the characteristic that they have"
+            yield f"how valves lose on their way from open to shut: {guess}: {listed(names)}"
