@@ -1,0 +1,80 @@
+"""Fixed steps: Euler, Runge and Kutta, Moreau and Jean, and the exponential step of a bristle."""
+
+from math import copysign, exp, expm1
+
+import numpy as np
+from numba import njit
+
+from friction.kernel.law import BLOWN_UP, DONE, FF, OPTIONS, applied, note, push_at, slip_share, slopes, steady
+
+EULER, RK4, MOREAU, EXPONENTIAL = range(4)
+
+
+
+@njit(**OPTIONS)
+def march(law, drive, mass, y, h, steps, method, every, record):
+    """Fixed steps; keeps the last state and every so-manieth. Returns the status and the steps made."""
+    k1, k2, k3, k4, mid = np.empty(5), np.empty(5), np.empty(5), np.empty(5), np.empty(5)
+    push = push_at(drive, 0.0)
+    note(record, 0, law, push, 0.0, y)
+    for n in range(steps):
+        t, force = n * h, 0.0
+        if t >= push.end:
+            push = push_at(drive, t)
+        if method == EULER:
+            slopes(law, push, mass, t, y, k1)
+            for j in range(5):
+                y[j] += h * k1[j]
+        elif method == RK4:
+            slopes(law, push, mass, t, y, k1)
+            for j in range(5):
+                mid[j] = y[j] + 0.5 * h * k1[j]
+            slopes(law, push, mass, t + 0.5 * h, mid, k2)
+            for j in range(5):
+                mid[j] = y[j] + 0.5 * h * k2[j]
+            slopes(law, push, mass, t + 0.5 * h, mid, k3)
+            for j in range(5):
+                mid[j] = y[j] + h * k3[j]
+            slopes(law, push, mass, t + h, mid, k4)
+            for j in range(5):
+                y[j] += h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j])
+        else:
+            force = robust(law, push, mass, t, y, h, method)
+        if not np.isfinite(y[1]) or abs(y[1]) > 1e100:
+            return BLOWN_UP, n + 1
+        if (n + 1) % every == 0 or n + 1 == steps:
+            row = (n + every) // every
+            note(record, row, law, push, (n + 1) * h, y)
+            if method >= MOREAU:
+                record[row, FF] = force
+    return DONE, steps
+
+
+@njit(**OPTIONS)
+def robust(law, push, mass, t, y, h, method):
+    """One step of Moreau and Jean, or of the exponential method; returns the friction force.
+
+    Moreau and Jean: one contact in closed form; it holds what it can, and slides with what is left.
+    Exponential: the bristle is exact for constant v, then the velocity follows with the new deflection.
+    """
+    x, v, z = y[0], y[1], y[2]
+    middle = t + 0.5 * h
+    f_a = applied(push, middle, x + 0.5 * h * v)[0]
+    g = steady(law, v)[0]
+    impulse = mass * v + h * f_a
+    if method == MOREAU:
+        hold = law.f_s if v == 0.0 else g
+        new = 0.0 if abs(impulse) <= h * hold else (impulse - copysign(h * hold, impulse)) / (mass + h * law.f_v)
+        force = (impulse - mass * new) / h
+    else:
+        share = slip_share(law, 1.0 if v >= 0.0 else -1.0, z, g)[0]
+        decay = -share * law.sigma0 * abs(v) / g * h
+        y[2] = z * exp(decay) + v * h * (expm1(decay) / decay if decay != 0.0 else 1.0)
+        bristle = law.sigma0 * y[2] + law.sigma1 * (y[2] - z) / h
+        new = (impulse - h * bristle) / (mass + h * law.f_v)
+        force = bristle + law.f_v * new
+    mean = 0.5 * (v + new)
+    y[0], y[1] = x + h * mean, new
+    y[3] += h * f_a * mean
+    y[4] += h * force * mean
+    return force
