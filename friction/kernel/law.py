@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 SIGN, ZONE, BRISTLE, TANH = range(4)  # kinds of law
-DONE, BUDGET, BLOWN_UP, STALLED = range(4)  # how a run can end
+DONE, BUDGET, BLOWN_UP, STALLED, INACCURATE = range(5)  # how a run can end
 T, X, V, Z, FA, FF, WA, WF, MODE = range(9)  # columns of a record
 OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "fastmath": {"contract", "nsz"}}
 
