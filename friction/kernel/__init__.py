@@ -1,7 +1,7 @@
 """Compiled code of the package: it knows arrays and numbers and nothing else."""
 
 from friction.kernel.automaton import automaton
-from friction.kernel.fixed import march
+from friction.kernel.fixed import march, passed
 from friction.kernel.law import (
     BLOWN_UP,
     BRISTLE,
@@ -9,6 +9,7 @@ from friction.kernel.law import (
     DONE,
     FA,
     FF,
+    INACCURATE,
     MODE,
     SIGN,
     STALLED,
@@ -19,12 +20,14 @@ from friction.kernel.law import (
     applied,
     friction,
     jacobian,
+    mode_of,
     push_at,
     respond,
     slopes,
     steady,
 )
 from friction.kernel.roots import first_root
+from friction.kernel.tolerance import solve, sweep
 
 __all__ = [
     "BLOWN_UP",
@@ -33,6 +36,7 @@ __all__ = [
     "DONE",
     "FA",
     "FF",
+    "INACCURATE",
     "MODE",
     "SIGN",
     "STALLED",
@@ -46,8 +50,12 @@ __all__ = [
     "friction",
     "jacobian",
     "march",
+    "mode_of",
+    "passed",
     "push_at",
     "respond",
     "slopes",
+    "solve",
     "steady",
+    "sweep",
 ]

@@ -57,7 +57,8 @@ def automaton(law, drive, mass, v0, t_end, times, budget, record, events):
         h = min(h, root)
         ends = h >= left and root == inf
         t = push.end if ends else push.start + (state[CLOCK] + (h - state[LOST]))
-        row = sample(times, row, t, push.start, state, h, mode, c, record)
+        if h > 0.0:
+            row = sample(times, row, t, push.start, state, h, mode, c, record)
         if t > t_end:
             return DONE, leg + 1, met
         advance(push, c, h, state)

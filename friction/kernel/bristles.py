@@ -4,7 +4,7 @@ A contact slides from the instant at which its friction, without the viscous par
 in the direction of the motion, which is its break-away, until the velocity vanishes, which is its stop.
 """
 
-from math import atanh, copysign, exp, isfinite
+from math import copysign, isfinite
 
 import numpy as np
 from numba import njit
@@ -27,11 +27,11 @@ from friction.kernel.law import (
     Z,
     applied,
     friction,
+    gap,
     piece,
 )
 from friction.kernel.rodas import STAGES, continue_into, inside, rodas
 
-STEADY = 0.99  # share of the steady friction at which a contact slides
 MOST_TRIES = 9  # to land on a reversal
 EARLY = 1e-3  # first step, of the time scale of the contact
 
@@ -66,9 +66,7 @@ def rosenbrock(law, drive, mass, v0, t_end, times, tol, budget, record, events, 
         largest(peaks, y, pull)
         last = h >= 0.999 * (push.end - t)
         step = push.end - t if last else min(h, 0.5 * (push.end - t))
-        step, error, tries, after = attempt(
-            law, push, mass, t, y, pull, step, tol, (v_size, z_size), u, new, dense
-        )  # fmt: skip
+        step, error, tries, after = attempt(law, push, mass, t, y, pull, step, tol, (v_size, z_size), u, new, dense)
         refused += tries
         last = last and tries == 0
         if not error <= 1.0 or not (last or tries > 0):
@@ -161,15 +159,6 @@ def lowest(dense, s):
         else:
             high = middle
     return high
-
-
-@njit(**OPTIONS)
-def gap(law, v, z):
-    """What friction is above 99 % of its steady value, in the direction of the motion; a velocity for tanh."""
-    if law.kind == TANH:
-        return abs(v) - law.epsilon * atanh(STEADY)
-    g = law.f_c + (law.f_s - law.f_c) * exp(-((v / law.v_s) ** 2))
-    return law.sigma0 * (z if v > 0.0 else -z) - STEADY * g if v != 0.0 else -g
 
 
 @njit(**OPTIONS)

@@ -5,49 +5,95 @@ from math import copysign, exp, expm1
 import numpy as np
 from numba import njit
 
-from friction.kernel.law import BLOWN_UP, DONE, FF, OPTIONS, applied, note, push_at, slip_share, slopes, steady
+from friction.kernel.law import (
+    BLOWN_UP,
+    BRISTLE,
+    DONE,
+    FF,
+    MODE,
+    OPTIONS,
+    applied,
+    gap,
+    mode_of,
+    note,
+    push_at,
+    slip_share,
+    slopes,
+    steady,
+)
 
 EULER, RK4, MOREAU, EXPONENTIAL = range(4)
 
 
 
 @njit(**OPTIONS)
-def march(law, drive, mass, y, h, steps, method, every, record):
-    """Fixed steps; keeps the last state and every so-manieth. Returns the status and the steps made."""
-    k1, k2, k3, k4, mid = np.empty(5), np.empty(5), np.empty(5), np.empty(5), np.empty(5)
-    push = push_at(drive, 0.0)
-    note(record, 0, law, push, 0.0, y)
+def march(law, drive, mass, y, h, steps, method, every, record, events):
+    """Fixed steps; keeps the last state and every so-manieth, and events as every step shows them.
+
+    Returns the status, the steps made, and events met (of which those that fit are kept).
+    """
+    k, mid = np.empty((4, 5)), np.empty(5)
+    push, met, force = push_at(drive, 0.0), 0, 0.0
+    f_a = note(record, 0, law, push, 0.0, y)
+    mode = mode_of(law, 0, y[1], y[2], f_a)
+    record[0, MODE] = mode
     for n in range(steps):
-        t, force = n * h, 0.0
+        t, x, v, z = n * h, y[0], y[1], y[2]
         if t >= push.end:
             push = push_at(drive, t)
         if method == EULER:
-            slopes(law, push, mass, t, y, k1)
+            slopes(law, push, mass, t, y, k[0])
             for j in range(5):
-                y[j] += h * k1[j]
+                y[j] += h * k[0, j]
         elif method == RK4:
-            slopes(law, push, mass, t, y, k1)
-            for j in range(5):
-                mid[j] = y[j] + 0.5 * h * k1[j]
-            slopes(law, push, mass, t + 0.5 * h, mid, k2)
-            for j in range(5):
-                mid[j] = y[j] + 0.5 * h * k2[j]
-            slopes(law, push, mass, t + 0.5 * h, mid, k3)
-            for j in range(5):
-                mid[j] = y[j] + h * k3[j]
-            slopes(law, push, mass, t + h, mid, k4)
-            for j in range(5):
-                y[j] += h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j])
+            runge_kutta(law, push, mass, t, y, h, k, mid)
         else:
             force = robust(law, push, mass, t, y, h, method)
         if not np.isfinite(y[1]) or abs(y[1]) > 1e100:
-            return BLOWN_UP, n + 1
+            return BLOWN_UP, n + 1, met
+        f_a, before = applied(push, (n + 1) * h, y[0])[0], mode
+        mode = mode_of(law, before, y[1], y[2], f_a)
+        if mode != before:
+            if met < events.shape[0]:
+                share = passed(law, before, v, z, y)
+                events[met, 0], events[met, 1] = before, mode
+                events[met, 2], events[met, 3] = t + share * h, x + share * (y[0] - x)
+            met += 1
         if (n + 1) % every == 0 or n + 1 == steps:
             row = (n + every) // every
             note(record, row, law, push, (n + 1) * h, y)
+            record[row, MODE] = mode
             if method >= MOREAU:
                 record[row, FF] = force
-    return DONE, steps
+    return DONE, steps, met
+
+
+@njit(**OPTIONS)
+def passed(law, before, v, z, y):
+    """Share of a step after which an event happened: a static law breaks away at its last instant at rest, all else is
+    where a straight line vanishes.
+    """
+    if before == 0 and law.kind < BRISTLE:
+        return 0.0
+    start, end = (gap(law, v, z), gap(law, y[1], y[2])) if before == 0 else (v, y[1])
+    return start / (start - end) if start * end < 0.0 else 1.0
+
+
+@njit(**OPTIONS)
+def runge_kutta(law, push, mass, t, y, h, k, mid):
+    """One step of the classical method of order 4."""
+    slopes(law, push, mass, t, y, k[0])
+    for j in range(5):
+        mid[j] = y[j] + 0.5 * h * k[0, j]
+    slopes(law, push, mass, t + 0.5 * h, mid, k[1])
+    for j in range(5):
+        mid[j] = y[j] + 0.5 * h * k[1, j]
+    slopes(law, push, mass, t + 0.5 * h, mid, k[2])
+    for j in range(5):
+        mid[j] = y[j] + h * k[2, j]
+    slopes(law, push, mass, t + h, mid, k[3])
+    for j in range(5):
+        y[j] += h / 6.0 * (k[0, j] + 2.0 * k[1, j] + 2.0 * k[2, j] + k[3, j])
 
 
 @njit(**OPTIONS)

@@ -4,7 +4,7 @@ Symbols: x, v place and velocity, z bristle deflection, F_a applied force, F_f f
 the Stribeck curve, W_a and W_f their work; s the sign of v that a step keeps.
 """
 
-from math import copysign, cos, exp, inf, pi, sin, tanh
+from math import atanh, copysign, cos, exp, inf, pi, sin, tanh
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from numba import njit
 SIGN, ZONE, BRISTLE, TANH = range(4)  # kinds of law
 DONE, BUDGET, BLOWN_UP, STALLED, INACCURATE = range(5)  # how a run can end
 T, X, V, Z, FA, FF, WA, WF, MODE = range(9)  # columns of a record
+STEADY = 0.99  # share of the steady friction at which the contact of a smooth law slides
 OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "fastmath": {"contract", "nsz"}}
 
 
@@ -155,8 +156,31 @@ def slopes(law, push, mass, t, y, out):
 
 @njit(**OPTIONS)
 def note(record, row, law, push, t, y):
-    """Keep a state, with the forces of the law."""
+    """Keep a state, with the forces of the law; the applied force."""
     f_a = applied(push, t, y[0])[0]
     record[row, T], record[row, X], record[row, V], record[row, Z] = t, y[0], y[1], y[2]
     record[row, FA], record[row, FF] = f_a, friction(law, y[1], y[2], f_a)[0]
     record[row, WA], record[row, WF] = y[3], y[4]
+    return f_a
+
+
+@njit(**OPTIONS)
+def gap(law, v, z):
+    """What friction is above 99 % of its steady value, in the direction of the motion; a velocity for tanh."""
+    if law.kind == TANH:
+        return abs(v) - law.epsilon * atanh(STEADY)
+    g = law.f_c + (law.f_s - law.f_c) * exp(-((v / law.v_s) ** 2))
+    return law.sigma0 * (z if v > 0.0 else -z) - STEADY * g if v != 0.0 else -g
+
+
+@njit(**OPTIONS)
+def mode_of(law, mode, v, z, f_a):
+    """Sign of the motion, 0 if the mass is held, as a method sees it that meets no events; `mode` is what it was."""
+    way = int(np.sign(v))
+    if law.kind == SIGN:
+        return way
+    if law.kind == ZONE:
+        return 0 if abs(v) <= law.delta and abs(f_a) <= law.f_s else way
+    if gap(law, v, z) >= 0.0:
+        return way
+    return mode if way == mode else 0

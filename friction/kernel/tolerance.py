@@ -11,6 +11,7 @@ START = 0.2  # tolerance of single steps, of that of the run, to begin with
 SPREAD = 30.0  # between the tolerances of two runs that are compared
 SAFETY = 10.0  # on an error that falls with the tolerance
 ROUNDING = 1e-12  # differences below do not fall any further
+EVENTS = 10_000  # of a run in a sweep that are compared
 
 
 @njit(**OPTIONS)
@@ -79,7 +80,8 @@ def likely(difference, ratio):
 @njit(**OPTIONS)
 def sweep(laws, drive, masses, v0, factors, t_end, tol, budget, out):
     """Many runs: laws (n, 10) in the order of Law. Keeps x, v, z, F_f at the end, and the status."""
-    times, records, events, errors = np.array([t_end]), np.empty((2, 1, 9)), np.empty((2, 0, 4)), np.empty(9)
+    times, records = np.array([t_end]), np.empty((2, 1, 9))
+    events, errors = np.empty((2, EVENTS, 4)), np.empty(9)
     for n in range(masses.size):
         c = laws[n]
         law = Law(int(c[0]), c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9])
