@@ -125,12 +125,11 @@ def _fixed(model: Model, bench: Testbench, t_end: float, method: Method, h: floa
         raise InputError("h", "longer than the run", f"at most t_end = {t_end:g}", f"{h:g}")
     every = -(-steps // MOST_SAMPLES)
     record = np.full((-(-steps // every) + 1, 9), np.nan)
-    met = np.empty((min(steps, MOST_EVENTS), 4))
     code = ("euler", "rk4", "moreau", "exponential").index(method.name)
-    status, made, count = kernel.march(
-        model.law, bench.drive, float(bench.mass), _start(bench), float(h), steps, code, every, record, met
+    status, made, events = kernel.march(
+        model.law, bench.drive, float(bench.mass), _start(bench), float(h), steps, code, every, record
     )
-    return _packed(model, bench, method, status, (made, 0), record, (met, count))
+    return _packed(model, bench, method, status, (made, 0), record, events)
 
 
 def _scipy(
@@ -140,7 +139,7 @@ def _scipy(
 
     solver, with_events = method.name.removesuffix("-events"), method.name.endswith("-events")
     status, made, record, met = adaptive(model, bench, t_end, times, tol, budget, solver, with_events)
-    return _packed(model, bench, method, status, (made, 0), record, (np.reshape(met, (-1, 4)), len(met)))
+    return _packed(model, bench, method, status, (made, 0), record, np.reshape(met, (-1, 4)))
 
 
 def _rosenbrock(
@@ -148,23 +147,25 @@ def _rosenbrock(
 ) -> Result:
     from friction import kernel
 
-    records, met, errors = np.full((2, times.size, 9), np.nan), np.empty((2, min(budget, MOST_EVENTS), 4)), np.zeros(9)
-    run, status, made, refused, count = kernel.solve(
+    records, errors = np.full((2, times.size, 9), np.nan), np.zeros(9)
+    run, status, made, refused, events = kernel.solve(
         model.law, bench.drive, float(bench.mass), float(bench.v0), float(t_end), times, float(tol or 0.0), FINE,
-        budget, records, met, errors,
+        budget, records, errors,
     )  # fmt: skip
-    told = dict(zip(COLUMNS[:-1], errors.tolist()[:-1], strict=True)) if status in (kernel.DONE, kernel.INACCURATE) else {}
-    return _packed(model, bench, method, status, (made, refused), records[run], (met[run], count), tol, told)
+    told = (
+        dict(zip(COLUMNS[:-1], errors.tolist()[:-1], strict=True)) if status in (kernel.DONE, kernel.INACCURATE) else {}
+    )
+    return _packed(model, bench, method, status, (made, refused), records[run], events, tol, told)
 
 
 def _events(model: Model, bench: Testbench, t_end: float, times: NDArray, method: Method, budget: int) -> Result:
     from friction import kernel
 
-    record, met = np.full((times.size, 9), np.nan), np.empty((min(budget, MOST_EVENTS), 4))
-    status, made, count = kernel.automaton(
-        model.law, bench.drive, float(bench.mass), float(bench.v0), float(t_end), times, budget, record, met
+    record = np.full((times.size, 9), np.nan)
+    status, made, events = kernel.automaton(
+        model.law, bench.drive, float(bench.mass), float(bench.v0), float(t_end), times, budget, record
     )
-    return _packed(model, bench, method, status, (made, 0), record, (met, count))
+    return _packed(model, bench, method, status, (made, 0), record, events)
 
 
 def _packed(
@@ -174,13 +175,12 @@ def _packed(
     status: int,
     steps: tuple[int, int],
     record: NDArray,
-    events: tuple[NDArray, int],
+    events: NDArray,
     tol: float | None = None,
     errors: dict[str, float] | None = None,
 ) -> Result:
     t, x, v, z, f_a, f_f, w_a, w_f, mode = record[np.isfinite(record[:, 0])].T
-    met, count = events
     return Result(
         model, bench, method, list(Status)[status], *steps, t, x, v, z, f_a, f_f, w_a, w_f, mode.astype(int),
-        events_of(met[:count]), count, tol, errors or {},
+        events_of(events[:MOST_EVENTS]), len(events), tol, errors or {},
     )  # fmt: skip

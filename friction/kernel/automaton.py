@@ -1,9 +1,9 @@
 """The static laws as a hybrid automaton: stuck, or sliding one way, until a guard of the mode vanishes.
 
-Which guard vanished says what happens, and the state is put exactly there: v = 0 at a stop, F_a = ±F_s at a break-away.
-A motion that reaches rest always sticks; if the force does not hold it there, it breaks away at the same instant. Changes
-at one instant are one change, of the mode before to the mode after: stop and break-away the other way are a reversal,
-break-away and stop are nothing. No leg depends on where the run ends or is looked at.
+Which guard vanished says what happens, and the state is put exactly there: v = 0 at a stop, F_a = ±F_s at a
+break-away. A motion that reaches rest always sticks; if the force does not hold it there, it breaks away at the same
+instant. Changes at one instant are one change, of the mode before to the mode after: stop and break-away the other way
+are a reversal, break-away and stop are nothing. No leg depends on where the run ends or is looked at.
 """
 
 from math import copysign, floor, inf, isfinite, nan, pi
@@ -11,7 +11,7 @@ from math import copysign, floor, inf, isfinite, nan, pi
 import numpy as np
 from numba import njit
 
-from friction.kernel.law import BLOWN_UP, BUDGET, DONE, FA, FF, MODE, OPTIONS, STALLED, WA, WF, T, V, X, Z, piece
+from friction.kernel.law import BLOWN_UP, BUDGET, DONE, FA, FF, MODE, OPTIONS, STALLED, WA, WF, T, V, X, Z, piece, room
 from friction.kernel.roots import first_root_within, value
 from friction.kernel.taylor import (
     CFA,
@@ -41,16 +41,16 @@ MOST_IDLE = 10  # changes of mode at one instant
 
 
 @njit(**OPTIONS)
-def automaton(law, drive, mass, v0, t_end, times, budget, record, events):
-    """Keeps an event as (sign of the motion before, after, t, x). Returns the status, legs made, and events met."""
+def automaton(law, drive, mass, v0, t_end, times, budget, record):
+    """Returns the status, legs made, and events as rows (sign of the motion before, after, t, x)."""
     c, p, q, state = np.zeros((8, N + 1)), np.empty(N + 1), np.empty(N + 1), np.zeros(8)
     state[SV], state[TURN] = v0, drive.phase / (2.0 * pi)
     mode = int(copysign(SLIDING, v0)) if abs(v0) > law.delta else STUCK
-    number, push, forced, row, met, idle = 0, piece(drive, 0), nan, 0, 0, 0
+    number, push, forced, row, met, idle, events = 0, piece(drive, 0), nan, 0, 0, 0, np.empty((16, 4))
     for leg in range(budget):
         expand(law, push, mass, state, mode, forced, c)
         if not isfinite(c[: CFF + 1].sum()):
-            return BLOWN_UP, leg, met
+            return BLOWN_UP, leg, events[:met]
         left = ((push.end - push.start) - state[CLOCK]) + state[LOST]
         h = trusted_step(law, mode, c, min(left, FOREVER), p, q)
         root, border = first_guard(law, mode, c, h, p, q)
@@ -60,11 +60,11 @@ def automaton(law, drive, mass, v0, t_end, times, budget, record, events):
         if h > 0.0:
             row = sample(times, row, t, push.start, state, h, mode, c, record)
         if t > t_end:
-            return DONE, leg + 1, met
+            return DONE, leg + 1, events[:met]
         advance(push, c, h, state)
         idle = idle + 1 if root == 0.0 else 0
         if idle > MOST_IDLE:
-            return STALLED, leg + 1, met
+            return STALLED, leg + 1, events[:met]
         if ends:
             number, state[CLOCK], state[LOST], forced = number + 1, 0.0, 0.0, nan
             push = piece(drive, number)
@@ -75,8 +75,9 @@ def automaton(law, drive, mass, v0, t_end, times, budget, record, events):
             mode, held = changed(law, mode, border, state)
             if root > 0.0:
                 forced = held
+            events = room(events, met)
             met = tell(events, met, before, mode, t, state[SX])
-    return BUDGET, budget, met
+    return BUDGET, budget, events[:met]
 
 
 @njit(**OPTIONS)

@@ -29,6 +29,7 @@ from friction.kernel.law import (
     friction,
     gap,
     piece,
+    room,
 )
 from friction.kernel.rodas import STAGES, continue_into, inside, rodas
 
@@ -47,14 +48,15 @@ def scales(law, mass):
 
 
 @njit(**OPTIONS)
-def rosenbrock(law, drive, mass, v0, t_end, times, tol, budget, record, events, peaks):
+def rosenbrock(law, drive, mass, v0, t_end, times, tol, budget, record, peaks):
     """One run with its own steps, which land on reversals, where |v| has a kink.
 
-    Keeps events as the automaton does, and the largest magnitude of each column. Returns the status, steps made and
-    refused, and events met.
+    Keeps samples and the largest magnitude of each column. Returns the status, steps made and refused, and events as
+    the automaton does.
     """
     u, y, new, dense = np.empty((STAGES, 5)), np.zeros(5), np.empty(5), np.empty((5, 5))
     v_size, z_size, period = scales(law, mass)
+    events = np.empty((16, 4))
     t, h, refused, made, number, row, met, mode = 0.0, EARLY * period, 0, 0, 0, 0, 0, 0
     y[1], peaks[:], push = v0, 0.0, piece(drive, 0)
     if gap(law, y[1], y[2]) >= 0.0:
@@ -62,7 +64,7 @@ def rosenbrock(law, drive, mass, v0, t_end, times, tol, budget, record, events, 
     margin, pull = held_back(law, mode, y[1], y[2]), forces(law, push, t, y)
     while t <= t_end:
         if made + refused >= budget:
-            return BUDGET, made, refused, met
+            return BUDGET, made, refused, events[:met]
         largest(peaks, y, pull)
         last = h >= 0.999 * (push.end - t)
         step = push.end - t if last else min(h, 0.5 * (push.end - t))
@@ -73,14 +75,14 @@ def rosenbrock(law, drive, mass, v0, t_end, times, tol, budget, record, events, 
             h = step * min(6.0, max(0.1, 0.9 * (error + 1e-12) ** -0.2)) if isfinite(error) else 0.1 * step
         if not error <= 1.0:
             if t + step == t:
-                return STALLED, made, refused, met
+                return STALLED, made, refused, events[:met]
             refused += 1
             continue
         made += 1
         before, margin = margin, held_back(law, mode, new[1], new[2])
         if not margin > abs(margin - before) or (row < times.size and times[row] <= t + step):
             continue_into(y, new, u, dense)
-            row, met, mode = watch(law, push, t, step, t_end, mode, dense, times, row, record, met, events)
+            row, met, mode, events = watch(law, push, t, step, t_end, mode, dense, times, row, record, met, events)
             margin = held_back(law, mode, new[1], new[2])
         t = push.end if last else t + step
         y[:], pull = new, after
@@ -88,7 +90,7 @@ def rosenbrock(law, drive, mass, v0, t_end, times, tol, budget, record, events, 
             number += 1
             push = piece(drive, number)
             pull = forces(law, push, t, y)
-    return DONE, made, refused, met
+    return DONE, made, refused, events[:met]
 
 
 @njit(**OPTIONS)
@@ -193,7 +195,7 @@ def crossing(law, dense, mode, low, high):
 
 @njit(**OPTIONS)
 def watch(law, push, t, step, t_end, mode, dense, times, row, record, met, events):
-    """Samples and events of an accepted step; the next sample, events met, and the mode at its end."""
+    """Samples and events of an accepted step; the next sample, events met, the mode at its end, and the events."""
     theta = 0.0
     while True:
         root = 2.0
@@ -206,11 +208,11 @@ def watch(law, push, t, step, t_end, mode, dense, times, row, record, met, event
             keep(law, push, t, step, mode, dense, times[row], record[row])
             row += 1
         if root > 1.0 or until > t_end:
-            return row, met, mode
+            return row, met, mode, events
         before, theta = mode, root
         mode = int(copysign(1.0, inside(dense, 1, root))) if mode == 0 else 0
-        if met < events.shape[0]:
-            events[met, 0], events[met, 1], events[met, 2], events[met, 3] = before, mode, until, inside(dense, 0, root)
+        events = room(events, met)
+        events[met, 0], events[met, 1], events[met, 2], events[met, 3] = before, mode, until, inside(dense, 0, root)
         met += 1
 
 

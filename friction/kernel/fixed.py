@@ -17,6 +17,7 @@ from friction.kernel.law import (
     mode_of,
     note,
     push_at,
+    room,
     slip_share,
     slopes,
     steady,
@@ -25,15 +26,14 @@ from friction.kernel.law import (
 EULER, RK4, MOREAU, EXPONENTIAL = range(4)
 
 
-
 @njit(**OPTIONS)
-def march(law, drive, mass, y, h, steps, method, every, record, events):
+def march(law, drive, mass, y, h, steps, method, every, record):
     """Fixed steps; keeps the last state and every so-manieth, and events as every step shows them.
 
-    Returns the status, the steps made, and events met (of which those that fit are kept).
+    Returns the status, the steps made, and events as the automaton does.
     """
     k, mid = np.empty((4, 5)), np.empty(5)
-    push, met, force = push_at(drive, 0.0), 0, 0.0
+    push, met, force, events = push_at(drive, 0.0), 0, 0.0, np.empty((16, 4))
     f_a = note(record, 0, law, push, 0.0, y)
     mode = mode_of(law, 0, y[1], y[2], f_a)
     record[0, MODE] = mode
@@ -50,14 +50,13 @@ def march(law, drive, mass, y, h, steps, method, every, record, events):
         else:
             force = robust(law, push, mass, t, y, h, method)
         if not np.isfinite(y[1]) or abs(y[1]) > 1e100:
-            return BLOWN_UP, n + 1, met
+            return BLOWN_UP, n + 1, events[:met]
         f_a, before = applied(push, (n + 1) * h, y[0])[0], mode
         mode = mode_of(law, before, y[1], y[2], f_a)
         if mode != before:
-            if met < events.shape[0]:
-                share = passed(law, before, v, z, y)
-                events[met, 0], events[met, 1] = before, mode
-                events[met, 2], events[met, 3] = t + share * h, x + share * (y[0] - x)
+            events, share = room(events, met), passed(law, before, v, z, y)
+            events[met, 0], events[met, 1] = before, mode
+            events[met, 2], events[met, 3] = t + share * h, x + share * (y[0] - x)
             met += 1
         if (n + 1) % every == 0 or n + 1 == steps:
             row = (n + every) // every
@@ -65,7 +64,7 @@ def march(law, drive, mass, y, h, steps, method, every, record, events):
             record[row, MODE] = mode
             if method >= MOREAU:
                 record[row, FF] = force
-    return DONE, steps, met
+    return DONE, steps, events[:met]
 
 
 @njit(**OPTIONS)

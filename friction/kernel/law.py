@@ -17,7 +17,6 @@ STEADY = 0.99  # share of the steady friction at which the contact of a smooth l
 OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "fastmath": {"contract", "nsz"}}
 
 
-
 class Law(NamedTuple):
     """A friction law: F_c, F_s, F_v (σ2), v_s, half width δ of the dead zone; σ0, σ1, z_ba; ε of tanh."""
 
@@ -184,3 +183,13 @@ def mode_of(law, mode, v, z, f_a):
     if gap(law, v, z) >= 0.0:
         return way
     return mode if way == mode else 0
+
+
+@njit(**OPTIONS)
+def room(events, met):
+    """The list of events, longer if it is full."""
+    if met < events.shape[0]:
+        return events
+    longer = np.empty((2 * met + 16, 4))
+    longer[:met] = events[:met]
+    return longer

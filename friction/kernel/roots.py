@@ -9,7 +9,6 @@ from friction.kernel.law import OPTIONS
 MOST_HALVINGS = 2000
 
 
-
 @njit(**OPTIONS)
 def value(p, t):
     """A polynomial."""
@@ -51,8 +50,8 @@ def first_root_within(p, n, h, q):
 def first_root(p, h, q):
     """The first t in (0, h] where a polynomial that is positive after 0 vanishes; inf if there is none.
 
-    Zero at once if its first term is negative. Intervals are halved until a bound shows that the polynomial keeps its sign there, or rises or falls throughout.
-    Zeros at 0 itself are divided out.
+    Zero at once if its first term is negative; zeros at 0 itself are divided out. Intervals are halved until a bound
+    shows that the polynomial keeps its sign there, or rises or falls throughout.
     """
     zeros = 0
     while zeros < p.size and p[zeros] == 0.0:

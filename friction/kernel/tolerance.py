@@ -11,55 +11,56 @@ START = 0.2  # tolerance of single steps, of that of the run, to begin with
 SPREAD = 30.0  # between the tolerances of two runs that are compared
 SAFETY = 10.0  # on an error that falls with the tolerance
 ROUNDING = 1e-12  # differences below do not fall any further
-EVENTS = 10_000  # of a run in a sweep that are compared
 
 
 @njit(**OPTIONS)
-def solve(law, drive, mass, v0, t_end, times, wanted, at_least, budget, records, events, errors):
-    """A run to a tolerance `wanted`, 0 for none, steps at least as fine as `at_least`.
+def solve(law, drive, mass, v0, t_end, times, wanted, at_least, budget, records, errors):
+    """A run to a tolerance `wanted`, 0 for none, then with steps as fine as `at_least`.
 
-    records (2, n, 9) and events (2, m, 4) hold two runs; errors (9,) gets an estimate for each column, relative to its
-    largest magnitude, and of the instants of events, relative to t_end, in that of time. Returns which run it is, its
-    status, steps made and refused, and events met.
+    records (2, n, 9) holds two runs; errors (9,) gets an estimate for each column, relative to its largest magnitude,
+    and of the instants of events, relative to t_end, in that of time. Returns which run it is, its status, steps made
+    and refused, and events.
     """
-    peaks, k = np.zeros((2, 9)), 0
+    peaks, k = np.zeros(9), 0
     tol = max(at_least if wanted <= 0.0 else START * wanted, FINEST)
     rough = min(tol * SPREAD, ROUGHEST)
-    status, made, refused, before = rosenbrock(
-        law, drive, mass, v0, t_end, times, rough, budget, records[0], events[0], peaks[0]
-    )
-    if status == STALLED:
-        before = -1  # agrees with nothing
-    while status == DONE or before < 0:
+    status, made, refused, before = rosenbrock(law, drive, mass, v0, t_end, times, rough, budget, records[0], peaks)
+    alone = status == STALLED
+    while status == DONE or alone:
         k = 1 - k
-        status, made, refused, met = rosenbrock(
-            law, drive, mass, v0, t_end, times, tol, budget, records[k], events[k], peaks[k]
-        )
+        status, made, refused, events = rosenbrock(law, drive, mass, v0, t_end, times, tol, budget, records[k], peaks)
         if status != DONE:
-            return k, status, made, refused, met
-        worst = compare(records, events, met, before, k, peaks[k], t_end, tol / rough, errors)
+            return k, status, made, refused, events
+        differ = 1.0 if alone else compare_events(events, before, t_end, tol / rough)
+        worst = max(differ, compare(records, k, peaks, tol / rough, errors))
+        errors[T] = differ
         if wanted <= 0.0 or worst <= wanted:
-            return k, DONE, made, refused, met
+            return k, DONE, made, refused, events
         if tol <= FINEST:
-            return k, INACCURATE, made, refused, met
-        rough, before = tol, met
-        tol = max(FINEST, tol * min(0.1, max(1e-3, 0.3 * wanted / worst)))
+            return k, INACCURATE, made, refused, events
+        rough, before, alone = tol, events, False
+        tol = max(FINEST, tol * min(0.5, max(1e-3, 0.5 * wanted / worst)))
     return k, status, made, refused, before
 
 
 @njit(**OPTIONS)
-def compare(records, events, met, before, k, peaks, t_end, ratio, errors):
+def compare_events(events, before, t_end, ratio):
+    """Estimate of the error of their instants; 1 if they are not the same events."""
+    if events.shape[0] != before.shape[0]:
+        return 1.0
+    worst = 0.0
+    for i in range(events.shape[0]):
+        if events[i, 0] != before[i, 0] or events[i, 1] != before[i, 1]:
+            return 1.0
+        worst = max(worst, likely(abs(events[i, 2] - before[i, 2]) / t_end, ratio))
+    return worst
+
+
+@njit(**OPTIONS)
+def compare(records, k, peaks, ratio, errors):
     """Estimates of the errors of run k from its difference to the other; the largest."""
     errors[:] = 0.0
-    if met != before:
-        errors[T] = 1.0
-    else:
-        for i in range(min(met, events.shape[1])):
-            if events[0, i, 0] != events[1, i, 0] or events[0, i, 1] != events[1, i, 1]:
-                errors[T] = 1.0
-            else:
-                errors[T] = max(errors[T], likely(abs(events[0, i, 2] - events[1, i, 2]) / t_end, ratio))
-    worst = errors[T]
+    worst = 0.0
     for column in (X, V, Z, FA, FF, WA, WF):
         size = difference = 0.0
         for i in range(records.shape[1]):
@@ -80,8 +81,7 @@ def likely(difference, ratio):
 @njit(**OPTIONS)
 def sweep(laws, drive, masses, v0, factors, t_end, tol, budget, out):
     """Many runs: laws (n, 10) in the order of Law. Keeps x, v, z, F_f at the end, and the status."""
-    times, records = np.array([t_end]), np.empty((2, 1, 9))
-    events, errors = np.empty((2, EVENTS, 4)), np.empty(9)
+    times, records, errors = np.array([t_end]), np.empty((2, 1, 9)), np.empty(9)
     for n in range(masses.size):
         c = laws[n]
         law = Law(int(c[0]), c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9])
@@ -90,6 +90,6 @@ def sweep(laws, drive, masses, v0, factors, t_end, tol, budget, out):
             drive.start, a * drive.value, a * drive.slope, a * drive.amplitude, drive.omega, drive.phase,
             drive.stiffness, drive.speed,
         )  # fmt: skip
-        k, status = solve(law, scaled, masses[n], v0[n], t_end, times, tol, 0.0, budget, records, events, errors)[:2]
+        k, status = solve(law, scaled, masses[n], v0[n], t_end, times, tol, 0.0, budget, records, errors)[:2]
         last = records[k, 0]
         out[n, 0], out[n, 1], out[n, 2], out[n, 3], out[n, 4] = last[X], last[V], last[Z], last[FF], status
