@@ -28,7 +28,7 @@ def random_model(rng: np.random.Generator) -> Model:
 
 def random_run(rng: np.random.Generator, kind: str) -> tuple[Model, Testbench, float]:
     """A model, a testbench, and an end."""
-    model, mass, long = random_model(rng), float(10.0 ** rng.uniform(-2, 2)), 10.0 ** rng.uniform(0.0, 3.0)
+    model, mass, long = random_model(rng), float(10.0 ** rng.uniform(-2, 2)), 10.0 ** rng.uniform(0.0, 3.5)
     if rng.random() < 0.005:
         long = 5e4
     F, v0 = model.stiction, float(rng.choice([0.0, rng.normal()]))
