@@ -28,12 +28,12 @@ def random_model(rng: np.random.Generator) -> Model:
 
 def random_run(rng: np.random.Generator, kind: str) -> tuple[Model, Testbench, float]:
     """A model, a testbench, and an end."""
-    model, mass, long = random_model(rng), float(10.0 ** rng.uniform(-2, 2)), 10.0 ** rng.uniform(0.0, 3.5)
+    model, mass, long = random_model(rng), float(10.0 ** rng.uniform(-1, 2)), 10.0 ** rng.uniform(0.0, 3.3)
     if rng.random() < 0.005:
         long = 5e4
     F, v0 = model.stiction, float(rng.choice([0.0, rng.normal()]))
     if kind == "ramp":
-        return model, Testbench(Ramp(rng.normal() * 10.0 ** rng.uniform(-3, 3), rng.normal() * F), mass, v0), 1e2 * long
+        return model, Testbench(Ramp(rng.normal() * 10.0 ** rng.uniform(-3, 3), rng.normal() * F), mass, v0), 3.0 * long
     if kind == "sine":
         frequency = 10.0 ** rng.uniform(-2, 3)
         force = Sine(F * rng.uniform(0.9, 3.0), frequency, rng.normal() * 0.3 * F, rng.uniform(0.0, 6.0))
