@@ -94,7 +94,11 @@ def reference(model: Model, bench: Testbench, times: NDArray) -> NDArray:
 
 def random_case(rng: np.random.Generator) -> tuple[Model, Testbench]:
     F_c, v_s, s0 = rng.uniform(0.5, 2.0), 10.0 ** rng.uniform(-2.5, 0.0), 10.0 ** rng.uniform(2.0, 5.0)
-    F_s, s1, s2 = F_c * rng.uniform(1.0, 1.5), float(rng.choice([0.0, rng.uniform(0.0, 2.0) * s0**0.5])), 0.5 * rng.random()
+    F_s, s1, s2 = (
+        F_c * rng.uniform(1.0, 1.5),
+        float(rng.choice([0.0, rng.uniform(0.0, 2.0) * s0**0.5])),
+        0.5 * rng.random(),
+    )
     model = (
         LuGre(F_c, F_s, v_s, s0, s1, s2),
         Dahl(F_c, s0),
@@ -132,7 +136,9 @@ def main() -> None:
             told[tol].append((errors.max() / tol, estimate / tol))
             if errors.max() > tol:
                 worst = COLUMNS[int(errors.argmax())]
-                print(f"model {n}, tolerance {tol:g}: {worst} {errors.max() / tol:.2g} times, said {estimate / tol:.2g}")
+                print(
+                    f"model {n}, tolerance {tol:g}: {worst} {errors.max() / tol:.2g} times, said {estimate / tol:.2g}"
+                )
     print(f"seed ({SEED}, n), {models} models of {END:g} s, {time.process_time() - began:.0f} s of processor time", "")
     print("| tolerance | done | within | median | 99 % | most | estimate over error, median | least |")
     print("|---:|" + "---:|" * 7)
@@ -140,7 +146,9 @@ def main() -> None:
         error, estimate = np.array([row for row in rows if row[0] == row[0]]).T
         shown = [*np.quantile(error, (0.5, 0.99)), error.max()]
         shown += [np.median(estimate / error), np.min(estimate / error)]
-        print(f"| {tol:g} | {error.size} | {np.sum(error <= 1.0)} | {' | '.join(f'{number:.2g}' for number in shown)} |")
+        print(
+            f"| {tol:g} | {error.size} | {np.sum(error <= 1.0)} | {' | '.join(f'{number:.2g}' for number in shown)} |"
+        )
 
 
 if __name__ == "__main__":

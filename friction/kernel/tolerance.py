@@ -25,10 +25,13 @@ def solve(law, drive, mass, v0, t_end, times, wanted, at_least, budget, records,
     tol = max(at_least if wanted <= 0.0 else START * wanted, FINEST)
     rough = min(tol * SPREAD, ROUGHEST)
     status, made, refused, before = rosenbrock(law, drive, mass, v0, t_end, times, rough, budget, records[0], peaks)
-    alone = status == STALLED
+    alone = status == STALLED  # then a finer run has nothing to be compared with
     while status == DONE or alone:
         k = 1 - k
         status, made, refused, events = rosenbrock(law, drive, mass, v0, t_end, times, tol, budget, records[k], peaks)
+        if status == STALLED and tol > FINEST:
+            alone, tol = True, max(FINEST, tol / SPREAD)
+            continue
         if status != DONE:
             return k, status, made, refused, events
         differ = 1.0 if alone else compare_events(events, before, t_end, tol / rough)
