@@ -51,12 +51,11 @@ def parameters(model: Model, bench: Testbench) -> NDArray:
     def given(name: str, default: float) -> float:
         return getattr(model, name, default)
 
-    smooth = isinstance(model, Tanh)
     spring = (bench.spring.stiffness, bench.spring.speed) if bench.spring else (0.0, 0.0)
     return np.array([
-        given("F_c", 1.0), given("F_s", given("F_c", 1.0)), given("v_s", 1.0), given("sigma0", 1.0), given("sigma1", 0.0),
-        given("F_v", given("sigma2", 0.0)), given("z_ba", -1.0), model.epsilon if smooth else -1.0, bench.mass,
-        0.0, 0.0, 0.0, *bench.force.sine, *spring,
+        given("F_c", 1.0), given("F_s", given("F_c", 1.0)), given("v_s", 1.0), given("sigma0", 1.0),
+        given("sigma1", 0.0), given("F_v", given("sigma2", 0.0)), given("z_ba", -1.0), given("epsilon", -1.0),
+        bench.mass, 0.0, 0.0, 0.0, *bench.force.sine, *spring,
     ])  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from friction.methods import Method
 from friction.models import Model
 from friction.testbench import Testbench
 
-COLUMNS = ("t", "x", "v", "z", "F_a", "F_f", "W_a", "W_f", "mode")
+COLUMNS: tuple[str, ...] = ("t", "x", "v", "z", "F_a", "F_f", "W_a", "W_f", "mode")
 
 
 class Kind(StrEnum):

@@ -121,7 +121,8 @@ def attempt(law, push, mass, t, y, pull, step, tol, sizes, u, new, dense):
     s = copysign(1.0, y[1])
     if y[1] ** 2 <= wrong * abs(rise):  # about to change its sign
         s = copysign(1.0, rise if rise != 0.0 else pull[1])
-    for tries in range(MOST_TRIES + 1):
+    tries = 0
+    while True:
         rodas(law, push, mass, t, y, s, step, u, new)
         error = max(abs(u[STAGES - 1, 1]) / (v_size + abs(new[1])), abs(u[STAGES - 1, 2]) / z_size)
         work = max(abs(u[STAGES - 1, 3]), abs(u[STAGES - 1, 4]))
@@ -130,23 +131,23 @@ def attempt(law, push, mass, t, y, pull, step, tol, sizes, u, new, dense):
             return step, error, tries, pull
         after = forces(law, push, t + step, new)
         if law.kind != BRISTLE or tries == MOST_TRIES:
-            break
+            return step, error, tries, after
         back = s * new[1] < 0.0
         dips = not back and s * rise < 0.0 and s * (after[0] - after[2]) > 0.0
         if not back and not dips:
-            break
+            return step, error, tries, after
         continue_into(y, new, u, dense)
         theta = 1.0 if back else lowest(dense, s)
         v = s * inside(dense, 1, theta)
         missed = -v * step * (v / (v - abs(y[1]) - 1e-300) if back else 1.0)
         if missed <= wrong:
-            break
+            return step, error, tries, after
         begins = lowest(dense, -s) if s * y[1] <= 0.0 else 0.0
         if s * inside(dense, 1, begins) > 0.0:
             step *= crossing(law, dense, int(s), begins, theta)
         else:
             s = -s
-    return step, error, tries, after
+        tries += 1
 
 
 @njit(**OPTIONS)
