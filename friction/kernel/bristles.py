@@ -51,8 +51,8 @@ def scales(law, mass):
 def rosenbrock(law, drive, mass, v0, t_end, times, tol, budget, record, peaks):
     """One run with its own steps, which land on reversals, where |v| has a kink.
 
-    Keeps samples and the largest magnitude of each column. Returns the status, steps made and refused, and events as
-    the automaton does.
+    Keeps samples, the largest magnitude of each column, and in that of time the largest error of a step. Returns the
+    status, steps made and refused, and events as the automaton does.
     """
     u, y, new, dense = np.empty((STAGES, 5)), np.zeros(5), np.empty(5), np.empty((5, 5))
     v_size, z_size, period = scales(law, mass)
@@ -78,7 +78,7 @@ def rosenbrock(law, drive, mass, v0, t_end, times, tol, budget, record, peaks):
                 return STALLED, made, refused, events[:met]
             refused += 1
             continue
-        made += 1
+        made, peaks[T] = made + 1, max(peaks[T], error * tol)
         before, margin = margin, held_back(law, mode, new[1], new[2])
         if not margin > abs(margin - before) or (row < times.size and times[row] <= t + step):
             continue_into(y, new, u, dense)

@@ -18,7 +18,7 @@ CX, CV, CFA, CFF, CWA, CWF, SQUARE, BELL = range(8)  # rows of series
 SX, SV, SWA, SWF, CLOCK, LOST, TURN, PULL = range(8)  # state: clock since the piece began, turns of the sine, spring
 INVERSE = np.array([1.0 / factorial(k) for k in range(N + 1)])
 ROUNDING = 1e-17  # of a series' largest early term: what its last terms may be
-FAR = 6.0  # multiples of v_s at which e^(−(v/v_s)²) begins to count
+FAR = 6.0  # multiples of v_s at which e^(−(v/v_s)²) begins to count: 2e-16
 
 
 @njit(**OPTIONS)
@@ -49,13 +49,15 @@ def expand(law, push, mass, state, mode, forced, c):
     applied_series(push, state, f_a)
     x[0], v[0], pull, still = state[SX], state[SV], state[PULL], mode == STUCK
     border = sliding and law.delta > 0.0 and abs(v[0]) == law.delta
-    drop = 0.0
+    far, drop = beyond(law, mode, v[0]), 0.0
     for k in range(N):
         f_a[k] += pull
         if k == 0 and not isnan(forced):
             f_a[0] = forced
         pull = push.stiffness * ((push.speed if k == 0 else 0.0) - v[k]) / (k + 1)
-        if peak > 0.0:
+        if far:
+            drop = 1.0 if k == 0 else 0.0
+        elif peak > 0.0:
             drop = drop_term(law.v_s, v, square, bell, k)
         if still:
             f_f[k], v[k + 1] = f_a[k], 0.0
@@ -68,6 +70,12 @@ def expand(law, push, mass, state, mode, forced, c):
             v[k + 1] = s * ((s * f_a[k] - stiction) + held) / (mass * (k + 1))
         x[k + 1] = v[k] / (k + 1)
     works(c, state, still and v[0] == 0.0)
+
+
+@njit(**OPTIONS)
+def beyond(law, mode, v):
+    """Whether the sliding is so fast that nothing is left of the Stribeck peak."""
+    return abs(mode) == SLIDING and law.f_s > law.f_c and abs(v) > 1.001 * FAR * law.v_s
 
 
 @njit(**OPTIONS)
@@ -117,14 +125,13 @@ def trusted(row, n, h):
 def trusted_step(law, mode, c, h, p, q):
     """Largest step up to h at which the series are exact to rounding.
 
-    Far out on the bell e^(−(v/v_s)²) the last terms say nothing, being small although the bell is yet to come: a step
-    ends where it begins to count.
+    Far out, a step ends where the bell e^(−(v/v_s)²) begins to count.
     """
     for n in (N - 1, N):
         if mode != STUCK:
             h = trusted(c[CV], n, h)
         h = trusted(c[CFA], n - 1, h)
-    if abs(mode) == SLIDING and law.f_s > law.f_c and abs(c[CV, 0]) > 1.001 * FAR * law.v_s:
+    if beyond(law, mode, c[CV, 0]):
         p[:N] = copysign(1.0, mode) * c[CV, :N]
         p[0] -= FAR * law.v_s
         h = min(h, first_root_within(p, N, h, q))

@@ -34,9 +34,9 @@ def solve(law, drive, mass, v0, t_end, times, wanted, at_least, budget, records,
             continue
         if status != DONE:
             return k, status, made, refused, events
-        differ = 1.0 if alone else compare_events(events, before, t_end, tol / rough)
-        worst = max(differ, compare(records, k, peaks, tol / rough, errors))
-        errors[T] = differ
+        worst = compare(records, k, peaks, tol / rough, drive.stiffness != 0.0, errors)
+        errors[T] = 1.0 if alone else compare_events(events, before, t_end, tol / rough)
+        worst = max(worst, errors[T])
         if wanted <= 0.0 or worst <= wanted:
             return k, DONE, made, refused, events
         if tol <= FINEST:
@@ -60,17 +60,21 @@ def compare_events(events, before, t_end, ratio):
 
 
 @njit(**OPTIONS)
-def compare(records, k, peaks, ratio, errors):
-    """Estimates of the errors of run k from its difference to the other; the largest."""
-    errors[:] = 0.0
-    worst = 0.0
+def compare(records, k, peaks, ratio, pulled, errors):
+    """Estimates of the errors of run k from its difference to the other; the largest.
+
+    No column is better than the largest error of a step: two runs may agree because corners of the force leave them
+    the same steps. The applied force depends on the motion if a spring has `pulled` only.
+    """
+    errors[:], worst = 0.0, 0.0
     for column in (X, V, Z, FA, FF, WA, WF):
         size = difference = 0.0
         for i in range(records.shape[1]):
             difference = max(difference, abs(records[0, i, column] - records[1, i, column]))
             size = max(size, abs(records[k, i, column]))
         size = max(size, peaks[column])
-        errors[column] = likely(difference / size, ratio) if size > 0.0 else 0.0
+        if size > 0.0 and (pulled or column != FA):
+            errors[column] = max(likely(difference / size, ratio), peaks[T])
         worst = max(worst, errors[column])
     return worst
 

@@ -69,6 +69,15 @@ def test_a_ramp_breaks_away_once_wherever_its_run_ends():
         assert event.t == pytest.approx(model.F_s / slope, rel=1e-15)
 
 
+@pytest.mark.parametrize("ratio", [5.9, 6.005, 8.0, 20.0, 27.0, 100.0, 1e4, 1e150])
+def test_far_from_the_stribeck_peak_it_comes_to_rest(ratio):
+    """Where the peak is a number so small that it has few digits, or none."""
+    model = Karnopp(F_v=0.0, v_s=0.3 / ratio)
+    stop, away = simulate(model, Testbench(Ramp(-0.7), v0=0.3), 10.0, budget=1000).events
+    assert (stop.kind, away.kind) == (Kind.STOP, Kind.BREAK_AWAY)
+    assert away.t == pytest.approx(1.2 / 0.7, rel=1e-14)
+
+
 @pytest.mark.parametrize("amplitude", [1.0, 1.0 + 2.3e-16, 1.0 + 1e-13, 1.0 - 1e-16, 1.0 + 1e-9])
 def test_a_force_that_touches_friction_breaks_away_or_not_but_goes_on(amplitude):
     run = simulate(Coulomb(), Testbench(Sine(amplitude, 3.0)), 50.0)

@@ -120,3 +120,12 @@ def test_a_tolerance_that_cannot_be_met_is_not_said_to_be():
     run = simulate(LuGre(sigma0=1e5), Testbench(Sine(2.0, 5.0)), 5.0, tol=1e-14)
     assert run.status is Status.INACCURATE
     assert run.worst[1] > 1e-14
+
+
+def test_runs_that_are_left_the_same_steps_do_not_agree_about_nothing():
+    """Corners of the force cut both runs that are compared into the same steps: still no error is said to be 0."""
+    model, bench = random_case(np.random.default_rng((5, 31)))
+    times = np.linspace(0.0, END, 401)
+    errors, estimate = largest_errors(model, bench, reference(model, bench, times), times, 1e-3)
+    assert errors.max() <= 1e-3
+    assert errors.max() <= 2.0 * estimate
