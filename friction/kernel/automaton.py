@@ -9,7 +9,6 @@ are a reversal, break-away and stop are nothing. No leg depends on where the run
 from math import copysign, floor, inf, isfinite, nan, pi
 
 import numpy as np
-from numba import njit
 
 from friction.kernel.law import BLOWN_UP, BUDGET, DONE, FA, FF, MODE, OPTIONS, STALLED, WA, WF, T, V, X, Z, piece, room
 from friction.kernel.roots import first_root_within, value
@@ -35,6 +34,7 @@ from friction.kernel.taylor import (
     expand,
     trusted_step,
 )
+from tline.compiled import njit
 
 FOREVER = 1e13  # s, more than any run may last
 MOST_IDLE = 10  # changes of mode at one instant

@@ -7,7 +7,6 @@ in the direction of the motion, which is its break-away, until the velocity vani
 from math import copysign, isfinite
 
 import numpy as np
-from numba import njit
 
 from friction.kernel.law import (
     BRISTLE,
@@ -32,6 +31,7 @@ from friction.kernel.law import (
     room,
 )
 from friction.kernel.rodas import STAGES, continue_into, inside, rodas
+from tline.compiled import njit
 
 MOST_TRIES = 9  # to land on a reversal
 EARLY = 1e-3  # first step, of the time scale of the contact

@@ -3,7 +3,6 @@
 from math import copysign, exp, expm1
 
 import numpy as np
-from numba import njit
 
 from friction.kernel.law import (
     BLOWN_UP,
@@ -22,6 +21,7 @@ from friction.kernel.law import (
     slopes,
     steady,
 )
+from tline.compiled import njit
 
 EULER, RK4, MOREAU, EXPONENTIAL = range(4)
 

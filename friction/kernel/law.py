@@ -8,13 +8,14 @@ from math import atanh, copysign, cos, exp, inf, pi, sin, tanh
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
+
+from tline.compiled import njit
 
 SIGN, ZONE, BRISTLE, TANH = range(4)  # kinds of law
 DONE, BUDGET, BLOWN_UP, STALLED, INACCURATE = range(5)  # how a run can end
 T, X, V, Z, FA, FF, WA, WF, MODE = range(9)  # columns of a record
 STEADY = 0.99  # share of the steady friction at which the contact of a smooth law slides
-OPTIONS: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "fastmath": {"contract", "nsz"}}
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": {"contract", "nsz"}}
 
 
 class Law(NamedTuple):

@@ -1,9 +1,9 @@
 """One step of Rodas5P on the friction laws that are smooth, with its dense output."""
 
 import numpy as np
-from numba import njit
 
 from friction.kernel.law import OPTIONS, applied, jacobian, respond
+from tline.compiled import njit
 
 # Rodas5P, Steinebach, BIT Numerical Mathematics 63 (2023) 27, doi:10.1007/s10543-023-00967-x: order 5, L-stable, and
 # no loss of order on z, which follows the stiff balance of bristles

@@ -2,9 +2,8 @@
 
 from math import inf
 
-from numba import njit
-
 from friction.kernel.law import OPTIONS
+from tline.compiled import njit
 
 MOST_HALVINGS = 2000
 

@@ -7,10 +7,10 @@ at a break-away, where u = 0 and v = 0, nothing is left of rounding that could p
 from math import copysign, cos, exp, expm1, factorial, isnan, pi, sin
 
 import numpy as np
-from numba import njit
 
 from friction.kernel.law import OPTIONS
 from friction.kernel.roots import first_root_within
+from tline.compiled import njit
 
 STUCK, SLIDING, PUSHED = 0, 1, 2  # modes, with the sign of the motion; pushed: within a dead zone, but too hard to hold
 N = 20  # terms of a series

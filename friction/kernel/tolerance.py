@@ -1,10 +1,10 @@
 """Runs of the smooth laws that are compared with rougher ones, and made finer until they agree as asked for."""
 
 import numpy as np
-from numba import njit
 
 from friction.kernel.bristles import rosenbrock
 from friction.kernel.law import DONE, FA, FF, INACCURATE, OPTIONS, STALLED, WA, WF, Drive, Law, T, V, X, Z
+from tline.compiled import njit
 
 FINEST, ROUGHEST = 1e-14, 0.1  # tolerances of single steps
 START = 0.2  # tolerance of single steps, of that of the run, to begin with
