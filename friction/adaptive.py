@@ -21,6 +21,8 @@ class Motion:
 
     def __init__(self, model: Model, bench: Testbench):
         self.law, self.drive, self.mass, self.mode = model.law, bench.drive, float(bench.mass), FREE
+        self.met: list[tuple[float, float, float, float]] = []
+        self.shown = 0  # mode that the steps of a free run show
         self.push = kernel.push_at(self.drive, 0.0)
 
     def applied(self, t: float, y: NDArray) -> float:
@@ -51,21 +53,35 @@ class Motion:
             return 1.0
         return self.law.f_s - abs(self.applied(t, y)) if self.mode == 0 else self.mode * y[1]
 
-    def next_mode(self, t: float, y: NDArray) -> None:
-        """The mode that begins at t; at rest, the mass is held if it can be."""
+    def look(self, before: tuple[float, NDArray], t: float, y: NDArray) -> None:
+        """Note an event between the ends of a step of a free run."""
+        then, start = before
+        mode = kernel.mode_of(self.law, self.shown, y[1], y[2], self.applied(t, y))
+        if mode != self.shown:
+            share = kernel.passed(self.law, self.shown, start[1], start[2], y)
+            at = then + share * (t - then)
+            self.met.append((self.shown, mode, at, start[0] + share * (y[0] - start[0])))
+        self.shown = mode
+
+    def next_mode(self, t: float, y: NDArray, ended: bool) -> None:
+        """The mode that begins at t, because the last one ended or the force jumped; at rest, the mass is held if it
+        can be.
+        """
         if self.mode == FREE:
             return
-        f_a = self.applied(t, y)
-        breaks = self.mode == 0 and self.margin(t, y) <= 1e-12 * self.law.f_s
+        f_a, old = self.applied(t, y), self.mode
+        breaks = self.mode == 0 and ended
         if self.mode != 0:
             y[1] = 0.0
         self.mode = int(np.sign(f_a)) if breaks or abs(f_a) > self.law.f_s else 0
+        if self.mode != old:
+            self.met.append((old, self.mode, t, y[0]))
 
 
 def adaptive(
-    model: Model, bench: Testbench, times: NDArray, tol: float, budget: int, solver: str, events: bool
-) -> tuple[int, int, NDArray]:
-    """Run RK45 or BDF; the status, the steps made, and the record."""
+    model: Model, bench: Testbench, t_end: float, times: NDArray, tol: float, budget: int, solver: str, events: bool
+) -> tuple[int, int, NDArray, list[tuple[float, float, float, float]]]:
+    """Run RK45 or BDF; the status, the steps made, the record, and the events as changes of the motion."""
     from scipy.integrate import BDF, RK45
     from scipy.optimize import brentq
 
@@ -76,17 +92,20 @@ def adaptive(
     record = np.full((times.size, MODE + 1), np.nan)
     scheme: Any = {"rk45": RK45, "bdf": BDF}[solver]
     t, row, steps = 0.0, 0, 0
-    while row < times.size:
+    while t < t_end or row < times.size:
         motion.push = kernel.push_at(motion.drive, t)
-        end = min(times[-1], motion.push.end)
+        end = min(t_end, motion.push.end)
         run = scheme(motion.rates, t, y, end, rtol=tol, atol=1e-2 * tol)
         while run.status == "running":
             if steps >= budget:
-                return BUDGET, steps, record
+                return BUDGET, steps, record, motion.met
             if run.step() and run.status == "failed":
-                return STALLED, steps, record
+                return STALLED, steps, record, motion.met
             steps += 1
+            before = run.t_old, y
             dense, t, y = run.dense_output(), run.t, run.y
+            if not events:
+                motion.look(before, t, y)
             ended = motion.margin(t, y) < 0.0
             if ended:
                 start = run.t_old if motion.margin(run.t_old, dense(run.t_old)) > 0.0 else 0.9 * run.t_old + 0.1 * t
@@ -95,13 +114,13 @@ def adaptive(
                 y = dense(t)
             row = _sample(motion, record, row, times, t, dense)
             if ended:
-                motion.next_mode(t, y)
+                motion.next_mode(t, y, True)
                 break
-        if row < times.size and t >= motion.push.end:  # the force may have jumped
+        if t < t_end and t >= motion.push.end:  # the force may have jumped
             motion.push = kernel.push_at(motion.drive, t)
             if motion.mode == 0:
-                motion.next_mode(t, y)
-    return DONE, steps, record
+                motion.next_mode(t, y, False)
+    return DONE, steps, record, motion.met
 
 
 def _sample(motion: Motion, record: NDArray, row: int, times: NDArray, t: float, dense: Any) -> int:
@@ -111,5 +130,9 @@ def _sample(motion: Motion, record: NDArray, row: int, times: NDArray, t: float,
         state = dense(at)
         record[row, 0], record[row, 1:4], record[row, 6:8] = at, state[:3], state[3:]
         record[row, FA], record[row, FF] = motion.applied(at, state), motion.friction(at, state)
+        if motion.mode == FREE:
+            record[row, MODE] = kernel.mode_of(motion.law, motion.shown, state[1], state[2], record[row, FA])
+        else:
+            record[row, MODE] = motion.mode
         row += 1
     return row

@@ -11,6 +11,8 @@ from friction.methods import Method
 from friction.models import Model
 from friction.testbench import Testbench
 
+COLUMNS: tuple[str, ...] = ("t", "x", "v", "z", "F_a", "F_f", "W_a", "W_f", "mode")
+
 
 class Kind(StrEnum):
     """What can happen to the mass."""
@@ -35,6 +37,7 @@ class Status(StrEnum):
     BUDGET = "stopped: the budget of steps is spent"
     BLOWN_UP = "stopped: the velocity grows without bound"
     STALLED = "stopped: the step has shrunk to nothing"
+    INACCURATE = "done, but the tolerance is not met"
 
 
 class Ledger(NamedTuple):
@@ -66,14 +69,23 @@ class Result:
     W_a, W_f : ndarray
         Work of the applied force, and work that friction took [J].
     mode : ndarray of int
-        0 stuck, ±1 sliding, ±2 pushed through a dead zone. Smooth laws have no such thing: there, sliding begins when
-        friction is within 1 % of its steady value, and ends when v changes its sign.
+        0 stuck, ±1 sliding, ±2 pushed through a dead zone. In a smooth law, sliding begins when friction without its
+        viscous part comes within 1 % of its steady value, in the direction of the motion, and ends when v vanishes.
     events : list of Event
-        Exact from the method `events`, which keeps the first 10 000; from all others as the samples show them.
+        Where the mode changes, between 0 and t_end, the first million. From `events` exact, from `rosenbrock` and
+        SciPy's with events at their instants, from all others as the steps show them. None depends on `times`.
+    event_count : int
+        Events met.
     status : Status
-        `DONE`, or why the run ended early; the arrays hold what was reached.
+        `DONE`, or why the run ended early or is not as good as asked; the arrays hold what was reached.
     steps, refused : int
-        Steps made, and steps tried and refused.
+        Steps made, and steps tried and refused; of the run that is given, not of those it was compared with.
+    tol : float or None
+        Tolerance of a run by `rosenbrock`, if one was given.
+    errors : dict of str to float
+        From `rosenbrock`, an estimate for each column: the largest error among the samples, relative to the largest
+        magnitude of the column in the run; at "t" that of the instants of events, relative to t_end, 1 if events differ
+        between runs that are compared. Empty for other methods: `events` is exact to rounding, the rest have none.
     """
 
     model: Model
@@ -92,6 +104,14 @@ class Result:
     W_f: NDArray
     mode: NDArray
     events: list[Event]
+    event_count: int
+    tol: float | None
+    errors: dict[str, float]
+
+    @property
+    def worst(self) -> tuple[str, float] | None:
+        """The column with the largest estimate of its error, and that; None if there are no estimates."""
+        return max(self.errors.items(), key=lambda item: item[1]) if self.errors else None
 
     @property
     def kinetic(self) -> NDArray:
@@ -113,34 +133,9 @@ class Result:
         return Ledger(applied, friction, float(kinetic), float(bristle), float(friction - bristle), float(residual))
 
 
-def modes_seen(model: Model, v: NDArray, z: NDArray, F_a: NDArray) -> NDArray:
-    """Modes of a run whose method knows of none."""
-    law = model.law
-    sign = np.sign(v).astype(int)
-    if model.name == "coulomb":
-        return sign
-    if model.name == "karnopp":
-        return np.where((np.abs(v) <= law.delta) & (np.abs(F_a) <= law.f_s), 0, sign)
-    share = law.sigma0 * z / model.g(v) if law.sigma0 else np.tanh(v / law.epsilon)
-    starts, mode, now = sign * share >= 0.99, np.zeros(v.size, int), 0
-    for k in range(v.size):
-        if now and sign[k] != now:
-            now = 0
-        if starts[k]:
-            now = sign[k]
-        mode[k] = now
-    return mode
-
-
-def events_seen(t: NDArray, x: NDArray, v: NDArray, mode: NDArray) -> list[Event]:
-    """Events between samples: a break-away at the last sample at rest, the others where a straight v vanishes."""
-    found = []
-    for k in np.flatnonzero(np.diff(mode)):
-        before, after = mode[k], mode[k + 1]
-        if before == 0:
-            found.append(Event(Kind.BREAK_AWAY, float(t[k]), float(x[k])))
-            continue
-        share = v[k] / (v[k] - v[k + 1]) if v[k] * v[k + 1] < 0.0 else 1.0
-        kind = Kind.STOP if after == 0 else Kind.REVERSAL
-        found.append(Event(kind, float(t[k] + share * (t[k + 1] - t[k])), float(x[k] + share * (x[k + 1] - x[k]))))
-    return found
+def events_of(changes: NDArray) -> list[Event]:
+    """Events from changes of the motion: its sign before, after, t, x."""
+    return [
+        Event(Kind.BREAK_AWAY if before == 0.0 else Kind.STOP if after == 0.0 else Kind.REVERSAL, t, x)
+        for before, after, t, x in changes.tolist()
+    ]

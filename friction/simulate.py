@@ -8,12 +8,13 @@ from numpy.typing import ArrayLike, NDArray
 from friction.methods import Method, method_for
 from friction.models import Model
 from friction.number import check_number
-from friction.result import Event, Kind, Result, Status, events_seen, modes_seen
+from friction.result import COLUMNS, Result, Status, events_of
 from friction.testbench import Testbench
 from tline.errors import InputError
 
-MOST_STEPS, MOST_SAMPLES, MOST_EVENTS = 5_000_000, 200_000, 10_000
-BUDGETS = {"events": 100_000, "adaptive": 5_000, "rosenbrock": 1_000_000}
+MOST_STEPS, MOST_SAMPLES, MOST_EVENTS = 5_000_000, 200_000, 1_000_000
+BUDGETS = {"events": 5_000_000, "adaptive": 5_000, "rosenbrock": 1_000_000}
+FINE = 1e-12  # tolerance of single steps where none is given for the run
 
 
 def simulate(
@@ -42,13 +43,14 @@ def simulate(
     h : float
         Step [s] of a fixed-step method; t_end is rounded to whole steps.
     tol : float, optional
-        Relative tolerance of an adaptive method, 1e-14 (1e-13 for SciPy's) to 0.1; 1e-12 for `rosenbrock`, 1e-6 for
-        SciPy's if not given.
+        Tolerance of an adaptive method, 1e-14 to 0.1. `rosenbrock` refines its steps until the estimates of its errors,
+        relative to the largest value of each column, meet it; without one, it makes steps of 1e-12 and tells how good
+        they are. To SciPy's methods (1e-13 to 0.1; 1e-6 if not given) it is the relative tolerance of single steps.
     times : array_like, optional
-        Where to look [s], rising, within [0, t_end]; 1001 equal steps if not given. Fixed steps give every step,
-        thinned evenly above 200 000.
+        Where to look [s], rising, within [0, t_end]; 1001 equal steps if not given. Events do not depend on it. Fixed
+        steps give every step, thinned evenly above 200 000.
     budget : int, optional
-        Most steps an adaptive method may make.
+        Most steps an adaptive method may make, up to 5 million.
 
     Returns
     -------
@@ -81,14 +83,16 @@ def simulate(
     default = BUDGETS.get(chosen.name, BUDGETS[chosen.step])
     if budget is not None:
         check_number("budget", budget, least=1)
-    steps = min(int(budget or default), BUDGETS["rosenbrock"])
+    steps = min(int(budget or default), MOST_STEPS)
     if chosen.step == "events":
-        return _events(model, bench, at, chosen, steps)
-    tol = (1e-12 if chosen.name == "rosenbrock" else 1e-6) if tol is None else tol
-    check_number("tol", tol, least=1e-14 if chosen.name == "rosenbrock" else 1e-13)
-    if tol > 0.1:
-        raise InputError("tol", "too large", "at most 0.1", f"{tol:g}")
-    return _adaptive(model, bench, at, chosen, tol, steps)
+        return _events(model, bench, t_end, at, chosen, steps)
+    if tol is not None:
+        check_number("tol", tol, least=1e-14 if chosen.name == "rosenbrock" else 1e-13)
+        if tol > 0.1:
+            raise InputError("tol", "too large", "at most 0.1", f"{tol:g}")
+    if chosen.name == "rosenbrock":
+        return _rosenbrock(model, bench, t_end, at, chosen, tol, steps)
+    return _scipy(model, bench, t_end, at, chosen, 1e-6 if tol is None else tol, steps)
 
 
 def _checked_times(times: ArrayLike, t_end: float) -> NDArray:
@@ -101,7 +105,7 @@ def _checked_times(times: ArrayLike, t_end: float) -> NDArray:
         raise InputError("times", "not rising", f"1 to {MOST_SAMPLES} rising numbers")
     if at[0] < 0.0 or at[-1] > t_end * (1.0 + 1e-9):
         raise InputError("times", "outside the run", f"0 to {t_end:g}", f"{at[0]:g} to {at[-1]:g}")
-    return at
+    return np.minimum(at, t_end)
 
 
 def _start(bench: Testbench) -> NDArray:
@@ -122,37 +126,45 @@ def _fixed(model: Model, bench: Testbench, t_end: float, method: Method, h: floa
     every = -(-steps // MOST_SAMPLES)
     record = np.full((-(-steps // every) + 1, 9), np.nan)
     code = ("euler", "rk4", "moreau", "exponential").index(method.name)
-    status, made = kernel.march(
+    status, made, events = kernel.march(
         model.law, bench.drive, float(bench.mass), _start(bench), float(h), steps, code, every, record
     )
-    return _packed(model, bench, method, status, (made, 0), record, None)
+    return _packed(model, bench, method, status, (made, 0), record, events)
 
 
-def _adaptive(model: Model, bench: Testbench, times: NDArray, method: Method, tol: float, budget: int) -> Result:
+def _scipy(
+    model: Model, bench: Testbench, t_end: float, times: NDArray, method: Method, tol: float, budget: int
+) -> Result:
+    from friction.adaptive import adaptive
+
+    solver, with_events = method.name.removesuffix("-events"), method.name.endswith("-events")
+    status, made, record, met = adaptive(model, bench, t_end, times, tol, budget, solver, with_events)
+    return _packed(model, bench, method, status, (made, 0), record, np.reshape(met, (-1, 4)))
+
+
+def _rosenbrock(
+    model: Model, bench: Testbench, t_end: float, times: NDArray, method: Method, tol: float | None, budget: int
+) -> Result:
     from friction import kernel
 
-    if method.name != "rosenbrock":
-        from friction.adaptive import adaptive
+    records, errors = np.full((2, times.size, 9), np.nan), np.zeros(9)
+    run, status, made, refused, events = kernel.solve(
+        model.law, bench.drive, float(bench.mass), float(bench.v0), float(t_end), times, float(tol or 0.0), FINE,
+        budget, records, errors,
+    )  # fmt: skip
+    told = (
+        dict(zip(COLUMNS[:-1], errors.tolist()[:-1], strict=True)) if status in (kernel.DONE, kernel.INACCURATE) else {}
+    )
+    return _packed(model, bench, method, status, (made, refused), records[run], events, tol, told)
 
-        status, made, record = adaptive(
-            model, bench, times, tol, budget, method.name.removesuffix("-events"), method.name.endswith("-events")
-        )
-        return _packed(model, bench, method, status, (made, 0), record, None)
+
+def _events(model: Model, bench: Testbench, t_end: float, times: NDArray, method: Method, budget: int) -> Result:
+    from friction import kernel
+
     record = np.full((times.size, 9), np.nan)
-    status, made, refused = kernel.rosenbrock(
-        model.law, bench.drive, float(bench.mass), _start(bench), times, float(tol), budget, record
+    status, made, events = kernel.automaton(
+        model.law, bench.drive, float(bench.mass), float(bench.v0), float(t_end), times, budget, record
     )
-    return _packed(model, bench, method, status, (made, refused), record, None)
-
-
-def _events(model: Model, bench: Testbench, times: NDArray, method: Method, budget: int) -> Result:
-    from friction import kernel
-
-    record, met = np.full((times.size, 9), np.nan), np.empty((MOST_EVENTS, 3))
-    status, made, count = kernel.automaton(
-        model.law, bench.drive, float(bench.mass), _start(bench), times, budget, record, met
-    )
-    events = [Event(list(Kind)[int(kind)], float(t), float(x)) for kind, t, x in met[:count]]
     return _packed(model, bench, method, status, (made, 0), record, events)
 
 
@@ -163,12 +175,12 @@ def _packed(
     status: int,
     steps: tuple[int, int],
     record: NDArray,
-    events: list[Event] | None,
+    events: NDArray,
+    tol: float | None = None,
+    errors: dict[str, float] | None = None,
 ) -> Result:
     t, x, v, z, f_a, f_f, w_a, w_f, mode = record[np.isfinite(record[:, 0])].T
-    if events is None:
-        mode = modes_seen(model, v, z, f_a)
-        events = events_seen(t, x, v, mode)
     return Result(
-        model, bench, method, list(Status)[status], *steps, t, x, v, z, f_a, f_f, w_a, w_f, mode.astype(int), events
-    )
+        model, bench, method, list(Status)[status], *steps, t, x, v, z, f_a, f_f, w_a, w_f, mode.astype(int),
+        events_of(events[:MOST_EVENTS]), len(events), tol, errors or {},
+    )  # fmt: skip

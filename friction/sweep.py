@@ -31,14 +31,14 @@ def sweep(model: Model, bench: Testbench, t_end: float = 10.0, tol: float = 1e-6
     t_end : float, optional
         End of each run [s], positive.
     tol : float, optional
-        Relative tolerance, 1e-14 to 0.1.
+        Tolerance of x, v, z and F_f at t_end, relative to the largest value of each in the run, 1e-14 to 0.1.
     **columns : array_like, shape (n,)
         Parameters of the model by name, `mass`, `v0`, and `force`, a factor by which the force is multiplied.
 
     Returns
     -------
     ndarray, shape (n, 4)
-        x, v, z and F_f at t_end; NaN for a run that took more than 10⁵ steps.
+        x, v, z and F_f at t_end; NaN for a run that took more than 10⁵ steps or does not meet the tolerance.
 
     Raises
     ------

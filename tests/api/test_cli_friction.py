@@ -97,6 +97,29 @@ def test_an_unfinished_run_exits_with_one():
     assert "grows without bound" in result.output
 
 
+def test_errors_are_told_with_the_numbers():
+    stiff = "run lugre --set sigma0=1e5 --sine '2 N' --frequency '1 Hz' --time 2"
+    told = json.loads(run(f"{stiff} --tol 1e-3 --json").output)
+    assert set(told["errors"]) == {"t", "x", "v", "z", "F_a", "F_f", "W_a", "W_f"}
+    assert (told["tol"], max(told["errors"].values()) <= 1e-3, told["event_count"]) == (1e-3, True, 7)
+    assert "; worst: " in run(f"{stiff} --tol 1e-3").output
+    assert json.loads(run("run karnopp --json").output)["errors"] is None
+    assert "errors: those of rounding" in run("run karnopp").output
+    assert "errors: not estimated by euler" in run("run coulomb --method euler --step '10 ms'").output
+
+
+def test_a_tolerance_that_is_not_met_exits_with_one():
+    result = run("run lugre --sine '2 N' --frequency '5 Hz' --time 1 --tol 1e-14")
+    assert result.exit_code == 1
+    assert "done, but the tolerance is not met" in result.output
+
+
+def test_a_steep_ramp_breaks_away_once():
+    told = json.loads(run("run karnopp --slope '1000 N/s' --time '100 s' --json").output)
+    assert told["status"] == "done"
+    assert told["events"] == [{"kind": "break-away", "t": 0.0012, "x": 0.0}]
+
+
 def test_numbers_are_the_librarys(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     told = json.loads(run("run karnopp --json --csv run.csv").output)

@@ -21,7 +21,6 @@ UNITS = {
     "F_c": "N", "F_s": "N", "F_v": "N s/m", "v_s": "m/s", "delta": "m/s", "sigma0": "N/m", "sigma1": "N s/m",
     "sigma2": "N s/m", "z_ba": "m", "epsilon": "m/s",
 }  # fmt: skip
-COLUMNS = ("t", "x", "v", "z", "F_a", "F_f", "W_a", "W_f", "mode")
 EXAMPLES = """\b
 Examples:
   tline friction exercise --plot exercise.png
@@ -79,7 +78,7 @@ def exercise(part: str | None, plot: str | None, as_json: bool) -> None:
 @click.option("--set", "parameters", metavar="NAME=VALUE", multiple=True, help="A parameter, such as F_s='1.2 N'.")
 @click.option("--method", metavar="NAME", help="Instead of the model's default, such as euler or bdf-events.")
 @click.option("--step", metavar="TIME", help="Step of a method with fixed steps.")
-@click.option("--tol", metavar="NUMBER", help="Relative tolerance of a method that chooses its steps.")
+@click.option("--tol", metavar="NUMBER", help="Tolerance of a method that chooses its steps; exit code 1 if not met.")
 @click.option("--slope", metavar="N/s", help="Ramp, 0.5 N/s if no force is given.")
 @click.option("--sine", metavar="N", help="Amplitude of a sine, with --frequency.")
 @click.option("--frequency", metavar="HZ", help="Of the sine.")
@@ -255,6 +254,8 @@ def _table(file: str) -> "Force":
 
 
 def _told(result: "Result") -> dict[str, Any]:
+    from friction.result import COLUMNS
+
     ledger = result.ledger._asdict()
     return {
         "model": result.model.name,
@@ -264,15 +265,17 @@ def _told(result: "Result") -> dict[str, Any]:
         "steps": result.steps,
         "end": {name: float(getattr(result, name)[-1]) for name in COLUMNS},
         "events": [{"kind": str(event.kind), "t": event.t, "x": event.x} for event in result.events[:1000]],
-        "event_count": len(result.events),
+        "event_count": result.event_count,
         "energy": ledger,
+        "tol": result.tol,
+        "errors": result.errors or None,
     }
 
 
 def _text(result: "Result") -> str:
-    end, ledger = {name: getattr(result, name)[-1] for name in COLUMNS}, result.ledger
+    end, ledger = {name: getattr(result, name)[-1] for name in ("t", "x", "v", "F_f")}, result.ledger
     shown = [f"  {event.kind} at {event.t:.10g} s, x = {event.x:.6g} m" for event in result.events[:12]]
-    more = len(result.events) - len(shown)
+    more = result.event_count - len(shown)
     return "\n".join(
         [
             f"{result.model.name} by {result.method.name} (order {result.method.order}): {result.status}, "
@@ -282,8 +285,21 @@ def _text(result: "Result") -> str:
             f"t = {end['t']:.6g} s: x = {end['x']:.10g} m, v = {end['v']:.10g} m/s, F_f = {end['F_f']:.10g} N",
             f"work in {ledger.applied:.6g} J = friction {ledger.friction:.6g} J + kinetic {ledger.kinetic_gain:.6g} J, "
             f"residual {ledger.residual:.1e}; {ledger.bristle_gain:.3g} J in bristles",
+            _errors(result),
         ]
     )
+
+
+def _errors(result: "Result") -> str:
+    """Say how good the numbers are."""
+    if result.worst is None:
+        exact = result.method.step == "events"
+        return "errors: those of rounding" if exact else f"errors: not estimated by {result.method.name}"
+    told = [f"{name} {error:.0e}" for name, error in result.errors.items() if name != "t"]
+    asked = "" if result.tol is None else f"; tolerance {result.tol:g}"
+    events = f", events {result.errors['t']:.0e}·t_end" if result.event_count else ""
+    worst = "events" if result.worst[0] == "t" else result.worst[0]
+    return f"errors, of each column's largest value: {', '.join(told)}{events}; worst: {worst}{asked}"
 
 
 def _check_file(option: str, path: str | None, known: tuple[str, ...]) -> None:
@@ -302,6 +318,8 @@ def _save(draw: Callable[[], "Figure"], path: str) -> None:
 
 
 def _write_csv(result: "Result", path: str) -> None:
+    from friction.result import COLUMNS
+
     rows = zip(*(getattr(result, name).tolist() for name in COLUMNS), strict=True)
     _write_rows(path, list(COLUMNS), [list(row) for row in rows])
 

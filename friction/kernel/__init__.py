@@ -1,0 +1,61 @@
+"""Compiled code of the package: it knows arrays and numbers and nothing else."""
+
+from friction.kernel.automaton import automaton
+from friction.kernel.fixed import march, passed
+from friction.kernel.law import (
+    BLOWN_UP,
+    BRISTLE,
+    BUDGET,
+    DONE,
+    FA,
+    FF,
+    INACCURATE,
+    MODE,
+    SIGN,
+    STALLED,
+    TANH,
+    ZONE,
+    Drive,
+    Law,
+    applied,
+    friction,
+    jacobian,
+    mode_of,
+    push_at,
+    respond,
+    slopes,
+    steady,
+)
+from friction.kernel.roots import first_root
+from friction.kernel.tolerance import solve, sweep
+
+__all__ = [
+    "BLOWN_UP",
+    "BRISTLE",
+    "BUDGET",
+    "DONE",
+    "FA",
+    "FF",
+    "INACCURATE",
+    "MODE",
+    "SIGN",
+    "STALLED",
+    "TANH",
+    "ZONE",
+    "Drive",
+    "Law",
+    "applied",
+    "automaton",
+    "first_root",
+    "friction",
+    "jacobian",
+    "march",
+    "mode_of",
+    "passed",
+    "push_at",
+    "respond",
+    "slopes",
+    "solve",
+    "steady",
+    "sweep",
+]
