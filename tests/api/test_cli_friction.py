@@ -4,7 +4,6 @@ import csv
 import inspect
 import json
 import shlex
-import time
 
 import pytest
 from click.testing import CliRunner
@@ -72,12 +71,10 @@ def test_answers(command, words):
 )
 def test_mistakes(command, sentence, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    began = time.perf_counter()
     result = run(command)
     assert result.stderr.startswith(sentence)
     assert result.stderr.count("\n") == 1
     assert (result.exit_code, result.stdout) == (2, "")
-    assert time.perf_counter() - began < 1.0
 
 
 def test_a_force_table_is_read_and_checked(tmp_path, monkeypatch):

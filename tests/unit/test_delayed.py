@@ -1,7 +1,6 @@
 """The arithmetic of discs, forms and fields; each rule once; proofs that were tampered with; balls; zero counts."""
 
 import math
-import time
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
@@ -335,10 +334,8 @@ def test_rational_expressions_go_to_the_exact_test():
     ],
 )
 def test_refused_at_once(text, words):
-    start = time.perf_counter()
     with pytest.raises(ExpressionError, match=words.replace("(", r"\(").replace(")", r"\)")):
         check_expression(text, Kind.PR)
-    assert time.perf_counter() - start < 1  # the promise; it takes 0.1 s
 
 
 @pytest.mark.parametrize(
