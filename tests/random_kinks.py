@@ -114,6 +114,7 @@ def _waveform(rng: np.random.Generator, kind: str) -> dict[str, Any]:
     if kind == "smooth":
         return sine
     levels, gaps = rng.uniform(-2, 2, 5).round(1), rng.uniform(0.2, 1.5, 5)
+    levels[0] = 0.0  # as before t = 0, or another clock would make another scene
     corners = {"shape": "piecewise linear", "points": np.stack([np.cumsum(gaps), levels], axis=1).tolist()}
     return [sine, ramp, corners, {"shape": "step", "to": to, "at": at}][int(rng.integers(4))]
 

@@ -13,6 +13,7 @@ from shutil import rmtree
 import matplotlib.font_manager  # noqa: F401 (makes folders of its own when it is imported)
 
 from benchmarks.fuzz.case import Case
+from tline.interchange import epanet_run
 
 EXITS = {0, 1, 2}
 EXITS_OF = {"passivity": EXITS | {3}}
@@ -31,6 +32,7 @@ MOVES = {
     "os.utime",
 }
 FORBIDDEN = ("subprocess", "os.system", "os.exec", "os.posix_spawn", "os.fork", "socket.connect", "pty", "webbrowser")
+CONFINED = str(Path(epanet_run.__file__))  # runs EPANET in an empty folder: the one program that is started
 OWN_CACHE = (".nbi", ".nbc", ".pyc")  # compiled code of the program itself
 _seen: list[str] | None = None  # what the audit hook found in the case under way
 
@@ -123,5 +125,5 @@ def _hook(event: str, args: tuple) -> None:
             _seen.append(f"opened for writing:\0{os.fsdecode(path)}")
     elif event in MOVES:
         _seen.extend(f"{event}\0{os.fsdecode(path)}" for path in args[:2] if isinstance(path, str | bytes))
-    elif event.startswith(FORBIDDEN):
+    elif event.startswith(FORBIDDEN) and not (event == "subprocess.Popen" and CONFINED in args[1]):
         _seen.append(f"{event} {args!r:.100}")

@@ -147,7 +147,7 @@ def test_one_bad_scene_leaves_a_pool_alive():
         assert len(told.value.mistakes) > 1
         with pytest.raises(ActiveError):
             refused.result()
-        assert not list(differences(own(Clamp, limit=0.25), runs.result().scene))
+        assert runs.result().scene == own(Clamp, limit=0.25)
         here, there = simulate(good).probes["far"], pool.submit(simulate, good).result().probes["far"]
         assert not list(differences(here.samples, there.samples))
 
@@ -211,6 +211,9 @@ DRIVES = {
     "hidden": lambda: drives.hidden_modes(PAIR, "x_k", "T1"),
     "artefact": lambda: drives.artefact(PAIR, runs=10),
     "peak": lambda: drives.peak(LIGHT.transfer("x_k", "T1")),
+    "share": lambda: drives.decoupler(PAIR),
+    "reach": lambda: drives.reach(PAIR, 1.0, 5.0, 4.0),
+    "pulley": lambda: drives.check_pulley(PAIR.pulley),
     "torque": lambda: drives.Torque.table([0, 1], [0, 4]),
     "run": lambda: drives.simulate(PAIR, T1=drives.Torque.step(0.1), T2=drives.Torque.step(0.1), end=2.0, step=0.5),
     "slack": lambda: drives.simulate_slack(PAIR, T1=drives.Torque.step(-0.1), T2=drives.Torque.step(-0.1), end=1.0,

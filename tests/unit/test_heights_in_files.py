@@ -66,7 +66,7 @@ def test_files_name_both(high, tmp_path):
     assert head[1] == "start gauge pressure [Pa]"
     assert head[-3:] == ["start head [m]", "lowest head [m]", "highest head [m]"]
     for node, *numbers in values:
-        start, low, _, top, _, *heads = map(float, numbers)
+        start, low, _, _, top, _, _, *heads = map(float, numbers)
         elevation = float(high.scene.nodes[node].elevation)
         np.testing.assert_allclose(heads, elevation + np.array([start, low, top]) / WEIGHT, rtol=1e-12)
 

@@ -15,6 +15,7 @@ from tline.solver.march import Noted
 from tline.solver.radau import Basis
 
 ROUNDING = 1e-12  # what tops an extreme by less, relatively, is the same one again
+CANDIDATES = 4  # slabs with the highest places, of a block, that are searched
 SEARCHED = np.linspace(0.0, 1.0, 129)  # places of a slab where its extreme is looked for
 
 
@@ -98,13 +99,14 @@ class Extremes:
             height = (sign * seen).max(axis=2)
             if not self.at_ends:
                 height[of, slab - first] = -np.inf  # in pieces
-            best = height.argmax(axis=1)
-            if self.at_ends:
-                found, late = height[rows, best], np.ones(len(rows))
-            else:
-                found, late = _searched(sign * u[rows, best] @ self.searched.T)
-                found[np.isinf(height[rows, best])] = -np.inf
-            self._note(k, rows, found, (first + best + late) * h)
+            few = min(CANDIDATES, n)
+            for best in np.argpartition(-height, few - 1, axis=1)[:, :few].T:
+                if self.at_ends:
+                    found, late = height[rows, best], np.ones(len(rows))
+                else:
+                    found, late = _searched(sign * u[rows, best] @ self.searched.T)
+                    found[np.isinf(height[rows, best])] = -np.inf
+                self._note(k, rows, found, (first + best + late) * h)
             if len(of) and not self.at_ends:
                 found, late = _searched(sign * pieces.values[ours].sum(axis=1) / 2 @ self.searched.T)
                 order = np.argsort(found)

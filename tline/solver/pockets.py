@@ -2,8 +2,7 @@
 
 A valve that holds bounds the difference of efforts across it: so much may lie on a check valve before it opens, and
 anything on one that is shut. Of all efforts within these bounds a pocket has the one that it is said to start with, or
-else the least at which nothing opens toward it, as if it had been filled from there; or else the largest at which
-nothing opens out of it; or else that of a neighbour.
+else the nearest to that of a neighbour, as if it had been filled from there.
 """
 
 from typing import NamedTuple
@@ -109,10 +108,8 @@ def settled(
         if not np.isnan(start[part]):
             shift[g] = np.clip(start[part] - u[part], low, max(low, high))
             opened += [part] if abs(start[part] - u[part] - shift[g]) > WITHIN * largest else []
-        elif np.isfinite(low) or np.isfinite(high):
-            shift[g] = low if np.isfinite(low) else high
         else:
-            shift[g] = _beside(u, group, shift, fixed, beside, g)
+            shift[g] = np.clip(_beside(u, group, shift, fixed, beside, g), low, max(low, high))
         fixed[g] = True
     return effort + shift[group[:-1]], np.array(opened, int)
 

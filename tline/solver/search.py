@@ -18,7 +18,8 @@ from tline.solver.run import NO_KINKS, run
 from tline.solver.short import short_lines
 
 FIRST, LAST = 2, 12  # orders
-MOST_INSIDE = 2e6  # line-end samples in all runs together, for the sake of instants inside slabs alone
+MOST_INSIDE = 2e6  # line-end samples in all runs together, for the sake of instants inside slabs alone,
+WORTH = 64  # or so many times those of the first run, if that is more
 TRIED = 2  # halvings of the slab, from which the next ones are foretold
 TRACED = 4  # runs in which kinks are followed before slabs are narrowed again
 HELPS = 0.5  # a step that leaves more of the difference than this does not converge
@@ -168,7 +169,7 @@ def inside_limit(attempts: list[Attempt], found: Accuracy) -> str:
     told = [(a.slab, a.estimate) for a in attempts if a.estimate is not None]
     halvings = [worst for (h, _), (slab, worst) in pairwise(told) if slab < h]
     samples = sum(a.samples for a in attempts)
-    left = log2(max(MOST_INSIDE / samples, 1.0))
+    left = log2(max(max(MOST_INSIDE, WORTH * attempts[0].samples) / samples, 1.0))
     if left < 1:
         return "no room"
     if len(halvings) < TRIED:

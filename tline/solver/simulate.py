@@ -16,7 +16,7 @@ from tline.solver.nodes import nodes_of
 from tline.solver.resolution import Resolution, resolution
 from tline.solver.result import Result
 from tline.solver.run import run
-from tline.solver.search import Search, within
+from tline.solver.search import Search, inside_slabs, within
 from tline.solver.stability.growth import active_loads, active_parts, controlled_sources, growth_sentence
 from tline.solver.with_losses import is_lossy, with_losses
 
@@ -141,8 +141,9 @@ def judged(result: Result) -> Accuracy:
 
 
 def _by_hand(result: Result, tol: float) -> Accuracy:
-    found = judged(result)
-    return replace(found, tol=tol, limit="" if found.worst <= tol else "order and slab are fixed by hand")
+    found = replace(judged(result), tol=tol)
+    limit = inside_slabs(found) or ("" if found.worst <= tol else "order and slab are fixed by hand")
+    return replace(found, limit=limit)
 
 
 def _tolerance(scene: Scene, tol: float | None) -> float | None:
