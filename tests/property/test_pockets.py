@@ -95,3 +95,38 @@ def test_a_tight_valve_before_a_dead_end(flow, drop):
     )
     effort, _ = steady_state(scene, nodes_of(scene))
     assert effort["end"] == pytest.approx(effort["a"], rel=1e-9)
+
+
+@pytest.mark.parametrize("pressure", [0.0, 1.0, 1e5])
+@pytest.mark.parametrize("pump", [{"speed": 0}, {"speed": 0, "check_valve": True}, {}, {"check_valve": True}])
+@pytest.mark.parametrize("end", [{}, SHUT, {"kind": "vapour cavity"}])
+def test_a_pump_that_draws_from_the_open_air_fills_a_dead_end(pressure, pump, end):
+    """Nothing flows, and the largest effort is the pump's own."""
+    scene = Scene(
+        medium="hydraulic",
+        t_end=1,
+        start="steady",
+        lines={"first": PIPE | {"nodes": ["sump", "a"]}, "second": PIPE | {"nodes": ["b", "end"]}},
+        links={"pump": {"kind": "pump", "nodes": ["a", "b"], "curve": [[0.01, 3e5]]} | pump},
+        loads={"sump": {"at": "sump", "kind": "reservoir", "pressure": pressure}}
+        | ({"end": end | {"at": "end"}} if end else {}),
+        probes={"p": {"at": "end"}},
+    )
+    effort, flows = steady_state(scene, nodes_of(scene))
+    assert effort["end"] == pytest.approx(pressure + (0 if "speed" in pump else 4e5), rel=1e-9, abs=1e-9)
+    assert np.abs(flows).max() < 1e-12
+
+
+def test_a_flow_that_nothing_takes_is_refused():
+    scene = Scene(
+        medium="hydraulic",
+        t_end=1,
+        start="steady",
+        lines={"first": PIPE | {"nodes": ["sump", "a"]}, "second": PIPE | {"nodes": ["b", "end"]}},
+        links={"pump": {"kind": "pump", "nodes": ["a", "b"], "curve": [[0.01, 3e5]], "check_valve": True}},
+        loads={"sump": {"at": "sump", "kind": "short"}},
+        sources={"s": {"at": "end", "kind": "flow", "value": "1 mL/s"}},
+        probes={"p": {"at": "end"}},
+    )
+    with pytest.raises(InputError, match=r"sources\.s: no steady state: nothing takes the flow"):
+        steady_state(scene, nodes_of(scene))

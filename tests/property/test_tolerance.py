@@ -136,3 +136,25 @@ def test_envelopes_know_their_errors():
 def test_an_accuracy_that_knows_nothing_is_not_met():
     assert Accuracy(1e-6).worst == math.inf
     assert not Accuracy(1e-6).met
+
+
+def test_envelopes_of_bent_waves_lie_within_their_errors():
+    """A diode's echoes at a node without a probe, to a rough tolerance and to a fine one."""
+    lines = {"l0": ("a", "b", 0.5, 0.3), "l1": ("b", "c", 0.5, 0.3), "l2": ("b", "d", 1.0, 0.5**0.5)}
+    step = {"shape": "step", "to": 1, "at": 1.574193883109602}
+    scene = Scene(
+        medium="electrical",
+        t_end=5.58,
+        start="steady",
+        lines={name: {"nodes": [one, other], "z0": z0, "delay": t} for name, (one, other, z0, t) in lines.items()},
+        sources={"s": {"at": "a", "kind": "voltage", "resistance": 0.5, "value": step}},
+        loads={
+            "x": {"kind": "parallel", "resistance": 2, "capacitance": 0.1, "at": "d"},
+            "y": {"kind": "diode", "saturation": 1e-3, "temperature": 1000, "at": "c"},
+        },
+        probes={"c": {"at": "c"}, "d": {"at": "d"}, "m": {"line": "l0", "position": "47 %"}},
+    )
+    rough, fine = (simulate(scene, tol=tol, envelope=True).envelope for tol in (1e-3, 1e-6))
+    for name in ("lowest", "highest"):
+        off = np.abs(getattr(rough, name) - getattr(fine, name))
+        assert (off <= getattr(rough, f"{name}_error") + getattr(fine, f"{name}_error") + 1e-14).all()

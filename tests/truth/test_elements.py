@@ -296,3 +296,24 @@ def test_elements_side_by_side_add_their_flows():
     more = {"shape": "ramp", "from": 1, "to": 0.25, "at": 0.05, "duration": 0.73}
     one = simulate(pipe({"v": {"at": "end", "kind": "orifice", "kv": KV * 4 / 3, "opening": more}})).probes["end"]
     assert np.abs(both.u - one.u).max() < 1e-11 * HEAD
+
+
+@pytest.mark.parametrize("size", [1e-12, 1e-6, 1e-2])
+@pytest.mark.parametrize("gauge", [0.0, 1e5])
+def test_an_air_vessel_answers_to_the_faintest_wave(size, gauge):
+    """As the capacitance V/(n·p) that its gas is in the air outside: u = 2·size·(1 - exp(-t/(z0·C)))."""
+    volume, atmosphere, n = 5e-4, 101325.0, 1.2
+    vessel = {"kind": "air vessel", "gas_volume": volume, "gas_pressure": gauge, "exponent": n}
+    scene = Scene(
+        medium="hydraulic",
+        t_end=0.28,
+        lines={"pipe": {"nodes": ["tank", "end"], "z0": Z0, "delay": DELAY}},
+        loads={"tank": TANK | {"pressure": size}, "vessel": vessel | {"at": "end"}},
+        probes={"end": {"at": "end"}},
+        solver={"order": 6, "slab": 0.02},
+    )
+    probe = simulate(scene).probes["end"]
+    capacity = volume * (1 + gauge / atmosphere) ** (1 / n) / (n * atmosphere)
+    exact = -2 * size * np.expm1(-np.maximum(probe.t - DELAY, 0) / (Z0 * capacity))
+    bend = (n + 1) / (2 * n) * (2 * size) ** 2 / atmosphere  # what the law adds to its slope
+    assert np.abs(probe.u - exact).max() < 1e-9 * size + bend

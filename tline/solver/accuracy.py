@@ -107,14 +107,18 @@ class Accuracy:
         """The largest estimate at slab ends; infinite if there is none."""
         return max((estimate.worst for estimate in self.estimates.values()), default=inf)
 
-    def cautious(self, before: "Accuracy | None" = None) -> "Accuracy":
-        """The same with errors inside slabs that allow for what the finer run still has of them.
+    def caution(self, before: "Accuracy | None" = None) -> float:
+        """Errors between slab ends over differences to the finer run: they allow for what that still has of them.
 
         Where a step leaves the share r of the difference before, the next ones leave r², r³, …; the sum of all is the
         difference over 1 - r. Where laws bend waves r is erratic: it counts as at most a half, also if unknown.
         """
         left = self.worst / before.worst if before and 0 < before.worst < inf else SLOWEST
-        by = BETWEEN / (1 - min(left, SLOWEST))
+        return BETWEEN / (1 - min(left, SLOWEST))
+
+    def cautious(self, before: "Accuracy | None" = None) -> "Accuracy":
+        """The same with errors inside slabs that are told with caution."""
+        by = self.caution(before)
         inside, blurred = (
             {name: Estimate(by * told.u, by * told.y) for name, told in each.items()}
             for each in (self.inside, self.blurred)
@@ -139,11 +143,11 @@ def compared(coarse: Result, fine: Result) -> tuple[dict[str, Estimate], dict[st
     return told
 
 
-def with_errors(result: Result, other: Result) -> Result:
-    """A result whose envelope, if it has one, knows its differences to that of another run."""
+def with_errors(result: Result, other: Result, caution: float) -> Result:
+    """A result whose envelope, if it has one, has its differences to that of another run, so many times, as errors."""
     if result.envelope is None or other.envelope is None:
         return result
-    return replace(result, envelope=result.envelope.compared(other.envelope))
+    return replace(result, envelope=result.envelope.compared(other.envelope, caution))
 
 
 def added(one: Mapping[str, Estimate], other: Mapping[str, Estimate]) -> dict[str, Estimate]:

@@ -342,9 +342,9 @@ def through(kind, c, at, factor, v, z):
 
 
 @njit(**OPTIONS)
-def gas(volume, n):
-    """Of gas with p V^n = 1 in air of pressure 1: effort, X with X²/2 the energy stored, and effort/X."""
-    d = volume - 1.0
+def gas(low, n):
+    """Of gas with p V^n = 1 in air of pressure 1, from ln V: effort, X with X²/2 the energy stored, and effort/X."""
+    d = np.expm1(low)
     if abs(d) < 0.4:
         term, effort, energy, k = -n, n, n / 2.0, 1
         while abs(term) > 1e-17 * abs(effort) and k < 60:
@@ -353,7 +353,6 @@ def gas(volume, n):
             effort -= term
             energy -= term / (k + 1.0)
         return -d * effort, -d * np.sqrt(2.0 * energy), effort / np.sqrt(2.0 * energy)
-    low = np.log(volume)
     work = -low if n == 1.0 else -np.expm1((1.0 - n) * low) / (1.0 - n)
     x = np.sqrt(2.0 * (work + d))
     x = -x if d > 0.0 else x
@@ -365,7 +364,7 @@ def gas(volume, n):
 def stored(kind, c, at, y):
     """What the state y of an element says: X, dX/dy, and where v = e + l i + loss, dX/dt = (r + q i) i: e, l, r, q."""
     if kind == GAS:  # y = ln(V / volume at zero effort)
-        effort, x, ratio = gas(np.exp(y), c[at + 4])
+        effort, x, ratio = gas(y, c[at + 4])
         return x, -ratio * np.exp(y), c[at + 2] * effort, 0.0, ratio / c[at + 3], 0.0
     if kind == TANK:  # y = effort
         return y, 1.0, y, 0.0, 1.0 / c[at + 2], 0.0
@@ -624,7 +623,7 @@ def in_air(volume, air):
     """Energy of air in a volume beyond what the air outside has, in atmospheres."""
     if air <= 0.0:
         return volume
-    _, x, _ = gas(volume / air, 1.0)
+    _, x, _ = gas(np.log(volume / air), 1.0)
     return 0.5 * air * x * x
 
 

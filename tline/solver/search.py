@@ -118,7 +118,7 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
         attempts[-1] = replace(attempts[-1], estimate=told.worst)
         attempts.append(Attempt.of(finer))
         if better(told, accuracy):
-            best, accuracy = with_errors(result, finer), told
+            best, accuracy = with_errors(result, finer, found.caution(before)), told
         blind = finer.resolution.blind
         doubled = finer.resolution.cells != result.resolution.cells or not cells
         if before.worst < inf and told.met and doubled and not blind:

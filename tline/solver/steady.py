@@ -28,7 +28,7 @@ SAME = 1e-9  # efforts that differ by less than this, relatively, are equal
 LAST_DIGITS = 1e-14  # of the level, which efforts have lost by counting from it
 SMALL = 300  # nodes
 ROUNDING = 1e-12  # of the flows that meet
-STUCK = 1e-9  # of the largest flow, or of what held efforts send into a line, that only a leak takes
+STUCK = 1e-9  # of the largest flow, or of what held efforts and pumps send into a line, that only a leak takes
 
 
 def rest(scene: Scene, nodes: dict[str, Node]) -> tuple[dict[str, float], NDArray]:
@@ -100,13 +100,16 @@ def _between_parts(
     """The effort of each connected part, and the flow through each edge between them."""
     total, source = (np.bincount(part, weights) for weights in (conductance, driven))
     held = np.nanmax(np.abs(given), initial=0.0)
-    found = balanced(edges.laws(part, held), _least(given, part), total, source)
+    laws = edges.laws(part, held)
+    found = balanced(laws, _least(given, part), total, source)
     if not found.rest.max() <= CLOSE:
         where = edges.where[int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))]
         raise InputError(where, "no steady state found: efforts and flows do not settle here", "start = 'rest'")
     largest = held / min(line.parameters.z0 for line in scene.single_lines.values())
-    scale = np.abs(found.flow).max(initial=max(np.abs(driven).max(), largest))
-    stuck = np.flatnonzero(np.abs(found.leak) > STUCK * scale)
+    by_itself = np.abs(laws.solved(np.zeros(edges.count))[1]).max()  # of a pump, or of air outside at another height
+    driving = max(np.abs(driven).max(), largest, by_itself)
+    scale = np.abs(found.flow).max(initial=driving)
+    stuck = np.flatnonzero((np.abs(found.leak) > STUCK * scale) & (driving > 0))
     if stuck.size:
         _refuse_flow(scene, number, part, int(stuck[0]), float(found.leak[stuck[0]]))
     known = ~np.isnan(_least(given, part)) | (total != 0)

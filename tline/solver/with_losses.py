@@ -77,7 +77,7 @@ def _refined(search: Search) -> tuple[Result, Result]:
         attempts.append(Attempt.of(last))
         stale = stale + 1 if gained(accuracy, found) >= 1.0 else 0
         if better(found, accuracy):
-            result, accuracy = with_errors(seen, finer), found
+            result, accuracy = with_errors(seen, finer, found.caution()), found
         if found.met and len(attempts) > 2:
             break
         seen, limit = finer, limit_of(attempts, stale, search) or inside_limit(attempts, found)
@@ -109,7 +109,7 @@ def _halved(search: Search) -> tuple[Result, Result]:
         attempts.append(Attempt.of(last, found.worst))
         stale = stale + 1 if gained(accuracy, found) >= 1.0 else 0
         if better(found, accuracy):
-            best, accuracy = with_errors(result, above[()]), found
+            best, accuracy = with_errors(result, above[()], 1.0), found
         if found.worst <= search.tol and len(attempts) > 2 and not chosen.blind:
             break
         limit = limit_of(attempts, stale, search) or inside_limit(attempts, found)
