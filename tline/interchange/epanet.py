@@ -180,7 +180,8 @@ def _reached(nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str
 
 
 def _pockets(nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str], reached: set[str]) -> set[str]:
-    """Nodes without demand that shut valves, check valves among them, join with those that are reached."""
+    """Nodes without demand, and basins, that shut valves, check valves among them, join with those that are reached."""
+    basins = {name for name, node in nodes.items() if node["type"] != JUNCTION}
     quiet = {
         name
         for name, node in nodes.items()
@@ -189,7 +190,7 @@ def _pockets(nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str
     loud = set(nodes) - reached - quiet
     quiet -= _spread(loud, links, set(links) - closed)
     shut = {name for name in closed if not _is_left_out(links[name], True)}
-    return _spread(reached, links, shut | (set(links) - closed), quiet) - reached
+    return _spread(reached, links, shut | (set(links) - closed), quiet | basins) - reached
 
 
 def _pipe(link: Mapping[str, Any], units: Units, law: str, given: tuple[float, ...], vertices: list) -> Pipe:
