@@ -175,6 +175,16 @@ def test_a_reservoir_behind_a_check_valve_stands_by(tmp_path, head, link, more):
     assert simulate(Scene(**table)).probes["p"].y.max() > 1e-3
 
 
+def test_what_no_pipe_leads_to_is_left_out_and_named(tmp_path):
+    """A pump between a reservoir and a demand, beside a network."""
+    path = line(tmp_path, "TCV 3", more=" well 5\n[PUMPS]\n lift well c POWER 1", pipe=" p3 b a 300 100 120 0 Open")
+    path.write_text(path.read_text().replace(" p2 b c 300 100 120 0 Open\n", "").replace(" c 12 0", " c 12 3"))
+    scene, notes = read_inp(str(path), SPEED)
+    assert "left out, no pipe in use leads there: 'c', 'well'" in notes
+    assert not scene.nodes.keys() & {"c", "well"}
+    assert not any(odd in note for odd in ODD for note in notes)
+
+
 def test_differences_are_named(tmp_path):
     """A pocket whose demand EPANET takes through a closed valve all the same."""
     changes = {" ease a d 100 TCV 12 0": " ease a d 100 TCV 12 0\n[STATUS]\n ease Closed"}

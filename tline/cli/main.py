@@ -79,7 +79,11 @@ class LazyGroup(click.Group):
             place = traceback.extract_tb(error.__traceback__)[-1]
             what = f"{type(error).__name__} in line {place.lineno} of {Path(place.filename).name}"
             said = " ".join(f"{error!s:.200}".split())
-            click.echo(f"tline: a fault of the program, please report it with the command: {what}: {said}", err=True, color=True)
+            click.echo(
+                f"tline: a fault of the program, please report it with the command: {what}: {said}",
+                err=True,
+                color=True,
+            )
             return 70
         return done if isinstance(done, int) else 0
 
