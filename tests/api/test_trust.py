@@ -314,6 +314,12 @@ def test_nothing_printed_steers_a_terminal(folder):
         assert not CONTROL.search(refused.output)
 
 
+def test_colours_in_a_name_are_shown_in_a_pipe_too(folder):
+    (folder / "in.toml").write_text(CABLE.replace("FILE", "table.csv"))
+    assert call("run", "a\x1b[31mb.toml").stderr.startswith("a\\u001b[31mb.toml: cannot be read")
+    assert "wrote a\\u001b[31mb.csv\n" in call("run", "in.toml", "--csv", "a\x1b[31mb.csv").output
+
+
 def test_control_characters_in_json_mean_what_they_meant(folder):
     (folder / "in.toml").write_text(CABLE.replace("FILE", "table.csv"))
     name = "o\x9bt.csv"

@@ -112,6 +112,79 @@ def test_a_pressure_breaker_through_which_water_flows_backward_is_named(tmp_path
     assert moved(scene) < 1e-9
 
 
+BETWEEN = """
+[JUNCTIONS]
+ a 0 {first}
+ b 0 {second}
+[RESERVOIRS]
+ high 50
+ low 25
+[PIPES]
+ p1 high a 500 500 100 0 Open
+ p2 b low 500 500 100 0 Open
+[VALVES]
+ v a b 500 {valve} 0
+[OPTIONS]
+ UNITS LPS
+[END]
+"""
+
+
+@pytest.mark.parametrize("valve", ["FCV 100", "PSV 49", "PRV 25.5", "PBV 23"])
+@pytest.mark.parametrize("drawn", [(50, 50), (0, 50), (20, 5)])
+def test_a_valve_with_demands_at_both_ends(tmp_path, valve, drawn):
+    path = tmp_path / "between.inp"
+    path.write_text(BETWEEN.format(valve=valve, first=drawn[0], second=drawn[1]))
+    heads_agree(path)
+
+
+STANDBY = """
+[JUNCTIONS]
+ a 10 20
+ b 12 0
+[RESERVOIRS]
+ lake 60
+ spare {head}
+[PIPES]
+ p1 lake a 500 300 100 0 Open
+ p2 {link} 500 300 100 0 CV
+ {more}
+[OPTIONS]
+ UNITS LPS
+[END]
+"""
+
+
+@pytest.mark.parametrize("head", [40, 55])
+@pytest.mark.parametrize(("link", "more"), [("spare a", ""), ("b a", "p3 spare b 100 300 100 0 CV")])
+def test_a_reservoir_behind_a_check_valve_stands_by(tmp_path, head, link, more):
+    """It gives nothing until the head falls below its own, and does so then."""
+    path = tmp_path / "standby.inp"
+    junction = "b" if more else None
+    text = STANDBY.format(head=head, link=link, more=more)
+    path.write_text(text if junction else text.replace(" b 12 0\n", ""))
+    scene, notes = read_inp(str(path), SPEED)
+    assert not any("spare" in note for note in notes)
+    assert not any(odd in note for odd in ODD for note in notes)
+    heads_agree(path)
+    assert moved(scene) < 1e-9
+    falls = {"shape": "ramp", "from": 60 * 1000 * GRAVITY, "to": 20 * 1000 * GRAVITY, "at": 0.1, "duration": 0.5}
+    table = scene.table() | {"t_end": 8.0, "solver": {"order": 1}, "probes": {"p": {"at": "p2:valve", "line": "p2"}}}
+    del table["loads"]["lake"]
+    table["sources"] = {"lake": {"at": "lake", "kind": "pressure", "value": falls}}
+    assert simulate(Scene(**table)).probes["p"].y.max() > 1e-3
+
+
+def test_what_no_pipe_leads_to_is_left_out_and_named(tmp_path):
+    """A pump between a reservoir and a demand, beside a network."""
+    path = line(tmp_path, "TCV 3", more=" well 5\n[PUMPS]\n lift well c POWER 1", pipe=" p3 b a 300 100 120 0 Open")
+    path.write_text(path.read_text().replace(" p2 b c 300 100 120 0 Open\n", "").replace(" c 12 0", " c 12 3"))
+    scene, notes = read_inp(str(path), SPEED)
+    assert "left out, no pipe in use leads there: 'c', 'well'" in notes
+    assert not scene.nodes.keys() & {"c", "well"}
+    assert not any(odd in note for odd in ODD for note in notes)
+
+
 def test_differences_are_named(tmp_path):
     """A pocket whose demand EPANET takes through a closed valve all the same."""
     changes = {" ease a d 100 TCV 12 0": " ease a d 100 TCV 12 0\n[STATUS]\n ease Closed"}

@@ -57,7 +57,7 @@ class LazyGroup(click.Group):
                 done = super().main(*args, **kwargs | {"standalone_mode": False})
             sys.stdout.flush()
         except InputError as error:
-            click.echo(str(error), err=True)
+            click.echo(str(error), err=True, color=True)
             return 1 if isinstance(error, ActiveError) else 2
         except UnreadError:
             forsake_stdout()
@@ -79,7 +79,11 @@ class LazyGroup(click.Group):
             place = traceback.extract_tb(error.__traceback__)[-1]
             what = f"{type(error).__name__} in line {place.lineno} of {Path(place.filename).name}"
             said = " ".join(f"{error!s:.200}".split())
-            click.echo(f"tline: a fault of the program, please report it with the command: {what}: {said}", err=True)
+            click.echo(
+                f"tline: a fault of the program, please report it with the command: {what}: {said}",
+                err=True,
+                color=True,
+            )
             return 70
         return done if isinstance(done, int) else 0
 
@@ -108,7 +112,7 @@ def _noted() -> Iterator[None]:
 
         def note(message: Warning | str, category: type[Warning], *rest: Any) -> None:
             if issubclass(category, NotKeptWarning):
-                click.echo(f"note: {message}", err=True)
+                click.echo(f"note: {message}", err=True, color=True)
             else:
                 show(message, category, *rest)
 
@@ -125,7 +129,7 @@ def _print_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None
         ctx.exit()
 
 
-@click.group(cls=LazyGroup, name="tline", context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=LazyGroup, name="tline", context_settings={"help_option_names": ["-h", "--help"], "color": True})
 @click.option(
     "--version",
     is_flag=True,

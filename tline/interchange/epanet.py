@@ -92,10 +92,12 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str) -> WaterNet
     kept = {
         name for name, link in links.items() if {*link["ends"]} <= reached and not _is_left_out(link, name in closed)
     }
-    used = {name: link for name, link in links.items() if name in kept}
     cut_off = set(nodes) - reached
     lost = sum(nodes[name]["demand"] for name in cut_off) * units.flow
     torn = _unbalanced(nodes, links, units.flow, cut_off)
+    dry = reached - _spread(_ends_of_pipes(links, kept), links, kept)
+    reached -= dry
+    used = {name: links[name] for name in links if name in kept and not {*links[name]["ends"]} & dry}
     law = formula, (viscosity,) if formula == "D-W" else ()
     return WaterNetwork(
         title=text.title,
@@ -120,7 +122,7 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str) -> WaterNet
         },
         valves={name: _valve(link, units) for name, link in used.items() if link["type"] > PUMP},
         sound=not (abs(lost) > STILL or torn),
-        notes=tuple(_notes(answer["warning"], text.held, closed - kept, cut_off, lost, torn)),
+        notes=tuple(_notes(answer["warning"], text.held, closed - kept, cut_off, dry, lost, torn)),
     )
 
 
@@ -180,7 +182,8 @@ def _reached(nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str
 
 
 def _pockets(nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str], reached: set[str]) -> set[str]:
-    """Nodes without demand that shut valves, check valves among them, join with those that are reached."""
+    """Nodes without demand, and basins, that shut valves, check valves among them, join with those that are reached."""
+    basins = {name for name, node in nodes.items() if node["type"] != JUNCTION}
     quiet = {
         name
         for name, node in nodes.items()
@@ -189,7 +192,11 @@ def _pockets(nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str
     loud = set(nodes) - reached - quiet
     quiet -= _spread(loud, links, set(links) - closed)
     shut = {name for name in closed if not _is_left_out(links[name], True)}
-    return _spread(reached, links, shut | (set(links) - closed), quiet) - reached
+    return _spread(reached, links, shut | (set(links) - closed), quiet | basins) - reached
+
+
+def _ends_of_pipes(links: Mapping[str, Any], kept: set[str]) -> set[str]:
+    return {end for name in kept if links[name]["type"] in (ONE_WAY, PIPE) for end in links[name]["ends"]}
 
 
 def _pipe(link: Mapping[str, Any], units: Units, law: str, given: tuple[float, ...], vertices: list) -> Pipe:
@@ -255,10 +262,13 @@ def _unbalanced(nodes: Mapping[str, Any], links: Mapping[str, Any], unit: float,
     return {name for name, by in rest.items() if abs(by) > TRICKLE + UNEVEN * largest and name not in beside | cut_off}
 
 
-def _notes(warning: int, held: bool, closed: set[str], cut_off: set[str], lost: float, torn: set[str]) -> Iterator[str]:
+def _notes(
+    warning: int, held: bool, closed: set[str], cut_off: set[str], dry: set[str], lost: float, torn: set[str]
+) -> Iterator[str]:
     for names, why in (
         (closed, "closed or without flow"),
         (cut_off, "no open link leads there from a reservoir or tank"),
+        (dry, "no pipe in use leads there"),
     ):
         if names:
             yield f"left out, {why}: {listed(names)}"

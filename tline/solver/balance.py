@@ -55,15 +55,18 @@ def balanced(laws: Laws, given: NDArray, conductance: NDArray, driven: NDArray) 
     conductance, driven : ndarray, shape (parts,)
         To the reference; flow of sources.
     """
-    start = _started(laws, given, conductance, driven)
-    found = _newton(laws, given, conductance, driven, LEAK, start)
-    if found.balance.rest.max(initial=0.0) <= CLOSE:
-        return found.balance
-    at = start
+    starts = _starts(laws, given, conductance, driven)
+    tried = []
+    for start in starts:
+        found = _newton(laws, given, conductance, driven, LEAK, start)
+        if found.balance.rest.max(initial=0.0) <= CLOSE:
+            return found.balance
+        tried.append(found.balance)
+    at = starts[0]
     for leak in LEAKS:  # all tight things leak, less and less
         at = _newton(laws, given, conductance, driven, leak, at)[:2]
     again = _newton(laws, given, conductance, driven, LEAK, at)
-    return min(found.balance, again.balance, key=lambda balance: balance.rest.max(initial=0.0))
+    return min(*tried, again.balance, key=lambda balance: balance.rest.max(initial=0.0))
 
 
 class _Found(NamedTuple):
@@ -72,8 +75,8 @@ class _Found(NamedTuple):
     balance: Balance
 
 
-def _started(laws: Laws, given: NDArray, conductance: NDArray, driven: NDArray) -> tuple[NDArray, NDArray]:
-    """Efforts a behind the impedances and efforts of parts to begin with: the best of several."""
+def _starts(laws: Laws, given: NDArray, conductance: NDArray, driven: NDArray) -> list[tuple[NDArray, NDArray]]:
+    """Efforts a behind the impedances and efforts of parts to begin with, the least unbalanced first."""
     effort = np.where(np.isnan(given), 0.0, given)
     held = ~np.isnan(given)
     effort[~held] = given[held].mean() if held.any() else 0.0
@@ -85,7 +88,7 @@ def _started(laws: Laws, given: NDArray, conductance: NDArray, driven: NDArray) 
         rest, balance = _rests(laws, effort, drop, flow, conductance * effort - driven)
         return max(np.abs(rest).max(), r * np.abs(balance[~held]).max(initial=0.0))
 
-    return min(starts, key=unbalance), effort
+    return [(a, effort) for a in sorted(starts, key=unbalance)]
 
 
 def _mean(impedance: NDArray) -> float:
