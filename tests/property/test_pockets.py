@@ -53,6 +53,7 @@ def row(*links: dict, start: float | None = None) -> dict[str, float]:
 
 SHUT = {"kind": "orifice", "kv": 10, "opening": 0}
 CRACKING = CHECK | {"cracking_pressure": "1 bar"}
+RELIEF = {"kind": "relief valve", "set_pressure": "12 bar", "band": "1 bar", "kv": 100}
 
 
 @pytest.mark.parametrize(
@@ -63,6 +64,7 @@ CRACKING = CHECK | {"cracking_pressure": "1 bar"}
         ((SHUT, CHECK), 8),  # the largest that does not open toward the reservoir above
         ((SHUT, SHUT), 5),
         ((CHECK, SHUT), 5),
+        ((RELIEF, SHUT), 5),  # it could hold 12 bar, and would leave a vacuum
     ],
 )
 def test_a_pocket_in_a_row(links, bar):

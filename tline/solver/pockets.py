@@ -2,7 +2,8 @@
 
 A valve that holds bounds the difference of efforts across it: so much may lie on a check valve before it opens, and
 anything on one that is shut. Of all efforts within these bounds a pocket has the one that it is said to start with, or
-else the nearest to that of a neighbour, as if it had been filled from there.
+else the least at which nothing opens toward it, as if it had been filled from there, or the largest at which nothing
+opens out of it; but the nearest to that of a neighbour where these are below the reference, or there are none.
 """
 
 from typing import NamedTuple
@@ -109,7 +110,9 @@ def settled(
             shift[g] = np.clip(start[part] - u[part], low, max(low, high))
             opened += [part] if abs(start[part] - u[part] - shift[g]) > WITHIN * largest else []
         else:
-            shift[g] = np.clip(_beside(u, group, shift, fixed, beside, g), low, max(low, high))
+            least = low if np.isfinite(low) else high
+            near = np.clip(_beside(u, group, shift, fixed, beside, g), low, max(low, high))
+            shift[g] = least if np.isfinite(least) and u[part] + least >= min(0.0, u[part] + near) else near
         fixed[g] = True
     return effort + shift[group[:-1]], np.array(opened, int)
 
