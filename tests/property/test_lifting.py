@@ -29,7 +29,8 @@ def same(low: Result, high: Result, bound: float = BOUND) -> None:
         np.testing.assert_allclose(lifted.head, lifted.u / WEIGHT, rtol=1e-15)
     for word in ("start", "lowest", "highest"):
         gauge = [getattr(each.envelope, word) - each.envelope.weight for each in (low, high)]
-        np.testing.assert_allclose(*gauge, rtol=0, atol=bound * pressure)
+        inside = 10 * bound  # extremes lie inside slabs, where rounding decides which breakpoints are dissolved
+        np.testing.assert_allclose(*gauge, rtol=0, atol=inside * pressure)
     for one, other in zip(low.ledger.entries, high.ledger.entries, strict=True):
         assert one.where == other.where
         np.testing.assert_allclose(other[1:], one[1:], rtol=0, atol=100 * bound * low.ledger.turnover)

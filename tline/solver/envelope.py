@@ -100,8 +100,7 @@ class Extremes:
             height = (sign * seen).max(axis=2)
             if not self.at_ends:
                 height[of, slab - first] = -np.inf  # in pieces
-            few = min(CANDIDATES, n)
-            for best in np.argpartition(-height, few - 1, axis=1)[:, :few].T:
+            for best in _candidates(height):
                 if self.at_ends:
                     found, late = height[rows, best], np.ones(len(rows))
                 else:
@@ -129,16 +128,27 @@ class Extremes:
         return Envelope(self.nodes, self.start + level, *extremes, weight, per_metre)
 
 
+def _candidates(height: NDArray) -> NDArray:
+    """Slabs in which the extreme of each row may lie, by rank in order of time; of equal ones the first is among them.
+
+    Shape (candidates, rows).
+    """
+    highest, few = height.max(axis=1, keepdims=True), min(CANDIDATES, height.shape[1]) - 1
+    first = (height >= highest - ROUNDING * np.abs(highest)).argmax(axis=1)
+    others = np.argpartition(-height, few, axis=1)[:, : few + 1]
+    return np.sort(np.column_stack([first, others]), axis=1).T
+
+
 def _searched(values: NDArray) -> tuple[NDArray, NDArray]:
     """The highest of each row, on a parabola through three neighbours, and its place in the slab."""
     rows, k = np.arange(len(values)), values.argmax(axis=1)
     middle = np.clip(k, 1, values.shape[1] - 2)
     before, here, after = (values[rows, middle + j] for j in (-1, 0, 1))
     bend = 2 * here - before - after
-    inside = (k == middle) & (bend > 0)
-    off = np.where(inside, (after - before) / np.where(inside, 2 * bend, 1.0), 0.0)
+    off = (after - before) / np.where(bend > 0, 2 * bend, np.inf)
+    inside = (bend > 0) & (np.abs(off) <= 1)
     top = np.where(inside, here + off * (after - before) / 4, values[rows, k])
-    return top, SEARCHED[k] + off * SEARCHED[1]
+    return top, np.where(inside, SEARCHED[middle] + off * SEARCHED[1], SEARCHED[k])
 
 
 def watch(assembly: Assembly) -> Extremes:
