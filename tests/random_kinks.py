@@ -9,15 +9,16 @@ from tline.scene.scene import Scene
 KINDS = "law", "link", "switch", "smooth", "element", "cable", "pipe"
 
 
-def random_kinks(seed: int, kind: str | None = None, delayed: float = 0.0) -> Scene:
+def random_kinks(seed: int, kind: str | None = None, delayed: float | None = None) -> Scene:
     """A driven scene of one to three lines of some 1 s each, of a kind in KINDS, or of any.
 
-    All instants of sources, switches and openings are `delayed`, and the run ends later by as much.
+    All instants of sources, switches and openings are `delayed`, and the run ends later by as much; sources are then
+    zero until their first instant, or another clock would make another scene.
     """
     rng = np.random.default_rng(seed)
     kind = kind or str(rng.choice(KINDS))
     table = {"cable": _cable, "pipe": _pipe}.get(kind, _lossless)(rng, kind)
-    return Scene(**(_later(table, delayed) if delayed else table))
+    return Scene(**(table if delayed is None else _later(table, delayed)))
 
 
 def _lossless(rng: np.random.Generator, kind: str) -> dict[str, Any]:
@@ -114,7 +115,6 @@ def _waveform(rng: np.random.Generator, kind: str) -> dict[str, Any]:
     if kind == "smooth":
         return sine
     levels, gaps = rng.uniform(-2, 2, 5).round(1), rng.uniform(0.2, 1.5, 5)
-    levels[0] = 0.0  # as before t = 0, or another clock would make another scene
     corners = {"shape": "piecewise linear", "points": np.stack([np.cumsum(gaps), levels], axis=1).tolist()}
     return [sine, ramp, corners, {"shape": "step", "to": to, "at": at}][int(rng.integers(4))]
 
@@ -157,7 +157,7 @@ def _later(table: dict[str, Any], by: float) -> dict[str, Any]:
     """All instants later, in a copy."""
     value = dict(table["sources"]["s"]["value"])
     if "points" in value:
-        value["points"] = [[t + by, x] for t, x in value["points"]]
+        value["points"] = [[t + by, x if k else 0.0] for k, (t, x) in enumerate(value["points"])]
     else:
         value["at"] = value.get("at", 0.0) + by
     loads = {k: load | ({"time": load["time"] + by} if "time" in load else {}) for k, load in table["loads"].items()}

@@ -31,8 +31,8 @@ def test_errors_are_as_told_at_any_instant(seed, kind, tol):
 
 @pytest.mark.parametrize(("seed", "kind"), list(enumerate(KINDS)))
 def test_another_clock_changes_nothing(seed, kind):
-    by, tol = 1.3, 1e-5
-    scene, later = random_kinks(seed, kind), random_kinks(seed, kind, by)
+    by, tol = 1.3, 1e-3 if kind == "pipe" else 1e-5  # lumps of friction take long
+    scene, later = (random_kinks(seed, kind, delayed) for delayed in (0.0, by))
     one, other = (simulate(each, tol=tol) for each in (scene, later))
     t = np.linspace(0.0, 7.9, 400)
     for name, probe in one.probes.items():
