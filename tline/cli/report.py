@@ -14,7 +14,7 @@ from tline.solver.accuracy import Accuracy
 from tline.solver.cells import fits
 from tline.solver.curve import extremes
 from tline.solver.lossy import lumps_in
-from tline.solver.result import ProbeResult, Result
+from tline.solver.result import Result
 from tline.solver.simulate import judged
 
 SMALL = 1e8  # line-end samples of a run fixed by hand that is worth another one, only to judge it
@@ -43,7 +43,10 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
                 "end": float(getattr(probe, letter)[-1]),
             }
             if accuracy and accuracy.estimates:
-                size, known = _amplitude(probe, letter), "y" if letter == "y" else "u"
+                size, known = max(abs(low[0]), abs(high[0])), "y" if letter == "y" else "u"
+                if letter == "head":  # an estimate is relative to the gauge pressure
+                    gauge = probes[name]["gauge pressure"]
+                    size = max(abs(gauge["minimum"]), abs(gauge["maximum"])) / probe.height.per_metre
                 probes[name][word]["error"] = getattr(accuracy.estimates[name], known) * size
                 probes[name][word]["error_inside_slabs"] = getattr(accuracy.blurred[name], known) * size
     return {
@@ -81,13 +84,6 @@ def _measured_in_words(result: Result) -> list[str]:
         + (model_in_words(x.model) if isinstance(x, Touchstone) else network_in_words(x.model))
         for where, x in result.scene.measured.items()
     ]
-
-
-def _amplitude(probe: ProbeResult, letter: str) -> float:
-    """What estimates are relative to, in the unit of a quantity: of a head as much as of the gauge pressure."""
-    low, high = extremes(probe, "y" if letter == "y" else "gauge_pressure")
-    size = max(abs(low[0]), abs(high[0]))
-    return size / probe.height.per_metre if letter == "head" else size
 
 
 def _losses(result: Result) -> dict[str, Any]:
