@@ -14,12 +14,12 @@ from statistics import median
 
 import numpy as np
 
-from tline.solver.assemble import assemble
-from tline.solver.blocks import blocks_of
-from tline.solver.cells import cells_of
-from tline.solver.elements import laws_of
-from tline.solver.kernel import advance
-from tline.solver.network import NO_LUMPS, Network, State
+from tline.solver.assembly.assemble import assemble
+from tline.solver.assembly.blocks import blocks_of
+from tline.solver.assembly.lossy_segments import cells_of
+from tline.solver.assembly.network import NO_LUMPS, Network, State
+from tline.solver.description.elements import laws_of
+from tline.solver.kernel.waves import advance
 from tline.solver.radau import basis
 
 ROOT = Path(__file__).parent.parent

@@ -17,12 +17,12 @@ import numpy as np
 from tline.interchange.epanet import read_epanet
 from tline.interchange.water_scene import water_scene
 from tline.scene.scene import Scene
-from tline.solver.assemble import assemble
-from tline.solver.lossy import lumps_in
-from tline.solver.nodes import nodes_of
-from tline.solver.result import Result
+from tline.solver.assembly.assemble import assemble
+from tline.solver.assembly.loss_elements import lumps_in
+from tline.solver.description.nodes import nodes_of
+from tline.solver.result.result import Result
 from tline.solver.simulate import simulate
-from tline.solver.steady import steady_state
+from tline.solver.steady.steady_state import steady_state
 
 ROOT = Path(__file__).parent.parent
 NETWORKS = ("Net1", "Net2", "Net3", "ky4", "ky10")

@@ -5,8 +5,8 @@ import sys
 import numpy as np
 
 from tline.scene.file import read_scene
-from tline.solver.assemble import assemble
-from tline.solver.march import Stepper
+from tline.solver.assembly.assemble import assemble
+from tline.solver.loop.march import Stepper
 
 
 def compile_for(path: str) -> None:

@@ -7,11 +7,11 @@ import numpy as np
 from tline.scene.load import Load, Parallel, Series
 from tline.scene.multiport import CoupledInductors
 from tline.scene.scene import Scene
-from tline.solver.assemble import Assembly, assemble
-from tline.solver.load_step import StateSpace, reflection
-from tline.solver.march import Stepper
-from tline.solver.nodes import NONE, nodes_of
-from tline.solver.resolution import resolution
+from tline.solver.assembly.assemble import Assembly, assemble
+from tline.solver.description.load_step import StateSpace, reflection
+from tline.solver.description.nodes import NONE, nodes_of
+from tline.solver.description.resolution import resolution
+from tline.solver.loop.march import Stepper
 
 
 def on_lines(assembly: Assembly) -> float:

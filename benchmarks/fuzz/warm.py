@@ -25,12 +25,12 @@ COMMANDS = (
 )  # fmt: skip
 
 LOWER = {
-    ("tline.solver.resolution", "MOST_SLABS"): 2e4,
-    ("tline.solver.resolution", "LARGEST"): 1e6,
-    ("tline.solver.resolution", "CHEAP"): 1e5,
-    ("tline.solver.resolution", "CHEAP_IN_BLOCKS"): 1e6,
-    ("tline.solver.resolution", "ROOM"): 1e5,
-    ("tline.solver.search", "MOST_SECONDS"): 0.3,
+    ("tline.solver.description.resolution", "MOST_SLABS"): 2e4,
+    ("tline.solver.description.resolution", "LARGEST"): 1e6,
+    ("tline.solver.description.resolution", "CHEAP"): 1e5,
+    ("tline.solver.description.resolution", "CHEAP_IN_BLOCKS"): 1e6,
+    ("tline.solver.description.resolution", "ROOM"): 1e5,
+    ("tline.solver.tolerance.search", "MOST_SECONDS"): 0.3,
     ("friction.simulate", "MOST_STEPS"): 20_000,
     ("drives.simulation", "MOST_STEPS"): 5_000,
 }

@@ -17,7 +17,7 @@ from tline.scene.rational_load import Impedance, Parallel, Series
 from tline.scene.scene import Scene, Solver
 from tline.scene.shape import Step
 from tline.scene.source import Source
-from tline.solver.assemble import assemble
+from tline.solver.assembly.assemble import assemble
 
 CABLE = """
 medium = "electrical"

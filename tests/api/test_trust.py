@@ -28,9 +28,10 @@ from tline.scene.mistakes import MOST
 from tline.scene.pulses import MOST_PULSES
 from tline.scene.quantity import LARGEST as LARGEST_NUMBER
 from tline.scene.text_file import LARGEST
-from tline.solver import resolution, search
-from tline.solver.atomic import check_writable, replacing
+from tline.solver.description import resolution
 from tline.solver.many.copies import MOST_COPIES
+from tline.solver.result.atomic import check_writable, replacing
+from tline.solver.tolerance import search
 
 PAGE = (Path(__file__).parents[2] / "docs" / "trust.md").read_text(encoding="utf-8")
 CABLE = """
@@ -225,7 +226,7 @@ def test_a_pipe_of_a_shell_is_read(folder):
 
 def test_what_a_killed_run_leaves_is_removed_by_the_next_and_nothing_else(folder):
     code = (
-        "import os, signal\nfrom tline.solver.atomic import replacing\n"
+        "import os, signal\nfrom tline.solver.result.atomic import replacing\n"
         "with replacing('out.csv') as file:\n    file.write_text('half')\n    os.kill(os.getpid(), signal.{})\n"
     )
     subprocess.run([sys.executable, "-c", code.format("SIGKILL")], check=False)
@@ -245,7 +246,7 @@ def test_what_a_killed_run_leaves_is_removed_by_the_next_and_nothing_else(folder
 def test_a_run_that_is_told_to_end_removes_what_is_under_way(name, folder):
     number = getattr(signal, name)
     code = (
-        "import os\nfrom tline.solver.atomic import replacing\n"
+        "import os\nfrom tline.solver.result.atomic import replacing\n"
         f"with replacing('out.csv') as file:\n    file.write_text('half')\n    os.kill(os.getpid(), {int(number)})\n"
         "    import time; time.sleep(20)\n"
     )
@@ -281,7 +282,7 @@ def test_files_are_written_in_threads_too(folder):
 def test_a_full_disk_is_said_in_a_sentence(suffix, folder):
     code = (
         "import resource, sys\nfrom tline.cli.main import main\n"
-        "import tline.solver.atomic as atomic\nreal = atomic._beside\n"
+        "import tline.solver.result.atomic as atomic\nreal = atomic._beside\n"
         "def small(target):\n    resource.setrlimit(resource.RLIMIT_FSIZE, (2000, -1)); return real(target)\n"
         "atomic._beside = small\nmain(sys.argv[1:])\n"
     )

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from lossy_scenes import cable
 
-from tline.solver.extrapolate import extrapolated
-from tline.solver.resolution import Resolution
-from tline.solver.run import run
+from tline.solver.description.resolution import Resolution
+from tline.solver.prepared import run
+from tline.solver.tolerance.extrapolate import extrapolated
 from tline.study.charts.scenes import chart_scene
 from tline.study.reference.friction import FrictionSolution
 from tline.study.reference.lossy import lossy_response
@@ -34,7 +34,7 @@ def errors(order: int, powers: tuple[int, ...]) -> np.ndarray:
 @pytest.mark.parametrize(("powers", "slope"), [((), 1), ((1,), 2), ((1, 2), 3)])
 def test_behind_a_step_each_extrapolation_adds_an_order(monkeypatch, order, powers, slope):
     """In lumps, which this line would not need: no line may be cut in cells."""
-    monkeypatch.setattr("tline.solver.cells.MOST_DIFFERENT", -1)
+    monkeypatch.setattr("tline.solver.assembly.lossy_segments.MOST_DIFFERENT", -1)
     found = errors(order, powers)
     fitted = -np.polyfit(np.arange(len(found)), np.log2(found), 1)[0]
     assert fitted == pytest.approx(slope, abs=0.25)

@@ -8,8 +8,8 @@ import pytest
 
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
-from tline.solver.assemble import assemble
-from tline.solver.march import march
+from tline.solver.assembly.assemble import assemble
+from tline.solver.loop.march import march
 from tline.solver.simulate import simulate
 from tline.study.reference.network import Network
 from tline.study.reference.rays import Scatterer, rays

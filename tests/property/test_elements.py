@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_elements import random_elements
 
-from tline.solver.assemble import Assembly, assemble
-from tline.solver.kernel import AIR, GAS, VAPOUR, stored
-from tline.solver.march import Stepper
+from tline.solver.assembly.assemble import Assembly, assemble
+from tline.solver.kernel.waves import AIR, GAS, VAPOUR, stored
+from tline.solver.loop.march import Stepper
 from tline.solver.simulate import simulate
 
 AT_ONCE = 2e-14  # of the energy at the start, in one slab: roundings of waves and of the laws' solutions

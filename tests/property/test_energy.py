@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from random_scenes import random_scene
 
 from tline.scene.scene import Scene
-from tline.solver.assemble import Assembly, assemble
-from tline.solver.fronts import LIVE
-from tline.solver.kernel import advance
-from tline.solver.march import Stepper
-from tline.solver.nodes import nodes_of
+from tline.solver.assembly.assemble import Assembly, assemble
+from tline.solver.assembly.fronts import LIVE
+from tline.solver.description.nodes import nodes_of
+from tline.solver.description.resolution import resolution
+from tline.solver.kernel.waves import advance
+from tline.solver.loop.march import Stepper
 from tline.solver.radau import Basis
-from tline.solver.resolution import resolution
 
 SLABS, PART, SINGLY = 100_000, 2_000, 200
 ROUNDING = 1e-15  # of the energy at the start, per slab: each stored number is rounded a few times, either way

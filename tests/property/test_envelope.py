@@ -11,12 +11,12 @@ from random_scenes import random_scene
 
 from tline.errors import InputError
 from tline.scene.file import read_scene
-from tline.solver import march
-from tline.solver.curve import extremes
-from tline.solver.nodes import nodes_of
-from tline.solver.resolution import resolution
-from tline.solver.result import ProbeResult
-from tline.solver.run import run
+from tline.solver.description.nodes import nodes_of
+from tline.solver.description.resolution import resolution
+from tline.solver.loop import march
+from tline.solver.prepared import run
+from tline.solver.result.dense_output import extremes
+from tline.solver.result.result import ProbeResult
 from tline.solver.simulate import simulate
 
 SEEDS = st.integers(0, 10**6)

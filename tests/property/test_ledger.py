@@ -9,12 +9,12 @@ from random_scenes import random_scene
 from tline.cli.energies import ledger_as_table
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver import march
-from tline.solver import run as runs
-from tline.solver.assemble import assemble
+from tline.solver import prepared as runs
+from tline.solver.assembly.assemble import assemble
+from tline.solver.description.nodes import nodes_of
+from tline.solver.description.resolution import resolution
 from tline.solver.ledger.ledger import Ledger
-from tline.solver.nodes import nodes_of
-from tline.solver.resolution import resolution
+from tline.solver.loop import march
 from tline.solver.simulate import simulate
 
 ROUNDING = 1e-13  # of the turnover: sums over some thousand slabs

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from random_multiports import multiport_scenes
 
 from tline.scene.scene import Scene
-from tline.solver.assemble import assemble
-from tline.solver.kernel import advance
+from tline.solver.assembly.assemble import assemble
+from tline.solver.kernel.waves import advance
 
 SLABS = 300
 ROUNDING = 1e-14  # of the energy at the start, in a slab

@@ -8,9 +8,9 @@ from random_pockets import random_pockets
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver.nodes import nodes_of
+from tline.solver.description.nodes import nodes_of
 from tline.solver.simulate import simulate
-from tline.solver.steady import steady_state
+from tline.solver.steady.steady_state import steady_state
 
 STILL = 1e-8  # of the largest effort: roots of drops within rounding, and what pockets shift to bound a valve exactly
 PIPE = {"length": 300, "diameter": 0.1, "wave_speed": 1000, "density": 1000}

@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tline.scene.scene import Scene
-from tline.solver.nodes import nodes_of
-from tline.solver.resolution import resolution
-from tline.solver.run import run
-from tline.solver.steady import steady_state
+from tline.solver.description.nodes import nodes_of
+from tline.solver.description.resolution import resolution
+from tline.solver.prepared import run
+from tline.solver.steady.steady_state import steady_state
 
 TURBULENT = {"viscosity": "1 mPa s", "roughness": "0.1 mm"}
 FRICTION = {

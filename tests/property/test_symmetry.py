@@ -8,12 +8,12 @@ from random_scenes import random_scene
 from twin import efforts, efforts_in_pieces
 
 from tline.scene.scene import Scene
-from tline.solver.assemble import assemble
-from tline.solver.kernel import SCRATCH
-from tline.solver.march import Stepper
-from tline.solver.nodes import nodes_of
-from tline.solver.resolution import Resolution, resolution
-from tline.solver.run import run
+from tline.solver.assembly.assemble import assemble
+from tline.solver.description.nodes import nodes_of
+from tline.solver.description.resolution import Resolution, resolution
+from tline.solver.kernel.waves import SCRATCH
+from tline.solver.loop.march import Stepper
+from tline.solver.prepared import run
 from tline.solver.simulate import simulate
 
 SEEDS = st.integers(0, 2**32 - 1)

@@ -10,11 +10,11 @@ from random_kinks import KINDS, random_kinks
 
 from tline.cli.report import summary
 from tline.scene.scene import Scene
-from tline.solver.accuracy import Accuracy
-from tline.solver.curve import extremes
-from tline.solver.resolution import Resolution
-from tline.solver.run import run
+from tline.solver.description.resolution import Resolution
+from tline.solver.prepared import run
+from tline.solver.result.dense_output import extremes
 from tline.solver.simulate import UnresolvedWarning, simulate
+from tline.solver.tolerance.accuracy import Accuracy
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 FACTOR = 2  # an error is told by a difference of two runs, which may be that much smaller than it

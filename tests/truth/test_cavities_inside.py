@@ -9,7 +9,7 @@ from scipy.interpolate import BarycentricInterpolator
 
 from tline.scene.file import read_scene
 from tline.scene.scene import Scene
-from tline.solver.inside import inside
+from tline.solver.result.interior import inside
 from tline.solver.simulate import simulate
 
 Z0, DELAY, HEAD, FLOW = 2e7, 0.4, 3e5, 0.03

@@ -7,8 +7,8 @@ import pytest
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver.nodes import nodes_of
-from tline.solver.steady import steady_state
+from tline.solver.description.nodes import nodes_of
+from tline.solver.steady.steady_state import steady_state
 from tline.study.charts.scenes import chart_scene
 from tline.study.programs import rthym, tsnet
 from tline.study.reference import lattice

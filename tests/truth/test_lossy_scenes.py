@@ -8,8 +8,8 @@ from lossy_scenes import cable, pipe
 
 from tline.frequency.response import respond
 from tline.scene.scene import Scene
-from tline.solver.resolution import Resolution
-from tline.solver.run import run
+from tline.solver.description.resolution import Resolution
+from tline.solver.prepared import run
 from tline.solver.simulate import simulate
 from tline.study.reference.lossy import Drive, lossy_response
 

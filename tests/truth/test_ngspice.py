@@ -7,7 +7,7 @@ import pytest
 
 from tline.interchange.spice import read_spice
 from tline.scene.scene import Scene
-from tline.solver.result import Result
+from tline.solver.result.result import Result
 from tline.solver.simulate import simulate
 from tline.study.charts.judge import Judge
 from tline.study.charts.scenes import chart_scene

@@ -10,10 +10,10 @@ from random_scenes import random_scene
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver.assemble import assemble
-from tline.solver.nodes import nodes_of
+from tline.solver.assembly.assemble import assemble
+from tline.solver.description.nodes import nodes_of
 from tline.solver.simulate import simulate
-from tline.solver.steady import steady_state
+from tline.solver.steady.steady_state import steady_state
 
 ROUNDING = 1e-14  # a handful of operations, relative to the largest number of the case
 

@@ -12,9 +12,9 @@ from tline.interchange.epanet import read_epanet
 from tline.interchange.water_scene import read_inp, water_scene
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
-from tline.solver.nodes import nodes_of
+from tline.solver.description.nodes import nodes_of
 from tline.solver.simulate import simulate
-from tline.solver.steady import steady_state
+from tline.solver.steady.steady_state import steady_state
 
 wntr = pytest.importorskip("wntr")
 ODD = ("differs from", "no steady state of its own")  # notes that say that a scene is not at EPANET's operating point

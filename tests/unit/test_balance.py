@@ -7,9 +7,9 @@ import pytest
 
 from tline.scene.file import read_scene
 from tline.scene.scene import Scene
-from tline.solver import balance
-from tline.solver.nodes import nodes_of
-from tline.solver.steady import steady_state
+from tline.solver.description.nodes import nodes_of
+from tline.solver.steady import balance
+from tline.solver.steady.steady_state import steady_state
 
 NONE = 1e-12  # Pa, m³/s: where nothing drives
 SCENES = Path(__file__).parents[2] / "scenes"

@@ -5,12 +5,12 @@ import pytest
 from random_scenes import random_scene
 
 from tline.scene.scene import Scene
-from tline.solver import blocks
-from tline.solver.assemble import assemble
-from tline.solver.blocks import LONGEST, blocks_of
-from tline.solver.network import NO_LUMPS
-from tline.solver.resolution import Resolution
-from tline.solver.run import run
+from tline.solver.assembly import blocks
+from tline.solver.assembly.assemble import assemble
+from tline.solver.assembly.blocks import LONGEST, blocks_of
+from tline.solver.assembly.network import NO_LUMPS
+from tline.solver.description.resolution import Resolution
+from tline.solver.prepared import run
 
 SLAB = 0.05
 WATER = {"radius": 0.1, "density": 1000.0, "wave_speed": 1000.0, "friction": {"kind": "darcy", "factor": 0.5}}

@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import expm
 
 from tline.loss import Foster
-from tline.solver.cells import InCells, cell
+from tline.solver.assembly.lossy_segments import InCells, cell
 from tline.solver.radau import basis
 
 LOSSLESS = Foster(0, 1, [], [])

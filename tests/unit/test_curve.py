@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tline.scene.scene import Scene
-from tline.solver.curve import curve, extreme
-from tline.solver.result import Pieces, Result, Wave
+from tline.solver.result.dense_output import curve, extreme
+from tline.solver.result.result import Pieces, Result, Wave
 from tline.solver.simulate import UnresolvedWarning, simulate
 
 Z0, DELAY = 50.0, 5e-9

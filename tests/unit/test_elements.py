@@ -6,8 +6,8 @@ import pytest
 from tline.scene.factor import Characterised
 from tline.scene.points import Ramp
 from tline.scene.pump import Pump
-from tline.solver import kernel
-from tline.solver.elements import KINDS
+from tline.solver.description.elements import KINDS
+from tline.solver.kernel import waves as kernel
 
 LAWS = {
     "quadratic": ((0.1, 0.7, 0.0), lambda u: 0.7 * np.sign(u) * np.sqrt(abs(u))),

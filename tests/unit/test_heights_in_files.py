@@ -16,8 +16,8 @@ from tline.scene.heights import words
 from tline.scene.scene import Scene
 from tline.solver.many import many
 from tline.solver.many.save import save_csv as save_many
-from tline.solver.result import Result
-from tline.solver.save import save_csv, save_envelope, save_npz
+from tline.solver.result.result import Result
+from tline.solver.result.save import save_csv, save_envelope, save_npz
 from tline.solver.simulate import simulate
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")

@@ -11,9 +11,10 @@ from random_scenes import random_scene
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver import fronts, kernel
-from tline.solver.assemble import assemble
-from tline.solver.kernel import TINY, advance
+from tline.solver.assembly import fronts
+from tline.solver.assembly.assemble import assemble
+from tline.solver.kernel import waves as kernel
+from tline.solver.kernel.waves import TINY, advance
 from tline.solver.simulate import simulate
 
 SILENT, UNRECORDED = np.zeros((0, 0)), np.zeros((0, 2, 0))

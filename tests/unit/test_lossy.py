@@ -11,12 +11,12 @@ from tline.frequency.resonances import resonances
 from tline.frequency.response import respond
 from tline.loss import Foster
 from tline.scene.scene import Scene
-from tline.solver.assemble import assemble
-from tline.solver.circuits import one_step
-from tline.solver.kernel import lose
-from tline.solver.network import REMEMBERED, SQUARED
+from tline.solver.assembly.assemble import assemble
+from tline.solver.assembly.network import REMEMBERED, SQUARED
+from tline.solver.description.circuits import one_step
+from tline.solver.description.resolution import Resolution
+from tline.solver.kernel.waves import lose
 from tline.solver.radau import basis
-from tline.solver.resolution import Resolution
 from tline.solver.simulate import simulate
 
 VISCOUS = {"viscosity": "0.0347 Pa s"}

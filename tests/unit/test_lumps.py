@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from tline.scene.scene import Scene
-from tline.solver.lumps import coupled, grouped
-from tline.solver.nodes import nodes_of
-from tline.solver.short import short_lines
+from tline.solver.description.groups import coupled, grouped
+from tline.solver.description.nodes import nodes_of
+from tline.solver.description.short_lines import short_lines
 
 LONG = {"z0": 50, "delay": "1 ns"}
 SHORT = {"z0": 70, "delay": "0.1 ps"}

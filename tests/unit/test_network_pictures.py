@@ -22,8 +22,8 @@ from tline.pictures.surge import lines_to_map, surges
 from tline.scene.file import read_scene, scene_from
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
-from tline.solver.inside import inside
-from tline.solver.result import Result
+from tline.solver.result.interior import inside
+from tline.solver.result.result import Result
 from tline.solver.simulate import simulate
 
 TOWN = Path(__file__).parents[2] / "scenes" / "town.toml"

@@ -15,8 +15,8 @@ from tline.pictures.surge import surges
 from tline.scene.file import scene_from, scene_text
 from tline.scene.parted import parted
 from tline.scene.scene import Scene
-from tline.solver.inside import inside
 from tline.solver.many.runs import many
+from tline.solver.result.interior import inside
 from tline.solver.simulate import judged, simulate
 from tline.study.baseline import BASELINES
 

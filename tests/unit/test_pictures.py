@@ -24,7 +24,7 @@ from tline.pictures.space_time import plot_space_time
 from tline.pictures.style import save_figure
 from tline.pictures.traces import plot_probes
 from tline.scene.scene import Scene
-from tline.solver.result import Result
+from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning, simulate
 
 Z0, TANK, FLOW = 4.7e7, 6e5, 0.01

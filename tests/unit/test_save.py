@@ -11,10 +11,10 @@ import pytest
 from tline.errors import InputError
 from tline.scene.file import scene_from
 from tline.scene.scene import Scene
-from tline.solver import save
-from tline.solver.atomic import check_writable, replacing
-from tline.solver.result import Result
-from tline.solver.save import save_csv, save_npz
+from tline.solver.result import save
+from tline.solver.result.atomic import check_writable, replacing
+from tline.solver.result.result import Result
+from tline.solver.result.save import save_csv, save_npz
 from tline.solver.simulate import simulate
 
 FAR = 'far, "open"\u00e9'  # a name that a careless table would break

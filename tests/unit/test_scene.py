@@ -25,8 +25,8 @@ from tline.scene.rational_load import Impedance, Parallel, Series
 from tline.scene.scene import Scene
 from tline.scene.shape import Step
 from tline.scene.source import Source
-from tline.solver.nodes import nodes_of
-from tline.solver.resolution import CHEAP, ROOM, resolution
+from tline.solver.description.nodes import nodes_of
+from tline.solver.description.resolution import CHEAP, ROOM, resolution
 
 SCENES = sorted((Path(__file__).parents[2] / "scenes").glob("*.toml"))
 

@@ -12,7 +12,7 @@ from tline.scene.points import PiecewiseLinear, Ramp, Table, read_table
 from tline.scene.pulses import MOST_PULSES, Pulses
 from tline.scene.shape import Constant, Shape, Step
 from tline.scene.smooth import DoubleExponential, Exponential, Sine
-from tline.solver.drive import EDGE, just_before
+from tline.solver.description.excitation import EDGE, just_before
 from tline.solver.radau import basis, gauss
 from tline.study.baseline.pointwise import projected
 

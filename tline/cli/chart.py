@@ -138,7 +138,7 @@ def stability(name: str, plot: str | None, csv: str | None, quick: bool, as_json
 
 
 def _check_files(plot: str | None, csv: str | None) -> None:
-    from tline.solver.atomic import check_writable
+    from tline.solver.result.atomic import check_writable
 
     for option, file, suffixes in (("--plot", plot, PICTURE), ("--csv", csv, (".csv",))):
         if file is not None:

@@ -298,7 +298,7 @@ Examples:
 def animate(found: "CoupledDrives", file: str, **given: Any) -> None:
     """Write an animation of the mechanism under control: FILE.html, a page of its own, or FILE.gif."""
     from drives.animation import SUFFIXES, animate
-    from tline.solver.atomic import check_writable, replacing
+    from tline.solver.result.atomic import check_writable, replacing
 
     if not file.lower().endswith(SUFFIXES):
         raise InputError(file, "unknown kind of animation", " or ".join(SUFFIXES))

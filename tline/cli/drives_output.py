@@ -22,7 +22,7 @@ KINDS = {"--csv": (".csv",), "--plot": (".png", ".svg", ".pdf")}
 
 def check_files(plot: str | None, table: str | None = None) -> None:
     """Refuse what could not be written, before time is spent on it."""
-    from tline.solver.atomic import check_writable
+    from tline.solver.result.atomic import check_writable
 
     for option, file in (("--plot", plot), ("--csv", table)):
         if file is not None:
@@ -42,7 +42,7 @@ def save_picture(file: str | None, quiet: bool, draw: "Callable[[], Figure]") ->
 
 def save_table(file: str | None, quiet: bool, columns: "Mapping[str, NDArray]") -> None:
     """Write columns as CSV in full precision, if it is wanted."""
-    from tline.solver.atomic import replacing
+    from tline.solver.result.atomic import replacing
 
     if file is not None:
         with replacing(file) as temporary, temporary.open("w", newline="", encoding="utf-8") as stream:

@@ -27,7 +27,7 @@ def export(scene: str, output: str | None, rise: str | None, confined: bool) -> 
     from tline.errors import InputError
     from tline.interchange.spice_text import spice_text
     from tline.scene.file import read_scene
-    from tline.solver.atomic import replacing
+    from tline.solver.result.atomic import replacing
     from tline.units import to_si
 
     if output is not None and Path(output).suffix.lower() != ".cir":

@@ -82,7 +82,7 @@ def frequency(scene: str, points: int, confined: bool, as_json: bool, **given: s
 
 
 def _check(given: dict[str, str | None], files: dict[str, Any], points: int) -> None:
-    from tline.solver.atomic import check_writable
+    from tline.solver.result.atomic import check_writable
 
     if not 2 <= points <= MOST_POINTS:
         raise InputError("--points", "not a number of frequencies", f"2 to {MOST_POINTS}", f"{points}")

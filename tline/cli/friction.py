@@ -303,7 +303,7 @@ def _errors(result: "Result") -> str:
 
 
 def _check_file(option: str, path: str | None, known: tuple[str, ...]) -> None:
-    from tline.solver.atomic import check_writable
+    from tline.solver.result.atomic import check_writable
 
     if path is not None:
         if not path.lower().endswith(known):
@@ -325,7 +325,7 @@ def _write_csv(result: "Result", path: str) -> None:
 
 
 def _write_rows(path: str, head: list[str], rows: list[list[float]]) -> None:
-    from tline.solver.atomic import replacing
+    from tline.solver.result.atomic import replacing
 
     with replacing(path) as temporary:
         temporary.write_text(

@@ -31,7 +31,7 @@ def import_(file: str, output: str | None, wave_speed: str | None) -> None:
     line or the element is named. Nothing is left out but what is closed in a network, and you are told.
     """
     from tline.scene.file import scene_text
-    from tline.solver.atomic import replacing
+    from tline.solver.result.atomic import replacing
 
     suffix = Path(file).suffix.lower()
     if suffix not in READERS:

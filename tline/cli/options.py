@@ -20,7 +20,7 @@ def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None
     InputError
         Of another suffix, the same twice, or not to be written.
     """
-    from tline.solver.atomic import check_writable
+    from tline.solver.result.atomic import check_writable
 
     seen: dict[Path, str] = {}
     for option, (file, suffixes) in files.items():

@@ -114,7 +114,7 @@ def _option(where: str, tolerance: str) -> str:
 
 
 def _check_files(plot: str | None, nearest: str | None) -> None:
-    from tline.solver.atomic import check_writable
+    from tline.solver.result.atomic import check_writable
 
     for option, path, known in (("--plot", plot, PICTURE), ("--nearest", nearest, (".json",))):
         if path is not None:

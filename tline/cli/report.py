@@ -10,12 +10,12 @@ from tline.pictures.handy import handy, quantities
 from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.mistakes import place
 from tline.scene.touchstone import Touchstone
-from tline.solver.accuracy import Accuracy
-from tline.solver.cells import fits
-from tline.solver.curve import extremes
-from tline.solver.lossy import lumps_in
-from tline.solver.result import Result
+from tline.solver.assembly.loss_elements import lumps_in
+from tline.solver.assembly.lossy_segments import fits
+from tline.solver.result.dense_output import extremes
+from tline.solver.result.result import Result
 from tline.solver.simulate import judged
+from tline.solver.tolerance.accuracy import Accuracy
 
 SMALL = 1e8  # line-end samples of a run fixed by hand that is worth another one, only to judge it
 

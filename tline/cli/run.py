@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from tline.pictures.path import Route
     from tline.scene.scene import Scene
-    from tline.solver.result import Result
+    from tline.solver.result.result import Result
 
 PICTURE = (".png", ".svg", ".pdf")
 SUFFIXES = {  # of what can be written
@@ -143,7 +143,7 @@ def _options_named(options: dict[str, str]) -> Iterator[None]:
 
 def _check_files(wanted: dict[str, str]) -> None:
     """Refuse what could not be written, before time is spent on it."""
-    from tline.solver.atomic import check_writable
+    from tline.solver.result.atomic import check_writable
 
     seen: dict[Path, str] = {}
     for kind, file in wanted.items():
@@ -214,7 +214,7 @@ def _simulate(scene: "Scene", record: list[str], active: bool, ledger: bool | No
 
 def _write(result: "Result", way: "Route | None", kind: str, file: str) -> None:
     if kind in ("csv", "npz", "envelope", "ledger_csv"):
-        from tline.solver.save import save_csv, save_envelope, save_ledger, save_npz
+        from tline.solver.result.save import save_csv, save_envelope, save_ledger, save_npz
 
         tables = {"csv": save_csv, "npz": save_npz, "envelope": save_envelope, "ledger_csv": save_ledger}
         tables[kind](result, file)

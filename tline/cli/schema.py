@@ -26,7 +26,7 @@ def schema(output: str | None) -> None:
     if output is None:
         click.echo(text)
         return
-    from tline.solver.atomic import replacing
+    from tline.solver.result.atomic import replacing
 
     with replacing(output) as temporary:
         temporary.write_text(text + "\n", encoding="utf-8")

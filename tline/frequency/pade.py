@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.scene.lossless import refuse_losses
 from tline.scene.scene import Scene
-from tline.solver.nodes import node_of_end, nodes_of
+from tline.solver.description.nodes import node_of_end, nodes_of
 
 if TYPE_CHECKING:
     from control import StateSpace

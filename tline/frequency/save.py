@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.frequency.response import Response
-from tline.solver.atomic import replacing
+from tline.solver.result.atomic import replacing
 
 TOUCHSTONE = "s{}p"
 

@@ -6,8 +6,8 @@ from tline.errors import InputError
 from tline.interchange.water_network import LISTED, WaterNetwork
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
-from tline.solver.nodes import nodes_of
-from tline.solver.steady import steady_state
+from tline.solver.description.nodes import nodes_of
+from tline.solver.steady.steady_state import steady_state
 
 ACCURATE, RELATIVE = 1e-3, 1e-5  # m, and share of the head: what EPANET's own solution is good for
 

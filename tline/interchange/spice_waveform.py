@@ -8,7 +8,7 @@ import numpy as np
 from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.scene.waveform import Constant, DoubleExponential, Exponential, Pulses, Shape, Sine
-from tline.solver.drive import just_before
+from tline.solver.description.excitation import just_before
 
 SAME = 1e-12  # levels that differ by less, relatively, are no jump
 INSTANT = 1e-30  # s, in place of a zero, for which SPICE takes a default

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.pictures.path import Leg, Route
-from tline.solver.inside import Inside, InStretches, inside
-from tline.solver.result import Result
+from tline.solver.result.interior import Inside, InStretches, inside
+from tline.solver.result.result import Result
 
 STRETCHES, FEWEST = 320, 8  # on the whole route, and on each line, at whose ends extremes are known
 

@@ -15,8 +15,8 @@ from tline.pictures.along import effort_along, extremes_along
 from tline.pictures.bounds import Bound, bounds, scale
 from tline.pictures.handy import handy, spread
 from tline.pictures.path import Route, axis
-from tline.solver.atomic import replacing
-from tline.solver.result import Result
+from tline.solver.result.atomic import replacing
+from tline.solver.result.result import Result
 
 FRAMES, PLACES = 180, 361
 STEPS = 9999  # levels from smallest to largest effort in the page

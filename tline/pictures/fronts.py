@@ -12,8 +12,8 @@ from tline.scene.coupled import refuse_coupled
 from tline.scene.load import Switch
 from tline.scene.lossless import refuse_losses
 from tline.scene.scene import Scene
-from tline.solver.curve import AFTER, drawable
-from tline.solver.result import LineRecord, Result, Wave
+from tline.solver.result.dense_output import AFTER, drawable
+from tline.solver.result.result import LineRecord, Result, Wave
 
 MOST_LEGS = 12
 FLAT = 1e-3  # of the range of the waves; what jumps by less, and bends by less within a delay, is no front

@@ -21,7 +21,7 @@ from tline.pictures.surge import Surge, surges
 from tline.scene.check import ideal_efforts
 from tline.scene.link import linked_pairs
 from tline.scene.scene import Scene
-from tline.solver.result import Result
+from tline.solver.result.result import Result
 
 SCALE = ListedColormap(colormaps["viridis_r"](np.linspace(0.06, 1.0, 256)))  # what is large is dark
 WIDE = 1.3  # width over height from which one map stands above the other

@@ -11,7 +11,7 @@ from tline.pictures.bounds import Bound, bounds, scale
 from tline.pictures.handy import spread
 from tline.pictures.path import Route, axis
 from tline.pictures.style import COLOURS, DASHES, INK, figure, name_nodes, styled
-from tline.solver.result import Result
+from tline.solver.result.result import Result
 
 WIDTH, HEIGHT = 8.0, 5.0  # inches
 MARGIN = 0.06  # of the range, above and below

@@ -10,7 +10,7 @@ from tline.pictures.bounds import scale
 from tline.pictures.handy import handy, spread
 from tline.pictures.path import Route, axis
 from tline.pictures.style import DIVERGING, figure, name_nodes, styled
-from tline.solver.result import Result
+from tline.solver.result.result import Result
 
 PIXELS = 700, 900  # places, instants
 ONE_SIDED = 0.1  # of the range; less than this below or above the start is no reason for two colours

@@ -9,7 +9,7 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from tline.solver.atomic import replacing
+from tline.solver.result.atomic import replacing
 
 # Okabe and Ito's colours, told apart with every kind of colour vision; yellow is left out as too faint on white
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")

@@ -12,8 +12,8 @@ from tline.scene.coupled import refuse_coupled
 from tline.scene.limits import VACUUM, weight_at
 from tline.scene.medium import HYDRAULIC
 from tline.scene.scene import Scene
-from tline.solver.inside import inside
-from tline.solver.result import Result
+from tline.solver.result.interior import inside
+from tline.solver.result.result import Result
 
 STRETCHES = 12  # of each line
 SEEN = 0.01  # of the longest delay; what is inside shorter lines nobody sees on a map

@@ -4,8 +4,8 @@ from matplotlib.figure import Figure
 
 from tline.pictures.handy import handy, quantities, spread
 from tline.pictures.style import COLOURS, DASHES, figure, styled
-from tline.solver.curve import curve
-from tline.solver.result import Result
+from tline.solver.result.dense_output import curve
+from tline.solver.result.result import Result
 
 WIDTH, HEIGHT, MORE = 8.0, 5.2, 2.2  # inches; more for a third panel
 MARGIN = 0.08  # of the range, above and below

@@ -11,8 +11,8 @@ from tline.scene.coupled import refuse_coupled
 from tline.scene.lossless import refuse_losses
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
-from tline.solver.nodes import Node, nodes_of
-from tline.solver.steady import above_level, rest
+from tline.solver.description.nodes import Node, nodes_of
+from tline.solver.steady.steady_state import above_level, rest
 
 
 class LoadLine(NamedTuple):

@@ -10,8 +10,8 @@ from tline.errors import InputError
 from tline.scene.coupled import Coupled
 from tline.scene.mistakes import nearest, shown
 from tline.scene.scene import Scene
-from tline.solver.atomic import replacing
-from tline.solver.curve import curve
+from tline.solver.result.atomic import replacing
+from tline.solver.result.dense_output import curve
 from tline.solver.simulate import simulate
 from tline.units import to_si
 

@@ -10,15 +10,15 @@ from tline.scene.own import own_elements, own_mistakes
 from tline.scene.parted import parted
 from tline.scene.quantity import TOLERANCE
 from tline.scene.scene import Scene
-from tline.solver.accuracy import Accuracy, Attempt, compared
-from tline.solver.joined import joined, recorded
-from tline.solver.nodes import nodes_of
-from tline.solver.resolution import Resolution, resolution
-from tline.solver.result import Result
-from tline.solver.run import run
-from tline.solver.search import Search, inside_slabs, within
+from tline.solver.description.nodes import nodes_of
+from tline.solver.description.resolution import Resolution, resolution
+from tline.solver.prepared import run
+from tline.solver.result.merged import joined, recorded
+from tline.solver.result.result import Result
 from tline.solver.stability.growth import active_loads, active_parts, controlled_sources, growth_sentence
-from tline.solver.with_losses import is_lossy, with_losses
+from tline.solver.tolerance.accuracy import Accuracy, Attempt, compared
+from tline.solver.tolerance.lossy import is_lossy, with_losses
+from tline.solver.tolerance.search import Search, inside_slabs, within
 
 TOL = 1e-6  # where nothing is asked or fixed
 ROUNDING = 1e-9  # of the energy turned over
@@ -48,7 +48,7 @@ def simulate(
     scene that fixes order or slab by hand and asks for no tolerance is run once.
 
     Losses are lumped inside lines, a lump every two slabs. With them, slabs are halved and the runs extrapolated; the
-    error is the difference to the entry before in Richardson's table (`tline.solver.with_losses`).
+    error is the difference to the entry before in Richardson's table (`tline.solver.tolerance.lossy`).
 
     Parameters
     ----------

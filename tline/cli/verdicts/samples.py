@@ -31,7 +31,7 @@ def answer(file: str, asked: Asked) -> Answer:
     told = samples_as_dict(verdict, enforced)
     lines = _text(verdict, enforced)
     if enforced and asked.nearest:
-        from tline.solver.atomic import replacing
+        from tline.solver.result.atomic import replacing
 
         with replacing(asked.nearest) as temporary:
             temporary.write_text(json.dumps(told["model"], indent=2) + "\n", encoding="utf-8")

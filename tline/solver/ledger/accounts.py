@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.shape import Shape
+from tline.solver.description.nodes import Node
 from tline.solver.ledger.columns import Columns
 from tline.solver.ledger.flows import Flows, Port, flows_of
+from tline.solver.ledger.inventory import Conductor, Drive, Member, Standing
 from tline.solver.ledger.ledger import COLUMNS, DISSIPATED, GRAVITY, STORED, SUPPLIED, TAKEN, UNACCOUNTED
-from tline.solver.ledger.standing import Conductor, Drive, Member, Standing
-from tline.solver.nodes import Node
 
 
 class Accounts(NamedTuple):

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.shape import Shape
-from tline.solver.drive import broken
+from tline.solver.description.excitation import broken
 from tline.solver.radau import Basis
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.connected import parts
+from tline.solver.description.components import parts
 
 
 class Port(NamedTuple):

@@ -16,9 +16,9 @@ from tline.scene.quantity import LARGEST, SMALLEST
 from tline.scene.rational_load import Parallel, Series
 from tline.scene.scene import Scene
 from tline.scene.shape import Shape
+from tline.solver.description.nodes import UNIT, Node, lowered, nodes_of
+from tline.solver.description.resolution import WHOLE, common_parts
 from tline.solver.many.load import Load, parallel, series
-from tline.solver.nodes import UNIT, Node, lowered, nodes_of
-from tline.solver.resolution import WHOLE, common_parts
 
 Floats = NDArray[np.floating]
 ELEMENTS = ("resistance", "inductance", "capacitance")

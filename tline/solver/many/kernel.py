@@ -7,7 +7,7 @@ not. Slabs of a period differ, periods are alike.
 import numpy as np
 
 from tline.compiled import njit
-from tline.solver.kernel import INNER, OPTIONS, TINY
+from tline.solver.kernel.waves import INNER, OPTIONS, TINY
 
 NEWTON = 3  # steps from the best point of a slab to the extreme of its polynomial
 SAME = 1e-12  # what is larger by less, relatively, is the same extreme

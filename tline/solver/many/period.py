@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.scene.shape import Shape
-from tline.solver.drive import EDGE
+from tline.solver.description.excitation import EDGE
 from tline.solver.radau import Basis
 
 Floats = NDArray[np.floating]

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from tline.scene.file import scene_text
 from tline.scene.heights import words
 from tline.scene.scene import Scene
-from tline.solver.atomic import replacing, write_table
 from tline.solver.many.runs import Many
+from tline.solver.result.atomic import replacing, write_table
 
 EXTREMES = ("lowest", "lowest_at", "highest", "highest_at")
 

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from tline.scene.multiport import Multiport
 from tline.scene.scene import Scene
 from tline.scene.touchstone import Touchstone
-from tline.solver.lumps import grouped
-from tline.solver.multiport import PortPlaces
-from tline.solver.nodes import NONE, Node, nodes_of
+from tline.solver.description.groups import grouped
+from tline.solver.description.multiport import PortPlaces
+from tline.solver.description.nodes import NONE, Node, nodes_of
 from tline.solver.stability.lossy_line import carried, losses_of
 
 Parts = tuple[NDArray, NDArray, NDArray]

@@ -6,7 +6,7 @@ from functools import partial
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
-from tline.solver.nodes import nodes_of
+from tline.solver.description.nodes import nodes_of
 from tline.study.baseline.loads import scattering, trapezoid
 from tline.study.baseline.loops import advance_cells
 from tline.study.baseline.method import Trace

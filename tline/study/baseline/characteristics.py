@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
-from tline.solver.nodes import nodes_of
+from tline.solver.description.nodes import nodes_of
 from tline.study.baseline.loads import Euler, scattering, trapezoid
 from tline.study.baseline.loops import advance_moc
 from tline.study.baseline.method import Trace

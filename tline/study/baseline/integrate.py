@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver.nodes import node_of_end, nodes_of
+from tline.solver.description.nodes import node_of_end, nodes_of
 from tline.study.baseline.method import Trace
 from tline.study.baseline.node_systems import System
 from tline.study.baseline.steps import MOST_KEPT, count_steps, probed, sampled, shortest_delay, within

@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 
 from tline.scene.scene import Scene
-from tline.solver.nodes import node_of_end, nodes_of
+from tline.solver.description.nodes import node_of_end, nodes_of
 from tline.study.baseline.loads import trapezoid
 from tline.study.baseline.loops import advance_fdtd
 from tline.study.baseline.method import Trace

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
-from tline.solver.nodes import Node
+from tline.solver.description.nodes import Node
 
 Euler = tuple[NDArray, NDArray, NDArray]  # x_next = first x + second w_now + third w_next
 

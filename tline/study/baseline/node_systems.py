@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
-from tline.solver.nodes import Node
+from tline.solver.description.nodes import Node
 from tline.study.baseline.steps import delays_of, impedances_of
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
-from tline.solver.nodes import node_of_end, nodes_of
+from tline.solver.description.nodes import node_of_end, nodes_of
 from tline.study.baseline.integrate import Chain, integrated
 from tline.study.baseline.method import Trace
 from tline.study.baseline.node_systems import HELD, System, behind_inductor, half_sections, on_capacitor

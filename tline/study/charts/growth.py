@@ -179,7 +179,7 @@ def error_growth(*, quick: bool = False, progress: bool = False) -> dict[str, Cu
 
 def save(curves: dict[str, Curve], path: str | Path) -> None:
     """Write all numbers as CSV."""
-    from tline.solver.atomic import replacing
+    from tline.solver.result.atomic import replacing
 
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)

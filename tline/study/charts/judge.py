@@ -7,7 +7,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
-from tline.solver.with_losses import is_lossy
+from tline.solver.tolerance.lossy import is_lossy
 from tline.study.charts.clock import Traces
 from tline.study.reference import Solution
 from tline.study.reference.friction import FrictionSolution

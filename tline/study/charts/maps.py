@@ -112,8 +112,8 @@ def _baseline(solve: Callable[..., Any], scene: Scene, n: float, **settings: Any
 
 def slabs(scene: Scene, order: int, slab: float) -> tuple[NDArray, NDArray]:
     """The production method at slab ends, unasked whether its loads are passive."""
-    from tline.solver.assemble import assemble
-    from tline.solver.march import march
+    from tline.solver.assembly.assemble import assemble
+    from tline.solver.loop.march import march
 
     cut = scene.model_copy(update={"solver": type(scene.solver).model_validate({"order": order, "slab": slab})})
     assembly = assemble(cut, {"line"})

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from functools import partial
 
 from tline.scene.scene import Scene
-from tline.solver.with_losses import is_lossy
+from tline.solver.tolerance.lossy import is_lossy
 from tline.study.charts import inverse_fft
 from tline.study.charts.clock import FULL, QUICK, Run
 from tline.study.charts.table import Table

@@ -141,7 +141,7 @@ def save_boundaries(maps: Iterable[Stability], path: str | Path) -> None:
 
 
 def _write(path: str | Path, head: tuple[str, ...], rows: list[tuple]) -> None:
-    from tline.solver.atomic import replacing
+    from tline.solver.result.atomic import replacing
 
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
         csv.writer(file).writerows([head, *rows])

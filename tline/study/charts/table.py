@@ -7,7 +7,7 @@ from itertools import groupby
 from math import inf
 from pathlib import Path
 
-from tline.solver.atomic import replacing
+from tline.solver.result.atomic import replacing
 
 
 @dataclass(frozen=True)

@@ -23,8 +23,8 @@ import numpy as np
 from tline.errors import InputError
 from tline.scene.friction import darcy
 from tline.scene.scene import Scene
-from tline.solver.nodes import nodes_of
-from tline.solver.steady import steady_state
+from tline.solver.description.nodes import nodes_of
+from tline.solver.steady.steady_state import steady_state
 from tline.study.charts.clock import Run
 from tline.study.programs.ngspice import corners
 

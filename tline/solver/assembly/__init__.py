@@ -1,0 +1,1 @@
+"""Arrays for the kernel, from a description."""

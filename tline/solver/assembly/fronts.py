@@ -1,0 +1,243 @@
+"""Fronts as breakpoints that travel: what slabs in several pieces need beside a network and its state.
+
+A jump or corner of a source, or a switch that moves, is a front. A slab with fronts inside is held as pieces, each a
+polynomial of degree s - 1 in Legendre coefficients; places are in slab time, 0 to 1. A slab that begins with a front is
+marked as starting anew: on a line with a fractional rest its start becomes a breakpoint too.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.solver.assembly.assemble import Assembly
+from tline.solver.assembly.network import Floats, Integers, Network, Tools, tools_of
+from tline.solver.assembly.settling import settling_step
+from tline.solver.assembly.workspace import Room, room_for
+from tline.solver.description.excitation import Broken
+
+MOST = 16  # pieces of a slab
+AT_NODE = 2 * MOST  # pieces of a slab on which a node works
+WORK = 4e7  # pieces computed without asking; in runs that could hold more, a slab has fewer
+MEMORY = 2e8  # bytes for slabs in pieces
+LOGGED = 4096  # pieces recorded between two looks
+LULL = 16  # slabs without a front that are worth a return to blocks
+LIVE, PEAK, MERGED, DISSOLVED, DROPPED, NOTED = range(6)  # places in the counts
+SCALE, LOST = range(2)  # places in the sizes
+
+
+class Systems(NamedTuple):
+    """From Thévenin waves to efforts, of each row of the network's maps: dx/dt = A x + b w, u = c x + d w."""
+
+    at: Integers  # (rows,) place of each system's first entry
+    entries: Floats  # matrices [A b; c d] of shape (n + k, n + k), one after the other
+    settling_at: Integers  # (rows,) place of its map over the time in which its group settles
+    settling: Floats  # maps from (Thévenin waves, state) to (efforts, next state)
+
+
+class Moves(NamedTuple):
+    """Switches that move."""
+
+    first: Integers  # (G + 1,) those of group g are first[g] to first[g + 1], in order of time
+    at: Floats  # instants, in slabs
+    row: Integers  # row of the map from then on
+    due: Integers  # (G,) the next one of each group
+
+
+class Drives(NamedTuple):
+    """Rows of the drive that belong to each group: of its nodes, and of its elements."""
+
+    first: Integers  # (G + 1,)
+    row: Integers
+
+
+class Pieces(NamedTuple):
+    """Slabs under way that are held in pieces, one a row."""
+
+    of_slab: Integers  # (slabs in the wave buffers,) row, -1 for a slab in one piece
+    before: Integers  # (2 L,) row of the slab that arrived last
+    last: Floats  # (2 L, s) the last piece that left an end
+    width: Floats  # (2 L,) and its width; 0 if unknown
+    number: Integers  # (rows,) of pieces
+    anew: Floats  # (rows,) size of the front at the slab's start, 0 for none
+    start: Floats  # (rows, MOST + 1) edges
+    size: Floats  # (rows, MOST) of the front at each start
+    coef: Floats  # (rows, MOST, s)
+    free: Integers  # (rows,) those behind the first LIVE are free
+
+
+class Log(NamedTuple):
+    """Recorded pieces."""
+
+    where: Integers  # (places, 2) row of the record, slab
+    span: Floats  # (places, 2) start and end in slab time
+    values: Floats  # (places, 2, s) what arrived, and what left
+
+
+class Fronts(NamedTuple):
+    """All that slabs in pieces need."""
+
+    lull: int  # slabs without a front after which to go back to blocks
+    most: int  # pieces of a slab under way
+    at_node: int
+    step: float  # slab width h
+    fractional: bool  # whether a front at the start of a slab needs to be followed
+    levels: NDArray[np.bool_]  # (G,) whether a group leaves out fronts inside slabs, for it is at a line in cells
+    settle: Floats  # (G,) slabs that a group with lumped lines takes to settle after a front, else 0
+    settled: Floats  # (G,) instant at which it will have, in slabs
+    rest: Floats  # (L,) fractional rest of each delay
+    tools: Tools
+    systems: Systems
+    moves: Moves
+    drives: Drives
+    pieces: Pieces
+    room: Room
+    log: Log
+    counts: Integers  # (6,)
+    sizes: Floats  # (2,) largest wave so far, largest front dropped
+
+
+class Tally(NamedTuple):
+    """What became of the fronts of a run.
+
+    Attributes
+    ----------
+    most : int
+        Slabs in several pieces under way at once, at most.
+    merged : int
+        Fronts that reached a node together with another one.
+    dissolved : int
+        Breakpoints taken away because the pieces beside them continue each other.
+    dropped : int
+        Breakpoints taken away because a slab had too many.
+    lost : float
+        The largest of those, as a share of the largest wave.
+    """
+
+    most: int = 0
+    merged: int = 0
+    dissolved: int = 0
+    dropped: int = 0
+    lost: float = 0.0
+
+
+def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], parts: int) -> Fronts:
+    """What a run of n slabs needs; moves are (instant in slabs, group, row of the map), sorted.
+
+    No slab of a source has more parts than given.
+    """
+    network, state, basis, h = assembly.network, assembly.state, assembly.basis, assembly.resolution.h
+    s, ends, slabs = basis.s, len(network.ends), state.waves.size // basis.s
+    most = int(min(max(WORK / (ends * n), 1), MOST))
+    rows = int(min(slabs + ends, MEMORY / (8 * most * (s + 2))))
+    group = np.array([g for _, g, _ in moves], int)
+    order = np.argsort(group, kind="stable")
+    first = np.searchsorted(group[order], np.arange(len(network.group)))
+    places = max(LOGGED, 2 * int(network.record_row.max(initial=-1) + 1) * AT_NODE)
+    delays = np.array([line.parameters.delay or 0.0 for line in assembly.lines.values()])
+    return Fronts(
+        LULL,
+        most,
+        AT_NODE,
+        h,
+        assembly.follows_edges,
+        _at_cells(network),
+        assembly.settle / h,
+        np.full(len(assembly.settle), -np.inf),
+        np.where(network.shift_row >= 0, delays / h - network.delay, 0.0),
+        tools_of(basis),
+        _packed(assembly),
+        Moves(
+            first,
+            np.array([t for t, _, _ in moves])[order],
+            np.array([row for _, _, row in moves], int)[order],
+            first[:-1].copy(),
+        ),
+        _drives(network),
+        Pieces(
+            np.full(slabs, -1),
+            np.full(ends, -1),
+            np.empty((ends, s)),
+            np.zeros(ends),
+            np.empty(rows, int),
+            np.empty(rows),
+            np.empty((rows, most + 1)),
+            np.empty((rows, most)),
+            np.empty((rows, most, s)),
+            np.arange(rows),
+        ),
+        room_for(network, s, AT_NODE, parts),
+        Log(np.empty((places, 2), int), np.empty((places, 2)), np.empty((places, 2, s))),
+        np.zeros(6, int),
+        np.zeros(2),
+    )
+
+
+def _at_cells(network: Network) -> NDArray:
+    """Whether a line in cells ends at a group, shape (G,)."""
+    here = np.isin(network.ends // 2, network.cells.line)
+    ends = network.first[network.group]
+    return np.diff(np.concatenate([[0], np.cumsum(here)])[ends]) > 0
+
+
+def _drives(network: Network) -> Drives:
+    laws, groups = network.laws, np.arange(len(network.group) - 1)
+    row = np.concatenate([network.drive_row, laws.drive_row])
+    group = np.concatenate([np.repeat(groups, np.diff(at)) for at in (network.group, laws.first)])[row >= 0]
+    order = np.argsort(group, kind="stable")
+    return Drives(np.searchsorted(group[order], np.arange(len(network.group))), row[row >= 0][order])
+
+
+def _packed(assembly: Assembly) -> Systems:
+    entries = [np.block([[system.A, system.b], [system.c, system.d]]).ravel() for system in assembly.systems]
+    maps = [np.empty(0)] * len(entries)
+    for r, time in zip(assembly.network.step_row, assembly.settle, strict=True):
+        if time > 0:
+            maps[r] = settling_step(assembly.systems[r], assembly.basis, time).ravel()
+    return Systems(*_joined(entries), *_joined(maps))
+
+
+def _joined(parts: list[NDArray]) -> tuple[NDArray, NDArray]:
+    """Where each begins, and all of them one after the other."""
+    return np.cumsum([0, *map(len, parts)])[:-1], np.concatenate([np.empty(0), *parts])
+
+
+class Sources(NamedTuple):
+    """The sources' parts of the Thévenin waves in slabs that hold fronts of theirs."""
+
+    first: Integers  # (rows + 1,) the slabs of drive row k are first[k] to first[k + 1]
+    due: Integers  # (rows,) the next one of each
+    slab: Integers
+    anew: NDArray[np.bool_]  # whether it begins with a front
+    begin: Integers  # (slabs + 1,) its pieces
+    start: Floats
+    stop: Floats
+    coef: Floats  # (pieces, s)
+
+
+def sources_of(broken: list[Broken], s: int) -> Sources:
+    """Slabs of all drive rows, one after the other."""
+    first = np.cumsum([0, *(len(one.slab) for one in broken)])
+    begin = np.cumsum([0, *(count for one in broken for count in one.parts)])
+
+    def joined(parts: list[NDArray], empty: NDArray) -> NDArray:
+        return np.concatenate([empty, *parts])
+
+    return Sources(
+        first,
+        first[:-1].copy(),
+        joined([one.slab for one in broken], np.empty(0, int)),
+        joined([one.anew for one in broken], np.empty(0, bool)),
+        begin,
+        joined([one.start for one in broken], np.empty(0)),
+        joined([one.stop for one in broken], np.empty(0)),
+        joined([one.coef for one in broken], np.empty((0, s))),
+    )
+
+
+def tally(fronts: Fronts) -> Tally:
+    """The counts of a run so far."""
+    counts, (scale, lost) = fronts.counts, fronts.sizes
+    share = float(lost / scale) if scale else 0.0
+    most, merged, dissolved, dropped = (int(counts[k]) for k in (PEAK, MERGED, DISSOLVED, DROPPED))
+    return Tally(most, merged, dissolved, dropped, share)

@@ -1,0 +1,189 @@
+"""Losses of lines as lumps inside them: where they stand, and what each takes away.
+
+A lump of series impedance Z sees 2 z0 y + Z y = a - b and takes e = Z y; one of shunt admittance Y sees
+2 u + z0 Y u = a + b and takes e = z0 Y u. Both read 2 q + ζ q = w, e = w - 2 q, with ζ = Z/z0 or z0 Y.
+
+Where they are not too many, lumps stand half a slab apart, so that every slab of one wave meets every slab of the
+other: what a jump leaves behind then changes from slab to slab alike, and errors at slab ends are smooth. None stands
+at an end, so the outermost take what lies before them, too: as an open trapezoidal rule of second order.
+"""
+
+from collections.abc import Collection, Mapping
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.loss import Foster
+from tline.scene.line import SceneLine
+from tline.scene.losses import Losses
+from tline.solver.assembly.network import CONSTANT, NO_LUMPS, REMEMBERED, SQUARED, TABLED, Lumps
+from tline.solver.description.circuits import Circuits, one_step
+from tline.solver.description.resolution import WHOLE
+from tline.solver.radau import Basis
+
+LOWEST, HIGHEST, POINTS = -10, 34, 256  # octaves of a wave in a table, and points in each
+HALVINGS = 60
+EMPTY = np.empty(0)
+
+
+class _Law(NamedTuple):
+    """What equal lumps of one line do: kind, sign, strength, entries and modes as in `Lumps`."""
+
+    kind: int
+    sign: float
+    strength: NDArray | float = 0.0
+    entries: NDArray = EMPTY
+    modes: int = 0
+
+
+class _Row(NamedTuple):
+    """Equal lumps of one line."""
+
+    line: int
+    place: NDArray
+    law: _Law
+
+
+def lumps_in(lines: Mapping[str, SceneLine], h: float, most: int) -> dict[str, int]:
+    """Number of places of lumps in lossy lines: between any two slabs that meet inside, if these are not too many."""
+    delays = {name: line.parameters.delay or 0.0 for name, line in lines.items() if line.losses is not None}
+    longest = max(delays.values(), default=0.0)
+    return {
+        name: min(2 * int(delay / h * (1 + WHOLE)) - 1, max(round(most * delay / longest), 1))
+        for name, delay in delays.items()
+    }
+
+
+def lumps_of(
+    lines: Mapping[str, SceneLine],
+    circuits: Mapping[str, Circuits],
+    delay: NDArray,
+    order: Basis,
+    h: float,
+    most: int,
+    without: Collection[int],
+) -> tuple[Lumps, int]:
+    """All lumps of a scene, and the number of their states.
+
+    Parameters
+    ----------
+    lines : mapping of str to SceneLine
+    circuits : mapping of str to Circuits
+        Of all lines that lose something.
+    delay : ndarray, shape (lines,)
+        Whole slabs of each delay.
+    most : int
+        Lumps of one law in the longest line.
+    without : collection of int
+        Numbers of lines whose losses are not lumped.
+    """
+    rows: list[_Row] = []
+    count = lumps_in(lines, h, most)
+    for k, (name, line) in enumerate(lines.items()):
+        if line.losses is not None and k not in without:
+            rows += _rows(k, line, circuits[name], int(delay[k]), count[name], order, h)
+    if not rows:
+        return NO_LUMPS, 0
+    laws, size = [row.law for row in rows], [len(row.place) for row in rows]
+    states = np.cumsum([0, *(law.modes * n for law, n in zip(laws, size, strict=True))])
+    lumps = Lumps(
+        gap=_gaps(rows, delay),
+        line=np.array([row.line for row in rows]),
+        kind=np.array([law.kind for law in laws]),
+        sign=np.array([law.sign for law in laws]),
+        first=np.cumsum([0, *size]),
+        place=np.concatenate([row.place for row in rows]),
+        strength=np.concatenate([np.broadcast_to(row.law.strength, len(row.place)) for row in rows]),
+        at=np.cumsum([0, *(len(law.entries) for law in laws)])[:-1],
+        modes=np.array([law.modes for law in laws]),
+        entries=np.concatenate([law.entries for law in laws]),
+        memory=states[:-1],
+    )
+    return lumps, int(states[-1])
+
+
+def _gaps(rows: list[_Row], delay: NDArray) -> NDArray:
+    """Of each line the slabs in which nothing passes two lumps, or a lump and an end; its delay if it has no lumps."""
+    places: dict[int, set[bytes]] = {}
+    for row in rows:
+        places.setdefault(row.line, set()).add(row.place.tobytes())
+    known, gaps = {}, delay.copy()
+    for line, here in places.items():
+        alike = int(delay[line]), frozenset(here)
+        if alike not in known:
+            apart = np.diff(np.unique([0, 2 * delay[line], *np.frombuffer(b"".join(here), int)]))
+            known[alike] = max(int(apart.min()) // 2, 1)
+        gaps[line] = known[alike]
+    return gaps
+
+
+def _rows(k: int, line: SceneLine, circuits: Circuits, delay: int, count: int, order: Basis, h: float) -> list[_Row]:
+    """Lumps at whole slabs, then those between in reverse order, so that laws that do not commute take turns."""
+    losses, z0 = line.losses, line.parameters.z0
+    assert losses is not None
+    if losses.distortionless:
+        share = -float(np.expm1(-losses.attenuation)) / 2
+        return [_Row(k, np.array([delay]), _Law(CONSTANT, sign, share)) for sign in (-1.0, 1.0)]
+    place = _places(delay, count)
+    even = bool(circuits.series.rates.size or circuits.shunt.rates.size or losses.curve is not None)
+    share = shares(count, even)
+    rows: list[_Row] = []
+    for turn, here in ((1, place % 2 == 0), (-1, place % 2 == 1)):
+        part = share[0] if even else share[here]
+        laws = [
+            *_linear(-1.0, circuits.series, part * losses.exact.length / z0, order, h),
+            *_friction(losses, z0, part),
+            *_linear(1.0, circuits.shunt, part * losses.exact.length * z0, order, h),
+        ]
+        rows += [_Row(k, place[here], law) for law in laws[::turn]] if here.any() else []
+    return rows
+
+
+@lru_cache(1024)
+def shares(count: int, even: bool) -> NDArray:
+    """Of the losses of a line, what each of its lumps stands for; all the same if one table or circuit does for all."""
+    if even or count == 1:
+        return np.full(count, 1 / count)
+    share = np.full(count, 1 / (count + 1))
+    share[[0, -1]] *= 1.5
+    return share
+
+
+@lru_cache(1024)
+def _places(delay: int, count: int) -> NDArray:
+    """Half slabs from end 1."""
+    return np.round(2 * delay * np.arange(1, count + 1) / (count + 1)).astype(int)
+
+
+def _linear(sign: float, law: Foster, scale: Any, order: Basis, h: float) -> list[_Law]:
+    """A circuit, times a scale."""
+    if law.strengths.size:
+        return [_Law(REMEMBERED, sign, 0.0, one_step(law, scale, order, h), law.rates.size)]
+    loss = scale * law.loss
+    return [_Law(CONSTANT, sign, loss / (2 + loss))] if law.loss else []
+
+
+def _friction(losses: Losses, z0: float, share: Any) -> list[_Law]:
+    """A share of the friction that depends on the size of the flow."""
+    if losses.linear:
+        return []
+    if losses.curve is not None:
+        return [_Law(TABLED, -1.0, 0.0, tabled(losses, z0, share))]
+    return [_Law(SQUARED, -1.0, losses.quadratic * losses.exact.length * share / z0**2)]
+
+
+def tabled(losses: Losses, z0: float, share: float) -> NDArray:
+    """e/w of a lump over the logarithm of |w|, as the kernel looks it up; between 0 and 1, so it stays passive.
+
+    The flow in 2 z0 y + share F(y) = w is found by halving: the left side rises, though it may jump.
+    """
+    octaves = np.arange(LOWEST * POINTS, HIGHEST * POINTS + 1) / POINTS
+    w = 2.0**octaves
+    low, high = np.zeros(len(w)), w / (2 * z0)
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        below = 2 * z0 * middle + share * losses.friction(middle)[0] < w
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return np.concatenate([[octaves[0], POINTS, len(w)], np.clip(1 - (low + high) * z0 / w, 0.0, 1.0)])

@@ -1,0 +1,133 @@
+"""Lossy lines in cells one slab long, each advanced by its exact evolution over a slab, projected on polynomials.
+
+What a cell holds (a, b and the memories of its circuits over x) and what enters it during a slab (a at its left end, b
+at its right end, over t) are polynomials of degree s - 1; so is, after projection, what it holds a slab later, and what
+has left it. The equations dissipate and the projections lose energy, so a cell cannot create any. There is no other
+error: a front that enters on a slab's edge leaves on one, and all between is smooth.
+"""
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.loss import Law
+from tline.loss.foster import Foster
+from tline.scene.line import SceneLine
+from tline.solver.assembly.network import Cells
+from tline.solver.description.circuits import Circuits
+from tline.solver.description.resolution import WHOLE
+from tline.solver.radau import Basis, Matrix
+
+MOST_DIFFERENT = 50  # cells, for each takes some hundredths of a second to find
+
+Plain = tuple[float, float, tuple[float, ...], tuple[float, ...]]  # a circuit as what makes it
+
+
+class Cell(NamedTuple):
+    """Maps of a cell over a slab: n fields at s points each; what enters or leaves is b at the left, a at the right."""
+
+    held: Matrix  # (n s, n s) from what it holds to what it holds a slab later
+    entered: Matrix  # (n s, 2 s) from what enters (a, b) to what it holds then
+    left: Matrix  # (2 s, n s) from what it holds to what leaves (a, b)
+    back: Matrix  # (s, s) from what enters at an end to what leaves at the same end
+
+
+def cell(series: Foster, shunt: Foster, h: float, s: int) -> Cell:
+    """The cell of a line with circuits given per metre, for slabs of h seconds."""
+    plain = [
+        (law.loss, law.storage, tuple(law.strengths.tolist()), tuple(law.rates.tolist())) for law in (series, shunt)
+    ]
+    return _cell(*plain, h, s)
+
+
+@lru_cache(maxsize=256)
+def _cell(series: Plain, shunt: Plain, h: float, s: int) -> Cell:
+    from tline.solver.assembly.evolution import evolution
+
+    whole = evolution(Foster(*series), Foster(*shunt), h, s)
+    inside = len(whole) - 2 * s
+    return Cell(
+        whole[:inside, :inside], whole[:inside, inside:], whole[inside:, :inside], whole[inside + s :, inside:-s]
+    )
+
+
+class InCells(NamedTuple):
+    """A line in cells, and what of a wave sent from an end its own node feels in the same slab."""
+
+    number: int
+    cell: Cell
+    memories: tuple[int, int]  # of the series and of the shunt circuit
+
+    @property
+    def echo(self) -> Matrix:
+        """Q = K/(1 + K) of `pass_cells`, shape (s, s)."""
+        return np.linalg.solve(np.eye(len(self.cell.back)) + self.cell.back, self.cell.back)
+
+    def maps(self) -> Matrix:
+        """All maps in the order of `Cells.maps`."""
+        held, entered, left, K = self.cell
+        one = np.eye(len(K))
+        X, R = np.linalg.inv(one - K @ K), np.linalg.inv(one + K)
+        next_, then = np.vstack([held, left @ held]), np.vstack([entered, left @ entered])
+        return np.concatenate([part.T.ravel() for part in (next_, then, X, X @ K, R, R @ K)])
+
+
+def fits(lines: Mapping[str, SceneLine], h: float) -> bool:
+    """Whether all lossy lines can be cut in cells: linear ones whose delay is whole slabs, unless too many differ."""
+    different: set[tuple[Law, Law]] = set()
+    for line in lines.values():
+        if line.losses is not None and not line.losses.distortionless:
+            different.add((line.losses.exact.series, line.losses.exact.shunt))
+            if len(different) > MOST_DIFFERENT or not _fits(line, h):
+                return False
+    return True
+
+
+def _fits(line: SceneLine, h: float) -> bool:
+    slabs = (line.parameters.delay or 0.0) / h
+    return line.losses is not None and line.losses.linear and abs(slabs - round(slabs)) <= WHOLE * slabs
+
+
+def lines_in_cells(
+    lines: Mapping[str, SceneLine], circuits: Mapping[str, Circuits], order: Basis, h: float
+) -> dict[int, InCells]:
+    """Lines that are cut in cells, by their numbers; none where one does not fit."""
+    found: dict[int, InCells] = {}
+    for k, (name, line) in enumerate(lines.items() if fits(lines, h) else ()):
+        if line.losses is not None and not line.losses.distortionless:
+            series, shunt, _ = circuits[name]
+            made = cell(series, shunt, h, order.s)
+            found[k] = InCells(round((line.parameters.delay or 0.0) / h), made, (len(series.rates), len(shunt.rates)))
+    return found
+
+
+def cells_of(lines: Mapping[int, InCells], groups: list[list[NDArray | None]]) -> tuple[Cells, int]:
+    """All lines in cells by their numbers, and how many values they hold.
+
+    Parameters
+    ----------
+    groups : list of lists of ndarray, shape (s, s), or None
+        Of each node of each group the echo that its map does not have in it.
+    """
+    rows = list(lines.values())
+    maps, echoes = [row.maps() for row in rows], [echo for group in groups for echo in group]
+    held = np.array([len(row.cell.held) for row in rows], int)
+    number = np.array([row.number for row in rows], int)
+    values = np.cumsum([0, *(row.number * sum(row.cell.left.shape) + len(row.cell.left) for row in rows)])
+    felt = np.array([echo is not None for echo in echoes])
+    size = len(rows[0].cell.back) ** 2 if rows else 0
+    cells = Cells(
+        line=np.array(list(lines), int),
+        number=number,
+        held=held,
+        at=np.cumsum([0, *map(len, maps)])[:-1],
+        maps=np.concatenate([np.empty(0), *maps]),
+        state=values[:-1],
+        beside=np.array([any(echo is not None for echo in group) for group in groups]),
+        echo_at=np.where(felt, (np.cumsum(felt) - 1) * size, -1),
+        echo=np.concatenate([np.empty(0), *(echo.T.ravel() for echo in echoes if echo is not None)]),
+    )
+    return cells, int(values[-1])

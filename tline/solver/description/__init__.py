@@ -1,0 +1,1 @@
+"""A scene, read once, as plain data in SI."""

@@ -1,0 +1,118 @@
+"""Circuits in place of the exact laws of lossy lines, and their maps over a slab."""
+
+from collections.abc import Mapping
+from functools import lru_cache
+from math import ceil, inf, log, pi
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.loss import Constant, Foster, Law, Sum, realise
+from tline.scene.line import SceneLine
+from tline.solver.description.resolution import BAND
+from tline.solver.radau import Basis
+
+CYCLES_PER_RUN = 0.1  # at which the band of a circuit begins, at most
+STEP = 2.0  # its upper end is a power of this over its lower end, so that many runs share a circuit
+NONE = np.empty(0)
+
+
+class Fit(NamedTuple):
+    """How well circuits stand for the laws of lossy lines.
+
+    Parameters
+    ----------
+    low, high : float
+        Band, Hz.
+    tolerance : float
+        Of the impedance and the admittance in it, relative.
+    fastest : float
+        Rate up to which laws that are circuits stay what they are, 1/s.
+    """
+
+    low: float
+    high: float
+    tolerance: float
+    fastest: float
+
+
+class Circuits(NamedTuple):
+    """Of one line, per metre, and their largest error in the band, relative."""
+
+    series: Foster
+    shunt: Foster
+    error: float
+
+
+def fit_of(t_end: float, h: float, tolerance: float, band: float = BAND, drive: float = inf) -> Fit:
+    """What a run of slabs of width h needs.
+
+    Parameters
+    ----------
+    band : float
+        Cycles per slab at which the band ends, at least.
+    drive : float
+        Shortest time scale of what drives, s, which the band is to hold up to `BAND` cycles per slab.
+
+    Examples
+    --------
+    >>> fit_of(t_end=10, h=1e-3, tolerance=1e-6)
+    Fit(low=0.01, high=2621.44, tolerance=1e-06, fastest=12566.370614359172)
+    """
+    low, widest = CYCLES_PER_RUN / t_end, BAND / h
+    high = min(max(band / h, 1 / drive), widest)
+    return Fit(low, low * STEP ** max(ceil(log(high / low, STEP)), 2), tolerance, 2 * pi * widest)
+
+
+def circuits_of(lines: Mapping[str, SceneLine], fit: Fit) -> dict[str, Circuits]:
+    """Circuits of all lines that lose something."""
+    found = {}
+    for name, line in lines.items():
+        if line.losses is not None:
+            exact = line.losses.exact
+            (series, a), (shunt, b) = (circuit_of(law, fit) for law in (exact.series, exact.shunt))
+            found[name] = Circuits(series, shunt, max(a, b))
+    return found
+
+
+def circuit_of(law: Law, fit: Fit) -> tuple[Foster, float]:
+    """A circuit, as it is if the law is one that is no faster than the band, and its error."""
+    return (Foster(law.loss, law.storage, NONE, NONE), 0.0) if isinstance(law, Constant) else _fitted(law, fit)
+
+
+@lru_cache
+def _fitted(law: Law, fit: Fit) -> tuple[Foster, float]:
+    parts = law.laws if isinstance(law, Sum) else (law,)
+    if all(isinstance(part, Constant | Foster) for part in parts):
+        fosters = [part for part in parts if isinstance(part, Foster)]
+        strengths = np.concatenate([np.empty(0), *(part.strengths for part in fosters)])
+        rates = np.concatenate([np.empty(0), *(part.rates for part in fosters)])
+        if rates.max(initial=0.0) <= fit.fastest:
+            return Foster(law.loss, law.storage, strengths, rates), 0.0
+    found = realise(law, (fit.low, fit.high), fit.tolerance)
+    return found.circuit, found.error
+
+
+def one_step(law: Foster, scale: float, order: Basis, h: float) -> NDArray:
+    """What a lump of ζ = scale (loss + Σ r s/(s + p)) does in a slab of width h, by Radau IIA.
+
+    With 2 q + ζ q = w and e = w - 2 q, in the coordinates in which its states do not see each other: ξ' = -p ξ + v q,
+    v² = r p, and q = (w + v·ξ)/(2 + loss + Σ r). That matrix is symmetric.
+
+    Returns
+    -------
+    ndarray
+        D (s, s), C (s, modes), B (modes, s), decay (modes,), one after the other: e = D w + C x, x' = B w + decay x.
+    """
+    r, p, s = scale * law.strengths, law.rates, order.s
+    through = 2 + scale * law.loss + r.sum()
+    v = np.sqrt(r * p)
+    rate, modes = np.linalg.eigh(np.diag(p) - np.outer(v, v) / through)
+    v = modes.T @ v
+    stages = np.linalg.inv(np.eye(s) + h * rate[:, None, None] * order.A)  # (modes, s, s)
+    started = stages.sum(axis=2)
+    driven = (h * v / through)[:, None, None] * (stages @ order.A)
+    direct = np.eye(s) * (1 - 2 / through) - 2 / through * np.einsum("k,kij->ij", v, driven)
+    read = -2 / through * (v[:, None] * started).T
+    return np.concatenate([direct.ravel(), read.ravel(), driven[:, -1].ravel(), started[:, -1]])

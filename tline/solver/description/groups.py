@@ -1,0 +1,185 @@
+"""Short lines as lumped inductors and capacitors, and the state space of the nodes that they join.
+
+A line cut in n cells is n inductors z0 T/n in a row, with a capacitor T/(n z0) between each two and half of one at each
+end. Its states are the inductors' flows times z0 and the inner capacitors' efforts, in order along the line; so all
+rates are n/T. The halves at the ends are part of the nodes' loads.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.scene.coupled import ends_of
+from tline.scene.mistakes import place as place_of
+from tline.scene.multiport import Multiport
+from tline.scene.scene import Scene
+from tline.solver.description.components import parts
+from tline.solver.description.coupled import EndPlaces, scattered
+from tline.solver.description.elements import Element, elements_of
+from tline.solver.description.load_step import NO_LOAD, StateSpace, side_by_side
+from tline.solver.description.multiport import PortPlaces, joined
+from tline.solver.description.nodes import Node
+
+
+class Lump(NamedTuple):
+    """A lumped line between two nodes of a group."""
+
+    name: str
+    first: int
+    second: int
+    z0: float
+    delay: float
+    cells: int
+    u: float = 0.0  # before t = 0
+    y: float = 0.0
+
+    @property
+    def states(self) -> int:
+        """Inductors and the capacitors between them."""
+        return 2 * self.cells - 1
+
+
+FAST = 3.0  # over the slab's width: poles beyond are not resolved
+LONG = 64.0  # delays, so that the steps of that time are too long for what rings in cells, but not in lines
+GONE = 20.0  # time constants after which 2e-9 is left
+
+
+class Group(NamedTuple):
+    """Nodes that short lines, ends of coupled conductors, multiports or non-linear elements join, or one node."""
+
+    nodes: list[Node]
+    lumps: list[Lump]
+    ends: list[EndPlaces]
+    ports: list[PortPlaces]
+    elements: list[Element]
+
+    @property
+    def dynamic(self) -> bool:
+        """Whether it has a state, or a switch."""
+        free = [node for node in self.nodes if node.held is None]
+        return bool(self.lumps or self.ends or self.ports) or any(
+            node.load is not None or node.switches for node in free
+        )
+
+    def system(self, switched: float) -> StateSpace:
+        """From the nodes' Thévenin waves to their efforts, with switches of that conductance if it is one node."""
+        if self.ends:
+            return scattered(self.nodes, self.ends)
+        if self.ports:
+            return joined(self.nodes, self.ports)
+        if not self.lumps:
+            return self.nodes[0].response(switched)
+        return coupled(self)
+
+    def settles(self, h: float) -> float:
+        """Time in which what lumped lines make faster than slabs of width h dies away, s."""
+        if not self.lumps:
+            return 0.0
+        poles = np.linalg.eigvals(self.system(0.0).A)
+        decay = -float(poles.real[np.abs(poles) * h > FAST].max(initial=-np.inf))
+        return max(GONE / decay, LONG * max(lump.delay for lump in self.lumps)) if decay > 0 else np.inf
+
+    def at_rest_under(self, waves: NDArray) -> NDArray:
+        """Steady state under Thévenin waves, shape (nodes,), while the lumped lines carry their flows."""
+        if not self.lumps:
+            return self.nodes[0].response(self.nodes[0].switched(0.0)).at_rest_under(waves[0])
+        states, out, level = [], np.zeros(len(self.nodes)), np.zeros(len(self.nodes))
+        for lump in self.lumps:
+            level[[lump.first, lump.second]] = lump.u
+            out[lump.first] += lump.y
+            out[lump.second] -= lump.y
+        for node, wave, flow, u in zip(self.nodes, waves, out, level, strict=True):
+            if node.held is None:
+                states.append(node.response(0.0).at_rest_under(wave - flow / node.total + u * node.floating))
+        inner = [np.resize([lump.z0 * lump.y, lump.u], lump.states) for lump in self.lumps]
+        return np.concatenate([*states, *inner])
+
+    def standing(self) -> NDArray:
+        """State while the liquid stands still."""
+        system = self.system(0.0)
+        state, first = np.where(system.constant, 1.0, 0.0), 0
+        for node in self.nodes:
+            if node.held is None:
+                own = node.standing()
+                state[first : first + len(own)] = own
+                first += len(own)
+        return state
+
+
+def coupled(group: Group) -> StateSpace:
+    """State space of a group with lumped lines: those of its nodes, whose Thévenin waves lose what the inductors take.
+
+    With g the conductance and i the flow out of a node into inductors, its wave becomes w - i/g. A node where nothing
+    but short lines conducts takes their sum for g, and gets back its own effort, w - i/g + u; with a capacitor there, u
+    does not depend on that wave but through the state.
+    """
+    own = [NO_LOAD if node.held is not None else node.response(0.0) for node in group.nodes]
+    first = np.cumsum([0, *(len(system.A) for system in own), *(lump.states for lump in group.lumps)])
+    k = len(own)
+    A, B, C, D = side_by_side(own, sum(lump.states for lump in group.lumps))
+    wave = np.zeros_like(C)  # what the states add to the waves
+    for p, node in enumerate(group.nodes):
+        if node.held is None and node.floating:
+            wave[p] += C[p]
+    for lump, at in zip(group.lumps, first[k:-1], strict=True):
+        last = at + lump.states - 1
+        for p, place, sign in ((lump.first, at, 1.0), (lump.second, last, -1.0)):
+            if group.nodes[p].held is None:
+                wave[p, place] -= sign / (lump.z0 * group.nodes[p].total)
+    A += B @ wave
+    C += D @ wave
+    for lump, at in zip(group.lumps, first[k:-1], strict=True):
+        last, rate = at + lump.states - 1, lump.cells / lump.delay
+        for j in range(at, last):  # neighbours along the line
+            A[j, j + 1], A[j + 1, j] = -rate, rate
+        for p, place, sign in ((lump.first, at, 1.0), (lump.second, last, -1.0)):
+            A[place] += sign * rate * C[p]
+            B[place] += sign * rate * D[p]
+    return StateSpace(A, B, C, D)
+
+
+def grouped(
+    scene: Scene, cells: Mapping[str, int], nodes: dict[str, Node], u: NDArray, y: NDArray
+) -> tuple[list[Group], dict[str, Node]]:
+    """Groups of the nodes that lumped or coupled lines, multiports or elements join, and the nodes in their order.
+
+    Parameters
+    ----------
+    cells : mapping
+        Of each lumped line.
+    u, y : ndarray, shape (lines,)
+        Effort and flow of each line before t = 0.
+    """
+    elements, coupled_ends = elements_of(scene, nodes), ends_of(scene.lines)
+    multiports = {name: link for name, link in scene.links.items() if isinstance(link, Multiport)}
+    if not cells and not elements and not coupled_ends and not multiports:
+        return [Group([node], [], [], [], []) for node in nodes.values()], nodes
+    names, number = list(nodes), {name: k for k, name in enumerate(nodes)}
+    ends = {name: [number[at] for at in scene.lines[name].nodes] for name in cells}
+    pairs = [*ends.values(), *([number[e.nodes[0]], number[e.nodes[-1]]] for e in elements)]
+    pairs += [[number[end.conductors[0]], number[at]] for end in coupled_ends for at in (*end.conductors, *end.modal)]
+    pairs += [[number[link.nodes[0]], number[at]] for link in multiports.values() for at in link.nodes]
+    first, second = np.array(pairs).T
+    part = parts(first, second, len(names))
+    order = np.argsort(part, kind="stable")
+    place = np.argsort(order) - np.searchsorted(part[order], part)  # of each node in its group
+    groups = [Group([], [], [], [], []) for _ in range(part.max() + 1)]
+    for k in order:
+        groups[part[k]].nodes.append(nodes[names[k]])
+    for element in elements:
+        groups[part[number[element.nodes[0]]]].elements.append(element)
+    for end in coupled_ends:
+        conductors, modal = (place[[number[at] for at in nodes]] for nodes in (end.conductors, end.modal))
+        groups[part[number[end.modal[0]]]].ends.append(EndPlaces(conductors, modal, end.modes))
+    for name, link in multiports.items():
+        at = [number[node] for node in link.nodes]
+        groups[part[at[0]]].ports.append(PortPlaces(place_of("links", name), place[at], link.ports()))
+    for k, (name, line) in enumerate(scene.single_lines.items()):
+        if name in cells:
+            one, other = ends[name]
+            z0, delay = line.parameters.z0, line.parameters.delay or 0.0
+            lump = Lump(name, place[one], place[other], z0, delay, cells[name], u[k], y[k])
+            groups[part[one]].lumps.append(lump)
+    return groups, {names[k]: nodes[names[k]] for k in order}

@@ -1,0 +1,281 @@
+"""What stands at each node of a scene, in numbers: conductances, prescribed efforts and flows, loads, switches.
+
+In a scene with heights all efforts count from the level: the piezometric pressure of the liquid at rest, filled up to
+the highest node. What stands between a node and the open air sees the gauge pressure there, the effort less
+`Height.above_level`.
+"""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from passivity import RationalFunction
+from tline.errors import InputError
+from tline.scene.cavities import refuse_cavities
+from tline.scene.coupled import ends_of
+from tline.scene.heights import Height, below
+from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
+from tline.scene.mistakes import place
+from tline.scene.multiport import Multiport
+from tline.scene.quantity import ZERO
+from tline.scene.rational_load import MOST_STATES, Rational
+from tline.scene.scene import Scene
+from tline.scene.shape import Lowered
+from tline.scene.touchstone import Touchstone
+from tline.scene.waveform import Constant, Shape
+from tline.solver.description.excitation import just_before
+from tline.solver.description.load_step import NO_LOAD, StateSpace, counted_from, effort, reflection
+from tline.solver.description.partial_fractions import reflection_of_poles
+
+SEA_LEVEL = Height()
+
+
+@dataclass
+class Node:
+    """One node: everything attached to it, side by side."""
+
+    ends: list[int] = field(default_factory=list)  # 2 * line for an end 1, 2 * line + 1 for an end 2
+    lines: float = 0.0  # sum of 1/z0 of the ends
+    lumped: float = 0.0  # sum of 1/z0 of the lumped lines' ends, and of coupled conductors'
+    conductance: float = 0.0  # of resistors, constant loads and sources
+    flows: list[tuple[Shape, float]] = field(default_factory=list)  # waveforms and what turns them into flows
+    held: Shape | None = None  # the effort, where it is ideal
+    load: RationalFunction | None = None  # all dynamic loads side by side
+    load_name: str = ""
+    measured: Touchstone | None = None  # if that is all of the load
+    switches: list[Switch] = field(default_factory=list)
+    alone: float = 1.0  # reference where nothing conducts
+    height: Height = SEA_LEVEL
+
+    @property
+    def total(self) -> float:
+        """Conductance that the waves see beside switches and dynamic loads; some reference where there is none."""
+        if self.dead:
+            return self.alone
+        return self.lumped if self.floating else self.lines + self.conductance
+
+    @property
+    def dead(self) -> bool:
+        """Whether nothing conducts, so that non-linear elements alone say what its effort is."""
+        return self.held is None and self.lines + self.lumped == 0 == self.conductance
+
+    @property
+    def floating(self) -> bool:
+        """Whether nothing but lumped lines, coupled conductors and dynamic loads conducts."""
+        return self.lumped > 0 and self.lines + self.conductance == 0
+
+    @cached_property
+    def reflection(self) -> StateSpace:
+        """From the wave into the dynamic loads to the one out of them, seen from lines and resistances.
+
+        Raises
+        ------
+        InputError
+            No wave is defined, or the loads' coefficients are beyond the range of floats.
+        """
+        if self.load is None:
+            return NO_LOAD
+        if self.measured is not None:
+            return reflection_of_poles(self.measured.model.model, self.measured.z0 * self.total)
+        try:
+            with np.errstate(all="ignore"):
+                system = reflection(self.load, 1 / self.total, self.load_name)
+        except OverflowError:
+            system = None
+        if system is None or not all(np.isfinite(part).all() for part in system):
+            raise InputError(self.load_name, "its coefficients are too far apart for floating-point numbers")
+        return system
+
+    def effort(self, switched: float) -> StateSpace:
+        """From the Thévenin wave to the node's effort, through the loads and switches of that conductance.
+
+        Raises
+        ------
+        InputError
+            A closed switch shorts a load that holds its effort.
+        """
+        try:
+            return effort(self.reflection, switched / self.total)
+        except ZeroDivisionError:
+            problem = "a switch shorts it, and it holds its effort"
+            raise InputError(self.load_name, problem, "a switch with a resistance above zero") from None
+
+    def response(self, switched: float) -> StateSpace:
+        """The same where loads and switches see the gauge pressure; they then have a last state that is always 1."""
+        system = self.effort(switched)
+        return counted_from(self.above_level, system) if self.has_constant else system
+
+    @property
+    def above_level(self) -> float:
+        """Effort at which the gauge pressure is zero."""
+        return self.height.above_level
+
+    @property
+    def has_constant(self) -> bool:
+        """Whether the response has that state."""
+        return bool(self.above_level) and (self.load is not None or bool(self.switches))
+
+    def standing(self) -> NDArray:
+        """State of the response while the liquid stands still.
+
+        Capacitances without a path for a steady flow, or straight across, hold the gauge pressure; nothing flows in
+        inductances.
+        """
+        A, b, c, d = self.effort(0.0)
+        state = np.zeros(len(A))
+        if self.above_level and self.load is not None:
+            if np.isinf(float(self.load.at_zero())):
+                state = np.linalg.solve(A, b[:, 0]) * self.above_level
+            elif float(d[0, 0]) == 0.0:
+                state = b[:, 0] * (-self.above_level / float((c @ b)[0, 0]))
+        return np.append(state, 1.0) if self.has_constant else state
+
+    def weights(self, z0: NDArray) -> NDArray:
+        """Share of each end's arriving wave in the Thévenin wave; none reach an effort that is held."""
+        own = 1 / z0[np.array(self.ends, int) // 2]
+        return 0.0 * own if self.held is not None else own / (own.sum() + self.conductance)
+
+    @property
+    def drives(self) -> list[tuple[Shape, float]]:
+        """Waveforms and their shares of the Thévenin wave."""
+        if self.held is not None:
+            return [(self.held, 1.0)]
+        return [(waveform, factor / self.total) for waveform, factor in self.flows]
+
+    def switched(self, t: float) -> float:
+        """Conductance of the switches just before t."""
+        resistances = [s.after if s.time < t else s.before for s in self.switches]
+        return sum(np.inf if r == 0 else 1 / r for r in resistances)
+
+    def flow_before(self) -> float:
+        """Flow of the sources immediately before t = 0."""
+        return sum(factor * just_before(waveform) for waveform, factor in self.flows)
+
+    def attach(self, load: Load, where: str) -> None:
+        """Attach a load that stands at `where` in the scene."""
+        match load:
+            case Resistor():
+                self._conduct(1 / load.resistance if load.resistance else np.inf)
+            case Short():
+                self._conduct(np.inf)
+            case Reservoir():
+                self.held = lowered(Constant(level=load.pressure), self.height.level)
+            case Matched():
+                self._conduct(self.lines + self.lumped)
+            case Switch():
+                self.switches.append(load)
+            case Touchstone():
+                self.respond(load.rational(), where, load)
+            case Rational():
+                self.respond(load.rational().reduced(), where)
+            case NoFlow():
+                pass
+
+    def prescribe(self, waveform: Shape, conductance: float, is_effort: bool) -> None:
+        """Attach a source; a pressure is piezometric."""
+        if is_effort:
+            waveform = lowered(waveform, self.height.level)
+        if np.isinf(conductance):
+            self.held = waveform
+        elif is_effort:
+            self.conductance += conductance
+            self.flows.append((waveform, conductance))
+        else:
+            self.flows.append((waveform, 1.0))
+            self._conduct(conductance)
+
+    def _conduct(self, conductance: float) -> None:
+        """Attach a conductance to the open air; an infinite one holds the node at no gauge pressure."""
+        if np.isinf(conductance):
+            self.held = Constant.model_validate({"level": self.above_level}) if self.above_level else NOTHING
+            return
+        self.conductance += conductance
+        if conductance and self.above_level:
+            self.flows.append((UNIT, conductance * self.above_level))
+
+    def respond(self, impedance: RationalFunction, where: str, measured: Touchstone | None = None) -> None:
+        """Attach a rational impedance, or a measured one; without dynamics it is a resistance."""
+        if impedance.degree == 0:
+            resistance = float(impedance.at_zero())
+            self._conduct(1 / resistance if resistance else np.inf)
+            return
+        self.load = impedance if self.load is None else self.load.parallel(impedance).reduced()
+        self.load_name, self.measured = where, measured
+        if measured is None and self.load.degree > MOST_STATES:
+            problem = "with the loads beside it, its degree in s is too high"
+            raise InputError(where, problem, f"at most {MOST_STATES}", f"{self.load.degree}")
+
+
+NOTHING, UNIT = Constant(level=ZERO), Constant.model_validate({"level": 1})
+NONE: Mapping[str, Any] = {}  # results hold it, and no proxy of it can be pickled
+CANCELLED = 1e-9  # share of the lines' conductance that active loads must leave
+
+
+def lowered(pressure: Shape, level: float) -> Shape:
+    """A prescribed pressure less the level."""
+    if not level:
+        return pressure
+    if isinstance(pressure, Constant):
+        return Constant.model_validate({"level": below(pressure.level, level)})
+    return Lowered.model_construct(waveform=pressure, by=level)
+
+
+def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
+    """The nodes of a scene by name, in the order in which lines and links name them; `cells` are of lumped lines."""
+    nodes: dict[str, Node] = {}
+    kept = 0
+    refuse_cavities(scene.single_lines, "what is asked")
+    for name, line in scene.single_lines.items():
+        admittance = 1 / line.parameters.z0
+        for side, at in enumerate(line.nodes):
+            if at not in nodes:
+                nodes[at] = Node()
+            node = nodes[at]
+            if name in cells:
+                node.lumped += admittance
+            else:
+                node.ends.append(2 * kept + side)
+                node.lines += admittance
+        kept += name not in cells
+    for end in ends_of(scene.lines):
+        for at, conductance in zip(end.conductors, np.diag(end.modes.admittance), strict=True):
+            nodes.setdefault(at, Node()).lumped += float(conductance)
+    for link in scene.links.values():
+        for at in link.nodes:
+            nodes.setdefault(at, Node())
+    multiports = [link for link in scene.links.values() if isinstance(link, Multiport)]
+    if multiports:
+        usual = float(1 / np.mean([line.parameters.z0 for line in scene.single_lines.values()]))
+        for at in {node for link in multiports for node in link.nodes}:
+            nodes[at].alone = usual
+    for name, height in scene.heights.items():
+        nodes[name].height = height
+    for source in scene.sources.values():
+        nodes[source.at].prescribe(source.value, source.conductance, source.is_effort)
+    for name, load in scene.loads.items():
+        nodes[load.at].attach(load, place("loads", name))
+    for name, n in cells.items():
+        line = scene.lines[name]
+        half = Fraction(line.parameters.delay or 0.0) / (2 * n * Fraction(line.parameters.z0))
+        for at in line.nodes:
+            nodes[at].respond(RationalFunction.from_coefficients([1], [half, 0]), place("lines", name))
+    for name, node in nodes.items():
+        if node.held is None and abs(node.total) < CANCELLED * (node.lines + node.lumped):
+            at_node = [n for n, load in scene.loads.items() if load.at == name and isinstance(load, Rational)]
+            if at_node:  # else it is small, not cancelled
+                problem = f"cancels the conductance of the lines at node '{name}': no wave is defined"
+                raise InputError(place("loads", at_node[0]), problem, "another resistance")
+    return nodes
+
+
+def node_of_end(nodes: Collection[Node]) -> NDArray:
+    """Number of the node at which each line end is."""
+    at = np.empty(sum(len(node.ends) for node in nodes), int)
+    for k, node in enumerate(nodes):
+        at[node.ends] = k
+    return at

@@ -1,0 +1,211 @@
+"""Order and slab width of a run: as the user fixed them, or fine enough for what the scene holds."""
+
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+from math import ceil, inf, lcm
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.load import Switch
+from tline.scene.mistakes import place
+from tline.scene.multiport import Multiport
+from tline.scene.scene import Scene
+from tline.solver.description.groups import Group, grouped
+from tline.solver.description.nodes import NONE, Node
+
+ORDER = 5
+FIT = 1e-7
+HELD = 0.5  # cycles per slab up to which circuits hold
+BAND = 2.0  # cycles per slab beyond which they are not asked to
+LUMPS, ALL_LUMPS = 64, 2**31
+POINTS = 2  # of a slab, at least, in the time scale of what is to be resolved
+SLABS_PER_DELAY, SLABS_PER_RUN = 4, 500  # at least, where they cost little
+SLABS_FOR_FRONTS = 20_000  # at most, to give the short pieces of waveforms slabs of their own
+CHEAP = 1e7  # line-end samples computed without asking whether that fine is needed
+CHEAP_IN_BLOCKS = 1e9  # the same where a slab divides all delays: without fronts inside slabs some hundred times faster
+ROOM = 4e7  # samples on the lines or in the record that are kept without asking
+LARGEST = 4e8  # samples on the lines at once
+MOST_SLABS = 1e9
+MOST_MARKS = 100  # jumps, corners and switches that are worth a slab that divides their instants
+FINER = 20  # times, that a slab may be narrower than needed to divide all delays
+ROOMY = 16  # times that a slab is longer than lumped lines take to settle: so often a front may pass them unharmed
+WHOLE = 1e-12  # a delay this near to whole slabs, relatively, is whole
+
+
+class Resolution(NamedTuple):
+    """How finely a scene is computed, and what that leaves out."""
+
+    s: int
+    h: float
+    notes: tuple[str, ...] = ()
+    blind: bool = False  # whether an oscillation may pass unseen, so that no comparison with another order tells
+    cells: Mapping[str, int] = NONE  # of each lumped line
+    settle: float = 0.0  # time in which these settle after a front, s
+    fit: float = FIT  # tolerance of the circuits of lossy lines, relative
+    band: float = HELD  # of these, cycles per slab at which it ends, at least
+    lumps: int = ALL_LUMPS  # of one law in the longest line, at most, and in others by their delay
+
+
+def resolution(
+    scene: Scene,
+    nodes: dict[str, Node],
+    s: int | None = None,
+    h: float | None = None,
+    cells: Mapping[str, int] = NONE,
+    settle: float = 0.0,
+) -> Resolution:
+    """Order and slab width of a scene, if they are not given, and notes on what is too fast for them.
+
+    `cells` are those of lumped lines, which ask for no slabs; the nodes are those of the scene as it is. A slab is to
+    be longer, if the lines allow it, than the time in which lumped lines settle after a front.
+
+    Raises
+    ------
+    InputError
+        The waves under way would not fit in memory, or the run has too many slabs or ends within the first.
+    """
+    lines = scene.single_lines
+    delays = {name: line.parameters.delay or 0.0 for name, line in lines.items() if name not in cells}
+    lossy = [delay for name, delay in delays.items() if lines[name].losses is not None]
+    s = s or scene.solver.order or ORDER
+    by_hand = h is None and scene.solver.slab is not None
+    lumps = LUMPS if h is None and not by_hand else ALL_LUMPS
+    scales = _time_scales(scene, nodes)
+    h = h or float(scene.solver.slab or 0.0) or _slab(scene, list(delays.values()), lossy, scales, settle)
+    _check(scene, delays, s, h, by_hand)
+    seen = h * min(POINTS / s, 1.0) * (1 - 1e-9)
+    notes = [
+        f"{where}: its time scale of {scale:.3g} s is shorter than the slab of {h:.3g} s; "
+        "what is faster than the slab is damped, not resolved"
+        for where, (scale, _) in scales.items()
+        if scale < seen
+    ]
+    return Resolution(
+        s, h, tuple(notes), any(period < seen for _, period in scales.values()), cells, settle, lumps=lumps
+    )
+
+
+def _slab(
+    scene: Scene, delays: list[float], lossy: list[float], scales: dict[str, tuple[float, float]], settle: float
+) -> float:
+    """A slab that is fine enough for what the scene holds, if that is affordable."""
+    shortest, breaks = min(delays), _breaks(scene)
+    few = len(breaks) <= MOST_MARKS
+    resolved = min([shortest / SLABS_PER_DELAY, *(scale for scale, _ in scales.values())])
+    fronts = [max(gap, scene.t_end / SLABS_FOR_FRONTS) for gap in _gaps(scene)]
+    affordable = min(_affordable(scene, delays, CHEAP), shortest)
+    least = max(affordable, min(ROOMY * settle, min(shortest, scene.t_end) / SLABS_PER_DELAY))
+    many = [] if lossy else [scene.t_end / SLABS_PER_RUN]  # to lines with losses slabs are dear
+    wanted = max(min([resolved, *many, *fronts]), least)
+    marks = [t for t in breaks if t > 0] if few else []
+    cheap = CHEAP if lossy else CHEAP_IN_BLOCKS
+    parts = _dividing(delays, lossy, marks, wanted, _affordable(scene, delays, cheap))
+    if not parts and breaks and few:  # fronts inside slabs, exact in any slab, and slabs with fronts cost
+        wanted = max(resolved, least)
+    parts = parts or 1
+    return shortest / (parts * ceil(shortest / parts / wanted - WHOLE))
+
+
+def _affordable(scene: Scene, delays: list[float], cheap: float) -> float:
+    """The narrowest slab, s, that neither time nor memory forbids."""
+    probed = min(len(scene.probes), len(delays))
+    stepping = 2 * len(delays) * scene.t_end / cheap
+    kept = max(4 * probed * scene.t_end, 2 * sum(delays)) / ROOM
+    return ORDER * max(stepping, kept)
+
+
+def _check(scene: Scene, delays: dict[str, float], s: int, h: float, by_hand: bool) -> None:
+    shortest, longest = (place("lines", choose(delays, key=lambda name: delays[name])) for choose in (min, max))
+    under_way = 2 * s * sum(delays.values()) / h
+    if under_way > LARGEST:
+        problem = f"slabs of {h:.3g} s put {under_way:.2g} samples on the lines at once"
+        raise InputError(
+            "solver.slab" if by_hand else shortest,
+            f"{problem}, for {longest} takes {max(delays.values()):.3g} s",
+            f"at most {LARGEST:.0e}: a longer slab or a lower order"
+            if by_hand
+            else f"at most {LARGEST:.0e}: a longer shortest line or a lower order",
+        )
+    if h > scene.t_end * (1 + WHOLE):
+        at_least = f"at least a slab of {h:.3g} s"
+        raise InputError("t_end", "the run ends within the first slab", at_least, f"{scene.t_end:.3g} s")
+    if scene.t_end / h > MOST_SLABS:
+        problem = f"slabs of {h:.3g} s make a run of {scene.t_end / h:.2g} slabs"
+        expected = f"at most {MOST_SLABS:.0e}; no slab is longer than the delay of {shortest}"
+        raise InputError("t_end", problem, expected, f"{scene.t_end:.3g} s")
+
+
+def _gaps(scene: Scene) -> list[float]:
+    """The shortest piece between two breaks of each waveform that has one, s; below rounding it is a jump."""
+    pieces = [np.diff(waveform.breaks(scene.t_end)) for waveform in scene.waveforms.values()]
+    return [float(p.min()) for p in (p[p > WHOLE * scene.t_end] for p in pieces) if p.size]
+
+
+def _time_scales(scene: Scene, nodes: dict[str, Node]) -> dict[str, tuple[float, float]]:
+    """Of each curved waveform and dynamic load the shortest time scale, and that of its oscillations, s."""
+    scales = {}
+    for (part, name, _), waveform in scene.waveforms.items():
+        fastest = waveform.fastest()
+        scales[place(part, name)] = fastest, fastest
+    for where, poles in _poles(scene, nodes):
+        ringing = poles[np.abs(np.imag(poles)) > np.abs(np.real(poles))]
+        scales[where] = (_shortest(poles), _shortest(ringing))
+    return scales
+
+
+def _poles(scene: Scene, nodes: dict[str, Node]) -> Iterator[tuple[str, NDArray]]:
+    """Of each node with dynamic loads, alone or joined to others by multiports, in all states of its switches."""
+    joined = _joined(scene, nodes) if any(isinstance(link, Multiport) for link in scene.links.values()) else []
+    elsewhere = {id(node) for group in joined for node in group.nodes}
+    for group in joined:
+        yield group.ports[0].where, np.linalg.eigvals(group.system(0.0).A)
+    for node in nodes.values():
+        if node.load is not None and node.held is None and id(node) not in elsewhere:
+            states = {node.switched(t) for t in (0.0, *(float(switch.time) for switch in node.switches), inf)}
+            yield node.load_name, np.concatenate([np.linalg.eigvals(node.effort(g).A) for g in states])
+
+
+def _joined(scene: Scene, nodes: dict[str, Node]) -> list[Group]:
+    """Groups of the nodes that multiports join."""
+    none = np.zeros(len(scene.single_lines))
+    return [group for group in grouped(scene, NONE, nodes, none, none)[0] if group.ports]
+
+
+def _shortest(poles: NDArray) -> float:
+    """Time scale of the fastest pole, s; infinite if there is none."""
+    fastest = float(np.abs(poles).max(initial=0.0))
+    return 1 / fastest if fastest else inf
+
+
+def _breaks(scene: Scene) -> list[float]:
+    """Instants of the jumps, corners and switches of a run, s."""
+    instants = [float(load.time) for load in scene.loads.values() if isinstance(load, Switch)]
+    for waveform in scene.waveforms.values():
+        instants += waveform.breaks(scene.t_end).tolist()
+    return [t for t in instants if 0 <= t < scene.t_end]
+
+
+def _dividing(delays: list[float], lossy: list[float], marks: list[float], wanted: float, affordable: float) -> int:
+    """The fewest parts of the shortest delay that divide all delays and marks, or else some of them; 0 for too many.
+
+    Rather those of lossy lines than others: fronts are not followed past lumps inside slabs.
+    """
+    shortest = min(delays)
+    most = int(shortest / max(wanted / FINER, affordable)) or 1
+    choices = [[*delays, *marks], delays]
+    choices += [[shortest, *lossy, *marks], [shortest, *lossy]] if lossy else []
+    return next(filter(None, (common_parts(times, shortest, most) for times in choices)), 0)
+
+
+def common_parts(times: list[float], unit: float, most: int) -> int:
+    """The fewest parts of the unit that divide all times, 0 if it takes more than `most`."""
+    parts = 1
+    for time in set(times):
+        ratio = Fraction(time / unit).limit_denominator(most)
+        parts = lcm(parts, ratio.denominator)
+        if parts > most or abs(time / unit - ratio) > WHOLE * ratio:
+            return 0
+    return parts

@@ -1,0 +1,1 @@
+"""Compiled units; they know arrays and nothing else."""

@@ -1,0 +1,164 @@
+"""Books kept while a run goes on: energies through line ends and into elements, slab by slab."""
+
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.scene.coupled import refuse_coupled
+from tline.scene.mistakes import place
+from tline.solver.assembly.assemble import Assembly
+from tline.solver.assembly.fronts import Fronts
+from tline.solver.description.nodes import Node, nodes_of
+from tline.solver.ledger.accounts import Accounts, accounts_of
+from tline.solver.ledger.columns import Columns
+from tline.solver.ledger.inventory import Standing, standing
+from tline.solver.ledger.ledger import COLUMNS, GRAVITY, Entry, Ledger
+from tline.solver.ledger.stored import under_way
+
+if TYPE_CHECKING:
+    from tline.solver.loop.march import Noted
+
+BLOCK = 100_000  # samples of a group's line ends looked at together
+NET = np.array([-1.0, 1.0, 1.0, 1.0, 0.0])  # what an account takes, of its columns
+
+
+class Found(NamedTuple):
+    """Slabs in pieces of one group."""
+
+    slab: NDArray  # (pieces,)
+    span: NDArray  # (pieces, 2)
+    waves: NDArray  # (pieces, ends, 2, s) what arrived and what left
+
+
+def _groups(assembly: Assembly, nodes: Mapping[str, Node], whole: Standing, z0: NDArray) -> list[Accounts]:
+    """Accounts of each group of nodes."""
+    names, edges = assembly.nodes, assembly.network.group
+    of_node = {name: g for g, (low, high) in enumerate(pairwise(edges)) for name in names[low:high]}
+    parts = [Standing([], [], []) for _ in edges[1:]]
+    for member in whole.members:
+        parts[of_node[member.nodes[0]]].members.append(member)
+    for conductor in whole.conductors:
+        parts[of_node[conductor.node]].conductors.append(conductor)
+    for drive in whole.drives:
+        parts[of_node[drive.node]].drives.append(drive)
+    groups = ({name: nodes[name] for name in names[low:high]} for low, high in pairwise(edges))
+    return [accounts_of(group, part, z0) for group, part in zip(groups, parts, strict=True)]
+
+
+class Books:
+    """A ledger that grows with a run."""
+
+    def __init__(self, assembly: Assembly, n: int):
+        scene, network, h = assembly.scene, assembly.network, assembly.resolution.h
+        refuse_coupled(scene.lines, "a ledger")
+        self.assembly, self.h = assembly, h
+        new = np.flatnonzero(network.record_row < 0)
+        network.record_row[new] = network.record_row.max(initial=-1) + 1 + np.arange(len(new))
+        self.end_of_row = np.argsort(network.record_row)
+        nodes = nodes_of(scene, assembly.resolution.cells)
+        whole = standing(scene, nodes, assembly.resolution.cells, h, n * h)
+        lines = list(assembly.lines.values())
+        self.z0 = np.array([line.parameters.z0 for line in lines])
+        self.groups = _groups(assembly, nodes, whole, self.z0)
+        self.start = under_way(assembly, None)
+        self.taken, self.least = np.zeros((2, len(lines)))
+        self.totals = [np.zeros((len(group.where), len(COLUMNS))) for group in self.groups]
+        self.lowest = [np.zeros(len(group.where)) for group in self.groups]
+        echoes = {list(assembly.lines).index(name): echo for name, echo in assembly.echoes.items()}
+        self.echo = {2 * k + side: echo for k, echo in echoes.items() for side in range(2)}
+        self.group_of_end = np.empty(2 * len(lines), int)
+        for g, group in enumerate(self.groups):
+            self.group_of_end[group.ends] = g
+
+    def see(self, record: NDArray, first: int, n: int, pieces: "Noted") -> None:
+        """Take note of n slabs from number `first` on, recorded from the first column of the record on."""
+        s = self.assembly.basis.s
+        through = np.zeros((len(self.z0), n))  # what each line takes in each slab
+        found = self._sorted(pieces)
+        for g, group in enumerate(self.groups):
+            rows = self.assembly.network.record_row[group.ends]
+            step = max(BLOCK // (max(len(rows), 1) * s), 1)
+            for low in range(0, n, step):
+                high = min(low + step, n)
+                waves = record[rows, :, low * s : high * s].reshape(len(rows), 2, high - low, s)
+                slabs = first + np.arange(low, high)
+                self._take_echoes(group, waves)
+                self._post(g, waves, slabs, found.get(g), through[:, low:high])
+        so_far = self.taken[:, None] + np.cumsum(through, axis=1)
+        self.taken, self.least = so_far[:, -1], np.minimum(self.least, so_far.min(axis=1))
+
+    def _take_echoes(self, group: Accounts, waves: NDArray) -> None:
+        """Turn what is recorded into what arrived and left: lines in cells send back some of what enters at once."""
+        for k, end in enumerate(group.ends):
+            if end in self.echo:
+                back = waves[k].sum(axis=0) @ self.echo[end].T
+                waves[k] += [back, -back]
+
+    def _post(self, g: int, waves: NDArray, slabs: NDArray, found: Found | None, through: NDArray) -> None:
+        """Enter some slabs of a group."""
+        group, basis = self.groups[g], self.assembly.basis
+        columns = Columns(basis, self.h, slabs)
+        out, posted = group.energies(waves[:, 0], waves[:, 1], columns)
+        if found is not None:
+            these = slice(*np.searchsorted(found.slab, [slabs[0], slabs[-1] + 1]))
+            slab = found.slab[these]
+            if len(slab):
+                w, o = found.waves[these].transpose(2, 1, 0, 3)
+                parts = group.energies(w, o, Columns(basis, self.h, slab, found.span[these]))
+                starts = np.flatnonzero(np.diff(slab, prepend=-1))
+                for whole, part in zip((out, posted), parts, strict=True):
+                    whole[..., slab[starts] - slabs[0]] = np.add.reduceat(part, starts, axis=-1)
+        for line, energy in zip(group.ends // 2, out, strict=True):
+            through[line] -= energy
+        so_far = (self.totals[g] @ NET)[:, None] + np.cumsum(np.tensordot(posted, NET, (1, 0)), axis=1)
+        self.lowest[g] = np.minimum(self.lowest[g], so_far.min(axis=1))
+        self.totals[g] += posted.sum(axis=2)
+
+    def _sorted(self, pieces: "Noted") -> dict[int, Found]:
+        """Pieces by group; those of one group and slab are alike at all its ends."""
+        end = self.end_of_row[pieces.row]
+        g = self.group_of_end[end]
+        place = np.empty(len(self.group_of_end), int)
+        for group in self.groups:
+            place[group.ends] = np.arange(len(group.ends))
+        order = np.lexsort((place[end], pieces.span[:, 0], pieces.slab, g))
+        found = {}
+        for number, start, count in zip(*np.unique(g[order], return_index=True, return_counts=True), strict=True):
+            these, ends = order[start : start + count], len(self.groups[number].ends)
+            s = self.assembly.basis.s
+            waves = pieces.values[these].reshape(-1, ends, 2, s)
+            found[int(number)] = Found(pieces.slab[these[::ends]], pieces.span[these[::ends]], waves)
+        return found
+
+    def ledger(self, fronts: Fronts | None) -> Ledger:
+        """What was entered, when the run is over."""
+        entries = self._of_lines(under_way(self.assembly, fronts))
+        lossless = np.array([line.losses is None for line in self.assembly.lines.values()])
+        turnover = float(np.where(lossless, self.start, np.maximum(-self.least, 0.0)).sum())
+        gravity = np.zeros(len(COLUMNS))
+        for group, totals, lowest in zip(self.groups, self.totals, self.lowest, strict=True):
+            turnover -= float(lowest.sum())
+            for where, may_give, numbers, low in zip(group.where, group.may_give, totals, lowest, strict=True):
+                if where == GRAVITY:
+                    gravity += numbers
+                else:
+                    entries.append(Entry(where, *numbers.tolist(), created=0.0 if may_give else 0.0 - float(low)))
+        if self.assembly.scene.heights:
+            entries.append(Entry(GRAVITY, *gravity.tolist(), created=0.0))
+        return Ledger(tuple(entries), turnover)
+
+    def _of_lines(self, end: NDArray) -> list[Entry]:
+        """What lines took and hold, and what those without losses lost nevertheless."""
+        at_rest, entries = self.assembly.scene.start == "rest", []
+        for k, (name, line) in enumerate(self.assembly.lines.items()):
+            where, taken, least = place("lines", name), float(self.taken[k]), float(self.least[k])
+            if line.losses is None:
+                change = float(end[k] - self.start[k])
+                created = max(0.0, -least - float(self.start[k]))
+                entries.append(Entry(where, 0.0, 0.0, change, 0.0, taken - change, created))
+            else:
+                entries.append(Entry(where, 0.0, 0.0, 0.0, taken, 0.0, 0.0 - least if at_rest else 0.0))
+        return entries

@@ -1,0 +1,1 @@
+"""The time loop: blocks, slabs with fronts, recording."""

@@ -1,0 +1,240 @@
+"""The time loop: samples the sources chunk by chunk and lets the kernel advance all nodes.
+
+Where no front is under way inside a slab, nodes are advanced in blocks; where one is, slab by slab in pieces.
+"""
+
+import time
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.mistakes import place
+from tline.solver.assembly.assemble import Assembly
+from tline.solver.assembly.fronts import LIVE, LULL, NOTED, Fronts, Tally, fronts_of, sources_of, tally
+from tline.solver.description.excitation import EDGE, broken, places_of, sampled
+
+if TYPE_CHECKING:
+    from tline.solver.ledger.recorder import Books
+    from tline.solver.result.envelope import Extremes
+
+CHUNK = 2e7  # line-end samples between two looks at the progress bar
+LOOK = 2e6  # between two looks of a ledger or an envelope, which want all pieces too
+STRETCH = 1024  # slabs advanced in pieces between two looks for fronts
+
+
+class Noted(NamedTuple):
+    """Recorded slabs in pieces, in order of time."""
+
+    row: NDArray  # (pieces,) of the record
+    slab: NDArray  # (pieces,)
+    span: NDArray  # (pieces, 2) start and end in slab time
+    values: NDArray  # (pieces, 2, s) what arrived, and what left
+
+    def of_rows(self, most: int) -> "Noted":
+        """Those of the first rows of the record."""
+        return Noted(*(part[self.row < most] for part in self))
+
+
+def joined(noted: list[Noted], s: int) -> Noted:
+    """One after the other."""
+    nothing = Noted(np.empty(0, int), np.empty(0, int), np.empty((0, 2)), np.empty((0, 2, s)))
+    return Noted(*(np.concatenate(parts) for parts in zip(nothing, *noted, strict=True)))
+
+
+class Run(NamedTuple):
+    """What there is to say of a run beside its record."""
+
+    seconds: float  # without compiling or loading the kernel
+    pieces: Noted
+    fronts: Tally
+    under_way: Fronts | None  # as they are at the end; None in a run without any
+
+
+def march(
+    assembly: Assembly,
+    n: int,
+    *,
+    extremes: "Extremes | None" = None,
+    books: "Books | None" = None,
+    progress: bool = False,
+) -> tuple[NDArray, Run]:
+    """Advance an assembled scene by n slabs.
+
+    With `extremes` to be watched or `books` to be kept, the kernel records into a window of one chunk, and only
+    recorded lines are kept.
+
+    Returns
+    -------
+    record : ndarray, shape (recorded ends, 2, n * s)
+        What arrived at each recorded end, and what left it, at the points of each slab.
+    run : Run
+        Time it took, recorded pieces, and what became of fronts.
+
+    Raises
+    ------
+    InputError
+        The waves grew beyond all bounds.
+    """
+    from tqdm import tqdm
+
+    s = assembly.basis.s
+    windowed = extremes is not None or books is not None
+    samples = LOOK if windowed else CHUNK
+    chunk = min(max(int(samples / (len(assembly.network.ends) * s)), 1), n)
+    kept, rows = 2 * len(assembly.recorded), int(assembly.network.record_row.max(initial=-1)) + 1
+    record = np.empty((kept, 2, n * s))
+    window = np.empty((rows, 2, chunk * s)) if windowed else record
+    steps = Stepper(assembly, n, window, rows if windowed else kept)
+    steps.compile()
+    with tqdm(total=n, disable=not progress, delay=2, unit="slab", unit_scale=True) as bar:
+        started = time.perf_counter()
+        for low, high in pairwise([*range(0, n, chunk), n]):
+            if not windowed:
+                steps.advance(low, high)
+            else:
+                seen = len(steps.noted)
+                steps.begin_record(low)
+                steps.advance(low, high)
+                record[:, :, low * s : high * s] = window[:kept, :, : (high - low) * s]
+                pieces = joined(steps.noted[seen:], s)
+                if extremes is not None:
+                    extremes.see(window, low, high - low, steps.h, pieces)
+                if books is not None:
+                    books.see(window, low, high - low, pieces)
+                steps.noted[seen:] = [pieces.of_rows(kept)]
+            bar.update(high - low)
+        seconds = time.perf_counter() - started
+    return record, steps.run(seconds)
+
+
+class Stepper:
+    """An assembled scene under way."""
+
+    def __init__(self, assembly: Assembly, n: int, record: NDArray, noting: int = 0):
+        self.assembly, self.record, self.h = assembly, record, assembly.resolution.h
+        self.noting = noting  # rows of the record whose pieces are noted
+        self.origin = 0  # slab at the record's first column; the kernel of fronts counts from it
+        follows = assembly.follows_edges
+        self.places = [_inside(places_of(p, n * self.h, self.h), follows) for p in assembly.drives]
+        moves = [(t, group, row) for t, group, row in _snapped(assembly.changes) if t < n]
+        self.at_edges = [] if follows else [move for move in moves if move[0] % 1 == 0]
+        inside = [move for move in moves if follows or move[0] % 1 != 0]
+        self.events = np.unique(np.floor(np.concatenate([*self.places, [t for t, _, _ in inside]])).astype(int))
+        self.fronts: Fronts | None = None
+        if len(self.events):
+            in_slab = [np.unique(np.floor(p), return_counts=True)[1] for p in self.places]
+            self.fronts = fronts_of(assembly, n, inside, 1 + int(np.concatenate([[0], *in_slab]).max()))
+        self.noted: list[Noted] = []
+
+    def compile(self) -> None:
+        """Compile the kernels that will be needed, or load them."""
+        from tline.solver.kernel.waves import advance, advance_fronts
+
+        network, state, silent = self.assembly.network, self.assembly.state, np.zeros((len(self.places), 0))
+        advance(network, state, 0, silent, self.record, 0)
+        if self.fronts is not None:
+            nothing = sources_of([], self.assembly.basis.s)
+            advance_fronts(network, state, self.fronts, nothing, silent, 0, 0, self.record)
+
+    def begin_record(self, slab: int) -> None:
+        """Let the record's first column be that of a slab, from now on."""
+        if self.fronts is not None:
+            self.fronts.moves.at[:] -= slab - self.origin
+            self.fronts.settled[:] -= slab - self.origin
+        self.origin = slab
+
+    def advance(self, low: int, high: int) -> None:
+        """Advance from slab `low` to slab `high`."""
+        edges = sorted({low, high, *(int(t) for t, _, _ in self.at_edges if low < t < high)})
+        for first, last in pairwise(edges):
+            for t, group, row in self.at_edges:
+                if t == first:
+                    self.assembly.network.step_row[group] = row
+            while first < last:
+                first += self._stretch(first, last)
+
+    def _stretch(self, low: int, high: int) -> int:
+        """Advance by some slabs, at most to `high`."""
+        if self.fronts is not None:
+            ahead = self.events[np.searchsorted(self.events, low) :]
+            quiet = (int(ahead[0]) if len(ahead) else high) - low
+            settling = (self.fronts.settled > low - self.origin).any()
+            if self.fronts.counts[LIVE] or settling or quiet < LULL:
+                return self._in_pieces(low, min(high - low, STRETCH))
+            high = min(high, low + quiet)
+        from tline.solver.kernel.waves import advance
+
+        network, state = self.assembly.network, self.assembly.state
+        waves, column = self._drive(low, high - low), low - self.origin
+        node = advance(network, state, high - low, waves, self.record, column)
+        if node >= 0:
+            _refuse(self.assembly, node)
+        if self.fronts is not None:
+            self.fronts.pieces.width[:] = 0.0
+        return high - low
+
+    def _in_pieces(self, first: int, n: int) -> int:
+        """Advance by at most n slabs with fronts as breakpoints; returns by how many."""
+        from tline.solver.kernel.waves import advance_fronts
+
+        assembly, fronts = self.assembly, self.fronts
+        assert fronts is not None
+        sources = sources_of(
+            [
+                broken(parts, places, assembly.basis, self.h, first, n)
+                for parts, places in zip(assembly.drives, self.places, strict=True)
+            ],
+            assembly.basis.s,
+        )
+        sources.slab[:] -= self.origin
+        drive, column = self._drive(first, n), first - self.origin
+        node, done = advance_fronts(assembly.network, assembly.state, fronts, sources, drive, column, n, self.record)
+        if node >= 0:
+            _refuse(assembly, node)
+        noted, fronts.counts[NOTED] = fronts.counts[NOTED], 0
+        where, span, values = (part[:noted] for part in fronts.log)
+        pieces = Noted(where[:, 0], where[:, 1] + self.origin, span, values)
+        self.noted.append(pieces.of_rows(self.noting))
+        return int(done)
+
+    def _drive(self, first: int, n: int) -> NDArray:
+        """The sources' parts of the Thévenin waves on n slabs, shape (drives, n * s); broken slabs are not in it."""
+        basis, drives = self.assembly.basis, self.assembly.drives
+        drive = np.zeros((len(drives), n, basis.s))
+        for row, parts in zip(drive, drives, strict=True):
+            for waveform, share in parts:
+                row += share * sampled(waveform, basis, self.h, first, n)
+        return drive.reshape(len(drives), n * basis.s)
+
+    def run(self, seconds: float) -> Run:
+        """What there is to say now."""
+        pieces = joined(self.noted, self.assembly.basis.s)
+        return Run(seconds, pieces, Tally() if self.fronts is None else tally(self.fronts), self.fronts)
+
+
+def _inside(places: NDArray, follows_edges: bool) -> NDArray:
+    """The places that need pieces."""
+    return places if follows_edges else places[places % 1 != 0]
+
+
+def _snapped(changes: list[tuple[float, int, int]]) -> list[tuple[float, int, int]]:
+    """Instants as good as on a slab's edge put there."""
+    return [(float(round(t)) if abs(t - round(t)) < EDGE else t, group, row) for t, group, row in changes]
+
+
+def _refuse(assembly: Assembly, node: int) -> None:
+    group = int(np.searchsorted(assembly.network.group, node, side="right")) - 1
+    if group < len(assembly.elements) and assembly.elements[group]:
+        where = " and ".join(assembly.elements[group])
+        raise InputError(where, "no flow was found that fits the waves", "narrower slabs, or a line between elements")
+    from tline.solver.stability.growth import active_loads, controlled_sources
+
+    scene = assembly.scene
+    active = [place("loads", name) for name in active_loads(scene)]
+    active += [place("links", name) for name in controlled_sources(scene)]
+    raise InputError(
+        " and ".join(active) or "lines", "the waves grow beyond all bounds", "passive loads", "active ones"
+    )

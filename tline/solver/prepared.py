@@ -1,0 +1,159 @@
+"""One run of a scene at a stated resolution: assemble it, step the kernel, and hand back what the probes saw."""
+
+from collections.abc import Iterable, Iterator
+from math import ceil
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.coupled import Coupled, refuse_coupled
+from tline.scene.limits import beyond_limits
+from tline.scene.mistakes import place
+from tline.scene.plausible import doubts
+from tline.scene.scene import Scene
+from tline.scene.uncollected import uncollected
+from tline.solver.assembly.assemble import Assembly, assemble
+from tline.solver.description.elements import BREAKING
+from tline.solver.description.resolution import Resolution
+from tline.solver.ledger.recorder import Books
+from tline.solver.loop.march import Run, march
+from tline.solver.result.conductor import conductor, record_of
+from tline.solver.result.envelope import Envelope, watch
+from tline.solver.result.notes import VISIBLE, lumped, smeared, unconnected, untouched
+from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, Wave
+from tline.solver.result.surge import surges
+from tline.solver.tolerance.kinks import Kinks
+
+LARGEST_RECORD = 4e8  # samples
+LARGEST_LEDGER = 1e7  # samples at line ends, of a ledger that is not asked for: half a second
+NO_KINKS: Kinks = MappingProxyType({})
+NOWHERE = np.empty(0)
+EACH_NODE = 4000  # samples that take a ledger as long as a node
+
+
+def run(
+    scene: Scene,
+    chosen: Resolution,
+    record: Iterable[str] = (),
+    *,
+    envelope: bool = False,
+    ledger: bool | None = False,
+    progress: bool = False,
+    slabs: int | None = None,
+    kinks: Kinks = NO_KINKS,
+) -> Result:
+    """Run a scene with slabs of a given width and order, to its end time or for so many slabs.
+
+    `record` names lines to keep beside those of the probes; a ledger of None is kept where it costs little. Slabs are
+    cut in pieces at the instants of `kinks`, s, where the elements named by its keys stand.
+
+    Raises
+    ------
+    InputError
+        The scene cannot be assembled, the record would be too large, or the waves grow beyond all bounds.
+    """
+    if envelope:
+        refuse_coupled(scene.lines, "an envelope")
+    kept = {*record, *probed(scene)}
+    _refuse_inside(scene)
+    with uncollected():
+        assembly = assemble(scene, kept, chosen, progress=progress)
+    s, h = chosen.s, chosen.h
+    assembly.changes = sorted([*assembly.changes, *_cuts(assembly, kinks)])
+    n = slabs or max(ceil(scene.t_end / h - 1e-9), 1)
+    if 4 * len(kept) * n * s > LARGEST_RECORD:
+        problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
+        raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
+    samples = len(assembly.network.ends) * n * s
+    if ledger is None:
+        small = samples + EACH_NODE * len(assembly.nodes) <= LARGEST_LEDGER
+        ledger = small and not any(isinstance(line, Coupled) for line in scene.lines.values())
+    books = Books(assembly, n) if ledger else None
+    extremes = watch(assembly) if envelope else None
+    waves, done = march(assembly, n, extremes=extremes, books=books, progress=progress)
+    smears = done.fronts.lost > VISIBLE or any(law.kind in BREAKING for law in scene.laws.values())
+    lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
+    ends = np.arange(n + 1) * h
+    probes = {}
+    for name, probe in scene.probes.items():
+        line, at = scene.probed_line(name), conductor(scene, name)
+        share = probe.fraction(scene.lines[line]) if at is None else float(at.end)
+        seen_there = lines[line] if at is None else record_of(at, lines)
+        probes[name] = ProbeResult(name, line, share, seen_there, ends, scene.height(name))
+    seen = extremes and extremes.envelope(scene.heights)
+    unresolved = (*chosen.notes, *smeared(done.fronts))
+    surged = surges(scene, ends, assembly.start, probes, seen)
+    doubtful = (*doubts(scene), *beyond_limits(scene, _extremes(probes, seen)), *surged)
+    remarks = (*untouched(probes), *unconnected(scene), *lumped(chosen), *doubtful)
+    return Result(
+        scene,
+        ends,
+        probes,
+        lines,
+        chosen,
+        unresolved,
+        remarks,
+        samples,
+        done.seconds,
+        done.fronts,
+        envelope=seen,
+        ledger=books and books.ledger(done.under_way),
+        circuits=assembly.circuits,
+    )
+
+
+def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[tuple[float, int, int]]:
+    """Changes of maps that change nothing, but begin a piece at the elements' groups."""
+    for group, places in enumerate(assembly.elements):
+        for where in places:
+            row = int(assembly.network.step_row[group])
+            yield from ((float(t), group, row) for t in kinks.get(where, NOWHERE) / assembly.resolution.h)
+
+
+def _extremes(probes: dict[str, ProbeResult], envelope: Envelope | None) -> dict[str, tuple[float, float]]:
+    """Lowest and highest effort at each probe and node; of pressures the gauge pressures."""
+    found = {}
+    for name, probe in probes.items():
+        found[place("probes", name)] = float(probe.gauge_pressure.min()), float(probe.gauge_pressure.max())
+    if envelope is not None:
+        low, high = (extreme - envelope.weight for extreme in (envelope.lowest, envelope.highest))
+        pairs = zip(low.tolist(), high.tolist(), strict=True)
+        found |= {f"node '{node}'": pair for node, pair in zip(envelope.nodes, pairs, strict=True)}
+    return found
+
+
+def _refuse_inside(scene: Scene) -> None:
+    """Refuse probes inside lines with losses."""
+    for name, probe in scene.probes.items():
+        line = scene.probed_line(name)
+        if scene.lines[line].losses is not None and 0.0 < probe.fraction(scene.lines[line]) < 1.0:
+            problem = f"inside {place('lines', line)}, which has losses"
+            raise InputError(place("probes", name, "position"), problem, "its ends, or two lines that meet there")
+
+
+def probed(scene: Scene) -> set[str]:
+    """Lines whose ends the probes see, those of all modes where they see a conductor of several."""
+    places = {name: conductor(scene, name) for name in scene.probes}
+    return {line for name, at in places.items() for line in (at.lines if at else [scene.probed_line(name)])}
+
+
+def _record(assembly: Assembly, name: str, waves: NDArray, done: Run, smears: bool) -> LineRecord:
+    row, echo = assembly.recorded[name], assembly.echoes.get(name)
+    parameters = assembly.lines[name].parameters
+    s, h = assembly.resolution.s, assembly.resolution.h
+    level = assembly.level_of(name)
+
+    def wave(end: int, side: int, before: float) -> Wave:
+        here, noted = done.pieces.row == row + end, done.pieces
+        pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + level)
+        values = waves[row + end, side].reshape(-1, s)
+        if echo is not None:  # arrives as well, and so was not sent
+            both = waves[row + end].sum(axis=0).reshape(-1, s)
+            values = values + (1 - 2 * side) * both @ echo.T
+        return Wave(values + level, before + level, assembly.basis, h, pieces)
+
+    sides = (0, 1), (0, 0), (1, 0), (1, 1)
+    a1, b1, a2, b2 = (wave(*at, float(before)) for at, before in zip(sides, assembly.start[name], strict=True))
+    return LineRecord(parameters.z0, parameters.delay or 0.0, a1, b1, a2, b2, smears)

@@ -1,0 +1,1 @@
+"""Results of a run: dense output, extremes, envelopes, files."""

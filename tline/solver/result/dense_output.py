@@ -1,0 +1,177 @@
+"""The waves between slab ends: fit to be drawn, and to be searched for extremes."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.solver.result.result import LineRecord, ProbeResult, Samples, Wave
+
+DENSE = 4000  # instants
+AFTER = 1e-8  # slabs behind an edge where the value just after it is taken
+ROUGH = 1e-2  # of the wave's range: larger in the highest degrees, and at a slab's edge, means a front inside it
+NOISE = 1e-13  # of the largest wave; a smaller effort, or flow times z0, is zero
+PLACES = 5  # in a slab, at least, where extremes are looked for
+CANDIDATES, AROUND, ZOOMS = 16, 17, 5  # samples from which polynomials are searched, places round each, and how often
+WIDEST = 4  # slabs over which a front may have spread
+
+
+def curve(probe: ProbeResult, least: int = 2) -> Samples:
+    """What a probe saw along the whole run, several instants a slab and both sides of every front and slab's edge.
+
+    A jump gives two values at one instant. Where a front was not followed, the polynomial of its slab wiggles round it;
+    there the curve is a straight line between the slabs on either side, where values are accurate.
+
+    Parameters
+    ----------
+    probe : ProbeResult
+        Probe of a finished run.
+    least : int, from 2
+        Instants in a slab, edges included, where there are many slabs.
+
+    Returns
+    -------
+    Samples
+        At some four thousand instants, or so many a slab if there are more slabs.
+    """
+    shown = replace(probe, record=drawable(probe.record))
+    n, h = len(probe.slab_ends) - 1, float(probe.slab_ends[1])
+    local = np.linspace(0.0, 1.0, max(DENSE // n, least))
+    after = np.where(local == 0.0, AFTER, local)
+    offsets = np.array([probe.share, 1.0 - probe.share]) * probe.record.delay / h % 1.0
+    edges = offsets[(offsets > AFTER) & (offsets < 1.0 - 2 * AFTER) & (0.0 < probe.share < 1.0)]
+    local = np.concatenate([local, edges, edges])
+    after = np.concatenate([after, edges, edges + AFTER])
+    start, fronts = np.arange(n)[:, None], _fronts(probe) / h
+    instants = np.concatenate([[0.0], (start + after).ravel(), fronts, fronts + AFTER])
+    order = np.argsort(instants)
+    seen = shown.at(np.minimum(instants[order], n) * h)
+    noise, zero = NOISE * max(abs(seen.a).max(), abs(seen.b).max()), seen.height.weight
+    u = np.where(abs(seen.gauge_pressure) > noise, seen.u, zero)
+    y = np.where(abs(seen.y) > noise / probe.record.z0, seen.y, 0.0)
+    drawn = np.concatenate([[0.0], (start + local).ravel(), fronts, fronts])
+    return Samples(drawn[order] * h, u, y, seen.a, seen.b, seen.height)
+
+
+def _fronts(probe: ProbeResult) -> NDArray:
+    """Instants at which fronts inside slabs pass a probe, s."""
+    record, share = probe.record, probe.share
+    if share in (0.0, 1.0):
+        passing = [(record.a1 if share == 0.0 else record.a2, 0.0)]  # both waves at an end have the same pieces
+    else:
+        passing = [(record.a1, share * record.delay), (record.b2, (1.0 - share) * record.delay)]
+    instants = [wave.breakpoints() + delay for wave, delay in passing]
+    return np.unique(np.concatenate([t[t < probe.slab_ends[-1]] for t in instants]))
+
+
+def drawable(record: LineRecord) -> LineRecord:
+    """The record with straight lines across slabs with fronts that were not followed."""
+    if not record.smeared:
+        return record
+    largest = ROUGH * _span(record)
+    a1, b1, a2, b2 = (_bridged(wave, largest) for wave in _waves(record))
+    return replace(record, a1=a1, b1=b1, a2=a2, b2=b2)
+
+
+def _waves(record: LineRecord) -> tuple[Wave, Wave, Wave, Wave]:
+    return record.a1, record.b1, record.a2, record.b2
+
+
+def _span(record: LineRecord) -> float:
+    """Range of the waves; zero if it is only rounding."""
+    ends = [wave.at_slab_ends() for wave in _waves(record)]
+    span = max(float(np.ptp(values)) for values in ends)
+    return span if span > NOISE * max(float(np.abs(values).max()) for values in ends) else 0.0
+
+
+def _tail(wave: Wave) -> NDArray:
+    """Of each slab the largest part of its two highest degrees; one alone may vanish by chance."""
+    highest = wave.basis.to_legendre[max(wave.basis.s - 2, 1) :]
+    return np.abs(wave.values @ highest.T).max(axis=1, initial=0.0)
+
+
+def _edges(wave: Wave) -> tuple[NDArray, NDArray]:
+    """Values just after and just before each slab's edge."""
+    first = wave.basis.evaluation([0.0])[0]
+    starts, begins = np.append(wave.values @ first, wave.values[-1, -1]), wave.pieces.span[:, 0] == 0.0
+    starts[wave.pieces.slab[begins]] = wave.pieces.values[begins] @ first
+    return starts, wave.at_slab_ends()
+
+
+def _rough(wave: Wave, tail: NDArray, largest: float) -> NDArray:
+    """Slabs in one piece whose highest degrees are large and that do not continue their neighbours."""
+    starts, ends = _edges(wave)
+    breaks = np.abs(starts - ends) > largest
+    rough = (tail > largest) & (breaks[:-1] | breaks[1:])
+    rough[wave.pieces.slab] = False
+    return rough
+
+
+def _bridged(wave: Wave, largest: float) -> Wave:
+    """A straight line across each front, from the end of the slab before it to the start of the slab after it.
+
+    Where rough slabs go on for more than a few, something oscillates too fast for them, and the polynomials stay as
+    they are.
+    """
+    starts, ends = _edges(wave)
+    change = np.diff(np.concatenate([[0], _rough(wave, _tail(wave), largest), [0]]))
+    low, high = np.nonzero(change == 1)[0], np.nonzero(change == -1)[0]
+    few = high - low <= WIDEST
+    low, high = low[few], high[few]
+    if not len(low):
+        return wave
+    slabs = np.concatenate([np.arange(p, q) for p, q in zip(low, high, strict=True)])
+    knots, levels = np.stack([low, high], 1).ravel(), np.stack([ends[low], starts[high]], 1).ravel()
+    values: NDArray = wave.values.copy()
+    values[slabs] = np.interp(slabs[:, None] + wave.basis.c, knots, levels)
+    return replace(wave, values=values)
+
+
+def extremes(probe: ProbeResult, letter: str) -> tuple[tuple[float, float], tuple[float, float]]:
+    """The smallest and the largest value of the curve, and when each is first reached.
+
+    Slabs are sampled; where values, or parabolas through three of them, come highest, the polynomials are searched.
+
+    Parameters
+    ----------
+    probe : ProbeResult
+        Probe of a finished run.
+    letter : {"u", "gauge_pressure", "head", "y", "a", "b"}
+        What of it.
+    """
+    seen, shown = curve(probe, PLACES), replace(probe, record=drawable(probe.record))
+    values = getattr(seen, letter)
+    unit = {"y": probe.record.z0, "head": probe.height.per_metre}.get(letter, 1.0)
+    noise = NOISE * max(abs(seen.a).max(), abs(seen.b).max()) / unit
+    low, high = (_highest(shown, letter, seen.t, values, sign, noise) for sign in (-1, 1))
+    return low, high
+
+
+def _highest(
+    shown: ProbeResult, letter: str, t: NDArray, values: NDArray, sign: int, noise: float
+) -> tuple[float, float]:
+    rising, span = sign * values, float(shown.slab_ends[1])
+    fall = 2 * rising[1:-1] - rising[2:] - rising[:-2]
+    top = (rising[1:-1] >= rising[2:]) & (rising[1:-1] >= rising[:-2]) & (fall > 0)
+    gain = np.zeros(len(rising))
+    gain[1:-1][top] = (rising[2:] - rising[:-2])[top] ** 2 / (8 * fall[top])
+    few = min(CANDIDATES, len(t))
+    at = np.unique(np.concatenate([np.argpartition(-each, few - 1)[:few] for each in (rising, rising + gain)]))
+    found, width = t[at], span / max(DENSE // (len(shown.slab_ends) - 1), PLACES)
+    around, heights = np.linspace(-1.0, 1.0, AROUND), rising[at]
+    for _ in range(ZOOMS):
+        near = np.clip(found[:, None] + width * around, 0.0, shown.slab_ends[-1])
+        height = sign * getattr(shown.at(near.ravel()), letter).reshape(near.shape)
+        best = height.argmax(axis=1)[:, None]
+        found, heights = (np.take_along_axis(each, best, 1)[:, 0] for each in (near, height))
+        width *= 4 / AROUND
+    higher = heights > rising.max() + noise
+    found, heights = found[higher], heights[higher]
+    return extreme(np.append(values, sign * heights), np.append(t, found), sign)
+
+
+def extreme(samples: NDArray, t: NDArray, sign: int) -> tuple[float, float]:
+    """The largest value (sign 1) or the smallest (sign -1), and when it is first reached, rounding aside."""
+    best = (sign * samples).max()
+    reached = sign * samples >= best - 1e-9 * np.ptp(samples)
+    return float(sign * best) + 0.0, float(t[reached].min())  # no negative zero

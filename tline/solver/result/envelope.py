@@ -1,0 +1,164 @@
+"""The lowest and highest effort at every node, and when, without a record of all that lies between."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.heights import Height
+from tline.solver.assembly.assemble import Assembly
+from tline.solver.description.elements import BREAKING
+from tline.solver.loop.march import Noted
+from tline.solver.radau import Basis
+from tline.solver.tolerance.difference import chebyshev
+
+ROUNDING = 1e-12  # what tops an extreme by less, relatively, is the same one again
+CANDIDATES = 4  # slabs with the highest places, of a block, that are searched
+SEARCHED = np.linspace(0.0, 1.0, 129)  # places of a slab where its extreme is looked for
+
+
+@dataclass(frozen=True, eq=False)
+class Envelope:
+    """Extremes at nodes, at any instant; in scenes with cavities or air valves, whose fronts are blurred, at slab ends.
+
+    Attributes
+    ----------
+    nodes : tuple of str
+        Those that a line ends at which is not lumped.
+    start : ndarray, shape (nodes,)
+        Effort before t = 0, Pa or V; in a scene with elevations the piezometric pressure, as the next.
+    lowest, highest : ndarray, shape (nodes,)
+        Pa or V.
+    lowest_at, highest_at : ndarray, shape (nodes,)
+        When they are first reached, s.
+    lowest_error, highest_error : ndarray, shape (nodes,)
+        Estimated, Pa or V: 1.5 to 3 times their difference to those of the next finer run (of scenes in lumps that
+        difference); not a number if there is none.
+    weight, per_metre : ndarray, shape (nodes,)
+        Density·g·elevation, Pa, by which the piezometric pressure exceeds the gauge pressure, and density·g, Pa/m.
+    """
+
+    nodes: tuple[str, ...]
+    start: NDArray
+    lowest: NDArray
+    lowest_at: NDArray
+    lowest_error: NDArray
+    highest: NDArray
+    highest_at: NDArray
+    highest_error: NDArray
+    weight: NDArray
+    per_metre: NDArray
+
+    def of(self, node: str) -> dict[str, float]:
+        """Start, extremes, their instants and errors of one node.
+
+        Raises
+        ------
+        InputError
+            There is no such node, or only lumped lines end there.
+        """
+        if node not in self.nodes:
+            raise InputError("node", "has no envelope", "a node at which a line ends that is not lumped", repr(node))
+        k = self.nodes.index(node)
+        return {name: float(getattr(self, name)[k]) for name in COLUMNS}
+
+    def compared(self, other: "Envelope", caution: float) -> "Envelope":
+        """The same with its differences to the envelope of another run, so many times, as errors."""
+        return replace(
+            self,
+            lowest_error=caution * np.abs(self.lowest - other.lowest),
+            highest_error=caution * np.abs(self.highest - other.highest),
+        )
+
+
+COLUMNS = ("start", "lowest", "lowest_at", "lowest_error", "highest", "highest_at", "highest_error")
+
+
+class Extremes:
+    """An envelope that grows with a run."""
+
+    def __init__(self, nodes: tuple[str, ...], rows: NDArray, start: NDArray, order: Basis, at_ends: bool):
+        self.nodes, self.rows, self.start = nodes, rows, start
+        self.top = np.stack([-start, start])  # two maxima: of the negative effort, and of the effort
+        self.at = np.zeros_like(self.top)
+        self.at_ends = at_ends
+        self.places = order.evaluation([1.0] if at_ends else [*chebyshev(order.s), 1.0])
+        self.searched = order.evaluation(SEARCHED)
+
+    def see(self, record: NDArray, first: int, n: int, h: float, pieces: Noted) -> None:
+        """Take note of n slabs from number `first` on, recorded from the first column of the record on."""
+        s, rows = self.places.shape[1], np.arange(len(self.rows))
+        u = (record[self.rows, 0, : n * s] + record[self.rows, 1, : n * s]).reshape(len(rows), n, s) / 2
+        seen = u @ self.places.T
+        node = np.full(len(record), -1)
+        node[self.rows] = rows
+        ours = node[pieces.row] >= 0
+        of, slab, span = node[pieces.row[ours]], pieces.slab[ours], pieces.span[ours]
+        for k, sign in enumerate((-1, 1)):
+            height = (sign * seen).max(axis=2)
+            if not self.at_ends:
+                height[of, slab - first] = -np.inf  # in pieces
+            for best in _candidates(height):
+                if self.at_ends:
+                    found, late = height[rows, best], np.ones(len(rows))
+                else:
+                    found, late = _searched(sign * u[rows, best] @ self.searched.T)
+                    found[np.isinf(height[rows, best])] = -np.inf
+                self._note(k, rows, found, (first + best + late) * h)
+            if len(of) and not self.at_ends:
+                found, late = _searched(sign * pieces.values[ours].sum(axis=1) / 2 @ self.searched.T)
+                order = np.argsort(found)
+                when = (slab + span[:, 0] + late * (span[:, 1] - span[:, 0])) * h
+                self._note(k, of[order], found[order], when[order])
+
+    def _note(self, k: int, node: NDArray, found: NDArray, when: NDArray) -> None:
+        """Keep what is higher; of several at one node the last is the highest."""
+        top = self.top[k]
+        new = found > top[node] + ROUNDING * np.abs(top[node])
+        top[node[new]], self.at[k, node[new]] = found[new], when[new]
+
+    def envelope(self, heights: Mapping[str, Height]) -> Envelope:
+        """What was seen at nodes of these heights, counted from their levels."""
+        (low, high), (low_at, high_at), at = self.top, self.at, [heights.get(node, Height()) for node in self.nodes]
+        level, unknown = np.array([height.level for height in at]), np.full(len(low), np.nan)
+        extremes = (level - low, low_at, unknown, high + level, high_at, unknown)
+        weight, per_metre = np.array([h.weight for h in at]), np.array([h.per_metre for h in at])
+        return Envelope(self.nodes, self.start + level, *extremes, weight, per_metre)
+
+
+def _candidates(height: NDArray) -> NDArray:
+    """Slabs in which the extreme of each row may lie, by rank in order of time; of equal ones the first is among them.
+
+    Shape (candidates, rows).
+    """
+    highest, few = height.max(axis=1, keepdims=True), min(CANDIDATES, height.shape[1]) - 1
+    first = (height >= highest - ROUNDING * np.abs(highest)).argmax(axis=1)
+    others = np.argpartition(-height, few, axis=1)[:, : few + 1]
+    return np.sort(np.column_stack([first, others]), axis=1).T
+
+
+def _searched(values: NDArray) -> tuple[NDArray, NDArray]:
+    """The highest of each row, on a parabola through three neighbours, and its place in the slab."""
+    rows, k = np.arange(len(values)), values.argmax(axis=1)
+    middle = np.clip(k, 1, values.shape[1] - 2)
+    before, here, after = (values[rows, middle + j] for j in (-1, 0, 1))
+    bend = 2 * here - before - after
+    off = (after - before) / np.where(bend > 0, 2 * bend, np.inf)
+    inside = (bend > 0) & (np.abs(off) <= 1)
+    top = np.where(inside, here + off * (after - before) / 4, values[rows, k])
+    return top, np.where(inside, SEARCHED[middle] + off * SEARCHED[1], SEARCHED[k])
+
+
+def watch(assembly: Assembly) -> Extremes:
+    """Extremes of an assembled scene; one end at each node is recorded from now on, if none was."""
+    network = assembly.network
+    there = np.flatnonzero(np.diff(network.first))
+    one = network.ends[network.first[there]]
+    new = one[network.record_row[one] < 0]
+    network.record_row[new] = 2 * len(assembly.recorded) + np.arange(len(new))
+    before = np.array([assembly.start[name].reshape(2, 2).mean(axis=1) for name in assembly.lines]).ravel()
+    at_ends = any(law.kind in BREAKING for law in assembly.scene.laws.values())
+    names = tuple(assembly.nodes[k] for k in there)
+    return Extremes(names, network.record_row[one], before[one], assembly.basis, at_ends)

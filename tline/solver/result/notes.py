@@ -1,0 +1,67 @@
+"""What a user should know of a run beside its numbers."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from tline.scene.mistakes import place
+from tline.scene.scene import Scene
+from tline.solver.assembly.fronts import Tally
+from tline.solver.description.components import parts
+from tline.solver.description.resolution import Resolution
+from tline.solver.result.result import ProbeResult
+
+LISTED = 4  # names
+VISIBLE = 1e-6  # of the largest wave
+
+
+def smeared(fronts: Tally) -> list[str]:
+    """Fronts that were not followed, if that shows."""
+    if fronts.lost < VISIBLE:
+        return []
+    by = (
+        f"by up to {fronts.lost:.1g} of the largest wave"
+        if np.isfinite(fronts.lost)
+        else "corners of sources among them"
+    )
+    return [
+        f"fronts: {fronts.dropped} breakpoints beyond the number that a slab may hold were smeared over their slabs, "
+        f"{by}"
+    ]
+
+
+def untouched(probes: Mapping[str, ProbeResult]) -> list[str]:
+    """Probes that saw nothing at all."""
+    return [
+        f"{place('probes', name)}: no wave reached it before the end"
+        for name, probe in probes.items()
+        if not probe.a.any() and not probe.b.any()
+    ]
+
+
+def lumped(chosen: Resolution) -> list[str]:
+    """Lines that are lumped."""
+    if not chosen.cells:
+        return []
+    count, named = len(chosen.cells), ", ".join(map(repr, [*chosen.cells][:LISTED]))
+    n = max(chosen.cells.values())
+    return [
+        f"lines: {named}{' and more' * (count > LISTED)} {'is' if count == 1 else 'are'} far shorter than a slab and "
+        f"lumped: {n} {'cell' if n == 1 else 'cells'} of L and C each"
+        + (f"; for {chosen.settle:.3g} s and more behind a front, what they do is blurred" if chosen.settle else "")
+    ]
+
+
+def unconnected(scene: Scene) -> list[str]:
+    """Parts of the scene that no line joins with the rest: often a node whose name is written in two ways."""
+    pairs = [joint.nodes for joint in (*scene.lines.values(), *scene.links.values())]
+    nodes = list(dict.fromkeys(node for pair in pairs for node in pair))
+    number = {node: k for k, node in enumerate(nodes)}
+    pairs = [(pair[0], node) for pair in pairs for node in pair[1:]]
+    first, second = np.array([[number[node] for node in pair] for pair in pairs]).T
+    part = parts(first, second, len(nodes))
+    if not part.any():
+        return []
+    smallest = np.flatnonzero(part == np.argmin(np.bincount(part)))
+    named = ", ".join(f"'{nodes[k]}'" for k in smallest[:LISTED]) + " and more" * (len(smallest) > LISTED)
+    return [f"lines: they form {part.max() + 1} parts that are not connected; one has the nodes {named}"]

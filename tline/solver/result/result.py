@@ -1,0 +1,268 @@
+"""What a run gives back: the waves at the ends of recorded lines, and all that follows from them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tline.errors import InputError
+from tline.scene.heights import NO_HEIGHT, Height
+from tline.scene.medium import MEDIA, Medium
+from tline.scene.mistakes import place
+from tline.scene.scene import Scene
+from tline.solver.assembly.fronts import Tally
+from tline.solver.description.circuits import Circuits
+from tline.solver.description.resolution import Resolution
+from tline.solver.radau import Basis
+
+if TYPE_CHECKING:
+    from tline.solver.ledger.ledger import Ledger
+    from tline.solver.result.envelope import Envelope
+    from tline.solver.tolerance.accuracy import Accuracy
+
+NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
+
+
+class Pieces(NamedTuple):
+    """The slabs of a wave that hold fronts: between two fronts a polynomial of its own."""
+
+    slab: NDArray  # (pieces,) number of the slab, in order of time
+    span: NDArray  # (pieces, 2) start and end in slab time
+    values: NDArray  # (pieces, s) at the Radau points of the piece
+
+
+@dataclass(frozen=True, eq=False)
+class Wave:
+    """A wave as slab polynomials; constant before t = 0."""
+
+    values: NDArray  # (slabs, s) at the Radau points, also where the slab is in pieces
+    before: float
+    basis: Basis
+    h: float
+    pieces: Pieces
+
+    def __call__(self, t: ArrayLike) -> NDArray:
+        """Value at any instants up to the end of the run, same shape as t; at a jump the value before it."""
+        t = np.asarray(t, float)
+        place = t.ravel() / self.h
+        slab = np.ceil(place - NEAR).astype(int) - 1
+        inside = np.clip(slab, 0, len(self.values) - 1)
+        local = np.clip(place - inside, 0.0, 1.0)
+        wave = np.einsum("ns,ns->n", self.basis.evaluation(local), self.values[inside])
+        if len(self.pieces.slab):
+            self._in_pieces(place, inside, wave)
+        return np.where(slab < 0, self.before, wave).reshape(t.shape)
+
+    def _in_pieces(self, place: NDArray, slab: NDArray, wave: NDArray) -> None:
+        """Put right what lies in slabs in pieces."""
+        seen = np.flatnonzero(np.isin(slab, self.pieces.slab))
+        start, stop = (self.pieces.slab[:, None] + self.pieces.span).T
+        piece = np.minimum(np.searchsorted(stop, place[seen] - NEAR), len(stop) - 1)
+        local = np.clip((place[seen] - start[piece]) / (stop[piece] - start[piece]), 0.0, 1.0)
+        wave[seen] = np.einsum("ns,ns->n", self.basis.evaluation(local), self.pieces.values[piece])
+
+    def breakpoints(self) -> NDArray:
+        """Instants of the fronts inside slabs."""
+        start = self.pieces.span[:, 0]
+        return (self.pieces.slab + start)[start > 0.0] * self.h
+
+    def at_slab_ends(self) -> NDArray:
+        """Values at t = 0, h, 2h, …: where they are most accurate."""
+        return np.concatenate([[self.before], self.values[:, -1]])
+
+
+@dataclass(frozen=True, eq=False)
+class LineRecord:
+    """The waves at both ends of a line: a leaves end 1 and arrives at end 2, b leaves end 2 and arrives at end 1."""
+
+    z0: float
+    delay: float
+    a1: Wave
+    b1: Wave
+    a2: Wave
+    b2: Wave
+    smeared: bool  # whether fronts were left out
+
+    def waves(self, t: ArrayLike, share: float) -> tuple[NDArray, NDArray]:
+        """Waves (a, b) at instants t, at a place given as a share of the delay."""
+        t = np.asarray(t, float)
+        if share == 0.0:
+            return self.a1(t), self.b1(t)
+        if share == 1.0:
+            return self.a2(t), self.b2(t)
+        return self.a1(t - share * self.delay), self.b2(t - (1.0 - share) * self.delay)
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Effort, flow and waves at instants t, in SI; flow counts positive from end 1 to end 2 of the line."""
+
+    t: NDArray
+    u: NDArray
+    y: NDArray
+    a: NDArray
+    b: NDArray
+    height: Height = NO_HEIGHT
+
+    @property
+    def gauge_pressure(self) -> NDArray:
+        """Pressure above the air's at the same height, Pa: u - density·g·elevation; u itself without elevations."""
+        return self.u - self.height.weight
+
+    @property
+    def head(self) -> NDArray:
+        """Height above the zero of elevations to which the liquid would rise, m: u/(density·g).
+
+        Raises
+        ------
+        InputError
+            The density of the liquid is not known.
+        """
+        if np.isnan(self.height.per_metre):
+            raise InputError("head", "the density of the liquid is not known", "the density of the pipe")
+        return self.u / self.height.per_metre
+
+
+@dataclass(frozen=True, eq=False)
+class ProbeResult:
+    """What one probe saw."""
+
+    name: str
+    line: str
+    share: float  # place on the line, 0 at end 1 and 1 at end 2
+    record: LineRecord
+    slab_ends: NDArray
+    height: Height = NO_HEIGHT
+
+    def at(self, t: ArrayLike) -> Samples:
+        """Effort, flow and waves at any instants of the run, and before t = 0; at a jump what was before it.
+
+        Errors are as `Accuracy.inside` tells; slab ends (`t`, `u`, `y`) are more accurate.
+
+        Raises
+        ------
+        InputError
+            An instant is no number, or lies behind the last slab.
+        """
+        t, end = np.asarray(t, float), self.slab_ends[-1]
+        if not (t <= end * (1 + NEAR)).all():
+            raise InputError(
+                place("probes", self.name), "instant not in the run", f"at most {end:.9g} s", f"{t.max():.9g} s"
+            )
+        a, b = self.record.waves(t, self.share)
+        return Samples(t, (a + b) / 2, (a - b) / (2 * self.record.z0), a, b, self.height)
+
+    @cached_property
+    def samples(self) -> Samples:
+        """At slab ends, t = 0 included."""
+        return self.at(self.slab_ends)
+
+    @property
+    def t(self) -> NDArray:
+        """Instants, s."""
+        return self.samples.t
+
+    @property
+    def u(self) -> NDArray:
+        """Effort: pressure in Pa, piezometric if nodes have elevations, or voltage in V."""
+        return self.samples.u
+
+    @property
+    def gauge_pressure(self) -> NDArray:
+        """Pressure above the air's at the same height, Pa: u - density·g·elevation; u itself without elevations."""
+        return self.samples.gauge_pressure
+
+    @property
+    def head(self) -> NDArray:
+        """Height above the zero of elevations to which the liquid would rise, m: u/(density·g).
+
+        Raises
+        ------
+        InputError
+            The density of the liquid is not known.
+        """
+        return self.samples.head
+
+    @property
+    def y(self) -> NDArray:
+        """Flow: m³/s, or A."""
+        return self.samples.y
+
+    @property
+    def a(self) -> NDArray:
+        """Wave u + z0·y, toward end 2."""
+        return self.samples.a
+
+    @property
+    def b(self) -> NDArray:
+        """Wave u - z0·y, toward end 1."""
+        return self.samples.b
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A finished run.
+
+    Attributes
+    ----------
+    t : ndarray
+        Slab ends, s, beginning with 0.
+    probes : mapping
+        ProbeResult by name.
+    lines : mapping
+        LineRecord of each recorded line by name.
+    resolution : Resolution
+        Order s and slab width h.
+    unresolved, remarks : tuple of str
+        What was not resolved, and other remarks; empty if all is well. `notes` has both.
+    samples : int
+        Line-end samples computed.
+    seconds : float
+        Time spent stepping, and on the ledger if one is kept.
+    fronts : Tally
+        What became of the fronts that did not fit the slabs.
+    accuracy : Accuracy or None
+        Estimated errors; None for a run whose order or slab is fixed by hand, without a tolerance.
+    envelope : Envelope or None
+        Lowest and highest effort at every node; None if not asked for.
+    ledger : Ledger or None
+        Energy by element; None if not asked for.
+    circuits : mapping of str to Circuits
+        What stands for the laws of lossy lines, by line.
+    parts : Result or None
+        The same of a scene with stretches in place of lines with cavities; None if there are none.
+    """
+
+    scene: Scene
+    t: NDArray
+    probes: Mapping[str, ProbeResult]
+    lines: Mapping[str, LineRecord]
+    resolution: Resolution
+    unresolved: tuple[str, ...]
+    remarks: tuple[str, ...]
+    samples: int
+    seconds: float
+    fronts: Tally
+    accuracy: "Accuracy | None" = None
+    envelope: "Envelope | None" = None
+    ledger: "Ledger | None" = None
+    circuits: Mapping[str, Circuits] = field(default_factory=dict)
+    parts: "Result | None" = None
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """All there is to remark."""
+        return (*self.remarks, *(self.ledger.notes if self.ledger else ()), *self.unresolved)
+
+    @property
+    def circuits_error(self) -> float:
+        """Largest error of circuits that stand for laws, relative; 0 if all laws are circuits."""
+        return max((circuits.error for circuits in self.circuits.values()), default=0.0)
+
+    @property
+    def medium(self) -> Medium:
+        """Words and units of the scene's medium."""
+        return MEDIA[self.scene.medium]

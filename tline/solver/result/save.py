@@ -1,0 +1,136 @@
+"""Results in files that other programs read: CSV and NPZ."""
+
+from collections.abc import Iterator
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tline.errors import InputError
+from tline.scene.file import scene_text
+from tline.solver.ledger.ledger import Entry
+from tline.solver.result.atomic import replacing, write_table
+from tline.solver.result.envelope import COLUMNS
+from tline.solver.result.result import Result
+
+ROWS = 10_000  # turned into text at a time
+
+
+def save_csv(result: Result, path: str | Path) -> None:
+    """Write what the probes saw as a table: time, then effort, flow and both waves of each probe.
+
+    One header line names quantity and SI unit, such as ``valve pressure [Pa]``, in a scene with elevations
+    ``valve gauge pressure [Pa]`` and ``valve head [m]``; a and b are waves in the unit of the effort. The rows are slab
+    ends; where the value jumps just then, it is the one before the jump. Numbers are written so that reading them gives
+    the same floats.
+
+    Parameters
+    ----------
+    result : Result
+        A finished run.
+    path : str or Path
+        The file; one that exists is replaced.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    medium, heights = result.medium, bool(result.scene.heights)
+    effort, flow = medium.units["effort"], medium.units["flow"]
+    efforts = [("gauge pressure", effort, "gauge_pressure"), ("head", "m", "head")]
+    efforts = efforts if heights else [(medium.effort, effort, "u")]
+    seen = [*efforts, (medium.flow, flow, "y"), ("a", effort, "a"), ("b", effort, "b")]
+    head, columns = ["time [s]"], [result.t]
+    for name, probe in result.probes.items():
+        head += [f"{name} {what} [{unit}]" for what, unit, _ in seen]
+        columns += [getattr(probe, key) for _, _, key in seen]
+    parts = (np.stack([column[k : k + ROWS] for column in columns], axis=1) for k in range(0, len(result.t), ROWS))
+    write_table(path, head, (row for part in parts for row in part.tolist()))
+
+
+def save_envelope(result: Result, path: str | Path) -> None:
+    """Write the effort before t = 0 and its extremes at every node as a table, in SI and full precision.
+
+    In a scene with elevations the gauge pressures, and behind them the heads.
+
+    Parameters
+    ----------
+    result : Result
+        Of ``simulate(scene, envelope=True)``.
+    path : str or Path
+        The file; one that exists is replaced.
+
+    Raises
+    ------
+    InputError
+        The run kept no envelope, or the file cannot be written.
+    """
+    envelope, unit = result.envelope, result.medium.units["effort"]
+    if envelope is None:
+        raise InputError(str(path), "the run kept no envelope", "simulate(scene, envelope=True)")
+    heights, words = bool(result.scene.heights), ("start", "lowest", "highest")
+    effort = "gauge pressure" if heights else result.medium.effort
+    start, lowest, highest = (f"{what} {effort} [{unit}]" for what in words)
+    error = f"± error [{unit}]"
+    columns = [getattr(envelope, name) - envelope.weight * (name in words) for name in COLUMNS]
+    head = ["node", start, lowest, "at [s]", error, highest, "at [s]", error]
+    if heights:
+        head += [f"{word} head [m]" for word in words]
+        columns += [getattr(envelope, word) / envelope.per_metre for word in words]
+    write_table(path, head, zip(envelope.nodes, *(column.tolist() for column in columns), strict=True))
+
+
+def save_ledger(result: Result, path: str | Path) -> None:
+    """Write what every line and element gave, took and stored as a table, J and in full precision.
+
+    Parameters
+    ----------
+    result : Result
+        Of ``simulate(scene, ledger=True)``.
+    path : str or Path
+        The file; one that exists is replaced.
+
+    Raises
+    ------
+    InputError
+        The run kept no ledger, or the file cannot be written.
+    """
+    if result.ledger is None:
+        raise InputError(str(path), "the run kept no ledger", "simulate(scene, ledger=True)")
+    write_table(path, ["where", *(f"{column} [J]" for column in Entry._fields[1:])], result.ledger.entries)
+
+
+def save_npz(result: Result, path: str | Path) -> None:
+    """Write what the probes saw as NumPy arrays, with the scene that led to it.
+
+    The arrays are ``t``; ``NAME/u``, ``NAME/y``, ``NAME/a`` and ``NAME/b`` of each probe, in SI at slab ends; in a
+    scene with elevations also ``NAME/gauge_pressure`` and ``NAME/head``, and u is the piezometric pressure;
+    ``scene``, the scene as TOML text; ``version`` of this package; ``order`` and ``slab`` of the run.
+
+    Parameters
+    ----------
+    result : Result
+        A finished run.
+    path : str or Path
+        The file; one that exists is replaced.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    with replacing(path) as temporary, temporary.open("wb") as file:
+        np.savez(file, **dict(_arrays(result)))
+
+
+def _arrays(result: Result) -> Iterator[tuple[str, Any]]:
+    yield "t", result.t
+    for name, probe in result.probes.items():
+        keys = [*"uyab", *(["gauge_pressure", "head"] if result.scene.heights else [])]
+        yield from ((f"{name}/{key}", getattr(probe, key)) for key in keys)
+    yield "scene", np.array(scene_text(result.scene))
+    yield "version", np.array(version("tline"))
+    yield "order", np.array(result.resolution.s)
+    yield "slab", np.array(result.resolution.h)

@@ -1,0 +1,1 @@
+"""Steady states that constant sources imply."""

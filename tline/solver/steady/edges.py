@@ -1,0 +1,108 @@
+"""What lies between the lossless parts of a network in the steady state: lossy lines, and elements without a state."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.scene.mistakes import place
+from tline.scene.scene import Scene
+from tline.solver.assembly.network import Laws as Elements
+from tline.solver.description.elements import KINDS, Element, elements_of, laws_of
+from tline.solver.description.nodes import Node
+from tline.solver.steady.balance import Laws
+from tline.solver.steady.lossy_lines import Falls, Table
+from tline.solver.steady.pockets import held_drops
+
+NOTHING = 1e-11  # of the largest flow: so little passes where it is rounded or leaks
+TIGHT, TIGHTEST = 1e2, 1e12  # drop over flow of a valve, in impedances of its nodes
+FILLED = {"gas", "tank", "vapour", "air"}  # kinds through which nothing flows in the end
+
+
+class Edges:
+    """Lossy lines first, then elements.
+
+    Attributes
+    ----------
+    where : list of str
+        Names for messages.
+    one, other : ndarray, shape (edges,)
+        Nodes, -1 for the reference.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        nodes: dict[str, Node],
+        number: dict[str, int],
+        lossy: NDArray,
+        tables: Mapping[str, Table],
+    ):
+        lines = {name: line for (name, line), falls in zip(scene.lines.items(), lossy, strict=True) if falls}
+        self.falls = Falls(lines, tables)
+        self.elements = [_running(e) for e in elements_of(scene, nodes) if e.law.kind not in FILLED]
+        self.where = [place("lines", name) for name in lines] + [element.where for element in self.elements]
+        pairs = [line.nodes for line in lines.values()] + [(element.one, element.other) for element in self.elements]
+        ends = [[-1 if node is None else number[node] for node in pair] for pair in pairs]
+        self.one, self.other = np.array(ends, int).reshape(-1, 2).T
+        self.packed, _ = laws_of([self.elements], [list(nodes)], nodes, 0, 0)
+
+    @property
+    def count(self) -> int:
+        """Lines and elements."""
+        return len(self.where)
+
+    def out_of_nodes(self, flow: NDArray, n: int) -> NDArray:
+        """Flow out of each of n nodes into the edges."""
+        out = np.zeros(n + 1)
+        np.add.at(out, self.one, flow)
+        np.add.at(out, self.other, -flow)
+        return out[:-1]
+
+    def laws(self, part: NDArray, largest: float) -> Laws:
+        """The same between the parts that the nodes are in, where efforts are no larger than that."""
+        ends = np.append(part, -1)
+        self.packed = self.packed._replace(seen=_steep(self.packed, largest))
+        return Laws(ends[self.one], ends[self.other], np.concatenate([self.falls.z0, self.packed.seen]), self._solved)
+
+    def holding(
+        self, part: NDArray, flow: NDArray, scale: float
+    ) -> tuple[tuple[NDArray, NDArray], NDArray, tuple[NDArray, NDArray]]:
+        """Ends of edges, which of them pass flow or would, and drops between which they hold: for `pockets.settled`."""
+        ends, none = np.append(part, -1), np.zeros(len(self.falls.z0))
+        low, high = (np.concatenate([none, drops]) for drops in held_drops(self.packed))
+        passing = (low == high) | (np.abs(flow) > NOTHING * scale)
+        return (ends[self.one], ends[self.other]), passing, (low, high)
+
+    def _solved(self, a: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        """Drops and flows, and their slopes over the efforts a behind the impedances."""
+        from tline.solver.kernel.waves import flows_through
+
+        count = len(self.falls.z0)
+        fall, y, steep, dy = self.falls.solved(a[:count])
+        flow, slope = flows_through(self.packed, self.packed.factor, a[count:], self.packed.seen)
+        seen = self.packed.seen
+        return (
+            np.concatenate([fall, a[count:] - seen * flow]),
+            np.concatenate([y, flow]),
+            np.concatenate([steep, 1 - seen * slope]),
+            np.concatenate([dy, slope]),
+        )
+
+
+def _steep(elements: Elements, largest: float) -> NDArray:
+    """Impedance of each element: that of its nodes, or drop over flow of one so tight that its root is a jump."""
+    seen = elements.seen.copy()
+    for e in np.flatnonzero(elements.kind == KINDS.index("quadratic")):
+        capacity = elements.constants[elements.at[e] + 1] * max(elements.factor[e], 0.0)
+        drop_over_flow = np.sqrt(largest) / capacity if capacity > 0 else 0.0
+        if drop_over_flow > TIGHT * seen[e]:
+            seen[e] = min(drop_over_flow, TIGHTEST * seen[e])
+    return seen
+
+
+def _running(element: Element) -> Element:
+    """A pump that will run down still runs."""
+    if element.law.kind != "rotor":
+        return element
+    return element._replace(law=element.law._replace(kind="pump", constants=element.law.constants[:5]))

@@ -1,0 +1,144 @@
+"""Efforts of pockets: of parts that shut valves and check valves cut off, so that no flow determines them.
+
+A valve that holds bounds the difference of efforts across it: so much may lie on a check valve before it opens, and
+anything on one that is shut. Of all efforts within these bounds a pocket has the one that it is said to start with, or
+else the least at which nothing opens toward it, as if it had been filled from there, or the largest at which nothing
+opens out of it; but the nearest to that of a neighbour where these are below the reference, or there are none.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.solver.assembly.network import Laws as Elements
+from tline.solver.description.components import parts
+from tline.solver.description.elements import KINDS
+
+WITHIN = 1e-4  # of the largest effort: how exactly a start has to be known
+
+
+class Holding(NamedTuple):
+    """Elements that nothing passes, between groups of parts.
+
+    Attributes
+    ----------
+    one, other : ndarray, shape (elements,)
+        Groups.
+    low, high : ndarray, shape (elements,)
+        By how much the effort of the first may exceed that of the other, beside what it does.
+    """
+
+    one: NDArray
+    other: NDArray
+    low: NDArray
+    high: NDArray
+
+
+def held_drops(elements: Elements) -> tuple[NDArray, NDArray]:
+    """Least and largest drop at which nothing passes each element; both zero of what nothing but balance stops."""
+    low, high = np.zeros(len(elements.kind)), np.zeros(len(elements.kind))
+    for e, kind in enumerate(elements.kind):
+        name, factor, c = KINDS[kind], max(float(elements.factor[e]), 0.0), elements.constants[elements.at[e] :]
+        if name == "quadratic" and c[1] * factor == 0:
+            low[e], high[e] = -np.inf, np.inf
+        elif name == "quadratic" and c[2]:
+            low[e], high[e] = -np.inf, c[0]
+        elif name == "pump" and c[4]:
+            low[e], high[e] = -np.inf, c[0] - factor**2 * c[1]
+        elif name in ("relief", "leak", "demand"):
+            least = c[2] if name == "relief" else 0.0
+            low[e], high[e] = -np.inf, c[0] + least if factor else np.inf
+        elif name == "table":
+            drops, flows = np.split(c[2 : 2 + 2 * int(c[1])], 2)
+            still = drops[flows == 0]
+            low[e], high[e] = (c[0] + still.min(), c[0] + still.max()) if still.size else (0.0, 0.0)
+    return low, high
+
+
+def settled(
+    effort: NDArray,
+    known: NDArray,
+    start: NDArray,
+    ends: tuple[NDArray, NDArray],
+    passing: NDArray,
+    drops: tuple[NDArray, NDArray],
+) -> tuple[NDArray, NDArray]:
+    """Efforts of parts, with those of pockets.
+
+    Parameters
+    ----------
+    effort : ndarray, shape (parts,)
+        As balances of flows give them.
+    known : ndarray of bool, shape (parts,)
+        Whether something that is not an edge determines it.
+    start : ndarray, shape (parts,)
+        What a pocket starts with, or nan.
+    ends : pair of ndarray, shape (edges,)
+        Parts, -1 for the reference.
+    passing : ndarray of bool, shape (edges,)
+        Whether flow passes, or would if it were driven.
+    drops : pair of ndarray, shape (edges,)
+        Least and largest difference of efforts at which nothing does.
+
+    Returns
+    -------
+    effort : ndarray, shape (parts,)
+    opened : ndarray
+        Parts whose start would open a valve; they have what is nearest to it.
+    """
+    n = len(effort)
+    u = np.append(effort, 0.0)
+    one, other = (np.where(end < 0, n, end) for end in ends)
+    group = parts(one[passing], other[passing], n + 1)
+    fixed = np.zeros(group.max() + 1, bool)
+    fixed[group[np.append(known, True)]] = True
+    if fixed.all():
+        return effort, np.empty(0, int)
+    lies = u[one] - u[other]
+    blocked = ~passing & (group[one] != group[other])
+    holding = Holding(group[one][blocked], group[other][blocked], *((drop - lies)[blocked] for drop in drops))
+    beside = list(zip(one[blocked], other[blocked], strict=True))
+    shift, opened = np.zeros(len(fixed)), []
+    largest = np.abs(u).max()
+    for part in np.argsort(np.isnan(start), kind="stable"):  # those with a start come first
+        g = int(group[part])
+        if fixed[g]:
+            continue
+        low, high = _bounds(holding, shift, fixed, g)
+        if not np.isnan(start[part]):
+            shift[g] = np.clip(start[part] - u[part], low, max(low, high))
+            opened += [part] if abs(start[part] - u[part] - shift[g]) > WITHIN * largest else []
+        else:
+            least = low if np.isfinite(low) else high
+            near = np.clip(_beside(u, group, shift, fixed, beside, g), low, max(low, high))
+            shift[g] = least if np.isfinite(least) and u[part] + least >= min(0.0, u[part] + near) else near
+        fixed[g] = True
+    return effort + shift[group[:-1]], np.array(opened, int)
+
+
+def _bounds(holding: Holding, shift: NDArray, fixed: NDArray, g: int) -> tuple[float, float]:
+    """Between what a group may be shifted: shortest paths to it and from it, by way of groups that are not fixed."""
+    least, most = np.where(fixed, shift, -np.inf), np.where(fixed, shift, np.inf)
+    one, other, low, high = holding
+    for _ in range(len(fixed)):
+        before = least.copy(), most.copy()
+        with np.errstate(invalid="ignore"):
+            np.fmin.at(most, one, most[other] + high)
+            np.fmin.at(most, other, most[one] - low)
+            np.fmax.at(least, one, least[other] + low)
+            np.fmax.at(least, other, least[one] - high)
+        least[fixed] = most[fixed] = shift[fixed]
+        if np.array_equal(least, before[0]) and np.array_equal(most, before[1]):
+            break
+    return float(least[g]), float(most[g])
+
+
+def _beside(u: NDArray, group: NDArray, shift: NDArray, fixed: NDArray, beside: list, g: int) -> float:
+    """The shift that gives a group the effort of a neighbour, of the reference at last."""
+    found = [pair if group[pair[0]] == g else pair[::-1] for pair in beside if g in (group[pair[0]], group[pair[1]])]
+    found = [(own, by) for own, by in found if fixed[group[by]]]
+    if not found:
+        return 0.0
+    own, by = min(found, key=lambda pair: pair[1] == len(u) - 1)
+    return float(u[by] + shift[group[by]] - u[own])

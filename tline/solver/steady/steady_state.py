@@ -1,0 +1,232 @@
+"""The steady state that constant sources imply: one effort on all lines that hang together, and a flow in each.
+
+A lossless line keeps effort and flow the same at both ends. The effort of a connected part follows from the sum of what
+its sources drive, its loads take, and lossy lines and elements between parts carry away. Where lines form loops, or
+several ideal efforts share a part, the flows are not unique; taken is the one that a slow rise from rest leads to: no
+net inertia round any loop, so that flow = difference of a potential over z0·T of the line.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.heights import NO_HEIGHT
+from tline.scene.medium import MEDIA
+from tline.scene.mistakes import place
+from tline.scene.scene import Scene
+from tline.solver.description.components import parts
+from tline.solver.description.excitation import just_before
+from tline.solver.description.nodes import NONE, Node
+from tline.solver.steady.balance import CLOSE, balanced
+from tline.solver.steady.edges import Edges
+from tline.solver.steady.lossy_lines import Table, pi
+from tline.solver.steady.pockets import settled
+
+SAME = 1e-9  # efforts that differ by less than this, relatively, are equal
+LAST_DIGITS = 1e-14  # of the level, which efforts have lost by counting from it
+SMALL = 300  # nodes
+ROUNDING = 1e-12  # of the flows that meet
+STUCK = 1e-9  # of the largest flow, or of what held efforts and pumps send into a line, that only a leak takes
+
+
+def rest(scene: Scene, nodes: dict[str, Node]) -> tuple[dict[str, float], NDArray]:
+    """Effort of each node, which counts from the level, and flows at both ends of each line while all stands still."""
+    return dict.fromkeys(nodes, 0.0), np.zeros((len(scene.single_lines), 2))
+
+
+def steady_state(
+    scene: Scene, nodes: dict[str, Node], tables: Mapping[str, Table] = NONE
+) -> tuple[dict[str, float], NDArray]:
+    """Effort of each node and flows at both ends of each line, from end 1 to end 2, immediately before t = 0.
+
+    Parameters
+    ----------
+    tables : mapping of str to Table
+        Of lines whose friction is to be the one that their lumps have.
+
+    Raises
+    ------
+    InputError
+        If there is none: different ideal efforts on connected lines, or a flow that nothing takes; or none was found.
+    """
+    effort, flows = above_level(scene, nodes, tables)
+    return {name: u + nodes[name].height.level for name, u in effort.items()}, flows
+
+
+def above_level(
+    scene: Scene, nodes: dict[str, Node], tables: Mapping[str, Table] = NONE
+) -> tuple[dict[str, float], NDArray]:
+    """The same with efforts that count from the level."""
+    number = {name: k for k, name in enumerate(nodes)}
+    first, second = np.array([[number[node] for node in line.nodes] for line in scene.lines.values()]).T
+    n = len(nodes)
+    lossy = np.array([any(line.steady_drop(1.0)) for line in scene.lines.values()])
+    leak = np.array([pi(line)[1] for line in scene.lines.values()])
+    stiff = ~lossy
+    part = parts(first[stiff], second[stiff], n)
+    given, conductance, driven, tie = _balances(nodes)
+    conductance += np.bincount(first, leak, n) + np.bincount(second, leak, n)
+    _check_held(scene, nodes, part, given)
+    edges = Edges(scene, nodes, number, lossy, tables)
+    if edges.count:
+        level, flow = _between_parts(scene, number, part, given, conductance, driven, edges)
+        out = edges.out_of_nodes(flow, n)
+    else:
+        level, flow, out = _efforts(scene, number, part, given, conductance, driven), np.zeros(0), np.zeros(n)
+    effort = level[part]
+    unheld = np.isnan(_least(given, part))
+    tie[np.unique(part, return_index=True)[1][unheld]] = np.inf  # the potential's zero, anywhere
+    stiffness = np.array([1 / (line.parameters.z0 * (line.parameters.delay or 0.0)) for line in scene.lines.values()])
+    stiffness[lossy] = 0.0
+    flow_in = driven - conductance * effort - out
+    potential = _potential(first[stiff], second[stiff], stiffness[stiff], flow_in, tie)
+    y = stiffness * (potential[first] - potential[second])
+    y[lossy] = flow[: lossy.sum()]
+    flows = np.stack([y + leak * effort[first], y - leak * effort[second]], axis=1)
+    return dict(zip(nodes, effort.tolist(), strict=True)), flows
+
+
+def _between_parts(
+    scene: Scene,
+    number: dict[str, int],
+    part: NDArray,
+    given: NDArray,
+    conductance: NDArray,
+    driven: NDArray,
+    edges: Edges,
+) -> tuple[NDArray, NDArray]:
+    """The effort of each connected part, and the flow through each edge between them."""
+    total, source = (np.bincount(part, weights) for weights in (conductance, driven))
+    held = np.nanmax(np.abs(given), initial=0.0)
+    laws = edges.laws(part, held)
+    found = balanced(laws, _least(given, part), total, source)
+    if not found.rest.max() <= CLOSE:
+        where = edges.where[int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))]
+        raise InputError(where, "no steady state found: efforts and flows do not settle here", "start = 'rest'")
+    largest = held / min(line.parameters.z0 for line in scene.single_lines.values())
+    by_itself = np.abs(laws.solved(np.zeros(edges.count))[1]).max()  # of a pump, or of air outside at another height
+    driving = max(np.abs(driven).max(), largest, by_itself)
+    scale = np.abs(found.flow).max(initial=driving)
+    stuck = np.flatnonzero((np.abs(found.leak) > STUCK * scale) & (driving > 0))
+    if stuck.size:
+        _refuse_flow(scene, number, part, int(stuck[0]), float(found.leak[stuck[0]]))
+    known = ~np.isnan(_least(given, part)) | (total != 0)
+    start = _starts(scene, number, part)
+    effort, opened = settled(found.effort, known, start, *edges.holding(part, found.flow, scale))
+    if opened.size:
+        told = [name for name, site in scene.nodes.items() if site.start is not None and name in number]
+        name = next(name for name in told if part[number[name]] in opened)
+        got = effort[part[number[name]]] + scene.heights.get(name, NO_HEIGHT).level
+        unit = MEDIA[scene.medium].units["effort"]
+        raise InputError(place("nodes", name, "start"), "a valve would open", f"such as {got:g} {unit}")
+    return effort, found.flow
+
+
+def _starts(scene: Scene, number: dict[str, int], part: NDArray) -> NDArray:
+    """What parts are to start with, above the level, where nothing else determines it; else nan."""
+    start = np.full(part.max() + 1, np.nan)
+    for name, site in scene.nodes.items():
+        if site.start is not None and name in number:
+            start[part[number[name]]] = scene.heights.get(name, NO_HEIGHT).below(site.start)
+    return start
+
+
+def _refuse_flow(scene: Scene, number: dict[str, int], part: NDArray, stuck: int, flow: float) -> None:
+    """Say that nothing takes the flow into a part."""
+    where = next(
+        (place("sources", name) for name, source in scene.sources.items() if part[number[source.at]] == stuck),
+        f"node '{list(number)[int(np.flatnonzero(part == stuck)[0])]}'",
+    )
+    got = f"{flow:g} {MEDIA[scene.medium].units['flow']}"
+    raise InputError(where, "no steady state: nothing takes the flow", "a load that does", got)
+
+
+def _balances(nodes: dict[str, Node]) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    """Of each node: effort if given, else nan; conductance; driven flow; tie to the reference (infinite: ideal)."""
+    n = len(nodes)
+    given, conductance, driven, tie = np.full(n, np.nan), np.zeros(n), np.zeros(n), np.zeros(n)
+    for k, node in enumerate(nodes.values()):
+        switched = node.switched(0.0)
+        resistance = np.inf if node.load is None else float(node.load.at_zero())
+        if node.held is not None:
+            given[k], tie[k] = just_before(node.held), np.inf
+        elif switched == np.inf:
+            given[k], tie[k] = node.above_level, np.inf
+        else:
+            driven[k], conductance[k] = node.flow_before(), node.conductance + switched
+            driven[k] += switched * node.above_level
+            if node.load is not None and resistance == 0:  # an inductor: a short, its inertia beside those of the lines
+                inertia = float(node.load.numerator[-2] / node.load.denominator[-1])
+                given[k], tie[k] = node.above_level, 1 / inertia if inertia else np.inf
+            else:
+                conductance[k] += 1 / resistance
+                driven[k] += node.above_level / resistance
+    return given, conductance, driven, tie
+
+
+def _least(values: NDArray, part: NDArray) -> NDArray:
+    """Least value in each part, nan where all are nan."""
+    least = np.full(part.max() + 1, np.nan)
+    np.fmin.at(least, part, values)
+    return least
+
+
+def _check_held(scene: Scene, nodes: dict[str, Node], part: NDArray, given: NDArray) -> None:
+    """Refuse different ideal efforts in one part."""
+    units, names = MEDIA[scene.medium].units, list(nodes)
+    low, high = _least(given, part), -_least(-given, part)
+    level = np.zeros(len(low))
+    level[part] = [node.height.level for node in nodes.values()]
+    torn = np.flatnonzero(high - low > SAME * np.fmax(np.abs(low), np.abs(high)) + LAST_DIGITS * np.abs(level))
+    if torn.size:
+        k = torn[0]
+        lowest, highest = (names[np.flatnonzero((part == k) & (given == level))[0]] for level in (low[k], high[k]))
+        raise InputError(
+            f"nodes '{lowest}' and '{highest}'",
+            "no steady state: lossless lines join different ideal efforts",
+            got=f"{low[k] + level[k]:g} and {high[k] + level[k]:g} {units['effort']}",
+        )
+
+
+def _efforts(
+    scene: Scene, number: dict[str, int], part: NDArray, given: NDArray, conductance: NDArray, driven: NDArray
+) -> NDArray:
+    """The effort of each connected part, where nothing lies between parts."""
+    low = _least(given, part)
+    total, flow, size = (np.bincount(part, weights) for weights in (conductance, driven, np.abs(driven)))
+    stuck = np.flatnonzero(np.isnan(low) & (total == 0) & (np.abs(flow) > ROUNDING * size))
+    if stuck.size:
+        _refuse_flow(scene, number, part, int(stuck[0]), float(flow[stuck[0]]))
+    level = np.divide(flow, total, out=np.zeros_like(flow), where=total != 0)
+    return np.where(np.isnan(low), level, low)
+
+
+def _potential(first: NDArray, second: NDArray, stiffness: NDArray, flow_in: NDArray, tie: NDArray) -> NDArray:
+    """Potential of each node, zero where the tie is infinite: the flows that it drives balance what flows in."""
+    n, free = len(tie), np.flatnonzero(tie < np.inf)
+    potential = np.zeros(n)
+    diagonal = np.where(tie < np.inf, tie, 0.0)
+    np.add.at(diagonal, np.concatenate([first, second]), np.tile(stiffness, 2))
+    every = np.arange(n)
+    places = np.concatenate([first, second, every]), np.concatenate([second, first, every])
+    entries = np.concatenate([-stiffness, -stiffness, diagonal])
+    try:
+        potential[free] = _solved(entries, places, free, n, flow_in[free]) if free.size else 0.0
+    except (RuntimeError, np.linalg.LinAlgError):
+        raise InputError("start", "no steady state: active loads cancel the inertia of lines", "'rest'") from None
+    return potential
+
+
+def _solved(entries: NDArray, places: tuple[NDArray, NDArray], free: NDArray, n: int, flow_in: NDArray) -> NDArray:
+    """Solution of the balances at the free nodes; small ones are spared the import of the sparse solver."""
+    if n <= SMALL:
+        matrix = np.zeros((n, n))
+        np.add.at(matrix, places, entries)
+        return np.linalg.solve(matrix[np.ix_(free, free)], flow_in)
+    from scipy.sparse import coo_array
+    from scipy.sparse.linalg import splu
+
+    matrix = coo_array((entries, places), shape=(n, n)).tocsc()[free][:, free]
+    return splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(flow_in)

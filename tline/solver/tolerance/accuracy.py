@@ -1,0 +1,155 @@
+"""How accurate a run is: what runs of rising order, or on narrower slabs, leave of their differences."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from math import inf
+
+import numpy as np
+
+from tline.solver.result.result import Result
+from tline.solver.tolerance.difference import difference
+
+ROUNDING = 2e-15  # relative to the amplitude; no estimate is smaller
+SLOWEST = 0.5  # share of a difference that a step counts as leaving, at most
+BETWEEN = 1.5  # times the largest difference at the places that are compared: what lies between them
+SILENT = 1e-9  # of the larger of u and z0·y; an amplitude below it is not weighed
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Estimated largest errors at one probe, each relative to its own amplitude.
+
+    Parameters
+    ----------
+    u, y : float
+        Of the effort and the flow; 0 where there is none. Relative to the amplitude of the gauge pressure, if efforts
+        are pressures.
+    """
+
+    u: float
+    y: float
+
+    @property
+    def worst(self) -> float:
+        """The larger of the two."""
+        return max(self.u, self.y)
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One run on the way to a tolerance.
+
+    Parameters
+    ----------
+    order : int
+    slab : float
+        Width of a slab, s.
+    estimate : float or None
+        The worst of all probes, at any instant; None where there is nothing to compare with yet.
+    samples : int
+        Line-end samples computed.
+    seconds : float
+        Time spent stepping.
+    cells : int
+        Cells of L and C of each lumped line; 0 if no line was lumped.
+    """
+
+    order: int
+    slab: float
+    estimate: float | None
+    samples: int
+    seconds: float
+    cells: int = 0
+
+    @classmethod
+    def of(cls, result: Result, estimate: float | None = None) -> "Attempt":
+        """The run that gave a result."""
+        s, h, cells = result.resolution.s, result.resolution.h, max(result.resolution.cells.values(), default=0)
+        return cls(s, h, estimate, result.samples, result.seconds, cells)
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """How accurate a result is, and what that took.
+
+    Parameters
+    ----------
+    tol : float or None
+        What was asked; None for a run fixed by hand.
+    estimates : dict of str to Estimate
+        By probe, at slab ends.
+    inside : dict of str to Estimate
+        By probe, at any instant of the run. Between slab ends the order is lower, and laws and fronts may bend waves
+        there: this is never smaller than at slab ends, and it is what the tolerance is about.
+    blurred : dict of str to Estimate
+        The same with the time in which lumped lines settle after a front; what they do there is not resolved, and no
+        tolerance is asked of it.
+    attempts : tuple of Attempt
+        All runs; that of the result is the one before the finest that it was compared with.
+    limit : str
+        What kept the tolerance from being met; empty if nothing did.
+    """
+
+    tol: float | None
+    estimates: Mapping[str, Estimate] = field(default_factory=dict)
+    inside: Mapping[str, Estimate] = field(default_factory=dict)
+    blurred: Mapping[str, Estimate] = field(default_factory=dict)
+    attempts: tuple[Attempt, ...] = ()
+    limit: str = ""
+
+    @property
+    def worst(self) -> float:
+        """The largest estimate at any instant of any probe; infinite if there is none."""
+        return max((estimate.worst for estimate in self.inside.values()), default=inf)
+
+    @property
+    def at_slab_ends(self) -> float:
+        """The largest estimate at slab ends; infinite if there is none."""
+        return max((estimate.worst for estimate in self.estimates.values()), default=inf)
+
+    def caution(self, before: "Accuracy | None" = None) -> float:
+        """Errors between slab ends over differences to the finer run: they allow for what that still has of them.
+
+        Where a step leaves the share r of the difference before, the next ones leave r², r³, …; the sum of all is the
+        difference over 1 - r. Where laws bend waves r is erratic: it counts as at most a half, also if unknown.
+        """
+        left = self.worst / before.worst if before and 0 < before.worst < inf else SLOWEST
+        return BETWEEN / (1 - min(left, SLOWEST))
+
+    def cautious(self, before: "Accuracy | None" = None) -> "Accuracy":
+        """The same with errors inside slabs that are told with caution."""
+        by = self.caution(before)
+        inside, blurred = (
+            {name: Estimate(by * told.u, by * told.y) for name, told in each.items()}
+            for each in (self.inside, self.blurred)
+        )
+        return replace(self, inside=inside, blurred=blurred)
+
+    @property
+    def met(self) -> bool:
+        """Whether the tolerance is met, as far as can be told."""
+        return self.tol is None or (self.worst <= self.tol and not self.limit)
+
+
+def compared(coarse: Result, fine: Result) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
+    """Errors of a run by its largest differences to a finer one: `estimates`, `inside` and `blurred` of `Accuracy`."""
+    told: tuple[dict[str, Estimate], ...] = {}, {}, {}
+    for name, probe in fine.probes.items():
+        found = difference(coarse.probes[name], probe, fine.resolution.settle)
+        heard = found.amplitude > SILENT * found.amplitude.max()
+        for each, size in zip(told, found[:3], strict=True):
+            relative = np.where(heard, size / np.where(heard, found.amplitude, 1.0), 0.0)
+            each[name] = Estimate(*(max(float(e), ROUNDING) if e > 0 else 0.0 for e in relative))
+    return told
+
+
+def with_errors(result: Result, other: Result, caution: float) -> Result:
+    """A result whose envelope, if it has one, has its differences to that of another run, so many times, as errors."""
+    if result.envelope is None or other.envelope is None:
+        return result
+    return replace(result, envelope=result.envelope.compared(other.envelope, caution))
+
+
+def added(one: Mapping[str, Estimate], other: Mapping[str, Estimate]) -> dict[str, Estimate]:
+    """Sums by probe."""
+    return {name: Estimate(e.u + other[name].u, e.y + other[name].y) for name, e in one.items()}

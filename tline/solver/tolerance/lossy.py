@@ -1,0 +1,137 @@
+"""Runs of scenes with losses to a tolerance; where losses are lumped, slabs and the distance of lumps are halved."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from tline.errors import InputError
+from tline.scene.scene import Scene
+from tline.solver.assembly.lossy_segments import fits
+from tline.solver.description.nodes import NONE, nodes_of
+from tline.solver.description.resolution import resolution
+from tline.solver.result.result import Result
+from tline.solver.tolerance.accuracy import Accuracy, Attempt, added, compared, with_errors
+from tline.solver.tolerance.extrapolate import extrapolated, seen_at_ends
+from tline.solver.tolerance.search import Search, better, gained, inside_limit, inside_slabs, limit_of, rank, refined
+
+ORDER, ORDER_IN_CELLS = 3, 6
+TABLE = ((2,), (2, 4), (2, 4, 6), (1,), (1, 2), (1, 2, 3), (1, 2, 3, 4))  # powers of h taken out, smooth and not
+CLOSER, CLOSEST = 0.1, 1e-9  # tolerance of circuits over that of the run or of circuits before, and the least
+CALM = 0.02  # cycles per slab, the band of circuits in cells
+IN_CELLS = 1e-5  # the first of these in cells, where terms cost little
+
+Row = dict[tuple[int, ...], Result]
+
+
+def is_lossy(scene: Scene) -> bool:
+    """Whether a line loses something."""
+    return any(line.losses is not None for line in scene.single_lines.values())
+
+
+def with_losses(search: Search) -> Result:
+    """Run a scene with losses until the estimated error is within the tolerance, or a limit is reached.
+
+    Where all lossy lines can be cut in cells, order and slab are refined as without losses. Else slabs are halved.
+    Where circuits stand for exact laws, what closer ones change is added to the error.
+    """
+    cells = fits(search.scene.single_lines, resolution(search.scene, nodes_of(search.scene)).h)
+    fit, attempts = max((IN_CELLS if cells else CLOSER) * search.tol, CLOSEST), ()
+    while True:
+        search = search._replace(fit=fit)
+        result, last = _refined(search) if cells else _halved(search)
+        accuracy = result.accuracy
+        assert accuracy is not None
+        closer = max(CLOSER * fit, CLOSEST)
+        attempts += accuracy.attempts
+        if not result.circuits_error or accuracy.at_slab_ends > search.tol or closer == fit:
+            return replace(result, accuracy=replace(accuracy, attempts=attempts))
+        again = search.run(last.resolution._replace(fit=closer), last.t[-1])
+        attempts += (Attempt.of(again),)
+        before, more = (accuracy.estimates, accuracy.inside, accuracy.blurred), compared(last, again)
+        told = Accuracy(search.tol, *map(added, before, more), attempts=attempts)
+        if told.at_slab_ends <= search.tol:
+            return replace(result, accuracy=replace(told, limit=inside_slabs(told) or accuracy.limit))
+        fit = closer
+
+
+def _refined(search: Search) -> tuple[Result, Result]:
+    """A result in cells, and the last run.
+
+    Right behind a front, lines with a memory answer faster than a slab can follow; some slabs later all is right. So
+    with a memory slabs are halved, and samples are given at the ends of the first run's slabs. Between these the result
+    is what the finest run but one is on its own slabs. Their circuits have a narrow band: those of a wide one are
+    steeper than polynomials can be, and what these lose is missing ever after, while what a circuit without fast rates
+    has wrong decays with the rates it has.
+    """
+    start = resolution(search.scene, nodes_of(search.scene), search.scene.solver.order or ORDER_IN_CELLS)
+    first = search.run(start._replace(fit=search.fit, band=CALM))
+    if not any(len(line.series.rates) + len(line.shunt.rates) for line in first.circuits.values()):
+        result = refined(search, NONE)
+        return result, result
+    result = seen = last = first
+    attempts, limit, stale, accuracy = [Attempt.of(first)], "", 0, Accuracy(search.tol)
+    while not limit:
+        last = search.run(last.resolution._replace(h=last.resolution.h / 2), first.t[-1])
+        finer = seen_at_ends(first, last)
+        found = Accuracy(search.tol, *compared(seen, finer)).cautious()
+        attempts[-1] = replace(attempts[-1], estimate=found.worst)
+        attempts.append(Attempt.of(last))
+        stale = stale + 1 if gained(accuracy, found) >= 1.0 else 0
+        if better(found, accuracy):
+            result, accuracy = with_errors(seen, finer, found.caution()), found
+        if found.met and len(attempts) > 2:
+            break
+        seen, limit = finer, limit_of(attempts, stale, search) or inside_limit(attempts, found)
+    limit = limit and (inside_slabs(accuracy) or limit)
+    return replace(result, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit)), last
+
+
+def _halved(search: Search) -> tuple[Result, Result]:
+    """Halve slabs; the best result, and the last run.
+
+    Each run adds a row to a table: itself, and what Richardson makes of it and the row above. The error of an entry is
+    its difference to the one above it; the result is the best entry of the last row.
+    """
+    nodes, order = nodes_of(search.scene), search.scene.solver.order or ORDER
+    chosen = resolution(search.scene, nodes, order)._replace(fit=search.fit)
+    best = last = search.run(chosen)
+    row: Row = {(): last}
+    attempts, limit, stale, accuracy = [Attempt.of(last)], "", 0, Accuracy(search.tol)
+    while not limit:
+        try:
+            finer = resolution(search.scene, nodes, order, chosen.h / 2)
+            chosen = finer._replace(fit=search.fit, lumps=2 * chosen.lumps)
+            last = search.run(chosen, last.t[-1])
+        except InputError as error:
+            limit = f"{error.where}: {error.problem}"
+            break
+        above, row = row, _row(row, last)
+        result, found = min(_judged(above, row, search.tol), key=lambda entry: rank(entry[1]))
+        attempts.append(Attempt.of(last, found.worst))
+        stale = stale + 1 if gained(accuracy, found) >= 1.0 else 0
+        if better(found, accuracy):
+            best, accuracy = with_errors(result, above[()], 1.0), found
+        if found.worst <= search.tol and len(attempts) > 2 and not chosen.blind:
+            break
+        limit = limit_of(attempts, stale, search) or inside_limit(attempts, found)
+    limit = limit and (inside_slabs(accuracy) or limit)
+    damped = () if limit else best.resolution.notes
+    unresolved = tuple(note for note in best.unresolved if note not in damped)
+    accuracy = replace(accuracy, attempts=tuple(attempts), limit=limit)
+    return replace(best, unresolved=unresolved, accuracy=accuracy), last
+
+
+def _row(above: Row, finer: Result) -> Row:
+    """A run, and what it and the row above extrapolate to."""
+    row: Row = {(): finer}
+    for powers in TABLE:
+        coarse, fine = above.get(powers[:-1]), row.get(powers[:-1])
+        if coarse and fine and (better := extrapolated(coarse, fine, powers[-1])):
+            row[powers] = better
+    return row
+
+
+def _judged(above: Row, row: Row, tol: float) -> Iterator[tuple[Result, Accuracy]]:
+    """Entries of a row with their differences to those above."""
+    for powers in above.keys() & row.keys():
+        coarse, fine = above[powers], row[powers]
+        yield fine, Accuracy(tol, *compared(coarse, fine))  # of the coarser one: no caution is needed

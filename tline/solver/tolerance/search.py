@@ -1,0 +1,228 @@
+"""Runs of rising order, on narrower slabs and with more cells of lumped lines, until a tolerance is met."""
+
+from collections.abc import Generator, Mapping
+from dataclasses import replace
+from itertools import pairwise
+from math import inf, log2
+from typing import NamedTuple
+
+from tline.errors import InputError
+from tline.scene.scene import Scene
+from tline.scene.vessel import Boiling
+from tline.solver.description.nodes import NONE, nodes_of
+from tline.solver.description.resolution import FIT, Resolution, resolution
+from tline.solver.description.short_lines import short_lines
+from tline.solver.prepared import NO_KINKS, run
+from tline.solver.result.result import Result
+from tline.solver.tolerance.accuracy import Accuracy, Attempt, compared, with_errors
+from tline.solver.tolerance.kinks import Kinks, kinking, kinks_of
+
+FIRST, LAST = 2, 12  # orders
+MOST_INSIDE = 2e6  # line-end samples in all runs together, for the sake of instants inside slabs alone,
+WORTH = 64  # or so many times those of the first run, if that is more
+TRIED = 2  # halvings of the slab, from which the next ones are foretold
+TRACED = 4  # runs in which kinks are followed before slabs are narrowed again
+HELPS = 0.5  # a step that leaves more of the difference than this does not converge
+STALE = 2  # halvings of the slab in a row that may bring nothing
+MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
+MOST_CELLS = 8  # of a lumped line
+LOST = 0.3  # estimates beyond, one after the other, with cavities: no run resembles another
+COLLAPSE = (
+    ": cavities collapse at other instants in each run, and that spreads; order = 1 and no tolerance give one run"
+)
+
+
+class Search(NamedTuple):
+    """What is looked for."""
+
+    scene: Scene
+    tol: float
+    record: list[str]
+    progress: bool
+    most: float = MOST_SAMPLES  # line-end samples that it may take
+    settle: float = 0.0  # time in which lumped lines settle after a front, s
+    fit: float = FIT  # tolerance of the circuits of lossy lines
+    envelope: bool = False
+    ledger: bool | None = False
+
+    def run(self, chosen: Resolution, end: float | None = None, kinks: Kinks = NO_KINKS) -> Result:
+        """One run, to the scene's end time or to another."""
+        slabs = None if end is None else round(end / chosen.h)
+        return run(
+            self.scene,
+            chosen,
+            self.record,
+            envelope=self.envelope,
+            ledger=self.ledger,
+            progress=self.progress,
+            slabs=slabs,
+            kinks=kinks,
+        )
+
+
+def within(search: Search) -> Result:
+    """Run until the estimated error is within the tolerance, or a limit is reached.
+
+    Short lines are lumped if that is good enough. If it is not, and it is affordable, they are lines like others.
+    """
+    names, settle = short_lines(search.scene, search.record)
+    if not names:
+        return refined(search, NONE)
+    cost, problem = _cost_of_lines(search.scene)
+    lumped = refined(search._replace(most=min(cost, search.most), settle=settle), dict.fromkeys(names, 1))
+    if lumped.accuracy is None or lumped.accuracy.met:
+        return lumped
+    if cost > search.most:
+        limit = f"{lumped.accuracy.limit}; lumped lines would need to be lines, {problem}"
+        return replace(lumped, accuracy=replace(lumped.accuracy, limit=limit))
+    result = refined(search, NONE)
+    assert result.accuracy is not None
+    attempts = (*lumped.accuracy.attempts, *result.accuracy.attempts)
+    return replace(result, accuracy=replace(result.accuracy, attempts=attempts))
+
+
+def _cost_of_lines(scene: Scene) -> tuple[float, str]:
+    """Line-end samples of the first runs if no line is lumped, and why that may be too much."""
+    try:
+        h = resolution(scene, nodes_of(scene), FIRST).h
+    except InputError as error:
+        return inf, f"and {error.problem}"
+    cost = 3 * FIRST * 2 * len(scene.lines) * scene.t_end / h
+    return cost, f"which takes {cost:.0e} line-end samples"
+
+
+def refined(search: Search, cells: Mapping[str, int]) -> Result:
+    """Raise the order and narrow the slab until the next finer run differs by no more than the tolerance.
+
+    From where that is so on, lines in cells have twice as many in each finer run: the last must have. Slab ends come
+    first; what is left inside slabs is worked on while that promises to be enough. Where a higher order does not help
+    and laws kink, slabs are from then on cut in pieces where they did in the run before.
+    """
+    steps, limit, stale, helps = _finer(search, cells), "", 0, True
+    kinked, traced = kinking(search.scene), 0
+    result = best = search.run(next(steps))
+    attempts, accuracy, wanted = [Attempt.of(result)], Accuracy(search.tol), set(result.lines)
+    found = told = accuracy  # of the last comparison
+    while not limit:
+        try:
+            kinks = kinks_of(result, kinked) if traced > 1 else NO_KINKS
+            finer = search.run(steps.send((helps, told.met)), kinks=kinks)
+        except StopIteration:
+            limit = "order and slab are as fine as they may be"
+            break
+        except InputError as error:
+            limit = f"{error.where}: {error.problem}"
+            break
+        before, found = found, Accuracy(search.tol, *compared(result, finer))
+        told = found.cautious(before)
+        attempts[-1] = replace(attempts[-1], estimate=told.worst)
+        attempts.append(Attempt.of(finer))
+        if better(told, accuracy):
+            best, accuracy = with_errors(result, finer, found.caution(before)), told
+        blind = finer.resolution.blind
+        doubled = finer.resolution.cells != result.resolution.cells or not cells
+        if before.worst < inf and told.met and doubled and not blind:
+            break
+        narrowed = finer.resolution.h < result.resolution.h
+        helps = not blind and gained(before, found) <= HELPS
+        if traced or (kinked and not helps and not blind):
+            traced += 1
+            helps |= traced <= TRACED
+            lines = [line for _, names in kinked.values() for line in names]
+            search = search._replace(record=[*dict.fromkeys([*search.record, *lines])])
+        stale = stale + 1 if narrowed and not blind and gained(before, found) >= 1.0 else 0
+        limit = limit_of(attempts, stale, search) or (not blind and inside_limit(attempts, told))
+        result = finer
+    damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
+    unresolved = tuple(note for note in best.unresolved if note not in damped)
+    limit = limit and (inside_slabs(accuracy) or limit)
+    lines = {name: record for name, record in best.lines.items() if name in wanted}
+    accuracy = replace(accuracy, attempts=tuple(attempts), limit=limit)
+    return replace(best, lines=lines, unresolved=unresolved, accuracy=accuracy)
+
+
+def rank(found: Accuracy) -> tuple[float, float]:
+    """What orders runs by their accuracy: slab ends first, as long as these are not as asked; then any instant."""
+    assert found.tol is not None
+    return max(found.at_slab_ends, found.tol), found.worst
+
+
+def better(found: Accuracy, best: Accuracy) -> bool:
+    """Whether a run is at least as accurate as another."""
+    return rank(found) <= rank(best)
+
+
+def gained(before: Accuracy, found: Accuracy) -> float:
+    """What a step left of the difference: at slab ends as long as these are not as asked, and then inside."""
+    assert found.tol is not None
+    here, there = (
+        (accuracy.at_slab_ends if found.at_slab_ends > found.tol else accuracy.worst) for accuracy in (found, before)
+    )
+    return here / there if there > 0 else inf
+
+
+def inside_limit(attempts: list[Attempt], found: Accuracy) -> str:
+    """What forbids finer runs for the sake of instants inside slabs: that they would not be enough."""
+    assert found.tol is not None
+    if found.at_slab_ends > found.tol or found.worst <= found.tol:
+        return ""
+    told = [(a.slab, a.estimate) for a in attempts if a.estimate is not None]
+    halvings = [worst for (h, _), (slab, worst) in pairwise(told) if slab < h]
+    samples = sum(a.samples for a in attempts)
+    left = log2(max(max(MOST_INSIDE, WORTH * attempts[0].samples) / samples, 1.0))
+    if left < 1:
+        return "no room"
+    if len(halvings) < TRIED:
+        return ""
+    widest = max(worst for slab, worst in told if slab > told[-1][0])
+    pace = (widest / found.worst) ** (1 / len(halvings))
+    return "" if pace > 1 and found.worst <= found.tol * pace**left else "too slow"
+
+
+def inside_slabs(accuracy: Accuracy) -> str:
+    """What kept the tolerance from being met, if that was not at slab ends."""
+    if accuracy.tol is None or accuracy.at_slab_ends > accuracy.tol or accuracy.worst <= accuracy.tol:
+        return ""
+    name, told = max(accuracy.inside.items(), key=lambda item: item[1].worst)
+    return (
+        f"inside slabs the error at '{name}' is up to {told.worst:.1g}, where a law or a front bends the wave; at slab "
+        f"ends it is {accuracy.at_slab_ends:.1g}: read values there, ask for less, or give a narrower slab"
+    )
+
+
+def limit_of(attempts: list[Attempt], stale: int, search: Search) -> str:
+    """What forbids a finer run; empty if nothing does."""
+    collapse = any(isinstance(load, Boiling) for load in search.scene.loads.values())
+    told = [a.estimate for a in attempts if a.estimate is not None][-STALE - 1 :]
+    if stale == STALE or (collapse and len(told) > STALE and min(told) > LOST):
+        return f"narrower slabs do not help{COLLAPSE * collapse}"
+    if sum(a.samples for a in attempts) + 2 * attempts[-1].samples > search.most:
+        return f"a finer run would take the total beyond {search.most:.0e} line-end samples"
+    if sum(a.seconds for a in attempts) + 2 * attempts[-1].seconds > MOST_SECONDS:
+        return f"a finer run would take the total beyond {MOST_SECONDS} s"
+    return ""
+
+
+def _finer(search: Search, cells: Mapping[str, int]) -> Generator[Resolution, tuple[bool, bool]]:
+    """Ever finer orders and slabs; what is sent in tells whether the last step helped, and met the tolerance.
+
+    Beside lumped lines slabs are not narrowed: fronts are blurred there for a time of its own.
+    """
+    scene, nodes = search.scene, nodes_of(search.scene)
+    s = scene.solver.order or FIRST
+    chosen = resolution(scene, nodes, s, cells=cells, settle=search.settle)
+    h, fixed, enough = chosen.h, scene.solver.slab is not None or bool(cells), False
+    while True:
+        helped, met = yield chosen._replace(fit=search.fit)
+        enough |= met
+        if enough:
+            cells = {name: 2 * n for name, n in cells.items()}
+            if max(cells.values(), default=0) > MOST_CELLS:
+                raise InputError("lumped lines", f"more than {MOST_CELLS} cells would be needed")
+        if scene.solver.order is None and s < LAST and (helped or fixed):
+            s += 1
+        elif not fixed:
+            h /= 2
+        else:
+            return
+        chosen = resolution(scene, nodes, s, h, cells, search.settle)
