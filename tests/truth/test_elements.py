@@ -191,7 +191,10 @@ def test_a_surge_tank_swings_as_its_characteristic_equation_says():
 
 
 def in_steps(rhs, send, first: float, start: float, back: float, t_end: float) -> list:
-    """Integrate x' = rhs(t, x, a) where a(t) = 2·HEAD - send(t - 2T), one round trip after the other."""
+    """Integrate x' = rhs(t, x, a) where a(t) = 2·HEAD - send(t - 2T), one round trip after the other.
+
+    Steps are short, for DOP853 overlooks the error of a long one in which a flow turns.
+    """
     pieces = [lambda t: (np.full(np.shape(t), first), np.full(np.shape(t), back))]
     x, t = start, 0.0
     while t < t_end:
@@ -202,7 +205,7 @@ def in_steps(rhs, send, first: float, start: float, back: float, t_end: float) -
 
         done = solve_ivp(
             lambda s, x, arriving=arriving: rhs(s, x, arriving(s)), (t, t + 2 * DELAY), [x], "DOP853",
-            dense_output=True, rtol=1e-13, atol=1e-15, max_step=DELAY / 100,  # where a flow turns, long steps hide errors
+            dense_output=True, rtol=1e-13, atol=1e-15, max_step=DELAY / 100,
         )  # fmt: skip
 
         def piece(s, done=done, arriving=arriving):
