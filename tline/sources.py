@@ -12,7 +12,7 @@ import tokenize
 from collections.abc import Mapping
 from functools import cached_property
 from importlib.machinery import ModuleSpec
-from importlib.util import resolve_name
+from importlib.util import find_spec, resolve_name
 
 IMPORT = re.compile(r"^(?:from|import)[ \t][^\n(]*(?:\([^)]*\))?", re.MULTILINE)
 Digests = Mapping[str, tuple[str, str]]  # of the text and of the meaning, by module
@@ -61,16 +61,16 @@ class _WithoutTexts(ast.NodeTransformer):
 _loaded: dict[str, tuple[ModuleSpec, Source]] = {}
 
 
-def sources_of(module: str) -> dict[str, Source] | None:
-    """Sources of a module and of all it imports from its package or `tline`, by name; None if one cannot be read.
+def sources_of(*modules: str) -> dict[str, Source] | None:
+    """Sources of modules and of all they import from their package or `tline`, by name; None if one cannot be read.
 
     A file is read once for each time its module is loaded, and so is what runs in this process even if an upgrade
     changes the file meanwhile.
 
     Parameters
     ----------
-    module : str
-        Name of a module that is loaded, or is being loaded and has made its imports.
+    *modules : str
+        Names of modules. Of one that is loaded, or is being loaded, the imports have been made.
 
     Examples
     --------
@@ -78,7 +78,7 @@ def sources_of(module: str) -> dict[str, Source] | None:
     ['tline.sources']
     """
     found: dict[str, Source] = {}
-    waiting = [module]
+    waiting = [*modules]
     while waiting:
         name = waiting.pop()
         source = _source(name)
@@ -102,7 +102,10 @@ def are_unchanged(sources: Mapping[str, Source], then: Digests) -> bool:
 
 
 def _source(name: str) -> Source | None:
-    spec = getattr(sys.modules.get(name), "__spec__", None)
+    try:
+        spec = getattr(sys.modules.get(name), "__spec__", None) or find_spec(name)
+    except (ImportError, ValueError):
+        return None
     if spec is None:
         return None
     if name not in _loaded or _loaded[name][0] is not spec:

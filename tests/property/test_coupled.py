@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
-from tline.solver.kernel.waves import advance
+from tline.solver.loop.kernel import advance
 from tline.solver.simulate import simulate
 
 SLABS = 400

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from random_elements import random_elements
 
 from tline.solver.assembly.assemble import Assembly, assemble
-from tline.solver.kernel.waves import AIR, GAS, VAPOUR, stored
+from tline.solver.kernel.network import AIR, GAS, TANK, VAPOUR
+from tline.solver.kernel.stores import gas, rotor, tank
 from tline.solver.loop.march import Stepper
 from tline.solver.simulate import simulate
 
@@ -30,7 +31,8 @@ def in_elements(assembly: Assembly) -> float:
                 total += c[1] * (air * np.log(air / volume) + volume - air) if air else 0.0
                 continue
             unit = c[2] * c[3] if kind == GAS else c[2]
-            total += unit * stored(kind, laws.constants, at, assembly.state.load[place])[0] ** 2 / 2
+            stored = (gas if kind == GAS else tank if kind == TANK else rotor).stored
+            total += unit * stored(laws.constants, at, assembly.state.load[place])[0] ** 2 / 2
     return total
 
 

@@ -12,10 +12,10 @@ from random_scenes import random_scene
 
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import Assembly, assemble
-from tline.solver.assembly.fronts import LIVE
 from tline.solver.description.nodes import nodes_of
 from tline.solver.description.resolution import resolution
-from tline.solver.kernel.waves import advance
+from tline.solver.kernel.fronts.structures import LIVE
+from tline.solver.loop.kernel import advance
 from tline.solver.loop.march import Stepper
 from tline.solver.radau import Basis
 

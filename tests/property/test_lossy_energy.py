@@ -9,8 +9,8 @@ from random_scenes import random_scene
 
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import Assembly, assemble
-from tline.solver.assembly.network import REMEMBERED
-from tline.solver.kernel.waves import advance
+from tline.solver.kernel.network import REMEMBERED
+from tline.solver.loop.kernel import advance
 from tline.solver.simulate import simulate
 
 SLABS, PART = 2_000, 50

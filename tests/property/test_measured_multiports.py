@@ -13,7 +13,7 @@ from touchstone_files import FILTER, frequencies, stretch, write_ports
 from passivity import MatrixModel, SampledResponse, Status, fit_scattering
 from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.scene import Scene
-from tline.solver.kernel.waves import advance
+from tline.solver.loop.kernel import advance
 
 ROUNDING = 1e-12  # of the energy at the start
 

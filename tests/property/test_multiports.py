@@ -8,7 +8,7 @@ from random_multiports import multiport_scenes
 
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
-from tline.solver.kernel.waves import advance
+from tline.solver.loop.kernel import advance
 
 SLABS = 300
 ROUNDING = 1e-14  # of the energy at the start, in a slab

@@ -9,9 +9,9 @@ from twin import efforts, efforts_in_pieces
 
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
+from tline.solver.assembly.workspace import SAMPLES
 from tline.solver.description.nodes import nodes_of
 from tline.solver.description.resolution import Resolution, resolution
-from tline.solver.kernel.waves import SCRATCH
 from tline.solver.loop.march import Stepper
 from tline.solver.prepared import run
 from tline.solver.simulate import simulate
@@ -111,7 +111,7 @@ def test_the_kernel_is_its_plain_twin(seed, order, slab, lumped):
     scene = random_scene(seed, sources=True, switches=False, solver={"order": order, "slab": slab})
     line = scene.probes["p"].line
     assembly = assemble(scene, {line}, lumping(scene, lumped))
-    node, n = assembly.nodes.index(scene.probes["p"].at), max(60, 2 * SCRATCH // order)
+    node, n = assembly.nodes.index(scene.probes["p"].at), max(60, 2 * SAMPLES // order)
     plain = efforts(assembly, n)[node, :, -1]
     record = np.empty((2, 2, n * order))
     steps = Stepper(assembly, n, record)

@@ -8,8 +8,8 @@ from tline.scene.scene import Scene
 from tline.solver.assembly import blocks
 from tline.solver.assembly.assemble import assemble
 from tline.solver.assembly.blocks import LONGEST, blocks_of
-from tline.solver.assembly.network import NO_LUMPS
 from tline.solver.description.resolution import Resolution
+from tline.solver.kernel.network import NO_LUMPS
 from tline.solver.prepared import run
 
 SLAB = 0.05

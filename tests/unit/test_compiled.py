@@ -311,7 +311,6 @@ def test_functions_within_functions_are_not_kept(package):
 
 
 OURS = {  # a cheap function of each module that has compiled ones
-    "tline.solver.kernel.waves": "rooted",
     "tline.solver.many.kernel": "powers",
     "tline.study.reference.grid": "arriving",
     "tline.study.baseline.loops": "inside",
@@ -356,29 +355,6 @@ def followed(module):
         ours = {each for each in imports if each.partition(".")[0] in ("tline", "friction")}
         waiting += ours - found
     return found
-
-
-def test_the_answer_at_an_address_is_not_stale(tmp_path, package):
-    """Arguments swapped in the file that calls an address, of a copy of the solver's kernel."""
-    for name in ("__init__", "compiled", "errors", "sources", "solver/__init__", "solver/kernel/__init__",
-                 "solver/kernel/waves", "solver/kernel/by_reference", "solver/kernel/callback"):  # fmt: skip
-        path = tmp_path / "tline" / f"{name}.py"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text((ROOT / "tline" / f"{name}.py").read_text())
-    code = """
-import ctypes
-from tline.compiled import njit
-from tline.solver.kernel.waves import own
-law = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double, ctypes.c_double)(lambda u, factor: u if factor == 0.5 else 0.0)
-address = ctypes.cast(law, ctypes.c_void_p).value
-import numba; from numba import types
-own.compile((types.int64, types.float64, types.float64, types.float64))
-print(numba.njit(lambda a: own(a, 0.5, 3.0, 2.0)[0])(address), own.stats.cache_misses.total())
-"""
-    assert process(package, code).stdout == "1.0 1\n"
-    path = tmp_path / "tline" / "solver" / "kernel" / "callback.py"
-    path.write_text(path.read_text().replace("values[1:]", "[values[2], values[1]]"))
-    assert process(package, code).stdout == "0.0 1\n"
 
 
 def test_a_module_is_read_from_its_file_where_its_loader_cannot_tell(package):

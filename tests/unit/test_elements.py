@@ -6,8 +6,12 @@ import pytest
 from tline.scene.factor import Characterised
 from tline.scene.points import Ramp
 from tline.scene.pump import Pump
-from tline.solver.description.elements import KINDS
-from tline.solver.kernel import waves as kernel
+from tline.solver.description.elements import KINDS, laws_of
+from tline.solver.kernel import network
+from tline.solver.kernel.laws.quadratic import rooted
+from tline.solver.kernel.stores.gas import expanded
+from tline.solver.loop.units import OF_KIND
+from tline.solver.steady.flows import flows_through
 
 LAWS = {
     "quadratic": ((0.1, 0.7, 0.0), lambda u: 0.7 * np.sign(u) * np.sqrt(abs(u))),
@@ -21,8 +25,12 @@ LAWS = {
 
 
 def through(kind: str, v: float, z: float, factor: float = 1.0) -> tuple[float, float]:
-    constants = np.array(LAWS[kind][0])
-    return kernel.through(KINDS.index(kind), constants, 0, factor, v, z)
+    laws = laws_of([[]], [[]], {}, 0, 0)[0]._replace(
+        kind=np.array([KINDS.index(kind)]), at=np.zeros(1, int), constants=np.array(LAWS[kind][0]),
+        factor=np.array([factor]), seen=np.array([z]),
+    )  # fmt: skip
+    flow, slope = flows_through(laws, np.array([v]))
+    return flow[0], slope[0]
 
 
 @pytest.mark.parametrize("kind", [kind for kind, (_, law) in LAWS.items() if law])
@@ -53,7 +61,7 @@ def test_the_pumps_parabola_is_met_at_any_speed():
 
 @pytest.mark.parametrize("capacity", [0.0, 1e-200, 1e-9, 1.0, 1e9, 1e150, np.inf])
 def test_a_valve_is_sound_from_shut_to_without_loss(capacity):
-    flow, slope = kernel.rooted(3.0, 2.0, capacity, 0.0)
+    flow, slope = rooted(3.0, 2.0, capacity, 0.0)
     assert 0 <= flow <= 1.5
     assert 0 <= slope <= 0.5
     if capacity >= 1e9:
@@ -71,7 +79,7 @@ def test_a_diode_does_not_overflow(v):
 def test_gas_stores_what_its_pressure_does(n):
     """X²/2 is the integral of the pressure; series near the atmosphere's and closed form beyond meet."""
     for volume in (0.01, 0.59999, 0.60001, 0.95, 1.0, 1.3, 1.39999, 1.40001, 50.0):
-        effort, x, ratio = kernel.gas(np.log(volume), n)
+        effort, x, ratio = expanded(np.log(volume), n)
         y, weights = np.polynomial.legendre.leggauss(60)
         low = np.log(volume) * (1 + y) / 2  # in ln V, from 1 to volume
         work = -np.log(volume) / 2 * weights @ (np.expm1(-n * low) * np.exp(low))
@@ -81,8 +89,8 @@ def test_gas_stores_what_its_pressure_does(n):
 
 
 def test_kinds_are_numbered_alike():
-    numbers = [getattr(kernel, kind.upper()) for kind in KINDS]
-    assert numbers == list(range(len(KINDS)))
+    numbers = [getattr(network, kind.upper()) for kind in KINDS]
+    assert numbers == list(range(len(KINDS))) == list(range(len(OF_KIND)))
 
 
 @pytest.mark.parametrize(

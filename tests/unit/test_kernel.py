@@ -11,10 +11,9 @@ from random_scenes import random_scene
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver.assembly import fronts
 from tline.solver.assembly.assemble import assemble
-from tline.solver.kernel import waves as kernel
-from tline.solver.kernel.waves import TINY, advance
+from tline.solver.kernel.arithmetic import TINY
+from tline.solver.loop.kernel import advance
 from tline.solver.simulate import simulate
 
 SILENT, UNRECORDED = np.zeros((0, 0)), np.zeros((0, 2, 0))
@@ -55,12 +54,6 @@ def test_waves_below_the_smallest_that_count_become_zero():
     assembly.state.waves[:] = 0.5 * TINY
     advance(assembly.network, assembly.state, 100, SILENT, UNRECORDED, 0)
     assert not assembly.state.waves.any()
-
-
-@pytest.mark.parametrize("name", ["LIVE", "PEAK", "MERGED", "DISSOLVED", "DROPPED", "NOTED", "SCALE", "LOST"])
-def test_kernel_and_fronts_count_in_the_same_places(name):
-    """The kernel is imported late, for numba is slow to load; so both have these numbers."""
-    assert getattr(kernel, name) == getattr(fronts, name)
 
 
 def test_no_access_outside_any_array(tmp_path):

@@ -12,10 +12,12 @@ from tline.frequency.response import respond
 from tline.loss import Foster
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
-from tline.solver.assembly.network import REMEMBERED, SQUARED
 from tline.solver.description.circuits import one_step
 from tline.solver.description.resolution import Resolution
-from tline.solver.kernel.waves import lose
+from tline.solver.kernel.losses.dissipation import dissipation
+from tline.solver.kernel.losses.memory import memory
+from tline.solver.kernel.network import REMEMBERED, SQUARED
+from tline.solver.loop.kernel import Kernel
 from tline.solver.radau import basis
 from tline.solver.simulate import simulate
 
@@ -61,8 +63,10 @@ def test_the_kernel_is_its_plain_twin(scene, order):
         state.waves[:] = rng.normal(size=state.waves.shape) * 1e6
         state.slot[0], state.side[0] = slab % 5, slab // 5 % 2
         expected = plainly(assembly, state.waves, slab % 10)
-        lumps, room = assembly.network.lumps, np.empty((2, 64 * order))
-        lose(assembly.network, lumps, np.arange(len(lumps.line)), state, 1, room[0], room[1])
+        kernel = Kernel(assembly.network, state)
+        for r, kind in enumerate(assembly.network.lumps.kind):
+            unit = memory if kind == REMEMBERED else dissipation
+            unit(kernel.run(np.empty((0, 0)), np.empty((0, 2, 0))), r, 1)
         assert state.waves == pytest.approx(expected, rel=1e-12, abs=1e-6)
 
 

@@ -13,7 +13,6 @@ from tline.scene.waveform import Shape
 from tline.solver.assembly.blocks import blocks_of
 from tline.solver.assembly.loss_elements import lumps_of
 from tline.solver.assembly.lossy_segments import InCells, cells_of, lines_in_cells
-from tline.solver.assembly.network import Network, State
 from tline.solver.assembly.node_maps import node_maps
 from tline.solver.description.circuits import Circuits, circuits_of, fit_of
 from tline.solver.description.elements import laws_of, states_of, with_basis
@@ -22,6 +21,7 @@ from tline.solver.description.groups import Group, grouped
 from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node, nodes_of
 from tline.solver.description.resolution import WHOLE, Resolution, resolution
+from tline.solver.kernel.network import Network, State
 from tline.solver.radau import Basis, basis
 from tline.solver.steady.lossy_lines import Ends, fill_cells, fill_lumped, tables_of
 from tline.solver.steady.steady_state import above_level, rest

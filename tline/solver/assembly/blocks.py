@@ -7,7 +7,7 @@ passed. All nodes for which that takes a stride or longer go a stride at once, t
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.assembly.network import Blocks, Lumps
+from tline.solver.kernel.network import Blocks, Lumps
 
 LONGEST = 512  # slabs; more at once save nothing
 

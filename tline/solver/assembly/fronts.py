@@ -11,10 +11,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.assembly.assemble import Assembly
-from tline.solver.assembly.network import Floats, Integers, Network, Tools, tools_of
 from tline.solver.assembly.settling import settling_step
-from tline.solver.assembly.workspace import Room, room_for
+from tline.solver.assembly.tools import tools_of
+from tline.solver.assembly.workspace import workspace_for
 from tline.solver.description.excitation import Broken
+from tline.solver.kernel.fronts.structures import (
+    DISSOLVED,
+    DROPPED,
+    MERGED,
+    PEAK,
+    Drives,
+    Fronts,
+    Log,
+    Moves,
+    Pieces,
+    Sources,
+    Systems,
+)  # fmt: skip
+from tline.solver.kernel.network import Network
 
 MOST = 16  # pieces of a slab
 AT_NODE = 2 * MOST  # pieces of a slab on which a node works
@@ -22,79 +36,6 @@ WORK = 4e7  # pieces computed without asking; in runs that could hold more, a sl
 MEMORY = 2e8  # bytes for slabs in pieces
 LOGGED = 4096  # pieces recorded between two looks
 LULL = 16  # slabs without a front that are worth a return to blocks
-LIVE, PEAK, MERGED, DISSOLVED, DROPPED, NOTED = range(6)  # places in the counts
-SCALE, LOST = range(2)  # places in the sizes
-
-
-class Systems(NamedTuple):
-    """From Thévenin waves to efforts, of each row of the network's maps: dx/dt = A x + b w, u = c x + d w."""
-
-    at: Integers  # (rows,) place of each system's first entry
-    entries: Floats  # matrices [A b; c d] of shape (n + k, n + k), one after the other
-    settling_at: Integers  # (rows,) place of its map over the time in which its group settles
-    settling: Floats  # maps from (Thévenin waves, state) to (efforts, next state)
-
-
-class Moves(NamedTuple):
-    """Switches that move."""
-
-    first: Integers  # (G + 1,) those of group g are first[g] to first[g + 1], in order of time
-    at: Floats  # instants, in slabs
-    row: Integers  # row of the map from then on
-    due: Integers  # (G,) the next one of each group
-
-
-class Drives(NamedTuple):
-    """Rows of the drive that belong to each group: of its nodes, and of its elements."""
-
-    first: Integers  # (G + 1,)
-    row: Integers
-
-
-class Pieces(NamedTuple):
-    """Slabs under way that are held in pieces, one a row."""
-
-    of_slab: Integers  # (slabs in the wave buffers,) row, -1 for a slab in one piece
-    before: Integers  # (2 L,) row of the slab that arrived last
-    last: Floats  # (2 L, s) the last piece that left an end
-    width: Floats  # (2 L,) and its width; 0 if unknown
-    number: Integers  # (rows,) of pieces
-    anew: Floats  # (rows,) size of the front at the slab's start, 0 for none
-    start: Floats  # (rows, MOST + 1) edges
-    size: Floats  # (rows, MOST) of the front at each start
-    coef: Floats  # (rows, MOST, s)
-    free: Integers  # (rows,) those behind the first LIVE are free
-
-
-class Log(NamedTuple):
-    """Recorded pieces."""
-
-    where: Integers  # (places, 2) row of the record, slab
-    span: Floats  # (places, 2) start and end in slab time
-    values: Floats  # (places, 2, s) what arrived, and what left
-
-
-class Fronts(NamedTuple):
-    """All that slabs in pieces need."""
-
-    lull: int  # slabs without a front after which to go back to blocks
-    most: int  # pieces of a slab under way
-    at_node: int
-    step: float  # slab width h
-    fractional: bool  # whether a front at the start of a slab needs to be followed
-    levels: NDArray[np.bool_]  # (G,) whether a group leaves out fronts inside slabs, for it is at a line in cells
-    settle: Floats  # (G,) slabs that a group with lumped lines takes to settle after a front, else 0
-    settled: Floats  # (G,) instant at which it will have, in slabs
-    rest: Floats  # (L,) fractional rest of each delay
-    tools: Tools
-    systems: Systems
-    moves: Moves
-    drives: Drives
-    pieces: Pieces
-    room: Room
-    log: Log
-    counts: Integers  # (6,)
-    sizes: Floats  # (2,) largest wave so far, largest front dropped
 
 
 class Tally(NamedTuple):
@@ -140,7 +81,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], p
         most,
         AT_NODE,
         h,
-        assembly.follows_edges,
+        int(assembly.follows_edges),
         _at_cells(network),
         assembly.settle / h,
         np.full(len(assembly.settle), -np.inf),
@@ -166,9 +107,9 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], p
             np.empty((rows, most, s)),
             np.arange(rows),
         ),
-        room_for(network, s, AT_NODE, parts),
+        workspace_for(network, s, AT_NODE, parts),
         Log(np.empty((places, 2), int), np.empty((places, 2)), np.empty((places, 2, s))),
-        np.zeros(6, int),
+        np.zeros(7, int),
         np.zeros(2),
     )
 
@@ -200,19 +141,6 @@ def _packed(assembly: Assembly) -> Systems:
 def _joined(parts: list[NDArray]) -> tuple[NDArray, NDArray]:
     """Where each begins, and all of them one after the other."""
     return np.cumsum([0, *map(len, parts)])[:-1], np.concatenate([np.empty(0), *parts])
-
-
-class Sources(NamedTuple):
-    """The sources' parts of the Thévenin waves in slabs that hold fronts of theirs."""
-
-    first: Integers  # (rows + 1,) the slabs of drive row k are first[k] to first[k + 1]
-    due: Integers  # (rows,) the next one of each
-    slab: Integers
-    anew: NDArray[np.bool_]  # whether it begins with a front
-    begin: Integers  # (slabs + 1,) its pieces
-    start: Floats
-    stop: Floats
-    coef: Floats  # (pieces, s)
 
 
 def sources_of(broken: list[Broken], s: int) -> Sources:

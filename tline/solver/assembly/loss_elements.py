@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from tline.loss import Foster
 from tline.scene.line import SceneLine
 from tline.scene.losses import Losses
-from tline.solver.assembly.network import CONSTANT, NO_LUMPS, REMEMBERED, SQUARED, TABLED, Lumps
 from tline.solver.description.circuits import Circuits, one_step
 from tline.solver.description.resolution import WHOLE
+from tline.solver.kernel.network import CONSTANT, NO_LUMPS, REMEMBERED, SQUARED, TABLED, Lumps
 from tline.solver.radau import Basis
 
 LOWEST, HIGHEST, POINTS = -10, 34, 256  # octaves of a wave in a table, and points in each

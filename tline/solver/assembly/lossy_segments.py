@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from tline.loss import Law
 from tline.loss.foster import Foster
 from tline.scene.line import SceneLine
-from tline.solver.assembly.network import Cells
 from tline.solver.description.circuits import Circuits
 from tline.solver.description.resolution import WHOLE
+from tline.solver.kernel.network import Cells
 from tline.solver.radau import Basis, Matrix
 
 MOST_DIFFERENT = 50  # cells, for each takes some hundredths of a second to find

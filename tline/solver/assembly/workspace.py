@@ -1,59 +1,72 @@
-"""Room in which slabs in pieces are worked on, one group after the other: made once, it costs no slab anything."""
-
-from typing import NamedTuple
+"""Workspaces of the kernel: made once, they cost no slab anything."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tline.solver.assembly.network import Floats, Integers, Network
 from tline.solver.assembly.settling import SUBSTEPS
+from tline.solver.kernel.fronts.structures import Steps, Workspace
+from tline.solver.kernel.losses.passing import ABREAST
+from tline.solver.kernel.network import Crossing, Network, Newton, State, Store, Work
+
+SAMPLES = 512  # per tile
+AT_POINTS = "v", "control", "flow", "y", "first", "safe", "rest", "coef", "piece", "kept", "whole"  # of a store
 
 
-class Steps(NamedTuple):
-    """A piece in which a group settles, in several steps."""
-
-    edges: Floats  # (steps + 1,)
-    ends: Floats  # (2,) of the piece
-    values: Floats  # (nodes, steps, s)
-    wave: Floats  # (nodes * s,) of one step
-    out: Floats  # (1, s)
-
-
-class Room(NamedTuple):
-    """For a group: at most so many pieces m, nodes, line ends and elements."""
-
-    position: Integers  # (2 L,) first sample of the slab that works at each line end
-    place: Floats  # of the fronts that meet
-    size: Floats  # of each
-    edges: Floats  # (m + 1,) of the pieces
-    own: Floats  # (m + 1,) of the pieces of one wave
-    outer: Floats  # (m + 1,) without those that only settling needs
-    unsettled: NDArray[np.bool_]  # (m,)
-    span: Floats  # (pieces, 2) of a wave that is given
-    given: Floats  # (pieces, s)
-    arrived: Floats  # (ends, m, s)
-    u: Floats  # (nodes, m, s)
-    factor: Floats  # (elements, m, s) what scales the elements
-    opening: Floats  # (elements, s) in one piece
-    coef: Floats  # (m + 1, s)
-    whole: Floats  # (s,)
-    part: Floats  # (s,)
-    wave: Floats  # (nodes * s,) of one piece
-    row: Floats  # (nodes * s + states,)
-    stages: Floats  # (states * s, states * s + 1)
-    history: Floats  # (s, 2)
-    steps: Steps
+def largest_group(network: Network) -> tuple[int, int, int]:
+    """Most nodes, states and elements of a group."""
+    return (
+        int(np.diff(network.group).max(initial=1)),
+        int(network.step_states.max(initial=0)),
+        int(np.diff(network.laws.first).max(initial=0)),
+    )
 
 
-def room_for(network: Network, s: int, most: int, parts: int) -> Room:
-    """Room for `most` pieces of a slab at a node, and for waves given in at most so many parts."""
-    nodes = int(np.diff(network.group).max(initial=1))
+def crossing_for(constants: np.ndarray, samples: int) -> Crossing:
+    """Workspace of laws at so many samples."""
+    return Crossing(constants, *np.empty((4, samples)))
+
+
+def work_for(network: Network, state: State) -> Work:
+    """Workspace of the loop over blocks, and of all units that it calls."""
+    s, laws, cells = state.before.shape[1], network.laws, network.cells
+    nodes, states, elements = largest_group(network)
+    tile, n = max(SAMPLES // s, 1), nodes + elements
+    held = int((cells.held + 2 * s).max(initial=0))
+    at_points = {name: np.empty(s) for name in AT_POINTS}
+    system, integral = np.zeros((s, s + 1)), np.empty(s + 1)
+    store = Store(
+        laws.constants, state.load, laws.tools, system=system, integral=integral, constant=np.empty(1), **at_points
+    )
+    newton = Newton(
+        **{name: np.zeros(n) for name in ("x", "safe", "aimed", "rest")},
+        **{name: np.zeros(nodes) for name in ("level", "taken")},
+        **{name: np.zeros(elements) for name in ("flow", "slope")},
+        **{name: np.zeros(nodes * s) for name in ("wave", "last")},
+        system=np.zeros((n, n + 1)),
+        own=np.zeros((elements, 2)),
+    )
+    return Work(
+        tile=tile,
+        position=np.zeros(len(network.ends), np.int64),
+        u=np.empty(nodes * tile * s),
+        history=np.empty((s, tile + 1)),
+        row=np.empty(max(tile, nodes * s + states)),
+        control=np.empty((elements, tile * s)),
+        crossing=crossing_for(laws.constants, tile * s if elements else 0),
+        store=store,
+        newton=newton,
+        pair=np.empty(s * ABREAST),
+        out=np.empty(s * ABREAST),
+        enter=np.empty(2 * s * int(cells.number.max(initial=0))),
+        leave=np.empty(held),
+    )
+
+
+def workspace_for(network: Network, s: int, most: int, parts: int) -> Workspace:
+    """Workspace for `most` pieces of a slab at a node, and for waves given in at most so many parts."""
+    nodes, states, elements = largest_group(network)
     ends = int(np.diff(network.first[network.group]).max(initial=0))
-    states = int(network.step_states.max(initial=0))
-    elements = int(np.diff(network.laws.first).max(initial=0))
     fronts, given = 2 * most * ends + most, max(parts, 2 * most + 2)
-    return Room(
-        position=np.zeros(len(network.ends), int),
+    return Workspace(
         place=np.zeros(fronts),
         size=np.zeros(max(fronts, most + 1)),
         edges=np.zeros(most + 1),
@@ -65,14 +78,10 @@ def room_for(network: Network, s: int, most: int, parts: int) -> Room:
         arrived=np.zeros((ends, most, s)),
         u=np.zeros((nodes, most, s)),
         factor=np.zeros((elements, most, s)),
-        opening=np.zeros((elements, s)),
         coef=np.zeros((most + 1, s)),
         whole=np.zeros(s),
         part=np.zeros(s),
-        wave=np.zeros(nodes * s),
-        row=np.zeros(nodes * s + states),
         stages=np.zeros((s * states, s * states + 1)),
-        history=np.zeros((s, 2)),
         steps=Steps(
             np.zeros(SUBSTEPS + 2),
             np.array([0.0, 1.0]),

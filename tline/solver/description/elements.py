@@ -11,9 +11,10 @@ from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.scene.shape import Constant
 from tline.scene.waveform import Shape
-from tline.solver.assembly.network import Laws, tools_of
+from tline.solver.assembly.tools import tools_of
 from tline.solver.description.excitation import just_before
 from tline.solver.description.nodes import Node
+from tline.solver.kernel.network import Laws
 from tline.solver.radau import Basis, basis
 
 STATES = {"gas": 1, "tank": 1, "rotor": 1, "vapour": 1, "air": 2}

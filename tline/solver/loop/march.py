@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.scene.mistakes import place
 from tline.solver.assembly.assemble import Assembly
-from tline.solver.assembly.fronts import LIVE, LULL, NOTED, Fronts, Tally, fronts_of, sources_of, tally
+from tline.solver.assembly.fronts import LULL, Tally, fronts_of, sources_of, tally
 from tline.solver.description.excitation import EDGE, broken, places_of, sampled
+from tline.solver.kernel.fronts.structures import LIVE, NOTED, Fronts
+from tline.solver.loop.kernel import Kernel
 
 if TYPE_CHECKING:
     from tline.solver.ledger.recorder import Books
@@ -127,17 +129,12 @@ class Stepper:
         if len(self.events):
             in_slab = [np.unique(np.floor(p), return_counts=True)[1] for p in self.places]
             self.fronts = fronts_of(assembly, n, inside, 1 + int(np.concatenate([[0], *in_slab]).max()))
+        self.kernel = Kernel(assembly.network, assembly.state, self.fronts)
         self.noted: list[Noted] = []
 
     def compile(self) -> None:
         """Compile the kernels that will be needed, or load them."""
-        from tline.solver.kernel.waves import advance, advance_fronts
-
-        network, state, silent = self.assembly.network, self.assembly.state, np.zeros((len(self.places), 0))
-        advance(network, state, 0, silent, self.record, 0)
-        if self.fronts is not None:
-            nothing = sources_of([], self.assembly.basis.s)
-            advance_fronts(network, state, self.fronts, nothing, silent, 0, 0, self.record)
+        self.kernel.load()
 
     def begin_record(self, slab: int) -> None:
         """Let the record's first column be that of a slab, from now on."""
@@ -165,11 +162,7 @@ class Stepper:
             if self.fronts.counts[LIVE] or settling or quiet < LULL:
                 return self._in_pieces(low, min(high - low, STRETCH))
             high = min(high, low + quiet)
-        from tline.solver.kernel.waves import advance
-
-        network, state = self.assembly.network, self.assembly.state
-        waves, column = self._drive(low, high - low), low - self.origin
-        node = advance(network, state, high - low, waves, self.record, column)
+        node = self.kernel.blocks(high - low, self._drive(low, high - low), self.record, low - self.origin)
         if node >= 0:
             _refuse(self.assembly, node)
         if self.fronts is not None:
@@ -178,8 +171,6 @@ class Stepper:
 
     def _in_pieces(self, first: int, n: int) -> int:
         """Advance by at most n slabs with fronts as breakpoints; returns by how many."""
-        from tline.solver.kernel.waves import advance_fronts
-
         assembly, fronts = self.assembly, self.fronts
         assert fronts is not None
         sources = sources_of(
@@ -191,7 +182,7 @@ class Stepper:
         )
         sources.slab[:] -= self.origin
         drive, column = self._drive(first, n), first - self.origin
-        node, done = advance_fronts(assembly.network, assembly.state, fronts, sources, drive, column, n, self.record)
+        node, done = self.kernel.fronts(sources, drive, column, n, self.record)
         if node >= 0:
             _refuse(assembly, node)
         noted, fronts.counts[NOTED] = fronts.counts[NOTED], 0

@@ -7,8 +7,10 @@ not. Slabs of a period differ, periods are alike.
 import numpy as np
 
 from tline.compiled import njit
-from tline.solver.kernel.waves import INNER, OPTIONS, TINY
+from tline.solver.kernel.arithmetic import TINY
+from tline.unit import OPTIONS
 
+INNER = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}  # for kernels alone, never Python
 NEWTON = 3  # steps from the best point of a slab to the extreme of its polynomial
 SAME = 1e-12  # what is larger by less, relatively, is the same extreme
 NEAR = 1e-9  # of a period; an instant this near to a slab's end is its end

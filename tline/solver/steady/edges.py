@@ -7,10 +7,11 @@ from numpy.typing import NDArray
 
 from tline.scene.mistakes import place
 from tline.scene.scene import Scene
-from tline.solver.assembly.network import Laws as Elements
 from tline.solver.description.elements import KINDS, Element, elements_of, laws_of
 from tline.solver.description.nodes import Node
+from tline.solver.kernel.network import Laws as Elements
 from tline.solver.steady.balance import Laws
+from tline.solver.steady.flows import flows_through
 from tline.solver.steady.lossy_lines import Falls, Table
 from tline.solver.steady.pockets import held_drops
 
@@ -76,11 +77,9 @@ class Edges:
 
     def _solved(self, a: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """Drops and flows, and their slopes over the efforts a behind the impedances."""
-        from tline.solver.kernel.waves import flows_through
-
         count = len(self.falls.z0)
         fall, y, steep, dy = self.falls.solved(a[:count])
-        flow, slope = flows_through(self.packed, self.packed.factor, a[count:], self.packed.seen)
+        flow, slope = flows_through(self.packed, a[count:])
         seen = self.packed.seen
         return (
             np.concatenate([fall, a[count:] - seen * flow]),

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tline.scene.line import SceneLine
 from tline.solver.assembly.loss_elements import shares
 from tline.solver.assembly.lossy_segments import InCells
-from tline.solver.assembly.network import REMEMBERED, TABLED, Lumps, Network, State
+from tline.solver.kernel.network import REMEMBERED, TABLED, Lumps, Network, State
 from tline.solver.radau import Basis
 
 FAINTEST = 1e-150  # wave that a table knows

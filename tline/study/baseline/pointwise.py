@@ -10,7 +10,7 @@ from tline.scene.scene import Scene, Solver
 from tline.scene.waveform import Shape
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.excitation import EDGE, sampled
-from tline.solver.kernel.waves import advance
+from tline.solver.loop.kernel import advance
 from tline.solver.radau import Basis, gauss
 from tline.study.baseline.method import Trace
 from tline.study.baseline.steps import HALF, MOST_KEPT, count_steps, delays_of, shortest_delay, within

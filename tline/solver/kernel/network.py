@@ -15,30 +15,21 @@ also half-way between: what is at t - p and t + p + 1 meets half a slab later an
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tline.solver.radau import Basis, gauss
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-
+from tline.structure import Flags, Floats, Floats2, Floats3, Floats4, Integers
 
 CONSTANT, SQUARED, TABLED, REMEMBERED = range(4)  # kinds of lumps
+QUADRATIC, PUMP, RELIEF, LEAK, DEMAND, DIODE, TABLE, GAS, TANK, ROTOR, VAPOUR, AIR, OWN = range(13)  # kinds of elements
 
 
 class Tools(NamedTuple):
     """Matrices of the basis."""
 
     c: Floats  # (s,)
-    to_points: Floats  # (s, s)
-    to_legendre: Floats  # (s, s)
-    radau: Floats  # (s, s)
-    gauss: Floats  # (2, s) nodes and weights on [0, 1]
-
-
-def tools_of(basis: Basis) -> Tools:
-    """The matrices of a basis."""
-    return Tools(basis.c, basis.to_points, basis.to_legendre, basis.A, np.array(gauss(basis.s)))
+    to_points: Floats2  # (s, s)
+    to_legendre: Floats2  # (s, s)
+    radau: Floats2  # (s, s)
+    gauss: Floats2  # (2, s) nodes and weights on [0, 1]
 
 
 class Laws(NamedTuple):
@@ -73,7 +64,7 @@ class Cells(NamedTuple):
     maps: Floats  # by columns: to a cell's next values and what leaves it then, of those before, (m + 2 s, m), and of
     # what enters, (m + 2 s, 2 s); X, Y, R, Q of `pass_cells`, (s, s)
     state: Integers  # (rows,) place of the row's state: of each cell m values and 2 s that leave it next; 2 s of ends
-    beside: NDArray[np.bool_]  # (G,) whether a group with elements has such lines
+    beside: Flags  # (G,) whether a group with elements has such lines
     echo_at: Integers  # (N,) place of what such a node's effort adds to its Thévenin wave, by columns (s, s); or -1
     echo: Floats
 
@@ -110,7 +101,7 @@ class Blocks(NamedTuple):
     near_lines: Integers
     far_rows: Integers
     near_rows: Integers
-    waits: NDArray[np.bool_]  # (L,) whether a line is far
+    waits: Flags  # (L,) whether a line is far
 
 
 class Network(NamedTuple):
@@ -119,7 +110,7 @@ class Network(NamedTuple):
     delay: Integers  # (L,) whole slabs of a line's delay, >= 1
     offset: Integers  # (L,) first sample of a line's two buffers
     shift_row: Integers  # (L,) row in shift for the fractional rest of the delay, -1 if there is none
-    shift: Floats  # (rows, 2, s, s) matrices that act on the slab arriving now and on the one before it
+    shift: Floats4  # (rows, 2, s, s) matrices that act on the slab arriving now and on the one before it
     first: Integers  # (N + 1,) the ends at node k are ends[first[k]:first[k + 1]]; a group's nodes need not have any
     ends: Integers  # (2 L,)
     weight: Floats  # (2 L,) share of an arriving wave in the node's Thévenin wave
@@ -143,10 +134,102 @@ class State(NamedTuple):
     waves: Floats  # (samples,) all buffers
     slot: Integers  # (L,) slab of the buffers that is due
     side: Integers  # (L,) 0: end 1 uses the first buffer and end 2 the second; 1: the other way round
-    before: Floats  # (2 L, s) the slab that arrived last, as sent; used where delays have a fractional rest
+    before: Floats2  # (2 L, s) the slab that arrived last, as sent; used where delays have a fractional rest
     load: Floats  # of all groups, one after the other
     cells: Floats  # of all lossy lines in cells
     lumps: Floats  # of all circuits in lumps
+
+
+class Units(NamedTuple):
+    """Addresses of the compiled units that a network needs beside the loop; 0 where it has no use for one."""
+
+    advance: int  # blocks of slabs
+    delay: int  # fractional rests of delays
+    crossing: int  # groups with elements
+    group: int  # those with several that see each other
+    law: Integers  # (E,) of each element: its law, or its store
+    loss: Integers  # (rows,) of each row of loss elements
+    segments: int  # lossy lines in segments
+    collapse_at_losses: int  # slabs in pieces that pass loss elements
+    collapse_group: int  # fronts that meet at a group
+
+
+class Crossing(NamedTuple):
+    """What a law of an element gets, and gives back, at n samples."""
+
+    constants: Floats  # of all elements
+    v: Floats  # effort of the Thévenin source that the element sees
+    control: Floats  # what scales it
+    flow: Floats  # its flow i
+    slope: Floats  # di/dv
+
+
+class Store(NamedTuple):
+    """What the store of an element gets, and gives back, at the s points of a slab, and its workspace."""
+
+    constants: Floats  # of all elements
+    states: Floats  # of all groups
+    tools: Tools
+    v: Floats  # (s,) effort of the Thévenin source
+    control: Floats  # (s,)
+    flow: Floats  # (s,) into the store; nan at the last point if none was found
+    y: Floats
+    first: Floats
+    safe: Floats
+    rest: Floats
+    system: Floats2  # (s, s + 1)
+    coef: Floats  # Legendre coefficients, as the next three
+    piece: Floats
+    kept: Floats
+    whole: Floats
+    integral: Floats  # (s + 1,)
+    constant: Floats  # (1,)
+
+
+class Newton(NamedTuple):
+    """Workspace of Newton's method for a group of elements: n unknowns, elements first, then nodes."""
+
+    x: Floats  # (n,)
+    safe: Floats
+    aimed: Floats
+    rest: Floats
+    level: Floats  # (nodes,)
+    taken: Floats
+    flow: Floats  # (elements,)
+    slope: Floats
+    system: Floats2  # (n, n + 1)
+    wave: Floats  # (nodes * s,) of one slab
+    last: Floats
+    own: Floats2  # (elements, 2) states
+
+
+class Work(NamedTuple):
+    """Workspace of a loop: made once, it costs no slab anything."""
+
+    tile: int  # slabs that a group is advanced at once, at most
+    position: Integers  # (2 L,) first sample at which each line end works
+    u: Floats  # Thévenin waves of a group's nodes, then their efforts, for a tile
+    history: Floats2  # (s, tile + 1)
+    row: Floats
+    control: Floats2  # (elements, tile * s)
+    crossing: Crossing
+    store: Store
+    newton: Newton
+    pair: Floats  # (s * ABREAST,) waves at neighbouring loss elements
+    out: Floats  # (s * ABREAST,)
+    enter: Floats  # what enters the segments of a line
+    leave: Floats  # what one holds and what leaves it
+
+
+class Run(NamedTuple):
+    """All that a loop needs."""
+
+    network: Network
+    state: State
+    units: Units
+    work: Work
+    excitation: Floats2  # (rows, samples) shares of the sources in Thévenin waves, and control signals
+    record: Floats3  # (rows, 2, samples) what arrived at recorded ends, and what left
 
 
 _NONE, _EMPTY = np.zeros(0, int), np.zeros(0)

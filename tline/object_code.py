@@ -1,0 +1,157 @@
+"""Object code of compiled units on disk: found, checked, and loaded by llvmlite alone, without numba.
+
+A file is valid while all source code that the unit is made of means the same (`tline.sources`), for one processor,
+one version of numba and one set of its options. What it leaves to the C library must be found before it is loaded.
+"""
+
+import ctypes
+import hashlib
+import os
+import pickle
+import sys
+import warnings
+from contextlib import suppress
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+from tline.sources import are_unchanged, digests, sources_of
+
+COMPILING = "tline.by_reference", "tline.compiler"  # what any code is made with, though no unit imports it
+OPTIONS = "NUMBA_OPT", "NUMBA_LOOP_VECTORIZE", "NUMBA_SLP_VECTORIZE", "NUMBA_BOUNDSCHECK", "NUMBA_DEBUGINFO"
+_said: set[str] = set()
+
+
+def load(unit: Any) -> tuple[int, Any] | None:
+    """The address of a unit's kept code, and what must be held meanwhile; None if there is none, or it is not valid."""
+    path = _path(unit)
+    try:
+        if path is None:
+            return None
+        with path.open("rb") as file:
+            if file.readline() != _versions() or not are_unchanged(_sources(unit), pickle.load(file)):
+                return None
+            digest, content = file.read(32), file.read()
+        if hashlib.sha256(content).digest() != digest:
+            return None
+        name, needed, code = pickle.loads(content)
+        return _linked(name, needed, code)
+    except Exception:  # noqa: BLE001 (whatever is wrong with a file, it is compiled anew)
+        return None
+
+
+def keep(unit: Any, name: str, library: Any) -> None:
+    """Write a unit's code, in place of what is no longer valid; whatever happens to the disk is no error."""
+    path = _path(unit)
+    if path is None:
+        return
+    needed = [f.name for f in library._final_module.functions if f.is_declaration and not f.name.startswith("llvm.")]
+    content = pickle.dumps((name, needed, bytes(library._get_compiled_object())))
+    head = _versions() + pickle.dumps(digests(_sources(unit)))
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _write(path, head + hashlib.sha256(content).digest() + content)
+    except OSError as error:
+        _say(f"it cannot be written into {path.parent}, got {(error.strerror or str(error)).lower()}")
+
+
+def is_kept(unit: Any) -> bool:
+    """Whether a unit has valid code on disk."""
+    return load(unit) is not None
+
+
+def _linked(name: str, needed: list[str], code: bytes) -> tuple[int, Any] | None:
+    import llvmlite.binding as llvm
+
+    for symbol in needed:
+        if llvm.address_of_symbol(symbol) is None:
+            found = getattr(ctypes.CDLL(None), symbol, None)
+            if found is None:
+                return None
+            llvm.add_symbol(symbol, ctypes.cast(found, ctypes.c_void_p).value)
+    engine = _engine()
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    return engine.get_function_address(name), engine
+
+
+@cache
+def _engine() -> Any:
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    machine = llvm.Target.from_default_triple().create_target_machine()
+    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+
+
+@cache
+def _versions() -> bytes:
+    import llvmlite
+
+    return f"numba {version('numba')}, llvmlite {llvmlite.__version__}\n".encode()
+
+
+@cache
+def _processor() -> str:
+    import llvmlite.binding as llvm
+
+    options = [os.environ.get(name) for name in OPTIONS]
+    return repr((llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten(), options))
+
+
+def _sources(unit: Any) -> Any:
+    return sources_of(unit.__module__, *COMPILING)
+
+
+def _path(unit: Any) -> Path | None:
+    """The file of a unit, one for each processor and setting; None if its source code or a folder cannot be found."""
+    spec = getattr(sys.modules.get(unit.__module__), "__spec__", None)
+    if spec is None or unit.code.__code__.co_filename != spec.origin or unit.code.__closure__:
+        return None
+    if unit.code.__qualname__ != unit.__name__ or _sources(unit) is None:
+        return None
+    folder = _folder(Path(spec.origin).parent)
+    if folder is None:
+        return None
+    key = hashlib.sha256(f"{spec.origin} {_processor()}".encode()).hexdigest()[:16]
+    return folder / f"{unit.__module__}.{unit.__name__}-{key}.unit"
+
+
+@cache
+def _folder(beside: Path) -> Path | None:
+    """Where code is kept: where the user says, else beside the source, else in the user's own cache."""
+    if os.environ.get("NUMBA_CACHE_DIR"):
+        return Path(os.environ["NUMBA_CACHE_DIR"]).absolute()
+    home = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or str(Path.home() / ".cache")
+    for folder in (beside / "__pycache__", Path(home) / "tline"):
+        with suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            if os.access(folder, os.W_OK):
+                return folder
+    _say("no folder for it can be written, expected NUMBA_CACHE_DIR to name one")
+    return None
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Write a file that others see whole or not at all."""
+    passing = path.with_name(f"{uuid4().hex}.tmp")
+    try:
+        passing.write_bytes(content)
+        os.replace(passing, path)
+    except OSError:
+        with suppress(OSError):
+            passing.unlink()
+        raise
+
+
+def _say(reason: str) -> None:
+    """Warn once that each process compiles for itself."""
+    from tline.errors import NotKeptWarning
+
+    if not _said:
+        _said.add(reason)
+        text = f"compiled code is not kept, so every process compiles anew: {reason}"
+        warnings.warn(text, NotKeptWarning, stacklevel=2)

@@ -1,0 +1,1 @@
+"""Slabs that hold fronts: pieces between breakpoints that travel."""

@@ -1,0 +1,149 @@
+"""The loop over slabs in which fronts are under way."""
+
+import numpy as np
+
+from tline.solver.kernel.blocks import lose, rotate
+from tline.solver.kernel.fronts.gather import drives_front
+from tline.solver.kernel.fronts.pieces import scatter_pieces
+from tline.solver.kernel.fronts.structures import DONE, LIVE, MERGE, NOTED, FrontRun
+from tline.solver.kernel.scatter import scatter_group
+from tline.unit import function, invoke, unit
+
+
+@function
+def note_last(network, state, pieces):
+    """Keep the last slab, in one piece, that left every end."""
+    s = state.before.shape[1]
+    for e in network.ends:
+        line = e >> 1
+        slot, side = state.slot[line] - 1, state.side[line] ^ (e & 1)
+        if slot < 0:
+            slot, side = slot + network.delay[line], 1 - side
+        o = network.offset[line] + (side * network.delay[line] + slot) * s
+        for i in range(s):
+            pieces.last[e, i] = state.waves[o + i]
+        pieces.width[e] = 1.0
+
+
+@function
+def front_free_slabs(run, fronts, sources, slab, most):
+    """Number of slabs ahead, at most so many and none beyond the shortest delay, in which no group meets a front."""
+    network, state, moves, due = run.network, run.state, fronts.moves, sources.due
+    delay, pieces, s = network.delay, fronts.pieces, state.before.shape[1]
+    for line in range(delay.size):
+        most = min(most, delay[line])
+    for g in range(moves.due.size):
+        if fronts.settled[g] > slab + MERGE:
+            return 0
+        if moves.due[g] < moves.first[g + 1]:
+            most = min(most, int(np.floor(moves.at[moves.due[g]] - slab + MERGE / 2)))
+    for r in range(due.size):
+        if due[r] < sources.first[r + 1]:
+            most = min(most, sources.slab[due[r]] - slab)
+    if fronts.counts[LIVE] == 0:
+        return most
+    for e in range(2 * delay.size):
+        if pieces.before[e] >= 0:
+            return 0
+    for line in range(delay.size):
+        for end in range(2):
+            slot, side = state.slot[line], state.side[line] ^ end
+            for ahead in range(most):
+                if slot == delay[line]:
+                    slot, side = 0, 1 - side
+                if pieces.of_slab[network.offset[line] // s + side * delay[line] + slot] >= 0:
+                    most = ahead
+                    break
+                slot += 1
+    return most
+
+
+@function
+def scatter_whole(run, fronts, g, slab, k):
+    """Scatter one slab without fronts at a group. Returns a node that is not finite, or -1."""
+    network, waves, pieces, s = run.network, run.state.waves, fronts.pieces, run.state.before.shape[1]
+    node = scatter_group(run, g, k * s, np.int64(1), (slab - k) * s)
+    for i in range(network.first[network.group[g]], network.first[network.group[g + 1]]):
+        e = network.ends[i]
+        for j in range(s):
+            pieces.last[e, j] = waves[run.work.position[e] + j]
+        pieces.width[e] = 1.0
+    return node
+
+
+@function
+def meets_front(run, fronts, sources, g, slab):
+    """Whether a group meets a front in a slab; finds the places where its ends work."""
+    network, state, pieces, moves, s = run.network, run.state, fronts.pieces, fronts.moves, run.state.before.shape[1]
+    i, delay = moves.due[g], network.delay
+    met = i < moves.first[g + 1] and moves.at[i] - slab < 1.0 - MERGE / 2
+    met |= fronts.settled[g] > slab + MERGE
+    for i in range(fronts.drives.first[g], fronts.drives.first[g + 1]):
+        met |= drives_front(sources, fronts.drives.row[i], slab)
+    for i in range(network.first[network.group[g]], network.first[network.group[g + 1]]):
+        e = network.ends[i]
+        line = e >> 1
+        o = network.offset[line] + ((state.side[line] ^ (e & 1)) * delay[line] + state.slot[line]) * s
+        run.work.position[e] = o
+        met |= pieces.of_slab[o // s] >= 0 or pieces.before[e] >= 0
+    return met
+
+
+@function
+def scatter_all(job, slab, k):
+    """Scatter one slab at all groups. Returns -1, or a node whose group has an effort that is not finite."""
+    run, fronts, sources, network, units = job.run, job.fronts, job.sources, job.run.network, job.run.units
+    for g in range(network.group.size - 1):
+        met = meets_front(run, fronts, sources, g, slab)
+        if met and fronts.levels[g]:
+            invoke(units.collapse_group, (job, np.int64(g), slab, k))
+            met = False
+        if met:
+            if not np.isfinite(scatter_pieces(job, g, slab, k)):
+                return network.group[g]
+        elif scatter_whole(run, fronts, g, slab, k) >= 0:
+            return network.group[g]
+    return np.int64(-1)
+
+
+@unit
+def advance_fronts(job: FrontRun, first_slab: int, n_slabs: int) -> int:
+    """Advance all nodes slab by slab with fronts as breakpoints, until none is left or the log is full.
+
+    Returns -1, or the number of a node whose effort, or that of another in its group, is no longer finite; the number
+    of slabs done is the last of the counts.
+    """
+    run, fronts, sources = job.run, job.fronts, job.sources
+    network, state, counts, due, units = run.network, run.state, fronts.counts, sources.due, run.units
+    k, places = np.int64(0), 2 * run.record.shape[0] * fronts.at_node
+    while k < n_slabs:
+        counts[DONE], slab = k, first_slab + k
+        log_is_full = counts[NOTED] + places > fronts.log.where.shape[0]
+        if log_is_full or (counts[LIVE] == 0 and k >= fronts.lull):
+            return np.int64(-1)
+        for r in range(due.size):
+            while due[r] < sources.first[r + 1] and sources.slab[due[r]] < slab:
+                due[r] += 1
+        if units.collapse_at_losses == 0:
+            free = front_free_slabs(run, fronts, sources, slab, n_slabs - k)
+            if free > 1:
+                node = invoke(units.advance, (run, k, free, first_slab))
+                if node >= 0:
+                    return node
+                note_last(network, state, fronts.pieces)
+                k += free
+                continue
+        node = scatter_all(job, slab, k)
+        if node >= 0:
+            return node
+        if units.collapse_at_losses != 0:
+            invoke(units.collapse_at_losses, (job,))
+            lose(run, network.blocks.far_rows, np.int64(1))
+            lose(run, network.blocks.near_rows, np.int64(1))
+        if units.segments != 0:
+            invoke(units.segments, (run,))
+        rotate(network, state, network.blocks.far_lines, 1)
+        rotate(network, state, network.blocks.near_lines, 1)
+        k += 1
+    counts[DONE] = n_slabs
+    return np.int64(-1)

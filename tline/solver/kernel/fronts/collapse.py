@@ -1,0 +1,85 @@
+"""Where fronts are no longer followed: slabs in pieces are projected on whole slabs."""
+
+from tline.solver.kernel.arithmetic import clear, times
+from tline.solver.kernel.fronts.gather import drives_front
+from tline.solver.kernel.fronts.send import release
+from tline.solver.kernel.fronts.structures import DROPPED, LOST, FrontRun
+from tline.solver.kernel.losses.passing import passing
+from tline.solver.kernel.polynomials import project
+from tline.unit import function, unit
+
+
+@function
+def collapse(pieces, row, tools, counts, sizes, whole):
+    """Project a slab in pieces on the whole slab, and give its row back. Counts what that loses."""
+    clear(whole)
+    for j in range(pieces.number[row]):
+        a, b = pieces.start[row, j], pieces.start[row, j + 1]
+        project(pieces.coef[row, j], a, b, 0.0, 1.0, tools.gauss, whole)
+        if j > 0:
+            counts[DROPPED] += 1
+            sizes[LOST] = max(sizes[LOST], pieces.size[row, j])
+    release(pieces, row, counts)
+
+
+@function
+def collapse_source(sources, r, tools, whole, out):
+    """Project a source with fronts in a slab on the whole slab."""
+    clear(whole)
+    for j in range(sources.begin[sources.due[r]], sources.begin[sources.due[r] + 1]):
+        project(sources.coef[j], sources.start[j], sources.stop[j], 0.0, 1.0, tools.gauss, whole)
+    times(tools.to_points, whole, 0, out)
+
+
+@unit
+def collapse_group(job: FrontRun, g: int, slab: int, k: int) -> int:
+    """Leave out all fronts inside a slab that meet at a group; switches move at the nearest edge."""
+    run, fronts, sources = job.run, job.fronts, job.sources
+    network, state, drive = run.network, run.state, run.excitation
+    pieces, tools, counts, sizes, moves = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.moves
+    waves, before, s = state.waves, state.before, fronts.tools.c.size
+    position, whole = run.work.position, fronts.work.whole
+    while moves.due[g] < moves.first[g + 1] and moves.at[moves.due[g]] - slab < 0.5:
+        counts[DROPPED] += 1
+        network.step_row[g] = moves.row[moves.due[g]]
+        moves.due[g] += 1
+    for i in range(fronts.drives.first[g], fronts.drives.first[g + 1]):
+        r = fronts.drives.row[i]
+        if drives_front(sources, r, slab):
+            collapse_source(sources, r, tools, whole, drive[r, k * s : (k + 1) * s])
+    for node in range(network.group[g], network.group[g + 1]):
+        for i in range(network.first[node], network.first[node + 1]):
+            e = network.ends[i]
+            row = pieces.of_slab[position[e] // s]
+            if row >= 0:
+                collapse(pieces, row, tools, counts, sizes, whole)
+                times(tools.to_points, whole, 0, waves[position[e] : position[e] + s])
+                pieces.of_slab[position[e] // s] = -1
+            if pieces.before[e] >= 0:
+                collapse(pieces, pieces.before[e], tools, counts, sizes, whole)
+                times(tools.to_points, whole, 0, before[e])
+                pieces.before[e] = -1
+    return 0
+
+
+@unit
+def collapse_at_losses(job: FrontRun) -> int:
+    """Project slabs in pieces that pass loss elements on slabs in one piece: there fronts are no longer followed."""
+    fronts, network, state, lumps = job.fronts, job.run.network, job.run.state, job.run.network.lumps
+    pieces, tools, counts, sizes, whole = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.work.whole
+    waves, s = state.waves, whole.size
+    for r in range(lumps.line.size):
+        line = lumps.line[r]
+        ring = 2 * network.delay[line]
+        t = state.side[line] * network.delay[line] + state.slot[line]
+        for k in range(lumps.first[r], lumps.first[r + 1]):
+            for slab in passing(t, lumps.place[k], ring):
+                o = network.offset[line] + slab * s
+                row = pieces.of_slab[o // s]
+                if row >= 0:
+                    counts[DROPPED] += pieces.anew[row] > 0.0
+                    sizes[LOST] = max(sizes[LOST], pieces.anew[row])
+                    collapse(pieces, row, tools, counts, sizes, whole)
+                    times(tools.to_points, whole, 0, waves[o : o + s])
+                    pieces.of_slab[o // s] = -1
+    return 0

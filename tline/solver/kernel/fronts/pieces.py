@@ -1,0 +1,113 @@
+"""One group, one slab in pieces."""
+
+import numpy as np
+
+from tline.solver.kernel.arithmetic import clear, copy, times
+from tline.solver.kernel.fronts.gather import driven, fronts_at, regrouped, unfold, united
+from tline.solver.kernel.fronts.respond import respond
+from tline.solver.kernel.fronts.send import keep, release, send
+from tline.solver.kernel.fronts.settle import rejoin, settling
+from tline.solver.kernel.fronts.structures import SCALE
+from tline.unit import function
+
+
+@function
+def arrive(job, g, slab, k, m):
+    """Gather the waves that arrive at a group, and their Thévenin waves, in m pieces; what came before is given up."""
+    run, fronts, sources = job.run, job.fronts, job.sources
+    network, waves, before, position = run.network, run.state.waves, run.state.before, run.work.position
+    pieces, tools, work, drive, s = fronts.pieces, fronts.tools, fronts.work, run.excitation, run.state.before.shape[1]
+    edges, arrived, span, given, whole = work.edges, work.arrived, work.span, work.given, work.whole
+    low = network.first[network.group[g]]
+    for node in range(network.group[g], network.group[g + 1]):
+        mine, r = work.u[node - network.group[g]], network.drive_row[node]
+        if r >= 0:
+            n = driven(sources, drive, r, slab, k * s, tools.to_legendre, span, given)
+            regrouped(span, given, n, edges, m, tools, whole, mine)
+        else:
+            for j in range(m):
+                clear(mine[j])
+        for i in range(network.first[node], network.first[node + 1]):
+            e = network.ends[i]
+            rest, now = fronts.rest[e >> 1], pieces.of_slab[position[e] // s]
+            n = np.int64(0)
+            if rest > 0.0:
+                n = unfold(pieces, pieces.before[e], before[e], 0, tools.to_legendre, rest - 1.0, span, given, n)
+            n = unfold(pieces, now, waves, position[e], tools.to_legendre, rest, span, given, n)
+            regrouped(span, given, n, edges, m, tools, whole, arrived[i - low])
+            pieces.of_slab[position[e] // s] = -1
+            if rest > 0.0:
+                release(pieces, pieces.before[e], fronts.counts)
+                pieces.before[e] = now
+                for j in range(s):
+                    before[e, j] = waves[position[e] + j]
+            else:
+                release(pieces, now, fronts.counts)
+            for j in range(m):
+                for p in range(s):
+                    mine[j, p] += network.weight[i] * arrived[i - low, j, p]
+
+
+@function
+def control_pieces(job, g, slab, k, m):
+    """Control signals of a group's elements, in m pieces."""
+    run, fronts, laws, work = job.run, job.fronts, job.run.network.laws, job.fronts.work
+    tools, s = fronts.tools, fronts.tools.c.size
+    for i in range(laws.first[g], laws.first[g + 1]):
+        mine, r = work.factor[i - laws.first[g]], laws.drive_row[i]
+        if r >= 0:
+            n = driven(job.sources, run.excitation, r, slab, k * s, tools.to_legendre, work.span, work.given)
+            regrouped(work.span, work.given, n, work.edges, m, tools, work.whole, mine)
+        else:
+            for j in range(m):
+                for p in range(s):
+                    mine[j, p] = laws.factor[i]
+
+
+@function
+def depart(job, g, slab, m, anew):
+    """Record m pieces at a group, and send its waves. Returns the sum of the efforts at the slab's end."""
+    run, fronts, network, work = job.run, job.fronts, job.run.network, job.fronts.work
+    part, coef, edges, arrived, s, total = work.part, work.coef, work.edges, work.arrived, fronts.tools.c.size, 0.0
+    low = network.first[network.group[g]]
+    for node in range(network.group[g], network.group[g + 1]):
+        mine = work.u[node - network.group[g]]
+        for i in range(network.first[node], network.first[node + 1]):
+            e = network.ends[i]
+            if network.record_row[e] >= 0:
+                keep(fronts, run.record, network.record_row[e], slab, m, arrived[i - low], mine)
+            for j in range(m):
+                for p in range(s):
+                    part[p] = 2.0 * mine[j, p] - arrived[i - low, j, p]
+                    fronts.sizes[SCALE] = max(fronts.sizes[SCALE], abs(part[p]))
+                times(fronts.tools.to_legendre, part, 0, coef[j])
+            copy(edges, work.own)
+            send(fronts, e, run.state.waves, run.work.position[e], m, anew)
+        total += mine[m - 1, s - 1]
+    return total
+
+
+@function
+def scatter_pieces(job, g, slab, k):
+    """Scatter one slab in pieces at a group. Returns the sum of the efforts at the slab's end."""
+    run, fronts, sources, network, work = job.run, job.fronts, job.sources, job.run.network, job.fronts.work
+    edges, outer, fewer, tools = work.edges, work.outer, np.int64(0), fronts.tools
+    n = fronts_at(run, fronts, sources, g, slab)
+    m, anew = united(work.place, work.size, n, edges, fronts.at_node, fronts.counts, fronts.sizes)
+    if fronts.settle[g] > 0.0:
+        m, fewer = settling(fronts, g, slab, m, anew)
+    if fronts.fractional == 0:
+        anew = 0.0
+    arrive(job, g, slab, k, m)
+    control_pieces(job, g, slab, k, m)
+    respond(run, fronts, g, slab, m)
+    if 0 < fewer < m:
+        low = network.first[network.group[g]]
+        for node in range(network.group[g], network.group[g + 1]):
+            mine = work.u[node - network.group[g]]
+            rejoin(mine, edges, m, outer, fewer, tools, work.span, work.given, work.whole)
+            for i in range(network.first[node], network.first[node + 1]):
+                rejoin(work.arrived[i - low], edges, m, outer, fewer, tools, work.span, work.given, work.whole)
+        m = fewer
+        copy(outer, edges)
+    return depart(job, g, slab, m, anew)

@@ -1,0 +1,61 @@
+"""Efforts of a group in the pieces of one slab."""
+
+import numpy as np
+
+from tline.solver.kernel.fronts.settle import collocate, collocate_finely
+from tline.solver.kernel.fronts.structures import MERGE
+from tline.solver.kernel.load import load
+from tline.unit import function, invoke
+
+
+@function
+def move_switches(run, fronts, g, slab, until):
+    """Let the switches of a group move that are due by an instant of the slab."""
+    moves = fronts.moves
+    while moves.due[g] < moves.first[g + 1] and moves.at[moves.due[g]] - slab <= until:
+        run.network.step_row[g] = moves.row[moves.due[g]]
+        moves.due[g] += 1
+
+
+@function
+def respond_by_map(run, fronts, g, piece, m):
+    """Turn the Thévenin waves of a piece at a group with a state into efforts; the piece is the slab if m is 1."""
+    network, systems, s, wave = run.network, fronts.systems, fronts.tools.c.size, run.work.u
+    edges, x, k, r = fronts.work.edges, network.load_at[g], network.group[g + 1] - network.group[g], network.step_row[g]
+    n, width = network.step_states[r], edges[piece + 1] - edges[piece]
+    load_state, row = run.state.load, run.work.row
+    if m == 1:
+        load(wave, k, np.int64(1), s, network.step, network.step_at[r], load_state, x, n, row)
+    elif not fronts.work.unsettled[piece]:
+        step, radau, stages = fronts.step * width, fronts.tools.radau, fronts.work.stages
+        collocate(systems.entries, systems.at[r], k, step, radau, wave, load_state[x : x + n], stages, row)
+    elif abs(width - fronts.settle[g]) < MERGE:
+        load(wave, k, np.int64(1), s, systems.settling, systems.settling_at[r], load_state, x, n, row)
+    else:
+        collocate_finely(run, fronts, systems.at[r], k, width, fronts.settle[g], load_state[x : x + n])
+
+
+@function
+def respond(run, fronts, g, slab, m):
+    """Turn the Thévenin waves of m pieces at a group into the nodes' efforts; switches move where pieces begin."""
+    network, work, s, wave = run.network, fronts.work, fronts.tools.c.size, run.work.u
+    edges, u, count = work.edges, work.u, network.laws.first[g + 1] - network.laws.first[g]
+    k = network.group[g + 1] - network.group[g]
+    for piece in range(m):
+        move_switches(run, fronts, g, slab, edges[piece] + MERGE)
+        if network.load_at[g] < 0 and count == 0:
+            continue
+        for p in range(k):
+            for i in range(s):
+                wave[p * s + i] = u[p, piece, i]
+        if count > 0:
+            for e in range(count):
+                for i in range(s):
+                    run.work.control[e, i] = work.factor[e, piece, i]
+            width = fronts.step * (edges[piece + 1] - edges[piece])
+            invoke(run.units.crossing, (run, np.int64(g), s, width, np.int64(0)))
+        else:
+            respond_by_map(run, fronts, g, piece, m)
+        for p in range(k):
+            for i in range(s):
+                u[p, piece, i] = wave[p * s + i]

@@ -1,0 +1,110 @@
+"""Groups in pieces of a slab: Radau IIA steps of any width, and groups with lumped lines, which settle after fronts."""
+
+import numpy as np
+
+from tline.solver.kernel.arithmetic import eliminate, times
+from tline.solver.kernel.fronts.gather import regrouped
+from tline.solver.kernel.fronts.structures import DROPPED, MERGE
+from tline.unit import function
+
+
+@function
+def collocate(entries, at, k, h, radau, w, x, stages, row):
+    """One Radau IIA step of width h of dx/dt = A x + B w, for k inputs; w becomes C x + D w, x the state at the end."""
+    s, n = radau.shape[0], x.size
+    size, width = s * n, n + k
+    for i in range(s):
+        for p in range(n):
+            stage, line = i * n + p, at + p * width
+            stages[stage, size] = x[p]
+            for j in range(s):
+                for q in range(k):
+                    stages[stage, size] += h * radau[i, j] * entries[line + n + q] * w[q * s + j]
+                for q in range(n):
+                    stages[stage, j * n + q] = (i == j and p == q) - h * radau[i, j] * entries[line + q]
+    eliminate(stages, size)
+    for i in range(s):
+        for p in range(k):
+            row[p] = 0.0
+            for q in range(n):
+                row[p] += entries[at + (n + p) * width + q] * stages[i * n + q, size]
+            for q in range(k):
+                row[p] += entries[at + (n + p) * width + n + q] * w[q * s + i]
+        for p in range(k):
+            w[p * s + i] = row[p]
+    for p in range(n):
+        x[p] = stages[(s - 1) * n + p, size]
+
+
+@function
+def settling(fronts, g, slab, m, anew):
+    """Add breakpoints where the group has settled after fronts; in `outer` leave out those that arrive before that.
+
+    Marks the pieces in which it settles. Returns the number of pieces with all breakpoints, and without those left out.
+    """
+    edges, outer, unsettled, given = fronts.work.edges, fronts.work.outer, fronts.work.unsettled, fronts.work.size
+    until, n, kept, outer[0] = fronts.settled[g] - slab, 0, 0, 0.0
+    for i in range(1, m + 1):
+        given[i] = edges[i]
+    if anew > 0.0:
+        until = fronts.settle[g]
+    for i in range(1, m + 1):
+        at = given[i]
+        unsettled[n] = until > edges[n] + MERGE
+        if MERGE < until < at - MERGE and n + 2 < fronts.at_node:
+            n, kept = n + 1, kept + 1
+            edges[n], outer[kept], unsettled[n] = until, until, False
+        if i < m and n + 2 < fronts.at_node:
+            n += 1
+            edges[n] = at
+            if at > until + MERGE:
+                kept += 1
+                outer[kept] = at
+            until = at + fronts.settle[g]
+        elif i < m:
+            fronts.counts[DROPPED] += 1
+    edges[n + 1], outer[kept + 1] = 1.0, 1.0
+    fronts.settled[g] = slab + until
+    return n + 1, kept + 1
+
+
+@function
+def rejoin(values, edges, n, outer, m, tools, span, coef, whole):
+    """Project n pieces on m wider ones."""
+    for j in range(n):
+        span[j, 0], span[j, 1] = edges[j], edges[j + 1]
+        times(tools.to_legendre, values[j], 0, coef[j])
+    regrouped(span, coef, n, outer, m, tools, whole, values)
+
+
+@function
+def collocate_finely(run, fronts, at, k, width, settle, x):
+    """The same in steps as long as a group settles, and a last one, in slabs; the effort is projected."""
+    tools, s, w, stages, row = fronts.tools, fronts.tools.c.size, run.work.u, fronts.work.stages, run.work.row
+    span, coef, whole, steps = fronts.work.span, fronts.work.given, fronts.work.whole, fronts.work.steps
+    edges, values, flat, out = steps.edges, steps.values, steps.wave, steps.out
+    most, m = edges.size - 2, 1
+    while m <= most and m * settle < most * (width - MERGE):
+        edges[m] = m * settle / (most * width)
+        m += 1
+    edges[0], edges[m] = 0.0, 1.0
+    for p in range(k):
+        span[0, 0], span[0, 1] = 0.0, 1.0
+        times(tools.to_legendre, w, p * s, coef[0])
+        regrouped(span, coef, np.int64(1), edges, m, tools, whole, values[p])
+    for j in range(m):
+        for p in range(k):
+            for i in range(s):
+                flat[p * s + i] = values[p, j, i]
+        h = fronts.step * width * (edges[j + 1] - edges[j])
+        collocate(fronts.systems.entries, at, k, h, tools.radau, flat, x, stages, row)
+        for p in range(k):
+            for i in range(s):
+                values[p, j, i] = flat[p * s + i]
+    for p in range(k):
+        for j in range(m):
+            span[j, 0], span[j, 1] = edges[j], edges[j + 1]
+            times(tools.to_legendre, values[p, j], 0, coef[j])
+        regrouped(span, coef, m, steps.ends, np.int64(1), tools, whole, out)
+        for i in range(s):
+            w[p * s + i] = out[0, i]

@@ -1,0 +1,139 @@
+"""What slabs in pieces need beside a network and its state.
+
+A jump or corner of a source, or a switch that moves, is a front. A slab with fronts inside is held as pieces, each a
+polynomial of degree s - 1 in Legendre coefficients; places are in slab time, 0 to 1. A slab that begins with a front is
+marked as starting anew: on a line with a fractional rest its start becomes a breakpoint too.
+"""
+
+from typing import NamedTuple
+
+from tline.solver.kernel.network import Run, Tools
+from tline.structure import Flags, Floats, Floats2, Floats3, Integers, Integers2
+
+LIVE, PEAK, MERGED, DISSOLVED, DROPPED, NOTED, DONE = range(7)  # places in the counts
+SCALE, LOST = range(2)  # places in the sizes
+MERGE = 1e-11  # slabs; fronts nearer than this to each other are one
+SAME = 1e-13  # of the largest wave; pieces that continue each other so well need no breakpoint
+
+
+class Systems(NamedTuple):
+    """From Thévenin waves to efforts, of each row of the network's maps: dx/dt = A x + b w, u = c x + d w."""
+
+    at: Integers  # (rows,) place of each system's first entry
+    entries: Floats  # matrices [A b; c d] of shape (n + k, n + k), one after the other
+    settling_at: Integers  # (rows,) place of its map over the time in which its group settles
+    settling: Floats  # maps from (Thévenin waves, state) to (efforts, next state)
+
+
+class Moves(NamedTuple):
+    """Switches that move."""
+
+    first: Integers  # (G + 1,) those of group g are first[g] to first[g + 1], in order of time
+    at: Floats  # instants, in slabs
+    row: Integers  # row of the map from then on
+    due: Integers  # (G,) the next one of each group
+
+
+class Drives(NamedTuple):
+    """Rows of the drive that belong to each group: of its nodes, and of its elements."""
+
+    first: Integers  # (G + 1,)
+    row: Integers
+
+
+class Pieces(NamedTuple):
+    """Slabs under way that are held in pieces, one a row."""
+
+    of_slab: Integers  # (slabs in the wave buffers,) row, -1 for a slab in one piece
+    before: Integers  # (2 L,) row of the slab that arrived last
+    last: Floats2  # (2 L, s) the last piece that left an end
+    width: Floats  # (2 L,) and its width; 0 if unknown
+    number: Integers  # (rows,) of pieces
+    anew: Floats  # (rows,) size of the front at the slab's start, 0 for none
+    start: Floats2  # (rows, MOST + 1) edges
+    size: Floats2  # (rows, MOST) of the front at each start
+    coef: Floats3  # (rows, MOST, s)
+    free: Integers  # (rows,) those behind the first LIVE are free
+
+
+class Log(NamedTuple):
+    """Recorded pieces."""
+
+    where: Integers2  # (places, 2) row of the record, slab
+    span: Floats2  # (places, 2) start and end in slab time
+    values: Floats3  # (places, 2, s) what arrived, and what left
+
+
+class Steps(NamedTuple):
+    """A piece in which a group settles, in several steps."""
+
+    edges: Floats  # (steps + 1,)
+    ends: Floats  # (2,) of the piece
+    values: Floats3  # (nodes, steps, s)
+    wave: Floats  # (nodes * s,) of one step
+    out: Floats2  # (1, s)
+
+
+class Workspace(NamedTuple):
+    """For a group: at most so many pieces m, nodes, line ends and elements."""
+
+    place: Floats  # of the fronts that meet
+    size: Floats  # of each
+    edges: Floats  # (m + 1,) of the pieces
+    own: Floats  # (m + 1,) of the pieces of one wave
+    outer: Floats  # (m + 1,) without those that only settling needs
+    unsettled: Flags  # (m,)
+    span: Floats2  # (pieces, 2) of a wave that is given
+    given: Floats2  # (pieces, s)
+    arrived: Floats3  # (ends, m, s)
+    u: Floats3  # (nodes, m, s)
+    factor: Floats3  # (elements, m, s) what scales the elements
+    coef: Floats2  # (m + 1, s)
+    whole: Floats  # (s,)
+    part: Floats  # (s,)
+    stages: Floats2  # (states * s, states * s + 1)
+    steps: Steps
+
+
+class Fronts(NamedTuple):
+    """All that slabs in pieces need."""
+
+    lull: int  # slabs without a front after which to go back to blocks
+    most: int  # pieces of a slab under way
+    at_node: int
+    step: float  # slab width h
+    fractional: int  # whether a front at the start of a slab needs to be followed
+    levels: Flags  # (G,) whether a group leaves out fronts inside slabs, for it is at a line in cells
+    settle: Floats  # (G,) slabs that a group with lumped lines takes to settle after a front, else 0
+    settled: Floats  # (G,) instant at which it will have, in slabs
+    rest: Floats  # (L,) fractional rest of each delay
+    tools: Tools
+    systems: Systems
+    moves: Moves
+    drives: Drives
+    pieces: Pieces
+    work: Workspace
+    log: Log
+    counts: Integers  # (7,)
+    sizes: Floats  # (2,) largest wave so far, largest front dropped
+
+
+class Sources(NamedTuple):
+    """The sources' parts of the Thévenin waves in slabs that hold fronts of theirs."""
+
+    first: Integers  # (rows + 1,) the slabs of drive row k are first[k] to first[k + 1]
+    due: Integers  # (rows,) the next one of each
+    slab: Integers
+    anew: Flags  # whether it begins with a front
+    begin: Integers  # (slabs + 1,) its pieces
+    start: Floats
+    stop: Floats
+    coef: Floats2  # (pieces, s)
+
+
+class FrontRun(NamedTuple):
+    """All that a loop over slabs in pieces needs."""
+
+    run: Run
+    fronts: Fronts
+    sources: Sources

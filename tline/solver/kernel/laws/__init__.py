@@ -1,0 +1,1 @@
+"""Flows of elements that follow from the effort across them at once."""

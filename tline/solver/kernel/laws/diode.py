@@ -1,0 +1,36 @@
+"""Diode of Shockley. Constants: effort beyond the element, saturation current, thermal voltage."""
+
+import numpy as np
+
+from tline.solver.kernel.network import Crossing
+from tline.solver.kernel.newton import STEPS
+from tline.unit import function, unit
+
+
+@function
+def shockley(d, z, saturation, thermal):
+    """Flow i and di/dd where d = u + z i and i = saturation (exp(u/thermal) - 1): Newton from the right, monotone."""
+    u = d
+    if d > 0.0 and z > 0.0:
+        u = min(d, thermal * np.log1p(d / (z * saturation)))
+    elif d < 0.0:
+        u = 0.0
+    for _ in range(STEPS if z > 0.0 else 0):
+        growth = z * saturation * np.exp(u / thermal)
+        step = (u + z * saturation * np.expm1(u / thermal) - d) / (1.0 + growth / thermal)
+        u -= step
+        if abs(step) <= 1e-15 * abs(u) + 1e-300:
+            break
+    if z == 0.0 and d < 0.0:
+        u = d
+    slope = saturation / thermal * np.exp(u / thermal)
+    return saturation * np.expm1(u / thermal), slope / (1.0 + z * slope)
+
+
+@unit
+def diode(crossing: Crossing, at: int, n: int, z: float) -> int:
+    """Flows of a diode at n samples, behind the efforts v and the impedance z."""
+    c, v, flow, slope = crossing.constants, crossing.v, crossing.flow, crossing.slope
+    for i in range(n):
+        flow[i], slope[i] = shockley(v[i] - c[at], z, c[at + 1], c[at + 2])
+    return 0

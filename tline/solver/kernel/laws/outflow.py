@@ -1,0 +1,56 @@
+"""Leak and demand: a flow that grows with a power of the pressure; a demand is delivered in full from a pressure on.
+
+Constants: effort beyond the element, flow at a pressure, that pressure, exponent.
+"""
+
+import numpy as np
+
+from tline.solver.kernel.laws.bracketed import bracketed
+from tline.solver.kernel.laws.quadratic import rooted
+from tline.solver.kernel.network import Crossing
+from tline.unit import function, unit
+
+
+@function
+def power(c, at, factor, u):
+    """Flow, and its slope, at an effort u."""
+    share = (u / c[at + 2]) ** c[at + 3] * factor * c[at + 1]
+    return share, c[at + 3] * share / u
+
+
+@function
+def leaking(c, at, factor, d, z):
+    """Flow i and di/dd of a leak behind the effort d and the impedance z."""
+    if d <= 0.0 or factor <= 0.0:
+        return 0.0, 0.0
+    if c[at + 3] == 0.5:
+        return rooted(d, z, factor * c[at + 1] / np.sqrt(c[at + 2]), 0.0)
+    return bracketed(power, c, at, factor, d, z, 0.0, d)
+
+
+@function
+def demanded(c, at, factor, d, z):
+    """The same of a demand."""
+    if d <= 0.0 or factor <= 0.0:
+        return 0.0, 0.0
+    if d - z * factor * c[at + 1] >= c[at + 2]:
+        return factor * c[at + 1], 0.0
+    return bracketed(power, c, at, factor, d, z, 0.0, min(d, c[at + 2]))
+
+
+@unit
+def leak(crossing: Crossing, at: int, n: int, z: float) -> int:
+    """Flows of a leak at n samples, behind the efforts v and the impedance z."""
+    c, v, control, flow, slope = crossing.constants, crossing.v, crossing.control, crossing.flow, crossing.slope
+    for i in range(n):
+        flow[i], slope[i] = leaking(c, at, control[i], v[i] - c[at], z)
+    return 0
+
+
+@unit
+def demand(crossing: Crossing, at: int, n: int, z: float) -> int:
+    """Flows of a demand at n samples, behind the efforts v and the impedance z."""
+    c, v, control, flow, slope = crossing.constants, crossing.v, crossing.control, crossing.flow, crossing.slope
+    for i in range(n):
+        flow[i], slope[i] = demanded(c, at, control[i], v[i] - c[at], z)
+    return 0

@@ -1,0 +1,1 @@
+"""Elements that store: their flow depends on what has flowed before."""

@@ -1,0 +1,145 @@
+"""Air valve: lets air in where the pressure would fall below that outside, and out again.
+
+Its states are the volume of the air and, as the volume that it would have outside, its amount.
+Constants: effort beyond the element, pressure outside, flow of air in and out that chokes, as it is outside.
+"""
+
+import numpy as np
+
+from tline.solver.kernel.arithmetic import clear, eliminate, times
+from tline.solver.kernel.network import Store
+from tline.solver.kernel.newton import CLOSE, SPARE, TRIES
+from tline.solver.kernel.polynomials import HALVINGS, after, fallen, project
+from tline.solver.kernel.stores.gas import expanded
+from tline.unit import function, unit
+
+CHOKES, CHOKED = 1 - (5 / 6) ** 3.5, 1.4**0.5 * (5 / 6) ** 3  # 1 - ratio of pressures where air chokes; its flow then
+
+
+@function
+def blown(g, inlet, outlet):
+    """Volume of air, as it is outside, that leaves per s where the pressure is 1 + g |g| atmospheres.
+
+    Isentropic flow through an orifice, which chokes; its slope over g is finite where air turns.
+    """
+    x = g * g / (1.0 if g < 0.0 else 1.0 + g * g)  # 1 - ratio of the pressures
+    rate = CHOKED
+    if x <= CHOKES:
+        low = np.log1p(-x)
+        rate = np.sqrt(-7.0 * np.exp(10.0 / 7.0 * low) * np.expm1(2.0 / 7.0 * low))
+    return -inlet * rate if g < 0.0 else outlet * (1.0 + g * g) * rate
+
+
+@function
+def exchange(store, at, h, z, volume, air):
+    """One Radau IIA step of an air valve of width h, from an amount of air in a volume: flows at the points.
+
+    g are the roots of the pressures there, in atmospheres. Returns volume, air, energy taken in, and the least volume
+    at a point, nan if no solution was found.
+    """
+    c, radau, w, g, flow, out = store.constants, store.tools.radau, store.first, store.safe, store.flow, store.y
+    s, outside, before, share = flow.size, c[at + 1], np.inf, 1.0
+    rest, system = store.rest, store.system
+    for _ in range(TRIES):
+        worst, scale, least, v, m, work = 0.0, volume + air, np.inf, 0.0, 0.0, 0.0
+        for j in range(s):
+            flow[j] = (w[j] - outside * g[j] * abs(g[j])) / z
+            out[j] = blown(g[j], c[at + 2], c[at + 3])
+            scale = max(scale, h * abs(flow[j]), h * abs(out[j]))
+            work += h * radau[s - 1, j] * flow[j] * outside * g[j] * abs(g[j])
+        for j in range(s):
+            v, m = volume, air
+            for k in range(s):
+                v -= h * radau[j, k] * flow[k]
+                m -= h * radau[j, k] * out[k]
+            least, density = min(least, v), 1.0 + g[j] * abs(g[j])
+            rest[j] = density * v - m
+            worst, scale = max(worst, abs(rest[j])), max(scale, abs(density * v))
+            for k in range(s):
+                delta = 1e-7 * max(abs(g[k]), 1.0) * (1.0 if g[k] > 0.0 else -1.0)
+                more = (blown(g[k] + delta, c[at + 2], c[at + 3]) - out[k]) / delta
+                system[j, k] = h * radau[j, k] * (more + density * 2.0 * abs(g[k]) * outside / z)
+            system[j, j] += 2.0 * abs(g[j]) * v
+            system[j, s] = rest[j]
+        if worst <= SPARE * scale or (worst <= CLOSE * scale and worst >= 0.5 * before):
+            return v, m, work, least
+        share = min(1.0, 2.0 * share) if worst < before else 0.5 * share
+        before = worst
+        eliminate(system, s)
+        for j in range(s):
+            g[j] = max(g[j] - share * system[j, s], 0.5 * (g[j] - 1.0))
+    return 0.0, 0.0, 0.0, np.nan
+
+
+@function
+def in_air(volume, air):
+    """Energy of air in a volume beyond what the air outside has, in atmospheres."""
+    if air <= 0.0:
+        return volume
+    _, x, _ = expanded(np.log(volume / air), 1.0)
+    return 0.5 * air * x * x
+
+
+@function
+def stretched(store, at, h, z, since, volume, air):
+    """One step from an instant of the slab on, as far as there is air and no energy is added, found by bisection.
+
+    Returns where it ends, the volume, the air and the energy taken in there, and whether no air is left behind it. Its
+    flow is kept in Legendre coefficients.
+    """
+    low, high, until, shut, room, held, taken = since, 1.0, 1.0, False, volume, air, 0.0
+    tools, piece, g, s = store.tools, store.piece, store.safe, store.flow.size
+    for _ in range(HALVINGS if since < 1.0 else 0):
+        clear(piece)
+        project(store.coef, 0.0, 1.0, since, until, tools.gauss, piece)
+        times(tools.to_points, piece, 0, store.first)
+        density = air / volume if volume > 0.0 else 1.0
+        for j in range(s):
+            g[j] = np.sqrt(abs(density - 1.0)) * (1.0 if density > 1.0 else -1.0)
+        v_end, m_end, work, least = exchange(store, at, h * (until - since), z, volume, air)
+        taken_now = work / store.constants[at + 1]
+        if least > 0.0 and in_air(volume, air) + taken_now >= -SPARE * (volume + v_end + m_end):
+            low, room, held, taken = until, v_end, m_end, taken_now
+            times(tools.to_legendre, store.flow, 0, store.kept)
+        else:
+            high = until
+            shut |= least <= 0.0
+        if low == high or (low > since and not shut) or high - low < SPARE:
+            break
+        until = 0.5 * (low + high)
+    return low, room, held, taken, shut
+
+
+@unit
+def air(store: Store, at: int, state: int, h: float, z: float) -> int:
+    """Flows into an air valve at the points of a slab of width h, under the efforts v there.
+
+    It opens at a root of v less the pressure outside; then follows a Radau IIA step up to where no air is left. What
+    flows in is projected on the slab. The step keeps the volume; if it would add energy, the air comes nearer to the
+    pressure outside, and if that does not do, the step is halved.
+    """
+    states, tools, flow, v, coef = store.states, store.tools, store.flow, store.v, store.coef
+    whole, s = store.whole, store.v.size
+    clear(whole)
+    for j in range(s):
+        flow[j] = v[j] - store.constants[at]
+    times(tools.to_legendre, flow, 0, coef)
+    since, volume, mass = 0.0, states[state], states[state + 1]
+    while since < 1.0 and np.isfinite(whole[0]):
+        if volume == 0.0:
+            since = fallen(coef, 0.0, since)
+        low, room, held, taken, shut = stretched(store, at, h, z, since, volume, mass)
+        if low > since:
+            project(store.kept, since, low, 0.0, 1.0, tools.gauss, whole)
+            most, most_now = in_air(volume, mass) + taken, in_air(room, held)
+            if most_now > most:
+                held = room + (held - room) * max(most, 0.0) / most_now
+            volume, mass = room, held
+        elif since < 1.0 and not shut:
+            whole[0], volume = np.nan, np.nan
+        since = low
+        if shut:
+            volume, mass, since = 0.0, 0.0, after(low, s)
+    states[state], states[state + 1] = volume, mass
+    times(tools.to_points, whole, 0, flow)
+    return 0

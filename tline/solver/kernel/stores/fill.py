@@ -1,0 +1,97 @@
+"""One Radau IIA step of an element whose state y is one number.
+
+The state is seen through X(y), the root of twice the energy stored, so that the step cannot add energy (Hairer, Wanner:
+Solving Ordinary Differential Equations II, 1996, theorem IV.12.9). A store tells of y: X, dX/dy, and e, l, r, q where
+v = e + l i + loss and dX/dt = (r + q i) i.
+"""
+
+import numpy as np
+
+from tline.solver.kernel.arithmetic import copy, eliminate, left_of
+from tline.solver.kernel.newton import CLOSE, LEAST_STRIDE, SPARE, TRIES
+from tline.unit import function
+
+
+@function
+def filling(stored, entering, c, at, y, v, z):
+    """Flow i into an element with a state y, X, dX/dy, dX/dt, and r."""
+    x, slope, effort, more, rate, bend = stored(c, at, y)
+    i = entering(c, at, v - c[at] - effort, z + more)
+    return i, x, slope, (rate + bend * i) * i, rate
+
+
+@function
+def unfilled(stored, entering, store, at, h, z, start):
+    """Residuals of the stages, the largest, and a scale."""
+    c, radau, v, y, flow, rest = store.constants, store.tools.radau, store.v, store.y, store.flow, store.rest
+    s = radau.shape[0]
+    x_start = stored(c, at, start)[0]
+    worst, scale = 0.0, abs(x_start)
+    for j in range(s):
+        rest[j] = -x_start
+    for j in range(s):
+        flow[j], x, _, rate, share = filling(stored, entering, c, at, y[j], v[j], z)
+        rest[j] += x
+        scale = max(scale, abs(x), h * abs(share * v[j]) / z)  # a stiff step magnifies what v is rounded by
+        for k in range(s):
+            rest[k] -= h * radau[k, j] * rate
+    for j in range(s):
+        worst = max(worst, abs(rest[j]))
+    return worst, scale
+
+
+@function
+def stepped(stored, entering, store, at, h, z, share, most):
+    """One Newton step of a share; no y changes by more than most/reach of its change."""
+    c, radau, v, y, rest, system = (
+        store.constants, store.tools.radau, store.v, store.y, store.rest, store.system,
+    )  # fmt: skip
+    s, reach = radau.shape[0], 1e-300
+    for k in range(s):
+        delta = 1e-7 * max(abs(y[k]), 1.0)
+        _, _, slope, rate, _ = filling(stored, entering, c, at, y[k], v[k], z)
+        _, _, _, more, _ = filling(stored, entering, c, at, y[k] + delta, v[k], z)
+        for j in range(s):
+            system[j, k] = (slope if j == k else 0.0) - h * radau[j, k] * (more - rate) / delta
+        system[k, s] = rest[k]
+    eliminate(system, s)
+    for j in range(s):
+        reach = max(reach, abs(system[j, s]))
+    step = min(share, most / reach)
+    for j in range(s):
+        y[j] -= step * system[j, s]
+
+
+@function
+def fill(stored, entering, store, at, state, h, z, most):
+    """Flows at the points of a slab of width h, under the efforts v there; nan at the last if none were found.
+
+    Where Newton's full steps fail, the first residual is led to zero in smaller parts.
+    """
+    y, safe, first, rest, s = store.y, store.safe, store.first, store.rest, store.tools.radau.shape[0]
+    start = store.states[state]
+    for j in range(s):
+        y[j], safe[j] = start, start
+    unfilled(stored, entering, store, at, h, z, start)
+    copy(rest, first)
+    done, stride = 0.0, 1.0
+    while done < 1.0 and stride > LEAST_STRIDE:
+        aim, before, sound, share = min(done + stride, 1.0), np.inf, False, 1.0
+        for _ in range(TRIES):
+            _, scale = unfilled(stored, entering, store, at, h, z, start)
+            now = left_of(rest, first, aim, s)
+            sound = now <= SPARE * scale or (now <= CLOSE * scale and now >= 0.5 * before)
+            if sound or not np.isfinite(now):
+                break
+            share = min(1.0, 2.0 * share) if now < before else 0.5 * share
+            before = now
+            stepped(stored, entering, store, at, h, z, share, most)
+        if sound:
+            copy(y, safe)
+            done, stride = aim, 2.0 * stride
+        else:
+            copy(safe, y)
+            stride *= 0.25
+    store.states[state] = y[s - 1]
+    if done < 1.0:
+        store.flow[s - 1] = np.nan

@@ -1,0 +1,95 @@
+"""Gas in a vessel: p Vⁿ is constant, behind an orifice. Its state is ln(V / volume at zero effort).
+
+Constants: effort beyond the element, capacity of the orifice, pressure outside, volume at zero effort, exponent n.
+"""
+
+import numpy as np
+
+from tline.solver.kernel.arithmetic import clear, times
+from tline.solver.kernel.laws.quadratic import rooted
+from tline.solver.kernel.network import Store
+from tline.solver.kernel.polynomials import integrated, project, series
+from tline.solver.kernel.stores.fill import fill
+from tline.unit import function, unit
+
+MISSED, SQUEEZES = 1e-3, 64  # share of a gas's volume that a step may lose, and steps in a slab where it loses more
+FARTHEST = 2.0  # change of ln V in a step of Newton's method
+
+
+@function
+def expanded(low, n):
+    """Of gas with p V^n = 1 in air of pressure 1, from ln V: effort, X with X²/2 the energy stored, and effort/X."""
+    d = np.expm1(low)
+    if abs(d) < 0.4:
+        term, effort, energy, k = -n, n, n / 2.0, 1
+        while abs(term) > 1e-17 * abs(effort) and k < 60:
+            k += 1
+            term *= d * (-n - k + 1.0) / k
+            effort -= term
+            energy -= term / (k + 1.0)
+        return -d * effort, -d * np.sqrt(2.0 * energy), effort / np.sqrt(2.0 * energy)
+    work = -low if n == 1.0 else -np.expm1((1.0 - n) * low) / (1.0 - n)
+    x = np.sqrt(2.0 * (work + d))
+    x = -x if d > 0.0 else x
+    effort = np.expm1(-n * low)
+    return effort, x, effort / x
+
+
+@function
+def stored(c, at, y):
+    """X, dX/dy, effort, no loss of its own, and dX/dt over the flow."""
+    effort, x, ratio = expanded(y, c[at + 4])
+    return x, -ratio * np.exp(y), c[at + 2] * effort, 0.0, ratio / c[at + 3], 0.0
+
+
+@function
+def entering(c, at, d, z):
+    """Flow through the orifice."""
+    return rooted(d, z, c[at + 1], 0.0)[0]
+
+
+@function
+def squeeze(store, at, state, start, h, z):
+    """Flows into gas that keeps its temperature, by many steps of Euler's implicit method for its volume.
+
+    Its energy is convex in its volume: a step adds none. Nor does the projection of these flows on the slab, which
+    keeps their integral, the volume.
+    """
+    tools, v, flow, coef, sent = store.tools, store.v, store.flow, store.coef, store.integral
+    constant, whole, c, width = store.constant, store.whole, store.constants, 1.0 / SQUEEZES
+    clear(whole)
+    times(tools.to_legendre, v, 0, coef)
+    integrated(coef, 1.0, sent)
+    volume, last, share = np.exp(start), 0.0, h * width * c[at + 2] / (z * c[at + 3])
+    for k in range(SQUEEZES):
+        here = series(sent, 2.0 * (k + 1) * width - 1.0)
+        left = volume - share * (((here - last) / width - c[at]) / c[at + 2] + 1.0)
+        root = np.sqrt(left * left + 4.0 * share)
+        new = 0.5 * (left + root) if left > 0.0 else 2.0 * share / (root - left)
+        constant[0] = (volume - new) * c[at + 3] / (h * width)
+        project(constant, k * width, (k + 1) * width, 0.0, 1.0, tools.gauss, whole)
+        volume, last = new, here
+    store.states[state] = np.log(volume)
+    times(tools.to_points, whole, 0, flow)
+
+
+@function
+def is_missed(store, at, state, start, h):
+    """Whether the volume of gas that keeps its temperature is not what flowed: too stiff for the step."""
+    c, radau, flow, spent = store.constants, store.tools.radau, store.flow, 0.0
+    if c[at + 1] < np.inf or c[at + 4] != 1.0:
+        return False
+    for j in range(flow.size):
+        spent += radau[flow.size - 1, j] * flow[j]
+    before, volume = np.exp(start), np.exp(store.states[state])
+    return not abs(volume - before + h * spent / c[at + 3]) <= MISSED * max(volume, before)
+
+
+@unit
+def gas(store: Store, at: int, state: int, h: float, z: float) -> int:
+    """Flows into the gas at the points of a slab of width h, behind the efforts v and the impedance z."""
+    start = store.states[state]
+    fill(stored, entering, store, at, state, h, z, FARTHEST)
+    if is_missed(store, at, state, start, h):
+        squeeze(store, at, state, start, h, z)
+    return 0

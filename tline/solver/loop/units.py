@@ -1,0 +1,54 @@
+"""Which compiled units a network needs: those of its elements, its losses and its delays, and no others."""
+
+from functools import cache
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.solver.kernel.blocks import advance
+from tline.solver.kernel.network import REMEMBERED, Network, Units
+
+KERNEL = "tline.solver.kernel"
+OF_KIND = (  # in order of the kinds of elements
+    "laws.quadratic.quadratic", "laws.pump.pump", "laws.relief.relief", "laws.outflow.leak", "laws.outflow.demand",
+    "laws.diode.diode", "laws.table.table", "stores.gas.gas", "stores.tank.tank", "stores.rotor.rotor",
+    "stores.vapour.vapour", "stores.air.air", "laws.user_defined.user_defined",
+)  # fmt: skip
+
+
+@cache
+def unit_at(path: str) -> Any:
+    """A unit by its module in the kernel and its name."""
+    module, _, name = path.rpartition(".")
+    return getattr(import_module(f"{KERNEL}.{module}"), name)
+
+
+def law_addresses(kind: NDArray) -> NDArray:
+    """Addresses of the units of elements of these kinds."""
+    found = {int(k): unit_at(OF_KIND[k]).address for k in np.unique(kind)}
+    return np.array([found[int(k)] for k in kind], np.int64)
+
+
+def units_of(network: Network, *, fronts: bool) -> Units:
+    """Addresses of what a network needs beside the loop, and of what that needs with fronts."""
+
+    def address(path: str, needed: Any) -> int:
+        return unit_at(path).address if needed else 0
+
+    kind, losses, segments = network.laws.kind, network.lumps.kind, len(network.cells.line)
+    several = np.diff(network.laws.first).max(initial=0) > 1 or (network.laws.impedance < 0).any()
+    constant = address("losses.dissipation.dissipation", (losses < REMEMBERED).any())
+    remembered = address("losses.memory.memory", (losses == REMEMBERED).any())
+    return Units(
+        advance=advance.address,
+        delay=address("delay.delay_rest", (network.shift_row >= 0).any()),
+        crossing=address("laws.crossing.crossing", len(kind)),
+        group=address("laws.group.group", len(kind) and several),
+        law=law_addresses(kind),
+        loss=np.where(losses == REMEMBERED, remembered, constant),
+        segments=address("losses.segments.pass_segments", segments),
+        collapse_at_losses=address("fronts.collapse.collapse_at_losses", fronts and len(losses)),
+        collapse_group=address("fronts.collapse.collapse_group", fronts and segments),
+    )

@@ -1,0 +1,20 @@
+"""Flows through the elements of a network without a state, each behind an effort and its source impedance."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.solver.assembly.workspace import crossing_for
+from tline.solver.kernel.network import Laws
+from tline.solver.loop.units import law_addresses
+from tline.structure import pack
+
+
+def flows_through(laws: Laws, v: NDArray) -> tuple[NDArray, NDArray]:
+    """Flow through each element behind the efforts v, and its slope; each shape (E,)."""
+    flow, slope = np.empty_like(v), np.empty_like(v)
+    if len(v):
+        from tline.solver.kernel.laws.through import Through, through
+
+        law = law_addresses(laws.kind)
+        through(pack(Through(law, laws.at, laws.factor, v, laws.seen, flow, slope, crossing_for(laws.constants, 1))))
+    return flow, slope

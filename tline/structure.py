@@ -1,0 +1,124 @@
+"""Structures that compiled code reads by reference: one row of words, each a number or the place of something else.
+
+A structure is declared as a named tuple whose members are `int`, `float`, arrays of this module's kinds, or other
+structures. `pack` writes it down once; compiled code gets one address, however many arrays there are.
+"""
+
+import struct
+from functools import cache
+from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = Annotated[NDArray[np.float64], 1]
+Floats2 = Annotated[NDArray[np.float64], 2]
+Floats3 = Annotated[NDArray[np.float64], 3]
+Floats4 = Annotated[NDArray[np.float64], 4]
+Floats5 = Annotated[NDArray[np.float64], 5]
+Integers = Annotated[NDArray[np.int64], 1]
+Integers2 = Annotated[NDArray[np.int64], 2]
+Flags = Annotated[NDArray[np.bool_], 1]
+
+
+class Field(NamedTuple):
+    """A member of a structure: at which word it stands, and what it is."""
+
+    name: str
+    word: int
+    kind: Any  # int, float, the class of a structure, or the type of an array's elements
+    dimensions: int  # of an array, whose words are its place and its shape; -1 for all else
+
+    @property
+    def words(self) -> int:
+        """Number of words it takes."""
+        return 1 + max(self.dimensions, 0)
+
+
+@cache
+def fields(structure: type) -> tuple[Field, ...]:
+    """Members of a structure in order.
+
+    Raises
+    ------
+    TypeError
+        A member is of no kind that compiled code can read.
+    """
+    found: list[Field] = []
+    word = 0
+    for name, hint in get_type_hints(structure, include_extras=True).items():
+        kind, dimensions = hint, -1
+        if get_origin(hint) is Annotated:
+            array, dimensions = get_args(hint)
+            kind = get_args(get_args(array)[1])[0]
+        elif hint not in (int, float) and not hasattr(hint, "_fields"):
+            raise TypeError(f"{structure.__name__}.{name}: compiled code cannot read {hint}")
+        found.append(Field(name, word, kind, dimensions))
+        word += found[-1].words
+    return tuple(found)
+
+
+@cache
+def _format(structure: type) -> struct.Struct:
+    return struct.Struct(
+        "".join("d" if f.kind is float and f.dimensions < 0 else "q" * f.words for f in fields(structure))
+    )
+
+
+class Packed:
+    """A structure in memory, and all that its words point to.
+
+    Attributes
+    ----------
+    structure : type
+        Its declaration.
+    values : NamedTuple
+        What was packed.
+    address : int
+        Where its first word is; valid as long as this object.
+    """
+
+    __slots__ = ("_inner", "_words", "address", "structure", "values")
+
+    def __init__(self, values: Any):
+        self.structure, self.values, self._inner = type(values), values, []
+        words: list[Any] = []
+        for field, value in zip(fields(self.structure), values, strict=True):
+            if field.dimensions >= 0:
+                if value.dtype != field.kind or value.ndim != field.dimensions or not value.flags.c_contiguous:
+                    kind = f"a contiguous array of {field.dimensions} dimensions of {field.kind.__name__}"
+                    raise TypeError(f"{self.structure.__name__}.{field.name}: {kind} is needed, not {value!r}")
+                words.append(value.__array_interface__["data"][0])
+                words += value.shape
+            elif field.kind in (int, float):
+                words.append(value)
+            else:
+                inner = value if isinstance(value, Packed) else Packed(value)
+                self._inner.append(inner)
+                words.append(inner.address)
+        self._words = np.frombuffer(bytearray(_format(self.structure).pack(*words)), np.int64)
+        self.address = self._words.__array_interface__["data"][0]
+
+
+def pack(values: Any) -> Any:
+    """Write a structure down for compiled code, which reads and writes the arrays themselves: a `Packed`.
+
+    Parameters
+    ----------
+    values : NamedTuple
+        Of a class whose members are declared by kinds of this module. A member that is a structure may be packed.
+
+    Raises
+    ------
+    TypeError
+        An array is not of the declared kind.
+
+    Examples
+    --------
+    >>> class Pair(NamedTuple):
+    ...     scale: float
+    ...     values: Floats
+    >>> [field.word for field in fields(Pair)], pack(Pair(2.0, np.zeros(3))).values.scale
+    ([0, 1], 2.0)
+    """
+    return Packed(values)

@@ -1,0 +1,131 @@
+"""Compiled units: C functions of addresses and numbers, kept as object code that loads without numba.
+
+A unit is compiled at its first call, with all functions that it calls by name; other units it calls by address. What
+is compiled is kept on disk (`tline.object_code`), valid while all source code that it is made of means the same.
+"""
+
+import ctypes
+import inspect
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any, get_type_hints
+
+from tline.object_code import keep, load
+from tline.structure import Packed
+
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract", "nsz"}}
+_BARE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
+
+class Function:
+    """A function that is compiled as a part of the units that use it; called from Python, it runs as Python."""
+
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]):
+        self.py_func, self._options = function, options
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run it, uncompiled."""
+        return self.py_func(*arguments)
+
+    @cached_property
+    def _dispatcher(self) -> Any:
+        import numba
+
+        return numba.njit(**self._options)(self.py_func)
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What numba asks of a global name."""
+        return self._dispatcher._numba_type_
+
+    @property
+    def targetoptions(self) -> dict[str, Any]:
+        """Where numba looks whether to inline it."""
+        return self._dispatcher.targetoptions
+
+
+def function(code: Callable[..., Any]) -> Any:
+    """Mark a function that units call by name."""
+    return Function(code, OPTIONS | _BARE)
+
+
+class _Intrinsic:
+    """A name in compiled code whose meaning is in `tline.by_reference`."""
+
+    def __init__(self, name: str):
+        self._name = name
+
+    @property
+    def _numba_type_(self) -> Any:
+        from tline import by_reference
+
+        return by_reference.type_of(getattr(by_reference, self._name))
+
+
+invoke: Any = _Intrinsic("invoke")
+callback: Any = _Intrinsic("callback")
+
+
+class Unit:
+    """A function that is compiled alone, for one signature, and called from Python and by its address.
+
+    Parameters
+    ----------
+    code : function
+        Its parameters are annotated: `int`, `float`, or the class of a structure (`tline.structure`), which it gets by
+        reference. It returns an `int`, allocates nothing, and raises nothing.
+    """
+
+    def __init__(self, code: Callable[..., Any]):
+        self.code, self.__doc__, self.__name__, self.__module__ = code, code.__doc__, code.__name__, code.__module__
+
+    @cached_property
+    def parameters(self) -> list[Any]:
+        """The kinds of its parameters."""
+        hints = get_type_hints(self.code)
+        return [hints[name] for name in inspect.signature(self.code).parameters]
+
+    @cached_property
+    def _loaded(self) -> tuple[int, Any]:
+        """Address, and what must be held for it."""
+        return load(self) or self._compiled()
+
+    @property
+    def address(self) -> int:
+        """Where it is, for other units; compiles it if need be."""
+        return self._loaded[0]
+
+    @cached_property
+    def _native(self) -> Any:
+        kinds = [ctypes.c_double if kind is float else ctypes.c_int64 for kind in self.parameters]
+        prototype = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, *kinds)
+        return prototype(self.address)
+
+    def __call__(self, *arguments: Any) -> int:
+        """Run it; structures are given packed."""
+        result, error = ctypes.c_int64(), ctypes.c_void_p()
+        given = [each.address if isinstance(each, Packed) else each for each in arguments]
+        if self._native(ctypes.addressof(result), ctypes.addressof(error), *given):
+            raise RuntimeError(f"{self.__module__}.{self.__name__}: an access outside an array")
+        return result.value
+
+    def _compiled(self) -> tuple[int, Any]:
+        from tline.compiler import compile_unit
+
+        result = compile_unit(self.code, self.parameters, OPTIONS | _BARE)
+        keep(self, result.fndesc.llvm_func_name, result.library)
+        return result.library.get_pointer_to_function(result.fndesc.llvm_func_name), result
+
+
+def unit(code: Callable[..., Any]) -> Unit:
+    """Make a unit of a function.
+
+    Examples
+    --------
+    >>> @unit
+    ... def double(n: int) -> int:
+    ...     return 2 * n
+    >>> double(21)
+    42
+    """
+    return Unit(code)
