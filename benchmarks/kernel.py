@@ -17,8 +17,8 @@ import numpy as np
 from tline.solver.assembly.assemble import assemble
 from tline.solver.assembly.blocks import blocks_of
 from tline.solver.assembly.lossy_segments import cells_of
-from tline.solver.kernel.network import NO_LUMPS, Network, State
 from tline.solver.description.elements import laws_of
+from tline.solver.kernel.network import NO_LUMPS, Network, State
 from tline.solver.loop.kernel import advance
 from tline.solver.radau import basis
 
