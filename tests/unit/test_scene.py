@@ -17,7 +17,6 @@ from tline.errors import InputError
 from tline.scene.file import schema
 from tline.scene.line import Cable, Pipe
 from tline.scene.load import Resistor
-from tline.scene.mistakes import nearest, place, shown
 from tline.scene.points import Ramp
 from tline.scene.probe import Probe
 from tline.scene.quantity import Quantity
@@ -27,6 +26,7 @@ from tline.scene.shape import Step
 from tline.scene.source import Source
 from tline.solver.description.nodes import nodes_of
 from tline.solver.description.resolution import CHEAP, ROOM, resolution
+from tline.wording import nearest, place, shown
 
 SCENES = sorted((Path(__file__).parents[2] / "scenes").glob("*.toml"))
 

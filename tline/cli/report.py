@@ -8,7 +8,6 @@ from tline.cli.energies import ledger_as_dict
 from tline.cli.measured import model_as_dict, model_in_words, network_as_dict, network_in_words
 from tline.pictures.handy import handy, quantities
 from tline.scene.measured_multiport import MeasuredMultiport
-from tline.scene.mistakes import place
 from tline.scene.touchstone import Touchstone
 from tline.solver.assembly.loss_elements import lumps_in
 from tline.solver.assembly.lossy_segments import fits
@@ -16,6 +15,7 @@ from tline.solver.result.dense_output import extremes
 from tline.solver.result.result import Result
 from tline.solver.simulate import judged
 from tline.solver.tolerance.accuracy import Accuracy
+from tline.wording import place
 
 SMALL = 1e8  # line-end samples of a run fixed by hand that is worth another one, only to judge it
 

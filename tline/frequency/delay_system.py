@@ -10,9 +10,9 @@ from tline.errors import InputError
 from tline.frequency.resonances import Resonance, resonances
 from tline.frequency.response import respond, source_named
 from tline.scene.load import Reservoir, Switch
-from tline.scene.mistakes import nearest
 from tline.scene.scene import Scene
 from tline.solver.stability.growth import growth
+from tline.wording import nearest
 
 if TYPE_CHECKING:
     from control import StateSpace

@@ -7,10 +7,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
 from tline.frequency.response import solved
-from tline.scene.mistakes import nearest, shown
 from tline.scene.scene import Scene
 from tline.solver.stability.scattering import Scattering
 from tline.units import to_si
+from tline.wording import nearest, shown
 
 
 def scattering_parameters(

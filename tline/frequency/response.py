@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
-from tline.scene.mistakes import nearest
 from tline.scene.scene import Scene
 from tline.solver.stability.lossy_line import inside
 from tline.solver.stability.scattering import Scattering
+from tline.wording import nearest
 
 CHUNK = 2e6  # complex entries held at once
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, NamedTuple
 from tline.errors import InputError
 from tline.line import HydraulicLine
 from tline.scene.medium import MEDIA, Medium
-from tline.scene.mistakes import place
 from tline.scene.multiport import Multiport
 from tline.scene.probe import Probe
 from tline.scene.site import GRAVITY
+from tline.wording import place
 
 if TYPE_CHECKING:
     from tline.scene.scene import Scene

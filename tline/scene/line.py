@@ -22,9 +22,9 @@ from tline.scene.cavities import Cavities
 from tline.scene.element import Element, Name
 from tline.scene.friction import AnyFriction
 from tline.scene.losses import Losses
-from tline.scene.mistakes import shown
 from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
 from tline.scene.site import Place
+from tline.wording import shown
 
 ROUNDING = 1e-9  # of a storage, that laws may miss of the lossless line's
 MATERIALS = {

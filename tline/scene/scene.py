@@ -32,7 +32,7 @@ from tline.scene.link import Link
 from tline.scene.load import Load
 from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.medium import MEDIA
-from tline.scene.mistakes import MOST, limited, mistakes, place
+from tline.scene.mistakes import MOST, limited, mistakes
 from tline.scene.named_file import Folder
 from tline.scene.own import own_elements
 from tline.scene.probe import Probe
@@ -42,6 +42,7 @@ from tline.scene.site import GRAVITY, Site
 from tline.scene.source import Source
 from tline.scene.touchstone import Touchstone
 from tline.scene.uncollected import uncollected
+from tline.wording import place
 
 SHORT = 1e-30  # s, an end time in place of a bad one, so short that no waveform has too many breaks
 

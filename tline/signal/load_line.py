@@ -9,10 +9,10 @@ from tline.errors import InputError
 from tline.scene.cavities import refuse_cavities
 from tline.scene.coupled import refuse_coupled
 from tline.scene.lossless import refuse_losses
-from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.solver.description.nodes import Node, nodes_of
 from tline.solver.steady.steady_state import above_level, rest
+from tline.wording import place
 
 
 class LoadLine(NamedTuple):

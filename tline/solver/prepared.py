@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.scene.coupled import Coupled, refuse_coupled
 from tline.scene.limits import beyond_limits
-from tline.scene.mistakes import place
 from tline.scene.plausible import doubts
 from tline.scene.scene import Scene
 from tline.scene.uncollected import uncollected
@@ -25,6 +24,7 @@ from tline.solver.result.notes import VISIBLE, lumped, smeared, unconnected, unt
 from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, Wave
 from tline.solver.result.surge import surges
 from tline.solver.tolerance.kinks import Kinks
+from tline.wording import place
 
 LARGEST_RECORD = 4e8  # samples
 LARGEST_LEDGER = 1e7  # samples at line ends, of a ledger that is not asked for: half a second

@@ -5,7 +5,6 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from tline.errors import ActiveError, InputError
-from tline.scene.mistakes import place
 from tline.scene.own import own_elements, own_mistakes
 from tline.scene.parted import parted
 from tline.scene.quantity import TOLERANCE
@@ -19,6 +18,7 @@ from tline.solver.stability.growth import active_loads, active_parts, controlled
 from tline.solver.tolerance.accuracy import Accuracy, Attempt, compared
 from tline.solver.tolerance.lossy import is_lossy, with_losses
 from tline.solver.tolerance.search import Search, inside_slabs, within
+from tline.wording import place
 
 TOL = 1e-6  # where nothing is asked or fixed
 ROUNDING = 1e-9  # of the energy turned over

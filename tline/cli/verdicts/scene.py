@@ -3,7 +3,7 @@
 from typing import Any
 
 from tline.cli.verdicts.answer import Answer, Asked
-from tline.scene.mistakes import place
+from tline.wording import place
 
 
 def answer(file: str, asked: Asked) -> Answer:

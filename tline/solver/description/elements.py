@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.law import Law
-from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.scene.shape import Constant
 from tline.scene.waveform import Shape
@@ -15,6 +14,7 @@ from tline.solver.assembly.network import Laws, tools_of
 from tline.solver.description.excitation import just_before
 from tline.solver.description.nodes import Node
 from tline.solver.radau import Basis, basis
+from tline.wording import place
 
 STATES = {"gas": 1, "tank": 1, "rotor": 1, "vapour": 1, "air": 2}
 KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", *STATES, "own")

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.coupled import ends_of
-from tline.scene.mistakes import place as place_of
 from tline.scene.multiport import Multiport
 from tline.scene.scene import Scene
 from tline.solver.description.components import parts
@@ -21,6 +20,7 @@ from tline.solver.description.elements import Element, elements_of
 from tline.solver.description.load_step import NO_LOAD, StateSpace, side_by_side
 from tline.solver.description.multiport import PortPlaces, joined
 from tline.solver.description.nodes import Node
+from tline.wording import place as place_of
 
 
 class Lump(NamedTuple):

@@ -20,7 +20,6 @@ from tline.scene.cavities import refuse_cavities
 from tline.scene.coupled import ends_of
 from tline.scene.heights import Height, below
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
-from tline.scene.mistakes import place
 from tline.scene.multiport import Multiport
 from tline.scene.quantity import ZERO
 from tline.scene.rational_load import MOST_STATES, Rational
@@ -31,6 +30,7 @@ from tline.scene.waveform import Constant, Shape
 from tline.solver.description.excitation import just_before
 from tline.solver.description.load_step import NO_LOAD, StateSpace, counted_from, effort, reflection
 from tline.solver.description.partial_fractions import reflection_of_poles
+from tline.wording import place
 
 SEA_LEVEL = Height()
 

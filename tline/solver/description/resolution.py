@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.load import Switch
-from tline.scene.mistakes import place
 from tline.scene.multiport import Multiport
 from tline.scene.scene import Scene
 from tline.solver.description.groups import Group, grouped
 from tline.solver.description.nodes import NONE, Node
+from tline.wording import place
 
 ORDER = 5
 FIT = 1e-7

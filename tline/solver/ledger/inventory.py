@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.load import Load, Matched, Reservoir, Resistor, Short, Switch
-from tline.scene.mistakes import place
 from tline.scene.multiport import ControlledSource, Multiport
 from tline.scene.rational_load import Parallel, Rational, Series
 from tline.scene.scene import Scene
@@ -16,6 +15,7 @@ from tline.solver.description.elements import Element, elements_of
 from tline.solver.description.excitation import places_of
 from tline.solver.description.nodes import Node, lowered
 from tline.solver.ledger.ledger import DISSIPATED, STORED, SUPPLIED, TAKEN
+from tline.wording import place
 
 GIVING = {"pump", "rotor"}  # kinds of laws
 STORING = {"gas", "tank", "table"}  # those that may give what they held; a table may hold a source

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.coupled import refuse_coupled
-from tline.scene.mistakes import place
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import Fronts
 from tline.solver.description.nodes import Node, nodes_of
@@ -17,6 +16,7 @@ from tline.solver.ledger.columns import Columns
 from tline.solver.ledger.inventory import Standing, standing
 from tline.solver.ledger.ledger import COLUMNS, GRAVITY, Entry, Ledger
 from tline.solver.ledger.stored import under_way
+from tline.wording import place
 
 if TYPE_CHECKING:
     from tline.solver.loop.march import Noted

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.mistakes import place
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import LIVE, LULL, NOTED, Fronts, Tally, fronts_of, sources_of, tally
 from tline.solver.description.excitation import EDGE, broken, places_of, sampled
+from tline.wording import place
 
 if TYPE_CHECKING:
     from tline.solver.ledger.recorder import Books

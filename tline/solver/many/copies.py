@@ -11,7 +11,6 @@ from tline.errors import InputError
 from tline.scene.cavities import refuse_cavities
 from tline.scene.coupled import Coupled
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
-from tline.scene.mistakes import nearest, place, shown
 from tline.scene.quantity import LARGEST, SMALLEST
 from tline.scene.rational_load import Parallel, Series
 from tline.scene.scene import Scene
@@ -19,6 +18,7 @@ from tline.scene.shape import Shape
 from tline.solver.description.nodes import UNIT, Node, lowered, nodes_of
 from tline.solver.description.resolution import WHOLE, common_parts
 from tline.solver.many.load import Load, parallel, series
+from tline.wording import nearest, place, shown
 
 Floats = NDArray[np.floating]
 ELEMENTS = ("resistance", "inductance", "capacitance")

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.loss import Foster
 from tline.scene.cavities import stretches_of
-from tline.scene.mistakes import place
 from tline.solver.result.dense_output import drawable
 from tline.solver.result.merged import CutRecord
 from tline.solver.result.result import LineRecord, Result
+from tline.wording import place
 
 CELLS = 16
 INSTANTS = 2000  # at least, where extremes on a lossless line are looked for; slab ends are among them

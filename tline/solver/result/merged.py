@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.scene.cavities import places_of, stretches_of, with_cavities
-from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.solver.ledger.ledger import Entry, Ledger
 from tline.solver.result.envelope import COLUMNS, Envelope
 from tline.solver.result.result import LineRecord, Result
+from tline.wording import place
 
 NOTHING = [0.0] * (len(Entry._fields) - 1)  # in all columns
 

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.solver.assembly.fronts import Tally
 from tline.solver.description.components import parts
 from tline.solver.description.resolution import Resolution
 from tline.solver.result.result import ProbeResult
+from tline.wording import place
 
 LISTED = 4  # names
 VISIBLE = 1e-6  # of the largest wave

@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from tline.errors import InputError
 from tline.scene.heights import NO_HEIGHT, Height
 from tline.scene.medium import MEDIA, Medium
-from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.solver.assembly.fronts import Tally
 from tline.solver.description.circuits import Circuits
 from tline.solver.description.resolution import Resolution
 from tline.solver.radau import Basis
+from tline.wording import place
 
 if TYPE_CHECKING:
     from tline.solver.ledger.ledger import Ledger

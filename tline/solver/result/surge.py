@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from tline.scene.limits import first_of, worst_first
 from tline.scene.load import Switch
 from tline.scene.medium import HYDRAULIC, MEDIA
-from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.scene.shape import Constant
 from tline.scene.vessel import Boiling
@@ -16,6 +15,7 @@ from tline.solver.description.excitation import just_before
 from tline.solver.result.envelope import Envelope
 from tline.solver.result.result import ProbeResult
 from tline.units import engineering
+from tline.wording import place
 
 LISTED = 3  # elements
 MARGIN = 1.01

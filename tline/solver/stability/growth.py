@@ -7,12 +7,12 @@ import numpy as np
 
 from passivity import Status, Verdict, check_positive_real
 from tline.errors import InputError
-from tline.scene.mistakes import place
 from tline.scene.multiport import ControlledSource
 from tline.scene.rational_load import Impedance
 from tline.scene.scene import Scene
 from tline.solver.stability.characteristic import Characteristic
 from tline.solver.stability.zeros import Box, UncountableError, count, rightmost
+from tline.wording import place
 
 NEGLIGIBLE = 1e-3  # growth within a run that counts as none
 PERIODS = 4  # of the shortest line that the search reaches at least beyond the corners of all loads

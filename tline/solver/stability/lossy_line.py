@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.loss import LossyLine
 from tline.scene.line import SceneLine
-from tline.scene.mistakes import place
+from tline.wording import place
 
 
 def losses_of(name: str, line: SceneLine) -> LossyLine:

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.solver.assembly.network import Laws as Elements
 from tline.solver.description.elements import KINDS, Element, elements_of, laws_of
@@ -13,6 +12,7 @@ from tline.solver.description.nodes import Node
 from tline.solver.steady.balance import Laws
 from tline.solver.steady.lossy_lines import Falls, Table
 from tline.solver.steady.pockets import held_drops
+from tline.wording import place
 
 NOTHING = 1e-11  # of the largest flow: so little passes where it is rounded or leaks
 TIGHT, TIGHTEST = 1e2, 1e12  # drop over flow of a valve, in impedances of its nodes

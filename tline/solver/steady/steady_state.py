@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.scene.heights import NO_HEIGHT
 from tline.scene.medium import MEDIA
-from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.solver.description.components import parts
 from tline.solver.description.excitation import just_before
@@ -23,6 +22,7 @@ from tline.solver.steady.balance import CLOSE, balanced
 from tline.solver.steady.edges import Edges
 from tline.solver.steady.lossy_lines import Table, pi
 from tline.solver.steady.pockets import settled
+from tline.wording import place
 
 SAME = 1e-9  # efforts that differ by less than this, relatively, are equal
 LAST_DIGITS = 1e-14  # of the level, which efforts have lost by counting from it

@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.mistakes import place
 from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
 from tline.solver.description.nodes import nodes_of
@@ -14,6 +13,7 @@ from tline.solver.steady.steady_state import rest, steady_state
 from tline.study.baseline.loops import advance_grid
 from tline.study.baseline.method import Trace
 from tline.study.baseline.steps import MOST_WORK, count_steps, delays_of, impedances_of, shortest_delay, stepped, within
+from tline.wording import place
 
 
 class Grid(NamedTuple):
