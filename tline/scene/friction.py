@@ -12,8 +12,8 @@ from pydantic import Field, PlainValidator, SerializeAsAny, ValidationInfo
 
 from tline.errors import InputError
 from tline.loss import Constant, LaminarFriction, Law, TurbulentFriction, hagen_poiseuille
+from tline.loss.losses import Curve
 from tline.scene.element import Element
-from tline.scene.losses import Curve
 from tline.scene.quantity import Quantity, Role
 from tline.wording import nearest, shown
 

@@ -19,8 +19,16 @@ from tline.solver.description.nodes import Node
 SINGULAR = 1e-13  # reciprocal condition number
 
 
+class PlacedPorts(NamedTuple):
+    """A multiport: its place in the scene, its nodes, and its equations."""
+
+    where: str
+    nodes: Sequence[str]
+    ports: Ports
+
+
 class PortPlaces(NamedTuple):
-    """A multiport in a group: its place in the scene, its nodes' places in the group, and its equations."""
+    """The same in a group: with its nodes' places there."""
 
     where: str
     nodes: NDArray

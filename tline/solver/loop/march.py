@@ -14,7 +14,6 @@ from tline.errors import InputError
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import LIVE, LULL, NOTED, Fronts, Tally, fronts_of, sources_of, tally
 from tline.solver.description.excitation import EDGE, broken, places_of, sampled
-from tline.wording import place
 
 if TYPE_CHECKING:
     from tline.solver.ledger.recorder import Books
@@ -230,11 +229,5 @@ def _refuse(assembly: Assembly, node: int) -> None:
     if group < len(assembly.elements) and assembly.elements[group]:
         where = " and ".join(assembly.elements[group])
         raise InputError(where, "no flow was found that fits the waves", "narrower slabs, or a line between elements")
-    from tline.solver.stability.growth import active_loads, controlled_sources
-
-    scene = assembly.scene
-    active = [place("loads", name) for name in active_loads(scene)]
-    active += [place("links", name) for name in controlled_sources(scene)]
-    raise InputError(
-        " and ".join(active) or "lines", "the waves grow beyond all bounds", "passive loads", "active ones"
-    )
+    where = " and ".join(assembly.description.active) or "lines"
+    raise InputError(where, "the waves grow beyond all bounds", "passive loads", "active ones")

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.scene.heights import Height
 from tline.solver.assembly.assemble import Assembly
-from tline.solver.description.elements import BREAKING
 from tline.solver.loop.march import Noted
 from tline.solver.radau import Basis
 from tline.solver.tolerance.difference import chebyshev
@@ -159,6 +158,7 @@ def watch(assembly: Assembly) -> Extremes:
     new = one[network.record_row[one] < 0]
     network.record_row[new] = 2 * len(assembly.recorded) + np.arange(len(new))
     before = np.array([assembly.start[name].reshape(2, 2).mean(axis=1) for name in assembly.lines]).ravel()
-    at_ends = any(law.kind in BREAKING for law in assembly.scene.laws.values())
-    names = tuple(assembly.nodes[k] for k in there)
+    at_ends = assembly.description.blurred
+    nodes = list(assembly.nodes)
+    names = tuple(nodes[k] for k in there)
     return Extremes(names, network.record_row[one], before[one], assembly.basis, at_ends)
