@@ -8,9 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.limits import beyond_limits
-from tline.scene.plausible import doubts
-from tline.scene.uncollected import uncollected
+from tline.gc_paused import gc_paused
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.description.description import Description
 from tline.solver.description.resolution import Resolution
@@ -18,6 +16,7 @@ from tline.solver.ledger.recorder import Books
 from tline.solver.loop.march import Run, march
 from tline.solver.result.conductor import record_of
 from tline.solver.result.envelope import Envelope, watch
+from tline.solver.result.limits import beyond_limits
 from tline.solver.result.notes import VISIBLE, lumped, smeared, unconnected, untouched
 from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, Wave
 from tline.solver.result.surge import surges
@@ -55,7 +54,7 @@ def run(
     if envelope:
         description.refuse_coupled("an envelope")
     scene, kept = description.scene, {*record, *description.probed}
-    with uncollected():
+    with gc_paused():
         assembly = assemble(description, kept, chosen, progress=progress)
     s, h = chosen.s, chosen.h
     assembly.changes = sorted([*assembly.changes, *_cuts(assembly, kinks)])
@@ -80,8 +79,8 @@ def run(
     seen = extremes and extremes.envelope(description.heights)
     unresolved = (*chosen.notes, *smeared(done.fronts))
     surged = surges(description, ends, assembly.start, probes, seen)
-    doubtful = (*doubts(scene), *beyond_limits(scene, _extremes(probes, seen)), *surged)
-    remarks = (*untouched(probes), *unconnected(scene), *lumped(chosen), *doubtful)
+    doubtful = (*description.doubts, *beyond_limits(description, _extremes(probes, seen)), *surged)
+    remarks = (*untouched(probes), *unconnected(description), *lumped(chosen), *doubtful)
     return Result(
         scene,
         ends,

@@ -8,8 +8,8 @@ from tline.errors import ActiveError, InputError
 from tline.scene.own import own_elements, own_mistakes
 from tline.scene.parted import parted
 from tline.scene.quantity import TOLERANCE
-from tline.scene.scene import Scene
 from tline.solver.description.description import Description, describe
+from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.prepared import run
 from tline.solver.result.merged import joined, recorded
@@ -108,7 +108,8 @@ def simulate(
     whole = parted(scene)
     if whole is not scene:
         more = {"envelope": envelope, "ledger": ledger, "active": active, "progress": progress}
-        return joined(simulate(whole, tol=tol, record=recorded(scene, record), **more), scene)
+        given = describe(scene)
+        return joined(simulate(whole, tol=tol, record=recorded(given, record), **more), given)
     description = describe(scene)
     warned, record = _active(description, active), list(record)
     tol, ledger = _tolerance(scene, tol), True if own_elements(scene) else ledger

@@ -3,7 +3,7 @@
 from passivity import Status, Verdict, check_positive_real
 from tline.scene.multiport import ControlledSource
 from tline.scene.rational_load import Impedance
-from tline.scene.scene import Scene
+from tline.solver.description.given import Scene
 from tline.wording import place
 
 

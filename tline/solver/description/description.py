@@ -3,20 +3,21 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.coupled import Coupled, End, ends_of
-from tline.scene.heights import Height
+from tline.scene.cavities import places_of, stretches_of, with_cavities
+from tline.scene.coupled import Coupled, ends_of
 from tline.scene.load import Switch
-from tline.scene.medium import MEDIA, Medium
 from tline.scene.multiport import Multiport
-from tline.scene.scene import Scene
+from tline.scene.plausible import doubts
 from tline.scene.vessel import Boiling
 from tline.solver.description.active import active_parts
 from tline.solver.description.elements import BREAKING, Element, elements_of
 from tline.solver.description.excitation import Shape
+from tline.solver.description.given import MEDIA, End, Height, Medium, Scene
 from tline.solver.description.groups import Group, Lump, grouped
 from tline.solver.description.lines import Line, lines_of
 from tline.solver.description.multiport import PlacedPorts
@@ -24,6 +25,13 @@ from tline.solver.description.nodes import NONE, Node, nodes_of
 from tline.solver.description.probes import Probe, probes_of
 from tline.solver.description.scales import time_scales
 from tline.wording import place
+
+
+class Stretches(NamedTuple):
+    """Names of the stretches of a line with cavities, and of the nodes between them."""
+
+    lines: list[str]
+    nodes: list[str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +131,17 @@ class Description:
         given = {name: site.start for name, site in self.scene.nodes.items() if name in self.nodes}
         return {name: float(start) for name, start in given.items() if start is not None}
 
+    @property
+    def doubts(self) -> list[str]:
+        """What is valid in the scene and yet probably not meant."""
+        return doubts(self.scene)
+
+    @cached_property
+    def stretches(self) -> dict[str, Stretches]:
+        """What a run puts in place of lines with cavities."""
+        cut = with_cavities(self.scene.lines)
+        return {name: Stretches(stretches_of(name, line), places_of(name, line)) for name, line in cut.items()}
+
     @cached_property
     def active(self) -> dict[str, str]:
         """What there is to say of each element that may feed waves, by its place."""
@@ -143,6 +162,16 @@ class Description:
         nodes = nodes_of(self.scene, self.lines, self.ends, cells) if cells else self.nodes
         lumps = [Lump(name, self.lines[name], n, *started.get(name, (0.0, 0.0))) for name, n in cells.items()]
         return grouped(nodes, lumps, self.elements, self.ends, self.multiports)
+
+    def check_linear(self, what: str) -> None:
+        """Refuse non-linear elements, and links that are no multiports.
+
+        Raises
+        ------
+        InputError
+            Naming the first.
+        """
+        self.scene.check_linear(what, besides=Multiport)
 
     def refuse_coupled(self, what: str) -> None:
         """Refuse coupled conductors where something does not know them.

@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from tline.scene.law import Law
-from tline.scene.scene import Scene
+from tline.solver.description.given import Law, Scene
 from tline.solver.description.nodes import Node
 from tline.wording import place
 

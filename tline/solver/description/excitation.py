@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.shape import Constant, Shape
+from tline.solver.description.given import Constant, Shape
 from tline.solver.radau import Basis
 
 EDGE = 1e-9  # slabs; a break nearer than this to a slab's edge counts as on it

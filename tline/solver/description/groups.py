@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from tline.solver.description.components import parts
 from tline.solver.description.coupled import EndPlaces, scattered
 from tline.solver.description.elements import Element
+from tline.solver.description.given import End
 from tline.solver.description.lines import Line
 from tline.solver.description.load_step import NO_LOAD, StateSpace, side_by_side
 from tline.solver.description.multiport import PlacedPorts, PortPlaces, joined
-from tline.solver.description.nodes import End, Node
+from tline.solver.description.nodes import Node
 
 
 class Lump(NamedTuple):

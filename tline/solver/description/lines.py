@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from tline.loss.losses import Losses
-from tline.scene.scene import Scene
+from tline.solver.description.given import Scene
 
 
 class Line(NamedTuple):

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.multiport import Ports
+from tline.solver.description.given import Ports
 from tline.solver.description.load_step import NO_LOAD, StateSpace, side_by_side
 from tline.solver.description.nodes import Node
 

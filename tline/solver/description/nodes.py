@@ -17,17 +17,14 @@ from numpy.typing import NDArray
 from passivity import RationalFunction
 from tline.errors import InputError
 from tline.scene.cavities import refuse_cavities
-from tline.scene.coupled import End
-from tline.scene.heights import Height, below
+from tline.scene.heights import below
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.multiport import Multiport
 from tline.scene.quantity import ZERO
 from tline.scene.rational_load import MOST_STATES, Rational
-from tline.scene.scene import Scene
 from tline.scene.shape import Lowered
-from tline.scene.touchstone import Touchstone
-from tline.scene.waveform import Constant, Shape
 from tline.solver.description.excitation import just_before
+from tline.solver.description.given import Constant, End, Height, Scene, Shape, Touchstone
 from tline.solver.description.lines import Line
 from tline.solver.description.load_step import NO_LOAD, StateSpace, counted_from, effort, reflection
 from tline.solver.description.partial_fractions import reflection_of_poles

@@ -4,9 +4,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from tline.errors import InputError
-from tline.scene.coupled import End
-from tline.scene.heights import Height
-from tline.scene.scene import Scene
+from tline.solver.description.given import End, Height, Scene
 from tline.wording import place
 
 

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import Fronts
+from tline.solver.description.inventory import Standing, standing
 from tline.solver.ledger.accounts import Accounts, accounts_of
 from tline.solver.ledger.columns import Columns
-from tline.solver.ledger.inventory import Standing, standing
 from tline.solver.ledger.ledger import COLUMNS, GRAVITY, Entry, Ledger
 from tline.solver.ledger.stored import under_way
 from tline.wording import place

@@ -13,9 +13,8 @@ from tline.scene.coupled import Coupled
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
 from tline.scene.quantity import LARGEST, SMALLEST
 from tline.scene.rational_load import Parallel, Series
-from tline.scene.scene import Scene
-from tline.scene.shape import Shape
 from tline.solver.description.description import describe
+from tline.solver.description.given import Scene, Shape
 from tline.solver.description.nodes import UNIT, Node, lowered
 from tline.solver.description.resolution import WHOLE, common_parts
 from tline.solver.many.load import Load, parallel, series

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.heights import Height
 from tline.solver.assembly.assemble import Assembly
+from tline.solver.description.given import Height
 from tline.solver.loop.march import Noted
 from tline.solver.radau import Basis
 from tline.solver.tolerance.difference import chebyshev

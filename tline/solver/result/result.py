@@ -9,11 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
-from tline.scene.heights import NO_HEIGHT, Height
-from tline.scene.medium import MEDIA, Medium
-from tline.scene.scene import Scene
 from tline.solver.assembly.fronts import Tally
 from tline.solver.description.circuits import Circuits
+from tline.solver.description.given import MEDIA, NO_HEIGHT, Height, Medium, Scene
 from tline.solver.description.resolution import Resolution
 from tline.solver.radau import Basis
 from tline.wording import place

@@ -5,11 +5,10 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.limits import first_of, worst_first
-from tline.scene.medium import HYDRAULIC
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before, varies
 from tline.solver.result.envelope import Envelope
+from tline.solver.result.limits import first_of, worst_first
 from tline.solver.result.result import ProbeResult
 from tline.units import engineering
 from tline.wording import place
@@ -49,7 +48,7 @@ def surges(
     E. B. Wylie, V. L. Streeter, Fluid Transients in Systems, Prentice Hall, 1993.
     """
     pressures = any(source.is_effort and varies(source.value) for source in description.scene.sources.values())
-    if description.medium is not HYDRAULIC or not description.steady or not start or pressures:
+    if not description.medium.hydraulic or not description.steady or not start or pressures:
         return []
     a1, b1, a2, b2 = np.stack(list(start.values()), axis=1)
     highest = float(np.maximum(a1 + b1, a2 + b2).max()) / 2
@@ -65,7 +64,9 @@ def surges(
     causes = moved[:LISTED] + ["more"] * (len(moved) > LISTED)
     causes += ["cavities that collapse"] * description.collapses
     by = " and ".join(causes) or "what runs down or shuts by itself"
-    rise, most, packed = (engineering(x, HYDRAULIC.shown["effort"]) for x in (beyond[worst], joukowsky, packing[worst]))
+    rise, most, packed = (
+        engineering(x, description.medium.shown["effort"]) for x in (beyond[worst], joukowsky, packing[worst])
+    )
     return [
         f"{first_of(places)}: the pressure rises by {rise}, above Joukowsky's {most} and the line packing of {packed} "
         f"that the flow in one pipe explains; waves of {by} add up"

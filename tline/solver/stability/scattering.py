@@ -13,9 +13,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.multiport import Multiport
-from tline.scene.touchstone import Touchstone
 from tline.solver.description.description import Description
+from tline.solver.description.given import Touchstone
 from tline.solver.description.multiport import PortPlaces
 from tline.solver.description.nodes import Node
 from tline.solver.stability.lossy_line import carried, losses_of
@@ -35,7 +34,7 @@ class Scattering:
     """
 
     def __init__(self, description: Description, terminations: Mapping[str, float] | None = None):
-        description.scene.check_linear("transfer functions and growth rates", besides=Multiport)
+        description.check_linear("transfer functions and growth rates")
         description.refuse_coupled("a transfer function")
         lines = list(description.lines.values())
         delays = np.array([line.delay for line in lines])

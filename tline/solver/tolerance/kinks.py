@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.law import Law
 from tline.solver.description.description import Description
 from tline.solver.description.elements import Element
+from tline.solver.description.given import Law
 from tline.solver.radau import Basis, basis
 from tline.solver.result.result import LineRecord, Result, Wave
 

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 from tline.scene.load import Load, Matched, Reservoir, Resistor, Short, Switch
 from tline.scene.multiport import ControlledSource, Multiport
 from tline.scene.rational_load import Parallel, Rational, Series
-from tline.scene.shape import Shape
 from tline.solver.description.description import Description
 from tline.solver.description.elements import Element
 from tline.solver.description.excitation import places_of
+from tline.solver.description.given import Shape
 from tline.solver.description.nodes import Node, lowered
-from tline.solver.ledger.ledger import DISSIPATED, STORED, SUPPLIED, TAKEN
 from tline.wording import place
 
+SUPPLIED, DISSIPATED, STORED, TAKEN = range(4)  # what an element is expected to do with energy
 GIVING = {"pump", "rotor"}  # kinds of laws
 STORING = {"gas", "tank", "table"}  # those that may give what they held; a table may hold a source
 
