@@ -19,7 +19,7 @@ from tline.solver.assembly.blocks import blocks_of
 from tline.solver.assembly.lossy_segments import cells_of
 from tline.solver.assembly.network import NO_LUMPS, Network, State
 from tline.solver.description.description import describe
-from tline.solver.description.elements import laws_of
+from tline.solver.description.laws import laws_of
 from tline.solver.kernel.waves import advance
 from tline.solver.radau import basis
 

@@ -13,9 +13,9 @@ from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.prepared import run
+from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.dense_output import extremes
 from tline.solver.simulate import UnresolvedWarning, simulate
-from tline.solver.tolerance.accuracy import Accuracy
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 FACTOR = 2  # an error is told by a difference of two runs, which may be that much smaller than it

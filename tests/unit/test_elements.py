@@ -6,7 +6,7 @@ import pytest
 from tline.scene.factor import Characterised
 from tline.scene.points import Ramp
 from tline.scene.pump import Pump
-from tline.solver.description.elements import KINDS
+from tline.solver.description.laws import KINDS
 from tline.solver.kernel import waves as kernel
 
 LAWS = {

@@ -12,10 +12,10 @@ from tline.scene.touchstone import Touchstone
 from tline.solver.assembly.loss_elements import lumps_in
 from tline.solver.assembly.lossy_segments import fits
 from tline.solver.description.lines import lines_of
+from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.dense_output import extremes
 from tline.solver.result.result import Result
 from tline.solver.simulate import judged
-from tline.solver.tolerance.accuracy import Accuracy
 from tline.wording import place
 
 SMALL = 1e8  # line-end samples of a run fixed by hand that is worth another one, only to judge it

@@ -1,6 +1,6 @@
 """One run of a scene at a stated resolution: assemble it, step the kernel, and hand back what the probes saw."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from math import ceil
 from types import MappingProxyType
 
@@ -20,11 +20,11 @@ from tline.solver.result.limits import beyond_limits
 from tline.solver.result.notes import VISIBLE, lumped, smeared, unconnected, untouched
 from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, Wave
 from tline.solver.result.surge import surges
-from tline.solver.tolerance.kinks import Kinks
 from tline.wording import place
 
 LARGEST_RECORD = 4e8  # samples
 LARGEST_LEDGER = 1e7  # samples at line ends, of a ledger that is not asked for: half a second
+Kinks = Mapping[str, NDArray]
 NO_KINKS: Kinks = MappingProxyType({})
 NOWHERE = np.empty(0)
 EACH_NODE = 4000  # samples that take a ledger as long as a node
@@ -68,7 +68,7 @@ def run(
         ledger = small and not description.coupled
     books = Books(assembly, n) if ledger else None
     extremes = watch(assembly) if envelope else None
-    waves, done = march(assembly, n, extremes=extremes, books=books, progress=progress)
+    waves, done = march(assembly, n, observers=[each for each in (extremes, books) if each], progress=progress)
     smears = done.fronts.lost > VISIBLE or description.blurred
     lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
     ends = np.arange(n + 1) * h

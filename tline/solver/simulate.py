@@ -12,10 +12,11 @@ from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.prepared import run
+from tline.solver.result.accuracy import Accuracy, Attempt
 from tline.solver.result.merged import joined, recorded
 from tline.solver.result.result import Result
 from tline.solver.stability.growth import growth_sentence
-from tline.solver.tolerance.accuracy import Accuracy, Attempt, compared
+from tline.solver.tolerance.compare import compared
 from tline.solver.tolerance.lossy import with_losses
 from tline.solver.tolerance.search import Search, inside_slabs, within
 from tline.wording import place

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.assembly.blocks import blocks_of
-from tline.solver.assembly.laws import laws_of, states_of, with_basis
 from tline.solver.assembly.loss_elements import lumps_of
 from tline.solver.assembly.lossy_segments import InCells, cells_of, lines_in_cells
 from tline.solver.assembly.network import Network, State
@@ -18,6 +17,7 @@ from tline.solver.description.circuits import Circuits, circuits_of, fit_of
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import Shape, just_before
 from tline.solver.description.groups import Group
+from tline.solver.description.laws import laws_of, states_of, with_basis
 from tline.solver.description.lines import Line
 from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node

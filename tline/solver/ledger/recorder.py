@@ -1,7 +1,7 @@
 """Books kept while a run goes on: energies through line ends and into elements, slab by slab."""
 
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,8 @@ from tline.solver.ledger.accounts import Accounts, accounts_of
 from tline.solver.ledger.columns import Columns
 from tline.solver.ledger.ledger import COLUMNS, GRAVITY, Entry, Ledger
 from tline.solver.ledger.stored import under_way
+from tline.solver.loop.march import Noted
 from tline.wording import place
-
-if TYPE_CHECKING:
-    from tline.solver.loop.march import Noted
 
 BLOCK = 100_000  # samples of a group's line ends looked at together
 NET = np.array([-1.0, 1.0, 1.0, 1.0, 0.0])  # what an account takes, of its columns
@@ -69,7 +67,7 @@ class Books:
         for g, group in enumerate(self.groups):
             self.group_of_end[group.ends] = g
 
-    def see(self, record: NDArray, first: int, n: int, pieces: "Noted") -> None:
+    def see(self, record: NDArray, first: int, n: int, pieces: Noted) -> None:
         """Take note of n slabs from number `first` on, recorded from the first column of the record on."""
         s = self.assembly.basis.s
         through = np.zeros((len(self.z0), n))  # what each line takes in each slab
@@ -113,7 +111,7 @@ class Books:
         self.lowest[g] = np.minimum(self.lowest[g], so_far.min(axis=1))
         self.totals[g] += posted.sum(axis=2)
 
-    def _sorted(self, pieces: "Noted") -> dict[int, Found]:
+    def _sorted(self, pieces: Noted) -> dict[int, Found]:
         """Pieces by group; those of one group and slab are alike at all its ends."""
         end = self.end_of_row[pieces.row]
         g = self.group_of_end[end]

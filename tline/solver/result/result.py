@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,13 +13,11 @@ from tline.solver.assembly.fronts import Tally
 from tline.solver.description.circuits import Circuits
 from tline.solver.description.given import MEDIA, NO_HEIGHT, Height, Medium, Scene
 from tline.solver.description.resolution import Resolution
+from tline.solver.ledger.ledger import Ledger
 from tline.solver.radau import Basis
+from tline.solver.result.accuracy import Accuracy
+from tline.solver.result.envelope import Envelope
 from tline.wording import place
-
-if TYPE_CHECKING:
-    from tline.solver.ledger.ledger import Ledger
-    from tline.solver.result.envelope import Envelope
-    from tline.solver.tolerance.accuracy import Accuracy
 
 NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
 
@@ -244,9 +242,9 @@ class Result:
     samples: int
     seconds: float
     fronts: Tally
-    accuracy: "Accuracy | None" = None
-    envelope: "Envelope | None" = None
-    ledger: "Ledger | None" = None
+    accuracy: Accuracy | None = None
+    envelope: Envelope | None = None
+    ledger: Ledger | None = None
     circuits: Mapping[str, Circuits] = field(default_factory=dict)
     parts: "Result | None" = None
 

@@ -5,10 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.assembly.laws import KINDS, laws_of
 from tline.solver.assembly.network import Laws as Elements
 from tline.solver.description.description import Description
 from tline.solver.description.elements import Element
+from tline.solver.description.laws import KINDS, laws_of
 from tline.solver.steady.balance import Laws
 from tline.solver.steady.lossy_lines import Falls, Table
 from tline.solver.steady.pockets import held_drops

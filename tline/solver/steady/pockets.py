@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.assembly.laws import KINDS
 from tline.solver.assembly.network import Laws as Elements
 from tline.solver.description.components import parts
+from tline.solver.description.laws import KINDS
 
 WITHIN = 1e-4  # of the largest effort: how exactly a start has to be known
 

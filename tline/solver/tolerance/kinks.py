@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tline.solver.description.description import Description
 from tline.solver.description.elements import Element
 from tline.solver.description.given import Law
+from tline.solver.prepared import Kinks
 from tline.solver.radau import Basis, basis
 from tline.solver.result.result import LineRecord, Result, Wave
 
@@ -21,8 +22,6 @@ MOST = 2000  # instants of an element; where there are more, none is followed
 STEPS, STEP = 8, 1e-4  # of Newton's method, and for its slopes, in pieces
 OVER = 1.5  # pieces, to which a neighbour is continued
 CLOSED = 1e-12  # of the largest flow; less is none
-
-Kinks = Mapping[str, NDArray]
 
 
 class Seen(NamedTuple):

@@ -7,8 +7,9 @@ from tline.errors import InputError
 from tline.solver.assembly.lossy_segments import fits
 from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import resolution
+from tline.solver.result.accuracy import Accuracy, Attempt
 from tline.solver.result.result import Result
-from tline.solver.tolerance.accuracy import Accuracy, Attempt, added, compared, with_errors
+from tline.solver.tolerance.compare import added, compared, with_errors
 from tline.solver.tolerance.extrapolate import extrapolated, seen_at_ends
 from tline.solver.tolerance.search import Search, better, gained, inside_limit, inside_slabs, limit_of, rank, refined
 

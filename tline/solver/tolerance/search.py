@@ -11,10 +11,11 @@ from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import FIT, Resolution, resolution
 from tline.solver.description.short_lines import short_lines
-from tline.solver.prepared import NO_KINKS, run
+from tline.solver.prepared import NO_KINKS, Kinks, run
+from tline.solver.result.accuracy import Accuracy, Attempt
 from tline.solver.result.result import Result
-from tline.solver.tolerance.accuracy import Accuracy, Attempt, compared, with_errors
-from tline.solver.tolerance.kinks import Kinks, kinking, kinks_of
+from tline.solver.tolerance.compare import compared, with_errors
+from tline.solver.tolerance.kinks import kinking, kinks_of
 
 FIRST, LAST = 2, 12  # orders
 MOST_INSIDE = 2e6  # line-end samples in all runs together, for the sake of instants inside slabs alone,
