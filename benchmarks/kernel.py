@@ -17,7 +17,8 @@ import numpy as np
 from tline.solver.assembly.assemble import assemble
 from tline.solver.assembly.blocks import blocks_of
 from tline.solver.assembly.lossy_segments import cells_of
-from tline.solver.description.elements import laws_of
+from tline.solver.description.description import describe
+from tline.solver.description.laws import laws_of
 from tline.solver.kernel.network import NO_LUMPS, Network, State
 from tline.solver.loop.kernel import advance
 from tline.solver.radau import basis
@@ -101,7 +102,7 @@ def against_twin() -> float:
 
     ratios = []
     for run in range(RUNS):
-        assembly = assemble(random_scene(run, lines=12, solver={"order": 5, "slab": 0.1}), set())
+        assembly = assemble(describe(random_scene(run, lines=12, solver={"order": 5, "slab": 0.1})), set())
         twin = timed(lambda assembly=assembly: efforts(assembly, 200)) / 200
         for _, node, row in assembly.changes:
             assembly.network.step_row[node] = row

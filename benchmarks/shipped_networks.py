@@ -19,7 +19,8 @@ from tline.interchange.water_scene import water_scene
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
 from tline.solver.assembly.loss_elements import lumps_in
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
+from tline.solver.description.lines import lines_of
 from tline.solver.result.result import Result
 from tline.solver.simulate import simulate
 from tline.solver.steady.steady_state import steady_state
@@ -90,13 +91,13 @@ def measured(name: str) -> dict[str, Any]:
     read = time.perf_counter()
     scene, _ = water_scene(network, SPEED)
     built = time.perf_counter()
-    effort, _ = steady_state(scene, nodes_of(scene))
+    effort, _ = steady_state(describe(scene))
     steady = time.perf_counter()
     still = Scene(**fixed(scene, STILL))
     result, seconds = steps(still)
-    h, lines = result.resolution.h, still.single_lines
-    blocks = assemble(still, set(), result.resolution).network.blocks
-    delays = np.sort([line.parameters.delay or 0.0 for line in lines.values()])
+    h, lines = result.resolution.h, lines_of(still)
+    blocks = assemble(describe(still), set(), result.resolution).network.blocks
+    delays = np.sort([line.delay for line in lines.values()])
     largest = max(map(abs, effort.values()))
     found = {
         "pipes": len(lines),

@@ -6,6 +6,7 @@ import numpy as np
 
 from tline.scene.file import read_scene
 from tline.solver.assembly.assemble import assemble
+from tline.solver.description.description import describe
 from tline.solver.loop.march import Stepper
 
 
@@ -14,7 +15,7 @@ def compile_for(path: str) -> None:
     shortest = min(line.shortest for line in scene.lines.values())
     parts = 4 if "cable" in path else 3.3  # cells take whole slabs
     scene = scene.with_changes(solver={"order": 1, "slab": shortest / parts}, t_end=9 * shortest / parts)
-    assembly = assemble(scene, set())
+    assembly = assemble(describe(scene), set())
     Stepper(assembly, 9, np.empty((2 * len(assembly.recorded), 2, 9))).compile()
 
 

@@ -8,8 +8,9 @@ from tline.scene.load import Load, Parallel, Series
 from tline.scene.multiport import CoupledInductors
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import Assembly, assemble
+from tline.solver.description.description import describe
 from tline.solver.description.load_step import StateSpace, reflection
-from tline.solver.description.nodes import NONE, nodes_of
+from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import resolution
 from tline.solver.loop.march import Stepper
 
@@ -23,10 +24,10 @@ def on_lines(assembly: Assembly) -> float:
         o, n = net.offset[k], 2 * net.delay[k] * basis.s
         slabs = [state.waves[o : o + n].reshape(-1, basis.s)]
         if net.shift_row[k] >= 0:
-            f = line.parameters.delay / h - net.delay[k]
+            f = line.delay / h - net.delay[k]
             slabs.append(np.sqrt(f) * state.before[2 * k : 2 * k + 2] @ basis.restriction(1 - f, 1.0).T)
         for values in slabs:
-            total += h * np.einsum("ni,ij,nj->", values, weights, values) / (4 * line.parameters.z0)
+            total += h * np.einsum("ni,ij,nj->", values, weights, values) / (4 * line.z0)
     return total
 
 
@@ -35,8 +36,8 @@ class InLoads:
 
     def __init__(self, scene: Scene, assembly: Assembly):
         self.forms = []
-        cells, names, net = assembly.resolution.cells, list(assembly.nodes), assembly.network
-        nodes = nodes_of(scene, cells)
+        cells, nodes, net = assembly.resolution.cells, assembly.nodes, assembly.network
+        names = list(nodes)
         loads = {load.at: load for load in scene.loads.values() if dynamic(load)}
         for low, high, at in zip(net.group[:-1], net.group[1:], net.load_at, strict=True):
             for name in names[low:high]:
@@ -94,8 +95,8 @@ def stored(system: StateSpace, g: float, load: Series | Parallel | None, beside:
 
 def silent(scene, seed: int, cells: Mapping[str, int] = NONE) -> Assembly:
     """The scene without sources, its lines filled with random waves; some may be lumped, in so many cells."""
-    chosen = resolution(scene, nodes_of(scene), cells=cells)
-    assembly = assemble(scene, set(), chosen)
+    chosen = resolution(describe(scene), cells=cells)
+    assembly = assemble(describe(scene), set(), chosen)
     rng = np.random.default_rng(seed)
     assembly.state.waves[:] = rng.normal(size=assembly.state.waves.shape)
     assembly.state.before[:] = rng.normal(size=assembly.state.before.shape)
@@ -115,7 +116,7 @@ def in_pieces(steps: Stepper) -> float:
     pieces, total = fronts.pieces, 0.0
 
     norms, (x, weights) = 1 / np.arange(1, 2 * s, 2), np.polynomial.legendre.leggauss(s)
-    z0 = [line.parameters.z0 for line in assembly.lines.values()]
+    z0 = [line.z0 for line in assembly.lines.values()]
 
     def energy(row: int, line: int, start: float) -> float:
         """Of what lies behind the start; by Parseval, or by Gauss where a piece is cut."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from tline.cli.report import summary
 from tline.errors import InputError
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.prepared import run
 from tline.solver.result.dense_output import extremes
@@ -39,7 +40,7 @@ def kept(scene: Scene, tol: float, finer: int = 16, order: int = 4) -> Kept:
         told = summary(result, result.accuracy)["probes"]
         first = max(a.slab for a in result.accuracy.attempts)
         end = result.t[-1] / first
-        runs = [run(scene, Resolution(order, first / n), slabs=round(n * end)) for n in (finer // 2, finer)]
+        runs = [run(describe(scene), Resolution(order, first / n), slabs=round(n * end)) for n in (finer // 2, finer)]
     worst = Kept(result.accuracy.met, 0.0, 0.0, 0.0, 0.0, "", 0.0)
     for name, probe in result.probes.items():
         rough, fine = (each.probes[name] for each in runs)

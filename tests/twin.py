@@ -78,7 +78,7 @@ def efforts_in_pieces(assembly: Assembly, n_slabs: int) -> np.ndarray:
     """Effort of each node at slab ends, every front a breakpoint for ever; shape (nodes, slabs)."""
     net, basis, s, h = assembly.network, assembly.basis, assembly.basis.s, assembly.resolution.h
     starts = np.array(list(assembly.start.values()))
-    own = np.array([line.parameters.delay / h for line in assembly.lines.values()])
+    own = np.array([line.delay / h for line in assembly.lines.values()])
     delay = np.where(net.shift_row < 0, net.delay, own)
     sent: list[list[Piece]] = [
         [(-delay[e // 2] - 2, 0.0, np.full(s, starts[e // 2, e % 2]))] for e in range(2 * len(delay))

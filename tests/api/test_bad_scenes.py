@@ -18,6 +18,7 @@ from tline.scene.scene import Scene, Solver
 from tline.scene.shape import Step
 from tline.scene.source import Source
 from tline.solver.assembly.assemble import assemble
+from tline.solver.description.description import describe
 
 CABLE = """
 medium = "electrical"
@@ -361,7 +362,7 @@ def mistakes_of(text: str | bytes, folder: Path) -> list[str]:
     file = folder / "scene.toml"
     file.write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(InputError) as caught:
-        assemble(read_scene(file), set())
+        assemble(describe(read_scene(file)), set())
     found = caught.value.mistakes if isinstance(caught.value, SceneError) else [caught.value]
     return [str(mistake) for mistake in found]
 
@@ -383,7 +384,7 @@ def test_one_sentence_a_mistake(text, begins, tmp_path):
 def test_sound_scenes_pass(tmp_path):
     for text in (CABLE, PIPE):
         (tmp_path / "scene.toml").write_text("\ufeff" + text, encoding="utf-8")  # some editors begin so
-        assemble(read_scene(tmp_path / "scene.toml"), set())
+        assemble(describe(read_scene(tmp_path / "scene.toml")), set())
 
 
 # what would be long in the tables
@@ -565,7 +566,7 @@ OBJECTS = [
 @pytest.mark.parametrize(("section", "element", "begin"), OBJECTS, ids=[case[2][:50] for case in OBJECTS])
 def test_objects(section, element, begin):
     with pytest.raises(InputError) as caught:
-        assemble(scene(**{section: {"x": element}}), set())
+        assemble(describe(scene(**{section: {"x": element}})), set())
     agree(str(caught.value).splitlines(), [begin])
 
 
@@ -596,7 +597,7 @@ PARTS = [
 @pytest.mark.parametrize(("parts", "begin"), PARTS, ids=[case[1][:50] for case in PARTS])
 def test_parts(parts, begin):
     with pytest.raises(InputError) as caught:
-        assemble(scene(**parts), set())
+        assemble(describe(scene(**parts)), set())
     agree(str(caught.value).splitlines(), [begin])
 
 

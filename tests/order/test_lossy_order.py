@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from lossy_scenes import cable
 
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.prepared import run
 from tline.solver.tolerance.extrapolate import extrapolated
@@ -23,7 +24,7 @@ def errors(order: int, powers: tuple[int, ...]) -> np.ndarray:
     line = scene.lines["line"].losses.exact
     exact = lossy_response(line, [f"{k / 8}e-9" for k in STEP_ENDS], 0.0, source=25, load=100, digits=15)
     u = np.array([float(x) for x in exact.u])
-    column = [run(scene, Resolution(order, 1e-9 / n)) for n in SLABS]
+    column = [run(describe(scene), Resolution(order, 1e-9 / n)) for n in SLABS]
     for power in powers:
         column = [extrapolated(*pair, power) for pair in itertools.pairwise(column)]
     every = [round(1e-9 / 8 / result.resolution.h) for result in column]
@@ -46,7 +47,7 @@ def test_darcys_friction_is_of_second_order_whatever_the_slabs(order):
     exact, (line,) = FrictionSolution(scene, 1024), scene.lines.values()
     found = []
     for n in SLABS:
-        (probe,) = run(scene, Resolution(order, float(line.parameters.delay) / n)).probes.values()
+        (probe,) = run(describe(scene), Resolution(order, float(line.parameters.delay) / n)).probes.values()
         k = np.arange(1, len(probe.t))
         k = k[k % n != 0]  # between fronts
         found.append(np.abs(probe.u[k] - exact.at("far", probe.t[k])).max())

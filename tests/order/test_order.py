@@ -9,6 +9,7 @@ import pytest
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
 from tline.solver.assembly.assemble import assemble
+from tline.solver.description.description import describe
 from tline.solver.loop.march import march
 from tline.solver.simulate import simulate
 from tline.study.reference.network import Network
@@ -46,7 +47,7 @@ def network(lines, order, slab, t_end):
 
 def efforts_at_q(lines, order, slab, t_end):
     """Effort at slab ends."""
-    assembly = assemble(network(lines, order, slab, t_end), {"c"})
+    assembly = assemble(describe(network(lines, order, slab, t_end)), {"c"})
     assembly.drives[0] = [(Bell(), share) for _, share in assembly.drives[0]]
     record, _ = march(assembly, round(t_end / slab))
     side = lines["c"].index("q")

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
+from tline.solver.description.description import describe
 from tline.solver.loop.kernel import advance
 from tline.solver.simulate import simulate
 
@@ -60,7 +61,7 @@ def test_stored_energy_never_grows(table, order, slabs, seed):
     whole = Scene(**table)
     slab = min(line.shortest for line in whole.single_lines.values()) / slabs
     silent = Scene(**table | {"solver": {"order": order, "slab": slab}, "t_end": 100 * slab})
-    assembly, rng = assemble(silent, set()), np.random.default_rng(seed)
+    assembly, rng = assemble(describe(silent), set()), np.random.default_rng(seed)
     assembly.state.waves[:] = rng.normal(size=assembly.state.waves.shape)
     assembly.state.before[:] = rng.normal(size=assembly.state.before.shape)
     assembly.state.load[:] = rng.normal(size=assembly.state.load.shape)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from random_elements import random_elements
 
 from tline.solver.assembly.assemble import Assembly, assemble
+from tline.solver.description.description import describe
 from tline.solver.kernel.network import AIR, GAS, TANK, VAPOUR
 from tline.solver.kernel.stores import gas, rotor, tank
 from tline.solver.loop.march import Stepper
@@ -69,4 +70,4 @@ def test_the_tests_cover_every_kind():
     """Random scenes hold each kind of law that stores or takes energy."""
     kinds = {law.kind for seed in range(60) for law in random_elements(seed).laws.values()}
     assert kinds == {"quadratic", "relief", "leak", "demand", "diode", "table", "gas", "tank", "vapour", "air"}
-    assert assemble(random_elements(3), set()).network.laws.kind.size
+    assert assemble(describe(random_elements(3)), set()).network.laws.kind.size

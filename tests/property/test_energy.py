@@ -12,7 +12,7 @@ from random_scenes import random_scene
 
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import Assembly, assemble
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import resolution
 from tline.solver.kernel.fronts.structures import LIVE
 from tline.solver.loop.kernel import advance
@@ -86,7 +86,7 @@ def test_stored_energy_never_grows_with_fronts_under_way(seed, order, slab, sett
     table["sources"]["s"]["value"] = {"shape": "piecewise linear", "points": points}
     scene = Scene(**table | {"t_end": t_end})
     cells = {} if settle is None else {"l0": 1, "l1": 2}
-    assembly = assemble(scene, set(), resolution(scene, nodes_of(scene), cells=cells, settle=settle or 0.0))
+    assembly = assemble(describe(scene), set(), resolution(describe(scene), cells=cells, settle=settle or 0.0))
     n = int(t_end / slab)
     steps, in_loads = Stepper(assembly, n, np.zeros((0, 2, n * order))), InLoads(scene, assembly)
     first, last, seen = int(silence / slab) + 1, np.inf, 0
@@ -104,7 +104,7 @@ def test_stored_energy_never_grows_with_fronts_under_way(seed, order, slab, sett
 def test_a_lossless_network_keeps_its_smooth_waves(order, lost):
     """The theorem is no blanket damping: what 10⁴ fractional shifts take from pulses falls with the order."""
     slab, slabs = 0.05, 10_000
-    assembly = assemble(random_scene(3, loads=False, solver={"order": order, "slab": slab}), set())
+    assembly = assemble(describe(random_scene(3, loads=False, solver={"order": order, "slab": slab})), set())
     net, s, c = assembly.network, assembly.basis.s, assembly.basis.c
     assembly.state.before[:] = 0.0
     for offset, delay in zip(net.offset, net.delay, strict=True):

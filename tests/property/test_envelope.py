@@ -11,7 +11,7 @@ from random_scenes import random_scene
 
 from tline.errors import InputError
 from tline.scene.file import read_scene
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import resolution
 from tline.solver.loop import march
 from tline.solver.prepared import run
@@ -29,8 +29,8 @@ def windowed_as_whole(scene, chosen, window):
     lines = scene.lines
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(march, "LOOK", 2 * len(lines) * chosen.s * window)
-        whole = run(scene, chosen, record=lines)
-        windowed = run(scene, chosen, envelope=True)
+        whole = run(describe(scene), chosen, record=lines)
+        windowed = run(describe(scene), chosen, envelope=True)
     assert windowed.envelope is not None
     assert set(windowed.envelope.nodes) == {node for line in lines.values() for node in line.nodes}
     # the probe's record, put together from the windows, and its pieces
@@ -55,12 +55,12 @@ def windowed_as_whole(scene, chosen, window):
 def test_window_by_window_as_from_the_whole(seed, order, slab, window):
     """Fronts of switches and sources at any instants, delays without common measure."""
     scene = random_scene(seed, sources=True, start="steady", solver={"order": order, "slab": slab})
-    windowed_as_whole(scene, resolution(scene, nodes_of(scene)), window)
+    windowed_as_whole(scene, resolution(describe(scene)), window)
 
 
 def test_a_node_that_is_not_there():
     scene = random_scene(1, solver={"order": 2, "slab": 0.2})
-    envelope = run(scene, resolution(scene, nodes_of(scene)), envelope=True).envelope
+    envelope = run(describe(scene), resolution(describe(scene)), envelope=True).envelope
     assert envelope is not None
     with pytest.raises(InputError, match="'nowhere'"):
         envelope.of("nowhere")

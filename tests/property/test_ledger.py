@@ -11,7 +11,7 @@ from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver import prepared as runs
 from tline.solver.assembly.assemble import assemble
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import resolution
 from tline.solver.ledger.ledger import Ledger
 from tline.solver.loop import march
@@ -22,7 +22,8 @@ JUMPS = [[0, 1], [1.37, 1], [1.37, 0], [2.11, -1], [2.9, 0.3], [5, 0]]
 
 
 def kept(scene: Scene) -> Ledger:
-    ledger = runs.run(scene, resolution(scene, nodes_of(scene)), ledger=True).ledger
+    description = describe(scene)
+    ledger = runs.run(description, resolution(description), ledger=True).ledger
     assert ledger is not None
     return ledger
 

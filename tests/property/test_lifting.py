@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from random_heights import LINKS, LOADS, MULTIPORTS, WEIGHT, sloping
 
 from tline.scene.scene import Scene
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import resolution
 from tline.solver.prepared import run
 from tline.solver.result.result import Result
@@ -100,8 +100,8 @@ def test_a_short_line_that_is_lumped(load, start):
         return Scene(**table)
 
     def short(scene: Scene) -> Result:
-        chosen = resolution(scene, nodes_of(scene), 4, 0.04, {"stub": 1})
-        return run(scene, chosen, envelope=True, ledger=True)
+        chosen = resolution(describe(scene), 4, 0.04, {"stub": 1})
+        return run(describe(scene), chosen, envelope=True, ledger=True)
 
     same(short(stub(0.0)), short(stub(LIFT)))
 

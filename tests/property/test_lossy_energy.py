@@ -9,6 +9,7 @@ from random_scenes import random_scene
 
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import Assembly, assemble
+from tline.solver.description.description import describe
 from tline.solver.kernel.network import REMEMBERED
 from tline.solver.loop.kernel import advance
 from tline.solver.simulate import simulate
@@ -54,7 +55,7 @@ def with_friction(seed: int, **scene) -> Scene:
 def in_lumps(assembly: Assembly) -> float:
     """Half the sum of squares of the circuits' states, over z0."""
     lumps, total = assembly.network.lumps, 0.0
-    z0 = [line.parameters.z0 for line in assembly.lines.values()]
+    z0 = [line.z0 for line in assembly.lines.values()]
     for r in np.flatnonzero(lumps.kind == REMEMBERED):
         n = lumps.modes[r] * (lumps.first[r + 1] - lumps.first[r])
         total += float(np.sum(assembly.state.lumps[lumps.memory[r] :][:n] ** 2)) / (2 * z0[lumps.line[r]])
@@ -71,7 +72,7 @@ def in_lumps(assembly: Assembly) -> float:
 )
 def test_energy_never_grows(seed, make, order, slab, size):
     scene = make(seed, solver={"order": order, "slab": slab})
-    assembly = assemble(scene, set())
+    assembly = assemble(describe(scene), set())
     state = assembly.state
     rng = np.random.default_rng(seed)
     for part in (state.waves, state.before, state.lumps):

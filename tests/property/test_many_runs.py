@@ -5,6 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.many import many
 from tline.solver.many.batches import run as run_copies
@@ -45,7 +46,7 @@ def test_a_copy_alone_is_a_run_with_the_same_slabs(kind, given_, size, s, slabs)
     ours = run_copies(
         one, copies, slab_edges(front_places(np.empty(0), copies.unit), slabs, 1.0), s, np.array([0]), TIMES
     )
-    theirs = run(one, Resolution(s, 0.5 / slabs))
+    theirs = run(describe(one), Resolution(s, 0.5 / slabs))
     for name, seen in ours.items():
         samples = theirs.probes[name].at(TIMES)
         np.testing.assert_allclose(seen.u[0], samples.u, rtol=0, atol=ROUNDING)

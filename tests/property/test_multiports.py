@@ -8,6 +8,7 @@ from random_multiports import multiport_scenes
 
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
+from tline.solver.description.description import describe
 from tline.solver.loop.kernel import advance
 
 SLABS = 300
@@ -19,7 +20,7 @@ ROUNDING = 1e-14  # of the energy at the start, in a slab
 def test_stored_energy_never_grows(table, order, slabs, seed):
     slab = min(line["delay"] for line in table["lines"].values()) / slabs
     scene = Scene(**table | {"solver": {"order": order, "slab": slab}, "t_end": 100 * slab})
-    assembly, rng = assemble(scene, set()), np.random.default_rng(seed)
+    assembly, rng = assemble(describe(scene), set()), np.random.default_rng(seed)
     for part in (assembly.state.waves, assembly.state.before, assembly.state.load):
         part[:] = rng.normal(size=part.shape)
     in_loads, nothing = InLoads(scene, assembly), np.zeros((len(assembly.drives), order))

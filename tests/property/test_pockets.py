@@ -8,7 +8,7 @@ from random_pockets import random_pockets
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.solver.simulate import simulate
 from tline.solver.steady.steady_state import steady_state
 
@@ -48,7 +48,7 @@ def row(*links: dict, start: float | None = None) -> dict[str, float]:
         nodes={} if start is None else {"m0": {"start": start}},
         probes={"p": {"at": "lake"}},
     )
-    return steady_state(scene, nodes_of(scene))[0]
+    return steady_state(describe(scene))[0]
 
 
 SHUT = {"kind": "orifice", "kv": 10, "opening": 0}
@@ -95,7 +95,7 @@ def test_a_tight_valve_before_a_dead_end(flow, drop):
         },
         probes={"p": {"at": "lake"}},
     )
-    effort, _ = steady_state(scene, nodes_of(scene))
+    effort, _ = steady_state(describe(scene))
     assert effort["end"] == pytest.approx(effort["a"], rel=1e-9)
 
 
@@ -114,7 +114,7 @@ def test_a_pump_that_draws_from_the_open_air_fills_a_dead_end(pressure, pump, en
         | ({"end": end | {"at": "end"}} if end else {}),
         probes={"p": {"at": "end"}},
     )
-    effort, flows = steady_state(scene, nodes_of(scene))
+    effort, flows = steady_state(describe(scene))
     assert effort["end"] == pytest.approx(pressure + (0 if "speed" in pump else 4e5), rel=1e-9, abs=1e-9)
     assert np.abs(flows).max() < 1e-12
 
@@ -131,4 +131,4 @@ def test_a_flow_that_nothing_takes_is_refused():
         probes={"p": {"at": "end"}},
     )
     with pytest.raises(InputError, match=r"sources\.s: no steady state: nothing takes the flow"):
-        steady_state(scene, nodes_of(scene))
+        steady_state(describe(scene))

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tline.scene.scene import Scene
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import resolution
 from tline.solver.prepared import run
 from tline.solver.steady.steady_state import steady_state
@@ -66,8 +66,8 @@ def cables(**losses) -> Scene:
 
 def drift(scene: Scene, s: int) -> float:
     """How far any end of a line gets from where it began, relative to the largest effort."""
-    chosen = resolution(scene, nodes_of(scene), s)._replace(fit=1e-4)  # of few terms, which cells are found faster of
-    result = run(scene, chosen, record=scene.lines)
+    chosen = resolution(describe(scene), s)._replace(fit=1e-4)  # of few terms, which cells are found faster of
+    result = run(describe(scene), chosen, record=scene.lines)
     records = result.lines.values()
     waves = [wave for line in records for wave in (line.a1, line.b1, line.a2, line.b2)]
     return max(np.abs(wave.values - wave.before).max() for wave in waves) / max(abs(wave.before) for wave in waves)
@@ -104,7 +104,7 @@ def test_the_steady_state_is_the_one_of_the_telegraph_equation():
     c, s = np.cosh(0.2 * gamma), np.sinh(0.2 * gamma)
     u1, y1 = load * c + Zc * s, c + load / Zc * s  # per ampere in the load
     scene = cables(resistance=r, conductance=g)
-    effort, flows = steady_state(scene, nodes_of(scene))
+    effort, flows = steady_state(describe(scene))
     current = 1 / (u1 + 10 * y1)
     assert [effort[node] for node in "abc"] == pytest.approx([u1 * current, load * current, load * current], rel=1e-12)
     assert flows == pytest.approx(np.array([[y1, 1], [1, 1]]) * current, rel=1e-12)

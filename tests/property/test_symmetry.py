@@ -10,7 +10,7 @@ from twin import efforts, efforts_in_pieces
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
 from tline.solver.assembly.workspace import SAMPLES
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.loop.march import Stepper
 from tline.solver.prepared import run
@@ -35,7 +35,7 @@ def apart(one: Scene, other: Scene) -> float:
 
 def lumping(scene: Scene, lumped: dict[str, int]) -> Resolution:
     """As the scene says, with some lines in so many cells, but not the one that is probed."""
-    return resolution(scene, nodes_of(scene), cells={k: n for k, n in lumped.items() if k != scene.probes["p"].line})
+    return resolution(describe(scene), cells={k: n for k, n in lumped.items() if k != scene.probes["p"].line})
 
 
 def changed(scene: Scene, **sections) -> Scene:
@@ -110,8 +110,8 @@ def test_the_kernel_is_its_plain_twin(seed, order, slab, lumped):
     """Block by block, no front followed; lumped lines join nodes to groups."""
     scene = random_scene(seed, sources=True, switches=False, solver={"order": order, "slab": slab})
     line = scene.probes["p"].line
-    assembly = assemble(scene, {line}, lumping(scene, lumped))
-    node, n = assembly.nodes.index(scene.probes["p"].at), max(60, 2 * SAMPLES // order)
+    assembly = assemble(describe(scene), {line}, lumping(scene, lumped))
+    node, n = [*assembly.nodes].index(scene.probes["p"].at), max(60, 2 * SAMPLES // order)
     plain = efforts(assembly, n)[node, :, -1]
     record = np.empty((2, 2, n * order))
     steps = Stepper(assembly, n, record)
@@ -130,10 +130,10 @@ def test_the_kernel_with_fronts_is_its_plain_twin(seed, order, slab, whole, lump
         lines = {k: line | {"delay": max(round(line["delay"] / slab), 1) * slab} for k, line in lines_of(scene).items()}
         scene = changed(scene, lines=lines)
     chosen = lumping(scene, lumped)
-    result, assembly = run(changed(scene, t_end=8.0), chosen), assemble(scene, set(), chosen)
+    result, assembly = run(describe(changed(scene, t_end=8.0)), chosen), assemble(describe(scene), set(), chosen)
     assume(result.fronts.dropped == result.fronts.dissolved == 0)
     seen = result.probes["p"].u[1:]
-    plain = efforts_in_pieces(assembly, len(seen))[assembly.nodes.index(scene.probes["p"].at)]
+    plain = efforts_in_pieces(assembly, len(seen))[[*assembly.nodes].index(scene.probes["p"].at)]
     assert np.abs(seen - plain).max() < SAME
 
 

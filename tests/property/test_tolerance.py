@@ -10,11 +10,12 @@ from random_kinks import KINDS, random_kinks
 
 from tline.cli.report import summary
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.prepared import run
+from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.dense_output import extremes
 from tline.solver.simulate import UnresolvedWarning, simulate
-from tline.solver.tolerance.accuracy import Accuracy
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 FACTOR = 2  # an error is told by a difference of two runs, which may be that much smaller than it
@@ -115,7 +116,7 @@ def test_extremes_lie_between_samples(share):
         loads={"r": {"at": "b", "kind": "resistor", "resistance": 1.0}},
         probes={"p": {"line": "l", "position": share}},
     )  # fmt: skip
-    probe = run(scene, Resolution(12, 0.05)).probes["p"]
+    probe = run(describe(scene), Resolution(12, 0.05)).probes["p"]
     (low, low_at), (high, high_at) = extremes(probe, "u")
     late = 0.5 * float(share[:-2]) / 100
     assert (low, high) == pytest.approx((-1.0, 1.0), abs=1e-10)

@@ -5,6 +5,7 @@ import pytest
 
 from tline.loss import LossyLine
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.prepared import run
 from tline.solver.simulate import simulate
@@ -38,7 +39,7 @@ def exact(scene: Scene, t: np.ndarray, probe: str):
 def test_a_step_on_a_cable_with_resistance_needs_one_slab_per_transit(order, error):
     """Figures of the method itself, twice what was found; at s = 6 and 8 rounding is left."""
     scene = cable(resistance=20)
-    result = run(scene, Resolution(order, T))
+    result = run(describe(scene), Resolution(order, T))
     even = np.arange(2, 20, 2)  # fronts reach the far end at odd multiples, and the near end at even ones
     for probe, k in (("far", even), ("near", even + 1)):
         u, y = exact(scene, result.t[k], probe)
@@ -48,7 +49,7 @@ def test_a_step_on_a_cable_with_resistance_needs_one_slab_per_transit(order, err
 
 def test_leakage_and_resistance_together():
     scene = cable(resistance=30, conductance="5 mS/m")
-    result = run(scene, Resolution(6, T / 2))
+    result = run(describe(scene), Resolution(6, T / 2))
     t = result.t[np.round(result.t / T * 2).astype(int) % 2 == 1][1:]
     for probe in ("near", "far"):
         u, y = exact(scene, t, probe)
@@ -59,7 +60,7 @@ def test_leakage_and_resistance_together():
 def test_the_error_falls_with_the_slab_at_the_order_at_least():
     scene, errors = cable(resistance=20), []
     for slabs in (1, 2, 4):
-        result = run(scene, Resolution(2, T / slabs))
+        result = run(describe(scene), Resolution(2, T / slabs))
         k = np.arange(2, 20, 2) * slabs
         errors.append(np.abs(result.probes["far"].u[k] - exact(scene, result.t[k], "far")[0]).max())
     assert np.log2(errors[0] / errors[2]) / 2 > 2 - 0.3
@@ -68,7 +69,7 @@ def test_the_error_falls_with_the_slab_at_the_order_at_least():
 def test_skin_effect_a_slab_behind_the_front():
     """Circuits of 1e-6 over the band; from the third slab behind each front on, 1e-4 of the step at four slabs."""
     scene = cable(skin={"resistance": "10 ohm/m", "frequency": "100 MHz"})
-    result = run(scene, Resolution(4, T / 8, fit=1e-6))
+    result = run(describe(scene), Resolution(4, T / 8, fit=1e-6))
     t = result.t[1:]
     k = np.round(t / T * 8).astype(int)
     t = t[(k > 8) & ((k - 8) % 16 >= 3)][::3]

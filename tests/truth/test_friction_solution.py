@@ -7,7 +7,7 @@ import pytest
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import steady_state
 from tline.study.charts.scenes import chart_scene
 from tline.study.programs import rthym, tsnet
@@ -70,7 +70,7 @@ def test_its_error_falls_with_the_third_power_and_is_not_less_than_it_says(name,
 def test_before_anything_moves_it_is_the_steady_state(name):
     """The solver's own has nothing in common with it."""
     scene = chart_scene(name).scene
-    efforts, _ = steady_state(scene, nodes_of(scene))
+    efforts, _ = steady_state(describe(scene))
     solution = FrictionSolution(scene, 128)
     for probe in scene.probes.values():
         assert solution.at(str(probe.at), np.zeros(1)) == pytest.approx(efforts[str(probe.at)], rel=1e-12)

@@ -7,8 +7,9 @@ import pytest
 
 from tline.errors import ActiveError
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
 from tline.solver.simulate import simulate
-from tline.solver.stability.growth import active_loads, growth
+from tline.solver.stability.growth import growth
 
 
 def cable(impedance: str, *, resistance=3.0, delay=1.0, t_end=1000.0):
@@ -25,21 +26,21 @@ def cable(impedance: str, *, resistance=3.0, delay=1.0, t_end=1000.0):
 @pytest.mark.parametrize("ohms", [-1.2, -2.0, -2.9])
 def test_a_negative_resistor_multiplies_every_round_trip(ohms):
     """|H_s H_2| > 1 behind H_s = 1/2: growth ln|H_s H_2|/(2T)."""
-    found = growth(cable(f"{ohms}"))
+    found = growth(describe(cable(f"{ohms}")))
     assert found.s.real == pytest.approx(log(abs((ohms - 1) / (ohms + 1)) / 2) / 2, rel=1e-9)
 
 
 def test_a_negative_resistor_that_the_source_outweighs():
-    assert growth(cable("-5")).s is None  # H_s H_2 = 3/4
-    assert active_loads(cable("-5"))
-    assert not active_loads(cable("5 + s"))
+    assert growth(describe(cable("-5"))).s is None  # H_s H_2 = 3/4
+    assert describe(cable("-5")).active
+    assert not describe(cable("5 + s")).active
 
 
 @pytest.mark.parametrize(("share", "grows"), [(0.999, False), (1.001, True)])
 def test_delay_margin(share, grows):
     """H2 = 2/(1 + s) on a shorted line: e^(-2Ts) H2 = -1 first at s = j sqrt 3, with 2T = 2 pi/(3 sqrt 3)."""
     margin = pi / (3 * sqrt(3))
-    found = growth(cable("(s + 3)/(s - 1)", resistance=0.0, delay=share * margin, t_end=1e6))
+    found = growth(describe(cable("(s + 3)/(s - 1)", resistance=0.0, delay=share * margin, t_end=1e6)))
     assert (found.s is not None) == grows
     if grows:
         assert found.s.imag == pytest.approx(sqrt(3), rel=2e-3)
@@ -56,7 +57,7 @@ def test_a_loop_through_a_controlled_source(gain, grows):
         links={"there": source | {"nodes": ["mid", "in"], "gain": gain},
                "back": source | {"nodes": ["far", "near"], "gain": 1.0}},
     )  # fmt: skip
-    found = growth(scene)
+    found = growth(describe(scene))
     assert (found.s is not None) == grows
     if grows:
         assert found.s.real == pytest.approx(log(abs(gain)) / 2, rel=1e-9)
@@ -93,7 +94,7 @@ def network(**changed):
 @pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 def test_the_simulation_grows_at_the_rate_found():
     scene = network()
-    found = growth(scene)
+    found = growth(describe(scene))
     result = simulate(scene, active=True)
     late = np.linspace(35.0, 60.0, 2001)
     u = result.probes["p"].at(late).u

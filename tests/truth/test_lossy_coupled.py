@@ -6,6 +6,7 @@ from scipy.linalg import expm
 
 from tline.loss import Constant, Law, LossyLine, SkinEffect
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.prepared import run
 from tline.solver.simulate import simulate
@@ -75,7 +76,7 @@ def test_skin_effect_of_one_mode_a_slab_behind_the_front():
     """Circuits of 1e-5 over the band."""
     z0, delay, _ = ODD
     odd = {"z0": z0, "delay": delay, "skin": {"resistance": "10 ohm/m", "frequency": "100 MHz"}}
-    result = run(pair((mode(*EVEN), odd)), Resolution(4, 0.1 * NS, fit=1e-5))
+    result = run(describe(pair((mode(*EVEN), odd))), Resolution(4, 0.1 * NS, fit=1e-5))
     t = result.t[1:]
     behind = np.array([[(each - delay) % (2 * delay) for delay in (EVEN[1], ODD[1])] for each in t + 1e-15])
     t = t[(behind > 0.28 * NS).all(axis=1) & (t > 1.2 * NS)][::11]

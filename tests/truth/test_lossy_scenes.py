@@ -8,6 +8,7 @@ from lossy_scenes import cable, pipe
 
 from tline.frequency.response import respond
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.prepared import run
 from tline.solver.simulate import simulate
@@ -111,7 +112,7 @@ def test_laminar_friction_of_any_speed():
     in place of a run's 1e-7 they are 0.96e-3 to 4e-3; 2.5e-4 elsewhere.
     """
     scene = pipe(friction={"kind": "zielke", "viscosity": VISCOSITY})
-    rough = run(scene, Resolution(6, T / 16), slabs=11 * 16)
+    rough = run(describe(scene), Resolution(6, T / 16), slabs=11 * 16)
     k = np.arange(17, 176)
     assert np.abs(rough.probes["far"].u[k] - exact(scene, k * T / 16, "far", math.inf, 7)).max() < 2e-3  # 1.2e-3
 
@@ -139,7 +140,7 @@ def test_laminar_friction_of_any_speed_to_a_tolerance_behind_a_ramp():
 
 def test_a_line_without_distortion_only_delays_and_attenuates():
     scene = cable(load=50, resistance=20, conductance=8e-3)  # R/L = G/C
-    result = run(scene, Resolution(3, 1e-10))
+    result = run(describe(scene), Resolution(3, 1e-10))
     after = result.t > 1.05e-9
     loss = math.exp(-0.2 * math.sqrt(20 * 8e-3))
     assert result.probes["far"].u[after] == pytest.approx(50 / 75 * loss, rel=1e-14)

@@ -11,7 +11,7 @@ from random_scenes import random_scene
 from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.solver.simulate import simulate
 from tline.solver.steady.steady_state import steady_state
 
@@ -27,7 +27,7 @@ def steady(lines: dict, medium: str = "electrical", **parts) -> dict[str, tuple[
     first, (node, _) = next((name, line["nodes"]) for name, line in lines.items())
     probes = {"p": {"at": node, "line": first}}
     scene = Scene(medium=medium, t_end=10.0, start="steady", lines=lines, probes=probes, **parts)
-    start = assemble(scene, set()).start
+    start = assemble(describe(scene), set()).start
     return {k: ((a + b) / 2, (a - b) / (2 * scene.lines[k].parameters.z0)) for k, (a, b, _, _) in start.items()}
 
 
@@ -304,6 +304,6 @@ def test_pipes_with_friction_in_which_nothing_flows_yet():
         sources={"s": {"at": "e", "kind": "flow", "value": {"shape": "ramp", "to": -0.1, "duration": 1}}},
         probes={"p": {"at": "e"}},
     )
-    effort, flows = steady_state(scene, nodes_of(scene))
+    effort, flows = steady_state(describe(scene))
     assert list(effort.values()) == pytest.approx([5e5] * 4, rel=1e-12)
     assert np.abs(flows).max() < 1e-7  # what a fall of pressure within rounding carries

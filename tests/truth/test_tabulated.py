@@ -8,6 +8,7 @@ from tline.frequency.ports import scattering_parameters
 from tline.frequency.response import respond
 from tline.loss import Constant, DielectricLoss, LossyLine, RoundWire
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.prepared import run
 from tline.study.reference.lossy import lossy_response
@@ -53,7 +54,7 @@ def test_transfer_functions_between_the_rows(tmp_path):
 def test_a_step_into_a_round_wire_by_its_table(tmp_path):
     """Circuits of 1e-4 in the band of the run."""
     made = scene(tmp_path, [F, *columns(SERIES)], capacitance="100 pF/m")
-    result = run(made, Resolution(4, made.lines["line"].shortest / 4, fit=1e-4))
+    result = run(describe(made), Resolution(4, made.lines["line"].shortest / 4, fit=1e-4))
     t = np.array([1.9, 2.7, 3.8, 5.8, 7.7, 9.6]) * 1e-9
     line = LossyLine(SERIES, Constant(0, 100e-12), LENGTH)
     exact = lossy_response(line, [repr(float(x)) for x in t], LENGTH, source=SOURCE, load=LOAD, digits=8).efforts

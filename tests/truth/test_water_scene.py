@@ -12,7 +12,7 @@ from tline.interchange.epanet import read_epanet
 from tline.interchange.water_scene import read_inp, water_scene
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.solver.simulate import simulate
 from tline.solver.steady.steady_state import steady_state
 
@@ -32,7 +32,7 @@ def heads_agree(path: Path) -> None:
     """EPANET's heads are floats of 32 bits, and its flows are found to 1e-5: 1 mm in all."""
     network = read_epanet(path)
     scene, _ = water_scene(network, SPEED)
-    effort, _ = steady_state(scene, nodes_of(scene))
+    effort, _ = steady_state(describe(scene))
     for name, node in network.nodes.items():
         assert effort[name] / (network.density * GRAVITY) == pytest.approx(node.head, abs=1e-3), name
 

@@ -7,7 +7,7 @@ import pytest
 
 from tline.scene.file import read_scene
 from tline.scene.scene import Scene
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.solver.steady import balance
 from tline.solver.steady.steady_state import steady_state
 
@@ -19,10 +19,10 @@ SCENES = Path(__file__).parents[2] / "scenes"
 @pytest.mark.parametrize("exact", [balance.EXACT, 0.0], ids=["by elimination", "at once"])
 def test_large_networks_are_solved_like_small_ones(monkeypatch, name, exact):
     scene = read_scene(SCENES / f"{name}.toml")
-    small, flows = steady_state(scene, nodes_of(scene))
+    small, flows = steady_state(describe(scene))
     monkeypatch.setattr(balance, "SMALL", 0)
     monkeypatch.setattr(balance, "EXACT", exact)
-    large, same = steady_state(scene, nodes_of(scene))
+    large, same = steady_state(describe(scene))
     assert large == pytest.approx(small, rel=1e-9, abs=1e-9 * max(small.values()) + NONE)
     assert same == pytest.approx(flows, abs=1e-9 * abs(flows).max() + NONE)
 
@@ -42,6 +42,6 @@ def test_a_pipe_between_reservoirs_follows_darcy(monkeypatch):
         },
         probes={"p": {"at": "low"}},
     )
-    _, flows = steady_state(scene, nodes_of(scene))
+    _, flows = steady_state(describe(scene))
     area = pi * 0.2**2 / 4
     assert flows[0] == pytest.approx(area * (1e5 * 2 * 0.2 / (1000 * 0.02 * 100)) ** 0.5)

@@ -8,6 +8,7 @@ from tline.scene.scene import Scene
 from tline.solver.assembly import blocks
 from tline.solver.assembly.assemble import assemble
 from tline.solver.assembly.blocks import LONGEST, blocks_of
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.kernel.network import NO_LUMPS
 from tline.solver.prepared import run
@@ -62,13 +63,13 @@ def test_a_node_without_lines_beside_lines_of_one_slab_makes_nothing_far_of_them
 @pytest.mark.parametrize("seed", range(4))
 def test_the_same_comes_out_as_slab_by_slab(monkeypatch, seed, order, friction):
     scene, resolution = mixed(seed, friction), Resolution(order, SLAB, lumps=4)
-    chosen = assemble(scene, set(), resolution).network.blocks
+    chosen = assemble(describe(scene), set(), resolution).network.blocks
     assert chosen.far_groups.size
     assert chosen.near_groups.size
     assert bool(chosen.far_rows.size) == friction
-    at_once = run(scene, resolution).probes["p"].u
+    at_once = run(describe(scene), resolution).probes["p"].u
     assert np.abs(at_once).max() > 0
     monkeypatch.setattr(blocks, "_stride", lambda *_: LONGEST)
-    assert not assemble(scene, set(), resolution).network.blocks.far_groups.size
-    apart = np.abs(at_once - run(scene, resolution).probes["p"].u).max() / np.abs(at_once).max()
+    assert not assemble(describe(scene), set(), resolution).network.blocks.far_groups.size
+    apart = np.abs(at_once - run(describe(scene), resolution).probes["p"].u).max() / np.abs(at_once).max()
     assert apart <= (1e-13 if friction else 0.0)  # lumps that are met one by one round otherwise than abreast

@@ -11,6 +11,7 @@ from tline.pictures.path import route
 from tline.scene.line import Cable
 from tline.scene.plausible import doubts
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
 from tline.solver.simulate import simulate
 from tline.solver.stability.scattering import Scattering
 from tline.study.reference.network import Network
@@ -157,7 +158,7 @@ def test_what_coupled_conductors_exclude_is_named(parts, sentence):
     assert str(found.value).startswith(sentence)
 
 
-@pytest.mark.parametrize("ask", [spice_text, route, only_line, Scattering, Network])
+@pytest.mark.parametrize("ask", [spice_text, route, only_line, lambda made: Scattering(describe(made)), Network])
 def test_what_does_not_know_them_says_so(ask):
     with pytest.raises(InputError, match="coupled conductors"):
         ask(scene(MODES))

@@ -6,11 +6,11 @@ import pytest
 from tline.scene.factor import Characterised
 from tline.scene.points import Ramp
 from tline.scene.pump import Pump
-from tline.solver.description.elements import KINDS, laws_of
+from tline.solver.description.laws import KINDS, laws_of
 from tline.solver.kernel import network
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.stores.gas import expanded
-from tline.solver.loop.units import OF_KIND
+from tline.solver.kernel.units import OF_KIND
 from tline.solver.steady.flows import flows_through
 
 LAWS = {

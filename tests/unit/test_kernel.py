@@ -12,6 +12,7 @@ from random_scenes import random_scene
 from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
+from tline.solver.description.description import describe
 from tline.solver.kernel.arithmetic import TINY
 from tline.solver.loop.kernel import advance
 from tline.solver.simulate import simulate
@@ -21,14 +22,14 @@ SILENT, UNRECORDED = np.zeros((0, 0)), np.zeros((0, 2, 0))
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 def test_a_wave_that_is_no_number_is_reported(bad):
-    assembly = assemble(random_scene(1, loads=False, solver={"order": 3, "slab": 0.1}), set())
+    assembly = assemble(describe(random_scene(1, loads=False, solver={"order": 3, "slab": 0.1})), set())
     assembly.state.waves[5] = bad
     assert advance(assembly.network, assembly.state, 100, SILENT, UNRECORDED, 0) >= 0
 
 
 def test_a_wave_that_is_no_number_between_slab_ends_is_reported():
     """Whole delays and resistive nodes leave it inside its slab: no node sees it at an end, the last look does."""
-    assembly = assemble(random_scene(1, loads=False, solver={"order": 3, "slab": 0.1}), set())
+    assembly = assemble(describe(random_scene(1, loads=False, solver={"order": 3, "slab": 0.1})), set())
     assembly.network.shift_row[:] = -1
     assembly.state.waves[1] = np.nan
     nodes = assembly.network.first.size - 1
@@ -50,7 +51,7 @@ def test_an_active_load_is_named_when_it_runs_away():
 
 
 def test_waves_below_the_smallest_that_count_become_zero():
-    assembly = assemble(random_scene(2, loads=False, solver={"order": 2, "slab": 0.1}), set())
+    assembly = assemble(describe(random_scene(2, loads=False, solver={"order": 2, "slab": 0.1})), set())
     assembly.state.waves[:] = 0.5 * TINY
     advance(assembly.network, assembly.state, 100, SILENT, UNRECORDED, 0)
     assert not assembly.state.waves.any()

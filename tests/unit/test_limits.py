@@ -3,8 +3,10 @@
 import pytest
 
 from tline.errors import InputError
-from tline.scene.limits import beyond_limits, weight_at
+from tline.scene.heights import weight_at
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
+from tline.solver.result.limits import beyond_limits
 from tline.solver.simulate import simulate
 
 PIPE = {"nodes": ["a", "b"], "length": "300 m", "diameter": "200 mm", "wave_speed": 1200, "density": 1000}
@@ -22,18 +24,18 @@ def scene(**more) -> Scene:
 
 def test_below_vacuum_is_told_once_with_the_lowest() -> None:
     extremes = {"probes.valve": (-1.2e5, 0.0), "probes.middle": (-12.7e5, 0.0), "probes.tank": (3e5, 4e5)}
-    (told,) = beyond_limits(scene(), extremes)
+    (told,) = beyond_limits(describe(scene()), extremes)
     assert told.startswith("probes.middle and 1 more: the pressure falls to -12.7 bar; a liquid cavitates below")
-    assert beyond_limits(scene(), {"probes.valve": (-1.01e5, 1e9)}) == []
+    assert beyond_limits(describe(scene()), {"probes.valve": (-1.01e5, 1e9)}) == []
 
 
 def test_voltages_exceed_a_rating_whatever_their_sign_and_never_cavitate() -> None:
     line = {"nodes": ["a", "b"], "z0": 50, "delay": 1}
     cable = Scene(medium="electrical", t_end=1, lines={"l": line}, probes={"p": {"at": "b"}}, rating="1 kV")
-    assert beyond_limits(cable, {"probes.p": (-2e6, 900.0)}) == [
+    assert beyond_limits(describe(cable), {"probes.p": (-2e6, 900.0)}) == [
         "probes.p: the voltage rises to 2 MV, above the rating of 1 kV"
     ]
-    assert beyond_limits(cable, {"probes.p": (-900.0, 900.0)}) == []
+    assert beyond_limits(describe(cable), {"probes.p": (-900.0, 900.0)}) == []
 
 
 def test_a_run_tells_of_nodes_and_probes_by_the_pressure_on_the_wall() -> None:

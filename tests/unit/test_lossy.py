@@ -13,6 +13,7 @@ from tline.loss import Foster
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.circuits import one_step
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.kernel.losses.dissipation import dissipation
 from tline.solver.kernel.losses.memory import memory
@@ -57,7 +58,7 @@ def plainly(assembly, waves, t):
 def test_the_kernel_is_its_plain_twin(scene, order):
     delay = float(scene.lines["line"].parameters.delay)
     for slab in range(12):
-        assembly = assemble(scene, set(), Resolution(order, delay / 5))
+        assembly = assemble(describe(scene), set(), Resolution(order, delay / 5))
         state = assembly.state
         rng = np.random.default_rng(slab)
         state.waves[:] = rng.normal(size=state.waves.shape) * 1e6

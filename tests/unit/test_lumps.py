@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tline.scene.scene import Scene
-from tline.solver.description.groups import coupled, grouped
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
+from tline.solver.description.groups import coupled
 from tline.solver.description.short_lines import short_lines
 
 LONG = {"z0": 50, "delay": "1 ns"}
@@ -34,8 +34,7 @@ def scene(**parts) -> Scene:
 
 
 def group_of(made: Scene, cells: dict[str, int]):
-    nothing = np.zeros(len(made.lines))
-    groups, nodes = grouped(made, cells, nodes_of(made, cells), nothing, nothing)
+    groups, nodes = describe(made).grouped(cells)
     (group,) = (group for group in groups if group.lumps)
     return group, [name for name, node in nodes.items() if any(node is one for one in group.nodes)]
 
@@ -77,8 +76,7 @@ def test_cells_approach_the_line_with_the_square_of_their_number():
 
 def test_a_group_at_rest_stays_there():
     made, cells = scene(), {"x": 2, "y": 1}
-    u, y = np.full(4, 0.75), np.array([0.0, 0.0, 0.0125, -0.0125])
-    groups, nodes = grouped(made, cells, nodes_of(made, cells), u, y)
+    groups, nodes = describe(made).grouped(cells, {"x": (0.75, 0.0125), "y": (0.75, -0.0125)})
     (group,) = (group for group in groups if group.lumps)
     waves = {"b": 0.75 + 0.0125 / (1 / 50 + 1 / 80), "c": 0.0, "d": 0.0}
     w = np.array([waves[name] for name in nodes if name in waves])
@@ -103,13 +101,13 @@ def test_a_group_at_rest_stays_there():
     ],
 )
 def test_what_may_be_lumped(parts, lumped):
-    assert short_lines(scene(**{"loads": RESISTOR} | parts), [])[0] == lumped
+    assert short_lines(describe(scene(**{"loads": RESISTOR} | parts)), [])[0] == lumped
 
 
 def test_recorded_lines_stay_lines():
-    assert short_lines(scene(loads=RESISTOR), ["y"])[0] == []
+    assert short_lines(describe(scene(loads=RESISTOR)), ["y"])[0] == []
 
 
 def test_a_matched_end_of_a_short_line_keeps_its_resistance():
     made = scene(loads={"m": {"at": "d", "kind": "matched"}})
-    assert nodes_of(made, {"x": 1, "y": 1})["d"].conductance == 1 / 30
+    assert describe(made).grouped({"x": 1, "y": 1})[1]["d"].conductance == 1 / 30

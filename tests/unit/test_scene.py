@@ -17,7 +17,6 @@ from tline.errors import InputError
 from tline.scene.file import schema
 from tline.scene.line import Cable, Pipe
 from tline.scene.load import Resistor
-from tline.scene.mistakes import nearest, place, shown
 from tline.scene.points import Ramp
 from tline.scene.probe import Probe
 from tline.scene.quantity import Quantity
@@ -25,8 +24,9 @@ from tline.scene.rational_load import Impedance, Parallel, Series
 from tline.scene.scene import Scene
 from tline.scene.shape import Step
 from tline.scene.source import Source
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.solver.description.resolution import CHEAP, ROOM, resolution
+from tline.wording import nearest, place, shown
 
 SCENES = sorted((Path(__file__).parents[2] / "scenes").glob("*.toml"))
 
@@ -228,7 +228,7 @@ def test_nodes_gather_what_is_attached():
             "s": {"at": "n2", "kind": "switch", "before": 4, "after": 8, "time": 3},
         },
     )  # fmt: skip
-    nodes = nodes_of(made)
+    nodes = describe(made).nodes
     assert [node.ends for node in nodes.values()] == [[0], [1, 2], [3]]
     assert nodes["n1"].total == pytest.approx(2 / 50 + 1 / 5 + 1 / 10 + 1 / 20)
     assert nodes["n1"].flow_before() == pytest.approx(3 / 5 + 2)
@@ -245,7 +245,7 @@ def test_ideal_efforts_hold_a_node():
         "z": {"at": "n3", "kind": "resistor", "resistance": 0},
     }
     sources = {"p": {"at": "n0", "kind": "pressure", "value": "2 bar"}}
-    nodes = nodes_of(scene((1, 1, 1), medium="hydraulic", sources=sources, loads=loads))
+    nodes = describe(scene((1, 1, 1), medium="hydraulic", sources=sources, loads=loads)).nodes
     held = [float(node.held.value(np.array(0.0), np.array(1.0))) for node in nodes.values() if node.held is not None]
     assert held == [2e5, 3e5, 0.0, 0.0]
 
@@ -254,7 +254,7 @@ def test_ideal_efforts_hold_a_node():
 
 
 def chosen(made: Scene):
-    return resolution(made, nodes_of(made))
+    return resolution(describe(made))
 
 
 @pytest.mark.parametrize(

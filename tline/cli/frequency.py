@@ -54,7 +54,8 @@ def frequency(scene: str, points: int, confined: bool, as_json: bool, **given: s
     lowest frequency.
     """
     from tline.scene.file import read_scene
-    from tline.solver.stability.growth import active_loads, active_parts, controlled_sources, growth_sentence
+    from tline.solver.description.description import describe
+    from tline.solver.stability.growth import growth_sentence
 
     files = {key: given[key] for key in ("csv", "save", "plot") if given[key]}
     _check(given, files, points)
@@ -72,8 +73,8 @@ def frequency(scene: str, points: int, confined: bool, as_json: bool, **given: s
         from tline.pictures.style import save_figure
 
         save_figure(plot_bode(f, curves, *_asked(read, told), modes, read.title), given["plot"])
-    if active := active_parts(active_loads(read), controlled_sources(read)):
-        click.echo(f"note: {growth_sentence(read, active)}", err=True)
+    if (description := describe(read)).active:
+        click.echo(f"note: {growth_sentence(description)}", err=True)
     if as_json:
         click.echo(_as_json(told, f, curves, modes))
     else:

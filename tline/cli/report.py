@@ -8,14 +8,15 @@ from tline.cli.energies import ledger_as_dict
 from tline.cli.measured import model_as_dict, model_in_words, network_as_dict, network_in_words
 from tline.pictures.handy import handy, quantities
 from tline.scene.measured_multiport import MeasuredMultiport
-from tline.scene.mistakes import place
 from tline.scene.touchstone import Touchstone
 from tline.solver.assembly.loss_elements import lumps_in
 from tline.solver.assembly.lossy_segments import fits
+from tline.solver.description.lines import lines_of
+from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.dense_output import extremes
 from tline.solver.result.result import Result
 from tline.solver.simulate import judged
-from tline.solver.tolerance.accuracy import Accuracy
+from tline.wording import place
 
 SMALL = 1e8  # line-end samples of a run fixed by hand that is worth another one, only to judge it
 
@@ -89,12 +90,12 @@ def _measured_in_words(result: Result) -> list[str]:
 def _losses(result: Result) -> dict[str, Any]:
     """Of each lossy line, or of its stretches between cavities, its cells or lumps, and what stands for its laws."""
     told: dict[str, Any] = {}
-    lines = (result.parts or result).scene.single_lines
+    lines = lines_of((result.parts or result).scene)
     in_cells = fits(lines, result.resolution.h)
     lumps = lumps_in(lines, result.resolution.h, result.resolution.lumps)
     for name, circuits in result.circuits.items():
         line = lines[name]
-        slabs = round((line.parameters.delay or 0.0) / result.resolution.h)
+        slabs = round(line.delay / result.resolution.h)
         parts = (
             {"lumps": 1}
             if line.losses and line.losses.distortionless

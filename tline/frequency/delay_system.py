@@ -10,9 +10,10 @@ from tline.errors import InputError
 from tline.frequency.resonances import Resonance, resonances
 from tline.frequency.response import respond, source_named
 from tline.scene.load import Reservoir, Switch
-from tline.scene.mistakes import nearest
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
 from tline.solver.stability.growth import growth
+from tline.wording import nearest
 
 if TYPE_CHECKING:
     from control import StateSpace
@@ -127,7 +128,7 @@ class DelaySystem:
         InputError
             The scene is too large to be searched.
         """
-        found = growth(self.scene)
+        found = growth(describe(self.scene))
         if found is None:
             raise InputError("scene", "too large to be searched for growing waves", "fewer lines, or shorter ones")
         return found.s is None

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.scene.lossless import refuse_losses
 from tline.scene.scene import Scene
-from tline.solver.description.nodes import node_of_end, nodes_of
+from tline.solver.description.description import describe
+from tline.solver.description.nodes import node_of_end
 
 if TYPE_CHECKING:
     from control import StateSpace
@@ -30,7 +31,7 @@ def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "St
     if type(order) is not int or not 1 <= order <= HIGHEST:
         raise InputError("order", "not an order", f"a whole number from 1 to {HIGHEST}", f"{order}")
     refuse_losses(scene, "no state space with Padé delays")
-    lines, nodes = list(scene.lines.values()), list(nodes_of(scene).values())
+    lines, nodes = list(scene.lines.values()), list(describe(scene).nodes.values())
     delays = np.array([line.parameters.delay or 0.0 for line in lines])
     z0, second = np.array([line.parameters.z0 for line in lines]), float(delays.min())
     name = scene.probed_line(probe)

@@ -7,10 +7,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
 from tline.frequency.response import solved
-from tline.scene.mistakes import nearest, shown
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
 from tline.solver.stability.scattering import Scattering
 from tline.units import to_si
+from tline.wording import nearest, shown
 
 
 def scattering_parameters(
@@ -57,7 +58,7 @@ def scattering_parameters(
     """
     R = _references(ports, z0)
     bare = _without_sources(scene, ports)
-    network = Scattering(bare, dict(zip(ports, 1 / R, strict=True)))
+    network = Scattering(describe(bare), dict(zip(ports, 1 / R, strict=True)))
     at = _indices(network, ports)
     points = np.asarray(s, complex) * network.second
     S = np.empty((len(points), len(ports), len(ports)), complex)

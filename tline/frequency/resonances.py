@@ -7,8 +7,9 @@ import numpy as np
 from tline.errors import InputError
 from tline.scene.lossless import refuse_losses
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
 from tline.solver.stability.characteristic import Characteristic
-from tline.solver.stability.growth import active_loads, controlled_sources, right_of_all
+from tline.solver.stability.growth import right_of_all
 from tline.solver.stability.zeros import MOST_SAMPLES, Box, UncountableError, all_zeros
 
 DEEP = 3.0  # exp(-DEEP) in the shortest delay: what decays faster is no oscillation
@@ -76,7 +77,8 @@ def resonances(scene: Scene, highest: float) -> list[Resonance]:
     ['2.5e+08', '7.5e+08']
     """
     refuse_losses(scene, "its oscillations are not searched")
-    D = Characteristic(scene)
+    description = describe(scene)
+    D = Characteristic(description)
     if not 0 < highest < np.inf:
         raise InputError("highest", "not a positive frequency", "hertz", f"{highest}")
     top = 2 * np.pi * highest * D.second
@@ -86,12 +88,11 @@ def resonances(scene: Scene, highest: float) -> list[Resonance]:
             "highest", "too many waves on the lines to be searched", "a lower frequency", f"{highest:.4g} Hz"
         )
     try:
-        active = bool(active_loads(scene) or controlled_sources(scene))
-        right = right_of_all(D, top, ABOVE) if active else ABOVE
+        right = right_of_all(D, top, ABOVE) if description.active else ABOVE
         zeros = all_zeros(D.log, Box(-DEEP, right, -1.3e-4 * top, top * (1 + 1e-7)), step)
     except UncountableError:
         raise InputError("scene", "its oscillations lie too close together to be told apart") from None
-    if not active:  # a double zero on the axis is found beside it, and nothing passive grows
+    if not description.active:  # a double zero on the axis is found beside it, and nothing passive grows
         zeros = [complex(min(z.real, 0.0), z.imag) for z in zeros]
     turning = [z / D.second for z in zeros if z.imag > LOWEST * top]
     growing = [complex(z.real) / D.second for z in zeros if abs(z.imag) <= LOWEST * top and z.real > NEUTRAL]

@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
-from tline.scene.mistakes import nearest
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
 from tline.solver.stability.lossy_line import inside
 from tline.solver.stability.scattering import Scattering
+from tline.wording import nearest
 
 CHUNK = 2e6  # complex entries held at once
 
@@ -67,7 +68,7 @@ def respond(scene: Scene, s: ArrayLike, source: str | None = None) -> dict[str, 
     if not np.isfinite(s).all():
         raise InputError("s", "not finite", "finite complex numbers", f"{s.ravel()[~np.isfinite(s.ravel())][0]}")
     name = source_named(scene, source)
-    given, network = scene.sources[name], Scattering(scene)
+    given, network = scene.sources[name], Scattering(describe(scene))
     held, flows = np.zeros(len(network.names)), np.zeros(len(network.names))
     at = network.names.index(given.at)
     if np.isinf(given.conductance):

@@ -6,7 +6,7 @@ from tline.errors import InputError
 from tline.interchange.water_network import LISTED, WaterNetwork
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import steady_state
 
 ACCURATE, RELATIVE = 1e-3, 1e-5  # m, and share of the head: what EPANET's own solution is good for
@@ -28,7 +28,7 @@ def differences(network: WaterNetwork, scene: Scene) -> Iterator[str]:
     """
     weight = network.density * GRAVITY
     try:
-        effort, _ = steady_state(scene, nodes_of(scene))
+        effort, _ = steady_state(describe(scene))
     except InputError as error:
         yield f"the scene has no steady state of its own: {error}"
         return

@@ -13,9 +13,9 @@ from tline.interchange.spice_waveform import spice_waveform
 from tline.scene.characteristic import Diode, DiodeLink
 from tline.scene.coupled import refuse_coupled
 from tline.scene.load import Matched, NoFlow, Resistor, Short
-from tline.scene.mistakes import place
 from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
+from tline.wording import place
 
 SECTIONS = {"title", "medium", "t_end", "start", "solver", "lines", "sources", "loads", "links", "probes"}
 STEPS = 20  # in the shortest delay

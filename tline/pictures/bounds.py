@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from tline.pictures.handy import handy
 from tline.pictures.path import Leg, Route
-from tline.scene.heights import words
-from tline.scene.limits import VACUUM, weight_at
+from tline.scene.heights import weight_at, words
 from tline.scene.medium import HYDRAULIC, MEDIA
 from tline.scene.scene import Scene
+from tline.solver.result.limits import VACUUM
 from tline.units import engineering
 
 

@@ -12,8 +12,8 @@ from tline.errors import InputError
 from tline.pictures.handy import handy
 from tline.scene.coupled import refuse_coupled
 from tline.scene.link import linked_pairs
-from tline.scene.mistakes import nearest
 from tline.scene.scene import Scene
+from tline.wording import nearest
 
 
 class Leg(NamedTuple):

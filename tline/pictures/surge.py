@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.pictures.layout import refuse_too_many
 from tline.scene.coupled import refuse_coupled
-from tline.scene.limits import VACUUM, weight_at
+from tline.scene.heights import weight_at
 from tline.scene.medium import HYDRAULIC
 from tline.scene.scene import Scene
 from tline.solver.result.interior import inside
+from tline.solver.result.limits import VACUUM
 from tline.solver.result.result import Result
 
 STRETCHES = 12  # of each line

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import Field
 
 from tline.errors import InputError
-from tline.scene.mistakes import place
 from tline.scene.quantity import Quantity, Role, Whole
 from tline.scene.vessel import Boiling
+from tline.wording import place
 
 if TYPE_CHECKING:
     from tline.scene.line import SceneLine

@@ -9,8 +9,8 @@ from tline.errors import InputError
 from tline.scene.between import Between
 from tline.scene.element import AtNode
 from tline.scene.law import Law, NonLinear
-from tline.scene.mistakes import shown
 from tline.scene.quantity import Quantity, Role
+from tline.wording import shown
 
 BOLTZMANN, CHARGE = 1.380649e-23, 1.602176634e-19  # J/K, C; exact in the SI
 Saturation = Annotated[Quantity, Role("flow", at_least=1e-30, at_most=1e3)]

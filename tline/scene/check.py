@@ -15,8 +15,8 @@ from tline.scene.element import is_name
 from tline.scene.factor import check_range
 from tline.scene.heights import height_mistakes
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
-from tline.scene.mistakes import nearest, place, shown
 from tline.scene.rational_load import Rational
+from tline.wording import nearest, place, shown
 
 if TYPE_CHECKING:
     from tline.scene.probe import Probe

@@ -11,8 +11,9 @@ from tline.line.modes import Modes, even_and_odd, modes
 from tline.scene.cable_loss import Skin
 from tline.scene.element import Element, Name
 from tline.scene.line import Cable, SceneLine
-from tline.scene.mistakes import mistakes, place, shown
+from tline.scene.mistakes import mistakes
 from tline.scene.quantity import LARGEST, SMALLEST, Frequency, Quantity, Role
+from tline.wording import place, shown
 
 MOST = 16  # conductors
 Row = list[Annotated[Quantity, Role("inductance per length", "H/m")]]

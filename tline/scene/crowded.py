@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 from tline.errors import InputError
 from tline.scene.element import AtNode
 from tline.scene.load import Switch
-from tline.scene.mistakes import place
 from tline.scene.multiport import Multiport
 from tline.scene.rational_load import Rational
 from tline.scene.touchstone import Touchstone
+from tline.wording import place
 
 if TYPE_CHECKING:
     from tline.scene.scene import Scene

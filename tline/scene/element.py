@@ -5,7 +5,8 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from tline.errors import InputError, SceneError
-from tline.scene.mistakes import MOST, WORDS, limited, mistakes, register, shown
+from tline.scene.mistakes import MOST, WORDS, limited, mistakes, register
+from tline.wording import shown
 
 
 def is_name(name: Any) -> bool:

@@ -12,10 +12,10 @@ from pydantic import Field, PlainValidator, SerializeAsAny, ValidationInfo
 
 from tline.errors import InputError
 from tline.loss import Constant, LaminarFriction, Law, TurbulentFriction, hagen_poiseuille
+from tline.loss.losses import Curve
 from tline.scene.element import Element
-from tline.scene.losses import Curve
-from tline.scene.mistakes import nearest, shown
 from tline.scene.quantity import Quantity, Role
+from tline.wording import nearest, shown
 
 LAMINAR = 2040.0  # Reynolds number up to which flow counts as laminar, as in fluids.friction
 SLOWEST, FASTEST = 1e-200, 1e9  # Reynolds numbers; beyond the latter the friction factor stays

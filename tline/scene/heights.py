@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, NamedTuple
 from tline.errors import InputError
 from tline.line import HydraulicLine
 from tline.scene.medium import MEDIA, Medium
-from tline.scene.mistakes import place
 from tline.scene.multiport import Multiport
 from tline.scene.probe import Probe
 from tline.scene.site import GRAVITY
+from tline.wording import place
 
 if TYPE_CHECKING:
     from tline.scene.scene import Scene
@@ -118,6 +118,23 @@ def words(scene: Scene, effort: str = "piezometric pressure") -> Medium:
     """Words and units of a scene's medium; with elevations efforts have a name that tells which they are."""
     medium = MEDIA[scene.medium]
     return medium._replace(effort=effort) if scene.heights else medium
+
+
+def weight_at(scene: Scene) -> dict[str, float]:
+    """Density·g·elevation of nodes whose elevation is given, Pa: the piezometric pressure less the gauge pressure.
+
+    Examples
+    --------
+    >>> from tline.scene.scene import Scene
+    >>> pipe = {"nodes": ["a", "b"], "z0": 1e8, "delay": 1, "density": 1000}
+    >>> scene = Scene(
+    ...     medium="hydraulic", t_end=1, probes={"p": {"at": "a"}}, lines={"pipe": pipe}, nodes={"b": {"elevation": 10}}
+    ... )
+    >>> weight_at(scene)
+    {'b': 98066.5}
+    """
+    given = (name for name, site in scene.nodes.items() if site.elevation is not None)
+    return {name: scene.heights[name].weight for name in given}
 
 
 def taken_as_zero(scene: Scene) -> list[str]:

@@ -16,15 +16,15 @@ from tline.line.parameters import Quantity as LineQuantity
 from tline.line.relations import listed
 from tline.line.walls import WALLS
 from tline.loss import Constant, Law, LossyLine, Sum, kelvin_voigt_wall
+from tline.loss.losses import Losses
 from tline.scene.cable_loss import LossTangent, Skin, Wire
 from tline.scene.cable_table import CableTable
 from tline.scene.cavities import Cavities
 from tline.scene.element import Element, Name
 from tline.scene.friction import AnyFriction
-from tline.scene.losses import Losses
-from tline.scene.mistakes import shown
 from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
 from tline.scene.site import Place
+from tline.wording import shown
 
 ROUNDING = 1e-9  # of a storage, that laws may miss of the lossless line's
 MATERIALS = {

@@ -1,8 +1,8 @@
 """What is not known, or not right, on lines with losses is refused by name."""
 
 from tline.errors import InputError
-from tline.scene.mistakes import place
 from tline.scene.scene import Scene
+from tline.wording import place
 
 
 def refuse_losses(scene: Scene, what: str) -> None:

@@ -14,6 +14,11 @@ class Medium(NamedTuple):
     no_flow: str  # kind of load that lets nothing pass
     switch: str  # kind of load that opens or closes
 
+    @property
+    def hydraulic(self) -> bool:
+        """Whether efforts are pressures."""
+        return self.name == "hydraulic"
+
 
 HYDRAULIC = Medium(
     "hydraulic",

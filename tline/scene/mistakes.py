@@ -1,31 +1,23 @@
 """What the validator found wrong, as sentences that name the element and the nearest valid word."""
 
-import json
-import re
-import reprlib
 from collections.abc import Mapping
-from difflib import get_close_matches
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
 from tline.errors import InputError
+from tline.wording import listed, nearest, place, shown
 
 UNKNOWN, MISSING = "unknown key", "is missing"
 WORDS = {"kind", "shape"}  # keys that tell apart what may stand in one place
 MODELS: dict[tuple[str, str], type[BaseModel]] = {}  # (links or else "", such a value) -> what it chooses
 WORD_AT = {"loads": 2, "links": 2, "sources": 3, "value": 1}  # where in the validator's locations that value stands
 MOST = 100  # sentences; who makes more mistakes than that reads no further
-SEARCHED, LISTED = 2000, 16  # known words that are searched for a near one, and that are listed
-BARE = re.compile(r"[\w-]+")  # a key that needs no quotes
 _WRONG_TYPES = {
     "string_type": ("not a text", "text in quotes"),
     "list_type": ("not a list", ""),
     **dict.fromkeys(("dict_type", "model_type", "model_attributes_type"), ("not a table", "keys with values")),
 }
-_short = reprlib.Repr()
-_short.maxstring = _short.maxother = _short.maxlong = 60
-_short.maxlevel = 2
 
 
 def register(model: type[BaseModel]) -> None:
@@ -117,48 +109,6 @@ def _innermost(model: type[BaseModel], parts: tuple[str | int, ...]) -> type[Bas
     return model
 
 
-def place(*parts: str | int) -> str:
-    """The dotted place of a key, as TOML writes it; numbers count in lists.
-
-    Examples
-    --------
-    >>> place("lines", "a.b", "nodes", 0)
-    'lines."a.b".nodes[0]'
-    """
-    text = ""
-    for part in parts:
-        if isinstance(part, int):
-            text += f"[{part}]"
-        else:
-            text += "." * bool(text) + (part if BARE.fullmatch(part) else json.dumps(part, ensure_ascii=False))
-    return text
-
-
-def shown(value: object) -> str:
-    """A value as a message quotes it: short, however large or deep it is."""
-    try:
-        text = _short.repr(value)
-    except ValueError:  # an integer of too many digits
-        text = f"a very large {type(value).__name__}"
-    return text if len(text) <= 60 else text[:50] + "…"
-
-
 def keys(model: type[BaseModel]) -> list[str]:
     """The keys a table of this model may have."""
     return [field.alias or name for name, field in model.model_fields.items()]
-
-
-def nearest(word: str, known: list[str]) -> str:
-    """The known word a user probably meant; all of them, or some, if none is near."""
-    if len(known) <= SEARCHED:
-        lower = {name.lower(): name for name in known}
-        close = get_close_matches(word.lower(), lower, n=1)
-        if close:
-            return f"'{lower[close[0]]}'"
-    return listed(known)
-
-
-def listed(known: list[str]) -> str:
-    """All known words, or some."""
-    words = ", ".join(f"'{name}'" for name in known[:LISTED])
-    return "one of " * (len(known) > 1) + words + f" and {len(known) - LISTED} more" * (len(known) > LISTED)

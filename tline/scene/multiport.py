@@ -9,8 +9,8 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from tline.errors import InputError
 from tline.scene.between import Between
 from tline.scene.element import Element, Name
-from tline.scene.mistakes import shown
 from tline.scene.quantity import Inductance, PositiveResistance, Quantity, Resistance, Role
+from tline.wording import shown
 
 MOST_PORTS = 16
 TIGHTEST = 0.999999  # coupling of windings

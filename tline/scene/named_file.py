@@ -6,8 +6,8 @@ from typing import NamedTuple
 from pydantic import ValidationInfo
 
 from tline.errors import InputError
-from tline.scene.mistakes import shown
 from tline.scene.text_file import check_ordinary
+from tline.wording import shown
 
 
 class Folder(NamedTuple):

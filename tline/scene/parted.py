@@ -5,9 +5,9 @@ from typing import Any
 from tline.errors import InputError
 from tline.scene.cavities import places_of, stretches_of, with_cavities
 from tline.scene.line import SceneLine
-from tline.scene.mistakes import place
 from tline.scene.probe import Probe
 from tline.scene.scene import Scene
+from tline.wording import place
 
 AT_A_PLACE = 1e-9  # of a stretch
 

@@ -9,9 +9,9 @@ from tline.scene.coupled import Coupled
 from tline.scene.element import Element
 from tline.scene.heights import taken_as_zero
 from tline.scene.load import Switch
-from tline.scene.mistakes import place
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
+from tline.wording import place
 
 EVERYDAY = {"ohm", "V", "A", ""}  # units in which a bare number is what people mean
 LISTED = 3

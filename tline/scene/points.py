@@ -10,10 +10,10 @@ from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_
 
 from tline.errors import InputError
 from tline.scene.csv_rows import read_rows
-from tline.scene.mistakes import shown
 from tline.scene.named_file import beside
 from tline.scene.quantity import ZERO, Duration, Level, Time
 from tline.scene.shape import Floats, Shape
+from tline.wording import shown
 
 
 class Points(Shape):

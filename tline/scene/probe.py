@@ -5,9 +5,9 @@ from pydantic import Field
 from tline.errors import InputError
 from tline.scene.element import Element, Name
 from tline.scene.line import SceneLine
-from tline.scene.mistakes import shown
 from tline.scene.quantity import Position
 from tline.units import to_si
+from tline.wording import shown
 
 
 class Probe(Element):

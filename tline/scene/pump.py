@@ -10,9 +10,9 @@ from tline.errors import InputError
 from tline.scene.between import Between
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.law import Law, OfLiquids
-from tline.scene.mistakes import shown
 from tline.scene.quantity import Quantity, Role
 from tline.scene.shape import Step
+from tline.wording import shown
 
 ONE_POINT = 4 / 3  # shut-off rise over that of the single point of a curve (L. A. Rossman, EPANET 2 manual, 2000)
 Flow = Annotated[Quantity, Role("flow", "m^3/s", at_least=0)]

@@ -11,8 +11,8 @@ from passivity import RationalFunction
 from passivity.errors import ExpressionError
 from tline.errors import InputError
 from tline.scene.element import AtNode
-from tline.scene.mistakes import shown
 from tline.scene.quantity import LARGEST, SMALLEST, Capacitance, Inductance, Parameter, PositiveResistance
+from tline.wording import shown
 
 MOST_STATES = 20  # degree up to which double precision holds ladders of L and C to some 1e-12
 

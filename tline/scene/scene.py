@@ -20,6 +20,7 @@ from pydantic import (
 )
 
 from tline.errors import InputError, SceneError
+from tline.gc_paused import gc_paused
 from tline.printable import one_line
 from tline.scene.cavities import refuse_cavities
 from tline.scene.check import conflicts, misplaced
@@ -32,7 +33,7 @@ from tline.scene.link import Link
 from tline.scene.load import Load
 from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.medium import MEDIA
-from tline.scene.mistakes import MOST, limited, mistakes, place
+from tline.scene.mistakes import MOST, limited, mistakes
 from tline.scene.named_file import Folder
 from tline.scene.own import own_elements
 from tline.scene.probe import Probe
@@ -41,7 +42,7 @@ from tline.scene.shape import Shape
 from tline.scene.site import GRAVITY, Site
 from tline.scene.source import Source
 from tline.scene.touchstone import Touchstone
-from tline.scene.uncollected import uncollected
+from tline.wording import place
 
 SHORT = 1e-30  # s, an end time in place of a bad one, so short that no waveform has too many breaks
 
@@ -162,7 +163,7 @@ class Scene(Element):
             "nodes": Site,
             "solver": Solver,
         }
-        with uncollected(), bar:
+        with gc_paused(), bar:
             try:
                 self.__pydantic_validator__.validate_python(data, self_instance=self, context=context)
                 found, sound, untold = [], self, 0

@@ -18,11 +18,11 @@ from tline.scene.between import Between
 from tline.scene.element import AtNode, Element
 from tline.scene.factor import ALWAYS, Characterised, Factor
 from tline.scene.law import Law, OfLiquids
-from tline.scene.mistakes import shown
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.rating import Rated
 from tline.scene.shape import Shape
 from tline.scene.travel import ADDED, Kind, shares
+from tline.wording import shown
 
 Share = Annotated[Quantity, Role("share", "", at_least=0, at_most=1)]
 Back = Annotated[Quantity, Role("pressure", "Pa")]

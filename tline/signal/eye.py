@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.frequency.response import source_named
-from tline.scene.mistakes import nearest, shown
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
 from tline.units import to_si
+from tline.wording import nearest, shown
 
 FINE = 128  # instants in a bit
 LONGEST = 4096  # bits

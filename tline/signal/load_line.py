@@ -9,10 +9,11 @@ from tline.errors import InputError
 from tline.scene.cavities import refuse_cavities
 from tline.scene.coupled import refuse_coupled
 from tline.scene.lossless import refuse_losses
-from tline.scene.mistakes import place
 from tline.scene.scene import Scene
-from tline.solver.description.nodes import Node, nodes_of
+from tline.solver.description.description import describe
+from tline.solver.description.nodes import Node
 from tline.solver.steady.steady_state import above_level, rest
+from tline.wording import place
 
 
 class LoadLine(NamedTuple):
@@ -82,12 +83,13 @@ def bergeron(scene: Scene, hops: int = 12) -> Bergeron:
     refuse_coupled(scene.lines, "a diagram of load lines")
     refuse_cavities(scene.lines, "a diagram of load lines")
     refuse_losses(scene, "no load lines")
-    (line,), nodes = scene.lines.values(), nodes_of(scene)
-    z0, (near, far) = line.parameters.z0, line.nodes
+    description = describe(scene)
+    ((near, far), z0, delay, _), *_ = description.lines.values()
+    nodes = description.nodes
     if near == far:
         raise InputError("lines", "both ends are at one node", "two nodes")
     ends = _load_line(scene, near, nodes[near], 1.0), _load_line(scene, far, nodes[far], -1.0)
-    effort, flow = above_level(scene, nodes) if scene.start == "steady" else rest(scene, nodes)
+    effort, flow = above_level(description) if description.steady else rest(description)
     u, y = [effort[near]], [float(flow[0, 0])]
     for k in range(hops):
         slope = -z0 if k % 2 == 0 else z0  # of what arrives: u - z0 y at end 1, u + z0 y at end 2
@@ -97,7 +99,7 @@ def bergeron(scene: Scene, hops: int = 12) -> Bergeron:
         y.append(float(found[1]))
     level = nodes[near].height.level
     one, two = (end._replace(r=end.r + end.p * level) for end in ends)
-    return Bergeron(z0, line.parameters.delay or 0.0, (one, two), np.array(u) + level, np.array(y))
+    return Bergeron(z0, delay, (one, two), np.array(u) + level, np.array(y))
 
 
 def _load_line(scene: Scene, name: str, node: Node, into_line: float) -> LoadLine:

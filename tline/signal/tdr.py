@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.coupled import Coupled
-from tline.scene.mistakes import nearest, shown
 from tline.scene.scene import Scene
 from tline.solver.result.atomic import replacing
 from tline.solver.result.dense_output import curve
 from tline.solver.simulate import simulate
 from tline.units import to_si
+from tline.wording import nearest, shown
 
 TOL = 1e-11  # at slab ends; between them, where most of the curve lies, the order is lower
 

@@ -1,6 +1,6 @@
 """One run of a scene at a stated resolution: assemble it, step the kernel, and hand back what the probes saw."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from math import ceil
 from types import MappingProxyType
 
@@ -8,33 +8,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.coupled import Coupled, refuse_coupled
-from tline.scene.limits import beyond_limits
-from tline.scene.mistakes import place
-from tline.scene.plausible import doubts
-from tline.scene.scene import Scene
-from tline.scene.uncollected import uncollected
+from tline.gc_paused import gc_paused
 from tline.solver.assembly.assemble import Assembly, assemble
-from tline.solver.description.elements import BREAKING
+from tline.solver.description.description import Description
 from tline.solver.description.resolution import Resolution
 from tline.solver.ledger.recorder import Books
 from tline.solver.loop.march import Run, march
-from tline.solver.result.conductor import conductor, record_of
+from tline.solver.result.conductor import record_of
 from tline.solver.result.envelope import Envelope, watch
+from tline.solver.result.limits import beyond_limits
 from tline.solver.result.notes import VISIBLE, lumped, smeared, unconnected, untouched
 from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, Wave
 from tline.solver.result.surge import surges
-from tline.solver.tolerance.kinks import Kinks
+from tline.wording import place
 
 LARGEST_RECORD = 4e8  # samples
 LARGEST_LEDGER = 1e7  # samples at line ends, of a ledger that is not asked for: half a second
+Kinks = Mapping[str, NDArray]
 NO_KINKS: Kinks = MappingProxyType({})
 NOWHERE = np.empty(0)
 EACH_NODE = 4000  # samples that take a ledger as long as a node
 
 
 def run(
-    scene: Scene,
+    description: Description,
     chosen: Resolution,
     record: Iterable[str] = (),
     *,
@@ -55,38 +52,35 @@ def run(
         The scene cannot be assembled, the record would be too large, or the waves grow beyond all bounds.
     """
     if envelope:
-        refuse_coupled(scene.lines, "an envelope")
-    kept = {*record, *probed(scene)}
-    _refuse_inside(scene)
-    with uncollected():
-        assembly = assemble(scene, kept, chosen, progress=progress)
+        description.refuse_coupled("an envelope")
+    scene, kept = description.scene, {*record, *description.probed}
+    with gc_paused():
+        assembly = assemble(description, kept, chosen, progress=progress)
     s, h = chosen.s, chosen.h
     assembly.changes = sorted([*assembly.changes, *_cuts(assembly, kinks)])
-    n = slabs or max(ceil(scene.t_end / h - 1e-9), 1)
+    n = slabs or max(ceil(description.t_end / h - 1e-9), 1)
     if 4 * len(kept) * n * s > LARGEST_RECORD:
         problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
         raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
     samples = len(assembly.network.ends) * n * s
     if ledger is None:
         small = samples + EACH_NODE * len(assembly.nodes) <= LARGEST_LEDGER
-        ledger = small and not any(isinstance(line, Coupled) for line in scene.lines.values())
+        ledger = small and not description.coupled
     books = Books(assembly, n) if ledger else None
     extremes = watch(assembly) if envelope else None
-    waves, done = march(assembly, n, extremes=extremes, books=books, progress=progress)
-    smears = done.fronts.lost > VISIBLE or any(law.kind in BREAKING for law in scene.laws.values())
+    waves, done = march(assembly, n, observers=[each for each in (extremes, books) if each], progress=progress)
+    smears = done.fronts.lost > VISIBLE or description.blurred
     lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
     ends = np.arange(n + 1) * h
     probes = {}
-    for name, probe in scene.probes.items():
-        line, at = scene.probed_line(name), conductor(scene, name)
-        share = probe.fraction(scene.lines[line]) if at is None else float(at.end)
-        seen_there = lines[line] if at is None else record_of(at, lines)
-        probes[name] = ProbeResult(name, line, share, seen_there, ends, scene.height(name))
-    seen = extremes and extremes.envelope(scene.heights)
+    for name, probe in description.probes.items():
+        seen_there = record_of(probe, lines)
+        probes[name] = ProbeResult(name, probe.line, probe.share, seen_there, ends, probe.height)
+    seen = extremes and extremes.envelope(description.heights)
     unresolved = (*chosen.notes, *smeared(done.fronts))
-    surged = surges(scene, ends, assembly.start, probes, seen)
-    doubtful = (*doubts(scene), *beyond_limits(scene, _extremes(probes, seen)), *surged)
-    remarks = (*untouched(probes), *unconnected(scene), *lumped(chosen), *doubtful)
+    surged = surges(description, ends, assembly.start, probes, seen)
+    doubtful = (*description.doubts, *beyond_limits(description, _extremes(probes, seen)), *surged)
+    remarks = (*untouched(probes), *unconnected(description), *lumped(chosen), *doubtful)
     return Result(
         scene,
         ends,
@@ -124,24 +118,9 @@ def _extremes(probes: dict[str, ProbeResult], envelope: Envelope | None) -> dict
     return found
 
 
-def _refuse_inside(scene: Scene) -> None:
-    """Refuse probes inside lines with losses."""
-    for name, probe in scene.probes.items():
-        line = scene.probed_line(name)
-        if scene.lines[line].losses is not None and 0.0 < probe.fraction(scene.lines[line]) < 1.0:
-            problem = f"inside {place('lines', line)}, which has losses"
-            raise InputError(place("probes", name, "position"), problem, "its ends, or two lines that meet there")
-
-
-def probed(scene: Scene) -> set[str]:
-    """Lines whose ends the probes see, those of all modes where they see a conductor of several."""
-    places = {name: conductor(scene, name) for name in scene.probes}
-    return {line for name, at in places.items() for line in (at.lines if at else [scene.probed_line(name)])}
-
-
 def _record(assembly: Assembly, name: str, waves: NDArray, done: Run, smears: bool) -> LineRecord:
     row, echo = assembly.recorded[name], assembly.echoes.get(name)
-    parameters = assembly.lines[name].parameters
+    line = assembly.lines[name]
     s, h = assembly.resolution.s, assembly.resolution.h
     level = assembly.level_of(name)
 
@@ -156,4 +135,4 @@ def _record(assembly: Assembly, name: str, waves: NDArray, done: Run, smears: bo
 
     sides = (0, 1), (0, 0), (1, 0), (1, 1)
     a1, b1, a2, b2 = (wave(*at, float(before)) for at, before in zip(sides, assembly.start[name], strict=True))
-    return LineRecord(parameters.z0, parameters.delay or 0.0, a1, b1, a2, b2, smears)
+    return LineRecord(line.z0, line.delay, a1, b1, a2, b2, smears)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 Matrix = NDArray
 MAX_ORDER = 16
+LEAST_PLACES = 8  # of `chebyshev`
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,3 +112,9 @@ def basis(s: int) -> Basis:
     integrals = np.stack([legendre.legval(x, legendre.legint(row, lbnd=-1)) / 2 for row in np.eye(s)], axis=1)
     to_legendre = np.linalg.inv(to_points)
     return Basis(s, (x + 1) / 2, integrals @ to_legendre, to_points, to_legendre)
+
+
+def chebyshev(order: int) -> list[float]:
+    """Places in a slab, denser toward its edges: 0 among them, 1 not, for that is the slab's end."""
+    n = max(LEAST_PLACES, order + 2)
+    return ((1 - np.cos(np.pi * np.arange(n) / n)) / 2).tolist()

@@ -5,20 +5,21 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from tline.errors import ActiveError, InputError
-from tline.scene.mistakes import place
 from tline.scene.own import own_elements, own_mistakes
 from tline.scene.parted import parted
 from tline.scene.quantity import TOLERANCE
-from tline.scene.scene import Scene
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import Description, describe
+from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.prepared import run
+from tline.solver.result.accuracy import Accuracy, Attempt
 from tline.solver.result.merged import joined, recorded
 from tline.solver.result.result import Result
-from tline.solver.stability.growth import active_loads, active_parts, controlled_sources, growth_sentence
-from tline.solver.tolerance.accuracy import Accuracy, Attempt, compared
-from tline.solver.tolerance.lossy import is_lossy, with_losses
+from tline.solver.stability.growth import growth_sentence
+from tline.solver.tolerance.compare import compared
+from tline.solver.tolerance.lossy import with_losses
 from tline.solver.tolerance.search import Search, inside_slabs, within
+from tline.wording import place
 
 TOL = 1e-6  # where nothing is asked or fixed
 ROUNDING = 1e-9  # of the energy turned over
@@ -108,18 +109,19 @@ def simulate(
     whole = parted(scene)
     if whole is not scene:
         more = {"envelope": envelope, "ledger": ledger, "active": active, "progress": progress}
-        return joined(simulate(whole, tol=tol, record=recorded(scene, record), **more), scene)
-    warned, record = _active(scene, active), list(record)
+        given = describe(scene)
+        return joined(simulate(whole, tol=tol, record=recorded(given, record), **more), given)
+    description = describe(scene)
+    warned, record = _active(description, active), list(record)
     tol, ledger = _tolerance(scene, tol), True if own_elements(scene) else ledger
-    lossy = is_lossy(scene)
     with own_mistakes(scene):
-        if tol is None or (scene.solver.slab and (scene.solver.order or lossy)):
-            chosen = resolution(scene, nodes_of(scene))
-            result = run(scene, chosen, record, envelope=envelope, ledger=ledger, progress=progress)
+        if tol is None or (scene.solver.slab and (scene.solver.order or description.lossy)):
+            chosen = resolution(description)
+            result = run(description, chosen, record, envelope=envelope, ledger=ledger, progress=progress)
             result = replace(result, accuracy=tol and _by_hand(result, tol))
         else:
-            search = Search(scene, tol, record, progress, envelope=envelope, ledger=ledger)
-            result = (with_losses if lossy else within)(search)
+            search = Search(description, tol, record, progress, envelope=envelope, ledger=ledger)
+            result = (with_losses if description.lossy else within)(search)
     for note in result.unresolved:
         warnings.warn(note, UnresolvedWarning, stacklevel=2)
     return replace(result, remarks=(*warned, *_made(result), *result.remarks))
@@ -134,8 +136,9 @@ def judged(result: Result) -> Accuracy:
         Of a run without a tolerance.
     """
     s, h, scene = result.resolution.s, result.resolution.h, (result.parts or result).scene
+    description = describe(scene)
     with own_mistakes(scene):
-        better = run(scene, Resolution(s, h / 2) if is_lossy(scene) else Resolution(s + 1, h))
+        better = run(description, Resolution(s, h / 2) if description.lossy else Resolution(s + 1, h))
     found = Accuracy(None, *compared(result, better)).cautious()
     return replace(found, attempts=(Attempt.of(result, found.worst), Attempt.of(better)))
 
@@ -168,12 +171,11 @@ def _made(result: Result) -> list[str]:
     return [f"{entry.where} gave {entry.created:.3g} J more than it had taken: its law is active" for entry in gains]
 
 
-def _active(scene: Scene, allowed: bool) -> list[str]:
+def _active(description: Description, allowed: bool) -> list[str]:
     """What there is to say of active elements, if they are allowed."""
-    active = active_parts(active_loads(scene), controlled_sources(scene))
-    if not active:
+    if not description.active:
         return []
-    problem = growth_sentence(scene, active)
+    problem = growth_sentence(description)
     if not allowed:
         raise ActiveError("", problem, "passive elements, or active=True to run it all the same")
     return [problem]

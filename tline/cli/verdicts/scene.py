@@ -3,7 +3,7 @@
 from typing import Any
 
 from tline.cli.verdicts.answer import Answer, Asked
-from tline.scene.mistakes import place
+from tline.wording import place
 
 
 def answer(file: str, asked: Asked) -> Answer:
@@ -11,7 +11,9 @@ def answer(file: str, asked: Asked) -> Answer:
     from tline.scene.file import read_scene
     from tline.scene.rational_load import Impedance
     from tline.scene.touchstone import Touchstone
-    from tline.solver.stability.growth import active_loads, active_parts, controlled_sources, growth_sentence
+    from tline.solver.description.active import active_loads, controlled_sources
+    from tline.solver.description.description import describe
+    from tline.solver.stability.growth import growth_sentence
 
     asked.refuse("scenes", "kind", "parameters", "z0", "delay", "within", "error", "nearest")
     scene = read_scene(file, confined=asked.confined)
@@ -31,6 +33,6 @@ def answer(file: str, asked: Asked) -> Answer:
         lines.append(f"  {rest} with nothing but R, L, C, reservoirs and switches, passive by construction")
     lines += [f"  {place('loads', name)}: {'refuted' if name in active else 'proved'}" for name in tested]
     if active or sources:
-        told["growth"] = growth_sentence(scene, active_parts(active, sources))
+        told["growth"] = growth_sentence(describe(scene))
         lines.append(f"  {told['growth']}")
     return Answer(told["status"], lines, told)

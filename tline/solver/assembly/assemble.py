@@ -7,23 +7,23 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.line import SceneLine
-from tline.scene.scene import Scene
-from tline.scene.waveform import Shape
 from tline.solver.assembly.blocks import blocks_of
 from tline.solver.assembly.loss_elements import lumps_of
 from tline.solver.assembly.lossy_segments import InCells, cells_of, lines_in_cells
 from tline.solver.assembly.node_maps import node_maps
+from tline.solver.assembly.start import fill_cells, fill_lumped, tables_of
 from tline.solver.description.circuits import Circuits, circuits_of, fit_of
-from tline.solver.description.elements import laws_of, states_of, with_basis
-from tline.solver.description.excitation import just_before
-from tline.solver.description.groups import Group, grouped
+from tline.solver.description.description import Description
+from tline.solver.description.excitation import Shape, just_before
+from tline.solver.description.groups import Group
+from tline.solver.description.laws import laws_of, states_of, with_basis
+from tline.solver.description.lines import Line
 from tline.solver.description.load_step import StateSpace
-from tline.solver.description.nodes import Node, nodes_of
+from tline.solver.description.nodes import Node
 from tline.solver.description.resolution import WHOLE, Resolution, resolution
 from tline.solver.kernel.network import Network, State
 from tline.solver.radau import Basis, basis
-from tline.solver.steady.lossy_lines import Ends, fill_cells, fill_lumped, tables_of
+from tline.solver.steady.lossy_lines import Ends
 from tline.solver.steady.steady_state import above_level, rest
 
 STAGES = 4  # lines, state before t = 0, nodes, waves
@@ -33,7 +33,7 @@ STAGES = 4  # lines, state before t = 0, nodes, waves
 class Assembly:
     """A scene as arrays, and what the time loop needs beside them."""
 
-    scene: Scene
+    description: Description
     resolution: Resolution
     basis: Basis
     network: Network
@@ -43,8 +43,8 @@ class Assembly:
     ]  # of each drive row: waveforms and their shares of the Thévenin wave, or what scales an element
     systems: list[StateSpace]  # of each row of the network's maps
     changes: list[tuple[float, int, int]]  # (instant in slabs, group, row of the map from then on), sorted
-    nodes: list[str]
-    lines: dict[str, SceneLine]  # those that are not lumped
+    nodes: dict[str, Node]  # in the order of their groups
+    lines: dict[str, Line]  # those that are not lumped
     recorded: dict[str, int]  # line name -> first of its two rows in the record
     start: dict[str, NDArray]  # line name -> (a1, b1, a2, b2) before t = 0, counted from the level
     elements: list[list[str]]  # of each group, where its non-linear elements stand
@@ -54,8 +54,7 @@ class Assembly:
 
     def level_of(self, line: str) -> float:
         """Effort of the liquid at rest, from which those of a line count; zero without heights."""
-        height = self.scene.heights.get(self.lines[line].nodes[0])
-        return height.level if height else 0.0
+        return self.nodes[self.lines[line].nodes[0]].height.level
 
     @property
     def follows_edges(self) -> bool:
@@ -63,30 +62,30 @@ class Assembly:
         return bool((self.network.shift_row >= 0).any() or self.settle.any())
 
 
-def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, *, progress: bool = False) -> Assembly:
-    """Turn a scene into arrays; `record` names the lines whose end waves are kept."""
+def assemble(
+    description: Description, record: set[str], chosen: Resolution | None = None, *, progress: bool = False
+) -> Assembly:
+    """Turn a description into arrays; `record` names the lines whose end waves are kept."""
     from tqdm import tqdm
 
     bar = tqdm(total=STAGES, desc="assembling", disable=not progress, delay=2, unit="stage")
-    nodes = nodes_of(scene)
-    chosen = chosen or resolution(scene, nodes)
-    order, h = basis(chosen.s), chosen.h
-    lines = {name: line for name, line in scene.single_lines.items() if name not in chosen.cells}
+    chosen = chosen or resolution(description)
+    order, h, steady = basis(chosen.s), chosen.h, description.steady
+    lines = {name: line for name, line in description.lines.items() if name not in chosen.cells}
     delay, shift_row, shift = _delays(lines, order, h)
-    drive = min((shape.fastest() for shape in scene.waveforms.values()), default=inf)
-    circuits = circuits_of(lines, fit_of(scene.t_end, h, chosen.fit, chosen.band, drive))
+    fastest = min((shape.fastest() for shape in description.waveforms.values()), default=inf)
+    circuits = circuits_of(lines, fit_of(description.t_end, h, chosen.fit, chosen.band, fastest))
     in_cells = lines_in_cells(lines, circuits, order, h)
     delay[list(in_cells)] = 1
     lumps, memory = lumps_of(lines, circuits, delay, order, h, chosen.lumps, in_cells)
     bar.update()
-    steady = scene.start == "steady"
-    effort, y = above_level(scene, nodes, tables_of(lumps, list(lines))) if steady else rest(scene, nodes)
-    u = np.array([[effort[at] for at in line.nodes] for line in scene.single_lines.values()])
+    effort, y = above_level(description, tables_of(lumps, list(lines))) if steady else rest(description)
+    u = np.array([[effort[at] for at in line.nodes] for line in description.lines.values()])
     bar.update()
-    own = nodes_of(scene, chosen.cells) if chosen.cells else nodes
-    groups, nodes = grouped(scene, chosen.cells, own, u[:, 0], y[:, 0])
-    z0 = np.array([line.parameters.z0 for line in lines.values()])
-    kept = np.array([name in lines for name in scene.single_lines])
+    begin = dict(zip(description.lines, zip(u[:, 0].tolist(), y[:, 0].tolist(), strict=True), strict=True))
+    groups, nodes = description.grouped(chosen.cells, begin)
+    z0 = np.array([line.z0 for line in lines.values()])
+    kept = np.array([name in lines for name in description.lines])
     u, y = u[kept], y[kept]
     q = z0[:, None] * y
     arriving = (u + [-1, 1] * q).ravel()  # b at end 1, a at end 2
@@ -148,7 +147,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, *
     bar.close()
     start = dict(zip(lines, np.stack([u + q, u - q], axis=2).reshape(-1, 4), strict=True))
     return Assembly(
-        scene=scene,
+        description=description,
         resolution=chosen,
         basis=order,
         network=network,
@@ -156,7 +155,7 @@ def assemble(scene: Scene, record: set[str], chosen: Resolution | None = None, *
         drives=drives,
         systems=maps.systems,
         changes=maps.changes,
-        nodes=list(nodes),
+        nodes=nodes,
         lines=lines,
         recorded=recorded,
         start=start,
@@ -188,7 +187,7 @@ def _echoes(group: Group, z0: NDArray, in_cells: Mapping[int, InCells]) -> list[
     return echoes
 
 
-def _recorded(lines: dict[str, SceneLine], names: set[str]) -> tuple[dict[str, int], NDArray]:
+def _recorded(lines: dict[str, Line], names: set[str]) -> tuple[dict[str, int], NDArray]:
     """Of each recorded line the first of its two rows, and of each end its row or -1."""
     record_row = np.full(2 * len(lines), -1)
     recorded: dict[str, int] = {}
@@ -199,9 +198,9 @@ def _recorded(lines: dict[str, SceneLine], names: set[str]) -> tuple[dict[str, i
     return recorded, record_row
 
 
-def _delays(lines: dict[str, SceneLine], order: Basis, h: float) -> tuple[NDArray, NDArray, NDArray]:
+def _delays(lines: dict[str, Line], order: Basis, h: float) -> tuple[NDArray, NDArray, NDArray]:
     """Whole slabs of each delay, and row and matrices of the fractional rest, one pair for each different rest."""
-    slabs = np.array([line.parameters.delay or 0.0 for line in lines.values()]) / h
+    slabs = np.array([line.delay for line in lines.values()]) / h
     near = np.round(slabs)
     whole = np.abs(slabs - near) <= WHOLE * near
     delay = np.where(whole, near, np.floor(slabs)).astype(np.int64)

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.settling import settling_step
-from tline.solver.assembly.tools import tools_of
 from tline.solver.assembly.workspace import workspace_for
 from tline.solver.description.excitation import Broken
+from tline.solver.description.tools import tools_of
 from tline.solver.kernel.fronts.structures import (
     DISSOLVED,
     DROPPED,
@@ -75,7 +75,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], p
     order = np.argsort(group, kind="stable")
     first = np.searchsorted(group[order], np.arange(len(network.group)))
     places = max(LOGGED, 2 * int(network.record_row.max(initial=-1) + 1) * AT_NODE)
-    delays = np.array([line.parameters.delay or 0.0 for line in assembly.lines.values()])
+    delays = np.array([line.delay for line in assembly.lines.values()])
     return Fronts(
         LULL,
         most,

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.loss import Foster
-from tline.scene.line import SceneLine
-from tline.scene.losses import Losses
+from tline.loss.losses import Losses
 from tline.solver.description.circuits import Circuits, one_step
+from tline.solver.description.lines import Line
 from tline.solver.description.resolution import WHOLE
 from tline.solver.kernel.network import CONSTANT, NO_LUMPS, REMEMBERED, SQUARED, TABLED, Lumps
 from tline.solver.radau import Basis
@@ -46,9 +46,9 @@ class _Row(NamedTuple):
     law: _Law
 
 
-def lumps_in(lines: Mapping[str, SceneLine], h: float, most: int) -> dict[str, int]:
+def lumps_in(lines: Mapping[str, Line], h: float, most: int) -> dict[str, int]:
     """Number of places of lumps in lossy lines: between any two slabs that meet inside, if these are not too many."""
-    delays = {name: line.parameters.delay or 0.0 for name, line in lines.items() if line.losses is not None}
+    delays = {name: line.delay for name, line in lines.items() if line.losses is not None}
     longest = max(delays.values(), default=0.0)
     return {
         name: min(2 * int(delay / h * (1 + WHOLE)) - 1, max(round(most * delay / longest), 1))
@@ -57,7 +57,7 @@ def lumps_in(lines: Mapping[str, SceneLine], h: float, most: int) -> dict[str, i
 
 
 def lumps_of(
-    lines: Mapping[str, SceneLine],
+    lines: Mapping[str, Line],
     circuits: Mapping[str, Circuits],
     delay: NDArray,
     order: Basis,
@@ -69,7 +69,7 @@ def lumps_of(
 
     Parameters
     ----------
-    lines : mapping of str to SceneLine
+    lines : mapping of str to Line
     circuits : mapping of str to Circuits
         Of all lines that lose something.
     delay : ndarray, shape (lines,)
@@ -119,9 +119,9 @@ def _gaps(rows: list[_Row], delay: NDArray) -> NDArray:
     return gaps
 
 
-def _rows(k: int, line: SceneLine, circuits: Circuits, delay: int, count: int, order: Basis, h: float) -> list[_Row]:
+def _rows(k: int, line: Line, circuits: Circuits, delay: int, count: int, order: Basis, h: float) -> list[_Row]:
     """Lumps at whole slabs, then those between in reverse order, so that laws that do not commute take turns."""
-    losses, z0 = line.losses, line.parameters.z0
+    losses, z0 = line.losses, line.z0
     assert losses is not None
     if losses.distortionless:
         share = -float(np.expm1(-losses.attenuation)) / 2

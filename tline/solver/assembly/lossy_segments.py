@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from tline.loss import Law
 from tline.loss.foster import Foster
-from tline.scene.line import SceneLine
 from tline.solver.description.circuits import Circuits
+from tline.solver.description.lines import Line
 from tline.solver.description.resolution import WHOLE
 from tline.solver.kernel.network import Cells
 from tline.solver.radau import Basis, Matrix
@@ -75,7 +75,7 @@ class InCells(NamedTuple):
         return np.concatenate([part.T.ravel() for part in (next_, then, X, X @ K, R, R @ K)])
 
 
-def fits(lines: Mapping[str, SceneLine], h: float) -> bool:
+def fits(lines: Mapping[str, Line], h: float) -> bool:
     """Whether all lossy lines can be cut in cells: linear ones whose delay is whole slabs, unless too many differ."""
     different: set[tuple[Law, Law]] = set()
     for line in lines.values():
@@ -86,13 +86,13 @@ def fits(lines: Mapping[str, SceneLine], h: float) -> bool:
     return True
 
 
-def _fits(line: SceneLine, h: float) -> bool:
-    slabs = (line.parameters.delay or 0.0) / h
+def _fits(line: Line, h: float) -> bool:
+    slabs = line.delay / h
     return line.losses is not None and line.losses.linear and abs(slabs - round(slabs)) <= WHOLE * slabs
 
 
 def lines_in_cells(
-    lines: Mapping[str, SceneLine], circuits: Mapping[str, Circuits], order: Basis, h: float
+    lines: Mapping[str, Line], circuits: Mapping[str, Circuits], order: Basis, h: float
 ) -> dict[int, InCells]:
     """Lines that are cut in cells, by their numbers; none where one does not fit."""
     found: dict[int, InCells] = {}
@@ -100,7 +100,7 @@ def lines_in_cells(
         if line.losses is not None and not line.losses.distortionless:
             series, shunt, _ = circuits[name]
             made = cell(series, shunt, h, order.s)
-            found[k] = InCells(round((line.parameters.delay or 0.0) / h), made, (len(series.rates), len(shunt.rates)))
+            found[k] = InCells(round(line.delay / h), made, (len(series.rates), len(shunt.rates)))
     return found
 
 

@@ -20,11 +20,6 @@ def largest_group(network: Network) -> tuple[int, int, int]:
     )
 
 
-def crossing_for(constants: np.ndarray, samples: int) -> Crossing:
-    """Workspace of laws at so many samples."""
-    return Crossing(constants, *np.empty((4, samples)))
-
-
 def work_for(network: Network, state: State) -> Work:
     """Workspace of the loop over blocks, and of all units that it calls."""
     s, laws, cells = state.before.shape[1], network.laws, network.cells
@@ -51,7 +46,7 @@ def work_for(network: Network, state: State) -> Work:
         history=np.empty((s, tile + 1)),
         row=np.empty(max(tile, nodes * s + states)),
         control=np.empty((elements, tile * s)),
-        crossing=crossing_for(laws.constants, tile * s if elements else 0),
+        crossing=Crossing(laws.constants, *np.empty((4, tile * s if elements else 0))),
         store=store,
         newton=newton,
         pair=np.empty(s * ABREAST),

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.loss import Constant, Foster, Law, Sum, realise
-from tline.scene.line import SceneLine
+from tline.solver.description.lines import Line
 from tline.solver.description.resolution import BAND
 from tline.solver.radau import Basis
 
@@ -65,7 +65,7 @@ def fit_of(t_end: float, h: float, tolerance: float, band: float = BAND, drive: 
     return Fit(low, low * STEP ** max(ceil(log(high / low, STEP)), 2), tolerance, 2 * pi * widest)
 
 
-def circuits_of(lines: Mapping[str, SceneLine], fit: Fit) -> dict[str, Circuits]:
+def circuits_of(lines: Mapping[str, Line], fit: Fit) -> dict[str, Circuits]:
     """Circuits of all lines that lose something."""
     found = {}
     for name, line in lines.items():

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.waveform import Shape
+from tline.solver.description.given import Constant, Shape
 from tline.solver.radau import Basis
 
 EDGE = 1e-9  # slabs; a break nearer than this to a slab's edge counts as on it
@@ -57,3 +57,8 @@ def just_before(waveform: Shape) -> float:
     past = waveform.breaks(0.0)
     past = past[past < 0]
     return float(waveform.value(np.array(0.0), np.array(past[-1] / 2 if past.size else -1.0)))
+
+
+def varies(waveform: Shape | None) -> bool:
+    """Whether it is not one value for ever."""
+    return waveform is not None and not isinstance(waveform, Constant)

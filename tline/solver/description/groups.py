@@ -5,35 +5,32 @@ end. Its states are the inductors' flows times z0 and the inner capacitors' effo
 rates are n/T. The halves at the ends are part of the nodes' loads.
 """
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.coupled import ends_of
-from tline.scene.mistakes import place as place_of
-from tline.scene.multiport import Multiport
-from tline.scene.scene import Scene
 from tline.solver.description.components import parts
 from tline.solver.description.coupled import EndPlaces, scattered
-from tline.solver.description.elements import Element, elements_of
+from tline.solver.description.elements import Element
+from tline.solver.description.given import End
+from tline.solver.description.lines import Line
 from tline.solver.description.load_step import NO_LOAD, StateSpace, side_by_side
-from tline.solver.description.multiport import PortPlaces, joined
+from tline.solver.description.multiport import PlacedPorts, PortPlaces, joined
 from tline.solver.description.nodes import Node
 
 
 class Lump(NamedTuple):
-    """A lumped line between two nodes of a group."""
+    """A lumped line, and the places of its nodes in their group."""
 
     name: str
-    first: int
-    second: int
-    z0: float
-    delay: float
+    line: Line
     cells: int
     u: float = 0.0  # before t = 0
     y: float = 0.0
+    first: int = -1
+    second: int = -1
 
     @property
     def states(self) -> int:
@@ -79,7 +76,7 @@ class Group(NamedTuple):
             return 0.0
         poles = np.linalg.eigvals(self.system(0.0).A)
         decay = -float(poles.real[np.abs(poles) * h > FAST].max(initial=-np.inf))
-        return max(GONE / decay, LONG * max(lump.delay for lump in self.lumps)) if decay > 0 else np.inf
+        return max(GONE / decay, LONG * max(lump.line.delay for lump in self.lumps)) if decay > 0 else np.inf
 
     def at_rest_under(self, waves: NDArray) -> NDArray:
         """Steady state under Thévenin waves, shape (nodes,), while the lumped lines carry their flows."""
@@ -93,7 +90,7 @@ class Group(NamedTuple):
         for node, wave, flow, u in zip(self.nodes, waves, out, level, strict=True):
             if node.held is None:
                 states.append(node.response(0.0).at_rest_under(wave - flow / node.total + u * node.floating))
-        inner = [np.resize([lump.z0 * lump.y, lump.u], lump.states) for lump in self.lumps]
+        inner = [np.resize([lump.line.z0 * lump.y, lump.u], lump.states) for lump in self.lumps]
         return np.concatenate([*states, *inner])
 
     def standing(self) -> NDArray:
@@ -127,11 +124,11 @@ def coupled(group: Group) -> StateSpace:
         last = at + lump.states - 1
         for p, place, sign in ((lump.first, at, 1.0), (lump.second, last, -1.0)):
             if group.nodes[p].held is None:
-                wave[p, place] -= sign / (lump.z0 * group.nodes[p].total)
+                wave[p, place] -= sign / (lump.line.z0 * group.nodes[p].total)
     A += B @ wave
     C += D @ wave
     for lump, at in zip(group.lumps, first[k:-1], strict=True):
-        last, rate = at + lump.states - 1, lump.cells / lump.delay
+        last, rate = at + lump.states - 1, lump.cells / lump.line.delay
         for j in range(at, last):  # neighbours along the line
             A[j, j + 1], A[j + 1, j] = -rate, rate
         for p, place, sign in ((lump.first, at, 1.0), (lump.second, last, -1.0)):
@@ -141,26 +138,19 @@ def coupled(group: Group) -> StateSpace:
 
 
 def grouped(
-    scene: Scene, cells: Mapping[str, int], nodes: dict[str, Node], u: NDArray, y: NDArray
+    nodes: dict[str, Node],
+    lumps: Sequence[Lump],
+    elements: Sequence[Element],
+    coupled_ends: Sequence[End],
+    multiports: Sequence[PlacedPorts],
 ) -> tuple[list[Group], dict[str, Node]]:
-    """Groups of the nodes that lumped or coupled lines, multiports or elements join, and the nodes in their order.
-
-    Parameters
-    ----------
-    cells : mapping
-        Of each lumped line.
-    u, y : ndarray, shape (lines,)
-        Effort and flow of each line before t = 0.
-    """
-    elements, coupled_ends = elements_of(scene, nodes), ends_of(scene.lines)
-    multiports = {name: link for name, link in scene.links.items() if isinstance(link, Multiport)}
-    if not cells and not elements and not coupled_ends and not multiports:
+    """Groups of the nodes that lumped or coupled lines, multiports or elements join, and the nodes in their order."""
+    if not lumps and not elements and not coupled_ends and not multiports:
         return [Group([node], [], [], [], []) for node in nodes.values()], nodes
     names, number = list(nodes), {name: k for k, name in enumerate(nodes)}
-    ends = {name: [number[at] for at in scene.lines[name].nodes] for name in cells}
-    pairs = [*ends.values(), *([number[e.nodes[0]], number[e.nodes[-1]]] for e in elements)]
-    pairs += [[number[end.conductors[0]], number[at]] for end in coupled_ends for at in (*end.conductors, *end.modal)]
-    pairs += [[number[link.nodes[0]], number[at]] for link in multiports.values() for at in link.nodes]
+    joined_nodes = [lump.line.nodes for lump in lumps] + [element.nodes for element in elements]
+    joined_nodes += [(*end.conductors, *end.modal) for end in coupled_ends] + [link.nodes for link in multiports]
+    pairs = [[number[joint[0]], number[at]] for joint in joined_nodes for at in joint]
     first, second = np.array(pairs).T
     part = parts(first, second, len(names))
     order = np.argsort(part, kind="stable")
@@ -173,13 +163,10 @@ def grouped(
     for end in coupled_ends:
         conductors, modal = (place[[number[at] for at in nodes]] for nodes in (end.conductors, end.modal))
         groups[part[number[end.modal[0]]]].ends.append(EndPlaces(conductors, modal, end.modes))
-    for name, link in multiports.items():
+    for link in multiports:
         at = [number[node] for node in link.nodes]
-        groups[part[at[0]]].ports.append(PortPlaces(place_of("links", name), place[at], link.ports()))
-    for k, (name, line) in enumerate(scene.single_lines.items()):
-        if name in cells:
-            one, other = ends[name]
-            z0, delay = line.parameters.z0, line.parameters.delay or 0.0
-            lump = Lump(name, place[one], place[other], z0, delay, cells[name], u[k], y[k])
-            groups[part[one]].lumps.append(lump)
+        groups[part[at[0]]].ports.append(PortPlaces(link.where, place[at], link.ports))
+    for lump in lumps:
+        one, other = (number[node] for node in lump.line.nodes)
+        groups[part[one]].lumps.append(lump._replace(first=place[one], second=place[other]))
     return groups, {names[k]: nodes[names[k]] for k in order}

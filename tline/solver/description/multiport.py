@@ -12,15 +12,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.multiport import Ports
+from tline.solver.description.given import Ports
 from tline.solver.description.load_step import NO_LOAD, StateSpace, side_by_side
 from tline.solver.description.nodes import Node
 
 SINGULAR = 1e-13  # reciprocal condition number
 
 
+class PlacedPorts(NamedTuple):
+    """A multiport: its place in the scene, its nodes, and its equations."""
+
+    where: str
+    nodes: Sequence[str]
+    ports: Ports
+
+
 class PortPlaces(NamedTuple):
-    """A multiport in a group: its place in the scene, its nodes' places in the group, and its equations."""
+    """The same in a group: with its nodes' places there."""
 
     where: str
     nodes: NDArray

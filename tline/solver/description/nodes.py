@@ -5,7 +5,7 @@ the highest node. What stands between a node and the open air sees the gauge pre
 `Height.above_level`.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
@@ -17,20 +17,18 @@ from numpy.typing import NDArray
 from passivity import RationalFunction
 from tline.errors import InputError
 from tline.scene.cavities import refuse_cavities
-from tline.scene.coupled import ends_of
-from tline.scene.heights import Height, below
+from tline.scene.heights import below
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
-from tline.scene.mistakes import place
 from tline.scene.multiport import Multiport
 from tline.scene.quantity import ZERO
 from tline.scene.rational_load import MOST_STATES, Rational
-from tline.scene.scene import Scene
 from tline.scene.shape import Lowered
-from tline.scene.touchstone import Touchstone
-from tline.scene.waveform import Constant, Shape
 from tline.solver.description.excitation import just_before
+from tline.solver.description.given import Constant, End, Height, Scene, Shape, Touchstone
+from tline.solver.description.lines import Line
 from tline.solver.description.load_step import NO_LOAD, StateSpace, counted_from, effort, reflection
 from tline.solver.description.partial_fractions import reflection_of_poles
+from tline.wording import place
 
 SEA_LEVEL = Height()
 
@@ -225,13 +223,29 @@ def lowered(pressure: Shape, level: float) -> Shape:
     return Lowered.model_construct(waveform=pressure, by=level)
 
 
-def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
-    """The nodes of a scene by name, in the order in which lines and links name them; `cells` are of lumped lines."""
+def nodes_of(
+    scene: Scene, lines: Mapping[str, Line], coupled: Iterable[End], cells: Mapping[str, int] = NONE
+) -> dict[str, Node]:
+    """The nodes of a scene by name, in the order in which lines and links name them.
+
+    Parameters
+    ----------
+    lines : mapping of str to Line
+    coupled : iterable of End
+        Both ends of all coupled conductors.
+    cells : mapping of str to int
+        Of lumped lines.
+
+    Raises
+    ------
+    InputError
+        A line has cavities, or a load leaves no wave defined.
+    """
+    refuse_cavities(scene.lines, "what is asked")
     nodes: dict[str, Node] = {}
     kept = 0
-    refuse_cavities(scene.single_lines, "what is asked")
-    for name, line in scene.single_lines.items():
-        admittance = 1 / line.parameters.z0
+    for name, line in lines.items():
+        admittance = 1 / line.z0
         for side, at in enumerate(line.nodes):
             if at not in nodes:
                 nodes[at] = Node()
@@ -242,7 +256,7 @@ def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
                 node.ends.append(2 * kept + side)
                 node.lines += admittance
         kept += name not in cells
-    for end in ends_of(scene.lines):
+    for end in coupled:
         for at, conductance in zip(end.conductors, np.diag(end.modes.admittance), strict=True):
             nodes.setdefault(at, Node()).lumped += float(conductance)
     for link in scene.links.values():
@@ -250,19 +264,15 @@ def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
             nodes.setdefault(at, Node())
     multiports = [link for link in scene.links.values() if isinstance(link, Multiport)]
     if multiports:
-        usual = float(1 / np.mean([line.parameters.z0 for line in scene.single_lines.values()]))
+        usual = float(1 / np.mean([line.z0 for line in lines.values()]))
         for at in {node for link in multiports for node in link.nodes}:
             nodes[at].alone = usual
     for name, height in scene.heights.items():
         nodes[name].height = height
-    for source in scene.sources.values():
-        nodes[source.at].prescribe(source.value, source.conductance, source.is_effort)
-    for name, load in scene.loads.items():
-        nodes[load.at].attach(load, place("loads", name))
+    _attach_all(scene, nodes)
     for name, n in cells.items():
-        line = scene.lines[name]
-        half = Fraction(line.parameters.delay or 0.0) / (2 * n * Fraction(line.parameters.z0))
-        for at in line.nodes:
+        half = Fraction(lines[name].delay) / (2 * n * Fraction(lines[name].z0))
+        for at in lines[name].nodes:
             nodes[at].respond(RationalFunction.from_coefficients([1], [half, 0]), place("lines", name))
     for name, node in nodes.items():
         if node.held is None and abs(node.total) < CANCELLED * (node.lines + node.lumped):
@@ -271,6 +281,14 @@ def nodes_of(scene: Scene, cells: Mapping[str, int] = NONE) -> dict[str, Node]:
                 problem = f"cancels the conductance of the lines at node '{name}': no wave is defined"
                 raise InputError(place("loads", at_node[0]), problem, "another resistance")
     return nodes
+
+
+def _attach_all(scene: Scene, nodes: Mapping[str, Node]) -> None:
+    """Attach sources and loads to their nodes."""
+    for source in scene.sources.values():
+        nodes[source.at].prescribe(source.value, source.conductance, source.is_effort)
+    for name, load in scene.loads.items():
+        nodes[load.at].attach(load, place("loads", name))
 
 
 def node_of_end(nodes: Collection[Node]) -> NDArray:

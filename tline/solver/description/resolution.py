@@ -1,20 +1,16 @@
 """Order and slab width of a run: as the user fixed them, or fine enough for what the scene holds."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from fractions import Fraction
-from math import ceil, inf, lcm
+from math import ceil, lcm
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.load import Switch
-from tline.scene.mistakes import place
-from tline.scene.multiport import Multiport
-from tline.scene.scene import Scene
-from tline.solver.description.groups import Group, grouped
-from tline.solver.description.nodes import NONE, Node
+from tline.solver.description.description import Description
+from tline.solver.description.nodes import NONE
+from tline.wording import place
 
 ORDER = 5
 FIT = 1e-7
@@ -50,8 +46,7 @@ class Resolution(NamedTuple):
 
 
 def resolution(
-    scene: Scene,
-    nodes: dict[str, Node],
+    description: Description,
     s: int | None = None,
     h: float | None = None,
     cells: Mapping[str, int] = NONE,
@@ -59,23 +54,22 @@ def resolution(
 ) -> Resolution:
     """Order and slab width of a scene, if they are not given, and notes on what is too fast for them.
 
-    `cells` are those of lumped lines, which ask for no slabs; the nodes are those of the scene as it is. A slab is to
-    be longer, if the lines allow it, than the time in which lumped lines settle after a front.
+    `cells` are those of lumped lines, which ask for no slabs. A slab is to be longer, if the lines allow it, than the
+    time in which lumped lines settle after a front.
 
     Raises
     ------
     InputError
         The waves under way would not fit in memory, or the run has too many slabs or ends within the first.
     """
-    lines = scene.single_lines
-    delays = {name: line.parameters.delay or 0.0 for name, line in lines.items() if name not in cells}
-    lossy = [delay for name, delay in delays.items() if lines[name].losses is not None]
-    s = s or scene.solver.order or ORDER
-    by_hand = h is None and scene.solver.slab is not None
+    lines, fixed, t_end = description.lines, description.scene.solver, description.t_end
+    delays = {name: line.delay for name, line in lines.items() if name not in cells}
+    s = s or fixed.order or ORDER
+    by_hand = h is None and fixed.slab is not None
     lumps = LUMPS if h is None and not by_hand else ALL_LUMPS
-    scales = _time_scales(scene, nodes)
-    h = h or float(scene.solver.slab or 0.0) or _slab(scene, list(delays.values()), lossy, scales, settle)
-    _check(scene, delays, s, h, by_hand)
+    scales = description.time_scales
+    h = h or float(fixed.slab or 0.0) or _slab(description, delays, scales, settle)
+    _check(t_end, delays, s, h, by_hand)
     seen = h * min(POINTS / s, 1.0) * (1 - 1e-9)
     notes = [
         f"{where}: its time scale of {scale:.3g} s is shorter than the slab of {h:.3g} s; "
@@ -89,35 +83,37 @@ def resolution(
 
 
 def _slab(
-    scene: Scene, delays: list[float], lossy: list[float], scales: dict[str, tuple[float, float]], settle: float
+    description: Description, lines: Mapping[str, float], scales: Mapping[str, tuple[float, float]], settle: float
 ) -> float:
-    """A slab that is fine enough for what the scene holds, if that is affordable."""
-    shortest, breaks = min(delays), _breaks(scene)
+    """A slab that is fine enough for what the scene holds, if that is affordable; lines are given by their delays."""
+    delays, t_end = [*lines.values()], description.t_end
+    lossy = [delay for name, delay in lines.items() if description.lines[name].losses is not None]
+    shortest, breaks = min(delays), _breaks(description)
     few = len(breaks) <= MOST_MARKS
     resolved = min([shortest / SLABS_PER_DELAY, *(scale for scale, _ in scales.values())])
-    fronts = [max(gap, scene.t_end / SLABS_FOR_FRONTS) for gap in _gaps(scene)]
-    affordable = min(_affordable(scene, delays, CHEAP), shortest)
-    least = max(affordable, min(ROOMY * settle, min(shortest, scene.t_end) / SLABS_PER_DELAY))
-    many = [] if lossy else [scene.t_end / SLABS_PER_RUN]  # to lines with losses slabs are dear
+    fronts = [max(gap, t_end / SLABS_FOR_FRONTS) for gap in _gaps(description)]
+    affordable = min(_affordable(description, delays, CHEAP), shortest)
+    least = max(affordable, min(ROOMY * settle, min(shortest, t_end) / SLABS_PER_DELAY))
+    many = [] if lossy else [t_end / SLABS_PER_RUN]  # to lines with losses slabs are dear
     wanted = max(min([resolved, *many, *fronts]), least)
     marks = [t for t in breaks if t > 0] if few else []
     cheap = CHEAP if lossy else CHEAP_IN_BLOCKS
-    parts = _dividing(delays, lossy, marks, wanted, _affordable(scene, delays, cheap))
+    parts = _dividing(delays, lossy, marks, wanted, _affordable(description, delays, cheap))
     if not parts and breaks and few:  # fronts inside slabs, exact in any slab, and slabs with fronts cost
         wanted = max(resolved, least)
     parts = parts or 1
     return shortest / (parts * ceil(shortest / parts / wanted - WHOLE))
 
 
-def _affordable(scene: Scene, delays: list[float], cheap: float) -> float:
+def _affordable(description: Description, delays: list[float], cheap: float) -> float:
     """The narrowest slab, s, that neither time nor memory forbids."""
-    probed = min(len(scene.probes), len(delays))
-    stepping = 2 * len(delays) * scene.t_end / cheap
-    kept = max(4 * probed * scene.t_end, 2 * sum(delays)) / ROOM
+    probed = min(len(description.scene.probes), len(delays))
+    stepping = 2 * len(delays) * description.t_end / cheap
+    kept = max(4 * probed * description.t_end, 2 * sum(delays)) / ROOM
     return ORDER * max(stepping, kept)
 
 
-def _check(scene: Scene, delays: dict[str, float], s: int, h: float, by_hand: bool) -> None:
+def _check(t_end: float, delays: dict[str, float], s: int, h: float, by_hand: bool) -> None:
     shortest, longest = (place("lines", choose(delays, key=lambda name: delays[name])) for choose in (min, max))
     under_way = 2 * s * sum(delays.values()) / h
     if under_way > LARGEST:
@@ -129,63 +125,25 @@ def _check(scene: Scene, delays: dict[str, float], s: int, h: float, by_hand: bo
             if by_hand
             else f"at most {LARGEST:.0e}: a longer shortest line or a lower order",
         )
-    if h > scene.t_end * (1 + WHOLE):
+    if h > t_end * (1 + WHOLE):
         at_least = f"at least a slab of {h:.3g} s"
-        raise InputError("t_end", "the run ends within the first slab", at_least, f"{scene.t_end:.3g} s")
-    if scene.t_end / h > MOST_SLABS:
-        problem = f"slabs of {h:.3g} s make a run of {scene.t_end / h:.2g} slabs"
+        raise InputError("t_end", "the run ends within the first slab", at_least, f"{t_end:.3g} s")
+    if t_end / h > MOST_SLABS:
+        problem = f"slabs of {h:.3g} s make a run of {t_end / h:.2g} slabs"
         expected = f"at most {MOST_SLABS:.0e}; no slab is longer than the delay of {shortest}"
-        raise InputError("t_end", problem, expected, f"{scene.t_end:.3g} s")
+        raise InputError("t_end", problem, expected, f"{t_end:.3g} s")
 
 
-def _gaps(scene: Scene) -> list[float]:
+def _gaps(description: Description) -> list[float]:
     """The shortest piece between two breaks of each waveform that has one, s; below rounding it is a jump."""
-    pieces = [np.diff(waveform.breaks(scene.t_end)) for waveform in scene.waveforms.values()]
-    return [float(p.min()) for p in (p[p > WHOLE * scene.t_end] for p in pieces) if p.size]
+    pieces = [np.diff(instants) for instants in description.breaks]
+    return [float(p.min()) for p in (p[p > WHOLE * description.t_end] for p in pieces) if p.size]
 
 
-def _time_scales(scene: Scene, nodes: dict[str, Node]) -> dict[str, tuple[float, float]]:
-    """Of each curved waveform and dynamic load the shortest time scale, and that of its oscillations, s."""
-    scales = {}
-    for (part, name, _), waveform in scene.waveforms.items():
-        fastest = waveform.fastest()
-        scales[place(part, name)] = fastest, fastest
-    for where, poles in _poles(scene, nodes):
-        ringing = poles[np.abs(np.imag(poles)) > np.abs(np.real(poles))]
-        scales[where] = (_shortest(poles), _shortest(ringing))
-    return scales
-
-
-def _poles(scene: Scene, nodes: dict[str, Node]) -> Iterator[tuple[str, NDArray]]:
-    """Of each node with dynamic loads, alone or joined to others by multiports, in all states of its switches."""
-    joined = _joined(scene, nodes) if any(isinstance(link, Multiport) for link in scene.links.values()) else []
-    elsewhere = {id(node) for group in joined for node in group.nodes}
-    for group in joined:
-        yield group.ports[0].where, np.linalg.eigvals(group.system(0.0).A)
-    for node in nodes.values():
-        if node.load is not None and node.held is None and id(node) not in elsewhere:
-            states = {node.switched(t) for t in (0.0, *(float(switch.time) for switch in node.switches), inf)}
-            yield node.load_name, np.concatenate([np.linalg.eigvals(node.effort(g).A) for g in states])
-
-
-def _joined(scene: Scene, nodes: dict[str, Node]) -> list[Group]:
-    """Groups of the nodes that multiports join."""
-    none = np.zeros(len(scene.single_lines))
-    return [group for group in grouped(scene, NONE, nodes, none, none)[0] if group.ports]
-
-
-def _shortest(poles: NDArray) -> float:
-    """Time scale of the fastest pole, s; infinite if there is none."""
-    fastest = float(np.abs(poles).max(initial=0.0))
-    return 1 / fastest if fastest else inf
-
-
-def _breaks(scene: Scene) -> list[float]:
+def _breaks(description: Description) -> list[float]:
     """Instants of the jumps, corners and switches of a run, s."""
-    instants = [float(load.time) for load in scene.loads.values() if isinstance(load, Switch)]
-    for waveform in scene.waveforms.values():
-        instants += waveform.breaks(scene.t_end).tolist()
-    return [t for t in instants if 0 <= t < scene.t_end]
+    instants = [*description.switched.values(), *np.concatenate([np.empty(0), *description.breaks]).tolist()]
+    return [t for t in instants if 0 <= t < description.t_end]
 
 
 def _dividing(delays: list[float], lossy: list[float], marks: list[float], wanted: float, affordable: float) -> int:

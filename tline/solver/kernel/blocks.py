@@ -80,4 +80,4 @@ def advance(run: Run, k: int, n_slabs: int, column: int) -> int:
         lose(run, blocks.far_rows, block)
         rotate(network, state, blocks.far_lines, block)
         done += block
-    return np.int64(-1)
+    return -1

@@ -89,4 +89,4 @@ def scatter_group(run, g, here, m, column):
             scatter(u, q, n, waves, o)
         if not np.isfinite(u[q + np.uint64(n - 1)]):
             return node
-    return np.int64(-1)
+    return -1

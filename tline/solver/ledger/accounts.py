@@ -6,12 +6,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.shape import Shape
+from tline.solver.description.given import Shape
+from tline.solver.description.inventory import (
+    DISSIPATED,
+    STORED,
+    SUPPLIED,
+    TAKEN,
+    Conductor,
+    Drive,
+    Member,
+    Standing,
+)
 from tline.solver.description.nodes import Node
 from tline.solver.ledger.columns import Columns
 from tline.solver.ledger.flows import Flows, Port, flows_of
-from tline.solver.ledger.inventory import Conductor, Drive, Member, Standing
-from tline.solver.ledger.ledger import COLUMNS, DISSIPATED, GRAVITY, STORED, SUPPLIED, TAKEN, UNACCOUNTED
+from tline.solver.ledger.ledger import COLUMNS, GRAVITY, UNACCOUNTED
 
 
 class Accounts(NamedTuple):

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.shape import Shape
 from tline.solver.description.excitation import broken
+from tline.solver.description.given import Shape
 from tline.solver.radau import Basis
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 
 COLUMNS = ("supplied", "dissipated", "stored", "taken", "unaccounted")
-SUPPLIED, DISSIPATED, STORED, TAKEN, UNACCOUNTED = range(len(COLUMNS))
+UNACCOUNTED = 4  # the other columns have the numbers that the inventory gives them
 GRAVITY = "gravity"  # account of what flows out to the open air below the highest node
 TOLERANCE = 1e-3  # of the turnover; what is lost or made beyond it is told
 

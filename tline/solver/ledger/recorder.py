@@ -1,25 +1,20 @@
 """Books kept while a run goes on: energies through line ends and into elements, slab by slab."""
 
-from collections.abc import Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.coupled import refuse_coupled
-from tline.scene.mistakes import place
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import Fronts
-from tline.solver.description.nodes import Node, nodes_of
+from tline.solver.description.inventory import Standing, standing
 from tline.solver.ledger.accounts import Accounts, accounts_of
 from tline.solver.ledger.columns import Columns
-from tline.solver.ledger.inventory import Standing, standing
 from tline.solver.ledger.ledger import COLUMNS, GRAVITY, Entry, Ledger
 from tline.solver.ledger.stored import under_way
-
-if TYPE_CHECKING:
-    from tline.solver.loop.march import Noted
+from tline.solver.loop.march import Noted
+from tline.wording import place
 
 BLOCK = 100_000  # samples of a group's line ends looked at together
 NET = np.array([-1.0, 1.0, 1.0, 1.0, 0.0])  # what an account takes, of its columns
@@ -33,9 +28,9 @@ class Found(NamedTuple):
     waves: NDArray  # (pieces, ends, 2, s) what arrived and what left
 
 
-def _groups(assembly: Assembly, nodes: Mapping[str, Node], whole: Standing, z0: NDArray) -> list[Accounts]:
+def _groups(assembly: Assembly, whole: Standing, z0: NDArray) -> list[Accounts]:
     """Accounts of each group of nodes."""
-    names, edges = assembly.nodes, assembly.network.group
+    nodes, names, edges = assembly.nodes, list(assembly.nodes), assembly.network.group
     of_node = {name: g for g, (low, high) in enumerate(pairwise(edges)) for name in names[low:high]}
     parts = [Standing([], [], []) for _ in edges[1:]]
     for member in whole.members:
@@ -52,17 +47,16 @@ class Books:
     """A ledger that grows with a run."""
 
     def __init__(self, assembly: Assembly, n: int):
-        scene, network, h = assembly.scene, assembly.network, assembly.resolution.h
-        refuse_coupled(scene.lines, "a ledger")
+        description, network, h = assembly.description, assembly.network, assembly.resolution.h
+        description.refuse_coupled("a ledger")
         self.assembly, self.h = assembly, h
         new = np.flatnonzero(network.record_row < 0)
         network.record_row[new] = network.record_row.max(initial=-1) + 1 + np.arange(len(new))
         self.end_of_row = np.argsort(network.record_row)
-        nodes = nodes_of(scene, assembly.resolution.cells)
-        whole = standing(scene, nodes, assembly.resolution.cells, h, n * h)
+        whole = standing(description, assembly.nodes, assembly.resolution.cells, h, n * h)
         lines = list(assembly.lines.values())
-        self.z0 = np.array([line.parameters.z0 for line in lines])
-        self.groups = _groups(assembly, nodes, whole, self.z0)
+        self.z0 = np.array([line.z0 for line in lines])
+        self.groups = _groups(assembly, whole, self.z0)
         self.start = under_way(assembly, None)
         self.taken, self.least = np.zeros((2, len(lines)))
         self.totals = [np.zeros((len(group.where), len(COLUMNS))) for group in self.groups]
@@ -73,7 +67,7 @@ class Books:
         for g, group in enumerate(self.groups):
             self.group_of_end[group.ends] = g
 
-    def see(self, record: NDArray, first: int, n: int, pieces: "Noted") -> None:
+    def see(self, record: NDArray, first: int, n: int, pieces: Noted) -> None:
         """Take note of n slabs from number `first` on, recorded from the first column of the record on."""
         s = self.assembly.basis.s
         through = np.zeros((len(self.z0), n))  # what each line takes in each slab
@@ -117,7 +111,7 @@ class Books:
         self.lowest[g] = np.minimum(self.lowest[g], so_far.min(axis=1))
         self.totals[g] += posted.sum(axis=2)
 
-    def _sorted(self, pieces: "Noted") -> dict[int, Found]:
+    def _sorted(self, pieces: Noted) -> dict[int, Found]:
         """Pieces by group; those of one group and slab are alike at all its ends."""
         end = self.end_of_row[pieces.row]
         g = self.group_of_end[end]
@@ -146,13 +140,13 @@ class Books:
                     gravity += numbers
                 else:
                     entries.append(Entry(where, *numbers.tolist(), created=0.0 if may_give else 0.0 - float(low)))
-        if self.assembly.scene.heights:
+        if self.assembly.description.heights:
             entries.append(Entry(GRAVITY, *gravity.tolist(), created=0.0))
         return Ledger(tuple(entries), turnover)
 
     def _of_lines(self, end: NDArray) -> list[Entry]:
         """What lines took and hold, and what those without losses lost nevertheless."""
-        at_rest, entries = self.assembly.scene.start == "rest", []
+        at_rest, entries = not self.assembly.description.steady, []
         for k, (name, line) in enumerate(self.assembly.lines.items()):
             where, taken, least = place("lines", name), float(self.taken[k]), float(self.least[k])
             if line.losses is None:

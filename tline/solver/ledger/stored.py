@@ -15,8 +15,8 @@ def under_way(assembly: Assembly, fronts: Fronts | None) -> NDArray:
     network, state, basis = assembly.network, assembly.state, assembly.basis
     s, h, weights = basis.s, assembly.resolution.h, basis.A[-1]
     lines = list(assembly.lines.values())
-    z0 = np.array([line.parameters.z0 for line in lines])
-    rest = np.array([line.parameters.delay or 0.0 for line in lines]) / h - network.delay
+    z0 = np.array([line.z0 for line in lines])
+    rest = np.array([line.delay for line in lines]) / h - network.delay
     total = np.add.reduceat(state.waves**2 * np.tile(weights, state.waves.size // s), network.offset)
     for k in np.flatnonzero(network.shift_row >= 0):
         held = state.before[2 * k : 2 * k + 2] @ basis.restriction(1 - rest[k], 1.0).T

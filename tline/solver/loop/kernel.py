@@ -10,7 +10,7 @@ from tline.solver.assembly.workspace import work_for
 from tline.solver.kernel import blocks
 from tline.solver.kernel.fronts.structures import DONE, FrontRun, Fronts, Sources
 from tline.solver.kernel.network import Network, Run, State
-from tline.solver.loop.units import units_of
+from tline.solver.kernel.units import units_of
 from tline.structure import pack
 
 

@@ -4,26 +4,22 @@ Where no front is under way inside a slab, nodes are advanced in blocks; where o
 """
 
 import time
+from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.mistakes import place
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import LULL, Tally, fronts_of, sources_of, tally
 from tline.solver.description.excitation import EDGE, broken, places_of, sampled
 from tline.solver.kernel.fronts.structures import LIVE, NOTED, Fronts
 from tline.solver.loop.kernel import Kernel
 
-if TYPE_CHECKING:
-    from tline.solver.ledger.recorder import Books
-    from tline.solver.result.envelope import Extremes
-
 CHUNK = 2e7  # line-end samples between two looks at the progress bar
-LOOK = 2e6  # between two looks of a ledger or an envelope, which want all pieces too
+LOOK = 2e6  # between two looks of observers, who want all pieces too
 STRETCH = 1024  # slabs advanced in pieces between two looks for fronts
 
 
@@ -46,6 +42,13 @@ def joined(noted: list[Noted], s: int) -> Noted:
     return Noted(*(np.concatenate(parts) for parts in zip(nothing, *noted, strict=True)))
 
 
+class Observer(Protocol):
+    """Who looks at a run while it goes on."""
+
+    def see(self, record: NDArray, first: int, n: int, pieces: Noted) -> None:
+        """Take note of n slabs from number `first` on, recorded from the first column of the record on."""
+
+
 class Run(NamedTuple):
     """What there is to say of a run beside its record."""
 
@@ -56,17 +59,11 @@ class Run(NamedTuple):
 
 
 def march(
-    assembly: Assembly,
-    n: int,
-    *,
-    extremes: "Extremes | None" = None,
-    books: "Books | None" = None,
-    progress: bool = False,
+    assembly: Assembly, n: int, *, observers: Sequence[Observer] = (), progress: bool = False
 ) -> tuple[NDArray, Run]:
     """Advance an assembled scene by n slabs.
 
-    With `extremes` to be watched or `books` to be kept, the kernel records into a window of one chunk, and only
-    recorded lines are kept.
+    For observers the kernel records into a window of one chunk, and only recorded lines are kept.
 
     Returns
     -------
@@ -83,7 +80,7 @@ def march(
     from tqdm import tqdm
 
     s = assembly.basis.s
-    windowed = extremes is not None or books is not None
+    windowed = bool(observers)
     samples = LOOK if windowed else CHUNK
     chunk = min(max(int(samples / (len(assembly.network.ends) * s)), 1), n)
     kept, rows = 2 * len(assembly.recorded), int(assembly.network.record_row.max(initial=-1)) + 1
@@ -102,10 +99,8 @@ def march(
                 steps.advance(low, high)
                 record[:, :, low * s : high * s] = window[:kept, :, : (high - low) * s]
                 pieces = joined(steps.noted[seen:], s)
-                if extremes is not None:
-                    extremes.see(window, low, high - low, steps.h, pieces)
-                if books is not None:
-                    books.see(window, low, high - low, pieces)
+                for observer in observers:
+                    observer.see(window, low, high - low, pieces)
                 steps.noted[seen:] = [pieces.of_rows(kept)]
             bar.update(high - low)
         seconds = time.perf_counter() - started
@@ -221,11 +216,5 @@ def _refuse(assembly: Assembly, node: int) -> None:
     if group < len(assembly.elements) and assembly.elements[group]:
         where = " and ".join(assembly.elements[group])
         raise InputError(where, "no flow was found that fits the waves", "narrower slabs, or a line between elements")
-    from tline.solver.stability.growth import active_loads, controlled_sources
-
-    scene = assembly.scene
-    active = [place("loads", name) for name in active_loads(scene)]
-    active += [place("links", name) for name in controlled_sources(scene)]
-    raise InputError(
-        " and ".join(active) or "lines", "the waves grow beyond all bounds", "passive loads", "active ones"
-    )
+    where = " and ".join(assembly.description.active) or "lines"
+    raise InputError(where, "the waves grow beyond all bounds", "passive loads", "active ones")

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.mistakes import place
-from tline.scene.scene import Scene
+from tline.solver.description.given import Scene
 from tline.solver.many.copies import Copies
 from tline.solver.many.period import driven_waves, modes_of
 from tline.solver.radau import basis
+from tline.wording import place
 
 Floats = NDArray[np.floating]
 BATCH = 64  # copies in the kernel at once

@@ -11,14 +11,14 @@ from tline.errors import InputError
 from tline.scene.cavities import refuse_cavities
 from tline.scene.coupled import Coupled
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
-from tline.scene.mistakes import nearest, place, shown
 from tline.scene.quantity import LARGEST, SMALLEST
 from tline.scene.rational_load import Parallel, Series
-from tline.scene.scene import Scene
-from tline.scene.shape import Shape
-from tline.solver.description.nodes import UNIT, Node, lowered, nodes_of
+from tline.solver.description.description import describe
+from tline.solver.description.given import Scene, Shape
+from tline.solver.description.nodes import UNIT, Node, lowered
 from tline.solver.description.resolution import WHOLE, common_parts
 from tline.solver.many.load import Load, parallel, series
+from tline.wording import nearest, place, shown
 
 Floats = NDArray[np.floating]
 ELEMENTS = ("resistance", "inductance", "capacitance")
@@ -60,7 +60,7 @@ def copies_of(scene: Scene, vary: Mapping[str, ArrayLike]) -> Copies:
         expected = f"whole multiples of a part of the shortest, at most a {MOST_UNITS}th"
         raise InputError("lines", "their delays have no common measure", expected)
     delay = np.round(ratio[:, 0] * parts).astype(np.int64)
-    junctions = [_junction(scene, name, node, z0, numbers) for name, node in nodes_of(scene).items()]
+    junctions = [_junction(scene, name, node, z0, numbers) for name, node in describe(scene).nodes.items()]
     return Copies(delays[shortest] / parts, delay, z0, junctions)
 
 

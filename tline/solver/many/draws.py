@@ -7,12 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.medium import MEDIA
-from tline.scene.mistakes import listed, nearest, shown
 from tline.scene.quantity import LARGEST, SMALLEST, Whole
-from tline.scene.scene import Scene
+from tline.solver.description.given import MEDIA, Scene
 from tline.solver.many.copies import MOST_COPIES, variable
 from tline.units import to_si
+from tline.wording import listed, nearest, shown
 
 Floats = NDArray[np.floating]
 CALL = re.compile(r"\s*(\w+)\s*\(([^()]*(?:\([^()]*\)[^()]*)*)\)\s*")  # units may have parentheses of their own

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.scene import Scene
-from tline.scene.shape import Shape
 from tline.solver.description.excitation import EDGE
+from tline.solver.description.given import Scene, Shape
 from tline.solver.radau import Basis
 
 Floats = NDArray[np.floating]

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ive
 
-from tline.scene.scene import Scene
+from tline.solver.description.given import Scene
 from tline.solver.many.batches import Seen, run
 from tline.solver.many.copies import Copies
 from tline.solver.many.period import front_places, slab_edges
-from tline.solver.tolerance.accuracy import ROUNDING, SILENT
+from tline.solver.tolerance.compare import ROUNDING, SILENT
 
 Floats = NDArray[np.floating]
 Complexes = NDArray[np.complex128]

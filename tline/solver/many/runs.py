@@ -9,15 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
-from tline.scene.heights import Height
-from tline.scene.mistakes import shown
 from tline.scene.quantity import Role
-from tline.scene.scene import Scene
+from tline.solver.description.given import Height, Scene
 from tline.solver.many.batches import Seen, run
 from tline.solver.many.copies import copies_of
 from tline.solver.many.period import breaks_of
 from tline.solver.many.resolve import resolve
 from tline.solver.simulate import TOL, UnresolvedWarning
+from tline.wording import shown
 
 Floats = NDArray[np.floating]
 LARGEST = 4e8  # samples handed back

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from tline.scene.file import scene_text
 from tline.scene.heights import words
-from tline.scene.scene import Scene
+from tline.solver.description.given import Scene
 from tline.solver.many.runs import Many
 from tline.solver.result.atomic import replacing, write_table
 

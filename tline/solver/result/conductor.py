@@ -1,48 +1,25 @@
 """What a probe at one of several coupled conductors sees: the sum of its modes."""
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
-from tline.scene.coupled import End, ends_of
-from tline.scene.scene import Scene
+from tline.solver.description.probes import Probe
 from tline.solver.result.result import LineRecord, Wave
 
 
-class Conductor(NamedTuple):
-    """Where a probe at coupled conductors stands: which line, which conductor, and at which end."""
+def record_of(probe: Probe, records: Mapping[str, LineRecord]) -> LineRecord:
+    """What a probe recorded; at a conductor as on a single line that carries its voltage and current.
 
-    line: str
-    place: int
-    end: int
-    ends: tuple[End, End]
-
-    @property
-    def lines(self) -> list[str]:
-        """The lines of its modes."""
-        return [node.removesuffix(", end 1") for node in self.ends[0].modal]
-
-
-def conductor(scene: Scene, probe: str) -> Conductor | None:
-    """The conductor that a probe sees, None if it sees a single line."""
-    name, at = scene.probed_line(probe), scene.probes[probe].at
-    ends = ends_of({name: scene.lines[name]})
-    for side, end in enumerate(ends):
-        if at in end.conductors:
-            return Conductor(name, end.conductors.index(at), side, (ends[0], ends[1]))
-    return None
-
-
-def record_of(at: Conductor, records: Mapping[str, LineRecord]) -> LineRecord:
-    """What the probe would have recorded on a single line that carries the conductor's voltage and current.
-
-    Its z0 is that of the conductor while the others are held at zero.
+    The z0 is then that of the conductor while the others are held at zero.
     """
+    at = probe.conductor
+    if at is None:
+        return records[probe.line]
     modes, j = at.ends[0].modes, at.place
     z0 = 1 / float(modes.admittance[j, j])
     voltage, current = modes.T[j], np.linalg.inv(modes.T)[:, j]  # per u and y of each mode
-    found = [records[line] for line in at.lines]
+    found = [records[line] for line in probe.lines]
 
     def wave(a: str, b: str, sign: float) -> Wave:
         parts = [

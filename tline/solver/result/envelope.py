@@ -7,12 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.heights import Height
 from tline.solver.assembly.assemble import Assembly
-from tline.solver.description.elements import BREAKING
+from tline.solver.description.given import Height
 from tline.solver.loop.march import Noted
-from tline.solver.radau import Basis
-from tline.solver.tolerance.difference import chebyshev
+from tline.solver.radau import Basis, chebyshev
 
 ROUNDING = 1e-12  # what tops an extreme by less, relatively, is the same one again
 CANDIDATES = 4  # slabs with the highest places, of a block, that are searched
@@ -79,17 +77,17 @@ COLUMNS = ("start", "lowest", "lowest_at", "lowest_error", "highest", "highest_a
 class Extremes:
     """An envelope that grows with a run."""
 
-    def __init__(self, nodes: tuple[str, ...], rows: NDArray, start: NDArray, order: Basis, at_ends: bool):
-        self.nodes, self.rows, self.start = nodes, rows, start
+    def __init__(self, nodes: tuple[str, ...], rows: NDArray, start: NDArray, order: Basis, h: float, at_ends: bool):
+        self.nodes, self.rows, self.start, self.h = nodes, rows, start, h
         self.top = np.stack([-start, start])  # two maxima: of the negative effort, and of the effort
         self.at = np.zeros_like(self.top)
         self.at_ends = at_ends
         self.places = order.evaluation([1.0] if at_ends else [*chebyshev(order.s), 1.0])
         self.searched = order.evaluation(SEARCHED)
 
-    def see(self, record: NDArray, first: int, n: int, h: float, pieces: Noted) -> None:
+    def see(self, record: NDArray, first: int, n: int, pieces: Noted) -> None:
         """Take note of n slabs from number `first` on, recorded from the first column of the record on."""
-        s, rows = self.places.shape[1], np.arange(len(self.rows))
+        s, h, rows = self.places.shape[1], self.h, np.arange(len(self.rows))
         u = (record[self.rows, 0, : n * s] + record[self.rows, 1, : n * s]).reshape(len(rows), n, s) / 2
         seen = u @ self.places.T
         node = np.full(len(record), -1)
@@ -159,6 +157,7 @@ def watch(assembly: Assembly) -> Extremes:
     new = one[network.record_row[one] < 0]
     network.record_row[new] = 2 * len(assembly.recorded) + np.arange(len(new))
     before = np.array([assembly.start[name].reshape(2, 2).mean(axis=1) for name in assembly.lines]).ravel()
-    at_ends = any(law.kind in BREAKING for law in assembly.scene.laws.values())
-    names = tuple(assembly.nodes[k] for k in there)
-    return Extremes(names, network.record_row[one], before[one], assembly.basis, at_ends)
+    at_ends = assembly.description.blurred
+    nodes = list(assembly.nodes)
+    names = tuple(nodes[k] for k in there)
+    return Extremes(names, network.record_row[one], before[one], assembly.basis, assembly.resolution.h, at_ends)

@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.loss import Foster
-from tline.scene.cavities import stretches_of
-from tline.scene.mistakes import place
 from tline.solver.result.dense_output import drawable
 from tline.solver.result.merged import CutRecord
 from tline.solver.result.result import LineRecord, Result
+from tline.wording import place
 
 CELLS = 16
 INSTANTS = 2000  # at least, where extremes on a lossless line are looked for; slab ends are among them
@@ -134,8 +133,9 @@ def inside(result: Result, line: str, cells: int = CELLS) -> Inside | InStretche
     """
     if line not in result.lines:
         raise InputError("path", f"line '{line}' was not recorded", "simulate(scene, record=[…]) with it")
-    if isinstance(result.lines[line], CutRecord) and result.parts is not None:
-        names = stretches_of(line, result.scene.lines[line])
+    record = result.lines[line]
+    if isinstance(record, CutRecord) and result.parts is not None:
+        names = record.names
         return InStretches([_inside(result.parts, name, ceil(cells / len(names))) for name in names])
     return _inside(result, line, cells)
 

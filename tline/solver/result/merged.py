@@ -1,17 +1,16 @@
 """A run of the stretches of lines with cavities, seen as one of the lines that they are parts of."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tline.scene.cavities import places_of, stretches_of, with_cavities
-from tline.scene.mistakes import place
-from tline.scene.scene import Scene
+from tline.solver.description.description import Description
 from tline.solver.ledger.ledger import Entry, Ledger
 from tline.solver.result.envelope import COLUMNS, Envelope
 from tline.solver.result.result import LineRecord, Result
+from tline.wording import place
 
 NOTHING = [0.0] * (len(Entry._fields) - 1)  # in all columns
 
@@ -22,10 +21,12 @@ class CutRecord(LineRecord):
 
     Attributes
     ----------
+    names : tuple of str
+        Of its stretches, from end 1 on.
     stretches : tuple of LineRecord
-        From end 1 on.
     """
 
+    names: tuple[str, ...]
     stretches: tuple[LineRecord, ...]
 
     def waves(self, t: ArrayLike, share: float) -> tuple[NDArray, NDArray]:
@@ -35,36 +36,33 @@ class CutRecord(LineRecord):
         return self.stretches[k].waves(t, here - k)
 
 
-def joined(result: Result, scene: Scene) -> Result:
-    """The result of `parted(scene)` as one of the scene itself; `Result.parts` keeps the former."""
-    if result.scene is scene:
-        return result
-    cut = with_cavities(scene.lines)
-    stretches = {name: stretches_of(name, line) for name, line in cut.items()}
-    hidden = {each for names in stretches.values() for each in names}
+def joined(result: Result, description: Description) -> Result:
+    """The result of a parted scene as one of the scene described; `Result.parts` keeps the former."""
+    cut = description.stretches
+    hidden = {each for stretches in cut.values() for each in stretches.lines}
     lines = {name: record for name, record in result.lines.items() if name not in hidden}
-    for name, names in stretches.items():
+    for name, (names, _) in cut.items():
         records = tuple(result.lines[each] for each in names if each in result.lines)
         if len(records) == len(names):
-            lines[name] = _record(records)
-    places = {node for name, line in cut.items() for node in places_of(name, line)}
+            lines[name] = _record(names, records)
+    places = {node for stretches in cut.values() for node in stretches.nodes}
     return replace(
         result,
-        scene=scene,
+        scene=description.scene,
         lines=lines,
         envelope=result.envelope and _without(result.envelope, places),
-        ledger=result.ledger and _summed(result.ledger, scene),
+        ledger=result.ledger and _summed(result.ledger, description),
         parts=result,
     )
 
 
-def recorded(scene: Scene, names: Iterable[str]) -> list[str]:
+def recorded(description: Description, names: Iterable[str]) -> list[str]:
     """The lines to be recorded for those of the scene."""
-    cut = with_cavities(scene.lines)
-    return [each for name in names for each in (stretches_of(name, cut[name]) if name in cut else [name])]
+    cut = description.stretches
+    return [each for name in names for each in (cut[name].lines if name in cut else [name])]
 
 
-def _record(stretches: tuple[LineRecord, ...]) -> CutRecord:
+def _record(names: Sequence[str], stretches: tuple[LineRecord, ...]) -> CutRecord:
     first, last = stretches[0], stretches[-1]
     return CutRecord(
         first.z0,
@@ -74,6 +72,7 @@ def _record(stretches: tuple[LineRecord, ...]) -> CutRecord:
         last.a2,
         last.b2,
         first.smeared,
+        tuple(names),
         stretches,
     )
 
@@ -85,12 +84,12 @@ def _without(envelope: Envelope, places: set[str]) -> Envelope:
     return Envelope(tuple(envelope.nodes[k] for k in kept), *columns)
 
 
-def _summed(ledger: Ledger, scene: Scene) -> Ledger:
+def _summed(ledger: Ledger, description: Description) -> Ledger:
     """One account for a line, and one for all its cavities."""
     whole: dict[str, str] = {}
-    for name, line in with_cavities(scene.lines).items():
-        whole |= {place("lines", each): place("lines", name) for each in stretches_of(name, line)}
-        whole |= {place("loads", each): place("lines", name, "cavities") for each in places_of(name, line)}
+    for name, (lines, nodes) in description.stretches.items():
+        whole |= {place("lines", each): place("lines", name) for each in lines}
+        whole |= {place("loads", each): place("lines", name, "cavities") for each in nodes}
     sums: dict[str, list[float]] = {}
     for entry in ledger.entries:
         where = whole.get(entry.where, entry.where)

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from tline.scene.mistakes import place
-from tline.scene.scene import Scene
 from tline.solver.assembly.fronts import Tally
 from tline.solver.description.components import parts
+from tline.solver.description.description import Description
 from tline.solver.description.resolution import Resolution
 from tline.solver.result.result import ProbeResult
+from tline.wording import place
 
 LISTED = 4  # names
 VISIBLE = 1e-6  # of the largest wave
@@ -52,8 +52,9 @@ def lumped(chosen: Resolution) -> list[str]:
     ]
 
 
-def unconnected(scene: Scene) -> list[str]:
+def unconnected(description: Description) -> list[str]:
     """Parts of the scene that no line joins with the rest: often a node whose name is written in two ways."""
+    scene = description.scene
     pairs = [joint.nodes for joint in (*scene.lines.values(), *scene.links.values())]
     nodes = list(dict.fromkeys(node for pair in pairs for node in pair))
     number = {node: k for k, node in enumerate(nodes)}

@@ -3,25 +3,21 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
-from tline.scene.heights import NO_HEIGHT, Height
-from tline.scene.medium import MEDIA, Medium
-from tline.scene.mistakes import place
-from tline.scene.scene import Scene
 from tline.solver.assembly.fronts import Tally
 from tline.solver.description.circuits import Circuits
+from tline.solver.description.given import MEDIA, NO_HEIGHT, Height, Medium, Scene
 from tline.solver.description.resolution import Resolution
+from tline.solver.ledger.ledger import Ledger
 from tline.solver.radau import Basis
-
-if TYPE_CHECKING:
-    from tline.solver.ledger.ledger import Ledger
-    from tline.solver.result.envelope import Envelope
-    from tline.solver.tolerance.accuracy import Accuracy
+from tline.solver.result.accuracy import Accuracy
+from tline.solver.result.envelope import Envelope
+from tline.wording import place
 
 NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
 
@@ -246,9 +242,9 @@ class Result:
     samples: int
     seconds: float
     fronts: Tally
-    accuracy: "Accuracy | None" = None
-    envelope: "Envelope | None" = None
-    ledger: "Ledger | None" = None
+    accuracy: Accuracy | None = None
+    envelope: Envelope | None = None
+    ledger: Ledger | None = None
     circuits: Mapping[str, Circuits] = field(default_factory=dict)
     parts: "Result | None" = None
 

@@ -5,17 +5,13 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.limits import first_of, worst_first
-from tline.scene.load import Switch
-from tline.scene.medium import HYDRAULIC, MEDIA
-from tline.scene.mistakes import place
-from tline.scene.scene import Scene
-from tline.scene.shape import Constant
-from tline.scene.vessel import Boiling
-from tline.solver.description.excitation import just_before
+from tline.solver.description.description import Description
+from tline.solver.description.excitation import just_before, varies
 from tline.solver.result.envelope import Envelope
+from tline.solver.result.limits import first_of, worst_first
 from tline.solver.result.result import ProbeResult
 from tline.units import engineering
+from tline.wording import place
 
 LISTED = 3  # elements
 MARGIN = 1.01
@@ -23,7 +19,7 @@ TRICKLE = 1e-6  # of the efforts; a smaller rise is none
 
 
 def surges(
-    scene: Scene,
+    description: Description,
     t: NDArray,
     start: Mapping[str, NDArray],
     probes: Mapping[str, ProbeResult],
@@ -38,7 +34,7 @@ def surges(
 
     Parameters
     ----------
-    scene : Scene
+    description : Description
     t : ndarray
         Instants of the run, s.
     start : mapping of str to ndarray
@@ -51,26 +47,26 @@ def surges(
     ----------
     E. B. Wylie, V. L. Streeter, Fluid Transients in Systems, Prentice Hall, 1993.
     """
-    operated = [(part, name) for (part, name, _), shape in scene.waveforms.items() if not isinstance(shape, Constant)]
-    pressures = any(part == "sources" and scene.sources[name].is_effort for part, name in operated)
-    if MEDIA[scene.medium] is not HYDRAULIC or scene.start != "steady" or not start or pressures:
+    pressures = any(source.is_effort and varies(source.value) for source in description.scene.sources.values())
+    if not description.medium.hydraulic or not description.steady or not start or pressures:
         return []
     a1, b1, a2, b2 = np.stack(list(start.values()), axis=1)
     highest = float(np.maximum(a1 + b1, a2 + b2).max()) / 2
-    joukowsky = max([float(np.abs(a1 - b1).max()) / 2, *_changes(scene, t)])
-    rises = _rises(scene, probes, envelope)
+    joukowsky = max([float(np.abs(a1 - b1).max()) / 2, *_changes(description, t)])
+    rises = _rises(description, probes, envelope)
     packing = {where: max(highest - before, 0.0) for where, (before, _) in rises.items()}
     beyond = {where: top - before for where, (before, top) in rises.items()}
     beyond = {where: rise for where, rise in beyond.items() if rise > MARGIN * (joukowsky + packing[where])}
     if joukowsky <= TRICKLE * abs(highest) or not beyond:
         return []
     worst, *_ = places = worst_first(beyond, 1)
-    operated += [where for where, one in scene.placed if isinstance(one, Switch)]
-    moved = [place(*where) for where in operated]
+    moved = [where for where, shape in description.waveforms.items() if varies(shape)] + [*description.switched]
     causes = moved[:LISTED] + ["more"] * (len(moved) > LISTED)
-    causes += ["cavities that collapse"] * any(isinstance(one, Boiling) for _, one in scene.placed)
+    causes += ["cavities that collapse"] * description.collapses
     by = " and ".join(causes) or "what runs down or shuts by itself"
-    rise, most, packed = (engineering(x, HYDRAULIC.shown["effort"]) for x in (beyond[worst], joukowsky, packing[worst]))
+    rise, most, packed = (
+        engineering(x, description.medium.shown["effort"]) for x in (beyond[worst], joukowsky, packing[worst])
+    )
     return [
         f"{first_of(places)}: the pressure rises by {rise}, above Joukowsky's {most} and the line packing of {packed} "
         f"that the flow in one pipe explains; waves of {by} add up"
@@ -78,7 +74,7 @@ def surges(
 
 
 def _rises(
-    scene: Scene, probes: Mapping[str, ProbeResult], envelope: Envelope | None
+    description: Description, probes: Mapping[str, ProbeResult], envelope: Envelope | None
 ) -> dict[str, tuple[float, float]]:
     """Effort before t = 0, and the highest, at each probe and at nodes without one, counted from the level."""
     found = {}
@@ -86,21 +82,20 @@ def _rises(
         u = probe.u - probe.height.level
         found[place("probes", name)] = float(u[0]), float(u.max())
     if envelope is not None:
-        heights = [scene.heights.get(node) for node in envelope.nodes]
-        level = np.array([height.level if height else 0.0 for height in heights])
+        level = np.array([description.nodes[node].height.level for node in envelope.nodes])
         pairs = zip((envelope.start - level).tolist(), (envelope.highest - level).tolist(), strict=True)
-        probed = {probe.at for probe in scene.probes.values()}
+        probed = {probe.at for probe in description.scene.probes.values()}
         found |= {f"node '{node}'": x for node, x in zip(envelope.nodes, pairs, strict=True) if node not in probed}
     return found
 
 
-def _changes(scene: Scene, t: NDArray) -> Iterator[float]:
+def _changes(description: Description, t: NDArray) -> Iterator[float]:
     """What sources of flow do to the pipes beside them, Pa."""
     admittance: dict[str, float] = {}
-    for line in scene.single_lines.values():
+    for line in description.lines.values():
         for node in {*line.nodes}:
-            admittance[node] = admittance.get(node, 0.0) + 1 / line.parameters.z0
-    for source in scene.sources.values():
+            admittance[node] = admittance.get(node, 0.0) + 1 / line.z0
+    for source in description.scene.sources.values():
         if not source.is_effort and source.at in admittance:
             flow = np.append(source.value.value(t, t), just_before(source.value))
             yield float(np.ptp(flow)) / admittance[source.at]

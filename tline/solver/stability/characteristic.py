@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.multiport import Ports
+from tline.solver.description.given import Ports
 from tline.solver.stability.scattering import Scattering
 
 CHUNK = 2e6  # complex entries held at once

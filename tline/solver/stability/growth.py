@@ -1,16 +1,11 @@
-"""Which loads of a scene are active, and whether its waves grow with them."""
+"""Whether the waves of a scene grow."""
 
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from passivity import Status, Verdict, check_positive_real
 from tline.errors import InputError
-from tline.scene.mistakes import place
-from tline.scene.multiport import ControlledSource
-from tline.scene.rational_load import Impedance
-from tline.scene.scene import Scene
+from tline.solver.description.description import Description
 from tline.solver.stability.characteristic import Characteristic
 from tline.solver.stability.zeros import Box, UncountableError, count, rightmost
 
@@ -38,25 +33,7 @@ class Growth:
     highest: float
 
 
-def active_loads(scene: Scene) -> dict[str, Verdict]:
-    """Loads whose impedance is refuted to be positive real, by name; R, L and C above zero need no test."""
-    impedances = {name: load for name, load in scene.loads.items() if isinstance(load, Impedance)}
-    verdicts = {name: check_positive_real(load.rational()) for name, load in impedances.items()}
-    return {name: verdict for name, verdict in verdicts.items() if verdict.status is Status.REFUTED}
-
-
-def controlled_sources(scene: Scene) -> list[str]:
-    """Names of the links that may feed waves."""
-    return [name for name, link in scene.links.items() if isinstance(link, ControlledSource)]
-
-
-def active_parts(loads: Mapping[str, Verdict], sources: Iterable[str]) -> list[str]:
-    """What there is to say of each of the active loads, and of each of the links that may feed waves."""
-    told = [f"{place('loads', name)} is active: {verdict.why}" for name, verdict in loads.items()]
-    return told + [f"{place('links', name)} may feed waves" for name in sources]
-
-
-def growth(scene: Scene) -> Growth | None:
+def growth(description: Description) -> Growth | None:
     """Fastest growing wave of a scene after its last switch has moved, None if it is too large to be searched.
 
     Zeros of the characteristic function are counted by the argument principle, on samples of the boundary: reliable,
@@ -65,6 +42,8 @@ def growth(scene: Scene) -> Growth | None:
 
     Examples
     --------
+    >>> from tline.scene.scene import Scene
+    >>> from tline.solver.description.description import describe
     >>> scene = Scene(
     ...     medium="electrical", t_end=9,
     ...     lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
@@ -72,15 +51,15 @@ def growth(scene: Scene) -> Growth | None:
     ...     loads={"amplifier": {"at": "far", "kind": "impedance", "expression": "-5"}},
     ...     probes={"far": {"at": "far"}},
     ... )
-    >>> growth(scene)  # one round trip takes 2 s and multiplies by 1/2 and 3/2: decays
+    >>> growth(describe(scene))  # one round trip takes 2 s and multiplies by 1/2 and 3/2: decays
     Growth(s=None, highest=25.132741228718345)
     """
-    D = Characteristic(scene)
+    D = Characteristic(description)
     high = max(BEYOND * D.corner, 2 * np.pi * PERIODS)
     step = 1 / (SAMPLES * 2 * D.delays.sum())
     if high / step * (2 * len(D.z0)) ** 3 > MOST_WORK:
         return None
-    least = NEGLIGIBLE * D.second / float(scene.t_end)
+    least = NEGLIGIBLE * D.second / description.t_end
     try:
         box = Box(least, right_of_all(D, high, least), -1.37e-4 * high, high)
         if count(D.log, box, step) == 0:
@@ -108,11 +87,12 @@ def right_of_all(D: Characteristic, high: float, least: float) -> float:
         right *= 1.5
 
 
-def growth_sentence(scene: Scene, active: list[str]) -> str:
-    """One sentence on each active part and one on what they do to the scene."""
-    parts, why = "; ".join(active), "the scene is too large to search, or its waves lie too close together"
+def growth_sentence(description: Description) -> str:
+    """One sentence on each active part of a scene and one on what they do to it."""
+    parts = "; ".join(f"{where} {told}" for where, told in description.active.items())
+    why = "the scene is too large to search, or its waves lie too close together"
     try:
-        found = growth(scene)
+        found = growth(description)
     except InputError as error:
         found, why = None, f"{error.where} {error.problem}"
     if found is None:

@@ -5,11 +5,11 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.loss import LossyLine
-from tline.scene.line import SceneLine
-from tline.scene.mistakes import place
+from tline.solver.description.lines import Line
+from tline.wording import place
 
 
-def losses_of(name: str, line: SceneLine) -> LossyLine:
+def losses_of(name: str, line: Line) -> LossyLine:
     """The exact laws of a line that has losses.
 
     Raises

@@ -13,12 +13,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.multiport import Multiport
-from tline.scene.scene import Scene
-from tline.scene.touchstone import Touchstone
-from tline.solver.description.groups import grouped
+from tline.solver.description.description import Description
+from tline.solver.description.given import Touchstone
 from tline.solver.description.multiport import PortPlaces
-from tline.solver.description.nodes import NONE, Node, nodes_of
+from tline.solver.description.nodes import Node
 from tline.solver.stability.lossy_line import carried, losses_of
 
 Parts = tuple[NDArray, NDArray, NDArray]
@@ -29,21 +27,21 @@ class Scattering:
 
     Parameters
     ----------
-    scene : Scene
+    description : Description
         Its sources count with their resistances only.
     terminations : mapping of str to float, optional
         Conductances at nodes, beside what stands there.
     """
 
-    def __init__(self, scene: Scene, terminations: Mapping[str, float] | None = None):
-        scene.check_linear("transfer functions and growth rates", besides=Multiport)
-        lines = list(scene.lines.values())
-        delays = np.array([line.parameters.delay or 0.0 for line in lines])
+    def __init__(self, description: Description, terminations: Mapping[str, float] | None = None):
+        description.check_linear("transfer functions and growth rates")
+        description.refuse_coupled("a transfer function")
+        lines = list(description.lines.values())
+        delays = np.array([line.delay for line in lines])
         self.second = float(delays.min())
         self.delays = delays / self.second
-        self.z0 = np.array([line.parameters.z0 for line in lines])
-        none = np.zeros(len(lines))
-        groups, nodes = grouped(scene, NONE, nodes_of(scene), none, none)
+        self.z0 = np.array([line.z0 for line in lines])
+        groups, nodes = description.grouped()
         self.names = list(nodes)
         more = terminations or {}
         own = [0.0 if node.dead else node.total for node in nodes.values()]
@@ -51,7 +49,9 @@ class Scattering:
         self.totals = np.array(own) + extra
         self.held = np.array([node.held is not None or np.isinf(node.switched(np.inf)) for node in nodes.values()])
         self.ends = [np.array(node.ends, int) for node in nodes.values()]
-        self.lossy = {k: losses_of(name, line) for k, (name, line) in enumerate(scene.lines.items()) if line.losses}
+        self.lossy = {
+            k: losses_of(name, line) for k, (name, line) in enumerate(description.lines.items()) if line.losses
+        }
         self.measured = [node.measured for node in nodes.values()]
         self.loads = [self._polynomials(*each) for each in zip(nodes.values(), self.totals, self.held, strict=True)]
         edges = np.cumsum([0, *(len(group.nodes) for group in groups)])

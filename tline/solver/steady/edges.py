@@ -5,15 +5,15 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.mistakes import place
-from tline.scene.scene import Scene
-from tline.solver.description.elements import KINDS, Element, elements_of, laws_of
-from tline.solver.description.nodes import Node
+from tline.solver.description.description import Description
+from tline.solver.description.elements import Element
+from tline.solver.description.laws import KINDS, laws_of
 from tline.solver.kernel.network import Laws as Elements
 from tline.solver.steady.balance import Laws
 from tline.solver.steady.flows import flows_through
 from tline.solver.steady.lossy_lines import Falls, Table
 from tline.solver.steady.pockets import held_drops
+from tline.wording import place
 
 NOTHING = 1e-11  # of the largest flow: so little passes where it is rounded or leaks
 TIGHT, TIGHTEST = 1e2, 1e12  # drop over flow of a valve, in impedances of its nodes
@@ -32,21 +32,16 @@ class Edges:
     """
 
     def __init__(
-        self,
-        scene: Scene,
-        nodes: dict[str, Node],
-        number: dict[str, int],
-        lossy: NDArray,
-        tables: Mapping[str, Table],
+        self, description: Description, number: Mapping[str, int], lossy: NDArray, tables: Mapping[str, Table]
     ):
-        lines = {name: line for (name, line), falls in zip(scene.lines.items(), lossy, strict=True) if falls}
+        lines = {name: line for (name, line), falls in zip(description.lines.items(), lossy, strict=True) if falls}
         self.falls = Falls(lines, tables)
-        self.elements = [_running(e) for e in elements_of(scene, nodes) if e.law.kind not in FILLED]
+        self.elements = [_running(e) for e in description.elements if e.law.kind not in FILLED]
         self.where = [place("lines", name) for name in lines] + [element.where for element in self.elements]
         pairs = [line.nodes for line in lines.values()] + [(element.one, element.other) for element in self.elements]
         ends = [[-1 if node is None else number[node] for node in pair] for pair in pairs]
         self.one, self.other = np.array(ends, int).reshape(-1, 2).T
-        self.packed, _ = laws_of([self.elements], [list(nodes)], nodes, 0, 0)
+        self.packed, _ = laws_of([self.elements], [list(number)], description.nodes, 0, 0)
 
     @property
     def count(self) -> int:

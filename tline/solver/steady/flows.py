@@ -3,9 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.assembly.workspace import crossing_for
-from tline.solver.kernel.network import Laws
-from tline.solver.loop.units import law_addresses
+from tline.solver.kernel.network import Crossing, Laws
+from tline.solver.kernel.units import law_addresses
 from tline.structure import pack
 
 
@@ -15,6 +14,7 @@ def flows_through(laws: Laws, v: NDArray) -> tuple[NDArray, NDArray]:
     if len(v):
         from tline.solver.kernel.laws.through import Through, through
 
+        crossing = Crossing(laws.constants, *np.empty((4, 1)))
         law = law_addresses(laws.kind)
-        through(pack(Through(law, laws.at, laws.factor, v, laws.seen, flow, slope, crossing_for(laws.constants, 1))))
+        through(pack(Through(law, laws.at, laws.factor, v, laws.seen, flow, slope, crossing)))
     return flow, slope

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.description.components import parts
-from tline.solver.description.elements import KINDS
+from tline.solver.description.laws import KINDS
 from tline.solver.kernel.network import Laws as Elements
 
 WITHIN = 1e-4  # of the largest effort: how exactly a start has to be known

@@ -12,17 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.heights import NO_HEIGHT
-from tline.scene.medium import MEDIA
-from tline.scene.mistakes import place
-from tline.scene.scene import Scene
 from tline.solver.description.components import parts
+from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
 from tline.solver.description.nodes import NONE, Node
 from tline.solver.steady.balance import CLOSE, balanced
 from tline.solver.steady.edges import Edges
 from tline.solver.steady.lossy_lines import Table, pi
 from tline.solver.steady.pockets import settled
+from tline.wording import place
 
 SAME = 1e-9  # efforts that differ by less than this, relatively, are equal
 LAST_DIGITS = 1e-14  # of the level, which efforts have lost by counting from it
@@ -31,14 +29,12 @@ ROUNDING = 1e-12  # of the flows that meet
 STUCK = 1e-9  # of the largest flow, or of what held efforts and pumps send into a line, that only a leak takes
 
 
-def rest(scene: Scene, nodes: dict[str, Node]) -> tuple[dict[str, float], NDArray]:
+def rest(description: Description) -> tuple[dict[str, float], NDArray]:
     """Effort of each node, which counts from the level, and flows at both ends of each line while all stands still."""
-    return dict.fromkeys(nodes, 0.0), np.zeros((len(scene.single_lines), 2))
+    return dict.fromkeys(description.nodes, 0.0), np.zeros((len(description.lines), 2))
 
 
-def steady_state(
-    scene: Scene, nodes: dict[str, Node], tables: Mapping[str, Table] = NONE
-) -> tuple[dict[str, float], NDArray]:
+def steady_state(description: Description, tables: Mapping[str, Table] = NONE) -> tuple[dict[str, float], NDArray]:
     """Effort of each node and flows at both ends of each line, from end 1 to end 2, immediately before t = 0.
 
     Parameters
@@ -51,34 +47,33 @@ def steady_state(
     InputError
         If there is none: different ideal efforts on connected lines, or a flow that nothing takes; or none was found.
     """
-    effort, flows = above_level(scene, nodes, tables)
-    return {name: u + nodes[name].height.level for name, u in effort.items()}, flows
+    effort, flows = above_level(description, tables)
+    return {name: u + description.nodes[name].height.level for name, u in effort.items()}, flows
 
 
-def above_level(
-    scene: Scene, nodes: dict[str, Node], tables: Mapping[str, Table] = NONE
-) -> tuple[dict[str, float], NDArray]:
+def above_level(description: Description, tables: Mapping[str, Table] = NONE) -> tuple[dict[str, float], NDArray]:
     """The same with efforts that count from the level."""
-    number = {name: k for k, name in enumerate(nodes)}
-    first, second = np.array([[number[node] for node in line.nodes] for line in scene.lines.values()]).T
-    n = len(nodes)
-    lossy = np.array([any(line.steady_drop(1.0)) for line in scene.lines.values()])
-    leak = np.array([pi(line)[1] for line in scene.lines.values()])
+    description.refuse_coupled("a steady state")
+    nodes, lines = description.nodes, description.lines.values()
+    number, n = {name: k for k, name in enumerate(nodes)}, len(nodes)
+    first, second = np.array([[number[node] for node in line.nodes] for line in lines]).T
+    lossy = np.array([line.losses is not None and any(line.losses.steady_drop(1.0)) for line in lines])
+    leak = np.array([pi(line)[1] for line in lines])
     stiff = ~lossy
     part = parts(first[stiff], second[stiff], n)
     given, conductance, driven, tie = _balances(nodes)
     conductance += np.bincount(first, leak, n) + np.bincount(second, leak, n)
-    _check_held(scene, nodes, part, given)
-    edges = Edges(scene, nodes, number, lossy, tables)
+    _check_held(description, part, given)
+    edges = Edges(description, number, lossy, tables)
     if edges.count:
-        level, flow = _between_parts(scene, number, part, given, conductance, driven, edges)
+        level, flow = _between_parts(description, number, part, given, conductance, driven, edges)
         out = edges.out_of_nodes(flow, n)
     else:
-        level, flow, out = _efforts(scene, number, part, given, conductance, driven), np.zeros(0), np.zeros(n)
+        level, flow, out = _efforts(description, number, part, given, conductance, driven), np.zeros(0), np.zeros(n)
     effort = level[part]
     unheld = np.isnan(_least(given, part))
     tie[np.unique(part, return_index=True)[1][unheld]] = np.inf  # the potential's zero, anywhere
-    stiffness = np.array([1 / (line.parameters.z0 * (line.parameters.delay or 0.0)) for line in scene.lines.values()])
+    stiffness = np.array([1 / (line.z0 * line.delay) for line in lines])
     stiffness[lossy] = 0.0
     flow_in = driven - conductance * effort - out
     potential = _potential(first[stiff], second[stiff], stiffness[stiff], flow_in, tie)
@@ -89,7 +84,7 @@ def above_level(
 
 
 def _between_parts(
-    scene: Scene,
+    description: Description,
     number: dict[str, int],
     part: NDArray,
     given: NDArray,
@@ -105,41 +100,40 @@ def _between_parts(
     if not found.rest.max() <= CLOSE:
         where = edges.where[int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))]
         raise InputError(where, "no steady state found: efforts and flows do not settle here", "start = 'rest'")
-    largest = held / min(line.parameters.z0 for line in scene.single_lines.values())
+    largest = held / min(line.z0 for line in description.lines.values())
     by_itself = np.abs(laws.solved(np.zeros(edges.count))[1]).max()  # of a pump, or of air outside at another height
     driving = max(np.abs(driven).max(), largest, by_itself)
     scale = np.abs(found.flow).max(initial=driving)
     stuck = np.flatnonzero((np.abs(found.leak) > STUCK * scale) & (driving > 0))
     if stuck.size:
-        _refuse_flow(scene, number, part, int(stuck[0]), float(found.leak[stuck[0]]))
+        _refuse_flow(description, number, part, int(stuck[0]), float(found.leak[stuck[0]]))
     known = ~np.isnan(_least(given, part)) | (total != 0)
-    start = _starts(scene, number, part)
+    start = _starts(description, number, part)
     effort, opened = settled(found.effort, known, start, *edges.holding(part, found.flow, scale))
     if opened.size:
-        told = [name for name, site in scene.nodes.items() if site.start is not None and name in number]
-        name = next(name for name in told if part[number[name]] in opened)
-        got = effort[part[number[name]]] + scene.heights.get(name, NO_HEIGHT).level
-        unit = MEDIA[scene.medium].units["effort"]
+        name = next(name for name in description.starts if part[number[name]] in opened)
+        got = effort[part[number[name]]] + description.nodes[name].height.level
+        unit = description.medium.units["effort"]
         raise InputError(place("nodes", name, "start"), "a valve would open", f"such as {got:g} {unit}")
     return effort, found.flow
 
 
-def _starts(scene: Scene, number: dict[str, int], part: NDArray) -> NDArray:
+def _starts(description: Description, number: dict[str, int], part: NDArray) -> NDArray:
     """What parts are to start with, above the level, where nothing else determines it; else nan."""
     start = np.full(part.max() + 1, np.nan)
-    for name, site in scene.nodes.items():
-        if site.start is not None and name in number:
-            start[part[number[name]]] = scene.heights.get(name, NO_HEIGHT).below(site.start)
+    for name, effort in description.starts.items():
+        start[part[number[name]]] = description.nodes[name].height.below(effort)
     return start
 
 
-def _refuse_flow(scene: Scene, number: dict[str, int], part: NDArray, stuck: int, flow: float) -> None:
+def _refuse_flow(description: Description, number: dict[str, int], part: NDArray, stuck: int, flow: float) -> None:
     """Say that nothing takes the flow into a part."""
+    sources = description.scene.sources.items()
     where = next(
-        (place("sources", name) for name, source in scene.sources.items() if part[number[source.at]] == stuck),
+        (place("sources", name) for name, source in sources if part[number[source.at]] == stuck),
         f"node '{list(number)[int(np.flatnonzero(part == stuck)[0])]}'",
     )
-    got = f"{flow:g} {MEDIA[scene.medium].units['flow']}"
+    got = f"{flow:g} {description.medium.units['flow']}"
     raise InputError(where, "no steady state: nothing takes the flow", "a load that does", got)
 
 
@@ -173,12 +167,12 @@ def _least(values: NDArray, part: NDArray) -> NDArray:
     return least
 
 
-def _check_held(scene: Scene, nodes: dict[str, Node], part: NDArray, given: NDArray) -> None:
+def _check_held(description: Description, part: NDArray, given: NDArray) -> None:
     """Refuse different ideal efforts in one part."""
-    units, names = MEDIA[scene.medium].units, list(nodes)
+    units, names = description.medium.units, list(description.nodes)
     low, high = _least(given, part), -_least(-given, part)
     level = np.zeros(len(low))
-    level[part] = [node.height.level for node in nodes.values()]
+    level[part] = [node.height.level for node in description.nodes.values()]
     torn = np.flatnonzero(high - low > SAME * np.fmax(np.abs(low), np.abs(high)) + LAST_DIGITS * np.abs(level))
     if torn.size:
         k = torn[0]
@@ -191,14 +185,19 @@ def _check_held(scene: Scene, nodes: dict[str, Node], part: NDArray, given: NDAr
 
 
 def _efforts(
-    scene: Scene, number: dict[str, int], part: NDArray, given: NDArray, conductance: NDArray, driven: NDArray
+    description: Description,
+    number: dict[str, int],
+    part: NDArray,
+    given: NDArray,
+    conductance: NDArray,
+    driven: NDArray,
 ) -> NDArray:
     """The effort of each connected part, where nothing lies between parts."""
     low = _least(given, part)
     total, flow, size = (np.bincount(part, weights) for weights in (conductance, driven, np.abs(driven)))
     stuck = np.flatnonzero(np.isnan(low) & (total == 0) & (np.abs(flow) > ROUNDING * size))
     if stuck.size:
-        _refuse_flow(scene, number, part, int(stuck[0]), float(flow[stuck[0]]))
+        _refuse_flow(description, number, part, int(stuck[0]), float(flow[stuck[0]]))
     level = np.divide(flow, total, out=np.zeros_like(flow), where=total != 0)
     return np.where(np.isnan(low), level, low)
 

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.radau import chebyshev
 from tline.solver.result.result import ProbeResult, Wave
 
-LEAST_PLACES = 8  # in a slab or piece; two more than the order if those are more
 BESIDE = 1e-7  # slabs, from a front or an edge to the places beside it
 SETTLES = 16  # times that lumped lines settle: a piece up to that wide is blurred, for each pass adds one
 CHUNK = 100_000  # slabs at a time
@@ -145,9 +145,3 @@ def _ways(probe: ProbeResult) -> tuple[float, float]:
     if probe.share in (0.0, 1.0):
         return 0.0, 0.0
     return probe.share * probe.record.delay, (1.0 - probe.share) * probe.record.delay
-
-
-def chebyshev(order: int) -> list[float]:
-    """Places in a slab, denser toward its edges: 0 among them, 1 not, for that is the slab's end."""
-    n = max(LEAST_PLACES, order + 2)
-    return ((1 - np.cos(np.pi * np.arange(n) / n)) / 2).tolist()

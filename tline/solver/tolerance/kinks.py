@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.law import Law
-from tline.scene.scene import Scene
-from tline.solver.description.elements import Element, elements_of
-from tline.solver.description.nodes import Node, nodes_of
+from tline.solver.description.description import Description
+from tline.solver.description.elements import Element
+from tline.solver.description.given import Law
+from tline.solver.prepared import Kinks
 from tline.solver.radau import Basis, basis
 from tline.solver.result.result import LineRecord, Result, Wave
 
@@ -22,8 +22,6 @@ MOST = 2000  # instants of an element; where there are more, none is followed
 STEPS, STEP = 8, 1e-4  # of Newton's method, and for its slopes, in pieces
 OVER = 1.5  # pieces, to which a neighbour is continued
 CLOSED = 1e-12  # of the largest flow; less is none
-
-Kinks = Mapping[str, NDArray]
 
 
 class Seen(NamedTuple):
@@ -42,22 +40,22 @@ class Seen(NamedTuple):
         return self._replace(values=factor * self.values, before=factor * self.before)
 
 
-def kinking(scene: Scene) -> dict[str, tuple[Element, list[str]]]:
+def kinking(description: Description) -> dict[str, tuple[Element, list[str]]]:
     """Elements whose laws kink, by where they stand, and the lines whose records tell when."""
-    nodes, found = nodes_of(scene), {}
-    for element in elements_of(scene, nodes):
-        lines = [name for node in element.nodes for name, _ in _lines_at(scene, node) if nodes[node].held is None]
+    nodes, found = description.nodes, {}
+    for element in description.elements:
+        free = [node for node in element.nodes if nodes[node].held is None]
+        lines = [name for node in free for name, _ in _lines_at(description, node)]
         if lines and _points(element.law) is not None:
             found[element.where] = element, lines
     return found
 
 
-def kinks_of(result: Result, elements: Mapping[str, tuple[Element, list[str]]]) -> Kinks:
+def kinks_of(result: Result, description: Description, elements: Mapping[str, tuple[Element, list[str]]]) -> Kinks:
     """Instants at which laws kinked in a run that recorded the lines at their elements, s."""
-    nodes = nodes_of(result.scene)
     found = {}
     for where, (element, _) in elements.items():
-        instants = [_crossings(seen, result) for seen in _quantities(element, result, nodes)]
+        instants = [_crossings(seen, result) for seen in _quantities(element, result, description)]
         all_ = np.unique(np.concatenate([np.empty(0), *instants]))
         if 0 < len(all_) <= MOST:
             found[where] = all_
@@ -83,9 +81,9 @@ def _points(law: Law) -> Sequence[tuple[float | None, float | None]] | None:
     return None
 
 
-def _quantities(element: Element, result: Result, nodes: Mapping[str, Node]) -> Iterator[Seen]:
+def _quantities(element: Element, result: Result, description: Description) -> Iterator[Seen]:
     """What passes zero when a law kinks."""
-    law, flow, across = element.law, _flow(element, result, nodes), _across(element, result, nodes)
+    law, flow, across = element.law, _flow(element, result, description), _across(element, result, description)
     closed = CLOSED * float(np.abs(flow.values).max(initial=0.0)) if flow is not None else 0.0
     for e, i in _points(law) or []:
         if across is None or e is None:
@@ -94,13 +92,13 @@ def _quantities(element: Element, result: Result, nodes: Mapping[str, Node]) -> 
         elif i is None or flow is None:
             yield _less(across, e)
         else:
-            rho = _resistance(element, result)
+            rho = _resistance(element, description)
             yield _less(across + flow.times(rho), e + rho * i)
 
 
-def _across(element: Element, result: Result, nodes: Mapping[str, Node]) -> Seen | None:
+def _across(element: Element, result: Result, description: Description) -> Seen | None:
     """Effort across an element less what stands behind it; None if no line tells it."""
-    efforts = [_effort(node, result, nodes) for node in (element.one, element.other)]
+    efforts = [_effort(node, result, description) for node in (element.one, element.other)]
     known = [seen for seen in efforts if isinstance(seen, Seen)]
     if None in efforts or not known:
         return None
@@ -112,39 +110,40 @@ def _less(seen: Seen, level: float) -> Seen:
     return seen._replace(values=seen.values - level, before=seen.before - level)
 
 
-def _lines_at(scene: Scene, node: str) -> list[tuple[str, int]]:
+def _lines_at(description: Description, node: str) -> list[tuple[str, int]]:
     """Lines that end at a node, and which of their ends."""
-    return [(name, k) for name, line in scene.single_lines.items() for k in (0, 1) if line.nodes[k] == node]
+    names = list(description.lines)
+    return [(names[end // 2], end % 2) for end in description.nodes[node].ends]
 
 
-def _resistance(element: Element, result: Result) -> float:
+def _resistance(element: Element, description: Description) -> float:
     """That of a line at the element."""
-    node = next(node for node in element.nodes if _lines_at(result.scene, node))
-    return float(result.scene.single_lines[_lines_at(result.scene, node)[0][0]].parameters.z0)
+    (name, _), *_ = (end for node in element.nodes for end in _lines_at(description, node))
+    return description.lines[name].z0
 
 
-def _effort(node: str | None, result: Result, nodes: Mapping[str, Node]):
+def _effort(node: str | None, result: Result, description: Description):
     """Effort at a node in pieces; a shape where it is held, 0 at the reference, None where it is not known."""
     if node is None:
         return 0.0
-    held = nodes[node].held
+    held = description.nodes[node].held
     if held is not None:
         return held
-    lines = _lines_at(result.scene, node)
+    lines = _lines_at(description, node)
     if not lines or lines[0][0] not in result.lines:
         return None
     a, b = _waves(result.lines[lines[0][0]], lines[0][1])
     return (_in_pieces(a) + _in_pieces(b)).times(0.5)
 
 
-def _flow(element: Element, result: Result, nodes: Mapping[str, Node]) -> Seen | None:
+def _flow(element: Element, result: Result, description: Description) -> Seen | None:
     """Flow through an element from its first node to its other, if it alone is at one of them, beside lines."""
     for name, sign in ((element.one, 1.0), (element.other, -1.0)):
-        if name is None or nodes[name].held is not None:
+        if name is None or description.nodes[name].held is not None:
             continue
-        node, lines = nodes[name], _lines_at(result.scene, name)
+        node, lines = description.nodes[name], _lines_at(description, name)
         alone = node.conductance == 0 and node.load is None and not node.switches and not node.drives
-        laws = sum(name in other.nodes for other in elements_of(result.scene, dict(nodes)))
+        laws = sum(name in other.nodes for other in description.elements)
         if alone and laws == 1 and lines and all(line in result.lines for line, _ in lines):
             parts = []
             for line, k in lines:

@@ -4,12 +4,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from tline.errors import InputError
-from tline.scene.scene import Scene
 from tline.solver.assembly.lossy_segments import fits
-from tline.solver.description.nodes import NONE, nodes_of
+from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import resolution
+from tline.solver.result.accuracy import Accuracy, Attempt
 from tline.solver.result.result import Result
-from tline.solver.tolerance.accuracy import Accuracy, Attempt, added, compared, with_errors
+from tline.solver.tolerance.compare import added, compared, with_errors
 from tline.solver.tolerance.extrapolate import extrapolated, seen_at_ends
 from tline.solver.tolerance.search import Search, better, gained, inside_limit, inside_slabs, limit_of, rank, refined
 
@@ -22,18 +22,13 @@ IN_CELLS = 1e-5  # the first of these in cells, where terms cost little
 Row = dict[tuple[int, ...], Result]
 
 
-def is_lossy(scene: Scene) -> bool:
-    """Whether a line loses something."""
-    return any(line.losses is not None for line in scene.single_lines.values())
-
-
 def with_losses(search: Search) -> Result:
     """Run a scene with losses until the estimated error is within the tolerance, or a limit is reached.
 
     Where all lossy lines can be cut in cells, order and slab are refined as without losses. Else slabs are halved.
     Where circuits stand for exact laws, what closer ones change is added to the error.
     """
-    cells = fits(search.scene.single_lines, resolution(search.scene, nodes_of(search.scene)).h)
+    cells = fits(search.description.lines, resolution(search.description).h)
     fit, attempts = max((IN_CELLS if cells else CLOSER) * search.tol, CLOSEST), ()
     while True:
         search = search._replace(fit=fit)
@@ -62,7 +57,7 @@ def _refined(search: Search) -> tuple[Result, Result]:
     steeper than polynomials can be, and what these lose is missing ever after, while what a circuit without fast rates
     has wrong decays with the rates it has.
     """
-    start = resolution(search.scene, nodes_of(search.scene), search.scene.solver.order or ORDER_IN_CELLS)
+    start = resolution(search.description, search.description.scene.solver.order or ORDER_IN_CELLS)
     first = search.run(start._replace(fit=search.fit, band=CALM))
     if not any(len(line.series.rates) + len(line.shunt.rates) for line in first.circuits.values()):
         result = refined(search, NONE)
@@ -91,14 +86,14 @@ def _halved(search: Search) -> tuple[Result, Result]:
     Each run adds a row to a table: itself, and what Richardson makes of it and the row above. The error of an entry is
     its difference to the one above it; the result is the best entry of the last row.
     """
-    nodes, order = nodes_of(search.scene), search.scene.solver.order or ORDER
-    chosen = resolution(search.scene, nodes, order)._replace(fit=search.fit)
+    description, order = search.description, search.description.scene.solver.order or ORDER
+    chosen = resolution(description, order)._replace(fit=search.fit)
     best = last = search.run(chosen)
     row: Row = {(): last}
     attempts, limit, stale, accuracy = [Attempt.of(last)], "", 0, Accuracy(search.tol)
     while not limit:
         try:
-            finer = resolution(search.scene, nodes, order, chosen.h / 2)
+            finer = resolution(description, order, chosen.h / 2)
             chosen = finer._replace(fit=search.fit, lumps=2 * chosen.lumps)
             last = search.run(chosen, last.t[-1])
         except InputError as error:

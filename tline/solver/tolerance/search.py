@@ -7,15 +7,15 @@ from math import inf, log2
 from typing import NamedTuple
 
 from tline.errors import InputError
-from tline.scene.scene import Scene
-from tline.scene.vessel import Boiling
-from tline.solver.description.nodes import NONE, nodes_of
+from tline.solver.description.description import Description
+from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import FIT, Resolution, resolution
 from tline.solver.description.short_lines import short_lines
-from tline.solver.prepared import NO_KINKS, run
+from tline.solver.prepared import NO_KINKS, Kinks, run
+from tline.solver.result.accuracy import Accuracy, Attempt
 from tline.solver.result.result import Result
-from tline.solver.tolerance.accuracy import Accuracy, Attempt, compared, with_errors
-from tline.solver.tolerance.kinks import Kinks, kinking, kinks_of
+from tline.solver.tolerance.compare import compared, with_errors
+from tline.solver.tolerance.kinks import kinking, kinks_of
 
 FIRST, LAST = 2, 12  # orders
 MOST_INSIDE = 2e6  # line-end samples in all runs together, for the sake of instants inside slabs alone,
@@ -35,7 +35,7 @@ COLLAPSE = (
 class Search(NamedTuple):
     """What is looked for."""
 
-    scene: Scene
+    description: Description
     tol: float
     record: list[str]
     progress: bool
@@ -49,7 +49,7 @@ class Search(NamedTuple):
         """One run, to the scene's end time or to another."""
         slabs = None if end is None else round(end / chosen.h)
         return run(
-            self.scene,
+            self.description,
             chosen,
             self.record,
             envelope=self.envelope,
@@ -65,10 +65,10 @@ def within(search: Search) -> Result:
 
     Short lines are lumped if that is good enough. If it is not, and it is affordable, they are lines like others.
     """
-    names, settle = short_lines(search.scene, search.record)
+    names, settle = short_lines(search.description, search.record)
     if not names:
         return refined(search, NONE)
-    cost, problem = _cost_of_lines(search.scene)
+    cost, problem = _cost_of_lines(search.description)
     lumped = refined(search._replace(most=min(cost, search.most), settle=settle), dict.fromkeys(names, 1))
     if lumped.accuracy is None or lumped.accuracy.met:
         return lumped
@@ -81,13 +81,13 @@ def within(search: Search) -> Result:
     return replace(result, accuracy=replace(result.accuracy, attempts=attempts))
 
 
-def _cost_of_lines(scene: Scene) -> tuple[float, str]:
+def _cost_of_lines(description: Description) -> tuple[float, str]:
     """Line-end samples of the first runs if no line is lumped, and why that may be too much."""
     try:
-        h = resolution(scene, nodes_of(scene), FIRST).h
+        h = resolution(description, FIRST).h
     except InputError as error:
         return inf, f"and {error.problem}"
-    cost = 3 * FIRST * 2 * len(scene.lines) * scene.t_end / h
+    cost = 3 * FIRST * 2 * len(description.scene.lines) * description.t_end / h
     return cost, f"which takes {cost:.0e} line-end samples"
 
 
@@ -99,13 +99,13 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
     and laws kink, slabs are from then on cut in pieces where they did in the run before.
     """
     steps, limit, stale, helps = _finer(search, cells), "", 0, True
-    kinked, traced = kinking(search.scene), 0
+    kinked, traced = kinking(search.description), 0
     result = best = search.run(next(steps))
     attempts, accuracy, wanted = [Attempt.of(result)], Accuracy(search.tol), set(result.lines)
     found = told = accuracy  # of the last comparison
     while not limit:
         try:
-            kinks = kinks_of(result, kinked) if traced > 1 else NO_KINKS
+            kinks = kinks_of(result, search.description, kinked) if traced > 1 else NO_KINKS
             finer = search.run(steps.send((helps, told.met)), kinks=kinks)
         except StopIteration:
             limit = "order and slab are as fine as they may be"
@@ -192,7 +192,7 @@ def inside_slabs(accuracy: Accuracy) -> str:
 
 def limit_of(attempts: list[Attempt], stale: int, search: Search) -> str:
     """What forbids a finer run; empty if nothing does."""
-    collapse = any(isinstance(load, Boiling) for load in search.scene.loads.values())
+    collapse = search.description.collapses
     told = [a.estimate for a in attempts if a.estimate is not None][-STALE - 1 :]
     if stale == STALE or (collapse and len(told) > STALE and min(told) > LOST):
         return f"narrower slabs do not help{COLLAPSE * collapse}"
@@ -208,10 +208,10 @@ def _finer(search: Search, cells: Mapping[str, int]) -> Generator[Resolution, tu
 
     Beside lumped lines slabs are not narrowed: fronts are blurred there for a time of its own.
     """
-    scene, nodes = search.scene, nodes_of(search.scene)
-    s = scene.solver.order or FIRST
-    chosen = resolution(scene, nodes, s, cells=cells, settle=search.settle)
-    h, fixed, enough = chosen.h, scene.solver.slab is not None or bool(cells), False
+    description, given = search.description, search.description.scene.solver
+    s = given.order or FIRST
+    chosen = resolution(description, s, cells=cells, settle=search.settle)
+    h, fixed, enough = chosen.h, given.slab is not None or bool(cells), False
     while True:
         helped, met = yield chosen._replace(fit=search.fit)
         enough |= met
@@ -219,10 +219,10 @@ def _finer(search: Search, cells: Mapping[str, int]) -> Generator[Resolution, tu
             cells = {name: 2 * n for name, n in cells.items()}
             if max(cells.values(), default=0) > MOST_CELLS:
                 raise InputError("lumped lines", f"more than {MOST_CELLS} cells would be needed")
-        if scene.solver.order is None and s < LAST and (helped or fixed):
+        if given.order is None and s < LAST and (helped or fixed):
             s += 1
         elif not fixed:
             h /= 2
         else:
             return
-        chosen = resolution(scene, nodes, s, h, cells, search.settle)
+        chosen = resolution(description, s, h, cells, search.settle)

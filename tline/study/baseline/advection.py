@@ -6,7 +6,7 @@ from functools import partial
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.study.baseline.loads import scattering, trapezoid
 from tline.study.baseline.loops import advance_cells
 from tline.study.baseline.method import Trace
@@ -33,7 +33,7 @@ def lax_wendroff(scene: Scene, n: float, courant: float = COURANT) -> Trace:
 
 
 def _cells(scene: Scene, n: float, courant: float, diffusion: Callable[[NDArray], NDArray]) -> Trace:
-    nodes, dt = nodes_of(scene), shortest_delay(scene) / n
+    nodes, dt = describe(scene).nodes, shortest_delay(scene) / n
     steps, cells = count_steps(scene, dt), cells_of(scene, dt, courant)
     within(2 * cells.sum() * steps, MOST_WORK)
     C = cells * dt / delays_of(scene)

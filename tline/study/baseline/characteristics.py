@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.study.baseline.loads import Euler, scattering, trapezoid
 from tline.study.baseline.loops import advance_moc
 from tline.study.baseline.method import Trace
@@ -49,7 +49,7 @@ def moc(
     Without interpolation the delays are rounded to whole steps: the wave speeds are adjusted. `offset` adds to n; with
     `whole` all lines count as that many steps late, and the rest of the delay, whatever it is, is the fraction.
     """
-    nodes, dt = nodes_of(scene), shortest_delay(scene) / (n + offset)
+    nodes, dt = describe(scene).nodes, shortest_delay(scene) / (n + offset)
     steps, delays = count_steps(scene, dt), delays_of(scene) / dt
     late = np.maximum(np.round(delays) if weights is nearest else np.floor(delays + 1e-9), 1).astype(int)
     late = late if whole is None else np.full(len(late), whole)

@@ -6,14 +6,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.mistakes import place
 from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import rest, steady_state
 from tline.study.baseline.loops import advance_grid
 from tline.study.baseline.method import Trace
 from tline.study.baseline.steps import MOST_WORK, count_steps, delays_of, impedances_of, shortest_delay, stepped, within
+from tline.wording import place
 
 
 class Grid(NamedTuple):
@@ -33,12 +33,12 @@ def moc_grid(scene: Scene, n: float) -> Trace:
 
     Delays are rounded to whole steps.
     """
-    nodes, dt = nodes_of(scene), shortest_delay(scene) / n
+    description, dt = describe(scene), shortest_delay(scene) / n
     steps, reaches = count_steps(scene, dt), np.maximum(np.round(delays_of(scene) / dt), 1).astype(int)
     within(reaches.sum() * steps, MOST_WORK)
     losses = [line.losses for line in scene.single_lines.values()]
     friction = np.array([x.quadratic * x.exact.length if x else 0.0 for x in losses])
-    each = nodes.values()
+    each = description.nodes.values()
     net = Grid(
         np.cumsum([0, *(len(node.ends) for node in each)]),
         np.array([end for node in each for end in node.ends]),
@@ -48,7 +48,7 @@ def moc_grid(scene: Scene, n: float) -> Trace:
         impedances_of(scene),
         friction / reaches,
     )
-    efforts, flows = (steady_state if scene.start == "steady" else rest)(scene, nodes)
+    efforts, flows = (steady_state if description.steady else rest)(description)
     ends = np.array([[efforts[node] for node in line.nodes] for line in scene.lines.values()])
     parts = [[(node.held, 1.0)] if node.held else node.flows for node in each]
     return stepped(scene, partial(advance_grid, net, ends, flows[:, 0]), dt, steps, parts)

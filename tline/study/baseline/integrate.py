@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver.description.nodes import node_of_end, nodes_of
+from tline.solver.description.description import describe
+from tline.solver.description.nodes import node_of_end
 from tline.study.baseline.method import Trace
 from tline.study.baseline.node_systems import System
 from tline.study.baseline.steps import MOST_KEPT, count_steps, probed, sampled, shortest_delay, within
@@ -34,7 +35,7 @@ def integrated(
     from scipy import sparse
     from scipy.linalg import block_diag
 
-    nodes, unit = nodes_of(scene), shortest_delay(scene)
+    nodes, unit = describe(scene).nodes, shortest_delay(scene)
     at = node_of_end(nodes.values())
     select = sparse.csr_array((np.ones(len(at)), (range(len(at)), at)), (len(at), len(nodes)))
     lines = sparse.block_diag([chain.A for chain in chains], "csr")
@@ -65,7 +66,7 @@ def _solved(scene: Scene, A, B, efforts, directly, parts: list, dt: float, rtol:
     begun = time.perf_counter()
     v = np.array([sampled(row, t, dt) for row in parts])
     x, u = np.zeros(A.shape[0]), directly @ v
-    sizes = [np.abs(sampled(node.drives, t, dt)).max() for node in nodes_of(scene).values()]
+    sizes = [np.abs(sampled(node.drives, t, dt)).max() for node in describe(scene).nodes.values()]
     atol = rtol * max(*sizes, TINY)  # states are efforts, or flows times z0
     stiff = abs(A).sum(axis=1).max() > STIFF * unit / dt
     method, jacobian = ("Radau", {"jac": A}) if stiff else ("DOP853", {})

@@ -5,7 +5,8 @@ from functools import partial
 import numpy as np
 
 from tline.scene.scene import Scene
-from tline.solver.description.nodes import node_of_end, nodes_of
+from tline.solver.description.description import describe
+from tline.solver.description.nodes import node_of_end
 from tline.study.baseline.loads import trapezoid
 from tline.study.baseline.loops import advance_fdtd
 from tline.study.baseline.method import Trace
@@ -25,7 +26,7 @@ from tline.study.baseline.steps import (
 
 def fdtd(scene: Scene, n: float, courant: float = COURANT) -> Trace:
     """Effort at cell edges and whole steps, flow between them; half a cell of every line belongs to its node."""
-    nodes, dt = nodes_of(scene), shortest_delay(scene) / n
+    nodes, dt = describe(scene).nodes, shortest_delay(scene) / n
     steps, cells = count_steps(scene, dt), cells_of(scene, dt, courant)
     within(2 * cells.sum() * steps, MOST_WORK)
     systems = [on_capacitor(node, half, dt) for node, half in half_sections(scene, nodes, cells)]

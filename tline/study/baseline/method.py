@@ -7,10 +7,10 @@ from typing import NamedTuple
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.loss.losses import Losses
 from tline.scene.cavities import with_cavities
-from tline.scene.losses import Losses
-from tline.scene.mistakes import place
 from tline.scene.scene import Scene
+from tline.wording import place
 
 
 class Trace(NamedTuple):

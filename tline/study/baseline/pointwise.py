@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from tline.scene.scene import Scene, Solver
 from tline.scene.waveform import Shape
 from tline.solver.assembly.assemble import assemble
+from tline.solver.description.description import describe
 from tline.solver.description.excitation import EDGE, sampled
 from tline.solver.loop.kernel import advance
 from tline.solver.radau import Basis, gauss
@@ -57,7 +58,7 @@ def slabs_pointwise(scene: Scene, n: float, order: int = 4, offset: float = HALF
     probed = {name: _a_line_at(scene, probe.at) for name, probe in scene.probes.items()}
     within(4 * len(probed) * steps * order, MOST_KEPT)
     cut = scene.model_copy(update={"solver": Solver.model_validate({"order": order, "slab": h})})
-    assembly = assemble(cut, {line for line, _ in probed.values()})
+    assembly = assemble(describe(cut), {line for line, _ in probed.values()})
     rests = delays_of(scene) / h - assembly.network.delay
     shift = np.array([pointwise(assembly.basis, f) for f in rests])
     rows = np.where(assembly.network.shift_row < 0, -1, np.arange(len(rests)))

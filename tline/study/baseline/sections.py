@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
-from tline.solver.description.nodes import node_of_end, nodes_of
+from tline.solver.description.description import describe
+from tline.solver.description.nodes import node_of_end
 from tline.study.baseline.integrate import Chain, integrated
 from tline.study.baseline.method import Trace
 from tline.study.baseline.node_systems import HELD, System, behind_inductor, half_sections, on_capacitor
@@ -15,7 +16,7 @@ from tline.study.baseline.steps import decays_of, delays_of, impedances_of, sect
 
 def lumped_pi(scene: Scene, n: float) -> Trace:
     """Each line a chain of sections, half of their capacitance before and half behind their inductance."""
-    nodes, unit, cells = nodes_of(scene), shortest_delay(scene), sections_of(scene, n)
+    nodes, unit, cells = describe(scene).nodes, shortest_delay(scene), sections_of(scene, n)
     chains = []
     widths = delays_of(scene) / cells / unit
     for N, width, z0, decay in zip(cells, widths, impedances_of(scene), decays_of(scene), strict=True):
@@ -30,7 +31,7 @@ def lumped_pi(scene: Scene, n: float) -> Trace:
 
 def lumped_t(scene: Scene, n: float) -> Trace:
     """Each line a chain of sections, half of their inductance before and half behind their capacitance."""
-    nodes, unit, cells = nodes_of(scene), shortest_delay(scene), sections_of(scene, n)
+    nodes, unit, cells = describe(scene).nodes, shortest_delay(scene), sections_of(scene, n)
     widths = delays_of(scene) / cells / unit
     half = np.repeat(widths * impedances_of(scene) / 2, 2)  # inductance at each end
     behind = [1 / (1 / half[node.ends]).sum() for node in nodes.values()]
@@ -50,7 +51,7 @@ def pade(scene: Scene, n: float) -> Trace:
     """Each delay a chain of sections (6 - 2s)/(6 + 4s + s²), the Padé approximant [1/2] of exp(-s)."""
     from scipy import sparse
 
-    nodes, unit, cells = nodes_of(scene), shortest_delay(scene), sections_of(scene, n)
+    nodes, unit, cells = describe(scene).nodes, shortest_delay(scene), sections_of(scene, n)
     share = np.empty(2 * len(cells))
     for node in nodes.values():
         share[node.ends] = 1 / impedances_of(scene)[np.array(node.ends) // 2] / (np.inf if node.held else node.total)
@@ -84,7 +85,7 @@ def _skew(D: NDArray) -> NDArray:
 def pushes_inductors(scene: Scene) -> str | None:
     """Why sections that end in inductances cannot do a scene; None if they can."""
     for source in scene.sources.values():
-        node = nodes_of(scene)[source.at]
+        node = describe(scene).nodes[source.at]
         if node.held is None and node.conductance == 0.0:
             return f"node '{source.at}': an ideal flow would have to jump in the inductances there"
     return None

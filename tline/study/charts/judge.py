@@ -7,7 +7,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
-from tline.solver.tolerance.lossy import is_lossy
+from tline.solver.description.description import describe
 from tline.study.charts.clock import Traces
 from tline.study.reference import Solution
 from tline.study.reference.friction import FrictionSolution
@@ -107,7 +107,7 @@ class Judge:
 def _solutions(scene: Scene) -> Mapping[str, Closed | Interpolated | Stepped]:
     """By probe: what is exact, or stands for it."""
     if all(line.losses is None or line.losses.linear for line in scene.single_lines.values()):
-        solve = Interpolated if is_lossy(scene) else Closed
+        solve = Interpolated if describe(scene).lossy else Closed
         return {probe: solve(scene, probe) for probe in scene.probes}
     solution = FrictionSolution(scene)
     return {probe: Stepped(solution, probe) for probe in scene.probes}

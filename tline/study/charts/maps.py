@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
 from tline.study.baseline import BASELINES
 from tline.study.baseline.advection import lax_wendroff, upwind
 from tline.study.baseline.characteristics import Weights, cubic, linear, moc
@@ -116,7 +117,7 @@ def slabs(scene: Scene, order: int, slab: float) -> tuple[NDArray, NDArray]:
     from tline.solver.loop.march import march
 
     cut = scene.model_copy(update={"solver": type(scene.solver).model_validate({"order": order, "slab": slab})})
-    assembly = assemble(cut, {"line"})
+    assembly = assemble(describe(cut), {"line"})
     n = int(np.ceil(float(scene.t_end) / slab - 1e-9))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

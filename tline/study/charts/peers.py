@@ -15,7 +15,7 @@ from collections.abc import Callable
 from functools import partial
 
 from tline.scene.scene import Scene
-from tline.solver.tolerance.lossy import is_lossy
+from tline.solver.description.description import describe
 from tline.study.charts import inverse_fft
 from tline.study.charts.clock import FULL, QUICK, Run
 from tline.study.charts.table import Table
@@ -77,6 +77,6 @@ def peers(name: str, quick: bool = False, progress: bool = False) -> Table:
             else:
                 add(table, label, "peer", partial(run, scene), judge, effort)
             bar.update()
-    if scene.medium == "hydraulic" and not is_lossy(scene):
+    if scene.medium == "hydraulic" and not describe(scene).lossy:
         table.notes.append("rthym-moc has friction here, which cannot be switched off.")
     return table

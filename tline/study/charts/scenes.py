@@ -3,9 +3,9 @@
 from typing import Any, NamedTuple
 
 from tline.errors import InputError
-from tline.scene.mistakes import nearest
 from tline.scene.scene import Scene
 from tline.study.charts import water
+from tline.wording import nearest
 
 
 class ChartScene(NamedTuple):

@@ -15,7 +15,7 @@ import numpy as np
 
 from tline.scene.friction import darcy
 from tline.scene.scene import Scene
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import rest, steady_state
 from tline.study.charts.clock import Run
 from tline.study.programs.ngspice import corners
@@ -37,10 +37,10 @@ def run(scene: Scene, n: int) -> Run:
     moc: Any = import_module("rthym_moc")
     unit = moc.GPM_TO_CFS * FOOT**3  # of flow, m³/s, as it has it
     head = DENSITY * moc.G_FT_S2 * FOOT**2  # of a foot, Pa, as it has it
-    nodes = nodes_of(scene)
-    efforts, flows = (steady_state if scene.start == "steady" else rest)(scene, nodes)
+    description = describe(scene)
+    efforts, flows = (steady_state if description.steady else rest)(description)
     solver = moc.MOCSolver()
-    for name, node in nodes.items():
+    for name, node in description.nodes.items():
         kind = "PressureBoundary" if node.held else "Junction"
         solver.add_node(_filled(moc.NodeInput(), id=name, type=kind, head=HEAD + efforts[name] / head))
     for (name, line), flow in zip(scene.single_lines.items(), flows[:, 0].tolist(), strict=True):

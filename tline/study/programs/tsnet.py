@@ -23,7 +23,7 @@ import numpy as np
 from tline.errors import InputError
 from tline.scene.friction import darcy
 from tline.scene.scene import Scene
-from tline.solver.description.nodes import nodes_of
+from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import steady_state
 from tline.study.charts.clock import Run
 from tline.study.programs.ngspice import corners
@@ -104,8 +104,8 @@ def run(scene: Scene, n: int) -> Run:
 
 def _told(scene: Scene, n: int, halves: int) -> tuple[str, dict[str, Any]]:
     """The network for EPANET, and what replaces what EPANET finds."""
-    nodes = nodes_of(scene)
-    efforts, flows = steady_state(scene, nodes)
+    description = describe(scene)
+    nodes, (efforts, flows) = description.nodes, steady_state(description)
     heads = {name: HEAD + u / (DENSITY * G) for name, u in efforts.items()}
     held, free = ([name for name, node in nodes.items() if bool(node.held) is fixed] for fixed in (True, False))
     pipes, exact, seen = [], [], {}

@@ -15,12 +15,12 @@ from scipy.interpolate import BSpline, make_interp_spline
 from tline.errors import InputError
 from tline.scene.heights import refuse_heights
 from tline.scene.load import Load, Reservoir, Short
-from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.scene.shape import Shape
 from tline.study.reference.grid import Pipes, joined, march, steady
 from tline.study.reference.network import decimal
 from tline.study.reference.waveforms import straight
+from tline.wording import place
 
 MOST_WORK = 500_000_000  # reaches times steps of the finest grid
 DEGREE = 5  # of splines between fronts

@@ -5,10 +5,10 @@ from fractions import Fraction
 from typing import Any
 
 from tline.errors import InputError
-from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.study.reference.network import Junction, Network, decimal, switched
 from tline.study.reference.waveforms import level, straight
+from tline.wording import place
 
 MOST_WAVES = 500_000
 

@@ -14,7 +14,6 @@ from tline.errors import InputError
 from tline.scene.cavities import refuse_cavities
 from tline.scene.heights import refuse_heights
 from tline.scene.load import NoFlow, Resistor
-from tline.scene.mistakes import place
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
 from tline.study.reference.exact import Exact
@@ -22,6 +21,7 @@ from tline.study.reference.lattice import instant
 from tline.study.reference.lossy import Drive, lossy_response
 from tline.study.reference.network import decimal
 from tline.study.reference.waveforms import straight
+from tline.wording import place
 
 
 class LossySolution:

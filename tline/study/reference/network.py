@@ -10,10 +10,10 @@ from tline.errors import InputError
 from tline.scene.heights import refuse_heights
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.lossless import refuse_losses
-from tline.scene.mistakes import nearest, place
 from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
 from tline.scene.waveform import Constant, Shape
+from tline.wording import nearest, place
 
 
 def decimal(value: float) -> Fraction:

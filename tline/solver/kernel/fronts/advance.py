@@ -103,7 +103,7 @@ def scatter_all(job, slab, k):
                 return network.group[g]
         elif scatter_whole(run, fronts, g, slab, k) >= 0:
             return network.group[g]
-    return np.int64(-1)
+    return -1
 
 
 @unit
@@ -120,7 +120,7 @@ def advance_fronts(job: FrontRun, first_slab: int, n_slabs: int) -> int:
         counts[DONE], slab = k, first_slab + k
         log_is_full = counts[NOTED] + places > fronts.log.where.shape[0]
         if log_is_full or (counts[LIVE] == 0 and k >= fronts.lull):
-            return np.int64(-1)
+            return -1
         for r in range(due.size):
             while due[r] < sources.first[r + 1] and sources.slab[due[r]] < slab:
                 due[r] += 1
@@ -146,4 +146,4 @@ def advance_fronts(job: FrontRun, first_slab: int, n_slabs: int) -> int:
         rotate(network, state, network.blocks.near_lines, 1)
         k += 1
     counts[DONE] = n_slabs
-    return np.int64(-1)
+    return -1

@@ -7,16 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.load import Load, Matched, Reservoir, Resistor, Short, Switch
-from tline.scene.mistakes import place
 from tline.scene.multiport import ControlledSource, Multiport
 from tline.scene.rational_load import Parallel, Rational, Series
-from tline.scene.scene import Scene
-from tline.scene.shape import Shape
-from tline.solver.description.elements import Element, elements_of
+from tline.solver.description.description import Description
+from tline.solver.description.elements import Element
 from tline.solver.description.excitation import places_of
+from tline.solver.description.given import Shape
 from tline.solver.description.nodes import Node, lowered
-from tline.solver.ledger.ledger import DISSIPATED, STORED, SUPPLIED, TAKEN
+from tline.wording import place
 
+SUPPLIED, DISSIPATED, STORED, TAKEN = range(4)  # what an element is expected to do with energy
 GIVING = {"pump", "rotor"}  # kinds of laws
 STORING = {"gas", "tank", "table"}  # those that may give what they held; a table may hold a source
 
@@ -62,7 +62,9 @@ class Standing(NamedTuple):
     drives: list[Drive]
 
 
-def standing(scene: Scene, nodes: Mapping[str, Node], lumped: Collection[str], h: float, t_end: float) -> Standing:
+def standing(
+    description: Description, nodes: Mapping[str, Node], lumped: Collection[str], h: float, t_end: float
+) -> Standing:
     """Sort what stands at nodes. What stands beside a held effort and has no known conductance is not seen.
 
     Parameters
@@ -75,14 +77,14 @@ def standing(scene: Scene, nodes: Mapping[str, Node], lumped: Collection[str], h
         Slab width and end of the run, s.
     """
     unseen = {name for name, node in nodes.items() if not node.ends and node.held is None}
-    drives, conductors = list(_drives(scene, nodes, h, t_end)), list(_conductors(scene))
+    drives, conductors = list(_drives(description, nodes, h, t_end)), list(_conductors(description))
     members = [
         *(Member(one.where, (one.node,), TAKEN, True, to_air=False) for one in drives if one.node in unseen),
         *(Member(one.where, (one.node,), DISSIPATED, False) for one in conductors if one.node in unseen),
-        *_holding(scene),
-        *_dynamic(scene, nodes),
-        *(_non_linear(element) for element in elements_of(scene, dict(nodes))),
-        *(_short(name, scene) for name in lumped),
+        *_holding(description),
+        *_dynamic(description, nodes),
+        *(_non_linear(element) for element in description.elements),
+        *(_lumped(name, description) for name in lumped),
     ]
     return Standing(
         members,
@@ -91,27 +93,27 @@ def standing(scene: Scene, nodes: Mapping[str, Node], lumped: Collection[str], h
     )
 
 
-def _drives(scene: Scene, nodes: Mapping[str, Node], h: float, t_end: float) -> Iterator[Drive]:
-    for name, source in scene.sources.items():
+def _drives(description: Description, nodes: Mapping[str, Node], h: float, t_end: float) -> Iterator[Drive]:
+    for name, source in description.scene.sources.items():
         if np.isfinite(source.conductance):
             breaks = places_of([(source.value, 1.0)], t_end, h)
             value = lowered(source.value, nodes[source.at].height.level) if source.is_effort else source.value
             yield Drive(place("sources", name), source.at, value, breaks, source.conductance, source.is_effort)
 
 
-def _short(name: str, scene: Scene) -> Member:
+def _lumped(name: str, description: Description) -> Member:
     """A lumped line."""
-    return Member(place("lines", name), scene.lines[name].nodes, TAKEN, scene.start != "rest", to_air=False)
+    return Member(place("lines", name), description.lines[name].nodes, TAKEN, description.steady, to_air=False)
 
 
-def _conductors(scene: Scene) -> Iterator[Conductor]:
-    for name, load in scene.loads.items():
-        g = _conductance(load, scene)
+def _conductors(description: Description) -> Iterator[Conductor]:
+    for name, load in description.scene.loads.items():
+        g = _conductance(load, description)
         if np.isfinite(g):
             yield Conductor(place("loads", name), load.at, g, load if isinstance(load, Switch) else None)
 
 
-def _conductance(load: Load, scene: Scene) -> float:
+def _conductance(load: Load, description: Description) -> float:
     """Of a resistor, some finite one of a switch with resistances; infinite for all others."""
     match load:
         case Resistor() if load.resistance > 0:
@@ -119,25 +121,25 @@ def _conductance(load: Load, scene: Scene) -> float:
         case Switch() if load.before > 0 and load.after > 0:
             return 0.0
         case Matched():
-            return sum(line.nodes.count(load.at) / line.parameters.z0 for line in scene.lines.values())
+            return sum(line.nodes.count(load.at) / line.z0 for line in description.lines.values())
     return np.inf
 
 
-def _holding(scene: Scene) -> Iterator[Member]:
+def _holding(description: Description) -> Iterator[Member]:
     """What holds the effort of its node, or may."""
-    for name, source in scene.sources.items():
+    for name, source in description.scene.sources.items():
         if np.isinf(source.conductance):
             yield Member(place("sources", name), (source.at,), SUPPLIED, True, to_air=False)
-    for name, load in scene.loads.items():
+    for name, load in description.scene.loads.items():
         if isinstance(load, Reservoir):
             yield Member(place("loads", name), (load.at,), SUPPLIED, True, to_air=False)
-        elif isinstance(load, Short | Resistor | Switch) and np.isinf(_conductance(load, scene)):
+        elif isinstance(load, Short | Resistor | Switch) and np.isinf(_conductance(load, description)):
             yield Member(place("loads", name), (load.at,), DISSIPATED, False)
 
 
-def _dynamic(scene: Scene, nodes: Mapping[str, Node]) -> Iterator[Member]:
+def _dynamic(description: Description, nodes: Mapping[str, Node]) -> Iterator[Member]:
     """What has states of its own, and multiports."""
-    holds = scene.start != "rest"
+    scene, holds = description.scene, description.steady
     for name, load in scene.loads.items():
         if isinstance(load, Rational) and nodes[load.at].held is None:
             R = float(getattr(load, "resistance", None) or 0.0)

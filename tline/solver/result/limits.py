@@ -3,67 +3,54 @@
 from collections.abc import Mapping
 from math import inf
 
-from tline.scene.medium import HYDRAULIC, MEDIA
-from tline.scene.scene import Scene
-from tline.scene.vessel import Boiling
+from tline.solver.description.description import Description
 from tline.units import engineering
 
 VACUUM = -101_325.0  # Pa, gauge
 
 
-def beyond_limits(scene: Scene, extremes: Mapping[str, tuple[float, float]]) -> list[str]:
+def beyond_limits(description: Description, extremes: Mapping[str, tuple[float, float]]) -> list[str]:
     """Whether pressures fall below those that a liquid can have, or an effort exceeds the scene's rating.
 
     Parameters
     ----------
-    scene : Scene
+    description : Description
     extremes : mapping of str to pair of float
         Lowest and highest effort by place; a gauge pressure, Pa; else V.
 
     Examples
     --------
+    >>> from tline.scene.scene import Scene
+    >>> from tline.solver.description.description import describe
     >>> scene = Scene(
     ...     medium="hydraulic", t_end=1, probes={"valve": {"at": "b"}}, rating="16 bar",
     ...     lines={"pipe": {"nodes": ["a", "b"], "z0": 1e8, "delay": 1}},
     ... )
-    >>> for note in beyond_limits(scene, {"probes.valve": (-2e5, 2e6)}):
+    >>> for note in beyond_limits(describe(scene), {"probes.valve": (-2e5, 2e6)}):
     ...     print(note)
     probes.valve: the pressure falls to -2 bar; a liquid cavitates below -1.013 bar gauge (0 absolute): not modelled
     probes.valve: the pressure rises to 20 bar, above the rating of 16 bar
     """
-    medium = MEDIA[scene.medium]
+    medium = description.medium
     unit, found = medium.shown["effort"], []
     deep = {where: low for where, (low, _) in extremes.items() if low < VACUUM}
-    if medium is HYDRAULIC and deep:
-        boils = any(isinstance(load, Boiling) for load in scene.loads.values())
-        modelled = "modelled at cavities only, and a jump within a slab shoots past it" if boils else "not modelled"
+    if medium.hydraulic and deep:
+        modelled = (
+            "modelled at cavities only, and a jump within a slab shoots past it"
+            if description.collapses
+            else "not modelled"
+        )
         limit = f"a liquid cavitates below {engineering(VACUUM, unit)} gauge (0 absolute): {modelled}"
         falls = f"the pressure falls to {engineering(min(deep.values()), unit)}"
         found.append(f"{first_of(worst_first(deep, -1))}: {falls}; {limit}")
-    rating = float(scene.rating or inf)
-    sizes = {where: high if medium is HYDRAULIC else max(high, -low) for where, (low, high) in extremes.items()}
+    rating = float(description.scene.rating or inf)
+    sizes = {where: high if medium.hydraulic else max(high, -low) for where, (low, high) in extremes.items()}
     high = {where: size for where, size in sizes.items() if size > rating}
     if high:
         rises = f"the {medium.effort} rises to {engineering(max(high.values()), unit)}"
         above = f"above the rating of {engineering(rating, unit)}"
         found.append(f"{first_of(worst_first(high, 1))}: {rises}, {above}")
     return found
-
-
-def weight_at(scene: Scene) -> dict[str, float]:
-    """Density·g·elevation of nodes whose elevation is given, Pa: the piezometric pressure less the gauge pressure.
-
-    Examples
-    --------
-    >>> pipe = {"nodes": ["a", "b"], "z0": 1e8, "delay": 1, "density": 1000}
-    >>> scene = Scene(
-    ...     medium="hydraulic", t_end=1, probes={"p": {"at": "a"}}, lines={"pipe": pipe}, nodes={"b": {"elevation": 10}}
-    ... )
-    >>> weight_at(scene)
-    {'b': 98066.5}
-    """
-    given = (name for name, site in scene.nodes.items() if site.elevation is not None)
-    return {name: scene.heights[name].weight for name in given}
 
 
 def worst_first(sizes: Mapping[str, float], sign: int) -> list[str]:

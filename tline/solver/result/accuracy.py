@@ -3,16 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
+from typing import TYPE_CHECKING
 
-import numpy as np
+if TYPE_CHECKING:
+    from tline.solver.result.result import Result
 
-from tline.solver.result.result import Result
-from tline.solver.tolerance.difference import difference
-
-ROUNDING = 2e-15  # relative to the amplitude; no estimate is smaller
 SLOWEST = 0.5  # share of a difference that a step counts as leaving, at most
 BETWEEN = 1.5  # times the largest difference at the places that are compared: what lies between them
-SILENT = 1e-9  # of the larger of u and z0·y; an amplitude below it is not weighed
 
 
 @dataclass(frozen=True)
@@ -62,7 +59,7 @@ class Attempt:
     cells: int = 0
 
     @classmethod
-    def of(cls, result: Result, estimate: float | None = None) -> "Attempt":
+    def of(cls, result: "Result", estimate: float | None = None) -> "Attempt":
         """The run that gave a result."""
         s, h, cells = result.resolution.s, result.resolution.h, max(result.resolution.cells.values(), default=0)
         return cls(s, h, estimate, result.samples, result.seconds, cells)
@@ -129,27 +126,3 @@ class Accuracy:
     def met(self) -> bool:
         """Whether the tolerance is met, as far as can be told."""
         return self.tol is None or (self.worst <= self.tol and not self.limit)
-
-
-def compared(coarse: Result, fine: Result) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
-    """Errors of a run by its largest differences to a finer one: `estimates`, `inside` and `blurred` of `Accuracy`."""
-    told: tuple[dict[str, Estimate], ...] = {}, {}, {}
-    for name, probe in fine.probes.items():
-        found = difference(coarse.probes[name], probe, fine.resolution.settle)
-        heard = found.amplitude > SILENT * found.amplitude.max()
-        for each, size in zip(told, found[:3], strict=True):
-            relative = np.where(heard, size / np.where(heard, found.amplitude, 1.0), 0.0)
-            each[name] = Estimate(*(max(float(e), ROUNDING) if e > 0 else 0.0 for e in relative))
-    return told
-
-
-def with_errors(result: Result, other: Result, caution: float) -> Result:
-    """A result whose envelope, if it has one, has its differences to that of another run, so many times, as errors."""
-    if result.envelope is None or other.envelope is None:
-        return result
-    return replace(result, envelope=result.envelope.compared(other.envelope, caution))
-
-
-def added(one: Mapping[str, Estimate], other: Mapping[str, Estimate]) -> dict[str, Estimate]:
-    """Sums by probe."""
-    return {name: Estimate(e.u + other[name].u, e.y + other[name].y) for name, e in one.items()}

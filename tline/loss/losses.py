@@ -1,4 +1,4 @@
-"""What a line of a scene loses, as exact laws: those over frequency, and friction that depends on the flow itself."""
+"""What a line loses, as exact laws: those over frequency, and friction that depends on the flow itself."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,7 +7,8 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.loss import Constant, LossyLine
+from tline.loss.constant import Constant
+from tline.loss.line import LossyLine
 
 Curve = Callable[[NDArray], tuple[NDArray, NDArray]]  # from |flow| to drop per metre and its slope
 

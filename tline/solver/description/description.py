@@ -1,0 +1,211 @@
+"""A scene as plain data in SI, read once: what a run needs to know of it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.cavities import places_of, stretches_of, with_cavities
+from tline.scene.coupled import Coupled, ends_of
+from tline.scene.load import Switch
+from tline.scene.multiport import Multiport
+from tline.scene.plausible import doubts
+from tline.scene.vessel import Boiling
+from tline.solver.description.active import active_parts
+from tline.solver.description.elements import BREAKING, Element, elements_of
+from tline.solver.description.excitation import Shape
+from tline.solver.description.given import MEDIA, End, Height, Medium, Scene
+from tline.solver.description.groups import Group, Lump, grouped
+from tline.solver.description.lines import Line, lines_of
+from tline.solver.description.multiport import PlacedPorts
+from tline.solver.description.nodes import NONE, Node, nodes_of
+from tline.solver.description.probes import Probe, probes_of
+from tline.solver.description.scales import time_scales
+from tline.wording import place
+
+
+class Stretches(NamedTuple):
+    """Names of the stretches of a line with cavities, and of the nodes between them."""
+
+    lines: list[str]
+    nodes: list[str]
+
+
+@dataclass(frozen=True, eq=False)
+class Description:
+    """What a scene is made of; what not every run needs is found when it is asked for first.
+
+    Attributes
+    ----------
+    scene : Scene
+        As it was given, for the result.
+    lines : dict of str to Line
+        All that carry waves: single ones, and one for each mode of coupled conductors.
+    coupled : dict of str to pair of End
+        Ends of coupled conductors.
+    heights : mapping of str to Height
+        Of nodes; empty without elevations.
+    """
+
+    scene: Scene
+    medium: Medium
+    t_end: float
+    steady: bool
+    lines: dict[str, Line]
+    coupled: dict[str, tuple[End, End]]
+    heights: Mapping[str, Height]
+
+    @property
+    def ends(self) -> list[End]:
+        """All ends of coupled conductors."""
+        return [end for pair in self.coupled.values() for end in pair]
+
+    @property
+    def lossy(self) -> bool:
+        """Whether a line loses something."""
+        return any(line.losses is not None for line in self.lines.values())
+
+    @property
+    def blurred(self) -> bool:
+        """Whether elements send fronts at instants of their own."""
+        return any(law.kind in BREAKING for law in self.scene.laws.values())
+
+    @property
+    def collapses(self) -> bool:
+        """Whether the liquid boils at nodes."""
+        return any(isinstance(load, Boiling) for load in self.scene.loads.values())
+
+    @cached_property
+    def nodes(self) -> dict[str, Node]:
+        """What stands at each node while no line is lumped."""
+        return nodes_of(self.scene, self.lines, self.ends)
+
+    @cached_property
+    def elements(self) -> list[Element]:
+        """Non-linear elements, but for those between efforts that are held."""
+        return elements_of(self.scene, self.nodes)
+
+    @cached_property
+    def multiports(self) -> list[PlacedPorts]:
+        """Linear multiports."""
+        links = {name: link for name, link in self.scene.links.items() if isinstance(link, Multiport)}
+        return [PlacedPorts(place("links", name), link.nodes, link.ports()) for name, link in links.items()]
+
+    @cached_property
+    def probes(self) -> dict[str, Probe]:
+        """Probes by name."""
+        return probes_of(self.scene, self.coupled)
+
+    @property
+    def probed(self) -> set[str]:
+        """Lines that probes see."""
+        return {line for probe in self.probes.values() for line in probe.lines}
+
+    @cached_property
+    def waveforms(self) -> dict[str, Shape]:
+        """All that is prescribed over time, by place."""
+        return {place(part, name): waveform for (part, name, _), waveform in self.scene.waveforms.items()}
+
+    @cached_property
+    def breaks(self) -> list[NDArray]:
+        """Instants at which each waveform jumps or bends until the end of the run, s."""
+        return [waveform.breaks(self.t_end) for waveform in self.waveforms.values()]
+
+    @cached_property
+    def switched(self) -> dict[str, float]:
+        """Instants of switches by place, s."""
+        return {place(*at): float(one.time) for at, one in self.scene.placed if isinstance(one, Switch)}
+
+    @cached_property
+    def time_scales(self) -> dict[str, tuple[float, float]]:
+        """Of each curved waveform and dynamic load the shortest time scale, and that of its oscillations, s."""
+        joined = [group for group in self.grouped()[0] if group.ports] if self.multiports else []
+        return time_scales(self.waveforms, self.nodes.values(), joined)
+
+    @property
+    def starts(self) -> dict[str, float]:
+        """Piezometric pressure or voltage that nodes are to start with where nothing else determines it."""
+        given = {name: site.start for name, site in self.scene.nodes.items() if name in self.nodes}
+        return {name: float(start) for name, start in given.items() if start is not None}
+
+    @property
+    def doubts(self) -> list[str]:
+        """What is valid in the scene and yet probably not meant."""
+        return doubts(self.scene)
+
+    @cached_property
+    def stretches(self) -> dict[str, Stretches]:
+        """What a run puts in place of lines with cavities."""
+        cut = with_cavities(self.scene.lines)
+        return {name: Stretches(stretches_of(name, line), places_of(name, line)) for name, line in cut.items()}
+
+    @cached_property
+    def active(self) -> dict[str, str]:
+        """What there is to say of each element that may feed waves, by its place."""
+        return active_parts(self.scene)
+
+    def grouped(
+        self, cells: Mapping[str, int] = NONE, started: Mapping[str, tuple[float, float]] = NONE
+    ) -> tuple[list[Group], dict[str, Node]]:
+        """Groups of nodes that something joins, and the nodes in their order.
+
+        Parameters
+        ----------
+        cells : mapping of str to int
+            Of lumped lines.
+        started : mapping of str to pair of float
+            Effort and flow of these before t = 0.
+        """
+        nodes = nodes_of(self.scene, self.lines, self.ends, cells) if cells else self.nodes
+        lumps = [Lump(name, self.lines[name], n, *started.get(name, (0.0, 0.0))) for name, n in cells.items()]
+        return grouped(nodes, lumps, self.elements, self.ends, self.multiports)
+
+    def check_linear(self, what: str) -> None:
+        """Refuse non-linear elements, and links that are no multiports.
+
+        Raises
+        ------
+        InputError
+            Naming the first.
+        """
+        self.scene.check_linear(what, besides=Multiport)
+
+    def refuse_coupled(self, what: str) -> None:
+        """Refuse coupled conductors where something does not know them.
+
+        Raises
+        ------
+        InputError
+            Naming the first.
+        """
+        for name in self.coupled:
+            raise InputError(place("lines", name), f"{what} knows no coupled conductors", "single lines")
+
+
+def describe(scene: Scene) -> Description:
+    """Read a scene.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="electrical", t_end="40 ns", probes={"far": {"at": "far"}},
+    ...     lines={"cable": {"nodes": ["near", "far"], "z0": "50 ohm", "delay": "5 ns"}},
+    ... )
+    >>> description = describe(scene)
+    >>> description.lines["cable"].delay, list(description.nodes)
+    (5e-09, ['near', 'far'])
+    """
+    ends = ends_of(scene.lines)
+    names = [name for name, line in scene.lines.items() if isinstance(line, Coupled)]
+    return Description(
+        scene=scene,
+        medium=MEDIA[scene.medium],
+        t_end=float(scene.t_end),
+        steady=scene.start == "steady",
+        lines=lines_of(scene),
+        coupled=dict(zip(names, zip(ends[::2], ends[1::2], strict=True), strict=True)),
+        heights=scene.heights,
+    )

@@ -1,0 +1,12 @@
+"""Types of the scene that go on through the solver as they are."""
+
+from tline.scene.coupled import End
+from tline.scene.heights import NO_HEIGHT, Height
+from tline.scene.law import Law
+from tline.scene.medium import MEDIA, Medium
+from tline.scene.multiport import Ports
+from tline.scene.scene import Scene
+from tline.scene.shape import Constant, Shape
+from tline.scene.touchstone import Touchstone
+
+__all__ = ["MEDIA", "NO_HEIGHT", "Constant", "End", "Height", "Law", "Medium", "Ports", "Scene", "Shape", "Touchstone"]

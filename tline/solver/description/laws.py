@@ -1,0 +1,106 @@
+"""Non-linear elements as arrays for the kernel."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.solver.description.elements import Element
+from tline.solver.description.excitation import Shape, just_before, varies
+from tline.solver.description.nodes import Node
+from tline.solver.description.tools import tools_of
+from tline.solver.kernel.network import Laws
+from tline.solver.radau import Basis, basis
+
+STATES = {"gas": 1, "tank": 1, "rotor": 1, "vapour": 1, "air": 2}
+KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", *STATES, "own")
+
+
+def laws_of(
+    elements: list[list[Element]], names: list[list[str]], nodes: Mapping[str, Node], first_row: int, first_state: int
+) -> tuple[Laws, list[Shape]]:
+    """Elements by group as arrays, without the slabs' order and width; and what scales them over time.
+
+    Parameters
+    ----------
+    names : list of lists of str
+        Nodes of each group.
+    first_row, first_state : int
+        Numbers of the first drive row and of the first state.
+    """
+    drives: list[Shape] = []
+    rows, factors, states, seen = [], [], [], []
+    place_of = {name: k for group in names for k, name in enumerate(group)}
+    impedance = {name: _impedance(node) for name, node in nodes.items()}
+    largest = max([z for z in impedance.values() if z > 0], default=1.0)
+    flat = [element for group in elements for element in group]
+    for element in flat:
+        factor = element.law.factor
+        rows.append(first_row + len(drives) if varies(factor) else -1)
+        factors.append(1.0 if factor is None else just_before(factor))
+        drives += [factor] if factor is not None and varies(factor) else []
+        states.append(first_state if element.law.kind in STATES else -1)
+        first_state += STATES.get(element.law.kind, 0)
+        seen.append(sum(max(impedance[node], 0.0) for node in element.nodes) or largest)
+    constants = [element.constants for element in flat]
+    laws = Laws(
+        first=np.cumsum([0, *map(len, elements)]),
+        kind=np.array([KINDS.index(element.law.kind) for element in flat], int),
+        one=np.array([-1 if e.one is None else place_of[e.one] for e in flat], int),
+        other=np.array([-1 if e.other is None else place_of[e.other] for e in flat], int),
+        drive_row=np.array(rows, int),
+        factor=np.array(factors, float),
+        at=np.cumsum([0, *map(len, constants)])[:-1],
+        constants=np.concatenate([np.empty(0), *constants]),
+        state_at=np.array(states, int),
+        seen=np.array(seen, float),
+        impedance=np.array(list(impedance.values())),
+        tools=tools_of(basis(1)),
+        step=0.0,
+    )
+    return laws, drives
+
+
+def with_basis(laws: Laws, order: Basis, h: float) -> Laws:
+    """The same for slabs of that order and width."""
+    return laws._replace(tools=tools_of(order), step=h)
+
+
+def states_of(elements: list[Element], effort: dict[str, float]) -> NDArray:
+    """States of the elements that have one, in equilibrium with the efforts of their nodes.
+
+    Raises
+    ------
+    InputError
+        A pressure is below what the gas in a vessel can have.
+    """
+    states = []
+    for element in elements:
+        kind, constants = element.law.kind, element.constants
+        u = effort[element.nodes[0]]
+        gauge = f"{u - element.above_level:.6g} Pa"
+        if kind == "gas":
+            above, outside, n = u - constants[0], constants[2], constants[4]
+            if above <= -outside:
+                raise InputError(element.where, "no state at rest: the pressure is below vacuum", got=gauge)
+            states.append(-np.log1p(above / outside) / n)
+        elif kind == "tank":
+            states.append(u - constants[0])
+        elif kind == "rotor":
+            states.append(1.0)
+        elif kind == "vapour":
+            if u < constants[0]:
+                raise InputError(element.where, "no state at rest: the liquid boils", got=gauge)
+            states.append(0.0)
+        elif kind == "air":
+            if u < constants[0]:
+                raise InputError(element.where, "no state at rest: it draws air", got=gauge)
+            states += [0.0, 0.0]
+    return np.array(states, float)
+
+
+def _impedance(node: Node) -> float:
+    if node.held is not None:
+        return 0.0
+    return -1.0 if node.dead else 1 / node.total

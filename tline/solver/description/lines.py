@@ -1,0 +1,23 @@
+"""Lines in numbers: single ones, and one for each mode of coupled conductors."""
+
+from typing import NamedTuple
+
+from tline.loss.losses import Losses
+from tline.solver.description.given import Scene
+
+
+class Line(NamedTuple):
+    """A line from its end 1, at the first node, to its end 2."""
+
+    nodes: tuple[str, str]
+    z0: float  # as a front meets it, Pa s/m³ or ohm
+    delay: float  # s
+    losses: Losses | None
+
+
+def lines_of(scene: Scene) -> dict[str, Line]:
+    """All lines of a scene that carry waves, by name."""
+    return {
+        name: Line(line.nodes, line.parameters.z0, line.parameters.delay or 0.0, line.losses)
+        for name, line in scene.single_lines.items()
+    }

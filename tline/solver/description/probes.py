@@ -1,0 +1,56 @@
+"""Where probes are: on which line, at which share of its delay, or at which of several conductors."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from tline.errors import InputError
+from tline.solver.description.given import End, Height, Scene
+from tline.wording import place
+
+
+class Conductor(NamedTuple):
+    """One of several coupled conductors: which, and at which end."""
+
+    place: int
+    end: int
+    ends: tuple[End, End]
+
+
+class Probe(NamedTuple):
+    """Where a probe is."""
+
+    line: str
+    share: float  # of the delay
+    height: Height
+    conductor: Conductor | None = None
+
+    @property
+    def lines(self) -> list[str]:
+        """The lines that it sees: those of all modes at a conductor."""
+        at = self.conductor
+        return [self.line] if at is None else [node.removesuffix(", end 1") for node in at.ends[0].modal]
+
+
+def probes_of(scene: Scene, coupled: Mapping[str, tuple[End, End]]) -> dict[str, Probe]:
+    """Probes of a scene by name.
+
+    Raises
+    ------
+    InputError
+        A probe stands inside a line with losses.
+    """
+    found = {}
+    for name, probe in scene.probes.items():
+        where = scene.probed_line(name)
+        if where in coupled:
+            end = next(k for k, end in enumerate(coupled[where]) if probe.at in end.conductors)
+            conductor = Conductor(coupled[where][end].conductors.index(probe.at or ""), end, coupled[where])
+            found[name] = Probe(where, float(end), scene.height(name), conductor)
+            continue
+        line = scene.lines[where]
+        share = probe.fraction(line)
+        if line.losses is not None and 0.0 < share < 1.0:
+            problem = f"inside {place('lines', where)}, which has losses"
+            raise InputError(place("probes", name, "position"), problem, "its ends, or two lines that meet there")
+        found[name] = Probe(where, share, scene.height(name))
+    return found
