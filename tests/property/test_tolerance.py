@@ -104,6 +104,32 @@ def test_a_check_valve_that_shuts_inside_a_slab_costs_a_few_runs():
     assert np.abs(result.probes["out"].at(t).u - expected).max() < 2e-9
 
 
+@pytest.mark.parametrize(("width", "met"), [(1e-7, True), (1e-9, False), (1e-10, False), (3e-11, False)])
+def test_the_height_of_a_narrow_pulse_is_known_as_well_as_told(width, met):
+    """Two thirds of the source's, from the divider of 0.5 and 1 ohm; rounding of instants tilts slopes that steep.
+
+    The last is narrower than `NEAR` slabs, and is not seen.
+    """
+    pulse = {"shape": "pulses", "high": 1, "at": 1.1411291959, "width": width, "rise": width, "fall": width / 3}
+    lines = {"l0": ("a", "b", 1, 0.70710678), "l1": ("b", "c", 2, 0.3), "l2": ("b", "d", 0.5, 1.7)}
+    scene = Scene(
+        medium="electrical",
+        t_end=5.152,
+        lines={name: {"nodes": [one, other], "z0": z0, "delay": t} for name, (one, other, z0, t) in lines.items()},
+        sources={"s": {"at": "a", "kind": "voltage", "resistance": 0.5, "value": pulse}},
+        loads={
+            "x": {"kind": "parallel", "resistance": 2, "capacitance": 0.1, "at": "d"},
+            "y": {"kind": "series", "resistance": 0.1, "inductance": 0.2, "at": "c"},
+        },
+        probes={"a": {"at": "a"}, "m": {"line": "l0", "position": "47 %"}},
+    )
+    result = simulate(scene, tol=1e-7)
+    assert result.accuracy.met == met
+    for probe in summary(result, result.accuracy)["probes"].values():
+        for seen in probe.values():
+            assert abs(seen["maximum"] - 2 / 3) <= seen["error_inside_slabs"]
+
+
 @pytest.mark.parametrize("share", ["0 %", "37 %", "100 %"])
 def test_extremes_lie_between_samples(share):
     """A sine's peaks, of the first wave alone."""

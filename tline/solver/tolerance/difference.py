@@ -12,7 +12,11 @@ from numpy.typing import NDArray
 from tline.solver.radau import chebyshev
 from tline.solver.result.result import ProbeResult, Wave
 
-BESIDE = 1e-7  # slabs, from a front or an edge to the places beside it
+BESIDE = 1e-7  # slabs, from an edge that is no front to the places beside it
+SAME = 2.5e-9  # slabs of the coarser run; breaks nearer to each other are one, for each run moves them by up to 1e-9
+ROUNDINGS = 32  # of an instant, by which runs may differ about one front
+CLUSTER = 4  # narrow pieces side by side
+EPS = float(np.finfo(float).eps)
 SETTLES = 16  # times that lumped lines settle: a piece up to that wide is blurred, for each pass adds one
 CHUNK = 100_000  # slabs at a time
 
@@ -42,17 +46,16 @@ def difference(coarse: ProbeResult, fine: ProbeResult, settle: float = 0.0) -> D
     inside, blurred, amplitude = at_ends, np.zeros(2), np.abs(ends).max(axis=1)
     narrow = SETTLES * settle
     if every * (n // every):
-        for one, other in (*_in_one_piece(coarse, fine, every, n), _in_pieces(coarse, fine, n, narrow, np.inf)):
-            inside = np.maximum(inside, np.abs(one - other).max(axis=1, initial=0.0))
-            amplitude = np.maximum(amplitude, np.abs(other).max(axis=1, initial=0.0))
+        pieces = _in_pieces(coarse, fine, n, narrow, np.inf)
+        for off, most in (*_in_one_piece(coarse, fine, every, n), pieces):
+            inside, amplitude = np.maximum(inside, off), np.maximum(amplitude, most)
         if settle:
-            one, other = _in_pieces(coarse, fine, n, 0.0, narrow)
-            blurred = np.abs(one - other).max(axis=1, initial=0.0)
+            blurred, _ = _in_pieces(coarse, fine, n, 0.0, narrow)
     return Difference(at_ends, inside, np.maximum(inside, blurred), amplitude)
 
 
 def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, n: int):
-    """Both runs at places of the fine slabs that hold no front, chunk by chunk, each of shape (2, instants)."""
+    """The largest difference, and value, at places of the fine slabs without a front, chunk by chunk, of shape (2,)."""
     x = np.array(chebyshev(max(coarse.record.a1.basis.s, fine.record.a1.basis.s)))
     if 0.0 < fine.share < 1.0:
         edges = [
@@ -66,7 +69,7 @@ def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, n: int):
         kept = whole[first * every : (first + count) * every]
         ours = _on_slabs(fine, x, first * every, count * every)
         theirs = _on_slabs(coarse, in_coarse, first, count).reshape(2, count * every, len(x))
-        yield theirs[:, kept].reshape(2, -1), ours[:, kept].reshape(2, -1)
+        yield tuple(_largest(each[:, kept]) for each in (theirs - ours, ours))
 
 
 def _on_slabs(probe: ProbeResult, x: NDArray, first: int, n: int) -> NDArray:
@@ -95,22 +98,81 @@ def _wave_on_slabs(wave: Wave, late: float, x: NDArray, first: int, n: int) -> N
 def _in_pieces(
     coarse: ProbeResult, fine: ProbeResult, n: int, narrowest: float, widest: float
 ) -> tuple[NDArray, NDArray]:
-    """Both runs at places of the pieces, so wide, of slabs that hold fronts, each of shape (2, instants)."""
+    """The same at places of the pieces, so wide, of slabs that hold fronts.
+
+    A place is a share of its piece, or runs would differ by what rounding moves a front. That is added, as much as a
+    rounding of the instant changes a wave that rises evenly: where it rises in 1e-9 s after 1 s, 2e-7 of the rise.
+    """
     broken, h = _broken(coarse, fine, n), fine.record.a1.h
     if not broken.any():
-        return np.empty((2, 0)), np.empty((2, 0))
+        return np.zeros(2), np.zeros(2)
     slabs = np.flatnonzero(broken)
-    fronts = np.concatenate([breakpoints(coarse), breakpoints(fine)]) / h
-    knots = np.unique(np.concatenate([slabs, slabs + 1, fronts[(fronts > 0) & (fronts < n)]]))
-    start, width = knots[:-1], np.diff(knots)
-    kept = (width > max(4 * BESIDE, narrowest / h)) & (width <= widest / h)
-    kept &= broken[np.minimum((start + width / 2).astype(int), n - 1)]
-    start, width = start[kept] + BESIDE, width[kept] - 2 * BESIDE
+    fronts = np.concatenate([breakpoints(coarse), breakpoints(fine)])
+    edges = [slabs * h + late % h for late in (0.0, *_ways(fine))]  # of the waves' slabs, too
+    knots = np.unique(np.concatenate([*edges, slabs * h + h, fronts]))
+    knots = knots[(knots >= 0) & (knots <= n * h)]
+    same = SAME * coarse.record.a1.h + ROUNDINGS * EPS * knots
+    kept = np.diff(knots, prepend=-np.inf) > same
+    knots, same = knots[kept], same[kept]
+    start, stop = knots[:-1], knots[1:]
+    width = stop - start
+    kept = (width > narrowest) & (width <= widest) & broken[np.minimum(((start + stop) / 2 / h).astype(int), n - 1)]
+    start, stop, width, same = start[kept], stop[kept], width[kept], same[1:][kept]
     x = np.array([*chebyshev(fine.record.a1.basis.s), 1.0])
-    t = (start[:, None] + width[:, None] * x).ravel() * h
-    z0 = fine.record.z0
-    one, other = (np.stack([seen.gauge_pressure, z0 * seen.y]) for seen in (coarse.at(t), fine.at(t)))
-    return one, other
+    theirs, ours = (_on_pieces(probe, start, stop, same, x) for probe in (coarse, fine))
+    rounding = np.ptp(ours, axis=2) * (EPS * stop / width)
+    off = _largest(np.abs(theirs - ours) + rounding[:, :, None])
+    if not narrowest:
+        off = np.maximum(off, _overlooked(fine, SAME * coarse.record.a1.h))
+    return off, _largest(ours)
+
+
+def _overlooked(probe: ProbeResult, narrow: float) -> float:
+    """How far a wave rises above both its sides, or falls below them, in pieces too narrow to be looked at."""
+    most = 0.0
+    for wave in _waves(probe):
+        start, stop = wave.h * (wave.pieces.slab[:, None] + wave.pieces.span).T
+        real = (stop - start <= narrow) & (stop - start > ROUNDINGS * EPS * stop)
+        sides = np.stack([wave(start[real] - CLUSTER * narrow), wave(stop[real] + CLUSTER * narrow)])
+        values = wave.pieces.values[real]
+        over = values.max(axis=1, initial=-np.inf) - sides.max(axis=0)
+        under = sides.min(axis=0) - values.min(axis=1, initial=np.inf)
+        most += max(over.max(initial=0.0), under.max(initial=0.0))
+    return most / 2
+
+
+def _on_pieces(probe: ProbeResult, start: NDArray, stop: NDArray, same: NDArray, x: NDArray) -> NDArray:
+    """Gauge effort and z0 times flow at places x of pieces, shape (2, pieces, places)."""
+    a, b = (
+        _wave_on_pieces(wave, start - delay, stop - delay, same, x)
+        for wave, delay in zip(_waves(probe), _ways(probe), strict=True)
+    )
+    return np.stack([(a + b) / 2 - probe.height.weight, (a - b) / 2])
+
+
+def _wave_on_pieces(wave: Wave, start: NDArray, stop: NDArray, same: NDArray, x: NDArray) -> NDArray:
+    """A wave at places x of intervals without a front inside; an end as near to a front as `same` is at it."""
+    middle = (start + stop) / (2 * wave.h)
+    slab = np.floor(middle).astype(int)
+    inside = np.clip(slab, 0, len(wave.values) - 1)
+    values, edges = wave.values[inside], np.stack([inside, inside + 1]).astype(float)
+    if len(wave.pieces.slab):
+        spans = (wave.pieces.slab[:, None] + wave.pieces.span).T
+        k = np.minimum(np.searchsorted(spans[1], middle), len(spans[1]) - 1)
+        held = (spans[0, k] <= middle) & (middle <= spans[1, k])
+        values[held], edges[:, held] = wave.pieces.values[k[held]], spans[:, k[held]]
+    first, last = edges * wave.h
+    width = last - first
+    begin = np.where(start - first <= same, 0.0, (start - first) / width)
+    end = np.where(last - stop <= same, 1.0, (stop - first) / width)
+    local = begin[:, None] + (end - begin)[:, None] * x
+    seen = np.einsum("nps,ns->np", wave.basis.evaluation(local.ravel()).reshape(*local.shape, wave.basis.s), values)
+    return np.where(slab[:, None] < 0, wave.before, seen)
+
+
+def _largest(values: NDArray) -> NDArray:
+    """Largest absolute value of effort and of flow, shape (2,)."""
+    return np.abs(values).max(axis=(1, 2), initial=0.0)
 
 
 def _broken(coarse: ProbeResult, fine: ProbeResult, n: int) -> NDArray:
