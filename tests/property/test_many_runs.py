@@ -41,12 +41,12 @@ def scene(load, value=1.0):
     slabs=st.integers(1, 3),
 )
 def test_a_copy_alone_is_a_run_with_the_same_slabs(kind, given_, size, s, slabs):
-    one = scene({"kind": kind, **dict.fromkeys(sorted(given_), size)})
+    one = describe(scene({"kind": kind, **dict.fromkeys(sorted(given_), size)}))
     copies = copies_of(one, {"lines.one.z0": [1.0]})
     ours = run_copies(
         one, copies, slab_edges(front_places(np.empty(0), copies.unit), slabs, 1.0), s, np.array([0]), TIMES
     )
-    theirs = run(describe(one), Resolution(s, 0.5 / slabs))
+    theirs = run(one, Resolution(s, 0.5 / slabs))
     for name, seen in ours.items():
         samples = theirs.probes[name].at(TIMES)
         np.testing.assert_allclose(seen.u[0], samples.u, rtol=0, atol=ROUNDING)

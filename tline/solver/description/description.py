@@ -22,7 +22,7 @@ from tline.solver.description.groups import Group, Lump, grouped
 from tline.solver.description.lines import Line, lines_of
 from tline.solver.description.multiport import PlacedPorts
 from tline.solver.description.nodes import NONE, Node, nodes_of
-from tline.solver.description.probes import Probe, probes_of
+from tline.solver.description.probes import ProbePlace, probes_of
 from tline.solver.description.scales import time_scales
 from tline.wording import place
 
@@ -95,7 +95,7 @@ class Description:
         return [PlacedPorts(place("links", name), link.nodes, link.ports()) for name, link in links.items()]
 
     @cached_property
-    def probes(self) -> dict[str, Probe]:
+    def probes(self) -> dict[str, ProbePlace]:
         """Probes by name."""
         return probes_of(self.scene, self.coupled)
 

@@ -34,7 +34,7 @@ class Member(NamedTuple):
     beside: float = 0.0  # conductance beside the rest
 
 
-class Conductor(NamedTuple):
+class Resistive(NamedTuple):
     """A resistor, or a switch that is never shut without a resistance."""
 
     where: str
@@ -43,7 +43,7 @@ class Conductor(NamedTuple):
     switch: Switch | None = None
 
 
-class Drive(NamedTuple):
+class Excitation(NamedTuple):
     """A source with a resistance, or one of flow."""
 
     where: str
@@ -54,17 +54,17 @@ class Drive(NamedTuple):
     is_effort: bool
 
 
-class Standing(NamedTuple):
+class Inventory(NamedTuple):
     """All of a scene."""
 
     members: list[Member]
-    conductors: list[Conductor]
-    drives: list[Drive]
+    conductors: list[Resistive]
+    drives: list[Excitation]
 
 
-def standing(
+def inventory_of(
     description: Description, nodes: Mapping[str, Node], lumped: Collection[str], h: float, t_end: float
-) -> Standing:
+) -> Inventory:
     """Sort what stands at nodes. What stands beside a held effort and has no known conductance is not seen.
 
     Parameters
@@ -86,19 +86,19 @@ def standing(
         *(_non_linear(element) for element in description.elements),
         *(_lumped(name, description) for name in lumped),
     ]
-    return Standing(
+    return Inventory(
         members,
         [one for one in conductors if one.node not in unseen],
         [one for one in drives if one.node not in unseen],
     )
 
 
-def _drives(description: Description, nodes: Mapping[str, Node], h: float, t_end: float) -> Iterator[Drive]:
+def _drives(description: Description, nodes: Mapping[str, Node], h: float, t_end: float) -> Iterator[Excitation]:
     for name, source in description.scene.sources.items():
         if np.isfinite(source.conductance):
             breaks = places_of([(source.value, 1.0)], t_end, h)
             value = lowered(source.value, nodes[source.at].height.level) if source.is_effort else source.value
-            yield Drive(place("sources", name), source.at, value, breaks, source.conductance, source.is_effort)
+            yield Excitation(place("sources", name), source.at, value, breaks, source.conductance, source.is_effort)
 
 
 def _lumped(name: str, description: Description) -> Member:
@@ -106,11 +106,11 @@ def _lumped(name: str, description: Description) -> Member:
     return Member(place("lines", name), description.lines[name].nodes, TAKEN, description.steady, to_air=False)
 
 
-def _conductors(description: Description) -> Iterator[Conductor]:
+def _conductors(description: Description) -> Iterator[Resistive]:
     for name, load in description.scene.loads.items():
         g = _conductance(load, description)
         if np.isfinite(g):
-            yield Conductor(place("loads", name), load.at, g, load if isinstance(load, Switch) else None)
+            yield Resistive(place("loads", name), load.at, g, load if isinstance(load, Switch) else None)
 
 
 def _conductance(load: Load, description: Description) -> float:

@@ -16,7 +16,7 @@ class Conductor(NamedTuple):
     ends: tuple[End, End]
 
 
-class Probe(NamedTuple):
+class ProbePlace(NamedTuple):
     """Where a probe is."""
 
     line: str
@@ -31,7 +31,7 @@ class Probe(NamedTuple):
         return [self.line] if at is None else [node.removesuffix(", end 1") for node in at.ends[0].modal]
 
 
-def probes_of(scene: Scene, coupled: Mapping[str, tuple[End, End]]) -> dict[str, Probe]:
+def probes_of(scene: Scene, coupled: Mapping[str, tuple[End, End]]) -> dict[str, ProbePlace]:
     """Probes of a scene by name.
 
     Raises
@@ -45,12 +45,12 @@ def probes_of(scene: Scene, coupled: Mapping[str, tuple[End, End]]) -> dict[str,
         if where in coupled:
             end = next(k for k, end in enumerate(coupled[where]) if probe.at in end.conductors)
             conductor = Conductor(coupled[where][end].conductors.index(probe.at or ""), end, coupled[where])
-            found[name] = Probe(where, float(end), scene.height(name), conductor)
+            found[name] = ProbePlace(where, float(end), scene.height(name), conductor)
             continue
         line = scene.lines[where]
         share = probe.fraction(line)
         if line.losses is not None and 0.0 < share < 1.0:
             problem = f"inside {place('lines', where)}, which has losses"
             raise InputError(place("probes", name, "position"), problem, "its ends, or two lines that meet there")
-        found[name] = Probe(where, share, scene.height(name))
+        found[name] = ProbePlace(where, share, scene.height(name))
     return found

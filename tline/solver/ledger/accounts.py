@@ -12,10 +12,10 @@ from tline.solver.description.inventory import (
     STORED,
     SUPPLIED,
     TAKEN,
-    Conductor,
-    Drive,
+    Excitation,
+    Inventory,
     Member,
-    Standing,
+    Resistive,
 )
 from tline.solver.description.nodes import Node
 from tline.solver.ledger.columns import Columns
@@ -33,8 +33,8 @@ class Accounts(NamedTuple):
     gathers: NDArray  # (nodes, ends) from w - o to what flows into the nodes
     heads: dict[int, int]  # of nodes with ends one of them
     held: dict[int, Shape]  # efforts of nodes without ends
-    drives: list[tuple[int, int, Drive]]  # account, node
-    conductors: list[tuple[int, int, Conductor]]
+    drives: list[tuple[int, int, Excitation]]  # account, node
+    conductors: list[tuple[int, int, Resistive]]
     flows: Flows
     posts: list[tuple[int, int, Member | None]]  # of each flow its account, column, and the member if it is one alone
     above_level: NDArray  # (nodes,) effort at which the gauge pressure is zero
@@ -95,7 +95,7 @@ class Accounts(NamedTuple):
         return columns.integral(w - o, w + o) / (4 * self.z0[:, None]), found
 
 
-def _conductance(conductor: Conductor, columns: Columns) -> NDArray:
+def _conductance(conductor: Resistive, columns: Columns) -> NDArray:
     """Shape (m,); a switch that moves where no piece begins moves at the nearest edge of a slab."""
     switch = conductor.switch
     if switch is None:
@@ -103,13 +103,13 @@ def _conductance(conductor: Conductor, columns: Columns) -> NDArray:
     return np.where(columns.middle < switch.time, 1 / float(switch.before), 1 / float(switch.after))
 
 
-def accounts_of(group: Mapping[str, Node], standing: Standing, z0: NDArray) -> Accounts:
+def accounts_of(group: Mapping[str, Node], inventory: Inventory, z0: NDArray) -> Accounts:
     """Open the accounts of a group.
 
     Parameters
     ----------
     group : mapping of str to Node
-    standing : Standing
+    inventory : Inventory
         What stands at these nodes.
     z0 : ndarray, shape (lines,)
     """
@@ -120,18 +120,18 @@ def accounts_of(group: Mapping[str, Node], standing: Standing, z0: NDArray) -> A
     gathers = (at == np.arange(len(group))[:, None]) / (2 * z0[ends // 2])
     held = {number[name]: node.held for name, node in group.items() if node.held is not None and not node.ends}
     ports: list[Port] = []
-    for e, member in enumerate(standing.members):
+    for e, member in enumerate(inventory.members):
         first = len(ports)
         ports += [Port(e, number[node], first + 1 - k if member.through else -1) for k, node in enumerate(member.nodes)]
     flows = flows_of(ports, [k in heads or k in held for k in range(len(group))])
-    where = [one.where for one in (*standing.drives, *standing.conductors)]
-    may_give = [True for _ in standing.drives] + [False for _ in standing.conductors]
+    where = [one.where for one in (*inventory.drives, *inventory.conductors)]
+    may_give = [True for _ in inventory.drives] + [False for _ in inventory.conductors]
     above_level = np.array([node.above_level for node in group.values()])
     falls = np.zeros(len(flows.node))
     posts: list[tuple[int, int, Member | None]] = []
     opened: dict[tuple[int, ...], int] = {}
     for k, (elements, node) in enumerate(zip(flows.elements, flows.node, strict=True)):
-        members = [standing.members[e] for e in elements]
+        members = [inventory.members[e] for e in elements]
         if not members:
             posts.append((len(where), UNACCOUNTED, None))
             where.append(f"node '{list(group)[node]}'")
@@ -146,8 +146,8 @@ def accounts_of(group: Mapping[str, Node], standing: Standing, z0: NDArray) -> A
             may_give.append(lifts or any(member.may_give for member in members))
         alone = members[0] if len(members) == 1 else None
         posts.append((opened[elements], alone.column if alone else TAKEN, alone))
-    drives = [(k, number[drive.node], drive) for k, drive in enumerate(standing.drives)]
-    conductors = [(len(drives) + k, number[one.node], one) for k, one in enumerate(standing.conductors)]
+    drives = [(k, number[drive.node], drive) for k, drive in enumerate(inventory.drives)]
+    conductors = [(len(drives) + k, number[one.node], one) for k, one in enumerate(inventory.conductors)]
     if above_level.any():
         where.append(GRAVITY)
         may_give.append(True)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import Fronts
-from tline.solver.description.inventory import Standing, standing
+from tline.solver.description.inventory import Inventory, inventory_of
 from tline.solver.ledger.accounts import Accounts, accounts_of
 from tline.solver.ledger.columns import Columns
 from tline.solver.ledger.ledger import COLUMNS, GRAVITY, Entry, Ledger
@@ -28,11 +28,11 @@ class Found(NamedTuple):
     waves: NDArray  # (pieces, ends, 2, s) what arrived and what left
 
 
-def _groups(assembly: Assembly, whole: Standing, z0: NDArray) -> list[Accounts]:
+def _groups(assembly: Assembly, whole: Inventory, z0: NDArray) -> list[Accounts]:
     """Accounts of each group of nodes."""
     nodes, names, edges = assembly.nodes, list(assembly.nodes), assembly.network.group
     of_node = {name: g for g, (low, high) in enumerate(pairwise(edges)) for name in names[low:high]}
-    parts = [Standing([], [], []) for _ in edges[1:]]
+    parts = [Inventory([], [], []) for _ in edges[1:]]
     for member in whole.members:
         parts[of_node[member.nodes[0]]].members.append(member)
     for conductor in whole.conductors:
@@ -53,7 +53,7 @@ class Books:
         new = np.flatnonzero(network.record_row < 0)
         network.record_row[new] = network.record_row.max(initial=-1) + 1 + np.arange(len(new))
         self.end_of_row = np.argsort(network.record_row)
-        whole = standing(description, assembly.nodes, assembly.resolution.cells, h, n * h)
+        whole = inventory_of(description, assembly.nodes, assembly.resolution.cells, h, n * h)
         lines = list(assembly.lines.values())
         self.z0 = np.array([line.z0 for line in lines])
         self.groups = _groups(assembly, whole, self.z0)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.solver.description.given import Scene
+from tline.solver.description.description import Description
 from tline.solver.many.copies import Copies
 from tline.solver.many.period import driven_waves, modes_of
 from tline.solver.radau import basis
@@ -40,11 +40,11 @@ class Seen:
     highest_at: Floats
 
 
-def run(scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, t: Floats) -> dict[str, Seen]:
+def run(description: Description, copies: Copies, edges: Floats, s: int, rows: NDArray, t: Floats) -> dict[str, Seen]:
     """Run those copies of some rows at order s, with slabs at edges (K + 1, copies); see them at instants t."""
-    where = _line_ends(scene)
+    where = _line_ends(description)
     recorded = sorted({*where.values()})
-    most = _periods(scene, copies.unit[rows].min()) * (len(edges) - 1) * s
+    most = max(ceil(description.t_end / copies.unit[rows].min() - 1e-9), 1) * (len(edges) - 1) * s
     maps = len(copies.junctions) * (len(edges) - 1) * (s + 2) ** 2
     each = most * 2 * len(recorded) + maps + len(t) * s
     if each > LARGEST:
@@ -57,7 +57,7 @@ def run(scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, t: F
     for low in range(0, len(rows), chunk):
         mine = by_unit[low : low + chunk]
         mine = np.pad(mine, (0, -len(mine) % B), mode="edge").reshape(-1, B)  # the last copy fills the last batch
-        extremes, values = _seen(scene, copies, edges, s, rows[mine], recorded, t)
+        extremes, values = _seen(description.t_end, copies, edges, s, rows[mine], recorded, t)
         for name, end in where.items():
             row = recorded.index(end)
             u, w = values[:, row, 0], values[:, row, 1]
@@ -67,28 +67,22 @@ def run(scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, t: F
                 array[mine] = part
     for name, (u, _, lowest, _, highest, _) in found.items():
         for effort in (u, lowest, highest):
-            effort += scene.height(name).level
+            effort += description.probes[name].height.level
     return {name: Seen(*arrays) for name, arrays in found.items()}
 
 
-def _periods(scene: Scene, unit: float) -> int:
-    return max(ceil(scene.t_end / unit - 1e-9), 1)
-
-
-def _line_ends(scene: Scene) -> dict[str, int]:
+def _line_ends(description: Description) -> dict[str, int]:
     """Number of the line end that each probe sees."""
-    lines, ends = list(scene.lines), {}
-    for name, probe in scene.probes.items():
-        line = scene.probed_line(name)
-        share = probe.fraction(scene.lines[line])
-        if share not in (0.0, 1.0):
+    lines, ends = list(description.lines), {}
+    for name, probe in description.probes.items():
+        if probe.share not in (0.0, 1.0):
             raise InputError(place("probes", name), "inside a line", "a probe at a node, for many runs")
-        ends[name] = 2 * lines.index(line) + int(share)
+        ends[name] = 2 * lines.index(probe.line) + int(probe.share)
     return ends
 
 
 def _seen(
-    scene: Scene, copies: Copies, edges: Floats, s: int, rows: NDArray, recorded: list[int], t: Floats
+    t_end: float, copies: Copies, edges: Floats, s: int, rows: NDArray, recorded: list[int], t: Floats
 ) -> tuple[Floats, Floats]:
     """Run copies (batches, B); of line ends the extremes of efforts and when, shape (batches, ends, 4, B).
 
@@ -98,7 +92,7 @@ def _seen(
 
     order, unit, junctions = basis(s), copies.unit[rows], copies.junctions
     rate, projector = modes_of(order)
-    n = _periods(scene, unit.min())
+    n = max(ceil(t_end / unit.min() - 1e-9), 1)
     edges = np.ascontiguousarray(edges[:, rows].transpose(1, 0, 2))
     widths = np.diff(edges, axis=1) * unit[:, None]
     slabs = widths.shape[1]
@@ -110,7 +104,7 @@ def _seen(
     states = max((load[1].shape[1] for load in loads), default=0)
     maps = np.zeros((len(loads), slabs, s + states, s + states, rows.shape[1]))
     drives = [[(shape, share[rows]) for shape, share in junction.drives] for junction in junctions if junction.drives]
-    drive = driven_waves(drives, order, unit, edges, n, scene.t_end)
+    drive = driven_waves(drives, order, unit, edges, n, t_end)
     weights = np.concatenate([junction.weights[:, rows] for junction in junctions]).transpose(1, 0, 2).copy()
     record_row = np.full(2 * len(copies.delay), -1)
     record_row[recorded] = np.arange(len(recorded))
@@ -132,7 +126,7 @@ def _seen(
         advance_copies(*arrays, weights[batch], maps, drive[batch], n, record)
         for row in range(ends):
             found = extremes[batch, row]
-            find_extremes(record[row, 0], unit[batch], edges[batch], scene.t_end, order.c, order.to_powers, found)
+            find_extremes(record[row, 0], unit[batch], edges[batch], t_end, order.c, order.to_powers, found)
             if len(t):
                 find_values(record[row], unit[batch], edges[batch], t, order.to_powers, values[batch, row])
     return extremes + 0.0, values  # no -0.0

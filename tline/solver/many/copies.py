@@ -13,7 +13,7 @@ from tline.scene.coupled import Coupled
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
 from tline.scene.quantity import LARGEST, SMALLEST
 from tline.scene.rational_load import Parallel, Series
-from tline.solver.description.description import describe
+from tline.solver.description.description import Description
 from tline.solver.description.given import Scene, Shape
 from tline.solver.description.nodes import UNIT, Node, lowered
 from tline.solver.description.resolution import WHOLE, common_parts
@@ -44,10 +44,13 @@ class Copies(NamedTuple):
     junctions: list[Junction]
 
 
-def copies_of(scene: Scene, vary: Mapping[str, ArrayLike]) -> Copies:
+def copies_of(description: Description, vary: Mapping[str, ArrayLike]) -> Copies:
     """All copies of a scene; for arguments and refusals see `tline.solver.many.runs`."""
+    scene = description.scene
     numbers = _numbers(scene, vary)
-    z0, delays = (np.array([numbers[place("lines", name, key)] for name in scene.lines]) for key in ("z0", "delay"))
+    z0, delays = (
+        np.array([numbers[place("lines", name, key)] for name in description.lines]) for key in ("z0", "delay")
+    )
     shortest = int(delays[:, 0].argmin())
     ratios = delays / delays[shortest]
     ratio = ratios[:, :1]
@@ -60,7 +63,7 @@ def copies_of(scene: Scene, vary: Mapping[str, ArrayLike]) -> Copies:
         expected = f"whole multiples of a part of the shortest, at most a {MOST_UNITS}th"
         raise InputError("lines", "their delays have no common measure", expected)
     delay = np.round(ratio[:, 0] * parts).astype(np.int64)
-    junctions = [_junction(scene, name, node, z0, numbers) for name, node in describe(scene).nodes.items()]
+    junctions = [_junction(scene, name, node, z0, numbers) for name, node in description.nodes.items()]
     return Copies(delays[shortest] / parts, delay, z0, junctions)
 
 

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.solver.description.description import Description
 from tline.solver.description.excitation import EDGE
-from tline.solver.description.given import Scene, Shape
+from tline.solver.description.given import Shape
 from tline.solver.radau import Basis
 
 Floats = NDArray[np.floating]
@@ -24,7 +25,7 @@ BITS = 200
 REAL = 1e-9  # share of its imaginary part below which a rate is real
 
 
-def breaks_of(scene: Scene) -> Floats:
+def breaks_of(description: Description) -> Floats:
     """Instants after t = 0 at which a waveform jumps or bends, s.
 
     Raises
@@ -32,9 +33,8 @@ def breaks_of(scene: Scene) -> Floats:
     InputError
         There are too many for a period.
     """
-    breaks = [source.value.breaks(scene.t_end) for source in scene.sources.values()]
-    instants = np.unique(np.concatenate([np.empty(0), *breaks]))
-    instants = instants[(instants > 0) & (instants < scene.t_end)]
+    instants = np.unique(np.concatenate([np.empty(0), *description.breaks]))
+    instants = instants[(instants > 0) & (instants < description.t_end)]
     if len(instants) > MOST_BREAKS:
         problem = "their waveforms have too many jumps and corners for many runs"
         raise InputError("sources", problem, f"at most {MOST_BREAKS}", f"{len(instants)}")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ive
 
-from tline.solver.description.given import Scene
+from tline.solver.description.description import Description
 from tline.solver.many.batches import Seen, run
 from tline.solver.many.copies import Copies
 from tline.solver.many.period import front_places, slab_edges
@@ -25,7 +25,7 @@ COMPARED, SPREAD = 16, 211  # copies, beside those with extreme numbers, and ins
 
 
 def resolve(
-    scene: Scene, vary: Mapping[str, ArrayLike], copies: Copies, breaks: Floats, tol: float
+    description: Description, vary: Mapping[str, ArrayLike], copies: Copies, breaks: Floats, tol: float
 ) -> tuple[Floats, int, float]:
     """Edges of slabs (slabs + 1, copies), order, and estimated error, at least cost.
 
@@ -37,15 +37,16 @@ def resolve(
     ends = [pick(numbers) for numbers in values for pick in (np.argmin, np.argmax)]
     ends += [np.abs(A).max(axis=(0, 1)).argmax() for A in loads]
     rows = np.unique([*ends, *np.linspace(0, len(copies.unit) - 1, COMPARED).astype(int)])
-    t = np.linspace(0.0, float(scene.t_end), SPREAD)
+    t = np.linspace(0.0, description.t_end, SPREAD)
     fronts = front_places(breaks, copies.unit)
-    choices = _choices(fronts[:, rows], _rates(scene, loads, rows) * copies.unit[rows], tol)
+    choices = _choices(fronts[:, rows], _rates(description, loads, rows) * copies.unit[rows], tol)
     best, excess = (np.empty(0), 0, inf), 1.0
     for k, (_, expected, parts, growth, s) in enumerate(choices):
         if expected * excess > WANTED * tol and k + 1 < len(choices):
             continue
         edges = slab_edges(fronts, parts, growth)
-        estimate = _apart(scene, copies, rows, *(run(scene, copies, edges, order, rows, t) for order in (s, s + 1)))
+        runs = (run(description, copies, edges, order, rows, t) for order in (s, s + 1))
+        estimate = _apart(description, copies, rows, *runs)
         best = min(best, (edges, s, estimate), key=lambda found: found[-1])
         if estimate <= WANTED * tol:
             break
@@ -53,11 +54,11 @@ def resolve(
     return best
 
 
-def _rates(scene: Scene, loads: list[Floats], rows: NDArray) -> Complexes:
+def _rates(description: Description, loads: list[Floats], rows: NDArray) -> Complexes:
     """Rates of loads' modes and of waveforms in some copies, (…, copies), 1/s; those of waveforms are imaginary."""
     rates: Complexes = np.zeros((1, len(rows)), complex)
-    for source in scene.sources.values():
-        rates = np.vstack([rates, np.full(len(rows), 1j / source.value.fastest())])
+    for waveform in description.waveforms.values():
+        rates = np.vstack([rates, np.full(len(rows), 1j / waveform.fastest())])
     for A in loads:
         rates = np.vstack([rates, np.linalg.eigvals(np.moveaxis(A[..., rows], -1, 0)).T.astype(complex)])
     return rates
@@ -87,12 +88,14 @@ def _choices(fronts: Floats, rates: Complexes, tol: float) -> list[tuple[float, 
     return sorted(found)
 
 
-def _apart(scene: Scene, copies: Copies, rows: NDArray, coarse: Mapping[str, Seen], fine: Mapping[str, Seen]) -> float:
+def _apart(
+    description: Description, copies: Copies, rows: NDArray, coarse: Mapping[str, Seen], fine: Mapping[str, Seen]
+) -> float:
     """Largest difference of two runs relative to the amplitude of each copy."""
-    worst = ROUNDING
+    worst, lines = ROUNDING, list(description.lines)
     for name, seen in fine.items():
-        other, z0 = coarse[name], copies.z0[list(scene.lines).index(scene.probed_line(name)), rows]
-        weight = scene.height(name).weight
+        probe, other = description.probes[name], coarse[name]
+        z0, weight = copies.z0[lines.index(probe.line), rows], probe.height.weight
         amplitude = np.maximum(weight - seen.lowest, seen.highest - weight)
         flow = z0 * np.abs(seen.y).max(axis=1)
         pairs = [(seen.u, other.u), (seen.lowest[:, None], other.lowest[:, None])]

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
 from tline.scene.quantity import Role
+from tline.solver.description.description import describe
 from tline.solver.description.given import Height, Scene
 from tline.solver.many.batches import Seen, run
 from tline.solver.many.copies import copies_of
@@ -106,19 +107,20 @@ def many(scene: Scene, vary: Mapping[str, ArrayLike], *, times: ArrayLike = (), 
     >>> runs.probes["far"].highest.round(9).tolist()  # 2 z0/(z0 + 20)
     [1.333333333, 1.428571429, 1.5]
     """
-    copies, breaks, t = copies_of(scene, vary), breaks_of(scene), _instants(scene, times)
+    description = describe(scene)
+    copies, breaks, t = copies_of(description, vary), breaks_of(description), _instants(scene, times)
     tol = _tolerance(scene, tol)
-    edges, order, estimate = resolve(scene, vary, copies, breaks, tol)
+    edges, order, estimate = resolve(description, vary, copies, breaks, tol)
     samples = len(scene.probes) * len(copies.unit) * len(t)
     if samples > LARGEST:
         raise InputError("times", f"{samples:.2g} samples are too many", f"at most {LARGEST:.0e}")
     started, begun = time.perf_counter(), time.process_time()
-    probes = run(scene, copies, edges, order, np.arange(len(copies.unit)), t)
+    probes = run(description, copies, edges, order, np.arange(len(copies.unit)), t)
     seconds, processor = time.perf_counter() - started, time.process_time() - begun
     if estimate > tol:
         problem = f"the estimated error of {estimate:.1g} is above the tolerance of {tol:.1g}"
         warnings.warn(f"{problem}: a load is too fast for many runs", UnresolvedWarning, stacklevel=2)
-    heights = {name: scene.height(name) for name in probes}
+    heights = {name: probe.height for name, probe in description.probes.items()}
     return Many(t, probes, order, len(edges) - 1, estimate, seconds, processor, heights)
 
 

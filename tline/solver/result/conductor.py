@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from tline.solver.description.probes import Probe
+from tline.solver.description.probes import ProbePlace
 from tline.solver.result.result import LineRecord, Wave
 
 
-def record_of(probe: Probe, records: Mapping[str, LineRecord]) -> LineRecord:
+def record_of(probe: ProbePlace, records: Mapping[str, LineRecord]) -> LineRecord:
     """What a probe recorded; at a conductor as on a single line that carries its voltage and current.
 
     The z0 is then that of the conductor while the others are held at zero.

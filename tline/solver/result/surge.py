@@ -91,11 +91,8 @@ def _rises(
 
 def _changes(description: Description, t: NDArray) -> Iterator[float]:
     """What sources of flow do to the pipes beside them, Pa."""
-    admittance: dict[str, float] = {}
-    for line in description.lines.values():
-        for node in {*line.nodes}:
-            admittance[node] = admittance.get(node, 0.0) + 1 / line.z0
     for source in description.scene.sources.values():
-        if not source.is_effort and source.at in admittance:
+        admittance = description.nodes[source.at].lines
+        if not source.is_effort and admittance:
             flow = np.append(source.value.value(t, t), just_before(source.value))
-            yield float(np.ptp(flow)) / admittance[source.at]
+            yield float(np.ptp(flow)) / admittance
