@@ -185,3 +185,46 @@ def test_envelopes_of_bent_waves_lie_within_their_errors():
     for name in ("lowest", "highest"):
         off = np.abs(getattr(rough, name) - getattr(fine, name))
         assert (off <= getattr(rough, f"{name}_error") + getattr(fine, f"{name}_error") + 1e-14).all()
+
+
+def rubbing(value: dict) -> Scene:
+    """A pipe with quadratic friction into an orifice."""
+    pipe = {"length": 1e3, "radius": 0.025, "density": 900, "wave_speed": 1e3}
+    return Scene(
+        medium="hydraulic",
+        t_end=8.0,
+        lines={"l": {"nodes": ["a", "b"], **pipe, "friction": {"kind": "darcy", "factor": 0.03}}},
+        sources={"s": {"at": "a", "kind": "pressure", "value": value, "resistance": 0}},
+        loads={"r": {"at": "b", "kind": "orifice", "flow": 1e-3, "pressure_drop": 1e5}},
+        probes={"near": {"at": "a"}, "far": {"at": "b"}},
+    )
+
+
+CORNERS = {
+    "shape": "piecewise linear",
+    "points": [[1.2207742, 0], [1.4832828, 1.4e5], [1.9529538, -2e5], [3.2577791, 1.9e5], [4.0200224, 1.3e5]],
+}
+
+
+@pytest.mark.parametrize("tol", [0.1, 0.04, 0.01, 2e-3])
+def test_two_runs_in_lumps_that_agree_by_accident_are_not_believed(tol):
+    """From slab to slab the differences here fall by 0.4, 0.6, 0.3, 0.2, 1.1 and 0.7."""
+    scene = rubbing(CORNERS)
+    result, fine = simulate(scene, tol=tol), run(describe(scene), Resolution(3, 2.0**-11))
+    assert result.accuracy.met
+    t = np.arange(1, 8 * 1024) / 1024
+    for name, probe in result.probes.items():
+        for letter in "uy":
+            exact = getattr(fine.probes[name].at(t), letter)
+            off = np.abs(getattr(probe.at(t), letter) - exact).max()
+            told = getattr(result.accuracy.inside[name], letter) + 1e-12  # rounding, where the source is
+            assert off <= told * np.abs(exact).max()
+
+
+def test_lumps_that_will_not_do_are_given_up_soon():
+    """Minutes of ever narrower slabs would not reach what is asked."""
+    accuracy = simulate(rubbing(CORNERS), tol=1e-6).accuracy
+    assert not accuracy.met
+    assert accuracy.limit.startswith("narrower slabs would reach")
+    assert sum(attempt.samples for attempt in accuracy.attempts) < 5e5
+    assert accuracy.worst < 1e-3

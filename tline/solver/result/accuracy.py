@@ -115,12 +115,15 @@ class Accuracy:
 
     def cautious(self, before: "Accuracy | None" = None) -> "Accuracy":
         """The same with errors inside slabs that are told with caution."""
-        by = self.caution(before)
-        inside, blurred = (
-            {name: Estimate(by * told.u, by * told.y) for name, told in each.items()}
-            for each in (self.inside, self.blurred)
+        return self.times(self.caution(before))
+
+    def times(self, by: float, at_ends: float = 1.0) -> "Accuracy":
+        """The same with errors so many times as large, inside slabs and at their ends."""
+        estimates, inside, blurred = (
+            {name: Estimate(factor * told.u, factor * told.y) for name, told in each.items()}
+            for each, factor in ((self.estimates, at_ends), (self.inside, by), (self.blurred, by))
         )
-        return replace(self, inside=inside, blurred=blurred)
+        return replace(self, estimates=estimates, inside=inside, blurred=blurred)
 
     @property
     def met(self) -> bool:

@@ -1,13 +1,16 @@
 """Runs of scenes with losses to a tolerance; where losses are lumped, slabs and the distance of lumps are halved."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
+from math import log
 
 from tline.errors import InputError
+from tline.solver.assembly.loss_elements import lumps_in
 from tline.solver.assembly.lossy_segments import fits
 from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import resolution
-from tline.solver.result.accuracy import Accuracy, Attempt
+from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import Result
 from tline.solver.tolerance.compare import added, compared, with_errors
 from tline.solver.tolerance.extrapolate import extrapolated, seen_at_ends
@@ -18,8 +21,12 @@ TABLE = ((2,), (2, 4), (2, 4, 6), (1,), (1, 2), (1, 2, 3), (1, 2, 3, 4))  # powe
 CLOSER, CLOSEST = 0.1, 1e-9  # tolerance of circuits over that of the run or of circuits before, and the least
 CALM = 0.02  # cycles per slab, the band of circuits in cells
 IN_CELLS = 1e-5  # the first of these in cells, where terms cost little
+FITTED = 3  # steps that tell what the next ones leave of an entry's difference
+FEW_PASSES, MOST_PASSES = 5e8, 5e10  # of samples through lumps in one run: a second, and some minutes for all runs
 
-Row = dict[tuple[int, ...], Result]
+Powers = tuple[int, ...]
+Row = dict[Powers, Result]
+Steps = dict[Powers, list[tuple[float, float]]]  # differences of each entry, at slab ends and at any instant
 
 
 def with_losses(search: Search) -> Result:
@@ -84,13 +91,14 @@ def _halved(search: Search) -> tuple[Result, Result]:
     """Halve slabs; the best result, and the last run.
 
     Each run adds a row to a table: itself, and what Richardson makes of it and the row above. The error of an entry is
-    its difference to the one above it; the result is the best entry of the last row.
+    told by its difference to the one above it; the result is the best entry of the last row.
     """
     description, order = search.description, search.description.scene.solver.order or ORDER
     chosen = resolution(description, order)._replace(fit=search.fit)
     best = last = search.run(chosen)
     row: Row = {(): last}
     attempts, limit, stale, accuracy = [Attempt.of(last)], "", 0, Accuracy(search.tol)
+    steps: Steps = {}
     while not limit:
         try:
             finer = resolution(description, order, chosen.h / 2)
@@ -100,14 +108,14 @@ def _halved(search: Search) -> tuple[Result, Result]:
             limit = f"{error.where}: {error.problem}"
             break
         above, row = row, _row(row, last)
-        result, found = min(_judged(above, row, search.tol), key=lambda entry: rank(entry[1]))
+        result, found, by = min(_judged(above, row, search.tol, steps), key=lambda entry: rank(entry[1]))
         attempts.append(Attempt.of(last, found.worst))
         stale = stale + 1 if gained(accuracy, found) >= 1.0 else 0
         if better(found, accuracy):
-            best, accuracy = with_errors(result, above[()], 1.0), found
+            best, accuracy = with_errors(result, above[()], by), found
         if found.worst <= search.tol and len(attempts) > 2 and not chosen.blind:
             break
-        limit = limit_of(attempts, stale, search) or inside_limit(attempts, found)
+        limit = limit_of(attempts, stale, search) or inside_limit(attempts, found) or _too_slow(search, attempts, last)
     limit = limit and (inside_slabs(accuracy) or limit)
     damped = () if limit else best.resolution.notes
     unresolved = tuple(note for note in best.unresolved if note not in damped)
@@ -125,8 +133,45 @@ def _row(above: Row, finer: Result) -> Row:
     return row
 
 
-def _judged(above: Row, row: Row, tol: float) -> Iterator[tuple[Result, Accuracy]]:
-    """Entries of a row with their differences to those above."""
-    for powers in above.keys() & row.keys():
+def _judged(above: Row, row: Row, tol: float, steps: Steps) -> Iterator[tuple[Result, Accuracy, float]]:
+    """Entries of a row, their errors by their differences to those above, and what these were multiplied by."""
+    for powers in sorted(above.keys() & row.keys(), key=len):
         coarse, fine = above[powers], row[powers]
-        yield fine, Accuracy(tol, *compared(coarse, fine))  # of the coarser one: no caution is needed
+        found = Accuracy(tol, *compared(coarse, fine))
+        steps.setdefault(powers, []).append((found.at_slab_ends, found.worst))
+        at_ends, inside = (_caution(steps, powers, k) for k in (0, 1))
+        yield fine, found.times(inside, at_ends), inside
+
+
+def _caution(steps: Steps, powers: Powers, which: int) -> float:
+    """Error over the last difference of an entry, at slab ends or at any instant; at least 1.
+
+    Where each step leaves the share r of the difference before, the finer entry still has r + r² + … = r / (1 - r) of
+    the last one. Here r is the largest of the last steps, of an entry that has seen fewer also of those that it is
+    extrapolated from; at most a half, for errors of lumps are of first order at least. A difference that is smaller
+    than r allows after those before it is an accident of two runs, and counts as r allows.
+    """
+    left: list[float] = []
+    for k in range(len(powers), -1, -1):
+        told = [differences[which] for differences in steps.get(powers[:k], ())]
+        left += [fine / coarse for coarse, fine in pairwise(told) if coarse > 0][: -FITTED - 1 : -1]
+    few = [SLOWEST] if len(left) < FITTED else []
+    r = min(SLOWEST, max(left[:FITTED] + few))
+    last = [differences[which] for differences in steps[powers][: -FITTED - 2 : -1]]
+    expected = max(difference * r**k for k, difference in enumerate(last))
+    return max(expected / last[0] * r / (1 - r), 1.0) if last[0] > 0 else 1.0
+
+
+def _too_slow(search: Search, attempts: Sequence[Attempt], last: Result) -> str:
+    """What forbids runs of more than a second: that at the pace so far none that is affordable meets the tolerance."""
+    told = [attempt.estimate for attempt in attempts if attempt.estimate is not None]
+    lumps = sum(lumps_in(search.description.lines, last.resolution.h, last.resolution.lumps).values())
+    passes = (len(last.t) - 1) * last.resolution.s * lumps
+    if told[-1] <= search.tol or len(told) <= FITTED or passes < FEW_PASSES:
+        return ""
+    pace = max(1.0, *((told[-k] / told[-1]) ** (1 / (k - 1)) for k in (FITTED + 1, len(told))))
+    halvings = log(max(MOST_PASSES / passes, 1.0), 4)  # each has twice as many slabs, and lumps
+    reached = told[-1] / pace**halvings
+    if reached <= search.tol:
+        return ""
+    return f"narrower slabs would reach {reached:.1g} in some minutes, at the pace so far"
