@@ -22,6 +22,7 @@ from pydantic import (
 from tline.errors import InputError, SceneError
 from tline.gc_paused import gc_paused
 from tline.printable import one_line
+from tline.progress import Progress
 from tline.scene.cavities import refuse_cavities
 from tline.scene.check import conflicts, misplaced
 from tline.scene.coupled import Coupled, single_lines
@@ -147,14 +148,12 @@ class Scene(Element):
 
     def __init__(self, folder: str | Folder = ".", progress: bool = False, /, **data: Any) -> None:
         """Validate everything and collect all mistakes."""
-        from tqdm import tqdm
-
         folder = folder if isinstance(folder, Folder) else Folder(Path(folder))
         medium = data.get("medium")
         known = MEDIA.get(medium) if isinstance(medium, str) else None
         lines = data.get("lines")
         count = len(lines) if isinstance(lines, dict) else 0
-        bar = tqdm(total=count, desc="reading", disable=not progress, delay=2, unit="line", unit_scale=True)
+        bar = Progress(count, "line", progress, "reading")
         context = {"folder": folder, "bar": bar} | ({"medium": medium, "units": known.units} if known else {})
         models = {
             "lines": Pipe if medium == "hydraulic" else Cable,
