@@ -18,8 +18,6 @@ def test_short_work_shows_no_bar_and_does_not_import_one():
 
 
 def test_long_work_shows_all_that_is_done(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-):
     monkeypatch.setattr(progress, "DELAY", 0.0)
     with Progress(3, "slab", True, "stepping") as bar:
         bar.update()
