@@ -8,6 +8,7 @@ import sys
 import time
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from itertools import cycle
 from statistics import median
@@ -78,8 +79,12 @@ def in_compiled_code() -> list[float]:
 
     for module in [each for name, each in sys.modules.items() if name.partition(".")[0] == "tline"]:
         for name, value in list(vars(module).items()):
-            if type(value).__name__ in ("CPUDispatcher", "Unit"):
+            if type(value).__name__ == "CPUDispatcher":
                 setattr(module, name, counted(value))
+    with suppress(ImportError):
+        from tline.unit import Unit
+
+        Unit.__call__ = counted(Unit.__call__)
     return spent
 
 

@@ -35,6 +35,7 @@ COMMANDS = {
     "chart": ("tline.cli.chart:chart", "Speed against accuracy: methods and programs compared, measured now."),
     "import": ("tline.cli.import_:import_", "A scene from another program's file: SPICE netlists, EPANET networks."),
     "export": ("tline.cli.export:export", "A scene as SPICE netlist."),
+    "warm-up": ("tline.cli.warm_up:warm_up", "Compile ahead what runs may need."),
     "schema": ("tline.cli.schema:schema", "JSON schema of scene files, for editors."),
 }
 NEW_OBJECTS = 100_000  # before garbage is looked for
