@@ -26,7 +26,7 @@ _said: set[str] = set()
 
 def load(unit: Any) -> tuple[int, Any] | None:
     """The address of a unit's kept code, and what must be held meanwhile; None if there is none, or it is not valid."""
-    path = _path(unit)
+    path = path_of(unit)
     try:
         if path is None:
             return None
@@ -44,7 +44,7 @@ def load(unit: Any) -> tuple[int, Any] | None:
 
 def keep(unit: Any, name: str, library: Any) -> None:
     """Write a unit's code, in place of what is no longer valid; whatever happens to the disk is no error."""
-    path = _path(unit)
+    path = path_of(unit)
     if path is None:
         return
     needed = [f.name for f in library._final_module.functions if f.is_declaration and not f.name.startswith("llvm.")]
@@ -106,7 +106,7 @@ def _sources(unit: Any) -> Any:
     return sources_of(unit.__module__, *COMPILING)
 
 
-def _path(unit: Any) -> Path | None:
+def path_of(unit: Any) -> Path | None:
     """The file of a unit, one for each processor and setting; None if its source code or a folder cannot be found."""
     spec = getattr(sys.modules.get(unit.__module__), "__spec__", None)
     if spec is None or unit.code.__code__.co_filename != spec.origin or unit.code.__closure__:

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import Any, get_type_hints
 
+from tline.compiling import announced
 from tline.object_code import keep, load
 from tline.structure import Packed
 
@@ -112,7 +113,8 @@ class Unit:
     def _compiled(self) -> tuple[int, Any]:
         from tline.compiler import compile_unit
 
-        result = compile_unit(self.code, self.parameters, OPTIONS | _BARE)
+        with announced(self.__module__):
+            result = compile_unit(self.code, self.parameters, OPTIONS | _BARE)
         keep(self, result.fndesc.llvm_func_name, result.library)
         return result.library.get_pointer_to_function(result.fndesc.llvm_func_name), result
 

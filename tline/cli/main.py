@@ -1,5 +1,6 @@
 """The command `tline`: finds a subcommand by name, imports only that one, and says errors in one sentence."""
 
+import gc
 import sys
 import traceback
 import warnings
@@ -34,8 +35,10 @@ COMMANDS = {
     "chart": ("tline.cli.chart:chart", "Speed against accuracy: methods and programs compared, measured now."),
     "import": ("tline.cli.import_:import_", "A scene from another program's file: SPICE netlists, EPANET networks."),
     "export": ("tline.cli.export:export", "A scene as SPICE netlist."),
+    "warm-up": ("tline.cli.warm_up:warm_up", "Compile ahead what runs may need."),
     "schema": ("tline.cli.schema:schema", "JSON schema of scene files, for editors."),
 }
+NEW_OBJECTS = 100_000  # before garbage is looked for
 
 
 class LazyGroup(click.Group):
@@ -53,7 +56,7 @@ class LazyGroup(click.Group):
 
     def _exit_code(self, *args: Any, **kwargs: Any) -> int:
         try:
-            with _noted():
+            with _noted(), _rarely_collected():
                 done = super().main(*args, **kwargs | {"standalone_mode": False})
             sys.stdout.flush()
         except InputError as error:
@@ -119,6 +122,17 @@ def _noted() -> Iterator[None]:
         warnings.simplefilter("always", NotKeptWarning)
         warnings.showwarning = note
         yield
+
+
+@contextmanager
+def _rarely_collected() -> Iterator[None]:
+    """Look for garbage seldom: a command makes little, and imports much, a tenth of whose time goes into looking."""
+    before = gc.get_threshold()
+    gc.set_threshold(NEW_OBJECTS)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)
 
 
 def _print_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:

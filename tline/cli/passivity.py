@@ -2,6 +2,7 @@
 
 import json
 import re
+from importlib import import_module
 from typing import Any
 
 import click
@@ -96,13 +97,13 @@ def passivity(ctx: click.Context, what: str, plot: str | None, as_json: bool, **
 
 def _answer(what: str, asked: Asked) -> Answer:
     """Ask the one who knows about this kind of thing."""
-    from tline.cli.verdicts import expression, matrix, samples, scene
-
     if what.lower().endswith(".toml"):
-        return scene.answer(what, asked)
-    if SAMPLES.search(what):
-        return samples.answer(what, asked)
-    return (matrix if what.startswith("[") else expression).answer(what, asked)
+        kind = "scene"
+    elif SAMPLES.search(what):
+        kind = "samples"
+    else:
+        kind = "matrix" if what.startswith("[") else "expression"
+    return import_module(f"tline.cli.verdicts.{kind}").answer(what, asked)
 
 
 def _option(where: str, tolerance: str) -> str:
@@ -114,6 +115,8 @@ def _option(where: str, tolerance: str) -> str:
 
 
 def _check_files(plot: str | None, nearest: str | None) -> None:
+    if plot is None and nearest is None:
+        return
     from tline.solver.result.atomic import check_writable
 
     for option, path, known in (("--plot", plot, PICTURE), ("--nearest", nearest, (".json",))):

@@ -143,6 +143,8 @@ def _options_named(options: dict[str, str]) -> Iterator[None]:
 
 def _check_files(wanted: dict[str, str]) -> None:
     """Refuse what could not be written, before time is spent on it."""
+    if not wanted:
+        return
     from tline.solver.result.atomic import check_writable
 
     seen: dict[Path, str] = {}

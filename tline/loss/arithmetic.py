@@ -1,11 +1,13 @@
 """The functions that laws are made of, in doubles and in balls: a law is written once and evaluated in both."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from flint import acb
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from flint import acb
 
 SMALL, LARGE = 1e-4, 1e8  # of |z|: there two terms of its expansions give the quotient to rounding
 
@@ -36,7 +38,9 @@ def _quotient(n: int, z: NDArray) -> NDArray:
     return np.where(ordinary, inside * ive(n, inside) / ive(n + 1, inside), beside)
 
 
-def _ball_quotient(n: int, z: acb) -> acb:
+def _ball_quotient(n: int, z: "acb") -> "acb":
+    from flint import acb
+
     if z == 0:
         return acb(2 * (n + 1))
     return z * z.bessel_i(acb(n), scaled=True) / z.bessel_i(acb(n + 1), scaled=True)

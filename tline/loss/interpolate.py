@@ -12,7 +12,6 @@ Linear Algebra and its Applications 425 (2007) 634-662, doi:10.1016/j.laa.2007.0
 """
 
 import numpy as np
-from flint import acb, acb_mat, ctx
 from numpy.typing import NDArray
 
 from tline.loss.arithmetic import BALLS
@@ -42,6 +41,8 @@ def interpolate(law: Law, w: NDArray) -> tuple[NDArray, NDArray]:
     >>> r.round(12).tolist(), p.round(12).tolist()
     ([2.0, 3.0], [10.0, 20.0])
     """
+    from flint import acb, acb_mat, ctx
+
     n = len(w)
     with ctx.workprec(BITS):
         s = [acb(0, x) for x in w.tolist()]

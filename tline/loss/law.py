@@ -2,15 +2,17 @@
 
 from abc import ABC, abstractmethod
 from math import ceil, log2
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from flint import acb, ctx
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
 from tline.loss.arithmetic import BALLS, DOUBLES, Arithmetic
 from tline.loss.by_value import ByValue
+
+if TYPE_CHECKING:
+    from flint import acb
 
 MOST_DIGITS = 1_000
 MOST_BITS = 20_000
@@ -70,7 +72,7 @@ class Law(ByValue, ABC):
         """
         return self.value(points(s), DOUBLES)
 
-    def at_precision(self, s: complex | acb, digits: int) -> acb:
+    def at_precision(self, s: "complex | acb", digits: int) -> "acb":
         """F(s) as a ball whose radius is below 10^-digits of it: a proved value.
 
         Parameters
@@ -85,6 +87,8 @@ class Law(ByValue, ABC):
         InputError
             Bad digits, or a point on which no ball gets that small.
         """
+        from flint import acb, ctx
+
         if not 1 <= digits <= MOST_DIGITS:
             raise InputError("digits", "not in range", f"1 to {MOST_DIGITS}", repr(digits))
         asked = ceil(digits * log2(10)) + 1

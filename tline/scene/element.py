@@ -5,6 +5,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from tline.errors import InputError, SceneError
+from tline.scene.choice import validator
 from tline.scene.mistakes import MOST, WORDS, limited, mistakes, register
 from tline.wording import shown
 
@@ -43,6 +44,7 @@ class Element(BaseModel):
     model_config = ConfigDict(
         extra="forbid",
         frozen=True,
+        defer_build=True,
         populate_by_name=True,
         revalidate_instances="always",
         validate_default=True,
@@ -51,7 +53,7 @@ class Element(BaseModel):
 
     def __init__(self, /, **data: Any) -> None:
         try:
-            self.__pydantic_validator__.validate_python(data, self_instance=self)
+            validator(type(self)).validate_python(data, self_instance=self)
         except ValidationError as error:
             found = mistakes(error, type(self), within=type(self).__name__)
             raise SceneError(limited(found, error.error_count() - MOST)) from None

@@ -4,9 +4,10 @@ from itertools import pairwise
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import PlainValidator, SerializeAsAny, ValidationInfo
+from pydantic import SerializeAsAny, ValidationInfo
 
 from tline.errors import InputError
+from tline.scene.choice import Read
 from tline.scene.quantity import LEVEL
 from tline.scene.shape import Constant, Shape
 from tline.scene.waveform import Waveform, read_waveform
@@ -19,7 +20,7 @@ def _factor(value: Any, info: ValidationInfo) -> Shape:
     return read_waveform(value, "", info)
 
 
-Factor = Annotated[SerializeAsAny[Shape], PlainValidator(_factor, json_schema_input_type=Waveform | float | str)]
+Factor = Annotated[Shape, Read(_factor, Waveform | float | str)]
 ALWAYS = Constant(level=LEVEL.parse(1, ""))
 
 

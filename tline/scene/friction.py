@@ -8,11 +8,12 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, PlainValidator, SerializeAsAny, ValidationInfo
+from pydantic import Field, ValidationInfo
 
 from tline.errors import InputError
 from tline.loss import Constant, LaminarFriction, Law, TurbulentFriction, hagen_poiseuille
 from tline.loss.losses import Curve
+from tline.scene.choice import Read, validator
 from tline.scene.element import Element
 from tline.scene.quantity import Quantity, Role
 from tline.wording import nearest, shown
@@ -171,10 +172,7 @@ def _of_kind(value: Any, info: ValidationInfo) -> Friction:
         missing = kind is None
         expected = nearest("" if missing else str(kind), [*KINDS])
         raise InputError("kind", "is missing" if missing else "unknown", expected, "" if missing else shown(kind))
-    return KINDS[kind].model_validate(value, context=info.context)
+    return validator(KINDS[kind]).validate_python(value, context=info.context)
 
 
-AnyFriction = Annotated[
-    SerializeAsAny[Friction],
-    PlainValidator(_of_kind, json_schema_input_type=Linear | Laminar | Zielke | Darcy | QuasiSteady | VardyBrown),
-]
+AnyFriction = Annotated[Friction, Read(_of_kind, Linear | Laminar | Zielke | Darcy | QuasiSteady | VardyBrown)]

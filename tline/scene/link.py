@@ -4,20 +4,19 @@ from collections.abc import Mapping
 from itertools import combinations
 from typing import Annotated
 
-from pydantic import Field
-
 from tline.scene.characteristic import CurveLink, DiodeLink
+from tline.scene.choice import OneOf
 from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Junction, Transformer
 from tline.scene.own import OwnLink, or_own
 from tline.scene.pump import Pump
 from tline.scene.valve import CheckValveLink, OrificeLink, ReliefValveLink
 
-Link = Annotated[
+_Any = (
     OrificeLink | CheckValveLink | ReliefValveLink | Pump | DiodeLink | CurveLink
-    | Transformer | Gyrator | ControlledSource | CoupledInductors | Junction | MeasuredMultiport,
-    Field(discriminator="kind"), *or_own(OwnLink),
-]  # fmt: skip
+    | Transformer | Gyrator | ControlledSource | CoupledInductors | Junction | MeasuredMultiport
+)  # fmt: skip
+Link = Annotated[_Any, OneOf(_Any, "kind"), *or_own(OwnLink)]
 
 
 def linked_pairs(links: Mapping[str, Link]) -> list[tuple[str, str]]:

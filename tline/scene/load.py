@@ -7,6 +7,7 @@ from pydantic import Field, ValidationInfo, field_validator
 from tline.errors import InputError
 from tline.scene.air_valve import AirValve
 from tline.scene.characteristic import Curve, Diode
+from tline.scene.choice import OneOf
 from tline.scene.element import AtNode
 from tline.scene.medium import MEDIA
 from tline.scene.outflow import Demand, Leak
@@ -86,9 +87,9 @@ class Switch(AtNode):
         return _check_word(kind, info, "switch")
 
 
-Load = Annotated[
+_Any = (
     NoFlow | Short | Reservoir | Matched | Resistor | Switch | Series | Parallel | Impedance | Touchstone
     | Orifice | CheckValve | ReliefValve | Leak | Demand | Diode | Curve
-    | AirVessel | SurgeTank | Cavity | VapourCavity | AirValve,
-    Field(discriminator="kind"), *or_own(OwnLoad),
-]  # fmt: skip
+    | AirVessel | SurgeTank | Cavity | VapourCavity | AirValve
+)  # fmt: skip
+Load = Annotated[_Any, OneOf(_Any, "kind"), *or_own(OwnLoad)]

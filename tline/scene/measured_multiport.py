@@ -2,18 +2,19 @@
 
 from functools import lru_cache
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
-from passivity import MeasuredNetwork, Status, fit_scattering, read_touchstone
-from passivity.errors import ExpressionError
 from tline.errors import InputError
 from tline.scene.line import Cable, SceneLine
 from tline.scene.multiport import Multiport, PortNodes, Ports
 from tline.scene.quantity import Quantity, Tolerance
 from tline.scene.touchstone import Delay, electrical, read_model
+
+if TYPE_CHECKING:
+    from passivity import MeasuredNetwork
 
 MOST_PORTS = 8  # proofs with more take minutes
 
@@ -45,7 +46,7 @@ class MeasuredMultiport(Multiport):
     nearest: bool = Field(
         default=False, description="whether to scale S until it is passive where the fit is not passive"
     )
-    _model: MeasuredNetwork = PrivateAttr()
+    _model: "MeasuredNetwork" = PrivateAttr()
     _near: tuple[str, ...] | None = PrivateAttr(default=None)  # nodes at which the delays begin
 
     @field_validator("kind")
@@ -65,7 +66,7 @@ class MeasuredMultiport(Multiport):
         return self
 
     @property
-    def model(self) -> MeasuredNetwork:
+    def model(self) -> "MeasuredNetwork":
         """What was fitted, with its proof."""
         return self._model
 
@@ -98,7 +99,7 @@ class MeasuredMultiport(Multiport):
 
 
 @lru_cache(maxsize=64)
-def model_of(path: Path, stamp: int, tolerance: float, delays: tuple[float, ...], nearest: bool) -> MeasuredNetwork:
+def model_of(path: Path, stamp: int, tolerance: float, delays: tuple[float, ...], nearest: bool) -> "MeasuredNetwork":
     """The model of a file, passive; `stamp` is when the file was written, for a scene is read several times.
 
     Raises
@@ -106,6 +107,8 @@ def model_of(path: Path, stamp: int, tolerance: float, delays: tuple[float, ...]
     ExpressionError
         The file cannot be read, has another number of ports, no model meets the tolerance, or it is not proved passive.
     """
+    from passivity import ExpressionError, Status, fit_scattering, read_touchstone
+
     response = read_touchstone(path)
     if response.ports != len(delays):
         got = f"{response.ports} port{'s' * (response.ports > 1)}"

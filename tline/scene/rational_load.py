@@ -3,16 +3,17 @@
 import math
 import numbers
 from fractions import Fraction
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
-from passivity import RationalFunction
-from passivity.errors import ExpressionError
 from tline.errors import InputError
 from tline.scene.element import AtNode
 from tline.scene.quantity import LARGEST, SMALLEST, Capacitance, Inductance, Parameter, PositiveResistance
 from tline.wording import shown
+
+if TYPE_CHECKING:
+    from passivity import RationalFunction
 
 MOST_STATES = 20  # degree up to which double precision holds ladders of L and C to some 1e-12
 
@@ -20,13 +21,13 @@ MOST_STATES = 20  # degree up to which double precision holds ladders of L and C
 class Rational(AtNode):
     """A load that is a rational impedance."""
 
-    _rational: RationalFunction = PrivateAttr()
+    _rational: "RationalFunction" = PrivateAttr()
 
-    def rational(self) -> RationalFunction:
+    def rational(self) -> "RationalFunction":
         """Z(s), exact for the decimals typed."""
         return self._rational
 
-    def _build(self) -> RationalFunction:
+    def _build(self) -> "RationalFunction":
         raise NotImplementedError
 
     @model_validator(mode="after")
@@ -49,7 +50,9 @@ class _Elements(Rational):
     inductance: Inductance | None = Field(default=None, description="L")
     capacitance: Capacitance | None = Field(default=None, description="C")
 
-    def _impedances(self) -> list[RationalFunction]:
+    def _impedances(self) -> "list[RationalFunction]":
+        from passivity import RationalFunction
+
         exact, parts = RationalFunction.from_coefficients, []
         if self.resistance is not None:
             parts.append(exact([_exact(self.resistance)], [1]))
@@ -67,7 +70,7 @@ class Series(_Elements):
 
     kind: Literal["series"] = "series"
 
-    def _build(self) -> RationalFunction:
+    def _build(self) -> "RationalFunction":
         first, *rest = self._impedances()
         for part in rest:
             first = first + part
@@ -79,7 +82,7 @@ class Parallel(_Elements):
 
     kind: Literal["parallel"] = "parallel"
 
-    def _build(self) -> RationalFunction:
+    def _build(self) -> "RationalFunction":
         first, *rest = self._impedances()
         for part in rest:
             first = first.parallel(part)
@@ -110,7 +113,7 @@ class Impedance(Rational):
     numerator: list[Coefficient] | None = Field(default=None, description="coefficients, highest power first, SI")
     denominator: list[Coefficient] | None = Field(default=None, description="coefficients, highest power first, SI")
 
-    def _build(self) -> RationalFunction:
+    def _build(self) -> "RationalFunction":
         if self.expression is not None and self.numerator is None and self.denominator is None:
             return _within_limits(self._from_expression(self.expression))
         if self.expression is not None or self.numerator is None or self.denominator is None:
@@ -121,7 +124,9 @@ class Impedance(Rational):
             raise InputError("parameters", "they belong to an expression, not to coefficients")
         return _within_limits(self._from_coefficients(self.numerator, self.denominator))
 
-    def _from_expression(self, expression: str) -> RationalFunction:
+    def _from_expression(self, expression: str) -> "RationalFunction":
+        from passivity import ExpressionError, RationalFunction
+
         try:
             values = {name: _exact(value) for name, value in self.parameters.items()}
             return RationalFunction.from_expression(expression, values)
@@ -131,7 +136,9 @@ class Impedance(Rational):
             where = f"parameters.{name}" if name else "expression"
             raise InputError(where, problem, error.expected, error.got) from None
 
-    def _from_coefficients(self, *sides: list[Coefficient]) -> RationalFunction:
+    def _from_coefficients(self, *sides: list[Coefficient]) -> "RationalFunction":
+        from passivity import ExpressionError, RationalFunction
+
         try:
             numerator, denominator = (list(map(_as_typed, side)) for side in sides)
             return RationalFunction.from_coefficients(numerator, denominator)
@@ -141,12 +148,14 @@ class Impedance(Rational):
     @classmethod
     def from_system(cls, system: Any, at: str) -> "Impedance":
         """Z(s) from a scipy.signal or python-control system with one input (flow) and one output (effort)."""
+        from passivity import RationalFunction
+
         function = RationalFunction.from_system(system)
         numerator, denominator = ([str(a) for a in side] for side in (function.numerator, function.denominator))
         return cls.model_validate({"at": at, "numerator": numerator, "denominator": denominator})
 
 
-def _within_limits(impedance: RationalFunction) -> RationalFunction:
+def _within_limits(impedance: "RationalFunction") -> "RationalFunction":
     for limit in (impedance.at_zero(), impedance.at_infinity()):
         if limit not in (0, math.inf) and not SMALLEST <= abs(limit) <= LARGEST:
             problem = "its resistance at low or high frequency is out of range"

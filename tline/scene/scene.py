@@ -9,9 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import (
     AfterValidator,
     Field,
-    PlainValidator,
     PrivateAttr,
-    SerializeAsAny,
     SerializerFunctionWrapHandler,
     ValidationError,
     ValidationInfo,
@@ -22,8 +20,10 @@ from pydantic import (
 from tline.errors import InputError, SceneError
 from tline.gc_paused import gc_paused
 from tline.printable import one_line
+from tline.progress import Progress
 from tline.scene.cavities import refuse_cavities
 from tline.scene.check import conflicts, misplaced
+from tline.scene.choice import Read, validator
 from tline.scene.coupled import Coupled, single_lines
 from tline.scene.element import Element, Name
 from tline.scene.heights import Height, heights_of
@@ -72,13 +72,11 @@ def _line_of_medium(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, Element) and not isinstance(value, kind):
         known = type(value).__name__
         raise InputError("", f"not a line of {medium} scenes", f"a table or a {kind.__name__}", f"a {known}")
-    return kind.model_validate(value, context=info.context)
+    return validator(kind).validate_python(value, context=info.context)
 
 
 # Coupled stands in for a line: it has nodes and a shortest delay, and its parameters refuse
-Line = Annotated[
-    SerializeAsAny[SceneLine], PlainValidator(_line_of_medium, json_schema_input_type=Pipe | Cable | Coupled)
-]
+Line = Annotated[SceneLine, Read(_line_of_medium, Pipe | Cable | Coupled)]
 
 
 class Scene(Element):
@@ -147,14 +145,12 @@ class Scene(Element):
 
     def __init__(self, folder: str | Folder = ".", progress: bool = False, /, **data: Any) -> None:
         """Validate everything and collect all mistakes."""
-        from tqdm import tqdm
-
         folder = folder if isinstance(folder, Folder) else Folder(Path(folder))
         medium = data.get("medium")
         known = MEDIA.get(medium) if isinstance(medium, str) else None
         lines = data.get("lines")
         count = len(lines) if isinstance(lines, dict) else 0
-        bar = tqdm(total=count, desc="reading", disable=not progress, delay=2, unit="line", unit_scale=True)
+        bar = Progress(count, "line", progress, "reading")
         context = {"folder": folder, "bar": bar} | ({"medium": medium, "units": known.units} if known else {})
         models = {
             "lines": Pipe if medium == "hydraulic" else Cable,
@@ -165,7 +161,7 @@ class Scene(Element):
         }
         with gc_paused(), bar:
             try:
-                self.__pydantic_validator__.validate_python(data, self_instance=self, context=context)
+                validator(Scene).validate_python(data, self_instance=self, context=context)
                 found, sound, untold = [], self, 0
             except ValidationError as error:
                 found, untold = mistakes(error, Scene, models), error.error_count() - MOST
@@ -294,7 +290,7 @@ def _sound_part(data: dict[str, Any], error: ValidationError, context: dict[str,
             part[section] = {name: table for name, table in tables.items() if (section, name) not in bad}
     sound = Scene.__new__(Scene)
     try:
-        Scene.__pydantic_validator__.validate_python(part, self_instance=sound, context=context)
+        validator(Scene).validate_python(part, self_instance=sound, context=context)
     except ValidationError:
         return None
     return sound

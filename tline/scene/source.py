@@ -4,14 +4,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import (
     Field,
-    PlainValidator,
-    SerializeAsAny,
     ValidationInfo,
     field_validator,
     model_validator,
 )
 
 from tline.errors import InputError
+from tline.scene.choice import Read
 from tline.scene.element import AtNode
 from tline.scene.medium import MEDIA
 from tline.scene.quantity import Resistance
@@ -48,9 +47,7 @@ class Source(AtNode):
     kind: Literal["pressure", "flow", "voltage", "current"] = Field(
         description="what is prescribed: pressure or flow in a hydraulic scene, voltage or current in an electrical one"
     )
-    value: Annotated[
-        SerializeAsAny[Shape], PlainValidator(_waveform, json_schema_input_type=Waveform | float | str)
-    ] = Field(
+    value: Annotated[Shape, Read(_waveform, Waveform | float | str)] = Field(
         description="how much, constant or over time; a flow counts into the node; a pressure is piezometric, "
         "density·g·head, if nodes have elevations"
     )

@@ -4,17 +4,18 @@ from collections.abc import Callable
 from fractions import Fraction
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
-from passivity import DelayedModel, RationalFunction, Status, fit_behind_delay, read_touchstone
-from passivity.errors import ExpressionError
 from tline.errors import InputError
 from tline.scene.line import Cable, SceneLine
 from tline.scene.named_file import beside
 from tline.scene.quantity import Quantity, Role, Tolerance
 from tline.scene.rational_load import Rational
+
+if TYPE_CHECKING:
+    from passivity import DelayedModel, RationalFunction
 
 Model = TypeVar("Model")
 Delay = Annotated[Quantity, Role("delay", "s", at_least=0)]
@@ -42,7 +43,7 @@ class Touchstone(Rational):
     nearest: bool = Field(
         default=False, description="whether to take the nearest passive model where the fit is not passive"
     )
-    _model: DelayedModel = PrivateAttr()
+    _model: "DelayedModel" = PrivateAttr()
     _near: str | None = PrivateAttr(default=None)  # node at which the delay begins
 
     @field_validator("kind")
@@ -58,7 +59,7 @@ class Touchstone(Rational):
         return self
 
     @property
-    def model(self) -> DelayedModel:
+    def model(self) -> "DelayedModel":
         """What was fitted, with its proof."""
         return self._model
 
@@ -88,7 +89,7 @@ class Touchstone(Rational):
 
 
 @lru_cache(maxsize=64)
-def model_of(path: Path, stamp: int, tolerance: float, delay: float | None, nearest: bool) -> DelayedModel:
+def model_of(path: Path, stamp: int, tolerance: float, delay: float | None, nearest: bool) -> "DelayedModel":
     """The model of a file, passive; `stamp` is when the file was written, for a scene is read several times.
 
     Raises
@@ -96,6 +97,8 @@ def model_of(path: Path, stamp: int, tolerance: float, delay: float | None, near
     ExpressionError
         The file cannot be read, holds no one-port, no model meets the tolerance, or the model is not passive.
     """
+    from passivity import ExpressionError, Status, fit_behind_delay, read_touchstone
+
     found = fit_behind_delay(read_touchstone(path), tolerance, delay, nearest)
     if found.verdict.status is not Status.PROVED:
         problem = f"the model with {found.order} poles is not proved passive: {found.why}"
@@ -103,8 +106,10 @@ def model_of(path: Path, stamp: int, tolerance: float, delay: float | None, near
     return found
 
 
-def _impedance(found: DelayedModel) -> RationalFunction:
+def _impedance(found: "DelayedModel") -> "RationalFunction":
     """Z = z0 (1 + S)/(1 - S) without the delay, exact for the poles and residues found."""
+    from passivity import RationalFunction
+
     S, z0 = found.model.rational(), Fraction(found.samples.z0[0])
     return RationalFunction((S.q + S.p) * z0.numerator, (S.q - S.p) * z0.denominator)
 
@@ -118,6 +123,8 @@ def electrical(kind: str, info: ValidationInfo, instead: str) -> str:
 
 def read_model(model_of: Callable[..., Model], file: str, info: ValidationInfo, *asked: Any) -> Model:
     """The model of a file beside the scene's, found once for each time that it is written."""
+    from passivity import ExpressionError
+
     path = beside(file, info)
     try:
         return model_of(path, path.stat().st_mtime_ns if path.is_file() else 0, *asked)
@@ -127,6 +134,8 @@ def read_model(model_of: Callable[..., Model], file: str, info: ValidationInfo, 
 
 def _told(file: str, error: ValueError | OSError) -> InputError:
     """What is wrong with the file, or with what is asked of it."""
+    from passivity import ExpressionError
+
     if not isinstance(error, ExpressionError):
         return InputError("file", f"'{file}' cannot be read")
     if error.where == "tolerance":

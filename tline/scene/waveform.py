@@ -1,10 +1,12 @@
 """All shapes a waveform may have."""
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Annotated, Any
 
-from pydantic import Field, TypeAdapter, ValidationInfo
+from pydantic import TypeAdapter, ValidationInfo
 
+from tline.scene.choice import OneOf
 from tline.scene.points import PiecewiseLinear, Ramp, Table
 from tline.scene.pulses import Pulses
 from tline.scene.quantity import LEVEL
@@ -16,11 +18,10 @@ __all__ = [
     "Table", "Waveform", "read_waveform",
 ]  # fmt: skip
 
-Waveform = Annotated[
-    Constant | Step | Ramp | PiecewiseLinear | Table | Pulses | Sine | Exponential | DoubleExponential,
-    Field(discriminator="shape"),
-]
-_WAVEFORM = TypeAdapter(Waveform)
+_Any = (
+    Constant | Step | Ramp | PiecewiseLinear | Table | Pulses | Sine | Exponential | DoubleExponential
+)  # fmt: skip
+Waveform = Annotated[_Any, OneOf(_Any, "shape")]
 
 
 def read_waveform(value: Any, unit: str | None, info: ValidationInfo) -> Shape:
@@ -28,4 +29,9 @@ def read_waveform(value: Any, unit: str | None, info: ValidationInfo) -> Shape:
     if not isinstance(value, Mapping | Shape):
         return Constant(level=LEVEL.parse(value, unit))
     units = {} if unit is None else {LEVEL.name: unit}
-    return _WAVEFORM.validate_python(value, context={**(info.context or {}), "units": units})
+    return _waveforms().validate_python(value, context={**(info.context or {}), "units": units})
+
+
+@cache
+def _waveforms() -> TypeAdapter[Shape]:
+    return TypeAdapter(Waveform)

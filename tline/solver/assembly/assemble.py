@@ -7,6 +7,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.progress import Progress
 from tline.solver.assembly.blocks import blocks_of
 from tline.solver.assembly.loss_elements import lumps_of
 from tline.solver.assembly.lossy_segments import InCells, cells_of, lines_in_cells
@@ -66,9 +67,7 @@ def assemble(
     description: Description, record: set[str], chosen: Resolution | None = None, *, progress: bool = False
 ) -> Assembly:
     """Turn a description into arrays; `record` names the lines whose end waves are kept."""
-    from tqdm import tqdm
-
-    bar = tqdm(total=STAGES, desc="assembling", disable=not progress, delay=2, unit="stage")
+    bar = Progress(STAGES, "stage", progress, "assembling")
     chosen = chosen or resolution(description)
     order, h, steady = basis(chosen.s), chosen.h, description.steady
     lines = {name: line for name, line in description.lines.items() if name not in chosen.cells}

@@ -1,15 +1,23 @@
 """Which elements of a scene may feed waves."""
 
-from passivity import Status, Verdict, check_positive_real
+from typing import TYPE_CHECKING
+
 from tline.scene.multiport import ControlledSource
 from tline.scene.rational_load import Impedance
 from tline.solver.description.given import Scene
 from tline.wording import place
 
+if TYPE_CHECKING:
+    from passivity import Verdict
 
-def active_loads(scene: Scene) -> dict[str, Verdict]:
+
+def active_loads(scene: Scene) -> "dict[str, Verdict]":
     """Loads whose impedance is refuted to be positive real, by name; R, L and C above zero need no test."""
     impedances = {name: load for name, load in scene.loads.items() if isinstance(load, Impedance)}
+    if not impedances:
+        return {}
+    from passivity import Status, check_positive_real
+
     verdicts = {name: check_positive_real(load.rational()) for name, load in impedances.items()}
     return {name: verdict for name, verdict in verdicts.items() if verdict.status is Status.REFUTED}
 

@@ -9,13 +9,15 @@ node's effort u at the points and the state at the slab's end.
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from passivity.rational.function import RationalFunction
 from tline.errors import InputError
 from tline.solver.radau import Basis, Matrix
+
+if TYPE_CHECKING:
+    from passivity import RationalFunction
 
 
 class StateSpace(NamedTuple):
@@ -91,7 +93,7 @@ def counted_from(level: float, system: StateSpace) -> StateSpace:
 
 
 @lru_cache
-def reflection(impedance: RationalFunction, z: float, where: str) -> StateSpace:
+def reflection(impedance: "RationalFunction", z: float, where: str) -> StateSpace:
     """Realise the reflection of a rational impedance against z in balanced companion form.
 
     Parameters

@@ -9,12 +9,11 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from passivity import RationalFunction
 from tline.errors import InputError
 from tline.scene.cavities import refuse_cavities
 from tline.scene.heights import below
@@ -30,6 +29,9 @@ from tline.solver.description.load_step import NO_LOAD, StateSpace, counted_from
 from tline.solver.description.partial_fractions import reflection_of_poles
 from tline.wording import place
 
+if TYPE_CHECKING:
+    from passivity import RationalFunction
+
 SEA_LEVEL = Height()
 
 
@@ -43,7 +45,7 @@ class Node:
     conductance: float = 0.0  # of resistors, constant loads and sources
     flows: list[tuple[Shape, float]] = field(default_factory=list)  # waveforms and what turns them into flows
     held: Shape | None = None  # the effort, where it is ideal
-    load: RationalFunction | None = None  # all dynamic loads side by side
+    load: "RationalFunction | None" = None  # all dynamic loads side by side
     load_name: str = ""
     measured: Touchstone | None = None  # if that is all of the load
     switches: list[Switch] = field(default_factory=list)
@@ -196,7 +198,7 @@ class Node:
         if conductance and self.above_level:
             self.flows.append((UNIT, conductance * self.above_level))
 
-    def respond(self, impedance: RationalFunction, where: str, measured: Touchstone | None = None) -> None:
+    def respond(self, impedance: "RationalFunction", where: str, measured: Touchstone | None = None) -> None:
         """Attach a rational impedance, or a measured one; without dynamics it is a resistance."""
         if impedance.degree == 0:
             resistance = float(impedance.at_zero())
@@ -271,6 +273,8 @@ def nodes_of(
         nodes[name].height = height
     _attach_all(scene, nodes)
     for name, n in cells.items():
+        from passivity import RationalFunction
+
         half = Fraction(lines[name].delay) / (2 * n * Fraction(lines[name].z0))
         for at in lines[name].nodes:
             nodes[at].respond(RationalFunction.from_coefficients([1], [half, 0]), place("lines", name))

@@ -1,12 +1,16 @@
 """A measured load: its poles as they were fitted, never multiplied out to coefficients of powers of s."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from passivity import PoleResidueModel
 from tline.solver.description.load_step import StateSpace
 
+if TYPE_CHECKING:
+    from passivity import PoleResidueModel
 
-def reflection_of_poles(model: PoleResidueModel, ratio: float) -> StateSpace:
+
+def reflection_of_poles(model: "PoleResidueModel", ratio: float) -> StateSpace:
     """Realise a load, whose reflection S against z0 is given by poles, by its reflection against z.
 
     Each pole is a state, each pair two of a rotation; S is kept to the last bit. The waves against z0 are combinations

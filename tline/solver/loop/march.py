@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.progress import Progress
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import LULL, Tally, fronts_of, sources_of, tally
 from tline.solver.description.excitation import EDGE, broken, places_of, sampled
@@ -77,8 +78,6 @@ def march(
     InputError
         The waves grew beyond all bounds.
     """
-    from tqdm import tqdm
-
     s = assembly.basis.s
     windowed = bool(observers)
     samples = LOOK if windowed else CHUNK
@@ -88,7 +87,7 @@ def march(
     window = np.empty((rows, 2, chunk * s)) if windowed else record
     steps = Stepper(assembly, n, window, rows if windowed else kept)
     steps.compile()
-    with tqdm(total=n, disable=not progress, delay=2, unit="slab", unit_scale=True) as bar:
+    with Progress(n, "slab", progress) as bar:
         started = time.perf_counter()
         for low, high in pairwise([*range(0, n, chunk), n]):
             if not windowed:

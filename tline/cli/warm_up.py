@@ -1,0 +1,97 @@
+"""`tline warm-up`: everything that runs may need is compiled ahead, in as many processes as there are processors."""
+
+import json
+import os
+import sys
+import time
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from tline.unit import Unit
+
+PACKAGES = ("tline.solver.kernel",)  # with units
+EXAMPLES = """\b
+Examples:
+  tline warm-up
+  NUMBA_CACHE_DIR=/var/cache/tline tline warm-up --json
+"""
+
+
+@click.command("warm-up", epilog=EXAMPLES)
+@click.option("--json", "as_json", is_flag=True, help="Print what was done as JSON.")
+def warm_up(as_json: bool) -> None:
+    """Compile ahead what runs may need.
+
+    What a scene needs is otherwise compiled when a scene first needs it. It is kept where NUMBA_CACHE_DIR says, else
+    beside the program, else in your own cache, until the program changes. A second call finds nothing to do.
+    """
+    from tline.object_code import is_kept, path_of
+
+    begun, units = time.perf_counter(), dict(found())
+    missing = {where: unit for where, unit in units.items() if not is_kept(unit)}
+    if missing:
+        _compile_all(missing)
+    unkept = [f"{module}.{name}" for (module, name), unit in missing.items() if not is_kept(unit)]
+    folders = sorted({str(path.parent) for unit in units.values() if (path := path_of(unit))})
+    told = {"units": len(units), "compiled": len(missing), "not_kept": unkept, "folders": folders}
+    told["seconds"] = time.perf_counter() - begun
+    if as_json:
+        click.echo(json.dumps(told, indent=2, ensure_ascii=False))
+    else:
+        click.echo(_in_words(told))
+    if unkept:
+        sys.exit(1)
+
+
+def found() -> Iterator[tuple[tuple[str, str], "Unit"]]:
+    """All units by module and name, those that are made of most source code first."""
+    from importlib import import_module
+    from pkgutil import walk_packages
+
+    from tline.sources import sources_of
+    from tline.unit import Unit
+
+    units: dict[tuple[str, str], Unit] = {}
+    for package in PACKAGES:
+        for module in walk_packages(import_module(package).__path__, f"{package}."):
+            for name, value in vars(import_module(module.name)).items():
+                if isinstance(value, Unit) and value.__module__ == module.name:
+                    units[module.name, name] = value
+    yield from sorted(units.items(), key=lambda item: -len(sources_of(item[0][0]) or ()))
+
+
+def _compile_all(units: Any) -> None:
+    """Compile units, each in one of as many processes as there are processors."""
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+    from multiprocessing import get_context
+
+    from tline.progress import Progress
+
+    workers = min(os.cpu_count() or 1, len(units))
+    with (
+        ProcessPoolExecutor(workers, get_context("spawn")) as pool,
+        Progress(len(units), "unit", sys.stderr.isatty(), "compiling") as bar,
+    ):
+        for done in as_completed([pool.submit(_compile, *where) for where in units]):
+            done.result()
+            bar.update()
+
+
+def _compile(module: str, name: str) -> None:
+    """Compile and keep a unit; in a process of its own, whose warnings the first process does not need."""
+    import warnings
+    from importlib import import_module
+
+    warnings.simplefilter("ignore")
+    _ = getattr(import_module(module), name).address
+
+
+def _in_words(told: dict[str, Any]) -> str:
+    kept = f"kept in {', '.join(told['folders'])}" if told["folders"] else "there is no folder to keep them in"
+    if not told["compiled"]:
+        return f"nothing to do: all {told['units']} units are compiled, {kept}"
+    text = f"compiled {told['compiled']} of {told['units']} units in {told['seconds']:.2g} s, {kept}"
+    return text + "".join(f"\nnot kept: {name}" for name in told["not_kept"])

@@ -1,0 +1,50 @@
+"""What is said on a terminal while something is compiled, which its first use alone waits for."""
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import Timer
+
+PATIENCE = 1.0  # s of compiling without a word
+FOR = {  # a part of the kernel -> what it is needed for, and how many seconds all of it takes
+    "blocks": ("lines", 2),
+    "delay": ("delays that are no whole number of slabs", 2),
+    "fronts": ("fronts", 10),
+    "laws": ("non-linear elements", 5),
+    "losses": ("losses", 3),
+    "stores": ("vessels, tanks and pumps", 5),
+}
+OTHERWISE = "this", 10
+_spent: dict[str, float] = {}
+_said: set[str] = set()
+
+
+@contextmanager
+def announced(module: str) -> Iterator[None]:
+    """While a unit is compiled: say so once its part of the kernel has taken a second.
+
+    Parameters
+    ----------
+    module : str
+        The unit's.
+    """
+    part = next((part for part in module.split(".") if part in FOR), "")
+    if part in _said or not sys.stderr.isatty():
+        yield
+        return
+    begun = time.perf_counter()
+    timer = Timer(max(PATIENCE - _spent.get(part, 0.0), 0.0), _say, [part])
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        _spent[part] = _spent.get(part, 0.0) + time.perf_counter() - begun
+
+
+def _say(part: str) -> None:
+    _said.add(part)
+    purpose, seconds = FOR.get(part, OTHERWISE)
+    print(f"compiling for {purpose}, once, some {seconds} s", file=sys.stderr, flush=True)  # noqa: T201
