@@ -150,6 +150,7 @@ class Units(NamedTuple):
     law: Integers  # (E,) of each element: its law, or its store
     loss: Integers  # (rows,) of each row of loss elements
     segments: int  # lossy lines in segments
+    respond: int  # groups with a state, in pieces of a slab
     collapse_at_losses: int  # slabs in pieces that pass loss elements
     collapse_group: int  # fronts that meet at a group
 

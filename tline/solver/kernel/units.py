@@ -49,6 +49,7 @@ def units_of(network: Network, *, fronts: bool) -> Units:
         law=law_addresses(kind),
         loss=np.where(losses == REMEMBERED, remembered, constant),
         segments=address("losses.segments.pass_segments", segments),
+        respond=address("fronts.respond.respond_by_map", fronts and (network.load_at >= 0).any()),
         collapse_at_losses=address("fronts.collapse.collapse_at_losses", fronts and len(losses)),
         collapse_group=address("fronts.collapse.collapse_group", fronts and segments),
     )

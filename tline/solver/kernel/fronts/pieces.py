@@ -100,7 +100,7 @@ def scatter_pieces(job, g, slab, k):
         anew = 0.0
     arrive(job, g, slab, k, m)
     control_pieces(job, g, slab, k, m)
-    respond(run, fronts, g, slab, m)
+    respond(job, g, slab, m)
     if 0 < fewer < m:
         low = network.first[network.group[g]]
         for node in range(network.group[g], network.group[g + 1]):

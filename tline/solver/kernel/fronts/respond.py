@@ -3,9 +3,9 @@
 import numpy as np
 
 from tline.solver.kernel.fronts.settle import collocate, collocate_finely
-from tline.solver.kernel.fronts.structures import MERGE
+from tline.solver.kernel.fronts.structures import MERGE, FrontRun
 from tline.solver.kernel.load import load
-from tline.unit import function, invoke
+from tline.unit import function, invoke, unit
 
 
 @function
@@ -17,9 +17,10 @@ def move_switches(run, fronts, g, slab, until):
         moves.due[g] += 1
 
 
-@function
-def respond_by_map(run, fronts, g, piece, m):
+@unit
+def respond_by_map(job: FrontRun, g: int, piece: int, m: int) -> int:
     """Turn the Thévenin waves of a piece at a group with a state into efforts; the piece is the slab if m is 1."""
+    run, fronts = job.run, job.fronts
     network, systems, s, wave = run.network, fronts.systems, fronts.tools.c.size, run.work.u
     edges, x, k, r = fronts.work.edges, network.load_at[g], network.group[g + 1] - network.group[g], network.step_row[g]
     n, width = network.step_states[r], edges[piece + 1] - edges[piece]
@@ -33,11 +34,13 @@ def respond_by_map(run, fronts, g, piece, m):
         load(wave, k, np.int64(1), s, systems.settling, systems.settling_at[r], load_state, x, n, row)
     else:
         collocate_finely(run, fronts, systems.at[r], k, width, fronts.settle[g], load_state[x : x + n])
+    return 0
 
 
 @function
-def respond(run, fronts, g, slab, m):
+def respond(job, g, slab, m):
     """Turn the Thévenin waves of m pieces at a group into the nodes' efforts; switches move where pieces begin."""
+    run, fronts = job.run, job.fronts
     network, work, s, wave = run.network, fronts.work, fronts.tools.c.size, run.work.u
     edges, u, count = work.edges, work.u, network.laws.first[g + 1] - network.laws.first[g]
     k = network.group[g + 1] - network.group[g]
@@ -55,7 +58,7 @@ def respond(run, fronts, g, slab, m):
             width = fronts.step * (edges[piece + 1] - edges[piece])
             invoke(run.units.crossing, (run, np.int64(g), s, width, np.int64(0)))
         else:
-            respond_by_map(run, fronts, g, piece, m)
+            invoke(run.units.respond, (job, np.int64(g), np.int64(piece), m))
         for p in range(k):
             for i in range(s):
                 u[p, piece, i] = wave[p * s + i]
