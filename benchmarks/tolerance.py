@@ -9,33 +9,43 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from kept import kept
+from kept import Kept, kept
 from random_kinks import KINDS, random_kinks
 
 from tline.errors import InputError
 
+MEASURES = "inside", "over", "extreme"
 TOLERANCES = 1e-3, 1e-5, 1e-7
+FINER = 64  # times, that slabs are narrower in a second look at what seems to be outside: kinks blur the first one
 FACTOR = 2  # times what was told, or asked and said to be met
+
+
+def outside(found: Kept) -> bool:
+    """Whether more is wrong than was told."""
+    return found.inside > FACTOR or found.extreme > 1 or (found.met and found.over > FACTOR)
 
 
 def main(seeds: int = 20, first: int = 0) -> None:
     """Try so many seeds from a first one on, and print what is found."""
     counts: Counter[str] = Counter()
-    worst = dict.fromkeys(("inside", "over", "extreme"), (0.0, ""))
+    worst = dict.fromkeys(MEASURES, (0.0, ""))
     for seed in range(first, first + seeds):
         for kind in KINDS:
             for tol in TOLERANCES:
                 case = f"seed {seed}, {kind}, {tol:.0e}"
                 try:
                     found = kept(random_kinks(seed, kind), tol)
+                    if outside(found):
+                        again = kept(random_kinks(seed, kind), tol, FINER)
+                        lower = {name: min(getattr(found, name), getattr(again, name)) for name in MEASURES}
+                        found = found._replace(**lower)
                 except InputError as error:
                     counts[f"refused: {error.problem}"] += 1
                     continue
                 counts["pairs"] += 1
                 counts["met"] += found.met
-                broken = found.inside > FACTOR or found.extreme > 1 or (found.met and found.over > FACTOR)
-                counts["broken"] += broken
-                if broken:
+                counts["broken"] += outside(found)
+                if outside(found):
                     print(f"{case}: {found}", flush=True)
                 for name in worst:
                     value = getattr(found, name)
