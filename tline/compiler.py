@@ -11,6 +11,7 @@ from typing import Any
 import numba
 from numba import types
 from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import cpu_target
 
 from tline.by_reference import Reference
@@ -72,7 +73,7 @@ def compile_unit(code: Any, parameters: list[Any], options: dict[str, Any]) -> A
     kinds = [{int: types.int64, float: types.float64}.get(kind) or Reference(kind) for kind in parameters]
     decorate: Any = numba.njit
     dispatcher = decorate(**options, _nrt=False)(code)
-    with _libraries(code.__qualname__):
+    with global_compiler_lock, _libraries(code.__qualname__):
         dispatcher.compile(tuple(kinds))
     (result,) = dispatcher.overloads.values()
     if types.unliteral(result.signature.return_type) != types.int64:

@@ -4,7 +4,6 @@ A file is valid while all source code that the unit is made of means the same (`
 one version of numba and one set of its options. What it leaves to the C library must be found before it is loaded.
 """
 
-import ctypes
 import hashlib
 import os
 import pickle
@@ -65,12 +64,11 @@ def is_kept(unit: Any) -> bool:
 def _linked(name: str, needed: list[str], code: bytes) -> tuple[int, Any] | None:
     import llvmlite.binding as llvm
 
-    for symbol in needed:
-        if llvm.address_of_symbol(symbol) is None:
-            found = getattr(ctypes.CDLL(None), symbol, None)
-            if found is None:
-                return None
-            llvm.add_symbol(symbol, ctypes.cast(found, ctypes.c_void_p).value)
+    if not all(llvm.address_of_symbol(symbol) for symbol in needed):
+        import numba  # noqa: F401 (it tells where functions of the C library are)
+
+        if not all(llvm.address_of_symbol(symbol) for symbol in needed):
+            return None
     engine = _engine()
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
