@@ -12,6 +12,7 @@ from tline.scene.cavities import places_of, stretches_of, with_cavities
 from tline.scene.coupled import Coupled, ends_of
 from tline.scene.load import Switch
 from tline.scene.multiport import Multiport
+from tline.scene.own import own_elements
 from tline.scene.plausible import doubts
 from tline.scene.vessel import Boiling
 from tline.solver.description.active import active_parts
@@ -141,6 +142,11 @@ class Description:
         """What a run puts in place of lines with cavities."""
         cut = with_cavities(self.scene.lines)
         return {name: Stretches(stretches_of(name, line), places_of(name, line)) for name, line in cut.items()}
+
+    @property
+    def own(self) -> set[str]:
+        """Places of user-defined elements."""
+        return {place(*at) for at in own_elements(self.scene)}
 
     @cached_property
     def active(self) -> dict[str, str]:

@@ -11,9 +11,9 @@ from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import FIT, Resolution, resolution
 from tline.solver.description.short_lines import short_lines
-from tline.solver.prepared import NO_KINKS, Kinks, run
 from tline.solver.result.accuracy import Accuracy, Attempt
 from tline.solver.result.result import Result
+from tline.solver.run import NO_KINKS, Kinks, run
 from tline.solver.tolerance.compare import compared, with_errors
 from tline.solver.tolerance.kinks import kinking, kinks_of
 
@@ -43,7 +43,6 @@ class Search(NamedTuple):
     settle: float = 0.0  # time in which lumped lines settle after a front, s
     fit: float = FIT  # tolerance of the circuits of lossy lines
     envelope: bool = False
-    ledger: bool | None = False
 
     def run(self, chosen: Resolution, end: float | None = None, kinks: Kinks = NO_KINKS) -> Result:
         """One run, to the scene's end time or to another."""
@@ -53,7 +52,6 @@ class Search(NamedTuple):
             chosen,
             self.record,
             envelope=self.envelope,
-            ledger=self.ledger,
             progress=self.progress,
             slabs=slabs,
             kinks=kinks,
