@@ -207,6 +207,11 @@ class Scene(Element):
         """The scene with other tables in place of some, and files looked for where they were."""
         return Scene(self._folder, **self.table() | tables)
 
+    @property
+    def folder(self) -> Folder:
+        """Where files that it names are looked for."""
+        return self._folder
+
     @cached_property
     def single_lines(self) -> Mapping[str, SceneLine]:
         """The lines that carry waves: single ones, and one for each mode of coupled conductors."""

@@ -18,7 +18,7 @@ from tline.solver.run import run, with_ledger
 from tline.solver.stability.growth import growth_sentence
 from tline.solver.tolerance.compare import compared
 from tline.solver.tolerance.lossy import with_losses
-from tline.solver.tolerance.search import Search, inside_slabs, within
+from tline.solver.tolerance.search import Search, Start, inside_slabs, within
 
 TOL = 1e-6  # where nothing is asked or fixed
 
@@ -105,27 +105,43 @@ def simulate(
     >>> bool(abs(result.probes["far"].at(12.34e-9).u) <= 2), result.accuracy.worst <= 1e-9  # at any instant
     (True, True)
     """
+    return simulated(
+        describe(scene), tol=tol, record=record, envelope=envelope, ledger=ledger, active=active, progress=progress
+    )
+
+
+def simulated(
+    description: Description,
+    *,
+    tol: float | None = None,
+    record: Iterable[str] = (),
+    envelope: bool = False,
+    ledger: bool | None = None,
+    active: bool = False,
+    progress: bool = False,
+    start: Start | None = None,
+) -> Result:
+    """The same of a scene that is described: see `simulate`. `start` is what a run with other values has found."""
+    scene = description.scene
     whole = parted(scene)
     if whole is not scene:
         more = {"envelope": envelope, "ledger": ledger, "active": active, "progress": progress}
-        given = describe(scene)
-        return joined(simulate(whole, tol=tol, record=recorded(given, record), **more), given)
-    description = describe(scene)
+        return joined(simulated(describe(whole), tol=tol, record=recorded(description, record), **more), description)
     if ledger:
         description.refuse_coupled("a ledger")
     warned, record = _active(description, active), list(record)
-    tol, ledger = _tolerance(scene, tol), True if own_elements(scene) else ledger
+    tol, ledger = asked(scene, tol), True if own_elements(scene) else ledger
     with own_mistakes(scene):
         if tol is None or (scene.solver.slab and (scene.solver.order or description.lossy)):
             chosen = resolution(description)
             result = run(description, chosen, record, envelope=envelope, ledger=bool(ledger), progress=progress)
             result = replace(result, accuracy=tol and _by_hand(result, tol))
         else:
-            search = Search(description, tol, record, progress, envelope=envelope)
+            search = Search(description, tol, record, progress, envelope=envelope, start=start)
             result = (with_losses if description.lossy else within)(search)
         result = with_ledger(result, ledger)
     for note in result.unresolved:
-        warnings.warn(note, UnresolvedWarning, stacklevel=2)
+        warnings.warn(note, UnresolvedWarning, stacklevel=3)
     return replace(result, warned=tuple(warned))
 
 
@@ -151,16 +167,16 @@ def _by_hand(result: Result, tol: float) -> Accuracy:
     return replace(found, limit=limit)
 
 
-def _tolerance(scene: Scene, tol: float | None) -> float | None:
-    """What is asked; None if order or slab are fixed by hand and nothing is."""
+def asked(scene: Scene, tol: float | None) -> float | None:
+    """The tolerance that is asked; None if order or slab are fixed by hand and none is."""
     by_hand = scene.solver.order is not None or scene.solver.slab is not None
-    asked = scene.solver.tol
+    found = scene.solver.tol
     if tol is not None:
         try:
-            asked = TOLERANCE.parse(tol, "")
+            found = TOLERANCE.parse(tol, "")
         except InputError as error:
             raise InputError("tol", error.problem, error.expected, error.got) from None
-    return asked if asked is not None or by_hand else TOL
+    return found if found is not None or by_hand else TOL
 
 
 def _active(description: Description, allowed: bool) -> list[str]:

@@ -1,0 +1,123 @@
+"""A scene that is run again and again with other values: what they do not touch is read and found once."""
+
+from collections.abc import Iterable, Mapping
+from itertools import pairwise
+from typing import Any
+
+from tline.solver.description.description import describe
+from tline.solver.description.given import Scene
+from tline.solver.result.accuracy import SLOWEST, Accuracy
+from tline.solver.result.result import Result
+from tline.solver.simulate import asked, simulated
+from tline.solver.tolerance.search import Start
+
+SLOWER = 4  # times that a step may leave more of a difference with other values
+ROOM = 0.2  # of the tolerance: where the order below should leave less, it is tried
+
+
+class Prepared:
+    """A scene made ready for runs with other values; made by `prepare`.
+
+    Attributes
+    ----------
+    scene : Scene
+        As it was given.
+    """
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        self._description = describe(scene)
+        self._starts: dict[float, Start] = {}  # by tolerance
+
+    def run(
+        self,
+        values: Mapping[str, Any] | None = None,
+        *,
+        tol: float | None = None,
+        record: Iterable[str] = (),
+        envelope: bool = False,
+        ledger: bool | None = None,
+        active: bool = False,
+        progress: bool = False,
+    ) -> Result:
+        """Simulate the scene with other values.
+
+        Parameters
+        ----------
+        values : mapping of str to number, text or table, optional
+            By dotted path, as in a scene file: ``"loads.receiver.capacitance"``, ``"sources.s.value.duration"``,
+            ``"t_end"``. Numbers are in SI; a text has its unit. All other values are those of the scene as it was
+            given, whatever earlier runs had.
+        tol, record, envelope, ledger, active, progress
+            As of `tline.solver.simulate.simulate`.
+
+        Returns
+        -------
+        Result
+            That of `simulate` for the changed scene. The search for order and slab begins where the last one to the
+            same tolerance ended, so it may be the result of another order, within the tolerance as well.
+
+        Raises
+        ------
+        InputError
+            There is nothing at a path, or a value does not fit there; or whatever `simulate` raises.
+        """
+        description = self._description.changed(values) if values else self._description
+        wanted = asked(description.scene, tol)
+        result = simulated(
+            description,
+            tol=wanted,
+            record=record,
+            envelope=envelope,
+            ledger=ledger,
+            active=active,
+            progress=progress,
+            start=None if wanted is None else self._starts.get(wanted),
+        )
+        if wanted is not None and result.accuracy is not None:
+            self._learn(wanted, result.accuracy)
+        return result
+
+    def _learn(self, tol: float, accuracy: Accuracy) -> None:
+        """Remember the order of a result, and how fast its search converged, if that was by the order alone."""
+        attempts = accuracy.attempts
+        by_order = all(b.order == a.order + 1 and b.slab == a.slab for a, b in pairwise(attempts))
+        if not accuracy.met or not by_order or any(attempt.cells for attempt in attempts):
+            self._starts.pop(tol, None)
+            return
+        known, told = self._starts.get(tol), [a.estimate for a in attempts if a.estimate]
+        left, order = known.left if known else SLOWEST, attempts[-2].order
+        if len(told) > 1:
+            left = min(SLOWER * told[-1] / told[-2], SLOWEST)
+        spare = known is not None and told and told[-1] <= ROOM * tol * left
+        self._starts[tol] = Start(order - 1 if spare else order, left)
+
+
+def prepare(scene: Scene) -> Prepared:
+    """Make a scene ready to be run again and again with other values.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    Prepared
+        Its method ``run`` simulates the scene with values at dotted paths in place of its own.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="electrical", t_end="40 ns", probes={"far": {"at": "far"}},
+    ...     lines={"line": {"nodes": ["near", "far"], "z0": 50, "delay": "5 ns"}},
+    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 50}},
+    ...     loads={"c": {"at": "far", "kind": "parallel", "resistance": 100, "capacitance": "10 pF"}},
+    ... )
+    >>> prepared = prepare(scene)
+    >>> for capacitance in ("1 pF", 50e-12):
+    ...     result = prepared.run({"loads.c.capacitance": capacitance}, tol=1e-6)
+    ...     print(f"{float(result.probes['far'].at(5.5e-9).u):.4f}")
+    0.6667
+    0.1728
+    """
+    return Prepared(scene)
