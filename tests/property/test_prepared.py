@@ -1,6 +1,7 @@
 """A prepared run is that of the changed scene; what does not fit is told by its path."""
 
 import copy
+from collections.abc import Callable
 from pathlib import Path
 from random import Random
 
@@ -78,19 +79,25 @@ def test_a_prepared_run_is_that_of_the_changed_scene(name):
     assert same(prepared.run(tol=TOL), simulate(scene, tol=TOL))
     for _ in range(3):
         values = drawn(scene, rng)
-        try:
-            expected = simulate(written(scene, values), tol=TOL)
-        except InputError as error:
-            with pytest.raises(InputError) as told:
-                prepared.run(values, tol=TOL)
-            assert told.value.problem.rpartition(": ")[2] in str(error)
+        expected = outcome(lambda values=values: simulate(written(scene, values), tol=TOL))
+        found = outcome(lambda values=values: prepared.run(values, tol=TOL))
+        if isinstance(expected, InputError):
+            assert isinstance(found, InputError)
+            assert found.problem.rpartition(": ")[2] in str(expected)
             continue
-        found = prepared.run(values, tol=TOL)
+        assert isinstance(found, Result)
         assert found.scene == expected.scene
         assert found.accuracy is not None
         assert expected.accuracy is not None
         assert found.accuracy.met >= expected.accuracy.met
         assert same(found, expected)
+
+
+def outcome(make: Callable[[], Result]) -> Result | InputError:
+    try:
+        return make()
+    except InputError as error:
+        return error
 
 
 def same(found: Result, expected: Result) -> bool:
@@ -172,6 +179,6 @@ def test_what_does_not_fit_is_told_in_one_sentence(prepared, values, said):
 @pytest.mark.parametrize("name", [name for name in ALL if name not in SLOW | {"pipe_friction", "summit"}])
 def test_a_rough_tolerance_takes_fewer_samples_than_a_fine_one(name):
     scene = read_scene(SCENES / f"{name}.toml")
-    rough, fine = (simulate(scene, tol=tol).accuracy for tol in (1e-3, 1e-6))
-    taken = [sum(attempt.samples for attempt in accuracy.attempts) for accuracy in (rough, fine)]
+    results = [simulate(scene, tol=tol).accuracy for tol in (1e-3, 1e-6)]
+    taken = [sum(attempt.samples for attempt in accuracy.attempts) for accuracy in results if accuracy]
     assert taken[0] < taken[1] or scene.solver.slab
