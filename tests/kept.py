@@ -11,9 +11,9 @@ from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
-from tline.solver.prepared import run
 from tline.solver.result.dense_output import extremes
 from tline.solver.result.result import Result
+from tline.solver.run import run
 from tline.solver.simulate import UnresolvedWarning, simulate
 
 CLOSE = 1e-7  # slabs of the finer run; what is nearer to a jump is on either side of it

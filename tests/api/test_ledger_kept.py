@@ -28,7 +28,7 @@ def test_a_small_run_keeps_one_unless_told_not_to(rc):
 @pytest.mark.parametrize("limit", [8000, 40000])
 def test_a_large_one_only_if_asked(monkeypatch, rc, limit):
     """Two nodes count as 8000 samples at line ends, and there are some thousand of those."""
-    monkeypatch.setattr("tline.solver.prepared.LARGEST_LEDGER", limit)
+    monkeypatch.setattr("tline.solver.run.LARGEST_LEDGER", limit)
     assert (simulate(rc).ledger is not None) == (limit > 8000)
     assert simulate(rc, ledger=True).ledger is not None
 

@@ -8,7 +8,7 @@ from lossy_scenes import cable
 
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
-from tline.solver.prepared import run
+from tline.solver.run import run
 from tline.solver.tolerance.extrapolate import extrapolated
 from tline.study.charts.scenes import chart_scene
 from tline.study.reference.friction import FrictionSolution

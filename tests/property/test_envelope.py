@@ -14,9 +14,9 @@ from tline.scene.file import read_scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import resolution
 from tline.solver.loop import march
-from tline.solver.prepared import run
 from tline.solver.result.dense_output import extremes
 from tline.solver.result.result import ProbeResult
+from tline.solver.run import run
 from tline.solver.simulate import simulate
 
 SEEDS = st.integers(0, 10**6)

@@ -9,7 +9,7 @@ from random_scenes import random_scene
 from tline.cli.energies import ledger_as_table
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver import prepared as runs
+from tline.solver import run as runs
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import resolution

@@ -9,8 +9,8 @@ from random_heights import LINKS, LOADS, MULTIPORTS, WEIGHT, sloping
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import resolution
-from tline.solver.prepared import run
 from tline.solver.result.result import Result
+from tline.solver.run import run
 from tline.solver.simulate import simulate
 
 LIFT = 1000.0  # m: 9.8 MPa, of which doubles keep 2e-9 Pa

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import resolution
-from tline.solver.prepared import run
+from tline.solver.run import run
 from tline.solver.steady.steady_state import steady_state
 
 TURBULENT = {"viscosity": "1 mPa s", "roughness": "0.1 mm"}

@@ -13,7 +13,7 @@ from tline.solver.assembly.workspace import SAMPLES
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.loop.march import Stepper
-from tline.solver.prepared import run
+from tline.solver.run import run
 from tline.solver.simulate import simulate
 
 SEEDS = st.integers(0, 2**32 - 1)

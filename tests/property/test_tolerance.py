@@ -12,9 +12,9 @@ from tline.cli.report import summary
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
-from tline.solver.prepared import run
 from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.dense_output import extremes
+from tline.solver.run import run
 from tline.solver.simulate import UnresolvedWarning, simulate
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")

@@ -8,7 +8,7 @@ from tline.loss import Constant, Law, LossyLine, SkinEffect
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
-from tline.solver.prepared import run
+from tline.solver.run import run
 from tline.solver.simulate import simulate
 from tline.study.reference.lossy import lossy_response
 

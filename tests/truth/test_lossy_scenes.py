@@ -10,7 +10,7 @@ from tline.frequency.response import respond
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
-from tline.solver.prepared import run
+from tline.solver.run import run
 from tline.solver.simulate import simulate
 from tline.study.reference.lossy import Drive, lossy_response
 

@@ -10,7 +10,7 @@ from tline.loss import Constant, DielectricLoss, LossyLine, RoundWire
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
-from tline.solver.prepared import run
+from tline.solver.run import run
 from tline.study.reference.lossy import lossy_response
 
 SERIES = RoundWire(0.1e-3, 5.8e7) + Constant(0, 250e-9)

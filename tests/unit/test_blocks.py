@@ -11,7 +11,7 @@ from tline.solver.assembly.blocks import LONGEST, blocks_of
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.kernel.network import NO_LUMPS
-from tline.solver.prepared import run
+from tline.solver.run import run
 
 SLAB = 0.05
 WATER = {"radius": 0.1, "density": 1000.0, "wave_speed": 1000.0, "friction": {"kind": "darcy", "factor": 0.5}}

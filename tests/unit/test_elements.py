@@ -6,6 +6,7 @@ import pytest
 from tline.scene.factor import Characterised
 from tline.scene.points import Ramp
 from tline.scene.pump import Pump
+from tline.scene.smooth import Sine
 from tline.solver.description.laws import KINDS, laws_of
 from tline.solver.kernel import network
 from tline.solver.kernel.laws.quadratic import rooted
@@ -113,3 +114,10 @@ def test_a_characteristic_breaks_where_the_opening_passes_its_points():
     assert shape.breaks(5.0) == pytest.approx([1.0, 2.5, 3.0])
     t = np.array([0.0, 1.0, 2.0, 2.5, 2.75, 4.0])
     assert shape.value(t, t - 1e-9) == pytest.approx([1, 1, 0.4, 0.1, 0.05, 0], abs=1e-8)
+
+
+def test_an_opening_that_swings_breaks_wherever_it_passes_a_point():
+    shape = Characterised.model_construct(
+        opening=Sine(amplitude=0.5, offset=0.5, frequency=1.0), shares=((0.0, 0.0), (0.75, 0.1), (1.0, 1.0))
+    )
+    assert shape.breaks(1.5) == pytest.approx([0.0, 1 / 12, 5 / 12, 1 + 1 / 12, 1 + 5 / 12])

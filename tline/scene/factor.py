@@ -4,16 +4,17 @@ from itertools import pairwise
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import SerializeAsAny, ValidationInfo
+from pydantic import PrivateAttr, SerializeAsAny, ValidationInfo
 
 from tline.errors import InputError
 from tline.scene.choice import Read
 from tline.scene.quantity import LEVEL
-from tline.scene.shape import Constant, Shape
+from tline.scene.shape import Constant, Floats, Shape
 from tline.scene.waveform import Waveform, read_waveform
 
 LOOKS = 1000  # instants at which a curved waveform is looked at
 ROUNDING = 1e-9
+PARTS, HALVINGS = 64, 60  # of a smooth piece, and of each part in which a level is passed
 
 
 def _factor(value: Any, info: ValidationInfo) -> Shape:
@@ -50,14 +51,16 @@ class Characterised(Shape):
 
     opening: SerializeAsAny[Shape]
     shares: tuple[tuple[float, float], ...]
+    _breaks: dict[float, Floats] = PrivateAttr(default_factory=dict)  # found before, by t_end
 
     def breaks(self, t_end):  # noqa: D102
-        own = self.opening.breaks(t_end)
-        edges = np.unique(np.concatenate([[0.0, t_end], own]))
-        crossings = [
-            _crossing(self.opening, low, high, level) for low, high in pairwise(edges) for level, _ in self.shares[1:-1]
-        ]
-        return np.unique(np.concatenate([own, *crossings]))
+        if t_end not in self._breaks:
+            own = self.opening.breaks(t_end)
+            edges = np.unique([0.0, t_end, *own])
+            crossings = _on_straight_pieces if np.isinf(self.opening.fastest()) else _on_curves
+            levels = np.array([level for level, _ in self.shares[1:-1]])
+            self._breaks[t_end] = np.unique(np.concatenate([own, crossings(self.opening, edges, levels)]))
+        return self._breaks[t_end]
 
     def value(self, t, inside):  # noqa: D102
         x, y = np.array(self.shares).T
@@ -70,15 +73,26 @@ class Characterised(Shape):
         return self.opening.fastest()
 
 
-def _crossing(opening: Shape, low: float, high: float, level: float) -> np.ndarray:
-    """Instants between two breaks at which the opening passes a level, by bisection of up to 64 parts."""
-    inside = np.array((low + high) / 2)
-    edges = np.linspace(low, high, 65)
-    above = opening.value(edges, inside) > level
-    parts = np.flatnonzero(above[:-1] != above[1:])
-    first, last = edges[parts], edges[parts + 1]
-    for _ in range(60):
-        middle = (first + last) / 2
-        same = (opening.value(middle, inside) > level) == above[parts]
-        first, last = np.where(same, middle, first), np.where(same, last, middle)
-    return last
+def _on_straight_pieces(opening: Shape, edges: Floats, levels: Floats) -> Floats:
+    """Instants at which an opening that is straight between edges passes levels."""
+    ends = np.stack([edges[:-1], edges[1:]], axis=1)
+    first, last = opening.value(ends, ends.mean(axis=1, keepdims=True)).T
+    piece, k = np.nonzero((first[:, None] > levels) != (last[:, None] > levels))
+    share = (levels[k] - first[piece]) / (last[piece] - first[piece])
+    return edges[piece] + share * (edges[piece + 1] - edges[piece])
+
+
+def _on_curves(opening: Shape, edges: Floats, levels: Floats) -> Floats:
+    """Instants at which an opening that is smooth between edges passes levels, by bisection of 64 parts each."""
+    found = [np.empty(0)]
+    for low, high in pairwise(edges.tolist()):
+        inside, parts = np.array((low + high) / 2), np.linspace(low, high, PARTS + 1)
+        above = opening.value(parts, inside)[:, None] > levels
+        part, k = np.nonzero(above[:-1] != above[1:])
+        first, last = parts[part], parts[part + 1]
+        for _ in range(HALVINGS if len(part) else 0):
+            middle = (first + last) / 2
+            same = (opening.value(middle, inside) > levels[k]) == above[part, k]
+            first, last = np.where(same, middle, first), np.where(same, last, middle)
+        found.append(last)
+    return np.concatenate(found)

@@ -208,6 +208,11 @@ class Scene(Element):
         return Scene(self._folder, **self.table() | tables)
 
     @property
+    def folder(self) -> Folder:
+        """Where files that it names are looked for."""
+        return self._folder
+
+    @cached_property
     def single_lines(self) -> Mapping[str, SceneLine]:
         """The lines that carry waves: single ones, and one for each mode of coupled conductors."""
         return single_lines(self.lines)

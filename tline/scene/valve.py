@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import (
     BeforeValidator,
     Field,
+    PrivateAttr,
     SerializerFunctionWrapHandler,
     ValidatorFunctionWrapHandler,
     WrapSerializer,
@@ -59,6 +60,7 @@ class _Orifice(Rated, OfLiquids):
         description="points [opening, share of the capacity] with straight lines between, or 'gate', 'globe', 'ball' "
         "or 'butterfly' for what such a valve of that diameter loses on its way; without it both are equal",
     )
+    _share: Characterised | None = PrivateAttr(default=None)
 
     @property
     def _may_have_a_bore(self) -> bool:
@@ -81,11 +83,13 @@ class _Orifice(Rated, OfLiquids):
         """Share of the capacity over time."""
         if self.characteristic is None:
             return self.opening
-        if isinstance(self.characteristic, str):
-            points = shares(self.characteristic, self.loss)
-        else:
-            points = tuple((float(x), float(y)) for x, y in self.characteristic)
-        return Characterised.model_construct(opening=self.opening, shares=points)
+        if self._share is None:
+            if isinstance(self.characteristic, str):
+                points = shares(self.characteristic, self.loss)
+            else:
+                points = tuple((float(x), float(y)) for x, y in self.characteristic)
+            self._share = Characterised.model_construct(opening=self.opening, shares=points)
+        return self._share
 
     def law(self) -> Law:
         return Law("quadratic", (_behind(self), self.capacity or inf, 0.0), self.share)

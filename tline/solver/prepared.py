@@ -1,138 +1,123 @@
-"""One run of a scene at a stated resolution: assemble it, step the kernel, and hand back what the probes saw."""
+"""A scene that is run again and again with other values: what they do not touch is read and found once."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from math import ceil
-from types import MappingProxyType
+from collections.abc import Iterable, Mapping
+from itertools import pairwise
+from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
+from tline.solver.description.description import describe
+from tline.solver.description.given import Scene
+from tline.solver.result.accuracy import SLOWEST, Accuracy
+from tline.solver.result.result import Result
+from tline.solver.simulate import asked, simulated
+from tline.solver.tolerance.search import Start
 
-from tline.errors import InputError
-from tline.gc_paused import gc_paused
-from tline.solver.assembly.assemble import Assembly, assemble
-from tline.solver.description.description import Description
-from tline.solver.description.resolution import Resolution
-from tline.solver.ledger.recorder import Books
-from tline.solver.loop.march import Run, march
-from tline.solver.result.conductor import record_of
-from tline.solver.result.envelope import Envelope, watch
-from tline.solver.result.limits import beyond_limits
-from tline.solver.result.notes import VISIBLE, lumped, smeared, unconnected, untouched
-from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, Wave
-from tline.solver.result.surge import surges
-from tline.wording import place
-
-LARGEST_RECORD = 4e8  # samples
-LARGEST_LEDGER = 1e7  # samples at line ends, of a ledger that is not asked for: half a second
-Kinks = Mapping[str, NDArray]
-NO_KINKS: Kinks = MappingProxyType({})
-NOWHERE = np.empty(0)
-EACH_NODE = 4000  # samples that take a ledger as long as a node
+SLOWER = 4  # times that a step may leave more of a difference with other values
+ROOM = 0.2  # of the tolerance: where the order below should leave less, it is tried
 
 
-def run(
-    description: Description,
-    chosen: Resolution,
-    record: Iterable[str] = (),
-    *,
-    envelope: bool = False,
-    ledger: bool | None = False,
-    progress: bool = False,
-    slabs: int | None = None,
-    kinks: Kinks = NO_KINKS,
-) -> Result:
-    """Run a scene with slabs of a given width and order, to its end time or for so many slabs.
+class Prepared:
+    """A scene made ready for runs with other values; made by `prepare`.
 
-    `record` names lines to keep beside those of the probes; a ledger of None is kept where it costs little. Slabs are
-    cut in pieces at the instants of `kinks`, s, where the elements named by its keys stand.
-
-    Raises
-    ------
-    InputError
-        The scene cannot be assembled, the record would be too large, or the waves grow beyond all bounds.
+    Attributes
+    ----------
+    scene : Scene
+        As it was given.
     """
-    if envelope:
-        description.refuse_coupled("an envelope")
-    scene, kept = description.scene, {*record, *description.probed}
-    with gc_paused():
-        assembly = assemble(description, kept, chosen, progress=progress)
-    s, h = chosen.s, chosen.h
-    assembly.changes = sorted([*assembly.changes, *_cuts(assembly, kinks)])
-    n = slabs or max(ceil(description.t_end / h - 1e-9), 1)
-    if 4 * len(kept) * n * s > LARGEST_RECORD:
-        problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
-        raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
-    samples = len(assembly.network.ends) * n * s
-    if ledger is None:
-        small = samples + EACH_NODE * len(assembly.nodes) <= LARGEST_LEDGER
-        ledger = small and not description.coupled
-    books = Books(assembly, n) if ledger else None
-    extremes = watch(assembly) if envelope else None
-    waves, done = march(assembly, n, observers=[each for each in (extremes, books) if each], progress=progress)
-    smears = done.fronts.lost > VISIBLE or description.blurred
-    lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
-    ends = np.arange(n + 1) * h
-    probes = {}
-    for name, probe in description.probes.items():
-        seen_there = record_of(probe, lines)
-        probes[name] = ProbeResult(name, probe.line, probe.share, seen_there, ends, probe.height)
-    seen = extremes and extremes.envelope(description.heights)
-    unresolved = (*chosen.notes, *smeared(done.fronts))
-    surged = surges(description, ends, assembly.start, probes, seen)
-    doubtful = (*description.doubts, *beyond_limits(description, _extremes(probes, seen)), *surged)
-    remarks = (*untouched(probes), *unconnected(description), *lumped(chosen), *doubtful)
-    return Result(
-        scene,
-        ends,
-        probes,
-        lines,
-        chosen,
-        unresolved,
-        remarks,
-        samples,
-        done.seconds,
-        done.fronts,
-        envelope=seen,
-        ledger=books and books.ledger(done.under_way),
-        circuits=assembly.circuits,
-    )
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        self._description = describe(scene)
+        self._starts: dict[float, Start] = {}  # by tolerance
+
+    def run(
+        self,
+        values: Mapping[str, Any] | None = None,
+        *,
+        tol: float | None = None,
+        record: Iterable[str] = (),
+        envelope: bool = False,
+        ledger: bool | None = None,
+        active: bool = False,
+        progress: bool = False,
+    ) -> Result:
+        """Simulate the scene with other values.
+
+        Parameters
+        ----------
+        values : mapping of str to number, text or table, optional
+            By dotted path, as in a scene file: ``"loads.receiver.capacitance"``, ``"sources.s.value.duration"``,
+            ``"t_end"``. Numbers are in SI; a text has its unit. All other values are those of the scene as it was
+            given, whatever earlier runs had.
+        tol, record, envelope, ledger, active, progress
+            As of `tline.solver.simulate.simulate`.
+
+        Returns
+        -------
+        Result
+            That of `simulate` for the changed scene. The search for order and slab begins where the last one to the
+            same tolerance ended, so it may be the result of another order, within the tolerance as well.
+
+        Raises
+        ------
+        InputError
+            There is nothing at a path, or a value does not fit there; or whatever `simulate` raises.
+        """
+        description = self._description.changed(values) if values else self._description
+        wanted = asked(description.scene, tol)
+        result = simulated(
+            description,
+            tol=wanted,
+            record=record,
+            envelope=envelope,
+            ledger=ledger,
+            active=active,
+            progress=progress,
+            start=None if wanted is None else self._starts.get(wanted),
+        )
+        if wanted is not None and result.accuracy is not None:
+            self._learn(wanted, result.accuracy)
+        return result
+
+    def _learn(self, tol: float, accuracy: Accuracy) -> None:
+        """Remember the order of a result, and how fast its search converged, if that was by the order alone."""
+        attempts = accuracy.attempts
+        by_order = all(b.order == a.order + 1 and b.slab == a.slab for a, b in pairwise(attempts))
+        if not accuracy.met or not by_order or any(attempt.cells for attempt in attempts):
+            self._starts.pop(tol, None)
+            return
+        known, told = self._starts.get(tol), [a.estimate for a in attempts if a.estimate]
+        left, order = known.left if known else SLOWEST, attempts[-2].order
+        if len(told) > 1:
+            left = min(SLOWER * told[-1] / told[-2], SLOWEST)
+        spare = known is not None and told and told[-1] <= ROOM * tol * left
+        self._starts[tol] = Start(order - 1 if spare else order, left)
 
 
-def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[tuple[float, int, int]]:
-    """Changes of maps that change nothing, but begin a piece at the elements' groups."""
-    for group, places in enumerate(assembly.elements):
-        for where in places:
-            row = int(assembly.network.step_row[group])
-            yield from ((float(t), group, row) for t in kinks.get(where, NOWHERE) / assembly.resolution.h)
+def prepare(scene: Scene) -> Prepared:
+    """Make a scene ready to be run again and again with other values.
 
+    Parameters
+    ----------
+    scene : Scene
 
-def _extremes(probes: dict[str, ProbeResult], envelope: Envelope | None) -> dict[str, tuple[float, float]]:
-    """Lowest and highest effort at each probe and node; of pressures the gauge pressures."""
-    found = {}
-    for name, probe in probes.items():
-        found[place("probes", name)] = float(probe.gauge_pressure.min()), float(probe.gauge_pressure.max())
-    if envelope is not None:
-        low, high = (extreme - envelope.weight for extreme in (envelope.lowest, envelope.highest))
-        pairs = zip(low.tolist(), high.tolist(), strict=True)
-        found |= {f"node '{node}'": pair for node, pair in zip(envelope.nodes, pairs, strict=True)}
-    return found
+    Returns
+    -------
+    Prepared
+        Its method ``run`` simulates the scene with values at dotted paths in place of its own.
 
-
-def _record(assembly: Assembly, name: str, waves: NDArray, done: Run, smears: bool) -> LineRecord:
-    row, echo = assembly.recorded[name], assembly.echoes.get(name)
-    line = assembly.lines[name]
-    s, h = assembly.resolution.s, assembly.resolution.h
-    level = assembly.level_of(name)
-
-    def wave(end: int, side: int, before: float) -> Wave:
-        here, noted = done.pieces.row == row + end, done.pieces
-        pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + level)
-        values = waves[row + end, side].reshape(-1, s)
-        if echo is not None:  # arrives as well, and so was not sent
-            both = waves[row + end].sum(axis=0).reshape(-1, s)
-            values = values + (1 - 2 * side) * both @ echo.T
-        return Wave(values + level, before + level, assembly.basis, h, pieces)
-
-    sides = (0, 1), (0, 0), (1, 0), (1, 1)
-    a1, b1, a2, b2 = (wave(*at, float(before)) for at, before in zip(sides, assembly.start[name], strict=True))
-    return LineRecord(line.z0, line.delay, a1, b1, a2, b2, smears)
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="electrical", t_end="40 ns", probes={"far": {"at": "far"}},
+    ...     lines={"line": {"nodes": ["near", "far"], "z0": 50, "delay": "5 ns"}},
+    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 50}},
+    ...     loads={"c": {"at": "far", "kind": "parallel", "resistance": 100, "capacitance": "10 pF"}},
+    ... )
+    >>> prepared = prepare(scene)
+    >>> for capacitance in ("1 pF", 50e-12):
+    ...     result = prepared.run({"loads.c.capacitance": capacitance}, tol=1e-6)
+    ...     print(f"{float(result.probes['far'].at(5.5e-9).u):.4f}")
+    0.6667
+    0.1728
+    """
+    return Prepared(scene)

@@ -11,18 +11,16 @@ from tline.scene.quantity import TOLERANCE
 from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
-from tline.solver.prepared import run
 from tline.solver.result.accuracy import Accuracy, Attempt
 from tline.solver.result.merged import joined, recorded
 from tline.solver.result.result import Result
+from tline.solver.run import run, with_ledger
 from tline.solver.stability.growth import growth_sentence
 from tline.solver.tolerance.compare import compared
 from tline.solver.tolerance.lossy import with_losses
-from tline.solver.tolerance.search import Search, inside_slabs, within
-from tline.wording import place
+from tline.solver.tolerance.search import Search, Start, inside_slabs, within
 
 TOL = 1e-6  # where nothing is asked or fixed
-ROUNDING = 1e-9  # of the energy turned over
 
 
 class UnresolvedWarning(UserWarning):
@@ -63,9 +61,10 @@ def simulate(
     envelope : bool
         Keep the lowest and the highest effort at every node, and when: ``Result.envelope``.
     ledger : bool, optional
-        Keep what every line and element gave, took and stored: ``Result.ledger``. If not given it is kept unless that
-        takes more than about half a second a run, and never with coupled conductors. Always kept where there are
-        elements of a user's own, so that one which makes energy is told.
+        Account for what every line and element gave, took and stored: ``Result.ledger``. If not given that is done
+        when the ledger or the notes are first read, unless it takes more than about half a second, and never with
+        coupled conductors. Always done where there are elements of a user's own, so that one which makes energy is
+        told.
     active : bool
         Run even with a load that is not positive real. What it does to the scene is then the first of the notes.
     progress : bool
@@ -106,25 +105,44 @@ def simulate(
     >>> bool(abs(result.probes["far"].at(12.34e-9).u) <= 2), result.accuracy.worst <= 1e-9  # at any instant
     (True, True)
     """
+    return simulated(
+        describe(scene), tol=tol, record=record, envelope=envelope, ledger=ledger, active=active, progress=progress
+    )
+
+
+def simulated(
+    description: Description,
+    *,
+    tol: float | None = None,
+    record: Iterable[str] = (),
+    envelope: bool = False,
+    ledger: bool | None = None,
+    active: bool = False,
+    progress: bool = False,
+    start: Start | None = None,
+) -> Result:
+    """The same of a scene that is described: see `simulate`. `start` is what a run with other values has found."""
+    scene = description.scene
     whole = parted(scene)
     if whole is not scene:
         more = {"envelope": envelope, "ledger": ledger, "active": active, "progress": progress}
-        given = describe(scene)
-        return joined(simulate(whole, tol=tol, record=recorded(given, record), **more), given)
-    description = describe(scene)
+        return joined(simulated(describe(whole), tol=tol, record=recorded(description, record), **more), description)
+    if ledger:
+        description.refuse_coupled("a ledger")
     warned, record = _active(description, active), list(record)
-    tol, ledger = _tolerance(scene, tol), True if own_elements(scene) else ledger
+    tol, ledger = asked(scene, tol), True if own_elements(scene) else ledger
     with own_mistakes(scene):
         if tol is None or (scene.solver.slab and (scene.solver.order or description.lossy)):
             chosen = resolution(description)
-            result = run(description, chosen, record, envelope=envelope, ledger=ledger, progress=progress)
+            result = run(description, chosen, record, envelope=envelope, ledger=bool(ledger), progress=progress)
             result = replace(result, accuracy=tol and _by_hand(result, tol))
         else:
-            search = Search(description, tol, record, progress, envelope=envelope, ledger=ledger)
+            search = Search(description, tol, record, progress, envelope=envelope, start=start)
             result = (with_losses if description.lossy else within)(search)
+        result = with_ledger(result, ledger)
     for note in result.unresolved:
-        warnings.warn(note, UnresolvedWarning, stacklevel=2)
-    return replace(result, remarks=(*warned, *_made(result), *result.remarks))
+        warnings.warn(note, UnresolvedWarning, stacklevel=3)
+    return replace(result, warned=tuple(warned))
 
 
 def judged(result: Result) -> Accuracy:
@@ -149,26 +167,16 @@ def _by_hand(result: Result, tol: float) -> Accuracy:
     return replace(found, limit=limit)
 
 
-def _tolerance(scene: Scene, tol: float | None) -> float | None:
-    """What is asked; None if order or slab are fixed by hand and nothing is."""
+def asked(scene: Scene, tol: float | None) -> float | None:
+    """The tolerance that is asked; None if order or slab are fixed by hand and none is."""
     by_hand = scene.solver.order is not None or scene.solver.slab is not None
-    asked = scene.solver.tol
+    found = scene.solver.tol
     if tol is not None:
         try:
-            asked = TOLERANCE.parse(tol, "")
+            found = TOLERANCE.parse(tol, "")
         except InputError as error:
             raise InputError("tol", error.problem, error.expected, error.got) from None
-    return asked if asked is not None or by_hand else TOL
-
-
-def _made(result: Result) -> list[str]:
-    """Which elements of a user's own gave more energy than they had taken."""
-    if result.ledger is None:
-        return []
-    own = {place(*where) for where in own_elements(result.scene)}
-    entries = [entry for entry in result.ledger.entries if own & {entry.where, *entry.where.split(" and ")}]
-    gains = [entry for entry in entries if entry.created > ROUNDING * result.ledger.turnover]
-    return [f"{entry.where} gave {entry.created:.3g} J more than it had taken: its law is active" for entry in gains]
+    return found if found is not None or by_hand else TOL
 
 
 def _active(description: Description, allowed: bool) -> list[str]:

@@ -1,5 +1,6 @@
 """Loads, switches and lumped lines: each such group's map over a slab, and the instants from which on it is another."""
 
+from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
@@ -10,54 +11,65 @@ from tline.solver.description.load_step import StateSpace, load_step
 from tline.solver.radau import Basis
 
 
-class NodeMaps(NamedTuple):
-    """All maps of a scene, one after the other."""
+class GroupSystems(NamedTuple):
+    """State spaces of all groups with states, switches or echoes, one after the other; slabs may be of any order."""
 
     load_at: NDArray  # (groups,) place of the group's first state, -1 for an algebraic node
     step_row: NDArray  # (groups,) row of its first map, -1 for an algebraic node
-    step_at: NDArray  # (maps,) place of a map in step
-    step_states: NDArray  # (maps,) its number of states
-    step: NDArray  # maps from (Thévenin waves, state) to (efforts, next state)
+    step_states: NDArray  # (maps,) number of states of a map
     states: NDArray  # at the start
     systems: list[StateSpace]  # of each map, from the Thévenin waves to the efforts
+    group: list[int]  # of each map
     changes: list[tuple[float, int, int]]  # (instant in slabs, group, row of the map), sorted
 
 
-def node_maps(
-    groups: list[Group], order: Basis, h: float, thevenin: NDArray | None, echoes: list[list[NDArray | None]]
-) -> NodeMaps:
-    """Maps of all groups with states, switches or echoes.
+def systems_of(groups: list[Group], h: float, thevenin: NDArray | None, in_cells: Collection[int]) -> GroupSystems:
+    """State spaces of groups.
 
     Parameters
     ----------
     thevenin : ndarray, shape (nodes,), or None
         Waves under which they are steady at the start; without them the liquid stands still.
-    echoes : list of lists of ndarray, shape (s, s), or None
-        Of each node of each group: from its effort to what lines in cells send back at once.
+    in_cells : collection of int
+        Numbers of lines in cells, which linear groups answer by a map even without states.
     """
     load_at, step_row = np.full(len(groups), -1), np.full(len(groups), -1)
     systems: list[StateSpace] = []
-    maps: list[NDArray] = []
+    of_group: list[int] = []
     states = [np.empty(0)]
     changes: list[tuple[float, int, int]] = []
     first = filled = 0
     for g, group in enumerate(groups):
         last = first + len(group.nodes)
-        felt = [] if group.elements else echoes[g]
-        if group.dynamic or any(echo is not None for echo in felt):
+        if group.dynamic or (in_cells and not group.elements and _at_cells(group, in_cells)):
             load_at[g], step_row[g] = filled, len(systems)
             states.append(group.standing() if thevenin is None else group.at_rest_under(thevenin[first:last]))
             filled += len(states[-1])
             switches, switched = group.nodes[0].switches, group.nodes[0].switched
             times = sorted({float(switch.time) for switch in switches if switch.time >= 0})
             changes += [(time / h, g, len(systems) + 1 + j) for j, time in enumerate(times)]
-            systems += (own := [group.system(switched(time)) for time in (*times, np.inf)])
-            maps += [echoed(load_step(system, order, h), felt).ravel() for system in own]
+            systems += [group.system(switched(time)) for time in (*times, np.inf)]
+            of_group += [g] * (len(times) + 1)
         first = last
-    step_at = np.cumsum([0, *map(len, maps)])[:-1]
     step_states = np.array([len(system.A) for system in systems], int)
-    step = np.concatenate([np.empty(0), *maps])
-    return NodeMaps(load_at, step_row, step_at, step_states, step, np.concatenate(states), systems, sorted(changes))
+    return GroupSystems(load_at, step_row, step_states, np.concatenate(states), systems, of_group, sorted(changes))
+
+
+def _at_cells(group: Group, in_cells: Collection[int]) -> bool:
+    return any(end // 2 in in_cells for node in group.nodes for end in node.ends)
+
+
+def maps_of(found: GroupSystems, order: Basis, h: float, echoes: list[list[NDArray | None]]) -> tuple[NDArray, NDArray]:
+    """Maps over a slab from (Thévenin waves, state) to (efforts, next state), one after the other; and their places.
+
+    `echoes` has for each node of each linear group a matrix (s, s) from its effort to what lines in cells send back at
+    once, or None.
+    """
+    maps = [
+        echoed(load_step(system, order, h), echoes[g]).ravel()
+        for system, g in zip(found.systems, found.group, strict=True)
+    ]
+    return np.concatenate([np.empty(0), *maps]), np.cumsum([0, *map(len, maps)])[:-1]
 
 
 def echoed(step: NDArray, felt: list[NDArray | None]) -> NDArray:

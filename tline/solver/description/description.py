@@ -1,17 +1,19 @@
 """A scene as plain data in SI, read once: what a run needs to know of it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.cavities import places_of, stretches_of, with_cavities
+from tline.scene.changed import changed, parts_of
 from tline.scene.coupled import Coupled, ends_of
 from tline.scene.load import Switch
 from tline.scene.multiport import Multiport
+from tline.scene.own import own_elements
 from tline.scene.plausible import doubts
 from tline.scene.vessel import Boiling
 from tline.solver.description.active import active_parts
@@ -57,6 +59,21 @@ class Description:
     lines: dict[str, Line]
     coupled: dict[str, tuple[End, End]]
     heights: Mapping[str, Height]
+
+    def changed(self, values: Mapping[str, Any]) -> "Description":
+        """The description of the scene with other values at dotted paths; lines that stay are not read again.
+
+        Raises
+        ------
+        InputError
+            There is nothing at a path, or a value does not fit there.
+        """
+        scene = changed(self.scene, values)
+        if not {parts_of(path)[0] for path in values} <= {"loads", "sources"} or scene.measured:
+            return describe(scene)
+        found = replace(self, scene=scene)
+        found.__dict__["probes"] = self.probes
+        return found
 
     @property
     def ends(self) -> list[End]:
@@ -141,6 +158,11 @@ class Description:
         """What a run puts in place of lines with cavities."""
         cut = with_cavities(self.scene.lines)
         return {name: Stretches(stretches_of(name, line), places_of(name, line)) for name, line in cut.items()}
+
+    @property
+    def own(self) -> set[str]:
+        """Places of user-defined elements."""
+        return {place(*at) for at in own_elements(self.scene)}
 
     @cached_property
     def active(self) -> dict[str, str]:

@@ -34,6 +34,9 @@ def short_lines(description: Description, record: Iterable[str]) -> tuple[list[s
     >>> short_lines(describe(scene), [])[0]
     ['stub']
     """
+    delays = [line.delay for line in description.lines.values()]
+    if min(delays) * SLABS_PER_DELAY >= SHORT * max(delays):
+        return [], 0.0
     barred = {name for name, node in description.nodes.items() if _barred(node)}
     joints = [link.nodes for link in description.scene.links.values()] + [one.nodes for one in description.elements]
     barred |= {node for joint in joints for node in joint}

@@ -104,13 +104,13 @@ class Accuracy:
         """The largest estimate at slab ends; infinite if there is none."""
         return max((estimate.worst for estimate in self.estimates.values()), default=inf)
 
-    def caution(self, before: "Accuracy | None" = None) -> float:
+    def caution(self, before: "Accuracy | None" = None, unknown: float = SLOWEST) -> float:
         """Errors between slab ends over differences to the finer run: they allow for what that still has of them.
 
         Where a step leaves the share r of the difference before, the next ones leave r², r³, …; the sum of all is the
-        difference over 1 - r. Where laws bend waves r is erratic: it counts as at most a half, also if unknown.
+        difference over 1 - r. Where laws bend waves r is erratic: it counts as at most a half, and as that if unknown.
         """
-        left = self.worst / before.worst if before and 0 < before.worst < inf else SLOWEST
+        left = self.worst / before.worst if before and 0 < before.worst < inf else unknown
         return BETWEEN / (1 - min(left, SLOWEST))
 
     def cautious(self, before: "Accuracy | None" = None) -> "Accuracy":

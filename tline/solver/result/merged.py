@@ -2,11 +2,13 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tline.solver.description.description import Description
+from tline.solver.description.description import Description, describe
+from tline.solver.description.given import Scene
 from tline.solver.ledger.ledger import Entry, Ledger
 from tline.solver.result.envelope import COLUMNS, Envelope
 from tline.solver.result.result import LineRecord, Result
@@ -51,7 +53,7 @@ def joined(result: Result, description: Description) -> Result:
         scene=description.scene,
         lines=lines,
         envelope=result.envelope and _without(result.envelope, places),
-        ledger=result.ledger and _summed(result.ledger, description),
+        accounts=_Summed(result, description.scene),
         parts=result,
     )
 
@@ -75,6 +77,16 @@ def _record(names: Sequence[str], stretches: tuple[LineRecord, ...]) -> CutRecor
         tuple(names),
         stretches,
     )
+
+
+class _Summed(NamedTuple):
+    """The ledger of a run of stretches as one of the lines, once it is read."""
+
+    parts: Result
+    scene: Scene
+
+    def __call__(self) -> Ledger | None:
+        return self.parts.ledger and _summed(self.parts.ledger, describe(self.scene))
 
 
 def _without(envelope: Envelope, places: set[str]) -> Envelope:

@@ -6,13 +6,53 @@ import numpy as np
 
 from tline.solver.assembly.fronts import Tally
 from tline.solver.description.components import parts
-from tline.solver.description.description import Description
+from tline.solver.description.description import Description, describe
 from tline.solver.description.resolution import Resolution
-from tline.solver.result.result import ProbeResult
+from tline.solver.result.envelope import Envelope
+from tline.solver.result.limits import beyond_limits
+from tline.solver.result.result import ProbeResult, Result
+from tline.solver.result.surge import surges
 from tline.wording import place
 
 LISTED = 4  # names
 VISIBLE = 1e-6  # of the largest wave
+ROUNDING = 1e-9  # of the energy turned over
+
+
+def remarks_of(result: Result) -> tuple[str, ...]:
+    """All there is to say of a run but what was not resolved, and what its ledger has."""
+    description, probes, envelope = describe(result.scene), result.probes, result.envelope
+    return (
+        *_active(description, result),
+        *untouched(probes),
+        *unconnected(description),
+        *lumped(result.resolution),
+        *description.doubts,
+        *beyond_limits(description, _extremes(probes, envelope)),
+        *surges(description, result.t, result.start, probes, envelope),
+    )
+
+
+def _active(description: Description, result: Result) -> list[str]:
+    """Which user-defined elements gave more energy than they had taken."""
+    own = description.own
+    if not own or result.ledger is None:
+        return []
+    entries = [entry for entry in result.ledger.entries if own & {entry.where, *entry.where.split(" and ")}]
+    gains = [entry for entry in entries if entry.created > ROUNDING * result.ledger.turnover]
+    return [f"{entry.where} gave {entry.created:.3g} J more than it had taken: its law is active" for entry in gains]
+
+
+def _extremes(probes: Mapping[str, ProbeResult], envelope: Envelope | None) -> dict[str, tuple[float, float]]:
+    """Lowest and highest effort at each probe and node; of pressures the gauge pressures."""
+    found = {}
+    for name, probe in probes.items():
+        found[place("probes", name)] = float(probe.gauge_pressure.min()), float(probe.gauge_pressure.max())
+    if envelope is not None:
+        low, high = (extreme - envelope.weight for extreme in (envelope.lowest, envelope.highest))
+        pairs = zip(low.tolist(), high.tolist(), strict=True)
+        found |= {f"node '{node}'": pair for node, pair in zip(envelope.nodes, pairs, strict=True)}
+    return found
 
 
 def smeared(fronts: Tally) -> list[str]:

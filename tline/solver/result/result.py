@@ -1,6 +1,6 @@
 """What a run gives back: the waves at the ends of recorded lines, and all that follows from them."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -67,7 +67,11 @@ class Wave:
 
     def at_slab_ends(self) -> NDArray:
         """Values at t = 0, h, 2h, …: where they are most accurate."""
-        return np.concatenate([[self.before], self.values[:, -1]])
+        seen = np.concatenate([[self.before], self.values[:, -1]])
+        if len(self.pieces.slab):
+            last = np.flatnonzero(np.diff(self.pieces.slab, append=-1))
+            seen[self.pieces.slab[last] + 1] = self.pieces.values[last, -1]
+        return seen
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,13 +152,24 @@ class ProbeResult:
             raise InputError(
                 place("probes", self.name), "instant not in the run", f"at most {end:.9g} s", f"{t.max():.9g} s"
             )
-        a, b = self.record.waves(t, self.share)
-        return Samples(t, (a + b) / 2, (a - b) / (2 * self.record.z0), a, b, self.height)
+        return self._samples(t, *self.record.waves(t, self.share))
 
     @cached_property
     def samples(self) -> Samples:
         """At slab ends, t = 0 included."""
-        return self.at(self.slab_ends)
+        a, b = self.waves
+        if self.share not in (0.0, 1.0) or len(self.slab_ends) != len(a.values) + 1:
+            return self.at(self.slab_ends)
+        return self._samples(self.slab_ends, a.at_slab_ends(), b.at_slab_ends())
+
+    @property
+    def waves(self) -> tuple[Wave, Wave]:
+        """The waves that it sees, as they are at an end of its line."""
+        record = self.record
+        return (record.a1 if self.share < 1.0 else record.a2), (record.b1 if self.share == 0.0 else record.b2)
+
+    def _samples(self, t: NDArray, a: NDArray, b: NDArray) -> Samples:
+        return Samples(t, (a + b) / 2, (a - b) / (2 * self.record.z0), a, b, self.height)
 
     @property
     def t(self) -> NDArray:
@@ -212,24 +227,28 @@ class Result:
         LineRecord of each recorded line by name.
     resolution : Resolution
         Order s and slab width h.
-    unresolved, remarks : tuple of str
-        What was not resolved, and other remarks; empty if all is well. `notes` has both.
+    unresolved : tuple of str
+        What was not resolved; empty if all is well.
+    start : mapping of str to ndarray
+        By line the waves (a1, b1, a2, b2) before t = 0, counted from the level.
     samples : int
         Line-end samples computed.
     seconds : float
-        Time spent stepping, and on the ledger if one is kept.
+        Time spent stepping.
     fronts : Tally
         What became of the fronts that did not fit the slabs.
     accuracy : Accuracy or None
         Estimated errors; None for a run whose order or slab is fixed by hand, without a tolerance.
     envelope : Envelope or None
         Lowest and highest effort at every node; None if not asked for.
-    ledger : Ledger or None
-        Energy by element; None if not asked for.
+    accounts : Ledger, callable or None
+        Energy by element, or what accounts for it; `ledger` has it.
     circuits : mapping of str to Circuits
         What stands for the laws of lossy lines, by line.
     parts : Result or None
         The same of a scene with stretches in place of lines with cavities; None if there are none.
+    warned : tuple of str
+        What there was to say before the run; first of the remarks.
     """
 
     scene: Scene
@@ -238,15 +257,28 @@ class Result:
     lines: Mapping[str, LineRecord]
     resolution: Resolution
     unresolved: tuple[str, ...]
-    remarks: tuple[str, ...]
+    start: Mapping[str, NDArray]
     samples: int
     seconds: float
     fronts: Tally
     accuracy: Accuracy | None = None
     envelope: Envelope | None = None
-    ledger: Ledger | None = None
+    accounts: Ledger | Callable[[], Ledger | None] | None = None
     circuits: Mapping[str, Circuits] = field(default_factory=dict)
     parts: "Result | None" = None
+    warned: tuple[str, ...] = ()
+
+    @cached_property
+    def ledger(self) -> Ledger | None:
+        """Energy by element, accounted for when it is first read; None if that was not wanted or takes long."""
+        return self.accounts() if callable(self.accounts) else self.accounts
+
+    @cached_property
+    def remarks(self) -> tuple[str, ...]:
+        """What a user should know beside the numbers; empty if all is well."""
+        from tline.solver.result.notes import remarks_of
+
+        return self.parts.remarks if self.parts else (*self.warned, *remarks_of(self))
 
     @property
     def notes(self) -> tuple[str, ...]:

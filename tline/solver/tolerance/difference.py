@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tline.solver.radau import chebyshev
 from tline.solver.result.result import ProbeResult, Wave
+from tline.solver.tolerance.smooth import is_smooth, smooth_difference
 
 BESIDE = 1e-7  # slabs, from an edge that is no front to the places beside it
 SAME = 2.5e-9  # slabs of the coarser run; breaks nearer to each other are one, for each run moves them by up to 1e-9
@@ -38,6 +39,10 @@ def difference(coarse: ProbeResult, fine: ProbeResult, settle: float = 0.0) -> D
     apart, every = (round(x / y) for x, y in (
         (coarse.slab_ends[1], fine.slab_ends[1]), (coarse.record.a1.h, fine.record.a1.h)
     ))  # fmt: skip
+    if is_smooth(coarse, fine) and apart == every:
+        places = len(chebyshev(max(coarse.record.a1.basis.s, fine.record.a1.basis.s)))
+        at_ends, inside, amplitude = smooth_difference(coarse, fine, every, places)
+        return Difference(at_ends, inside, inside, amplitude)
     ends, theirs = (np.stack([probe.gauge_pressure, fine.record.z0 * probe.y]) for probe in (fine, coarse))
     ends_there = ends[:, ::apart]
     common = min(ends_there.shape[1], theirs.shape[1])

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from tline.solver.description.description import Description
 from tline.solver.description.elements import Element
 from tline.solver.description.given import Law
-from tline.solver.prepared import Kinks
 from tline.solver.radau import Basis, basis
 from tline.solver.result.result import LineRecord, Result, Wave
+from tline.solver.run import Kinks
 
 MOST = 2000  # instants of an element; where there are more, none is followed
 STEPS, STEP = 8, 1e-4  # of Newton's method, and for its slopes, in pieces

@@ -3,7 +3,7 @@
 from collections.abc import Generator, Mapping
 from dataclasses import replace
 from itertools import pairwise
-from math import inf, log2
+from math import inf, log2, log10
 from typing import NamedTuple
 
 from tline.errors import InputError
@@ -11,13 +11,15 @@ from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import FIT, Resolution, resolution
 from tline.solver.description.short_lines import short_lines
-from tline.solver.prepared import NO_KINKS, Kinks, run
-from tline.solver.result.accuracy import Accuracy, Attempt
+from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import Result
+from tline.solver.run import NO_KINKS, Kinks, run
 from tline.solver.tolerance.compare import compared, with_errors
 from tline.solver.tolerance.kinks import kinking, kinks_of
 
 FIRST, LAST = 2, 12  # orders
+DIGITS = 3  # of the tolerance beyond three, for which the first order is one higher
+CLEAR = 1 / 3  # of the tolerance: an error told by the first two runs alone is to be below
 MOST_INSIDE = 2e6  # line-end samples in all runs together, for the sake of instants inside slabs alone,
 WORTH = 64  # or so many times those of the first run, if that is more
 TRIED = 2  # halvings of the slab, from which the next ones are foretold
@@ -32,6 +34,13 @@ COLLAPSE = (
 )
 
 
+class Start(NamedTuple):
+    """Where to begin, by a search with other values."""
+
+    order: int
+    left: float  # of a difference, by a step of the order
+
+
 class Search(NamedTuple):
     """What is looked for."""
 
@@ -43,7 +52,7 @@ class Search(NamedTuple):
     settle: float = 0.0  # time in which lumped lines settle after a front, s
     fit: float = FIT  # tolerance of the circuits of lossy lines
     envelope: bool = False
-    ledger: bool | None = False
+    start: Start | None = None
 
     def run(self, chosen: Resolution, end: float | None = None, kinks: Kinks = NO_KINKS) -> Result:
         """One run, to the scene's end time or to another."""
@@ -53,7 +62,6 @@ class Search(NamedTuple):
             chosen,
             self.record,
             envelope=self.envelope,
-            ledger=self.ledger,
             progress=self.progress,
             slabs=slabs,
             kinks=kinks,
@@ -96,7 +104,9 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
 
     From where that is so on, lines in cells have twice as many in each finer run: the last must have. Slab ends come
     first; what is left inside slabs is worked on while that promises to be enough. Where a higher order does not help
-    and laws kink, slabs are from then on cut in pieces where they did in the run before.
+    and laws kink, slabs are from then on cut in pieces where they did in the run before. Two comparisons tell how fast
+    runs converge; one is enough if it leaves some room, or that is known of the scene with other values, and no law
+    kinks.
     """
     steps, limit, stale, helps = _finer(search, cells), "", 0, True
     kinked, traced = kinking(search.description), 0
@@ -114,14 +124,17 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
             limit = f"{error.where}: {error.problem}"
             break
         before, found = found, Accuracy(search.tol, *compared(result, finer))
-        told = found.cautious(before)
+        by = found.caution(before, search.start.left if search.start else SLOWEST)
+        told = found.times(by)
         attempts[-1] = replace(attempts[-1], estimate=told.worst)
         attempts.append(Attempt.of(finer))
         if better(told, accuracy):
-            best, accuracy = with_errors(result, finer, found.caution(before)), told
+            best, accuracy = with_errors(result, finer, by), told
         blind = finer.resolution.blind
         doubled = finer.resolution.cells != result.resolution.cells or not cells
-        if before.worst < inf and told.met and doubled and not blind:
+        first = CLEAR if search.start is None else 1.0
+        sure = before.worst < inf or (told.worst <= first * search.tol and not kinked)
+        if sure and told.met and doubled and not blind:
             break
         narrowed = finer.resolution.h < result.resolution.h
         helps = not blind and gained(before, found) <= HELPS
@@ -139,6 +152,11 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
     lines = {name: record for name, record in best.lines.items() if name in wanted}
     accuracy = replace(accuracy, attempts=tuple(attempts), limit=limit)
     return replace(best, lines=lines, unresolved=unresolved, accuracy=accuracy)
+
+
+def first_order(tol: float) -> int:
+    """Order of the first run: of a lower one little would be within the tolerance."""
+    return FIRST + max(int(-log10(tol) / DIGITS + 1e-9) - 1, 0)
 
 
 def rank(found: Accuracy) -> tuple[float, float]:
@@ -209,7 +227,7 @@ def _finer(search: Search, cells: Mapping[str, int]) -> Generator[Resolution, tu
     Beside lumped lines slabs are not narrowed: fronts are blurred there for a time of its own.
     """
     description, given = search.description, search.description.scene.solver
-    s = given.order or FIRST
+    s = given.order or (search.start.order if search.start else first_order(search.tol))
     chosen = resolution(description, s, cells=cells, settle=search.settle)
     h, fixed, enough = chosen.h, given.slab is not None or bool(cells), False
     while True:

@@ -1,0 +1,156 @@
+"""A scene with other values at dotted paths: only the elements that change are read and checked anew."""
+
+import tomllib
+from collections.abc import Mapping
+from copy import deepcopy
+from functools import lru_cache
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from tline.errors import InputError, SceneError
+from tline.scene.check import conflicts
+from tline.scene.medium import MEDIA
+from tline.scene.own import own_elements
+from tline.scene.scene import Scene
+from tline.wording import nearest, shown
+
+SECTIONS = "lines", "sources", "loads", "links", "probes", "nodes"
+SINGLE = 2  # parts of the path of an element
+DERIVED = "heights", "single_lines"  # what a scene has found of itself
+
+
+def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
+    """The scene with other values.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of str to anything that a scene file may hold
+        By dotted path, as TOML has it: ``"loads.receiver.capacitance"``, ``"t_end"``, ``"sources.s.value.duration"``.
+        Numbers are in SI; a text has its unit.
+
+    Raises
+    ------
+    InputError
+        There is nothing at a path, or a value does not fit there; names the path.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="electrical", t_end="40 ns", probes={"far": {"at": "far"}},
+    ...     lines={"line": {"nodes": ["near", "far"], "z0": 50, "delay": "5 ns"}},
+    ...     loads={"c": {"at": "far", "kind": "parallel", "resistance": 100, "capacitance": "10 pF"}},
+    ... )
+    >>> changed(scene, {"loads.c.capacitance": "5 pF"}).loads["c"].capacitance
+    5e-12
+    >>> changed(scene, {"loads.d.capacitance": "5 pF"})
+    Traceback (most recent call last):
+    tline.errors.InputError: loads.d.capacitance: no such element, expected 'c', got 'd'
+    """
+    if not values:
+        return scene
+    if scene.measured or own_elements(scene):
+        return _read_anew(scene, values)
+    tables: dict[str, dict[str, Any]] = {}
+    for path, value in values.items():
+        section, *names = parts_of(path)
+        if section not in SECTIONS or len(names) < SINGLE:
+            return _read_anew(scene, values)
+        name, *keys = names
+        old = _element(scene, path, section, name)
+        _put(tables.setdefault(section, {}).setdefault(name, deepcopy(old.table())), path, keys, value)
+    try:
+        context = _context(scene)
+        found = {part: _ADAPTERS[part].validate_python(each, context=context) for part, each in tables.items()}
+    except (ValidationError, InputError):
+        return _read_anew(scene, values)  # which tells what is wrong
+    for section, elements in found.items():
+        for name, element in elements.items():
+            before = getattr(scene, section)[name]
+            if any(getattr(before, key, None) != getattr(element, key, None) for key in ("at", "nodes", "line")):
+                return _read_anew(scene, values)
+    new = scene.model_copy(update={section: {**getattr(scene, section), **each} for section, each in found.items()})
+    for name in DERIVED if {"lines", "nodes"} & found.keys() else ():
+        vars(new).pop(name, None)
+    for mistake in conflicts(new):
+        raise _at(mistake, values)
+    return new
+
+
+@lru_cache(maxsize=1024)
+def parts_of(path: str) -> tuple[str, ...]:
+    """The keys of a dotted path, by the rules of TOML.
+
+    Raises
+    ------
+    InputError
+        It is none.
+
+    Examples
+    --------
+    >>> parts_of('lines."main.1".length')
+    ('lines', 'main.1', 'length')
+    """
+    try:
+        table: Any = tomllib.loads(f"{path} = 0")
+    except tomllib.TOMLDecodeError:
+        raise InputError(path, "not a path", "keys with dots between, such as loads.receiver.capacitance") from None
+    keys = []
+    while isinstance(table, dict) and len(table) == 1:
+        ((key, table),) = table.items()
+        keys.append(key)
+    if table != 0:
+        raise InputError(path, "not a path", "keys with dots between, such as loads.receiver.capacitance")
+    return tuple(keys)
+
+
+def _read_anew(scene: Scene, values: Mapping[str, Any]) -> Scene:
+    """The same by reading the whole scene again."""
+    table = deepcopy(scene.table())
+    for path, value in values.items():
+        section, *names = parts_of(path)
+        if section in SECTIONS:
+            if len(names) < SINGLE:
+                raise InputError(path, "not a value", "a path such as loads.receiver.capacitance")
+            _element(scene, path, section, names[0])
+        elif section not in type(scene).model_fields:
+            raise InputError(path, "no such key", nearest(section, [*type(scene).model_fields]), shown(section))
+        _put(table, path, [section, *names], value)
+    try:
+        return scene.with_changes(**table)
+    except SceneError as error:
+        raise _at(error.mistakes[0], values) from None
+
+
+def _element(scene: Scene, path: str, section: str, name: str) -> Any:
+    elements = getattr(scene, section)
+    if name not in elements or name in scene.delay_lines:
+        raise InputError(path, "no such element", nearest(name, [*elements]), shown(name))
+    return elements[name]
+
+
+def _put(table: dict[str, Any], path: str, keys: list[str], value: Any) -> None:
+    """Put a value in a table of tables."""
+    *above, last = keys
+    for key in above:
+        table = table.setdefault(key, {}) if isinstance(table, dict) else {}
+        if not isinstance(table, dict):
+            raise InputError(path, "not a table", "a path that ends earlier", shown(key))
+    table[last] = value
+
+
+def _at(mistake: InputError, values: Mapping[str, Any]) -> InputError:
+    """A mistake, told at the path of the value that makes it if it is told elsewhere."""
+    if mistake.where in values or len(values) > 1:
+        return mistake
+    (path,) = values
+    problem = f"{mistake.where}: {mistake.problem}" if mistake.where and mistake.where != path else mistake.problem
+    return InputError(path, problem, mistake.expected, mistake.got)
+
+
+def _context(scene: Scene) -> dict[str, Any]:
+    return {"folder": scene.folder, "medium": scene.medium, "units": MEDIA[scene.medium].units}
+
+
+_ADAPTERS: dict[str, Any] = {name: TypeAdapter(Scene.model_fields[name].annotation or dict) for name in SECTIONS}

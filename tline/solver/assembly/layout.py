@@ -1,0 +1,195 @@
+"""What of a scene's arrays is the same for slabs of any order: found once for all runs on slabs of one width."""
+
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass
+from math import inf
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.progress import Progress
+from tline.solver.assembly.blocks import blocks_of
+from tline.solver.assembly.loss_elements import lumps_of
+from tline.solver.assembly.lossy_segments import InCells, lines_in_cells
+from tline.solver.assembly.node_maps import GroupSystems, systems_of
+from tline.solver.assembly.start import tables_of
+from tline.solver.description.circuits import Circuits, circuits_of, fit_of
+from tline.solver.description.description import Description
+from tline.solver.description.excitation import Shape, just_before
+from tline.solver.description.groups import Group
+from tline.solver.description.laws import laws_of, states_of
+from tline.solver.description.lines import Line
+from tline.solver.description.nodes import NONE, Node
+from tline.solver.description.resolution import WHOLE, Resolution
+from tline.solver.kernel.network import Blocks, Laws, Lumps
+from tline.solver.radau import basis
+from tline.solver.steady.lossy_lines import Table
+from tline.solver.steady.steady_state import above_level, rest
+
+LAYOUTS = 2  # of a scene that are kept
+STAGES = 3  # lines, state before t = 0, nodes
+
+Before = tuple[dict[str, float], NDArray]
+Excitation = list[tuple[Shape, float]]  # waveforms and their shares of the Thévenin wave, or what scales an element
+
+
+@dataclass
+class Layout:
+    """A scene cut in slabs of one width; with losses, of one order too. L lines, N nodes, G groups of nodes."""
+
+    h: float
+    lines: dict[str, Line]  # those that are not lumped
+    delay: NDArray  # (L,) whole slabs
+    shift_row: NDArray  # (L,) row of the fractional rest of the delay, -1 if there is none
+    rests: list[float]  # those that differ, in slabs
+    circuits: dict[str, Circuits]  # of lossy lines
+    in_cells: dict[int, InCells]  # lossy lines in cells
+    lumps: Lumps
+    memory: int  # states of the lumps
+    groups: list[Group]
+    nodes: dict[str, Node]  # group by group
+    u: NDArray  # (L, 2) efforts before t = 0 at the ends of lines, counted from the level
+    y: NDArray  # (L, 2) flows
+    z0: NDArray  # (L,)
+    ends: NDArray  # (2 L,) node by node
+    first: NDArray  # (N + 1,) those at node k are ends[first[k]:first[k + 1]]
+    weight: NDArray  # (2 L,) share of an arriving wave in the node's Thévenin wave
+    group: NDArray  # (G + 1,) nodes of group g are group[g] to group[g + 1]
+    drives: list[Excitation]
+    drive_row: NDArray  # (N,)
+    systems: GroupSystems
+    laws: Laws  # without matrices of an order
+    states: NDArray  # of the laws
+    blocks: Blocks
+    elements: list[list[str]]  # of each group, where its non-linear elements stand
+
+    @property
+    def start(self) -> dict[str, NDArray]:
+        """Line name -> (a1, b1, a2, b2) before t = 0, counted from the level."""
+        q = self.z0[:, None] * self.y
+        return dict(zip(self.lines, np.stack([self.u + q, self.u - q], axis=2).reshape(-1, 4), strict=True))
+
+
+_kept: WeakKeyDictionary[Description, dict[Hashable, Layout]] = WeakKeyDictionary()
+
+
+def layout_of(description: Description, chosen: Resolution, *, progress: bool = False) -> Layout:
+    """The layout of a described scene for some slabs; the last ones are kept as long as the description is.
+
+    Parameters
+    ----------
+    description : Description
+    chosen : Resolution
+        Its order counts for scenes with losses alone.
+    progress : bool
+        Show a bar on stderr if this takes long.
+    """
+    known = _kept.setdefault(description, {})
+    losses = (chosen.s, chosen.fit, chosen.band, chosen.lumps) if description.lossy else ()
+    key = chosen.h, tuple(chosen.cells.items()), losses
+    if key not in known:
+        while len(known) >= LAYOUTS:
+            known.pop(next(iter(known)))
+        known[key] = _laid_out(description, chosen, progress)
+    return known[key]
+
+
+def _laid_out(description: Description, chosen: Resolution, progress: bool) -> Layout:
+    order, h, steady = basis(chosen.s), chosen.h, description.steady
+    with Progress(STAGES, "stage", progress, "assembling") as bar:
+        lines = {name: line for name, line in description.lines.items() if name not in chosen.cells}
+        delay, shift_row, rests = _delays(lines, h)
+        circuits = _circuits(description, lines, chosen)
+        in_cells = lines_in_cells(lines, circuits, order, h)
+        delay[list(in_cells)] = 1
+        lumps, memory = lumps_of(lines, circuits, delay, order, h, chosen.lumps, in_cells)
+        bar.update()
+        effort, y = _before_start(description, tables_of(lumps, list(lines)))
+        u = np.array([[effort[at] for at in line.nodes] for line in description.lines.values()])
+        bar.update()
+        begin = zip(description.lines, zip(u[:, 0].tolist(), y[:, 0].tolist(), strict=True), strict=True)
+        groups, nodes = description.grouped(chosen.cells, dict(begin) if chosen.cells else NONE)
+        z0 = np.array([line.z0 for line in lines.values()])
+        if chosen.cells:
+            kept = np.array([name in lines for name in description.lines])
+            u, y = u[kept], y[kept]
+        ends = np.array([end for node in nodes.values() for end in node.ends])
+        degree = [len(node.ends) for node in nodes.values()]
+        first, group = np.cumsum([0, *degree]), np.cumsum([0, *(len(group.nodes) for group in groups)])
+        weight = np.concatenate([node.weights(z0) for node in nodes.values()])
+        drives = [node.drives for node in nodes.values()]
+        thevenin = None
+        if steady:
+            arriving = (u + [-1, 1] * z0[:, None] * y).ravel()
+            thevenin = np.bincount(np.repeat(np.arange(len(nodes)), degree), weight * arriving[ends], len(nodes))
+            thevenin += [sum(share * just_before(waveform) for waveform, share in parts) for parts in drives]
+        systems = systems_of(groups, h, thevenin, in_cells)
+        driven = np.array([bool(parts) for parts in drives])
+        drives = list(filter(None, drives))
+        elements = [group.elements for group in groups]
+        laws, factors = laws_of(elements, _members(groups, nodes), nodes, len(drives), len(systems.states))
+        bar.update()
+    return Layout(
+        h,
+        lines,
+        delay,
+        shift_row,
+        rests,
+        circuits,
+        in_cells,
+        lumps,
+        memory,
+        groups,
+        nodes,
+        u,
+        y,
+        z0,
+        ends,
+        first,
+        weight,
+        group,
+        drives + [[(factor, 1.0)] for factor in factors],
+        drive_row=np.where(driven, np.cumsum(driven) - 1, -1),
+        systems=systems,
+        laws=laws,
+        states=states_of([e for group in elements for e in group], effort),
+        blocks=blocks_of(delay, first, ends, group, lumps),
+        elements=[[element.where for element in group] for group in elements],
+    )
+
+
+_before: WeakKeyDictionary[Description, Before] = WeakKeyDictionary()
+
+
+def _before_start(description: Description, tables: Mapping[str, Table]) -> Before:
+    """Efforts of nodes, and flows at the ends of lines, before t = 0; without friction slabs do not matter."""
+    if tables or description not in _before:
+        _before[description] = above_level(description, tables) if description.steady else rest(description)
+    return _before[description]
+
+
+def _delays(lines: dict[str, Line], h: float) -> tuple[NDArray, NDArray, list[float]]:
+    """Whole slabs of each delay, and row of the fractional rest among those that differ."""
+    slabs = np.array([line.delay for line in lines.values()]) / h
+    near = np.round(slabs)
+    whole = np.abs(slabs - near) <= WHOLE * near
+    delay = np.where(whole, near, np.floor(slabs)).astype(np.int64)
+    if whole.all():
+        return delay, np.full(len(delay), -1), []
+    rest, row = np.unique(np.where(whole, -1.0, slabs - delay), return_inverse=True)
+    return delay, row - int(rest[0] < 0), rest[rest >= 0].tolist()
+
+
+def _circuits(description: Description, lines: dict[str, Line], chosen: Resolution) -> dict[str, Circuits]:
+    """Circuits of all lines that lose something."""
+    if all(line.losses is None for line in lines.values()):
+        return {}
+    fastest = min((shape.fastest() for shape in description.waveforms.values()), default=inf)
+    return circuits_of(lines, fit_of(description.t_end, chosen.h, chosen.fit, chosen.band, fastest))
+
+
+def _members(groups: list[Group], nodes: dict[str, Node]) -> list[list[str]]:
+    """Names of the nodes of each group."""
+    names = iter(nodes)
+    return [[next(names) for _ in group.nodes] for group in groups]

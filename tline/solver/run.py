@@ -1,0 +1,147 @@
+"""One run of a scene at a stated resolution: assemble it, step the kernel, and hand back what the probes saw."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from math import ceil
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.gc_paused import gc_paused
+from tline.solver.assembly.assemble import Assembly, assemble
+from tline.solver.description.description import Description, describe
+from tline.solver.description.given import Scene
+from tline.solver.description.resolution import Resolution
+from tline.solver.ledger.ledger import Ledger
+from tline.solver.ledger.recorder import Books
+from tline.solver.loop.march import Run, march
+from tline.solver.result.conductor import record_of
+from tline.solver.result.envelope import watch
+from tline.solver.result.notes import VISIBLE, smeared
+from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, Wave
+
+LARGEST_RECORD = 4e8  # samples
+LARGEST_LEDGER = 1e7  # samples at line ends, of a ledger that is not asked for: half a second
+Kinks = Mapping[str, NDArray]
+NO_KINKS: Kinks = MappingProxyType({})
+NOWHERE = np.empty(0)
+EACH_NODE = 4000  # samples that take a ledger as long as a node
+
+
+def run(
+    description: Description,
+    chosen: Resolution,
+    record: Iterable[str] = (),
+    *,
+    envelope: bool = False,
+    ledger: bool = False,
+    progress: bool = False,
+    slabs: int | None = None,
+    kinks: Kinks = NO_KINKS,
+) -> Result:
+    """Run a scene with slabs of a given width and order, to its end time or for so many slabs.
+
+    `record` names lines to keep beside those of the probes. Without `ledger` energies are accounted for once they are
+    read. Slabs are cut in pieces at the instants of `kinks`, s, where the elements named by its keys stand.
+
+    Raises
+    ------
+    InputError
+        The scene cannot be assembled, the record would be too large, or the waves grow beyond all bounds.
+    """
+    if envelope:
+        description.refuse_coupled("an envelope")
+    kept, s, h = {*record, *description.probed}, chosen.s, chosen.h
+    with gc_paused():
+        assembly = assemble(description, kept, chosen, progress=progress)
+    if kinks:
+        assembly.changes = sorted([*assembly.changes, *_cuts(assembly, kinks)])
+    n = slabs or max(ceil(description.t_end / h - 1e-9), 1)
+    if 4 * len(kept) * n * s > LARGEST_RECORD:
+        problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
+        raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
+    books = Books(assembly, n) if ledger else None
+    extremes = watch(assembly) if envelope else None
+    waves, done = march(assembly, n, observers=[each for each in (extremes, books) if each], progress=progress)
+    smears = done.fronts.lost > VISIBLE or description.blurred
+    lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
+    ends = np.arange(n + 1) * h
+    probes = {
+        name: ProbeResult(name, probe.line, probe.share, record_of(probe, lines), ends, probe.height)
+        for name, probe in description.probes.items()
+    }
+    samples = len(assembly.network.ends) * n * s
+    again = Again(description.scene, chosen, n, dict(kinks), samples + EACH_NODE * len(assembly.nodes))
+    return Result(
+        description.scene,
+        ends,
+        probes,
+        lines,
+        chosen,
+        (*chosen.notes, *smeared(done.fronts)),
+        assembly.start,
+        samples,
+        done.seconds,
+        done.fronts,
+        envelope=extremes and extremes.envelope(description.heights),
+        accounts=books.ledger(done.under_way) if books else again,
+        circuits=assembly.circuits,
+    )
+
+
+class Again(NamedTuple):
+    """The same run once more, to account for energies."""
+
+    scene: Scene
+    chosen: Resolution
+    slabs: int
+    kinks: dict[str, NDArray]
+    work: float  # samples
+
+    def __call__(self) -> Ledger | None:
+        """What every line and element gave, took and stored."""
+        return run(describe(self.scene), self.chosen, ledger=True, slabs=self.slabs, kinks=self.kinks).ledger
+
+    @property
+    def is_cheap(self) -> bool:
+        """Whether it may be done without being asked for."""
+        return self.work <= LARGEST_LEDGER and not describe(self.scene).coupled
+
+
+def with_ledger(result: Result, ledger: bool | None) -> Result:
+    """A result whose energies are accounted for: now, never, or (None) once they are read, if that is cheap."""
+    again = result.accounts
+    if isinstance(again, Again) and (ledger is False or (ledger is None and not again.is_cheap)):
+        again = None
+    return replace(result, accounts=result.ledger if ledger else again)
+
+
+def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[tuple[float, int, int]]:
+    """Changes of maps that change nothing, but begin a piece at the elements' groups."""
+    for group, places in enumerate(assembly.elements):
+        for where in places:
+            row = int(assembly.network.step_row[group])
+            yield from ((float(t), group, row) for t in kinks.get(where, NOWHERE) / assembly.resolution.h)
+
+
+def _record(assembly: Assembly, name: str, waves: NDArray, done: Run, smears: bool) -> LineRecord:
+    row, echo = assembly.recorded[name], assembly.echoes.get(name)
+    line = assembly.lines[name]
+    s, h = assembly.resolution.s, assembly.resolution.h
+    level = assembly.level_of(name)
+
+    def wave(end: int, side: int, before: float) -> Wave:
+        here, noted = done.pieces.row == row + end, done.pieces
+        pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + level)
+        values = waves[row + end, side].reshape(-1, s)
+        if echo is not None:  # arrives as well, and so was not sent
+            both = waves[row + end].sum(axis=0).reshape(-1, s)
+            values = values + (1 - 2 * side) * both @ echo.T
+        return Wave(values + level, before + level, assembly.basis, h, pieces)
+
+    sides = (0, 1), (0, 0), (1, 0), (1, 1)
+    a1, b1, a2, b2 = (wave(*at, float(before)) for at, before in zip(sides, assembly.start[name], strict=True))
+    return LineRecord(line.z0, line.delay, a1, b1, a2, b2, smears)
