@@ -21,6 +21,7 @@ lint: $(VENV)/ready-dev
 	$(BIN)/lint-imports
 
 bench: $(VENV)/ready-bench
+	$(BIN)/python -m benchmarks.time_to_answer
 	$(BIN)/python -m benchmarks.kernel
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.many
 	$(BIN)/python -m benchmarks.large_network

@@ -4,10 +4,7 @@ Prints tables and writes them to docs/benchmarks.md. Every figure is a median; e
 same run.
 """
 
-import os
-import subprocess
 import sys
-import tempfile
 import time
 from pathlib import Path
 from statistics import median
@@ -123,21 +120,6 @@ def decayed() -> float:
     return last / first
 
 
-def command_line() -> tuple[float, float, float]:
-    """Seconds of `tline run` as a whole process: numba cache empty, numba cache filled; and of `import numba`."""
-    with tempfile.TemporaryDirectory() as folder:
-        environment = os.environ | {"NUMBA_CACHE_DIR": folder}
-        scene = str(ROOT / "scenes" / "water_pipe.toml")
-
-        def process(*arguments: str) -> float:
-            call = [sys.executable, *arguments]
-            return timed(lambda: subprocess.run(call, env=environment, check=True, stdout=subprocess.DEVNULL))
-
-        run = ("-m", "tline", "run", scene)
-        cold, warm = process(*run), median(process(*run) for _ in range(RUNS))
-        return cold, warm, median(process("-c", "import numba") for _ in range(RUNS))
-
-
 def report() -> str:
     rows = [
         "# Benchmarks",
@@ -155,7 +137,6 @@ def report() -> str:
                 rate, ratio = against_copy(lines, s, fractional=fractional)
                 delays = "fractional" if fractional else "whole"
                 rows.append(f"| {lines} | {delays} | {s} | {rate:.2g} | {ratio:.1f} |")
-    cold, warm, numba = command_line()
     return "\n".join(
         [
             *rows,
@@ -164,9 +145,6 @@ def report() -> str:
             "|---|---:|",
             f"| plain numpy twin over the kernel, random networks of 12 lines, s = 5 | {against_twin():.0f} |",
             f"| time per step after 10⁶ steps of decay over that at the start | {decayed():.2f} |",
-            f"| `tline run scenes/water_pipe.toml`, numba cache empty | {cold:.1f} s |",
-            f"| the same, cache filled | {warm:.2f} s |",
-            f"| for comparison: `python -c 'import numba'` | {numba:.2f} s |",
             "",
         ]
     )

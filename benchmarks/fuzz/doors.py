@@ -7,7 +7,9 @@ from random import Random
 from benchmarks.fuzz import flags, networks, scenes, tables, verdicts
 from benchmarks.fuzz.case import Case
 
-DOORS: dict[str, tuple[Callable[[Random], Case], int]] = {  # and how many of a thousand cases: the more, the shorter they take
+DOORS: dict[
+    str, tuple[Callable[[Random], Case], int]
+] = {  # and how many of a thousand cases: the more, the shorter they take
     "scenes": (scenes.case, 30),
     "expressions": (verdicts.scalar, 250),
     "matrices": (verdicts.matrix, 15),
