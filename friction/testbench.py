@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from math import inf, pi
 from typing import TYPE_CHECKING, Protocol
 
@@ -13,6 +14,8 @@ from tline.errors import InputError
 
 if TYPE_CHECKING:
     from friction.kernel import Drive
+
+STEEPEST = 1e30  # N/s; products of slopes and times stay finite
 
 
 class Force(Protocol):
@@ -96,6 +99,16 @@ class Steps(_Points):
 @dataclass(frozen=True)
 class Table(_Points):
     """Straight lines between points (times [s], values [N]); constant before the first and after the last."""
+
+    def __post_init__(self):
+        super().__post_init__()
+        for k, ((t0, f0), (t1, f1)) in enumerate(pairwise(zip(self.times, self.values, strict=True)), 1):
+            rise, time = abs(float(f1) - float(f0)), float(t1) - float(t0)
+            if not rise <= STEEPEST * time:
+                expected = f"at most {STEEPEST:g} N/s, or steps"
+                raise InputError(
+                    f"force.times[{k}]", "the force changes too fast", expected, f"{rise:g} N in {time:g} s"
+                )
 
     def pieces(self) -> tuple[NDArray, NDArray, NDArray]:
         """One straight piece each."""

@@ -137,6 +137,10 @@ SENTENCES = [
     (lambda: Sine(1.0, 0.0), "force.frequency: too small"),
     (lambda: Table([0.0, 1.0], [0.0, nan]), "force.values[1]: not a finite number"),
     (lambda: Table([0.0, 0.0], [0.0, 1.0]), "force.times[1]: times do not rise, expected more than 0, got 0"),
+    (
+        lambda: Table([0.0, 5e-324], [1.4, 0.4]),
+        "force.times[1]: the force changes too fast, expected at most 1e+30 N/s, or steps",
+    ),
     (lambda: Steps([0.0], []), "force: times and values do not match, expected as many values as times, got 0 values"),
     (lambda: simulate(Coulomb(), Testbench(), 0.0), "t_end: too small"),
     (lambda: simulate(Coulomb(), Testbench(), 1.0, "euler", h=0.0), "h: too small, expected more than 0, got 0"),
