@@ -13,7 +13,6 @@ from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.nodes import Node
 from tline.solver.steady.steady_state import above_level, rest
-from tline.wording import place
 
 
 class LoadLine(NamedTuple):
@@ -105,8 +104,7 @@ def bergeron(scene: Scene, hops: int = 12) -> Bergeron:
 def _load_line(scene: Scene, name: str, node: Node, into_line: float) -> LoadLine:
     """J - G u flows into the line, or the effort is held."""
     if node.load is not None or node.switches:
-        where = next(place("loads", key) for key, load in scene.loads.items() if load.at == name)
-        raise InputError(where, "no load line: the end is not resistive", "resistors and sources")
+        raise InputError(next(iter(node.loads)), "no load line: the end is not resistive", "resistors and sources")
     late = np.array(float(scene.t_end))
     if node.held is not None:
         return LoadLine(1.0, 0.0, float(node.held.value(late, late)))

@@ -121,10 +121,10 @@ def with_ledger(result: Result, ledger: bool | None) -> Result:
 
 def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[tuple[float, int, int]]:
     """Changes of maps that change nothing, but begin a piece at the elements' groups."""
-    for group, places in enumerate(assembly.elements):
-        for where in places:
-            row = int(assembly.network.step_row[group])
-            yield from ((float(t), group, row) for t in kinks.get(where, NOWHERE) / assembly.resolution.h)
+    for g, group in enumerate(assembly.groups):
+        for element in group.elements:
+            row = int(assembly.network.step_row[g])
+            yield from ((float(t), g, row) for t in kinks.get(element.where, NOWHERE) / assembly.resolution.h)
 
 
 def _record(assembly: Assembly, name: str, waves: NDArray, done: Run, smears: bool) -> LineRecord:

@@ -39,7 +39,7 @@ class Assembly:
     lines: dict[str, Line]  # those that are not lumped
     recorded: dict[str, int]  # line name -> first of its two rows in the record
     start: dict[str, NDArray]  # line name -> (a1, b1, a2, b2) before t = 0, counted from the level
-    elements: list[list[str]]  # of each group, where its non-linear elements stand
+    groups: list[Group]
     circuits: dict[str, Circuits]  # of lossy lines
     echoes: dict[str, NDArray]  # of lines in cells, what an end sends into itself (s, s)
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
@@ -119,7 +119,7 @@ def assemble(
         layout.lines,
         recorded,
         layout.start,
-        layout.elements,
+        groups,
         layout.circuits,
         echoes={list(layout.lines)[k]: line.echo for k, line in in_cells.items()},
         settle=np.array([chosen.settle if group.lumps else 0.0 for group in groups]),

@@ -62,7 +62,6 @@ class Layout:
     laws: Laws  # without matrices of an order
     states: NDArray  # of the laws
     blocks: Blocks
-    elements: list[list[str]]  # of each group, where its non-linear elements stand
 
     @property
     def start(self) -> dict[str, NDArray]:
@@ -155,7 +154,6 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         laws=laws,
         states=states_of([e for group in elements for e in group], effort),
         blocks=blocks_of(delay, first, ends, group, lumps),
-        elements=[[element.where for element in group] for group in elements],
     )
 
 

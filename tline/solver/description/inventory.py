@@ -1,18 +1,18 @@
 """What stands at the nodes of a scene, sorted by how its power is found."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.load import Load, Matched, Reservoir, Resistor, Short, Switch
-from tline.scene.multiport import ControlledSource, Multiport
+from tline.scene.load import Matched, Reservoir, Resistor, Short, Switch
 from tline.scene.rational_load import Parallel, Rational, Series
 from tline.solver.description.description import Description
 from tline.solver.description.elements import Element
 from tline.solver.description.excitation import places_of
 from tline.solver.description.given import Shape
+from tline.solver.description.groups import Group
 from tline.solver.description.nodes import Node, lowered
 from tline.wording import place
 
@@ -55,100 +55,70 @@ class Excitation(NamedTuple):
 
 
 class Inventory(NamedTuple):
-    """All of a scene."""
+    """All of a group."""
 
     members: list[Member]
     conductors: list[Resistive]
-    drives: list[Excitation]
+    excitations: list[Excitation]
 
 
-def inventory_of(
-    description: Description, nodes: Mapping[str, Node], lumped: Collection[str], h: float, t_end: float
-) -> Inventory:
-    """Sort what stands at nodes. What stands beside a held effort and has no known conductance is not seen.
+def inventory_of(description: Description, group: Group, names: Sequence[str], h: float, t_end: float) -> Inventory:
+    """Sort what stands at the nodes of a group; beside a held effort what has no known conductance is not seen.
 
     Parameters
     ----------
-    nodes : mapping of str to Node
-        With what is attached to them.
-    lumped : collection of str
-        Names of lumped lines.
+    names : sequence of str
+        Of the nodes.
     h, t_end : float
         Slab width and end of the run, s.
     """
-    unseen = {name for name, node in nodes.items() if not node.ends and node.held is None}
-    drives, conductors = list(_drives(description, nodes, h, t_end)), list(_conductors(description))
-    members = [
-        *(Member(one.where, (one.node,), TAKEN, True, to_air=False) for one in drives if one.node in unseen),
-        *(Member(one.where, (one.node,), DISSIPATED, False) for one in conductors if one.node in unseen),
-        *_holding(description),
-        *_dynamic(description, nodes),
-        *(_non_linear(element) for element in description.elements),
-        *(_lumped(name, description) for name in lumped),
-    ]
-    return Inventory(
-        members,
-        [one for one in conductors if one.node not in unseen],
-        [one for one in drives if one.node not in unseen],
-    )
+    found, steady = Inventory([], [], []), description.steady
+    for name, node in zip(names, group.nodes, strict=True):
+        alone = not node.ends and node.held is None  # no line tells its effort
+        for one in _at_node(name, node, steady, h, t_end):
+            if isinstance(one, Member):
+                found.members.append(one)
+            elif isinstance(one, Excitation):
+                member = Member(one.where, (name,), TAKEN, True, to_air=False)
+                found.members.append(member) if alone else found.excitations.append(one)
+            else:
+                member = Member(one.where, (name,), DISSIPATED, False)
+                found.members.append(member) if alone else found.conductors.append(one)
+    for part in group.ports:
+        nodes = tuple(str(names[p]) for p in part.nodes)
+        found.members.append(Member(part.where, nodes, TAKEN, steady or part.where in description.active))
+    found.members.extend(_non_linear(element) for element in group.elements)
+    for lump in group.lumps:
+        found.members.append(Member(place("lines", lump.name), lump.line.nodes, TAKEN, steady, to_air=False))
+    return found
 
 
-def _drives(description: Description, nodes: Mapping[str, Node], h: float, t_end: float) -> Iterator[Excitation]:
-    for name, source in description.scene.sources.items():
-        if np.isfinite(source.conductance):
-            breaks = places_of([(source.value, 1.0)], t_end, h)
-            value = lowered(source.value, nodes[source.at].height.level) if source.is_effort else source.value
-            yield Excitation(place("sources", name), source.at, value, breaks, source.conductance, source.is_effort)
-
-
-def _lumped(name: str, description: Description) -> Member:
-    """A lumped line."""
-    return Member(place("lines", name), description.lines[name].nodes, TAKEN, description.steady, to_air=False)
-
-
-def _conductors(description: Description) -> Iterator[Resistive]:
-    for name, load in description.scene.loads.items():
-        g = _conductance(load, description)
-        if np.isfinite(g):
-            yield Resistive(place("loads", name), load.at, g, load if isinstance(load, Switch) else None)
-
-
-def _conductance(load: Load, description: Description) -> float:
-    """Of a resistor, some finite one of a switch with resistances; infinite for all others."""
-    match load:
-        case Resistor() if load.resistance > 0:
-            return float(1 / load.resistance)
-        case Switch() if load.before > 0 and load.after > 0:
-            return 0.0
-        case Matched():
-            return sum(line.nodes.count(load.at) / line.z0 for line in description.lines.values())
-    return np.inf
-
-
-def _holding(description: Description) -> Iterator[Member]:
-    """What holds the effort of its node, or may."""
-    for name, source in description.scene.sources.items():
+def _at_node(name: str, node: Node, steady: bool, h: float, t_end: float) -> Iterator[Member | Resistive | Excitation]:
+    """Sources, and loads that are linear."""
+    for where, source in node.sources.items():
         if np.isinf(source.conductance):
-            yield Member(place("sources", name), (source.at,), SUPPLIED, True, to_air=False)
-    for name, load in description.scene.loads.items():
-        if isinstance(load, Reservoir):
-            yield Member(place("loads", name), (load.at,), SUPPLIED, True, to_air=False)
-        elif isinstance(load, Short | Resistor | Switch) and np.isinf(_conductance(load, description)):
-            yield Member(place("loads", name), (load.at,), DISSIPATED, False)
-
-
-def _dynamic(description: Description, nodes: Mapping[str, Node]) -> Iterator[Member]:
-    """What has states of its own, and multiports."""
-    scene, holds = description.scene, description.steady
-    for name, load in scene.loads.items():
-        if isinstance(load, Rational) and nodes[load.at].held is None:
-            R = float(getattr(load, "resistance", None) or 0.0)
-            column = STORED if isinstance(load, Series | Parallel) else TAKEN
-            series, beside = isinstance(load, Series) and R, isinstance(load, Parallel) and R and 1 / R
-            yield Member(place("loads", name), (load.at,), column, holds, series=float(series), beside=float(beside))
-    for name, link in scene.links.items():
-        if isinstance(link, Multiport):
-            yield Member(place("links", name), link.nodes, TAKEN, holds or isinstance(link, ControlledSource))
+            yield Member(where, (name,), SUPPLIED, True, to_air=False)
+        else:
+            value = lowered(source.value, node.height.level) if source.is_effort else source.value
+            breaks = places_of([(source.value, 1.0)], t_end, h)
+            yield Excitation(where, name, value, breaks, source.conductance, source.is_effort)
+    for where, load in node.loads.items():
+        match load:
+            case Resistor() if load.resistance > 0:
+                yield Resistive(where, name, float(1 / load.resistance))
+            case Switch() if load.before > 0 and load.after > 0:
+                yield Resistive(where, name, 0.0, load)
+            case Matched():
+                yield Resistive(where, name, node.lines + node.lumped)
+            case Short() | Resistor() | Switch():
+                yield Member(where, (name,), DISSIPATED, False)
+            case Reservoir():
+                yield Member(where, (name,), SUPPLIED, True, to_air=False)
+            case Rational() if node.held is None:
+                R = float(getattr(load, "resistance", None) or 0.0)
+                column = STORED if isinstance(load, Series | Parallel) else TAKEN
+                series, beside = isinstance(load, Series) and R, isinstance(load, Parallel) and R and 1 / R
+                yield Member(where, (name,), column, steady, series=float(series), beside=float(beside))
 
 
 def _non_linear(element: Element) -> Member:

@@ -22,6 +22,7 @@ from tline.scene.multiport import Multiport
 from tline.scene.quantity import ZERO
 from tline.scene.rational_load import MOST_STATES, Rational
 from tline.scene.shape import Lowered
+from tline.scene.source import Source
 from tline.solver.description.excitation import just_before
 from tline.solver.description.given import Constant, End, Height, Scene, Shape, Touchstone
 from tline.solver.description.lines import Line
@@ -40,6 +41,8 @@ class Node:
     """One node: everything attached to it, side by side."""
 
     ends: list[int] = field(default_factory=list)  # 2 * line for an end 1, 2 * line + 1 for an end 2
+    sources: dict[str, Source] = field(default_factory=dict)  # attached here, by place
+    loads: dict[str, Load] = field(default_factory=dict)
     lines: float = 0.0  # sum of 1/z0 of the ends
     lumped: float = 0.0  # sum of 1/z0 of the lumped lines' ends, and of coupled conductors'
     conductance: float = 0.0  # of resistors, constant loads and sources
@@ -158,6 +161,7 @@ class Node:
 
     def attach(self, load: Load, where: str) -> None:
         """Attach a load that stands at `where` in the scene."""
+        self.loads[where] = load
         match load:
             case Resistor():
                 self._conduct(1 / load.resistance if load.resistance else np.inf)
@@ -176,8 +180,10 @@ class Node:
             case NoFlow():
                 pass
 
-    def prescribe(self, waveform: Shape, conductance: float, is_effort: bool) -> None:
-        """Attach a source; a pressure is piezometric."""
+    def prescribe(self, source: Source, where: str) -> None:
+        """Attach a source that stands at `where` in the scene; a pressure is piezometric."""
+        self.sources[where] = source
+        waveform, conductance, is_effort = source.value, source.conductance, source.is_effort
         if is_effort:
             waveform = lowered(waveform, self.height.level)
         if np.isinf(conductance):
@@ -271,7 +277,10 @@ def nodes_of(
             nodes[at].alone = usual
     for name, height in scene.heights.items():
         nodes[name].height = height
-    _attach_all(scene, nodes)
+    for name, source in scene.sources.items():
+        nodes[source.at].prescribe(source, place("sources", name))
+    for name, load in scene.loads.items():
+        nodes[load.at].attach(load, place("loads", name))
     for name, n in cells.items():
         from passivity import RationalFunction
 
@@ -280,19 +289,11 @@ def nodes_of(
             nodes[at].respond(RationalFunction.from_coefficients([1], [half, 0]), place("lines", name))
     for name, node in nodes.items():
         if node.held is None and abs(node.total) < CANCELLED * (node.lines + node.lumped):
-            at_node = [n for n, load in scene.loads.items() if load.at == name and isinstance(load, Rational)]
+            at_node = [where for where, load in node.loads.items() if isinstance(load, Rational)]
             if at_node:  # else it is small, not cancelled
                 problem = f"cancels the conductance of the lines at node '{name}': no wave is defined"
-                raise InputError(place("loads", at_node[0]), problem, "another resistance")
+                raise InputError(at_node[0], problem, "another resistance")
     return nodes
-
-
-def _attach_all(scene: Scene, nodes: Mapping[str, Node]) -> None:
-    """Attach sources and loads to their nodes."""
-    for source in scene.sources.values():
-        nodes[source.at].prescribe(source.value, source.conductance, source.is_effort)
-    for name, load in scene.loads.items():
-        nodes[load.at].attach(load, place("loads", name))
 
 
 def node_of_end(nodes: Collection[Node]) -> NDArray:

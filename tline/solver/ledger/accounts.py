@@ -124,8 +124,8 @@ def accounts_of(group: Mapping[str, Node], inventory: Inventory, z0: NDArray) ->
         first = len(ports)
         ports += [Port(e, number[node], first + 1 - k if member.through else -1) for k, node in enumerate(member.nodes)]
     flows = flows_of(ports, [k in heads or k in held for k in range(len(group))])
-    where = [one.where for one in (*inventory.drives, *inventory.conductors)]
-    may_give = [True for _ in inventory.drives] + [False for _ in inventory.conductors]
+    where = [one.where for one in (*inventory.excitations, *inventory.conductors)]
+    may_give = [True for _ in inventory.excitations] + [False for _ in inventory.conductors]
     above_level = np.array([node.above_level for node in group.values()])
     falls = np.zeros(len(flows.node))
     posts: list[tuple[int, int, Member | None]] = []
@@ -146,7 +146,7 @@ def accounts_of(group: Mapping[str, Node], inventory: Inventory, z0: NDArray) ->
             may_give.append(lifts or any(member.may_give for member in members))
         alone = members[0] if len(members) == 1 else None
         posts.append((opened[elements], alone.column if alone else TAKEN, alone))
-    drives = [(k, number[drive.node], drive) for k, drive in enumerate(inventory.drives)]
+    drives = [(k, number[drive.node], drive) for k, drive in enumerate(inventory.excitations)]
     conductors = [(len(drives) + k, number[one.node], one) for k, one in enumerate(inventory.conductors)]
     if above_level.any():
         where.append(GRAVITY)

@@ -1,6 +1,6 @@
 """Books kept while a run goes on: energies through line ends and into elements, slab by slab."""
 
-from itertools import pairwise
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import Fronts
-from tline.solver.description.inventory import Inventory, inventory_of
+from tline.solver.description.inventory import inventory_of
 from tline.solver.ledger.accounts import Accounts, accounts_of
 from tline.solver.ledger.columns import Columns
 from tline.solver.ledger.ledger import COLUMNS, GRAVITY, Entry, Ledger
@@ -28,21 +28,6 @@ class Found(NamedTuple):
     waves: NDArray  # (pieces, ends, 2, s) what arrived and what left
 
 
-def _groups(assembly: Assembly, whole: Inventory, z0: NDArray) -> list[Accounts]:
-    """Accounts of each group of nodes."""
-    nodes, names, edges = assembly.nodes, list(assembly.nodes), assembly.network.group
-    of_node = {name: g for g, (low, high) in enumerate(pairwise(edges)) for name in names[low:high]}
-    parts = [Inventory([], [], []) for _ in edges[1:]]
-    for member in whole.members:
-        parts[of_node[member.nodes[0]]].members.append(member)
-    for conductor in whole.conductors:
-        parts[of_node[conductor.node]].conductors.append(conductor)
-    for drive in whole.drives:
-        parts[of_node[drive.node]].drives.append(drive)
-    groups = ({name: nodes[name] for name in names[low:high]} for low, high in pairwise(edges))
-    return [accounts_of(group, part, z0) for group, part in zip(groups, parts, strict=True)]
-
-
 class Books:
     """A ledger that grows with a run."""
 
@@ -53,10 +38,13 @@ class Books:
         new = np.flatnonzero(network.record_row < 0)
         network.record_row[new] = network.record_row.max(initial=-1) + 1 + np.arange(len(new))
         self.end_of_row = np.argsort(network.record_row)
-        whole = inventory_of(description, assembly.nodes, assembly.resolution.cells, h, n * h)
         lines = list(assembly.lines.values())
         self.z0 = np.array([line.z0 for line in lines])
-        self.groups = _groups(assembly, whole, self.z0)
+        self.groups: list[Accounts] = []
+        names = iter(assembly.nodes)
+        for group in assembly.groups:
+            nodes = dict(zip(islice(names, len(group.nodes)), group.nodes, strict=True))
+            self.groups.append(accounts_of(nodes, inventory_of(description, group, [*nodes], h, n * h), self.z0))
         self.start = under_way(assembly, None)
         self.taken, self.least = np.zeros((2, len(lines)))
         self.totals = [np.zeros((len(group.where), len(COLUMNS))) for group in self.groups]

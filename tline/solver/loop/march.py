@@ -212,8 +212,8 @@ def _snapped(changes: list[tuple[float, int, int]]) -> list[tuple[float, int, in
 
 def _refuse(assembly: Assembly, node: int) -> None:
     group = int(np.searchsorted(assembly.network.group, node, side="right")) - 1
-    if group < len(assembly.elements) and assembly.elements[group]:
-        where = " and ".join(assembly.elements[group])
+    if group < len(assembly.groups) and assembly.groups[group].elements:
+        where = " and ".join(element.where for element in assembly.groups[group].elements)
         raise InputError(where, "no flow was found that fits the waves", "narrower slabs, or a line between elements")
     where = " and ".join(assembly.description.active) or "lines"
     raise InputError(where, "the waves grow beyond all bounds", "passive loads", "active ones")

@@ -63,7 +63,7 @@ def copies_of(description: Description, vary: Mapping[str, ArrayLike]) -> Copies
         expected = f"whole multiples of a part of the shortest, at most a {MOST_UNITS}th"
         raise InputError("lines", "their delays have no common measure", expected)
     delay = np.round(ratio[:, 0] * parts).astype(np.int64)
-    junctions = [_junction(scene, name, node, z0, numbers) for name, node in description.nodes.items()]
+    junctions = [_junction(node, z0, numbers) for node in description.nodes.values()]
     return Copies(delays[shortest] / parts, delay, z0, junctions)
 
 
@@ -140,7 +140,7 @@ def _values(where: str, values: ArrayLike, known: Mapping[str, float]) -> Floats
     return array
 
 
-def _junction(scene: Scene, name: str, node: Node, z0: Floats, numbers: Mapping[str, Floats]) -> Junction:
+def _junction(node: Node, z0: Floats, numbers: Mapping[str, Floats]) -> Junction:
     """A node with all that is attached to it."""
     own = 1 / z0[np.array(node.ends) // 2]
     if node.held is not None:
@@ -148,10 +148,8 @@ def _junction(scene: Scene, name: str, node: Node, z0: Floats, numbers: Mapping[
     total, to_air = own.sum(axis=0), np.zeros(z0.shape[1])
     flows: list[tuple[Shape, Floats | float]] = []
     dynamic: tuple[Series | Parallel, Floats | None, Floats | None, Floats | None] | None = None
-    for key, load in scene.loads.items():
-        if load.at != name:
-            continue
-        R, L, C = (numbers.get(place("loads", key, element)) for element in ELEMENTS)
+    for where, load in node.loads.items():
+        R, L, C = (numbers.get(f"{where}.{element}") for element in ELEMENTS)
         if L is not None or C is not None:
             assert isinstance(load, Series | Parallel)
             dynamic = load, R, L, C
@@ -159,16 +157,15 @@ def _junction(scene: Scene, name: str, node: Node, z0: Floats, numbers: Mapping[
             to_air = to_air + own[0]
         elif R is not None and not (isinstance(load, Series) and dynamic and dynamic[0] is load):
             to_air = to_air + 1 / R
-    for key, source in scene.sources.items():
-        if source.at == name:
-            R = numbers.get(place("sources", key, "resistance"))
-            conductance = 0.0 if R is None else 1 / R
-            if source.is_effort:
-                total = total + conductance
-                flows.append((lowered(source.value, node.height.level), conductance))
-            else:
-                to_air = to_air + conductance
-                flows.append((source.value, 1.0))
+    for where, source in node.sources.items():
+        R = numbers.get(f"{where}.resistance")
+        conductance = 0.0 if R is None else 1 / R
+        if source.is_effort:
+            total = total + conductance
+            flows.append((lowered(source.value, node.height.level), conductance))
+        else:
+            to_air = to_air + conductance
+            flows.append((source.value, 1.0))
     total = total + to_air
     if node.above_level and np.any(to_air):
         flows.append((UNIT, node.above_level * to_air))
