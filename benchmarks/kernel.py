@@ -54,7 +54,7 @@ def ring(lines: int, s: int, *, fractional: bool, seed: int = 0) -> tuple[Networ
         np.zeros(0, np.int64),
         np.zeros(0),
         np.full(2 * lines, -1),
-        laws_of([[]] * lines, [[]] * lines, {}, 0, 0)[0],
+        laws_of([[]] * lines, [[]] * lines, 0, 0)[0],
         cells_of({}, [[None]] * lines)[0],
         NO_LUMPS,
         blocks_of(delay, first, ends, group, NO_LUMPS),

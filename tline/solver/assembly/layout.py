@@ -127,7 +127,7 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         driven = np.array([bool(parts) for parts in drives])
         drives = list(filter(None, drives))
         elements = [group.elements for group in groups]
-        laws, factors = laws_of(elements, _members(groups, nodes), nodes, len(drives), len(systems.states))
+        laws, factors = laws_of(elements, [group.nodes for group in groups], len(drives), len(systems.states))
         bar.update()
     return Layout(
         h,
@@ -185,9 +185,3 @@ def _circuits(description: Description, lines: dict[str, Line], chosen: Resoluti
         return {}
     fastest = min((shape.fastest() for shape in description.waveforms.values()), default=inf)
     return circuits_of(lines, fit_of(description.t_end, chosen.h, chosen.fit, chosen.band, fastest))
-
-
-def _members(groups: list[Group], nodes: dict[str, Node]) -> list[list[str]]:
-    """Names of the nodes of each group."""
-    names = iter(nodes)
-    return [[next(names) for _ in group.nodes] for group in groups]

@@ -7,10 +7,9 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
-from tline.errors import InputError
 from tline.scene.cavities import places_of, stretches_of, with_cavities
 from tline.scene.changed import changed, parts_of
-from tline.scene.coupled import Coupled, ends_of
+from tline.scene.coupled import Coupled, ends_of, refuse_coupled
 from tline.scene.load import Switch
 from tline.scene.multiport import Multiport
 from tline.scene.own import own_elements
@@ -203,8 +202,7 @@ class Description:
         InputError
             Naming the first.
         """
-        for name in self.coupled:
-            raise InputError(place("lines", name), f"{what} knows no coupled conductors", "single lines")
+        refuse_coupled(self.scene.lines, what)
 
 
 def describe(scene: Scene) -> Description:

@@ -1,6 +1,6 @@
 """What stands at the nodes of a scene, sorted by how its power is found."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -62,30 +62,28 @@ class Inventory(NamedTuple):
     excitations: list[Excitation]
 
 
-def inventory_of(description: Description, group: Group, names: Sequence[str], h: float, t_end: float) -> Inventory:
+def inventory_of(description: Description, group: Group, h: float, t_end: float) -> Inventory:
     """Sort what stands at the nodes of a group; beside a held effort what has no known conductance is not seen.
 
     Parameters
     ----------
-    names : sequence of str
-        Of the nodes.
     h, t_end : float
         Slab width and end of the run, s.
     """
     found, steady = Inventory([], [], []), description.steady
-    for name, node in zip(names, group.nodes, strict=True):
+    for node in group.nodes:
         alone = not node.ends and node.held is None  # no line tells its effort
-        for one in _at_node(name, node, steady, h, t_end):
+        for one in _at_node(node, steady, h, t_end):
             if isinstance(one, Member):
                 found.members.append(one)
             elif isinstance(one, Excitation):
-                member = Member(one.where, (name,), TAKEN, True, to_air=False)
+                member = Member(one.where, (node.name,), TAKEN, True, to_air=False)
                 found.members.append(member) if alone else found.excitations.append(one)
             else:
-                member = Member(one.where, (name,), DISSIPATED, False)
+                member = Member(one.where, (node.name,), DISSIPATED, False)
                 found.members.append(member) if alone else found.conductors.append(one)
     for part in group.ports:
-        nodes = tuple(str(names[p]) for p in part.nodes)
+        nodes = tuple(group.nodes[p].name for p in part.nodes)
         found.members.append(Member(part.where, nodes, TAKEN, steady or part.where in description.active))
     found.members.extend(_non_linear(element) for element in group.elements)
     for lump in group.lumps:
@@ -93,8 +91,9 @@ def inventory_of(description: Description, group: Group, names: Sequence[str], h
     return found
 
 
-def _at_node(name: str, node: Node, steady: bool, h: float, t_end: float) -> Iterator[Member | Resistive | Excitation]:
+def _at_node(node: Node, steady: bool, h: float, t_end: float) -> Iterator[Member | Resistive | Excitation]:
     """Sources, and loads that are linear."""
+    name = node.name
     for where, source in node.sources.items():
         if np.isinf(source.conductance):
             yield Member(where, (name,), SUPPLIED, True, to_air=False)

@@ -1,6 +1,6 @@
 """Non-linear elements as arrays for the kernel."""
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,21 +18,21 @@ KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", *STA
 
 
 def laws_of(
-    elements: list[list[Element]], names: list[list[str]], nodes: Mapping[str, Node], first_row: int, first_state: int
+    elements: Sequence[list[Element]], members: Sequence[Sequence[Node]], first_row: int, first_state: int
 ) -> tuple[Laws, list[Shape]]:
     """Elements by group as arrays, without the slabs' order and width; and what scales them over time.
 
     Parameters
     ----------
-    names : list of lists of str
+    members : sequence of sequence of Node
         Nodes of each group.
     first_row, first_state : int
         Numbers of the first drive row and of the first state.
     """
     drives: list[Shape] = []
     rows, factors, states, seen = [], [], [], []
-    place_of = {name: k for group in names for k, name in enumerate(group)}
-    impedance = {name: _impedance(node) for name, node in nodes.items()}
+    place_of = {node.name: k for group in members for k, node in enumerate(group)}
+    impedance = {node.name: _impedance(node) for group in members for node in group}
     largest = max([z for z in impedance.values() if z > 0], default=1.0)
     flat = [element for group in elements for element in group]
     for element in flat:

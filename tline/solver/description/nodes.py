@@ -40,6 +40,7 @@ SEA_LEVEL = Height()
 class Node:
     """One node: everything attached to it, side by side."""
 
+    name: str
     ends: list[int] = field(default_factory=list)  # 2 * line for an end 1, 2 * line + 1 for an end 2
     sources: dict[str, Source] = field(default_factory=dict)  # attached here, by place
     loads: dict[str, Load] = field(default_factory=dict)
@@ -256,7 +257,7 @@ def nodes_of(
         admittance = 1 / line.z0
         for side, at in enumerate(line.nodes):
             if at not in nodes:
-                nodes[at] = Node()
+                nodes[at] = Node(at)
             node = nodes[at]
             if name in cells:
                 node.lumped += admittance
@@ -266,10 +267,10 @@ def nodes_of(
         kept += name not in cells
     for end in coupled:
         for at, conductance in zip(end.conductors, np.diag(end.modes.admittance), strict=True):
-            nodes.setdefault(at, Node()).lumped += float(conductance)
+            nodes.setdefault(at, Node(at)).lumped += float(conductance)
     for link in scene.links.values():
         for at in link.nodes:
-            nodes.setdefault(at, Node())
+            nodes.setdefault(at, Node(at))
     multiports = [link for link in scene.links.values() if isinstance(link, Multiport)]
     if multiports:
         usual = float(1 / np.mean([line.z0 for line in lines.values()]))

@@ -1,6 +1,6 @@
 """The accounts of one group of nodes: powers of all that stands there, from the waves at its line ends."""
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -103,30 +103,30 @@ def _conductance(conductor: Resistive, columns: Columns) -> NDArray:
     return np.where(columns.middle < switch.time, 1 / float(switch.before), 1 / float(switch.after))
 
 
-def accounts_of(group: Mapping[str, Node], inventory: Inventory, z0: NDArray) -> Accounts:
+def accounts_of(nodes: Sequence[Node], inventory: Inventory, z0: NDArray) -> Accounts:
     """Open the accounts of a group.
 
     Parameters
     ----------
-    group : mapping of str to Node
+    nodes : sequence of Node
     inventory : Inventory
         What stands at these nodes.
     z0 : ndarray, shape (lines,)
     """
-    number = {name: k for k, name in enumerate(group)}
-    ends = np.array([end for node in group.values() for end in node.ends], int)
-    at = np.repeat(np.arange(len(group)), [len(node.ends) for node in group.values()])
+    number = {node.name: k for k, node in enumerate(nodes)}
+    ends = np.array([end for node in nodes for end in node.ends], int)
+    at = np.repeat(np.arange(len(nodes)), [len(node.ends) for node in nodes])
     heads = {int(k): int(e) for k, e in zip(*np.unique(at, return_index=True), strict=True)}
-    gathers = (at == np.arange(len(group))[:, None]) / (2 * z0[ends // 2])
-    held = {number[name]: node.held for name, node in group.items() if node.held is not None and not node.ends}
+    gathers = (at == np.arange(len(nodes))[:, None]) / (2 * z0[ends // 2])
+    held = {k: node.held for k, node in enumerate(nodes) if node.held is not None and not node.ends}
     ports: list[Port] = []
     for e, member in enumerate(inventory.members):
         first = len(ports)
         ports += [Port(e, number[node], first + 1 - k if member.through else -1) for k, node in enumerate(member.nodes)]
-    flows = flows_of(ports, [k in heads or k in held for k in range(len(group))])
+    flows = flows_of(ports, [k in heads or k in held for k in range(len(nodes))])
     where = [one.where for one in (*inventory.excitations, *inventory.conductors)]
     may_give = [True for _ in inventory.excitations] + [False for _ in inventory.conductors]
-    above_level = np.array([node.above_level for node in group.values()])
+    above_level = np.array([node.above_level for node in nodes])
     falls = np.zeros(len(flows.node))
     posts: list[tuple[int, int, Member | None]] = []
     opened: dict[tuple[int, ...], int] = {}
@@ -134,7 +134,7 @@ def accounts_of(group: Mapping[str, Node], inventory: Inventory, z0: NDArray) ->
         members = [inventory.members[e] for e in elements]
         if not members:
             posts.append((len(where), UNACCOUNTED, None))
-            where.append(f"node '{list(group)[node]}'")
+            where.append(f"node '{nodes[node].name}'")
             may_give.append(True)
             continue
         to_air = all(member.to_air for member in members)

@@ -1,6 +1,5 @@
 """Books kept while a run goes on: energies through line ends and into elements, slab by slab."""
 
-from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -40,11 +39,9 @@ class Books:
         self.end_of_row = np.argsort(network.record_row)
         lines = list(assembly.lines.values())
         self.z0 = np.array([line.z0 for line in lines])
-        self.groups: list[Accounts] = []
-        names = iter(assembly.nodes)
-        for group in assembly.groups:
-            nodes = dict(zip(islice(names, len(group.nodes)), group.nodes, strict=True))
-            self.groups.append(accounts_of(nodes, inventory_of(description, group, [*nodes], h, n * h), self.z0))
+        inventories = (inventory_of(description, group, h, n * h) for group in assembly.groups)
+        each = zip(assembly.groups, inventories, strict=True)
+        self.groups = [accounts_of(group.nodes, inventory, self.z0) for group, inventory in each]
         self.start = under_way(assembly, None)
         self.taken, self.least = np.zeros((2, len(lines)))
         self.totals = [np.zeros((len(group.where), len(COLUMNS))) for group in self.groups]

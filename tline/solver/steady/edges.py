@@ -41,7 +41,7 @@ class Edges:
         pairs = [line.nodes for line in lines.values()] + [(element.one, element.other) for element in self.elements]
         ends = [[-1 if node is None else number[node] for node in pair] for pair in pairs]
         self.one, self.other = np.array(ends, int).reshape(-1, 2).T
-        self.packed, _ = laws_of([self.elements], [list(number)], description.nodes, 0, 0)
+        self.packed, _ = laws_of([self.elements], [[*description.nodes.values()]], 0, 0)
 
     @property
     def count(self) -> int:
