@@ -133,14 +133,18 @@ def _record(assembly: Assembly, name: str, waves: NDArray, done: Run, smears: bo
     s, h = assembly.resolution.s, assembly.resolution.h
     level = assembly.level_of(name)
 
+    noted, whole = done.pieces, Pieces(done.pieces.slab, done.pieces.span, done.pieces.values[:, 0])
+
     def wave(end: int, side: int, before: float) -> Wave:
-        here, noted = done.pieces.row == row + end, done.pieces
-        pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + level)
+        pieces = whole
+        if len(noted.row):
+            here = noted.row == row + end
+            pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + level)
         values = waves[row + end, side].reshape(-1, s)
         if echo is not None:  # arrives as well, and so was not sent
             both = waves[row + end].sum(axis=0).reshape(-1, s)
             values = values + (1 - 2 * side) * both @ echo.T
-        return Wave(values + level, before + level, assembly.basis, h, pieces)
+        return Wave(values + level if level else values, before + level, assembly.basis, h, pieces)
 
     sides = (0, 1), (0, 0), (1, 0), (1, 1)
     a1, b1, a2, b2 = (wave(*at, float(before)) for at, before in zip(sides, assembly.start[name], strict=True))

@@ -79,12 +79,12 @@ class Description:
         """All ends of coupled conductors."""
         return [end for pair in self.coupled.values() for end in pair]
 
-    @property
+    @cached_property
     def lossy(self) -> bool:
         """Whether a line loses something."""
         return any(line.losses is not None for line in self.lines.values())
 
-    @property
+    @cached_property
     def blurred(self) -> bool:
         """Whether elements send fronts at instants of their own."""
         return any(law.kind in BREAKING for law in self.scene.laws.values())
@@ -115,7 +115,7 @@ class Description:
         """Probes by name."""
         return probes_of(self.scene, self.coupled)
 
-    @property
+    @cached_property
     def probed(self) -> set[str]:
         """Lines that probes see."""
         return {line for probe in self.probes.values() for line in probe.lines}
