@@ -10,7 +10,6 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import Any, get_type_hints
 
-from tline.compiling import announced
 from tline.object_code import keep, load
 from tline.structure import Packed
 
@@ -112,6 +111,7 @@ class Unit:
 
     def _compiled(self) -> tuple[int, Any]:
         from tline.compiler import compile_unit
+        from tline.compiling import announced
 
         with announced(self.__module__):
             result = compile_unit(self.code, self.parameters, OPTIONS | _BARE)
