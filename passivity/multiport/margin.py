@@ -70,7 +70,7 @@ def margin(network: Network, kind: Kind) -> MatrixMargin | None:
     places = [_place(kind, matrix, w) for w in (0.0, math.inf, 1.0, 1.1)]
     best, scale = min(places, key=lambda place: place.level), max(place.size for place in places) or 1.0
     for _ in range(MAX_ROUNDS):
-        if not -scale / _NEAR**2 < best.level < math.inf:
+        if not -scale / _NEAR**2 < best.level < math.inf or best.level - _NEAR * scale == -math.inf:
             return None
         border = abs(best.level - _BORDER[kind]) <= _NEAR * scale
         for bound in [_BORDER[kind]] * border + [best.level - _NEAR * scale]:

@@ -342,6 +342,8 @@ def test_margins():
     assert margin(RationalMatrix.from_rows([["0"]]), Kind.BR).value == 0
     assert margin(RationalMatrix.from_rows([["1/s^2"]]), Kind.PR) is None
     assert margin(RationalMatrix.from_rows([["-s^2"]]), Kind.BR) is None
+    far = RationalMatrix.from_rows([["1", "1/2"], ["0", "1e308/(1 + 5p*s + 39k*s^2)"]])
+    assert margin(far, Kind.PR) is None  # its resonance is beyond all floats
 
 
 def test_systems_of_others():

@@ -263,6 +263,7 @@ def test_conductors_of_a_w_element_are_coupled(read):
         ("E1 d 0 d 0 3", "E1: its own voltage commands it"),
         ("G1 d 0 d 0 -3", "G1: its own voltage commands it"),
         ("G1 d 0 b 0 0", "G1: its gain is zero"),
+        ("G1 d 0 d 0 5e-324", "G1: its gain is zero"),
         ("E1 x 0 b 0 3", "E1: drives no line"),
         ("E1 x 0 b 0 3\nL9 x d 1n", "L9: lies between nodes 'x' and 'd'"),
         ("F1 d 0 V1 3", "F1: a current commands it, expected E or G, which a voltage commands"),

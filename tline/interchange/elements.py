@@ -1,5 +1,6 @@
 """The elements of a SPICE netlist: lines, sources, R, L, C, multiports, and what .tran and .print ask for."""
 
+from math import inf
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -169,9 +170,10 @@ class Netlist:
             raise card.refuse("is not a gain alone", "two nodes, two that command it, and a number", f"'{given:.40}'")
         (out, sign), (control, other) = (self._against_reference(card, card.words[k : k + 2]) for k in (0, 2))
         gain = sign * other * card.value(card.words[4])
-        if gain == 0 or (out == control and (card.kind == "E" or gain < 0)):
-            problem = "its gain is zero" if gain == 0 else "its own voltage commands it"
-            raise card.refuse(problem, "another gain" if gain == 0 else "another node's", f"'{' '.join(card.words)}'")
+        none = gain == 0 or abs(1 / gain) == inf
+        if none or (out == control and (card.kind == "E" or gain < 0)):
+            problem = "its gain is zero" if none else "its own voltage commands it"
+            raise card.refuse(problem, "another gain" if none else "another node's", f"'{' '.join(card.words)}'")
         if card.kind == "E":
             self.drives.append(Drive(card, out, gain, control))
         elif out == control:
