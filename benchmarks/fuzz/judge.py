@@ -33,7 +33,7 @@ MOVES = {
 }
 FORBIDDEN = ("subprocess", "os.system", "os.exec", "os.posix_spawn", "os.fork", "socket.connect", "pty", "webbrowser")
 CONFINED = str(Path(epanet_run.__file__))  # runs EPANET in an empty folder: the one program that is started
-OWN_CACHE = (".nbi", ".nbc", ".pyc")  # compiled code of the program itself
+OWN_CACHE = (".nbi", ".nbc", ".pyc", ".unit")  # compiled code of the program itself
 _seen: list[str] | None = None  # what the audit hook found in the case under way
 
 
