@@ -7,8 +7,13 @@ from tline.unit import function
 
 
 @function
-def load(u, k, m, s, step, at, states, x, n, row):
-    """Turn the Thévenin waves of m slabs at a group's k nodes into the nodes' efforts, through the group's state."""
+def load(run, g, m, step, at):
+    """Turn the Thévenin waves of m slabs at a group into the nodes' efforts, through the group's state.
+
+    The map from (k Thévenin waves, n states) to (k efforts, the next states) begins at a place of `step`.
+    """
+    network, states, u, row, s = run.network, run.state.load, run.work.u, run.work.row, run.state.before.shape[1]
+    k, n, x = network.group[g + 1] - network.group[g], network.step_states[network.step_row[g]], network.load_at[g]
     width = np.uint64(k * s + n)
     for slab in range(m):
         for p in range(k):

@@ -73,9 +73,7 @@ def scatter_group(run, g, here, m, column):
                 invoke(units.delay, (run, e, position[e], m))
             gather(u, q, n, waves, np.uint64(position[e]), weight[i])
     if network.load_at[g] >= 0:
-        r = network.step_row[g]
-        k, states = after - one, network.step_states[r]
-        load(u, k, m, s, network.step, network.step_at[r], state.load, network.load_at[g], states, run.work.row)
+        load(run, g, m, network.step, network.step_at[network.step_row[g]])
     if network.laws.first[g] < network.laws.first[g + 1]:
         control(run, g, here, n)
         invoke(units.crossing, (run, np.int64(g), n, network.laws.step, np.int64(1)))

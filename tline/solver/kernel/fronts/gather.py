@@ -57,11 +57,12 @@ def united(place, size, n, edges, most, counts, sizes):
 
 
 @function
-def unfold(pieces, row, values, o, to_legendre, offset, span, coef, n):
+def unfold(fronts, row, values, o, offset, n):
     """Append the pieces of a slab that lie in the present one when moved by the offset."""
+    pieces, span, coef = fronts.pieces, fronts.work.span, fronts.work.given
     if row < 0:
         span[n, 0], span[n, 1] = offset, offset + 1.0
-        times(to_legendre, values, o, coef[n])
+        times(fronts.tools.to_legendre, values, o, coef[n])
         return n + 1
     for j in range(pieces.number[row]):
         a, b = pieces.start[row, j] + offset, pieces.start[row, j + 1] + offset

@@ -22,11 +22,12 @@ def joined(left, right, a, mid, b, gauss, whole, part):
 
 
 @function
-def front_size(left, right, a, mid, b, least, gauss, whole, part):
+def front_size(fronts, left, right, a, mid, b):
     """Damage that joining two pieces would do to the wider one; of a plain jump, a quick estimate of it.
 
     Zero if they continue each other, so that neither would suffer.
     """
+    gauss, whole, part, least = fronts.tools.gauss, fronts.work.whole, fronts.work.part, SAME * fronts.sizes[SCALE]
     jump, sign = 0.0, 1.0
     for k in range(left.size):
         jump += sign * right[k] - left[k]
@@ -42,9 +43,9 @@ def thinned(fronts, m, most):
     """Take away breakpoints that are not needed, then the weakest beyond the number allowed. Returns pieces left."""
     counts, sizes, gauss, work = fronts.counts, fronts.sizes, fronts.tools.gauss, fronts.work
     edges, coef, size, whole, part = work.own, work.coef, work.size, work.whole, work.part
-    least, kept = SAME * sizes[SCALE], 0
+    kept = 0
     for k in range(1, m):
-        strength = front_size(coef[kept], coef[k], edges[kept], edges[k], edges[k + 1], least, gauss, whole, part)
+        strength = front_size(fronts, coef[kept], coef[k], edges[kept], edges[k], edges[k + 1])
         if strength == 0.0:
             copy(whole, coef[kept])
             counts[DISSOLVED] += 1

@@ -32,8 +32,8 @@ def arrive(job, g, slab, k, m):
             rest, now = fronts.rest[e >> 1], pieces.of_slab[position[e] // s]
             n = np.int64(0)
             if rest > 0.0:
-                n = unfold(pieces, pieces.before[e], before[e], 0, tools.to_legendre, rest - 1.0, span, given, n)
-            n = unfold(pieces, now, waves, position[e], tools.to_legendre, rest, span, given, n)
+                n = unfold(fronts, pieces.before[e], before[e], 0, rest - 1.0, n)
+            n = unfold(fronts, now, waves, position[e], rest, n)
             regrouped(span, given, n, edges, m, tools, whole, arrived[i - low])
             pieces.of_slab[position[e] // s] = -1
             if rest > 0.0:
@@ -91,7 +91,7 @@ def depart(job, g, slab, m, anew):
 def scatter_pieces(job, g, slab, k):
     """Scatter one slab in pieces at a group. Returns the sum of the efforts at the slab's end."""
     run, fronts, sources, network, work = job.run, job.fronts, job.sources, job.run.network, job.fronts.work
-    edges, outer, fewer, tools = work.edges, work.outer, np.int64(0), fronts.tools
+    edges, outer, fewer = work.edges, work.outer, np.int64(0)
     n = fronts_at(run, fronts, sources, g, slab)
     m, anew = united(work.place, work.size, n, edges, fronts.at_node, fronts.counts, fronts.sizes)
     if fronts.settle[g] > 0.0:
@@ -105,9 +105,9 @@ def scatter_pieces(job, g, slab, k):
         low = network.first[network.group[g]]
         for node in range(network.group[g], network.group[g + 1]):
             mine = work.u[node - network.group[g]]
-            rejoin(mine, edges, m, outer, fewer, tools, work.span, work.given, work.whole)
+            rejoin(fronts, mine, m, fewer)
             for i in range(network.first[node], network.first[node + 1]):
-                rejoin(work.arrived[i - low], edges, m, outer, fewer, tools, work.span, work.given, work.whole)
+                rejoin(fronts, work.arrived[i - low], m, fewer)
         m = fewer
         copy(outer, edges)
     return depart(job, g, slab, m, anew)

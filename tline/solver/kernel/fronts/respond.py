@@ -21,19 +21,18 @@ def move_switches(run, fronts, g, slab, until):
 def respond_by_map(job: FrontRun, g: int, piece: int, m: int) -> int:
     """Turn the Thévenin waves of a piece at a group with a state into efforts; the piece is the slab if m is 1."""
     run, fronts = job.run, job.fronts
-    network, systems, s, wave = run.network, fronts.systems, fronts.tools.c.size, run.work.u
+    network, systems, wave = run.network, fronts.systems, run.work.u
     edges, x, k, r = fronts.work.edges, network.load_at[g], network.group[g + 1] - network.group[g], network.step_row[g]
     n, width = network.step_states[r], edges[piece + 1] - edges[piece]
-    load_state, row = run.state.load, run.work.row
+    states = run.state.load[x : x + n]
     if m == 1:
-        load(wave, k, np.int64(1), s, network.step, network.step_at[r], load_state, x, n, row)
+        load(run, g, np.int64(1), network.step, network.step_at[r])
     elif not fronts.work.unsettled[piece]:
-        step, radau, stages = fronts.step * width, fronts.tools.radau, fronts.work.stages
-        collocate(systems.entries, systems.at[r], k, step, radau, wave, load_state[x : x + n], stages, row)
+        collocate(fronts, systems.at[r], k, fronts.step * width, wave, states, run.work.row)
     elif abs(width - fronts.settle[g]) < MERGE:
-        load(wave, k, np.int64(1), s, systems.settling, systems.settling_at[r], load_state, x, n, row)
+        load(run, g, np.int64(1), systems.settling, systems.settling_at[r])
     else:
-        collocate_finely(run, fronts, systems.at[r], k, width, fronts.settle[g], load_state[x : x + n])
+        collocate_finely(run, fronts, systems.at[r], k, width, fronts.settle[g], states)
     return 0
 
 

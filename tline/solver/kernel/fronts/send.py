@@ -2,7 +2,7 @@
 
 from tline.solver.kernel.arithmetic import TINY, copy, times
 from tline.solver.kernel.fronts.merge import front_size, thinned
-from tline.solver.kernel.fronts.structures import DISSOLVED, DROPPED, LIVE, LOST, NOTED, PEAK, SAME, SCALE
+from tline.solver.kernel.fronts.structures import DISSOLVED, DROPPED, LIVE, LOST, NOTED, PEAK
 from tline.solver.kernel.polynomials import series
 from tline.unit import function
 
@@ -19,11 +19,10 @@ def release(pieces, row, counts):
 def send(fronts, e, waves, o, m, anew):
     """Put a wave of m pieces on a line."""
     pieces, tools, counts, sizes, work = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.work
-    edges, coef, size, whole, part = work.own, work.coef, work.size, work.whole, work.part
+    edges, coef, size, whole = work.own, work.coef, work.size, work.whole
     if anew > 0.0 and pieces.width[e] > 0.0:
-        least = SAME * sizes[SCALE]
         times(tools.to_legendre, pieces.last[e], 0, coef[m])
-        anew = front_size(coef[m], coef[0], -pieces.width[e], 0.0, edges[1], least, tools.gauss, whole, part)
+        anew = front_size(fronts, coef[m], coef[0], -pieces.width[e], 0.0, edges[1])
         counts[DISSOLVED] += anew == 0.0
     times(tools.to_points, coef[m - 1], 0, pieces.last[e])
     pieces.width[e] = 1.0 - edges[m - 1]

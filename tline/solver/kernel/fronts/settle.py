@@ -9,8 +9,12 @@ from tline.unit import function
 
 
 @function
-def collocate(entries, at, k, h, radau, w, x, stages, row):
-    """One Radau IIA step of width h of dx/dt = A x + B w, for k inputs; w becomes C x + D w, x the state at the end."""
+def collocate(fronts, at, k, h, w, x, row):
+    """One Radau IIA step of width h of dx/dt = A x + B w, for k inputs; w becomes C x + D w, x the state at the end.
+
+    The matrix [A B; C D] begins at a place of the systems' entries.
+    """
+    entries, radau, stages = fronts.systems.entries, fronts.tools.radau, fronts.work.stages
     s, n = radau.shape[0], x.size
     size, width = s * n, n + k
     for i in range(s):
@@ -69,8 +73,10 @@ def settling(fronts, g, slab, m, anew):
 
 
 @function
-def rejoin(values, edges, n, outer, m, tools, span, coef, whole):
-    """Project n pieces on m wider ones."""
+def rejoin(fronts, values, n, m):
+    """Project n pieces between the edges on m wider ones between the outer edges."""
+    work, tools = fronts.work, fronts.tools
+    edges, outer, span, coef, whole = work.edges, work.outer, work.span, work.given, work.whole
     for j in range(n):
         span[j, 0], span[j, 1] = edges[j], edges[j + 1]
         times(tools.to_legendre, values[j], 0, coef[j])
@@ -80,7 +86,7 @@ def rejoin(values, edges, n, outer, m, tools, span, coef, whole):
 @function
 def collocate_finely(run, fronts, at, k, width, settle, x):
     """The same in steps as long as a group settles, and a last one, in slabs; the effort is projected."""
-    tools, s, w, stages, row = fronts.tools, fronts.tools.c.size, run.work.u, fronts.work.stages, run.work.row
+    tools, s, w, row = fronts.tools, fronts.tools.c.size, run.work.u, run.work.row
     span, coef, whole, steps = fronts.work.span, fronts.work.given, fronts.work.whole, fronts.work.steps
     edges, values, flat, out = steps.edges, steps.values, steps.wave, steps.out
     most, m = edges.size - 2, 1
@@ -97,7 +103,7 @@ def collocate_finely(run, fronts, at, k, width, settle, x):
             for i in range(s):
                 flat[p * s + i] = values[p, j, i]
         h = fronts.step * width * (edges[j + 1] - edges[j])
-        collocate(fronts.systems.entries, at, k, h, tools.radau, flat, x, stages, row)
+        collocate(fronts, at, k, h, flat, x, row)
         for p in range(k):
             for i in range(s):
                 values[p, j, i] = flat[p * s + i]

@@ -27,7 +27,7 @@ def looked_up(entries, at, size):
 
 @function
 def taken(kind, c, w):
-    """What a lump without a table takes of a wave."""
+    """Share e(w) that an element without a table takes of a wave."""
     if kind == CONSTANT:
         return c * w
     v = c * abs(w)
@@ -36,15 +36,18 @@ def taken(kind, c, w):
 
 
 @function
-def dissipate(waves, o, s, ring, t, m, place, strength, entries, at, sign, kind):
-    """Take away what lumps without memory dissipate of m slabs, lump by lump."""
-    for k in range(place.size):
-        done = 0
+def dissipate(run, r, t, m):
+    """Take away what a row dissipates of m slabs from slab t of its line on, element by element."""
+    lumps, waves, s = run.network.lumps, run.state.waves, run.state.before.shape[1]
+    line, kind, sign, at, entries = lumps.line[r], lumps.kind[r], lumps.sign[r], lumps.at[r], lumps.entries
+    o, ring = run.network.offset[line], 2 * run.network.delay[line]
+    for k in range(lumps.first[r], lumps.first[r + 1]):
+        done, c = 0, lumps.strength[k]
         while done < m:
-            a, b = passing(t + done, place[k], ring)
+            a, b = passing(t + done, lumps.place[k], ring)
             n = min(m - done, ring - a, ring - b)
             done += n
-            a, b, n, c = np.uint64(o + a * s), np.uint64(o + b * s), np.uint64(n * s), strength[k]
+            a, b, n = np.uint64(o + a * s), np.uint64(o + b * s), np.uint64(n * s)
             for i in range(n):
                 w = waves[a + i] + sign * waves[b + i]
                 loss = taken(kind, c, w) if kind < TABLED else w * looked_up(entries, at, abs(w))
@@ -53,9 +56,11 @@ def dissipate(waves, o, s, ring, t, m, place, strength, entries, at, sign, kind)
 
 
 @function
-def dissipate_abreast(waves, a, b, n, s, strength, first, sign, kind, pair, each):
-    """The same at n neighbouring lumps in one slab: of s samples, at places a, a - s, ... and b, b + s, ..."""
-    n, s, first = np.uint64(n), np.uint64(s), np.uint64(first)
+def dissipate_abreast(run, r, first, n, a, b):
+    """The same at n neighbouring elements in one slab: of s samples, at places a, a - s, ... and b, b + s, ..."""
+    lumps, waves, pair, each = run.network.lumps, run.state.waves, run.work.pair, run.work.out
+    kind, sign, strength = lumps.kind[r], lumps.sign[r], lumps.strength
+    n, s, first = np.uint64(n), np.uint64(run.state.before.shape[1]), np.uint64(first)
     if n * s < FEW:
         for k in range(n):
             for i in range(s):
@@ -78,20 +83,16 @@ def dissipate_abreast(waves, a, b, n, s, strength, first, sign, kind, pair, each
 @unit
 def dissipation(run: Run, r: int, m: int) -> int:
     """Let a row of loss elements take what it dissipates of m slabs, no more than the gaps between them."""
-    network, state, lumps, waves = run.network, run.state, run.network.lumps, run.state.waves
-    place, strength, entries, s = lumps.place, lumps.strength, lumps.entries, state.before.shape[1]
-    line, low, high, kind, sign, at = (
-        lumps.line[r], lumps.first[r], lumps.first[r + 1], lumps.kind[r], lumps.sign[r], lumps.at[r],
-    )  # fmt: skip
+    network, state, lumps, s = run.network, run.state, run.network.lumps, run.state.before.shape[1]
+    line, low, high, place = lumps.line[r], lumps.first[r], lumps.first[r + 1], lumps.place
     o, ring = network.offset[line], 2 * network.delay[line]
     t = state.side[line] * network.delay[line] + state.slot[line]
-    if m == 1 and kind != TABLED and place[high - 1] - place[low] == 2 * (high - 1 - low):
+    if m == 1 and lumps.kind[r] != TABLED and place[high - 1] - place[low] == 2 * (high - 1 - low):
         while low < high:
             a, b = passing(t, place[low], ring)
             n = min(high - low, a + 1, ring - b, ABREAST)
-            a, b = np.uint64(o + a * s), np.uint64(o + b * s)
-            dissipate_abreast(waves, a, b, n, s, strength, low, sign, kind, run.work.pair, run.work.out)
+            dissipate_abreast(run, r, low, n, np.uint64(o + a * s), np.uint64(o + b * s))
             low += n
     else:
-        dissipate(waves, o, s, ring, t, m, place[low:high], strength[low:high], entries, at, sign, kind)
+        dissipate(run, r, t, m)
     return 0
