@@ -314,14 +314,6 @@ OURS = {  # a cheap function of each module that has compiled ones
     "tline.solver.many.kernel": "powers",
     "tline.study.reference.grid": "arriving",
     "tline.study.baseline.loops": "inside",
-    "friction.kernel.automaton": "automaton",
-    "friction.kernel.bristles": "scales",
-    "friction.kernel.fixed": "march",
-    "friction.kernel.law": "piece",
-    "friction.kernel.rodas": "rodas",
-    "friction.kernel.roots": "value",
-    "friction.kernel.taylor": "applied_series",
-    "friction.kernel.tolerance": "solve",
 }
 
 
