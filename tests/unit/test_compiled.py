@@ -311,7 +311,6 @@ def test_functions_within_functions_are_not_kept(package):
 
 
 OURS = {  # a cheap function of each module that has compiled ones
-    "tline.solver.many.kernel": "powers",
     "tline.study.reference.grid": "arriving",
     "tline.study.baseline.loops": "inside",
 }

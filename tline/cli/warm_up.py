@@ -12,7 +12,7 @@ import click
 if TYPE_CHECKING:
     from tline.unit import Unit
 
-PACKAGES = ("tline.solver.kernel", "friction.kernel")  # with units
+PACKAGES = ("tline.solver.kernel", "tline.solver.many.kernel", "friction.kernel")  # with units
 EXAMPLES = """\b
 Examples:
   tline warm-up
