@@ -4,6 +4,7 @@ A file is valid while all source code that the unit is made of means the same (`
 one version of numba and one set of its options. What it leaves to the C library must be found before it is loaded.
 """
 
+import ctypes
 import hashlib
 import os
 import pickle
@@ -64,15 +65,27 @@ def is_kept(unit: Any) -> bool:
 def _linked(name: str, needed: list[str], code: bytes) -> tuple[int, Any] | None:
     import llvmlite.binding as llvm
 
-    if not all(llvm.address_of_symbol(symbol) for symbol in needed):
-        import numba  # noqa: F401 (it tells where functions of the C library are)
-
-        if not all(llvm.address_of_symbol(symbol) for symbol in needed):
-            return None
+    if not all(_is_found(symbol) for symbol in needed):
+        return None
     engine = _engine()
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
     return engine.get_function_address(name), engine
+
+
+def _is_found(symbol: str) -> bool:
+    """Whether llvmlite finds a function of the C library; it is told where Python has it, or where numba has it."""
+    import llvmlite.binding as llvm
+
+    if llvm.address_of_symbol(symbol) is not None:
+        return True
+    with suppress(AttributeError, OSError, TypeError):  # Windows has no library of all that a process has loaded
+        llvm.add_symbol(symbol, ctypes.cast(getattr(ctypes.CDLL(None), symbol), ctypes.c_void_p).value or 0)
+        return True
+    from numba.core.registry import cpu_target
+
+    _ = cpu_target.target_context
+    return llvm.address_of_symbol(symbol) is not None
 
 
 @cache
