@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
-from tline.sources import are_unchanged, digests, sources_of
+from tline.sources import Source, are_unchanged, digests, sources_of
 
 COMPILING = "tline.by_reference", "tline.compiler"  # what any code is made with, though no unit imports it
 OPTIONS = "NUMBA_OPT", "NUMBA_LOOP_VECTORIZE", "NUMBA_SLP_VECTORIZE", "NUMBA_BOUNDSCHECK", "NUMBA_DEBUGINFO"
@@ -31,7 +31,7 @@ def load(unit: Any) -> tuple[int, Any] | None:
         if path is None:
             return None
         with path.open("rb") as file:
-            if file.readline() != _versions() or not are_unchanged(_sources(unit), pickle.load(file)):
+            if file.readline() != _versions() or not are_unchanged(unit.sources, pickle.load(file)):
                 return None
             digest, content = file.read(32), file.read()
         if hashlib.sha256(content).digest() != digest:
@@ -49,7 +49,7 @@ def keep(unit: Any, name: str, library: Any) -> None:
         return
     needed = [f.name for f in library._final_module.functions if f.is_declaration and not f.name.startswith("llvm.")]
     content = pickle.dumps((name, needed, bytes(library._get_compiled_object())))
-    head = _versions() + pickle.dumps(digests(_sources(unit)))
+    head = _versions() + pickle.dumps(digests(unit.sources))
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         _write(path, head + hashlib.sha256(content).digest() + content)
@@ -113,8 +113,9 @@ def _processor() -> str:
     return repr((llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten(), options))
 
 
-def _sources(unit: Any) -> Any:
-    return sources_of(unit.__module__, *COMPILING)
+def sources_for(module: str) -> dict[str, Source] | None:
+    """What units of a module are made of; to be asked when it is loaded, for an upgrade may change files later."""
+    return sources_of(module, *COMPILING)
 
 
 def path_of(unit: Any) -> Path | None:
@@ -122,7 +123,7 @@ def path_of(unit: Any) -> Path | None:
     spec = getattr(sys.modules.get(unit.__module__), "__spec__", None)
     if spec is None or unit.code.__code__.co_filename != spec.origin or unit.code.__closure__:
         return None
-    if unit.code.__qualname__ != unit.__name__ or _sources(unit) is None:
+    if unit.code.__qualname__ != unit.__name__ or unit.sources is None:
         return None
     folder = _folder(Path(spec.origin).parent)
     if folder is None:
