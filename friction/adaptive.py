@@ -9,43 +9,49 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction import kernel
-from friction.kernel import BUDGET, DONE, FA, FF, MODE, STALLED
+from friction.kernel import BUDGET, DONE, FA, FF, FREE, MODE, STALLED
 from friction.models import Model
 from friction.testbench import Testbench
-
-FREE = 9  # mode of a solver that looks at the law alone
+from tline.structure import pack
 
 
 class Motion:
     """The equations while one mode and one piece of the applied force last."""
 
     def __init__(self, model: Model, bench: Testbench):
-        self.law, self.drive, self.mass, self.mode = model.law, bench.drive, float(bench.mass), FREE
+        self.law, self.drive, self.mode, self._y, self._found = model.law, bench.drive, FREE, np.empty(5), np.empty(7)
+        self._spot = pack(kernel.Spot(self.law, self.drive, float(bench.mass), self._y, self._found))
         self.met: list[tuple[float, float, float, float]] = []
         self.shown = 0  # mode that the steps of a free run show
-        self.push = kernel.push_at(self.drive, 0.0)
+        self.go_on(0.0)
+
+    def go_on(self, t: float) -> None:
+        """Take the piece of the applied force that begins at t or goes on there."""
+        self._piece = kernel.piece_at(self.drive, t)
+        self.piece_end = kernel.piece(self.drive, self._piece).end
+
+    def _observe(self, t: float, y: NDArray) -> int:
+        """Mode that a step of a free run shows; forces and rates are found with it."""
+        self._y[:] = y
+        return kernel.observe(self._spot, self._piece, self.mode, self.shown, t)
 
     def applied(self, t: float, y: NDArray) -> float:
         """Applied force."""
-        return kernel.applied(self.push, t, y[0])[0]
+        return self.forces(t, y)[0]
 
-    def friction(self, t: float, y: NDArray) -> float:
-        """Friction force."""
-        if self.mode == FREE:
-            return kernel.friction(self.law, y[1], y[2], self.applied(t, y))[0]
-        if self.mode == 0:
-            return self.applied(t, y)
-        return self.mode * kernel.steady(self.law, y[1])[0] + self.law.f_v * y[1]
+    def forces(self, t: float, y: NDArray) -> tuple[float, float]:
+        """Applied force and friction."""
+        self._observe(t, y)
+        return float(self._found[5]), float(self._found[6])
 
     def rates(self, t: float, y: NDArray) -> NDArray:
         """Time derivatives of x, v, z, W_a, W_f."""
-        out = np.empty(5)
-        if self.mode == FREE:
-            kernel.slopes(self.law, self.push, self.mass, t, y, out)
-        else:
-            f_a, f_f = self.applied(t, y), self.friction(t, y)
-            out[:] = y[1], (f_a - f_f) / self.mass, 0.0, f_a * y[1], f_f * y[1]
-        return out
+        self._observe(t, y)
+        return self._found[:5].copy()
+
+    def mode_at(self, t: float, y: NDArray) -> int:
+        """Sign of the motion, 0 if the mass is held."""
+        return self._observe(t, y) if self.mode == FREE else self.mode
 
     def margin(self, t: float, y: NDArray) -> float:
         """Positive until the mode ends."""
@@ -56,7 +62,7 @@ class Motion:
     def look(self, before: tuple[float, NDArray], t: float, y: NDArray) -> None:
         """Note an event between the ends of a step of a free run."""
         then, start = before
-        mode = kernel.mode_of(self.law, self.shown, y[1], y[2], self.applied(t, y))
+        mode = self._observe(t, y)
         if mode != self.shown:
             share = kernel.passed(self.law, self.shown, start[1], start[2], y)
             at = then + share * (t - then)
@@ -93,8 +99,8 @@ def adaptive(
     scheme: Any = {"rk45": RK45, "bdf": BDF}[solver]
     t, row, steps = 0.0, 0, 0
     while t < t_end or row < times.size:
-        motion.push = kernel.push_at(motion.drive, t)
-        end = min(t_end, motion.push.end)
+        motion.go_on(t)
+        end = min(t_end, motion.piece_end)
         run = scheme(motion.rates, t, y, end, rtol=tol, atol=1e-2 * tol)
         while run.status == "running":
             if steps >= budget:
@@ -116,8 +122,8 @@ def adaptive(
             if ended:
                 motion.next_mode(t, y, True)
                 break
-        if t < t_end and t >= motion.push.end:  # the force may have jumped
-            motion.push = kernel.push_at(motion.drive, t)
+        if t < t_end and t >= motion.piece_end:  # the force may have jumped
+            motion.go_on(t)
             if motion.mode == 0:
                 motion.next_mode(t, y, False)
     return DONE, steps, record, motion.met
@@ -129,10 +135,7 @@ def _sample(motion: Motion, record: NDArray, row: int, times: NDArray, t: float,
         at = times[row]
         state = dense(at)
         record[row, 0], record[row, 1:4], record[row, 6:8] = at, state[:3], state[3:]
-        record[row, FA], record[row, FF] = motion.applied(at, state), motion.friction(at, state)
-        if motion.mode == FREE:
-            record[row, MODE] = kernel.mode_of(motion.law, motion.shown, state[1], state[2], record[row, FA])
-        else:
-            record[row, MODE] = motion.mode
+        record[row, FA], record[row, FF] = motion.forces(at, state)
+        record[row, MODE] = motion.mode_at(at, state)
         row += 1
     return row

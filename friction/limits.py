@@ -55,7 +55,8 @@ def limits(model: Model, v: float, mass: float = 1.0) -> Limits:
     check_number("mass", mass, above=0.0)
     if v == 0.0 and isinstance(model, Coulomb):
         return Limits(0.0, 0.0, ())
-    values = _eigenvalues(model, float(v), mass)
+    with np.errstate(all="ignore"):
+        values = _eigenvalues(model, np.float64(v), np.float64(mass))
     if not np.all(np.isfinite(values)):
         raise InputError("v", "too large", "a velocity whose square is a number", f"{v:g}")
     decaying = [s for s in values if s.real < 0.0 or (s.real == 0.0 and s.imag != 0.0)]
@@ -63,7 +64,7 @@ def limits(model: Model, v: float, mass: float = 1.0) -> Limits:
     return Limits(euler, min((_rk4_limit(s) for s in decaying), default=inf), values)
 
 
-def _eigenvalues(model: Model, v: float, mass: float) -> tuple[complex, ...]:
+def _eigenvalues(model: Model, v: np.float64, mass: np.float64) -> tuple[complex, ...]:
     """Of the velocity, and of the bristle if there is one."""
     from friction import kernel
 

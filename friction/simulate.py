@@ -1,6 +1,7 @@
 """One run on the testbench, by any method."""
 
 from collections.abc import Sized
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +12,10 @@ from friction.number import check_number
 from friction.result import COLUMNS, Result, Status, events_of
 from friction.testbench import Testbench
 from tline.errors import InputError
+from tline.structure import pack
+
+if TYPE_CHECKING:
+    from friction.kernel import Drive, Law
 
 MOST_STEPS, MOST_SAMPLES, MOST_EVENTS = 5_000_000, 200_000, 1_000_000
 BUDGETS = {"events": 5_000_000, "adaptive": 5_000, "rosenbrock": 1_000_000}
@@ -108,8 +113,8 @@ def _checked_times(times: ArrayLike, t_end: float) -> NDArray:
     return np.minimum(at, t_end)
 
 
-def _start(bench: Testbench) -> NDArray:
-    return np.array([0.0, bench.v0, 0.0, 0.0, 0.0])
+def _contact(model: Model, bench: Testbench) -> "tuple[Law, Drive, float, float]":
+    return model.law, bench.drive, float(bench.mass), float(bench.v0)
 
 
 def _fixed(model: Model, bench: Testbench, t_end: float, method: Method, h: float | None) -> Result:
@@ -124,12 +129,10 @@ def _fixed(model: Model, bench: Testbench, t_end: float, method: Method, h: floa
     if steps < 1:
         raise InputError("h", "longer than the run", f"at most t_end = {t_end:g}", f"{h:g}")
     every = -(-steps // MOST_SAMPLES)
-    record = np.full((-(-steps // every) + 1, 9), np.nan)
-    code = ("euler", "rk4", "moreau", "exponential").index(method.name)
-    status, made, events = kernel.march(
-        model.law, bench.drive, float(bench.mass), _start(bench), float(h), steps, code, every, record
-    )
-    return _packed(model, bench, method, status, (made, 0), record, events)
+    samples, code = -(-steps // every) + 1, ("euler", "rk4", "moreau", "exponential").index(method.name)
+    run = kernel.fixed_run(*_contact(model, bench), float(h), samples, min(steps, MOST_EVENTS) + 1)
+    status = kernel.march(pack(run), steps, code, every)
+    return _packed(model, bench, method, status, run.counts, run.record, run.events)
 
 
 def _scipy(
@@ -139,7 +142,7 @@ def _scipy(
 
     solver, with_events = method.name.removesuffix("-events"), method.name.endswith("-events")
     status, made, record, met = adaptive(model, bench, t_end, times, tol, budget, solver, with_events)
-    return _packed(model, bench, method, status, (made, 0), record, np.reshape(met, (-1, 4)))
+    return _packed(model, bench, method, status, np.array([made, 0, len(met)]), record, np.reshape(met, (-1, 4)))
 
 
 def _rosenbrock(
@@ -147,25 +150,23 @@ def _rosenbrock(
 ) -> Result:
     from friction import kernel
 
-    records, errors = np.full((2, times.size, 9), np.nan), np.zeros(9)
-    run, status, made, refused, events = kernel.solve(
-        model.law, bench.drive, float(bench.mass), float(bench.v0), float(t_end), times, float(tol or 0.0), FINE,
-        budget, records, errors,
-    )  # fmt: skip
-    told = (
-        dict(zip(COLUMNS[:-1], errors.tolist()[:-1], strict=True)) if status in (kernel.DONE, kernel.INACCURATE) else {}
-    )
-    return _packed(model, bench, method, status, (made, refused), records[run], events, tol, told)
+    law, drive, mass, v0 = _contact(model, bench)
+    compared = kernel.compared(times.size, min(budget, MOST_EVENTS) + 1)
+    run = kernel.SmoothRun(law, drive, mass, v0, float(t_end), float(tol or 0.0), FINE, times, compared)
+    status, chosen = kernel.solve(pack(run), budget), compared.counts[kernel.RUN]
+    told = dict(zip(COLUMNS[:-1], compared.errors.tolist()[:-1], strict=True))
+    if status not in (kernel.DONE, kernel.INACCURATE):
+        told = {}
+    records, events = compared.records[chosen], compared.events[chosen]
+    return _packed(model, bench, method, status, compared.counts, records, events, tol, told)
 
 
 def _events(model: Model, bench: Testbench, t_end: float, times: NDArray, method: Method, budget: int) -> Result:
     from friction import kernel
 
-    record = np.full((times.size, 9), np.nan)
-    status, made, events = kernel.automaton(
-        model.law, bench.drive, float(bench.mass), float(bench.v0), float(t_end), times, budget, record
-    )
-    return _packed(model, bench, method, status, (made, 0), record, events)
+    run = kernel.hybrid_run(*_contact(model, bench), float(t_end), times, min(budget, MOST_EVENTS) + 1)
+    status = kernel.automaton(pack(run), budget)
+    return _packed(model, bench, method, status, run.counts, run.record, run.events)
 
 
 def _packed(
@@ -173,14 +174,15 @@ def _packed(
     bench: Testbench,
     method: Method,
     status: int,
-    steps: tuple[int, int],
+    counts: NDArray,
     record: NDArray,
     events: NDArray,
     tol: float | None = None,
     errors: dict[str, float] | None = None,
 ) -> Result:
     t, x, v, z, f_a, f_f, w_a, w_f, mode = record[np.isfinite(record[:, 0])].T
+    made, refused, met = counts.tolist()[:3]
     return Result(
-        model, bench, method, list(Status)[status], *steps, t, x, v, z, f_a, f_f, w_a, w_f, mode.astype(int),
-        events_of(events[:MOST_EVENTS]), len(events), tol, errors or {},
+        model, bench, method, list(Status)[status], made, refused, t, x, v, z, f_a, f_f, w_a, w_f, mode.astype(int),
+        events_of(events[: min(met, MOST_EVENTS)]), met, tol, errors or {},
     )  # fmt: skip

@@ -12,11 +12,13 @@ from friction.models import LEAST, Model
 from friction.number import check_number
 from friction.testbench import Testbench
 from tline.errors import InputError
+from tline.structure import pack
 
 LAW_COLUMN = {  # of kernel.Law
     "F_c": 1, "F_s": 2, "F_v": 3, "sigma2": 3, "v_s": 4, "sigma0": 6, "sigma1": 7, "z_ba": 8, "epsilon": 9
 }  # fmt: skip
 BENCH = ("mass", "v0", "force")
+MOST_STEPS = 100_000  # of a run
 
 
 def sweep(model: Model, bench: Testbench, t_end: float = 10.0, tol: float = 1e-6, **columns: ArrayLike) -> NDArray:
@@ -71,11 +73,16 @@ def sweep(model: Model, bench: Testbench, t_end: float = 10.0, tol: float = 1e-6
             laws[:, LAW_COLUMN[name]] = column
     masses, v0 = table.get("mass", np.full(n, float(bench.mass))), table.get("v0", np.full(n, float(bench.v0)))
     factors, out = table.get("force", np.ones(n)), np.empty((n, 5))
-    workers = cpu_count() or 1
+    workers, drive, times = cpu_count() or 1, bench.drive, np.array([float(t_end)])
+    _ = kernel.sweep.address  # compiled once, for all threads
 
     def share(k: int) -> None:
         at = slice(k * n // workers, (k + 1) * n // workers)
-        kernel.sweep(laws[at], bench.drive, masses[at], v0[at], factors[at], t_end, tol, 100_000, out[at])
+        value, slope, compared = drive.value.copy(), drive.slope.copy(), kernel.compared(1, MOST_STEPS + 1)
+        runs = kernel.Sweep(
+            laws[at], drive, masses[at], v0[at], factors[at], float(tol), times, value, slope, compared, out[at]
+        )
+        kernel.sweep(pack(runs), MOST_STEPS)
 
     with ThreadPoolExecutor(workers) as pool:
         list(pool.map(share, range(workers)))

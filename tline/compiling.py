@@ -10,9 +10,11 @@ PATIENCE = 1.0  # s of compiling without a word
 FOR = {  # a part of the kernel -> what it is needed for, and how many seconds all of it takes
     "blocks": ("lines", 2),
     "delay": ("delays that are no whole number of slabs", 2),
+    "friction": ("friction models", 5),
     "fronts": ("fronts", 10),
     "laws": ("non-linear elements", 5),
     "losses": ("losses", 3),
+    "many": ("many runs", 4),
     "stores": ("vessels, tanks and pumps", 5),
 }
 OTHERWISE = "this", 10

@@ -4,6 +4,7 @@ A file is valid while all source code that the unit is made of means the same (`
 one version of numba and one set of its options. What it leaves to the C library must be found before it is loaded.
 """
 
+import ctypes
 import hashlib
 import os
 import pickle
@@ -16,7 +17,7 @@ from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
-from tline.sources import are_unchanged, digests, sources_of
+from tline.sources import Source, are_unchanged, digests, sources_of
 
 COMPILING = "tline.by_reference", "tline.compiler"  # what any code is made with, though no unit imports it
 OPTIONS = "NUMBA_OPT", "NUMBA_LOOP_VECTORIZE", "NUMBA_SLP_VECTORIZE", "NUMBA_BOUNDSCHECK", "NUMBA_DEBUGINFO"
@@ -30,7 +31,7 @@ def load(unit: Any) -> tuple[int, Any] | None:
         if path is None:
             return None
         with path.open("rb") as file:
-            if file.readline() != _versions() or not are_unchanged(_sources(unit), pickle.load(file)):
+            if file.readline() != _versions() or not are_unchanged(unit.sources, pickle.load(file)):
                 return None
             digest, content = file.read(32), file.read()
         if hashlib.sha256(content).digest() != digest:
@@ -48,7 +49,7 @@ def keep(unit: Any, name: str, library: Any) -> None:
         return
     needed = [f.name for f in library._final_module.functions if f.is_declaration and not f.name.startswith("llvm.")]
     content = pickle.dumps((name, needed, bytes(library._get_compiled_object())))
-    head = _versions() + pickle.dumps(digests(_sources(unit)))
+    head = _versions() + pickle.dumps(digests(unit.sources))
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         _write(path, head + hashlib.sha256(content).digest() + content)
@@ -64,15 +65,27 @@ def is_kept(unit: Any) -> bool:
 def _linked(name: str, needed: list[str], code: bytes) -> tuple[int, Any] | None:
     import llvmlite.binding as llvm
 
-    if not all(llvm.address_of_symbol(symbol) for symbol in needed):
-        import numba  # noqa: F401 (it tells where functions of the C library are)
-
-        if not all(llvm.address_of_symbol(symbol) for symbol in needed):
-            return None
+    if not all(_is_found(symbol) for symbol in needed):
+        return None
     engine = _engine()
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
     return engine.get_function_address(name), engine
+
+
+def _is_found(symbol: str) -> bool:
+    """Whether llvmlite finds a function of the C library; it is told where Python has it, or where numba has it."""
+    import llvmlite.binding as llvm
+
+    if llvm.address_of_symbol(symbol) is not None:
+        return True
+    with suppress(AttributeError, OSError, TypeError):  # Windows has no library of all that a process has loaded
+        llvm.add_symbol(symbol, ctypes.cast(getattr(ctypes.CDLL(None), symbol), ctypes.c_void_p).value or 0)
+        return True
+    from numba.core.registry import cpu_target
+
+    _ = cpu_target.target_context
+    return llvm.address_of_symbol(symbol) is not None
 
 
 @cache
@@ -100,8 +113,9 @@ def _processor() -> str:
     return repr((llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten(), options))
 
 
-def _sources(unit: Any) -> Any:
-    return sources_of(unit.__module__, *COMPILING)
+def sources_for(module: str) -> dict[str, Source] | None:
+    """What units of a module are made of; to be asked when it is loaded, for an upgrade may change files later."""
+    return sources_of(module, *COMPILING)
 
 
 def path_of(unit: Any) -> Path | None:
@@ -109,7 +123,7 @@ def path_of(unit: Any) -> Path | None:
     spec = getattr(sys.modules.get(unit.__module__), "__spec__", None)
     if spec is None or unit.code.__code__.co_filename != spec.origin or unit.code.__closure__:
         return None
-    if unit.code.__qualname__ != unit.__name__ or _sources(unit) is None:
+    if unit.code.__qualname__ != unit.__name__ or unit.sources is None:
         return None
     folder = _folder(Path(spec.origin).parent)
     if folder is None:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import Any, get_type_hints
 
-from tline.object_code import keep, load
+from tline.object_code import keep, load, sources_for
 from tline.structure import Packed
 
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract", "nsz"}}
@@ -78,6 +78,7 @@ class Unit:
 
     def __init__(self, code: Callable[..., Any]):
         self.code, self.__doc__, self.__name__, self.__module__ = code, code.__doc__, code.__name__, code.__module__
+        self.sources = sources_for(code.__module__)
 
     @cached_property
     def parameters(self) -> list[Any]:

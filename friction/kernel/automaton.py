@@ -10,8 +10,9 @@ from math import copysign, floor, inf, isfinite, nan, pi
 
 import numpy as np
 
-from friction.kernel.law import BLOWN_UP, BUDGET, DONE, FA, FF, MODE, OPTIONS, STALLED, WA, WF, T, V, X, Z, piece, room
+from friction.kernel.law import BLOWN_UP, BUDGET, DONE, FA, FF, MODE, STALLED, WA, WF, T, V, X, Z, piece, put, row_of
 from friction.kernel.roots import first_root_within, value
+from friction.kernel.structures import EVENTS, STEPS, HybridRun
 from friction.kernel.taylor import (
     CFA,
     CFF,
@@ -34,23 +35,24 @@ from friction.kernel.taylor import (
     expand,
     trusted_step,
 )
-from tline.compiled import njit
+from tline.unit import function, unit
 
 FOREVER = 1e13  # s, more than any run may last
 MOST_IDLE = 10  # changes of mode at one instant
 
 
-@njit(**OPTIONS)
-def automaton(law, drive, mass, v0, t_end, times, budget, record):
-    """Returns the status, legs made, and events as rows (sign of the motion before, after, t, x)."""
-    c, p, q, state = np.zeros((8, N + 1)), np.empty(N + 1), np.empty(N + 1), np.zeros(8)
-    state[SV], state[TURN] = v0, drive.phase / (2.0 * pi)
-    mode = int(copysign(SLIDING, v0)) if abs(v0) > law.delta else STUCK
-    number, push, forced, row, met, idle, events = 0, piece(drive, 0), nan, 0, 0, 0, np.empty((16, 4))
+@unit
+def automaton(run: HybridRun, budget: int) -> int:
+    """Run a static law, in so many legs at most; returns the status."""
+    law, drive, c, p, q, state, counts = run.law, run.drive, run.series, run.p, run.q, run.state, run.counts
+    state[SV], state[TURN] = run.v0, drive.phase / (2.0 * pi)
+    mode = int(copysign(SLIDING, run.v0)) if abs(run.v0) > law.delta else STUCK
+    number, push, forced, row, idle = 0, piece(drive, 0), nan, 0, 0
     for leg in range(budget):
-        expand(law, push, mass, state, mode, forced, c)
-        if not isfinite(c[: CFF + 1].sum()):
-            return BLOWN_UP, leg, events[:met]
+        expand(law, push, run.mass, state, mode, forced, c)
+        if not is_finite(c):
+            return BLOWN_UP
+        counts[STEPS] = leg + 1
         left = ((push.end - push.start) - state[CLOCK]) + state[LOST]
         h = trusted_step(law, mode, c, min(left, FOREVER), p, q)
         root, border = first_guard(law, mode, c, h, p, q)
@@ -58,13 +60,13 @@ def automaton(law, drive, mass, v0, t_end, times, budget, record):
         ends = h >= left and root == inf
         t = push.end if ends else push.start + (state[CLOCK] + (h - state[LOST]))
         if h > 0.0:
-            row = sample(times, row, t, push.start, state, h, mode, c, record)
-        if t > t_end:
-            return DONE, leg + 1, events[:met]
+            row = sample(run.times, row, t, push.start, state, h, mode, c, run.record)
+        if t > run.t_end:
+            return DONE
         advance(push, c, h, state)
         idle = idle + 1 if root == 0.0 else 0
         if idle > MOST_IDLE:
-            return STALLED, leg + 1, events[:met]
+            return STALLED
         if ends:
             number, state[CLOCK], state[LOST], forced = number + 1, 0.0, 0.0, nan
             push = piece(drive, number)
@@ -75,12 +77,21 @@ def automaton(law, drive, mass, v0, t_end, times, budget, record):
             mode, held = changed(law, mode, border, state)
             if root > 0.0:
                 forced = held
-            events = room(events, met)
-            met = tell(events, met, before, mode, t, state[SX])
-    return BUDGET, budget, events[:met]
+            counts[EVENTS] = tell(run.events, counts[EVENTS], before, mode, t, state[SX])
+    return BUDGET
 
 
-@njit(**OPTIONS)
+@function
+def is_finite(c):
+    """Whether all series are but those of the Stribeck peak."""
+    total = 0.0
+    for k in range(CFF + 1):
+        for j in range(N + 1):
+            total += c[k, j]
+    return isfinite(total)
+
+
+@function
 def first_guard(law, mode, c, h, p, q):
     """Time at which the first guard of the mode vanishes, inf if none does, and which: 0 or 1.
 
@@ -93,7 +104,8 @@ def first_guard(law, mode, c, h, p, q):
             row, sign, shift = c[CFA], 1.0 - 2.0 * border, law.f_s
         elif abs(mode) == PUSHED:
             row, sign, shift = (c[CFA], s, -law.f_s) if border else (c[CV], -s, law.delta)
-        p[:N] = sign * row[:N]
+        for k in range(N):
+            p[k] = sign * row[k]
         p[0] += shift
         root = first_root_within(p, N, h, q)
         if root < best:
@@ -101,7 +113,7 @@ def first_guard(law, mode, c, h, p, q):
     return best, which
 
 
-@njit(**OPTIONS)
+@function
 def changed(law, mode, border, state):
     """Mode after a guard has vanished, and the applied force if that says what it is, else NaN."""
     if mode == STUCK:
@@ -115,22 +127,20 @@ def changed(law, mode, border, state):
     return (int(s * SLIDING) if abs(mode) == PUSHED else STUCK), nan
 
 
-@njit(**OPTIONS)
+@function
 def tell(events, met, before, after, t, x):
     """Keep a change of the motion, together with those of the same instant; how many there are then."""
     old, new = np.sign(before), np.sign(after)
     if t == 0.0:  # how the run begins
         return met
-    if met > 0 and events[met - 1, 2] == t:
-        events[met - 1, 1] = new
-        return met - 1 if events[met - 1, 0] == new else met
-    if old == new:
-        return met
-    events[met, 0], events[met, 1], events[met, 2], events[met, 3] = old, new, t, x
-    return met + 1
+    last = row_of(events, met - 1)
+    if met > 0 and events[last, 2] == t:
+        events[last, 1] = new
+        return met - 1 if events[last, 0] == new else met
+    return met if old == new else put(events, met, old, new, t, x)
 
 
-@njit(**OPTIONS)
+@function
 def sample(times, row, t, start, state, h, mode, c, record):
     """Keep the samples of a leg that ends at t; the number of the next."""
     while row < times.size and times[row] <= t:
@@ -142,7 +152,7 @@ def sample(times, row, t, start, state, h, mode, c, record):
     return row
 
 
-@njit(**OPTIONS)
+@function
 def advance(push, c, h, state):
     """The state at the end of a leg; the clock is a compensated sum, the spring's force follows its own rate."""
     before = state[SX]

@@ -6,8 +6,6 @@ in the direction of the motion, which is its break-away, until the velocity vani
 
 from math import copysign, isfinite
 
-import numpy as np
-
 from friction.kernel.law import (
     BRISTLE,
     BUDGET,
@@ -15,7 +13,6 @@ from friction.kernel.law import (
     FA,
     FF,
     MODE,
-    OPTIONS,
     STALLED,
     TANH,
     WA,
@@ -28,16 +25,17 @@ from friction.kernel.law import (
     friction,
     gap,
     piece,
-    room,
+    put,
 )
 from friction.kernel.rodas import STAGES, continue_into, inside, rodas
-from tline.compiled import njit
+from friction.kernel.structures import EVENTS, REFUSED, RUN, STEPS
+from tline.unit import function
 
 MOST_TRIES = 9  # to land on a reversal
 EARLY = 1e-3  # first step, of the time scale of the contact
 
 
-@njit(**OPTIONS)
+@function
 def scales(law, mass):
     """Velocity and deflection that errors are weighed with, and the time scale of the contact."""
     if law.kind == TANH:
@@ -47,67 +45,73 @@ def scales(law, mass):
     return v, max(law.f_s / law.sigma0, v * period), period
 
 
-@njit(**OPTIONS)
-def rosenbrock(law, drive, mass, v0, t_end, times, tol, budget, record, peaks):
+@function
+def rosenbrock(law, drive, mass, v0, t_end, times, tol, budget, compared, which):
     """One run with its own steps, which land on reversals, where |v| has a kink.
 
     Keeps samples, the largest magnitude of each column, and in that of time the largest error of a step. Returns the
-    status, steps made and refused, and events as the automaton does.
+    status, steps made and refused, and how many events there are.
     """
-    u, y, new, dense = np.empty((STAGES, 5)), np.zeros(5), np.empty(5), np.empty((5, 5))
+    u, y, new, dense, peaks = compared.u, compared.y, compared.new, compared.dense, compared.peaks
+    record, events, counts = compared.records[which], compared.events[which], compared.counts
+    counts[STEPS], counts[REFUSED], counts[EVENTS], counts[RUN] = 0, 0, 0, which
     v_size, z_size, period = scales(law, mass)
-    events = np.empty((16, 4))
-    t, h, refused, made, number, row, met, mode = 0.0, EARLY * period, 0, 0, 0, 0, 0, 0
-    y[1], peaks[:], push = v0, 0.0, piece(drive, 0)
+    t, h, number, row, mode = 0.0, EARLY * period, 0, 0, 0
+    y[0], y[1], y[2], y[3], y[4], push = 0.0, v0, 0.0, 0.0, 0.0, piece(drive, 0)
+    for column in range(peaks.size):
+        peaks[column] = 0.0
     if gap(law, y[1], y[2]) >= 0.0:
         mode = int(copysign(1.0, v0))
     margin, pull = held_back(law, mode, y[1], y[2]), forces(law, push, t, y)
     while t <= t_end:
-        if made + refused >= budget:
-            return BUDGET, made, refused, events[:met]
+        if counts[STEPS] + counts[REFUSED] >= budget:
+            return BUDGET
         largest(peaks, y, pull)
         last = h >= 0.999 * (push.end - t)
         step = push.end - t if last else min(h, 0.5 * (push.end - t))
         step, error, tries, after = attempt(law, push, mass, t, y, pull, step, tol, (v_size, z_size), u, new, dense)
-        refused += tries
+        counts[REFUSED] += tries
         last = last and tries == 0
         if not error <= 1.0 or not (last or tries > 0):
             h = step * min(6.0, max(0.1, 0.9 * (error + 1e-12) ** -0.2)) if isfinite(error) else 0.1 * step
         if not error <= 1.0:
             if t + step == t:
-                return STALLED, made, refused, events[:met]
-            refused += 1
+                return STALLED
+            counts[REFUSED] += 1
             continue
-        made, peaks[T] = made + 1, max(peaks[T], error * tol)
+        counts[STEPS] += 1
+        peaks[T] = max(peaks[T], error * tol)
         before, margin = margin, held_back(law, mode, new[1], new[2])
         if not margin > abs(margin - before) or (row < times.size and times[row] <= t + step):
             continue_into(y, new, u, dense)
-            row, met, mode, events = watch(law, push, t, step, t_end, mode, dense, times, row, record, met, events)
+            row, mode = watch(law, push, t, step, t_end, mode, dense, times, row, record, events, counts)
             margin = held_back(law, mode, new[1], new[2])
         t = push.end if last else t + step
-        y[:], pull = new, after
+        for j in range(5):
+            y[j] = new[j]
+        pull = after
         if last:
             number += 1
             push = piece(drive, number)
             pull = forces(law, push, t, y)
-    return DONE, made, refused, events[:met]
+    return DONE
 
 
-@njit(**OPTIONS)
+@function
 def forces(law, push, t, y):
     """Applied force, its partial derivative in time, and friction."""
     f_a, f_t = applied(push, t, y[0])
     return f_a, f_t, friction(law, y[1], y[2], f_a)[0]
 
 
-@njit(**OPTIONS)
+@function
 def largest(peaks, y, pull):
     """Note the largest magnitudes so far."""
     for column, size in ((X, y[0]), (V, y[1]), (Z, y[2]), (FA, pull[0]), (FF, pull[2]), (WA, y[3]), (WF, y[4])):
         peaks[column] = max(peaks[column], abs(size))
 
 
-@njit(**OPTIONS)
+@function
 def attempt(law, push, mass, t, y, pull, step, tol, sizes, u, new, dense):
     """A step of at most that length into `new`; the step, its error over the tolerance, tries before it, and the forces
     at its end.
@@ -150,7 +154,7 @@ def attempt(law, push, mass, t, y, pull, step, tol, sizes, u, new, dense):
         tries += 1
 
 
-@njit(**OPTIONS)
+@function
 def lowest(dense, s):
     """Where within a step s·v, which falls at first, is least."""
     low, high = 0.0, 1.0
@@ -164,19 +168,19 @@ def lowest(dense, s):
     return high
 
 
-@njit(**OPTIONS)
+@function
 def held_back(law, mode, v, z):
     """Positive while the mode lasts."""
     return mode * v if mode != 0 else -gap(law, v, z)
 
 
-@njit(**OPTIONS)
+@function
 def guard(law, dense, mode, theta):
     """The same within a step."""
     return held_back(law, mode, inside(dense, 1, theta), inside(dense, 2, theta))
 
 
-@njit(**OPTIONS)
+@function
 def crossing(law, dense, mode, low, high):
     """Where within a step the sign of the guard changes: regula falsi that halves when it does not."""
     f_low, f_high = guard(law, dense, mode, low), guard(law, dense, mode, high)
@@ -194,9 +198,9 @@ def crossing(law, dense, mode, low, high):
     return high
 
 
-@njit(**OPTIONS)
-def watch(law, push, t, step, t_end, mode, dense, times, row, record, met, events):
-    """Samples and events of an accepted step; the next sample, events met, the mode at its end, and the events."""
+@function
+def watch(law, push, t, step, t_end, mode, dense, times, row, record, events, counts):
+    """Samples and events of an accepted step; the next sample, and the mode at its end."""
     theta = 0.0
     while True:
         root = 2.0
@@ -209,15 +213,13 @@ def watch(law, push, t, step, t_end, mode, dense, times, row, record, met, event
             keep(law, push, t, step, mode, dense, times[row], record[row])
             row += 1
         if root > 1.0 or until > t_end:
-            return row, met, mode, events
+            return row, mode
         before, theta = mode, root
         mode = int(copysign(1.0, inside(dense, 1, root))) if mode == 0 else 0
-        events = room(events, met)
-        events[met, 0], events[met, 1], events[met, 2], events[met, 3] = before, mode, until, inside(dense, 0, root)
-        met += 1
+        counts[EVENTS] = put(events, counts[EVENTS], before, mode, until, inside(dense, 0, root))
 
 
-@njit(**OPTIONS)
+@function
 def keep(law, push, t, step, mode, dense, at, record):
     """A sample within a step."""
     theta = min((at - t) / step, 1.0)

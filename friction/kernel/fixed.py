@@ -10,30 +10,30 @@ from friction.kernel.law import (
     DONE,
     FF,
     MODE,
-    OPTIONS,
     applied,
     gap,
     mode_of,
     note,
     push_at,
-    room,
+    put,
     slip_share,
     slopes,
     steady,
 )
-from tline.compiled import njit
+from friction.kernel.structures import EVENTS, STEPS, FixedRun
+from tline.unit import function, unit
 
 EULER, RK4, MOREAU, EXPONENTIAL = range(4)
 
 
-@njit(**OPTIONS)
-def march(law, drive, mass, y, h, steps, method, every, record):
+@unit
+def march(run: FixedRun, steps: int, method: int, every: int) -> int:
     """Fixed steps; keeps the last state and every so-manieth, and events as every step shows them.
 
-    Returns the status, the steps made, and events as the automaton does.
+    Returns the status.
     """
-    k, mid = np.empty((4, 5)), np.empty(5)
-    push, met, force, events = push_at(drive, 0.0), 0, 0.0, np.empty((16, 4))
+    law, drive, mass, h, y, k, record = run.law, run.drive, run.mass, run.h, run.y, run.k, run.record
+    push, force = push_at(drive, 0.0), 0.0
     f_a = note(record, 0, law, push, 0.0, y)
     mode = mode_of(law, 0, y[1], y[2], f_a)
     record[0, MODE] = mode
@@ -46,28 +46,28 @@ def march(law, drive, mass, y, h, steps, method, every, record):
             for j in range(5):
                 y[j] += h * k[0, j]
         elif method == RK4:
-            runge_kutta(law, push, mass, t, y, h, k, mid)
+            runge_kutta(law, push, mass, t, y, h, k, run.middle)
         else:
             force = robust(law, push, mass, t, y, h, method)
+        run.counts[STEPS] = n + 1
         if not np.isfinite(y[1]) or abs(y[1]) > 1e100:
-            return BLOWN_UP, n + 1, events[:met]
+            return BLOWN_UP
         f_a, before = applied(push, (n + 1) * h, y[0])[0], mode
         mode = mode_of(law, before, y[1], y[2], f_a)
         if mode != before:
-            events, share = room(events, met), passed(law, before, v, z, y)
-            events[met, 0], events[met, 1] = before, mode
-            events[met, 2], events[met, 3] = t + share * h, x + share * (y[0] - x)
-            met += 1
+            share = passed(law, before, v, z, y)
+            at, place = t + share * h, x + share * (y[0] - x)
+            run.counts[EVENTS] = put(run.events, run.counts[EVENTS], before, mode, at, place)
         if (n + 1) % every == 0 or n + 1 == steps:
             row = (n + every) // every
             note(record, row, law, push, (n + 1) * h, y)
             record[row, MODE] = mode
             if method >= MOREAU:
                 record[row, FF] = force
-    return DONE, steps, events[:met]
+    return DONE
 
 
-@njit(**OPTIONS)
+@function
 def passed(law, before, v, z, y):
     """Share of a step after which an event happened: a static law breaks away at its last instant at rest, all else is
     where a straight line vanishes.
@@ -78,7 +78,7 @@ def passed(law, before, v, z, y):
     return start / (start - end) if start * end < 0.0 else 1.0
 
 
-@njit(**OPTIONS)
+@function
 def runge_kutta(law, push, mass, t, y, h, k, mid):
     """One step of the classical method of order 4."""
     slopes(law, push, mass, t, y, k[0])
@@ -95,7 +95,7 @@ def runge_kutta(law, push, mass, t, y, h, k, mid):
         y[j] += h / 6.0 * (k[0, j] + 2.0 * k[1, j] + 2.0 * k[2, j] + k[3, j])
 
 
-@njit(**OPTIONS)
+@function
 def robust(law, push, mass, t, y, h, method):
     """One step of Moreau and Jean, or of the exponential method; returns the friction force.
 

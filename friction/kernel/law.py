@@ -5,17 +5,17 @@ the Stribeck curve, W_a and W_f their work; s the sign of v that a step keeps.
 """
 
 from math import atanh, copysign, cos, exp, inf, pi, sin, tanh
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from tline.compiled import njit
+from tline.structure import Floats
+from tline.unit import function
 
 SIGN, ZONE, BRISTLE, TANH = range(4)  # kinds of law
 DONE, BUDGET, BLOWN_UP, STALLED, INACCURATE = range(5)  # how a run can end
 T, X, V, Z, FA, FF, WA, WF, MODE = range(9)  # columns of a record
 STEADY = 0.99  # share of the steady friction at which the contact of a smooth law slides
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": {"contract", "nsz"}}
 
 
 class Law(NamedTuple):
@@ -36,9 +36,9 @@ class Law(NamedTuple):
 class Drive(NamedTuple):
     """Applied force: straight pieces (start, value there, slope), a sine, and a spring of which one end moves."""
 
-    start: np.ndarray
-    value: np.ndarray
-    slope: np.ndarray
+    start: Floats
+    value: Floats
+    slope: Floats
     amplitude: float = 0.0
     omega: float = 0.0
     phase: float = 0.0
@@ -60,7 +60,7 @@ class Push(NamedTuple):
     speed: float
 
 
-@njit(**OPTIONS)
+@function
 def piece(drive, i):
     """Piece i of the applied force."""
     end = drive.start[i + 1] if i + 1 < drive.start.size else inf
@@ -70,13 +70,26 @@ def piece(drive, i):
     )  # fmt: skip
 
 
-@njit(**OPTIONS)
+@function
+def piece_at(drive, t):
+    """Number of the piece of the applied force that begins at t or goes on there."""
+    low, high = 0, drive.start.size
+    while low + 1 < high:
+        middle = (low + high) // 2
+        if drive.start[middle] <= t:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@function
 def push_at(drive, t):
-    """The piece of the applied force that begins at t or goes on there."""
-    return piece(drive, max(np.searchsorted(drive.start, t, side="right") - 1, 0))
+    """That piece."""
+    return piece(drive, piece_at(drive, t))
 
 
-@njit(**OPTIONS)
+@function
 def applied(push, t, x):
     """Applied force and its partial derivative in time."""
     force = push.value + push.slope * (t - push.start) + push.stiffness * (push.speed * t - x)
@@ -88,14 +101,14 @@ def applied(push, t, x):
     return force, rate
 
 
-@njit(**OPTIONS)
+@function
 def steady(law, v):
     """g(v) and its derivative."""
     peak = (law.f_s - law.f_c) * exp(-((v / law.v_s) ** 2))
     return law.f_c + peak, -2.0 * v / law.v_s**2 * peak
 
 
-@njit(**OPTIONS)
+@function
 def slip_share(law, s, z, g):
     """α of the elasto-plastic model, Dupont et al. (2002), with its derivatives in z and in z_ss = g/σ0."""
     if law.z_ba < 0.0:
@@ -111,7 +124,7 @@ def slip_share(law, s, z, g):
     return 0.5 + 0.5 * sin(angle), copysign(steep, z), -steep * (bend - law.z_ba) / width
 
 
-@njit(**OPTIONS)
+@function
 def respond(law, s, v, z):
     """F_f and ż of a smooth law, with |v| read as s·v."""
     g = law.f_c + (law.f_s - law.f_c) * exp(-((v / law.v_s) ** 2))
@@ -121,7 +134,7 @@ def respond(law, s, v, z):
     return law.sigma0 * z + law.sigma1 * rate + law.f_v * v, rate
 
 
-@njit(**OPTIONS)
+@function
 def jacobian(law, s, v, z):
     """Derivatives of F_f in v and z, and of ż in v and z."""
     g, slope = steady(law, v)
@@ -135,7 +148,7 @@ def jacobian(law, s, v, z):
     return law.sigma1 * rate_v + law.f_v, law.sigma0 + law.sigma1 * rate_z, rate_v, rate_z
 
 
-@njit(**OPTIONS)
+@function
 def friction(law, v, z, f_a):
     """F_f and ż of any law, as a solver that knows nothing of events meets it."""
     if law.kind >= BRISTLE:
@@ -145,7 +158,7 @@ def friction(law, v, z, f_a):
     return (0.0 if v == 0.0 else copysign(steady(law, v)[0], v)) + law.f_v * v, 0.0
 
 
-@njit(**OPTIONS)
+@function
 def slopes(law, push, mass, t, y, out):
     """Time derivatives of x, v, z, W_a, W_f."""
     f_a = applied(push, t, y[0])[0]
@@ -154,7 +167,7 @@ def slopes(law, push, mass, t, y, out):
     out[3], out[4] = f_a * y[1], f_f * y[1]
 
 
-@njit(**OPTIONS)
+@function
 def note(record, row, law, push, t, y):
     """Keep a state, with the forces of the law; the applied force."""
     f_a = applied(push, t, y[0])[0]
@@ -164,7 +177,7 @@ def note(record, row, law, push, t, y):
     return f_a
 
 
-@njit(**OPTIONS)
+@function
 def gap(law, v, z):
     """What friction is above 99 % of its steady value, in the direction of the motion; a velocity for tanh."""
     if law.kind == TANH:
@@ -173,7 +186,7 @@ def gap(law, v, z):
     return law.sigma0 * (z if v > 0.0 else -z) - STEADY * g if v != 0.0 else -g
 
 
-@njit(**OPTIONS)
+@function
 def mode_of(law, mode, v, z, f_a):
     """Sign of the motion, 0 if the mass is held, as a method sees it that meets no events; `mode` is what it was."""
     way = int(np.sign(v))
@@ -186,11 +199,15 @@ def mode_of(law, mode, v, z, f_a):
     return mode if way == mode else 0
 
 
-@njit(**OPTIONS)
-def room(events, met):
-    """The list of events, longer if it is full."""
-    if met < events.shape[0]:
-        return events
-    longer = np.empty((2 * met + 16, 4))
-    longer[:met] = events[:met]
-    return longer
+@function
+def row_of(events, met):
+    """Row of an event in their list; those beyond its end are counted, and share its last row."""
+    return min(met, events.shape[0] - 1)
+
+
+@function
+def put(events, met, before, after, t, x):
+    """List an event; returns how many there are then."""
+    row = row_of(events, met)
+    events[row, 0], events[row, 1], events[row, 2], events[row, 3] = before, after, t, x
+    return met + 1

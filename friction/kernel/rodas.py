@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from friction.kernel.law import OPTIONS, applied, jacobian, respond
-from tline.compiled import njit
+from friction.kernel.law import applied, jacobian, respond
+from tline.unit import function
 
 # Rodas5P, Steinebach, BIT Numerical Mathematics 63 (2023) 27, doi:10.1007/s10543-023-00967-x: order 5, L-stable, and
 # no loss of order on z, which follows the stiff balance of bristles
@@ -36,7 +36,7 @@ H = np.array([  # weights of the dense output, of order 4
 ])  # fmt: skip
 
 
-@njit(**OPTIONS)
+@function
 def rodas(law, push, mass, t, y, s, h, u, new):
     """One step of Rodas5P into `new`; u (8, 5) holds the stages, of which the last is the error estimate.
 
@@ -80,7 +80,7 @@ def rodas(law, push, mass, t, y, s, h, u, new):
             new[j] += A[STAGES - 1, b] * u[b, j]
 
 
-@njit(**OPTIONS)
+@function
 def continue_into(y, new, u, dense):
     """Polynomials of the step into `dense` (5, 5): y(θ) = Σ dense[k]·θ^k, 0 <= θ <= 1."""
     for j in range(5):
@@ -93,7 +93,7 @@ def continue_into(y, new, u, dense):
         dense[3, j], dense[4, j] = c - b, -c
 
 
-@njit(**OPTIONS)
+@function
 def inside(dense, j, theta):
     """Component j within the step."""
     a = dense[3, j] + theta * dense[4, j]

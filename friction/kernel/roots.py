@@ -2,13 +2,12 @@
 
 from math import inf
 
-from friction.kernel.law import OPTIONS
-from tline.compiled import njit
+from tline.unit import function
 
 MOST_HALVINGS = 2000
 
 
-@njit(**OPTIONS)
+@function
 def value(p, t):
     """A polynomial."""
     total = 0.0
@@ -17,7 +16,7 @@ def value(p, t):
     return total
 
 
-@njit(**OPTIONS)
+@function
 def shifted(p, t, q):
     """The polynomial about t into q."""
     for k in range(p.size):
@@ -28,7 +27,7 @@ def shifted(p, t, q):
                 q[j] += t * q[j + 1]
 
 
-@njit(**OPTIONS)
+@function
 def first_root_within(p, n, h, q):
     """`first_root` of the first n terms, of which the last may be zero.
 
@@ -45,7 +44,7 @@ def first_root_within(p, n, h, q):
     return first_root(p[:n], h, q)
 
 
-@njit(**OPTIONS)
+@function
 def first_root(p, h, q):
     """The first t in (0, h] where a polynomial that is positive after 0 vanishes; inf if there is none.
 
@@ -83,7 +82,7 @@ def first_root(p, h, q):
     return inf
 
 
-@njit(**OPTIONS)
+@function
 def falling_root(q, r):
     """The root in [-r, r] of a polynomial positive at one end and negative at the other: Newton's method, guarded."""
     low, high, t = -r, r, 0.0

@@ -8,24 +8,26 @@ from math import copysign, cos, exp, expm1, factorial, isnan, pi, sin
 
 import numpy as np
 
-from friction.kernel.law import OPTIONS
 from friction.kernel.roots import first_root_within
-from tline.compiled import njit
+from tline.unit import function
 
 STUCK, SLIDING, PUSHED = 0, 1, 2  # modes, with the sign of the motion; pushed: within a dead zone, but too hard to hold
 N = 20  # terms of a series
-CX, CV, CFA, CFF, CWA, CWF, SQUARE, BELL = range(8)  # rows of series
-SX, SV, SWA, SWF, CLOCK, LOST, TURN, PULL = range(8)  # state: clock since the piece began, turns of the sine, spring
+ROWS = 8  # of series
+CX, CV, CFA, CFF, CWA, CWF, SQUARE, BELL = range(ROWS)
+STATE = 8  # numbers of a state
+SX, SV, SWA, SWF, CLOCK, LOST, TURN, PULL = range(STATE)  # clock since the piece began, turns of the sine, spring
 INVERSE = np.array([1.0 / factorial(k) for k in range(N + 1)])
 ROUNDING = 1e-17  # of a series' largest early term: what its last terms may be
 FAR = 6.0  # multiples of v_s at which e^(−(v/v_s)²) begins to count: 2e-16
 
 
-@njit(**OPTIONS)
+@function
 def applied_series(push, state, out):
     """The applied force without its spring."""
     clock = state[CLOCK] - state[LOST]
-    out[:] = 0.0
+    for k in range(out.size):
+        out[k] = 0.0
     out[0] = push.value + push.slope * clock
     out[1] = push.slope
     if push.amplitude != 0.0:
@@ -36,7 +38,7 @@ def applied_series(push, state, out):
             a, b, power = b, -a, power * push.omega
 
 
-@njit(**OPTIONS)
+@function
 def expand(law, push, mass, state, mode, forced, c):
     """Series about the state into c: x, v, F_a, F_f, works of F_a and F_f, (v/v_s)², e^(−(v/v_s)²).
 
@@ -72,13 +74,13 @@ def expand(law, push, mass, state, mode, forced, c):
     works(c, state, still and v[0] == 0.0)
 
 
-@njit(**OPTIONS)
+@function
 def beyond(law, mode, v):
     """Whether the sliding is so fast that nothing is left of the Stribeck peak."""
     return abs(mode) == SLIDING and law.f_s > law.f_c and abs(v) > 1.001 * FAR * law.v_s
 
 
-@njit(**OPTIONS)
+@function
 def drop_term(v_s, v, square, bell, k):
     """Term k of 1 − e^(−(v/v_s)²)."""
     total = 0.0
@@ -95,7 +97,7 @@ def drop_term(v_s, v, square, bell, k):
     return -bell[k]
 
 
-@njit(**OPTIONS)
+@function
 def works(c, state, at_rest):
     """Series of the works of both forces."""
     v, f_a, f_f, w_a, w_f = c[CV], c[CFA], c[CFF], c[CWA], c[CWF]
@@ -109,7 +111,7 @@ def works(c, state, at_rest):
         w_a[k + 1], w_f[k + 1] = into / (k + 1), taken / (k + 1)
 
 
-@njit(**OPTIONS)
+@function
 def trusted(row, n, h):
     """Largest step up to h at which term n is rounding of the largest early one."""
     last, found = abs(row[n]), 0.0
@@ -121,7 +123,7 @@ def trusted(row, n, h):
     return min(h, found)
 
 
-@njit(**OPTIONS)
+@function
 def trusted_step(law, mode, c, h, p, q):
     """Largest step up to h at which the series are exact to rounding.
 
@@ -132,7 +134,8 @@ def trusted_step(law, mode, c, h, p, q):
             h = trusted(c[CV], n, h)
         h = trusted(c[CFA], n - 1, h)
     if beyond(law, mode, c[CV, 0]):
-        p[:N] = copysign(1.0, mode) * c[CV, :N]
+        for k in range(N):
+            p[k] = copysign(1.0, mode) * c[CV, k]
         p[0] -= FAR * law.v_s
         h = min(h, first_root_within(p, N, h, q))
     return h

@@ -18,7 +18,7 @@ CALL = """
 import sys
 from tline.cli import warm_up
 from tline.cli.main import main
-warm_up.PACKAGES = ("made",)
+warm_up.WITH_UNITS = ("made",)
 if __name__ == "__main__":
     main(["warm-up", *sys.argv[1:]])
 """

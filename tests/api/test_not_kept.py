@@ -7,20 +7,20 @@ from types import SimpleNamespace
 import click
 from click.testing import CliRunner
 
-from tline import compiled
+from tline import object_code
 from tline.cli.main import COMMANDS, main
 
 
 @click.command()
 def compiling() -> None:
     """A command whose kernels find no folder, twice."""
-    compiled._say("no folder for it can be written")
-    compiled._say("no folder for it can be written")
+    object_code._say("no folder for it can be written")
+    object_code._say("no folder for it can be written")
     click.echo("42")
 
 
 def test_one_line_beside_the_answer(monkeypatch):
-    monkeypatch.setattr(compiled, "_said", set())
+    monkeypatch.setattr(object_code, "_said", set())
     monkeypatch.setitem(sys.modules, "compiling", SimpleNamespace(compiling=compiling))
     monkeypatch.setitem(COMMANDS, "compiling", ("compiling:compiling", ""))
     shown = warnings.showwarning

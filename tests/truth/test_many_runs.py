@@ -7,9 +7,10 @@ import pytest
 
 from tline.scene.scene import Scene
 from tline.solver.many import many
-from tline.solver.many.kernel import find_extremes
+from tline.solver.many.kernel.extremes import extremes, find_extremes
 from tline.solver.many.period import slab_edges
 from tline.solver.radau import basis
+from tline.structure import pack
 from tline.study.reference import Solution
 
 TOL, BOUND = 1e-8, 1e-8  # asked of the estimate, and held to on copies that were not in the sample
@@ -138,7 +139,8 @@ def test_extremes_of_waves_that_are_known(s):
     t = (np.arange(periods)[:, None, None, None] + shares) * unit
     values = wave(t.reshape(-1, copies).T).T.reshape(periods * len(shares), s, copies)
     found = np.empty((4, copies))
-    find_extremes(np.ascontiguousarray(values), unit, edges, t_end, order.c, order.to_powers, found)
+    sampled = np.ascontiguousarray(values)
+    find_extremes(pack(extremes(sampled, unit, edges, t_end, order.c, order.to_powers, found)))
     grid = np.linspace(1e-9, t_end, 20_001)
     fine = wave(grid)
     width = np.diff(edges, axis=0).max()  # of polynomials that follow |λ| < 3.1, by the remainder of interpolation

@@ -12,7 +12,13 @@ import click
 if TYPE_CHECKING:
     from tline.unit import Unit
 
-PACKAGES = ("tline.solver.kernel",)  # with units
+WITH_UNITS = (  # packages and modules
+    "tline.solver.kernel",
+    "tline.solver.many.kernel",
+    "friction.kernel",
+    "tline.study.baseline.kernel",
+    "tline.study.reference.grid",
+)
 EXAMPLES = """\b
 Examples:
   tline warm-up
@@ -55,11 +61,12 @@ def found() -> Iterator[tuple[tuple[str, str], "Unit"]]:
     from tline.unit import Unit
 
     units: dict[tuple[str, str], Unit] = {}
-    for package in PACKAGES:
-        for module in walk_packages(import_module(package).__path__, f"{package}."):
-            for name, value in vars(import_module(module.name)).items():
-                if isinstance(value, Unit) and value.__module__ == module.name:
-                    units[module.name, name] = value
+    for outer in WITH_UNITS:
+        inner = walk_packages(getattr(import_module(outer), "__path__", ()), f"{outer}.")
+        for module in [outer, *(each.name for each in inner)]:
+            for name, value in vars(import_module(module)).items():
+                if isinstance(value, Unit) and value.__module__ == module:
+                    units[module, name] = value
     yield from sorted(units.items(), key=lambda item: -len(sources_of(item[0][0]) or ()))
 
 

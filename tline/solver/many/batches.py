@@ -11,9 +11,10 @@ from tline.solver.description.description import Description
 from tline.solver.many.copies import Copies
 from tline.solver.many.period import driven_waves, modes_of
 from tline.solver.radau import basis
+from tline.structure import pack
 from tline.wording import place
 
-Floats = NDArray[np.floating]
+Floats = NDArray[np.float64]
 BATCH = 64  # copies in the kernel at once
 PERIOD, ROOM, LARGEST = 25e3, 8e6, 1e8  # samples that are set up at once in a period, and in all; and of one copy
 
@@ -88,7 +89,10 @@ def _seen(
 
     Beside them efforts and arriving waves at instants t, shape (batches, ends, 2, B, instants).
     """
-    from tline.solver.many.kernel import advance_copies, fill_maps, find_extremes, find_values
+    from tline.solver.many.kernel.advance import CopiesRun, advance_copies
+    from tline.solver.many.kernel.extremes import extremes, find_extremes
+    from tline.solver.many.kernel.maps import fill_maps, load_maps
+    from tline.solver.many.kernel.values import Values, find_values
 
     order, unit, junctions = basis(s), copies.unit[rows], copies.junctions
     rate, projector = modes_of(order)
@@ -118,18 +122,21 @@ def _seen(
     )
     ends, B = len(recorded), rows.shape[1]
     record = np.empty((ends, 2, n * slabs, s, B))
-    extremes, values = np.empty((len(rows), ends, 4, B)), np.empty((len(rows), ends, 2, B, len(t)))
+    offset = 2 * np.cumsum([0, *copies.delay])
+    waves, states_before = np.empty((offset[-1], slabs, s, B)), np.empty((len(loads), states, B))
+    work = offset, waves, states_before, np.empty((s + states, B)), np.empty((s + states, B))
+    peaks, values = np.empty((len(rows), ends, 4, B)), np.empty((len(rows), ends, 2, B, len(t)))
     for batch in range(len(rows)):
         for k, load in enumerate(loads):
-            A, b, c, d = (part[batch] for part in load)
-            fill_maps(A, b, c, d, widths[batch], rate, projector, maps[k])
-        advance_copies(*arrays, weights[batch], maps, drive[batch], n, record)
+            own = (part[batch] for part in load)
+            fill_maps(pack(load_maps(own, widths[batch], rate, projector, maps[k])))
+        advance_copies(pack(CopiesRun(*arrays, weights[batch], maps, drive[batch], record, *work)), n)
         for row in range(ends):
-            found = extremes[batch, row]
-            find_extremes(record[row, 0], unit[batch], edges[batch], t_end, order.c, order.to_powers, found)
+            seen, powers = (unit[batch], edges[batch]), order.to_powers
+            find_extremes(pack(extremes(record[row, 0], *seen, t_end, order.c, powers, peaks[batch, row])))
             if len(t):
-                find_values(record[row], unit[batch], edges[batch], t, order.to_powers, values[batch, row])
-    return extremes + 0.0, values  # no -0.0
+                find_values(pack(Values(record[row], *seen, t, powers, values[batch, row], np.empty(s))))
+    return peaks + 0.0, values  # no -0.0
 
 
 def _rows(there: list[bool]) -> NDArray:

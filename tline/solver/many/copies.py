@@ -20,7 +20,7 @@ from tline.solver.description.resolution import WHOLE, common_parts
 from tline.solver.many.load import Load, parallel, series
 from tline.wording import nearest, place, shown
 
-Floats = NDArray[np.floating]
+Floats = NDArray[np.float64]
 ELEMENTS = ("resistance", "inductance", "capacitance")
 MOST_UNITS = 1000  # in the shortest delay
 MOST_COPIES = 10_000_000

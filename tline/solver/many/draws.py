@@ -13,7 +13,7 @@ from tline.solver.many.copies import MOST_COPIES, variable
 from tline.units import to_si
 from tline.wording import listed, nearest, shown
 
-Floats = NDArray[np.floating]
+Floats = NDArray[np.float64]
 CALL = re.compile(r"\s*(\w+)\s*\(([^()]*(?:\([^()]*\)[^()]*)*)\)\s*")  # units may have parentheses of their own
 DISTRIBUTIONS = ("uniform(low, high)", "normal(mean, deviation)")
 LARGEST_SEED = 2**63 - 1

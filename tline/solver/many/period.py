@@ -18,7 +18,7 @@ from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import Shape
 from tline.solver.radau import Basis
 
-Floats = NDArray[np.floating]
+Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 MOST_BREAKS = 12
 BITS = 200

@@ -14,7 +14,7 @@ from tline.solver.many.copies import Copies
 from tline.solver.many.period import front_places, slab_edges
 from tline.solver.tolerance.compare import ROUNDING, SILENT
 
-Floats = NDArray[np.floating]
+Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 PARTS, ORDERS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32), np.arange(2, 11)
 GROWTHS = (1.0, 1.5)  # of slabs after a front: for what rings, and for what dies away

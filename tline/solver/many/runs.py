@@ -19,7 +19,7 @@ from tline.solver.many.resolve import resolve
 from tline.solver.simulate import TOL, UnresolvedWarning
 from tline.wording import shown
 
-Floats = NDArray[np.floating]
+Floats = NDArray[np.float64]
 LARGEST = 4e8  # samples handed back
 TOLERANCE = Role("tolerance", "", at_least=1e-9, at_most=0.1)
 

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
+from tline.study.baseline.kernel.cells import advance_cells
 from tline.study.baseline.loads import scattering, trapezoid
-from tline.study.baseline.loops import advance_cells
 from tline.study.baseline.method import Trace
 from tline.study.baseline.steps import (
     COURANT,

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
+from tline.study.baseline.kernel.histories import advance_moc
 from tline.study.baseline.loads import Euler, scattering, trapezoid
-from tline.study.baseline.loops import advance_moc
 from tline.study.baseline.method import Trace
 from tline.study.baseline.steps import MOST_KEPT, count_steps, delays_of, shortest_delay, stepped, within
 

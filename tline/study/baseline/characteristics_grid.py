@@ -1,31 +1,17 @@
 """Method of characteristics from point to point of a grid, with quadratic friction in each reach."""
 
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import rest, steady_state
-from tline.study.baseline.loops import advance_grid
+from tline.study.baseline.kernel.grid import Grid, advance_grid
 from tline.study.baseline.method import Trace
 from tline.study.baseline.steps import MOST_WORK, count_steps, delays_of, impedances_of, shortest_delay, stepped, within
 from tline.wording import place
-
-
-class Grid(NamedTuple):
-    """Lines in reaches and nodes that hold an effort or conduct, as arrays."""
-
-    first: NDArray  # (nodes + 1,) the ends at node k are ends[first[k]:first[k + 1]]
-    ends: NDArray
-    held: NDArray  # (nodes,)
-    conductance: NDArray  # (nodes,)
-    reaches: NDArray  # (lines,)
-    z0: NDArray  # (lines,)
-    friction: NDArray  # (lines,) K of a drop K |y| y over a reach
 
 
 def moc_grid(scene: Scene, n: float) -> Trace:

@@ -7,8 +7,8 @@ import numpy as np
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.nodes import node_of_end
+from tline.study.baseline.kernel.staggered import advance_fdtd
 from tline.study.baseline.loads import trapezoid
-from tline.study.baseline.loops import advance_fdtd
 from tline.study.baseline.method import Trace
 from tline.study.baseline.node_systems import half_sections, on_capacitor
 from tline.study.baseline.steps import (

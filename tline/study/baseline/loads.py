@@ -1,13 +1,13 @@
 """Nodes with dynamic loads, integrated by a rule of one step."""
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
 from tline.solver.description.nodes import Node
+from tline.study.baseline.kernel.nodes import Scattering
 
 Euler = tuple[NDArray, NDArray, NDArray]  # x_next = first x + second w_now + third w_next
 
@@ -27,20 +27,6 @@ def trapezoid(A: NDArray, b: NDArray) -> Euler:
     """The same by the mean of both."""
     inverse = np.linalg.inv(np.eye(len(A)) - A / 2)
     return inverse @ (np.eye(len(A)) + A / 2), inverse @ b / 2, inverse @ b / 2
-
-
-class Scattering(NamedTuple):
-    """Nodes as arrays: from the waves that arrive at their ends to those sent back; m states a load."""
-
-    first: NDArray  # (nodes + 1,) the ends at node k are ends[first[k]:first[k + 1]]
-    ends: NDArray
-    weight: NDArray  # (ends,) share in the Thévenin wave w
-    row: NDArray  # (nodes,) of its load, -1 for none
-    x_x: NDArray  # (loads, m, m)
-    x_before: NDArray  # (loads, m)
-    x_now: NDArray  # (loads, m)
-    u_x: NDArray  # (loads, m)
-    u_w: NDArray  # (loads,)
 
 
 def scattering(scene: Scene, nodes: list[Node], dt: float, rule: Callable[[NDArray, NDArray], Euler]) -> Scattering:

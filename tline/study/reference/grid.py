@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.compiled import njit
+from tline.structure import Floats, Floats2, Integers, pack
+from tline.unit import function, unit
 
 ROUNDS = 60  # of Newton's method for the steady state
 CLOSE = 1e-9  # a step of Newton's method at a node, relative to what arrives; what is left is its square
@@ -14,11 +15,11 @@ CLOSE = 1e-9  # a step of Newton's method at a node, relative to what arrives; w
 class Pipes(NamedTuple):
     """End 2j is end 1 of line j, end 2j + 1 its end 2."""
 
-    first: NDArray  # (nodes + 1,) the ends at node k are ends[first[k]:first[k + 1]]
-    ends: NDArray
-    held: NDArray  # (nodes,) the effort there; nan where none is held
-    z0: NDArray  # (lines,)
-    lost: NDArray  # (lines,) K of a drop K |y| y over the line
+    first: Integers  # (nodes + 1,) the ends at node k are ends[first[k]:first[k + 1]]
+    ends: Integers
+    held: Floats  # (nodes,) the effort there; nan where none is held
+    z0: Floats  # (lines,)
+    lost: Floats  # (lines,) K of a drop K |y| y over the line
 
 
 def joined(node: list[int], nodes: int, held: NDArray, z0: NDArray, lost: NDArray) -> Pipes:
@@ -51,35 +52,57 @@ def steady(pipes: Pipes, given: NDArray) -> tuple[NDArray, NDArray]:
     return scale * found[lines:], found[:lines]
 
 
-@njit(error_model="numpy")
-def march(pipes, reaches, effort, flow, given, seen):
+class Motion(NamedTuple):
+    """Pipes in reaches, and what is at their points."""
+
+    pipes: Pipes
+    reaches: Integers  # (lines,)
+    given: Floats2  # (nodes, steps + 1) flows into the nodes
+    seen: Integers  # (rows,) nodes that are recorded
+    record: Floats2  # (rows, steps + 1)
+    effort: Floats  # (nodes,)
+    u: Floats2  # (lines, points)
+    y: Floats2
+    plus: Floats2  # what travels on
+    minus: Floats2
+
+
+def march(
+    pipes: Pipes, reaches: NDArray, effort: NDArray, flow: NDArray, given: NDArray, seen: NDArray
+) -> NDArray[np.float64]:
     """Efforts at some nodes at all steps, from a steady state, for the flows that are given into the nodes."""
-    lines, most, effort = len(reaches), np.max(reaches) + 1, effort.copy()
-    u, y = np.zeros((lines, most)), np.zeros((lines, most))
-    plus, minus = np.zeros((lines, most)), np.zeros((lines, most))
-    record = np.zeros((len(seen), given.shape[1]))
-    for k in range(len(effort)):
-        for end in pipes.ends[pipes.first[k] : pipes.first[k + 1]]:
-            u[end // 2, reaches[end // 2] * (end % 2)] = effort[k]
-    for j in range(lines):
-        n = reaches[j]
-        u[j, : n + 1] = u[j, 0] + (u[j, n] - u[j, 0]) / n * np.arange(n + 1)
+    record, (u, y, plus, minus) = np.zeros((len(seen), given.shape[1])), np.zeros((4, len(reaches), max(reaches) + 1))
+    at_end = np.empty(2 * len(reaches))
+    at_end[pipes.ends] = np.repeat(effort, np.diff(pipes.first))
+    for j, n in enumerate(reaches):
+        u[j, : n + 1] = at_end[2 * j] + (at_end[2 * j + 1] - at_end[2 * j]) / n * np.arange(n + 1)
         y[j, : n + 1] = flow[j]
     record[:, 0] = effort[seen]
-    for step in range(1, given.shape[1]):
-        for j in range(lines):
-            inside(u[j], y[j], plus[j], minus[j], reaches[j], pipes.z0[j], pipes.lost[j] / reaches[j])
-        for k in range(len(effort)):
-            at_node(pipes, reaches, k, effort, given[k, step], plus, minus)
-            for end in pipes.ends[pipes.first[k] : pipes.first[k + 1]]:
-                into, _, _ = arriving(pipes, reaches, end, effort[k], plus, minus)
-                j, sign = end // 2, 2.0 * (end % 2) - 1.0
-                u[j, reaches[j] * (end % 2)], y[j, reaches[j] * (end % 2)] = effort[k], sign * into
-        record[:, step] = effort[seen]
+    march_on(pack(Motion(pipes, reaches, given, seen, record, effort.copy(), u, y, plus, minus)))
     return record
 
 
-@njit(error_model="numpy")
+@unit
+def march_on(motion: Motion) -> int:
+    """Go from point to point, step by step."""
+    pipes, reaches, effort = motion.pipes, motion.reaches, motion.effort
+    u, y, plus, minus = motion.u, motion.y, motion.plus, motion.minus
+    for step in range(1, motion.given.shape[1]):
+        for j in range(reaches.size):
+            inside(u[j], y[j], plus[j], minus[j], reaches[j], pipes.z0[j], pipes.lost[j] / reaches[j])
+        for k in range(effort.size):
+            at_node(pipes, reaches, k, effort, motion.given[k, step], plus, minus)
+            for i in range(pipes.first[k], pipes.first[k + 1]):
+                end = pipes.ends[i]
+                into, _, _ = arriving(pipes, reaches, end, effort[k], plus, minus)
+                j, sign = end // 2, 2.0 * (end % 2) - 1.0
+                u[j, reaches[j] * (end % 2)], y[j, reaches[j] * (end % 2)] = effort[k], sign * into
+        for row in range(motion.seen.size):
+            motion.record[row, step] = effort[motion.seen[row]]
+    return 0
+
+
+@function
 def inside(u, y, plus, minus, n, z0, K):
     """One step at the points between the ends of a line; what travels on is left in plus and minus."""
     for i in range(n + 1):
@@ -91,7 +114,7 @@ def inside(u, y, plus, minus, n, z0, K):
         u[i] = (plus[i - 1] + minus[i + 1]) / 2
 
 
-@njit(error_model="numpy")
+@function
 def arriving(pipes, reaches, end, effort, plus, minus):
     """Flow out of an end of a line at an effort there, by how much it falls with that, and what arrives."""
     j = end // 2
@@ -101,15 +124,15 @@ def arriving(pipes, reaches, end, effort, plus, minus):
     return flow, 1 / (z0 + K * abs(flow)), w
 
 
-@njit(error_model="numpy")
+@function
 def at_node(pipes, reaches, k, effort, given, plus, minus):
     """The effort at which as much flows into a node as out of it, by Newton's method from the one before."""
     if not np.isnan(pipes.held[k]):
         return
     for _ in range(50):
         flow, slope, size = given, 0.0, 0.0
-        for end in pipes.ends[pipes.first[k] : pipes.first[k + 1]]:
-            into, falls, w = arriving(pipes, reaches, end, effort[k], plus, minus)
+        for i in range(pipes.first[k], pipes.first[k + 1]):
+            into, falls, w = arriving(pipes, reaches, pipes.ends[i], effort[k], plus, minus)
             flow, slope, size = flow + into, slope + falls, size + abs(w)
         effort[k] += flow / slope
         if abs(flow / slope) <= CLOSE * size:

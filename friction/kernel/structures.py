@@ -1,0 +1,120 @@
+"""What the units of this package get by reference: contacts, and arrays for all that they find and need meanwhile."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from friction.kernel.law import Drive, Law
+from friction.kernel.rodas import STAGES
+from friction.kernel.taylor import ROWS, STATE, N
+from tline.structure import Floats, Floats2, Floats3, Integers
+
+STEPS, REFUSED, EVENTS, RUN = range(4)  # counts: steps made and refused, events met, and which of two runs is given
+
+
+class FixedRun(NamedTuple):
+    """A run in fixed steps."""
+
+    law: Law
+    drive: Drive
+    mass: float
+    h: float  # step, s
+    y: Floats  # (5,) x, v, z and the works; at first where the run begins
+    record: Floats2  # (samples, 9)
+    events: Floats2  # (events, 4) sign of the motion before, after, t, x
+    counts: Integers  # (4,)
+    k: Floats2  # (4, 5) slopes
+    middle: Floats  # (5,)
+
+
+class Spot(NamedTuple):
+    """A contact at one instant, and what moves it."""
+
+    law: Law
+    drive: Drive
+    mass: float
+    y: Floats  # (5,) x, v, z and the works
+    found: Floats  # (7,) time derivatives of these, the applied force, and friction
+
+
+class HybridRun(NamedTuple):
+    """A run of a static law as a hybrid automaton."""
+
+    law: Law
+    drive: Drive
+    mass: float
+    v0: float
+    t_end: float
+    times: Floats
+    record: Floats2  # (times, 9)
+    events: Floats2  # as of runs in fixed steps
+    counts: Integers  # (4,)
+    series: Floats2  # (8, N + 1)
+    p: Floats  # (N + 1,)
+    q: Floats  # (N + 1,)
+    state: Floats  # (8,)
+
+
+class Compared(NamedTuple):
+    """Two runs that are compared, and the workspace of their steps."""
+
+    records: Floats3  # (2, times, 9)
+    events: Floats3  # (2, events, 4)
+    errors: Floats  # (9,) an estimate for each column
+    peaks: Floats  # (9,) largest magnitude of each column
+    counts: Integers  # (4,)
+    u: Floats2  # (stages, 5)
+    y: Floats  # (5,)
+    new: Floats  # (5,)
+    dense: Floats2  # (5, 5)
+
+
+class SmoothRun(NamedTuple):
+    """A run of a smooth law, to a tolerance."""
+
+    law: Law
+    drive: Drive
+    mass: float
+    v0: float
+    t_end: float
+    wanted: float  # tolerance, 0 for none
+    at_least: float  # then that of single steps
+    times: Floats
+    compared: Compared
+
+
+class Sweep(NamedTuple):
+    """Many runs of smooth laws to one tolerance."""
+
+    laws: Floats2  # (n, 10) in the order of `Law`
+    drive: Drive
+    masses: Floats  # (n,)
+    v0: Floats  # (n,)
+    factors: Floats  # (n,) by which the applied force is multiplied
+    wanted: float
+    times: Floats  # (1,) the end
+    value: Floats  # (pieces,) of the applied force, multiplied
+    slope: Floats  # (pieces,)
+    compared: Compared
+    out: Floats2  # (n, 5) x, v, z, F_f at the end, and the status
+
+
+def fixed_run(law: Law, drive: Drive, mass: float, v0: float, h: float, samples: int, events: int) -> FixedRun:
+    """A run that begins at rest or with v0, for so many samples and events."""
+    y, record = np.array([0.0, v0, 0.0, 0.0, 0.0]), np.full((samples, 9), np.nan)
+    counts = np.zeros(4, np.int64)
+    return FixedRun(law, drive, mass, h, y, record, np.empty((events, 4)), counts, np.empty((4, 5)), np.empty(5))
+
+
+def hybrid_run(law: Law, drive: Drive, mass: float, v0: float, t_end: float, times: Floats, events: int) -> HybridRun:
+    """A run with samples at those times, for so many events."""
+    record, counts, series = np.full((times.size, 9), np.nan), np.zeros(4, np.int64), np.zeros((ROWS, N + 1))
+    p, q, state = np.zeros(N + 1), np.zeros(N + 1), np.zeros(STATE)
+    return HybridRun(law, drive, mass, v0, t_end, times, record, np.empty((events, 4)), counts, series, p, q, state)
+
+
+def compared(samples: int, events: int) -> Compared:
+    """Two runs with so many samples and events."""
+    records, counts = np.full((2, samples, 9), np.nan), np.zeros(4, np.int64)
+    steps = np.zeros((STAGES, 5)), np.zeros(5), np.zeros(5), np.zeros((5, 5))
+    return Compared(records, np.empty((2, events, 4)), np.zeros(9), np.zeros(9), counts, *steps)

@@ -1,0 +1,5 @@
+"""The kernel of many runs: copies of one network whose numbers differ, and the extremes of what they do.
+
+Copies are the last axis of all arrays, so that loops over them vectorise; those over the few points of a slab would
+not. Slabs of a period differ, periods are alike.
+"""

@@ -1,0 +1,131 @@
+"""Copies of a network advanced abreast: lines carry waves, nodes scatter them, as in the kernel of single runs."""
+
+from typing import NamedTuple
+
+from tline.solver.kernel.arithmetic import TINY
+from tline.structure import Floats2, Floats3, Floats4, Floats5, Integers
+from tline.unit import function, unit
+
+
+class CopiesRun(NamedTuple):
+    """B copies of a network with L lines and N nodes, in periods of K slabs of s points."""
+
+    delay: Integers  # (L,) in periods
+    first: Integers  # (N + 1,) the ends at node k are ends[first[k]:first[k + 1]]
+    ends: Integers  # (2 L,)
+    drive_row: Integers  # (N,) row of the source's part of a Thévenin wave, or -1
+    load_row: Integers  # (N,) row of the map of a load with states, or -1
+    record_row: Integers  # (2 L,) row in the record of an end, or -1
+    weight: Floats2  # (2 L, B) share of an arriving wave in the Thévenin wave
+    maps: Floats5  # (rows, K, s + n, s + n, B) by columns
+    drive: Floats5  # (rows, periods, K, s, B), the last goes on
+    record: Floats5  # (rows, 2, n K, s, B) efforts and arriving waves of n periods
+    offset: Integers  # (L + 1,) first period of a line's two buffers
+    waves: Floats4  # (periods, K, s, B) all buffers
+    states: Floats3  # (rows, n, B)
+    u: Floats2  # (s + n, B) Thévenin waves and states of a slab, then efforts
+    out: Floats2  # (s + n, B)
+
+
+@unit
+def advance_copies(run: CopiesRun, n_periods: int) -> int:
+    """Advance all copies by n periods from rest, and record them."""
+    first, ends, u, record, s = run.first, run.ends, run.u, run.record, run.waves.shape[2]
+    for place in range(run.waves.shape[0]):
+        for slab in range(run.waves.shape[1]):
+            clear(run.waves[place, slab], s)
+    for r in range(run.states.shape[0]):
+        clear(run.states[r], run.states.shape[1])
+    for period in range(n_periods):
+        driven = min(period, run.drive.shape[1] - 1)
+        for node in range(first.size - 1):
+            r = run.load_row[node]
+            for slab in range(run.waves.shape[1]):
+                if run.drive_row[node] >= 0:
+                    keep(run.drive[run.drive_row[node], driven, slab], u, s)
+                else:
+                    clear(u, s)
+                for i in range(first[node], first[node + 1]):
+                    gather_abreast(u, run.waves[due(ends[i], run.delay, run.offset, period), slab], run.weight[i])
+                if r >= 0:
+                    respond_abreast(run.maps[r, slab], run.states[r], u, run.out)
+                for i in range(first[node], first[node + 1]):
+                    arrived = run.waves[due(ends[i], run.delay, run.offset, period), slab]
+                    row = run.record_row[ends[i]]
+                    if row >= 0:
+                        keep(u, record[row, 0, period * run.waves.shape[1] + slab], s)
+                        keep(arrived, record[row, 1, period * run.waves.shape[1] + slab], s)
+                    scatter_abreast(u, arrived)
+    return 0
+
+
+@function
+def clear(values, rows):
+    """Set the first rows to zero, for all copies."""
+    for j in range(rows):
+        for c in range(values.shape[1]):
+            values[j, c] = 0.0
+
+
+@function
+def due(end, delay, offset, period):
+    """The period of a line's buffers that an end works on."""
+    line = end >> 1
+    turn, slot = divmod(period, delay[line])
+    return offset[line] + ((turn ^ end) & 1) * delay[line] + slot
+
+
+@function
+def gather_abreast(u, waves, share):
+    """Add an end's share of its arriving waves, for all copies."""
+    for j in range(waves.shape[0]):
+        for c in range(waves.shape[1]):
+            u[j, c] += share[c] * waves[j, c]
+
+
+@function
+def respond_abreast(step, states, u, out):
+    """Turn the Thévenin waves of one slab into efforts through loads' states, for all copies."""
+    size, copies = step.shape[0], step.shape[2]
+    s = size - states.shape[0]
+    for i in range(s, size):
+        for c in range(copies):
+            u[i, c] = states[i - s, c]
+    for i in range(size):
+        for c in range(copies):
+            out[i, c] = step[0, i, c] * u[0, c]
+    j = 1
+    while j + 4 <= size:  # four at a time: sums are fetched and put back less often
+        for i in range(size):
+            for c in range(copies):
+                one = step[j, i, c] * u[j, c] + step[j + 1, i, c] * u[j + 1, c]
+                out[i, c] += one + step[j + 2, i, c] * u[j + 2, c] + step[j + 3, i, c] * u[j + 3, c]
+        j += 4
+    while j < size:
+        for i in range(size):
+            for c in range(copies):
+                out[i, c] += step[j, i, c] * u[j, c]
+        j += 1
+    for i in range(s):
+        for c in range(copies):
+            u[i, c] = out[i, c]
+    for i in range(s, size):
+        for c in range(copies):
+            states[i - s, c] = 0.0 if abs(out[i, c]) < TINY else out[i, c]
+
+
+@function
+def scatter_abreast(u, waves):
+    """Send back from an end what the efforts leave of the arriving waves, for all copies."""
+    for j in range(waves.shape[0]):
+        for c in range(waves.shape[1]):
+            back = 2.0 * u[j, c] - waves[j, c]
+            waves[j, c] = 0.0 if abs(back) < TINY else back
+
+
+@function
+def keep(values, into, rows):
+    """Copy the first rows, for all copies."""
+    for j in range(rows):
+        for c in range(values.shape[1]):
+            into[j, c] = values[j, c]
