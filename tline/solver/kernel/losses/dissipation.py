@@ -27,7 +27,7 @@ def looked_up(entries, at, size):
 
 @function
 def taken(kind, c, w):
-    """What a lump without a table takes of a wave."""
+    """What a loss element without a table takes of a wave."""
     if kind == CONSTANT:
         return c * w
     v = c * abs(w)
@@ -37,7 +37,7 @@ def taken(kind, c, w):
 
 @function
 def dissipate(waves, o, s, ring, t, m, place, strength, entries, at, sign, kind):
-    """Take away what lumps without memory dissipate of m slabs, lump by lump."""
+    """Take away what loss elements without memory dissipate of m slabs, one by one."""
     for k in range(place.size):
         done = 0
         while done < m:
@@ -54,7 +54,7 @@ def dissipate(waves, o, s, ring, t, m, place, strength, entries, at, sign, kind)
 
 @function
 def dissipate_abreast(waves, a, b, n, s, strength, first, sign, kind, pair, each):
-    """The same at n neighbouring lumps in one slab: of s samples, at places a, a - s, ... and b, b + s, ..."""
+    """The same at n neighbouring loss elements in one slab: of s samples, at places a, a - s, ... and b, b + s, ..."""
     n, s, first = np.uint64(n), np.uint64(s), np.uint64(first)
     if n * s < FEW:
         for k in range(n):
@@ -78,10 +78,10 @@ def dissipate_abreast(waves, a, b, n, s, strength, first, sign, kind, pair, each
 @unit
 def dissipation(run: Run, r: int, m: int) -> int:
     """Let a row of loss elements take what it dissipates of m slabs, no more than the gaps between them."""
-    network, state, lumps, waves = run.network, run.state, run.network.lumps, run.state.waves
-    place, strength, entries, s = lumps.place, lumps.strength, lumps.entries, state.before.shape[1]
+    network, state, losses, waves = run.network, run.state, run.network.losses, run.state.waves
+    place, strength, entries, s = losses.place, losses.strength, losses.entries, state.before.shape[1]
     line, low, high, kind, sign, at = (
-        lumps.line[r], lumps.first[r], lumps.first[r + 1], lumps.kind[r], lumps.sign[r], lumps.at[r],
+        losses.line[r], losses.first[r], losses.first[r + 1], losses.kind[r], losses.sign[r], losses.at[r],
     )  # fmt: skip
     o, ring = network.offset[line], 2 * network.delay[line]
     t = state.side[line] * network.delay[line] + state.slot[line]
