@@ -13,10 +13,10 @@ import numpy as np
 
 from tline.solver.assembly.assemble import assemble
 from tline.solver.assembly.blocks import blocks_of
-from tline.solver.assembly.lossy_segments import cells_of
+from tline.solver.assembly.lossy_segments import segments_of
 from tline.solver.description.description import describe
 from tline.solver.description.laws import laws_of
-from tline.solver.kernel.network import NO_LUMPS, Network, State
+from tline.solver.kernel.network import NO_LOSSES, Network, State
 from tline.solver.loop.kernel import advance
 from tline.solver.radau import basis
 
@@ -55,9 +55,9 @@ def ring(lines: int, s: int, *, fractional: bool, seed: int = 0) -> tuple[Networ
         np.zeros(0),
         np.full(2 * lines, -1),
         laws_of([[]] * lines, [[]] * lines, 0, 0)[0],
-        cells_of({}, [[None]] * lines)[0],
-        NO_LUMPS,
-        blocks_of(delay, first, ends, group, NO_LUMPS),
+        segments_of({}, [[None]] * lines)[0],
+        NO_LOSSES,
+        blocks_of(delay, first, ends, group, NO_LOSSES),
     )
     zeros = np.zeros(lines, np.int64)
     waves = rng.normal(size=int(2 * delay.sum() * s))

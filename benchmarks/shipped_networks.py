@@ -18,7 +18,7 @@ from tline.interchange.epanet import read_epanet
 from tline.interchange.water_scene import water_scene
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
-from tline.solver.assembly.loss_elements import lumps_in
+from tline.solver.assembly.loss_elements import loss_elements_in
 from tline.solver.description.description import describe
 from tline.solver.description.lines import lines_of
 from tline.solver.result.result import Result
@@ -110,7 +110,7 @@ def measured(name: str) -> dict[str, Any]:
         "drift": moved(result) / largest,
         "delays": [float(np.quantile(delays, q)) for q in (0, 0.01, 0.1, 0.5, 1)],
         "slab": h,
-        "lumps": sum(lumps_in(lines, h, result.resolution.lumps).values()),
+        "lumps": sum(loss_elements_in(lines, h, result.resolution.loss_elements).values()),
         "half slabs": int(sum(max(2 * int(delay / h + 1e-9) - 1, 1) for delay in delays)),
         "stride": blocks.stride,
         "far": len(blocks.far_groups) / (len(blocks.far_groups) + len(blocks.near_groups)),
@@ -155,14 +155,14 @@ the head moves at any node; nothing boils, so a fall may be deeper than water be
 SHORT = """
 ## Short pipes
 
-No slab is longer than the shortest delay, unless that line can be lumped; at demands, pumps and valves none is. Lumps
-of friction are at most 64 in the longest pipe and in others in proportion, at least one: their number hardly follows
-the slab, as the number *at most*, half a slab apart, does. *Far* are the nodes from which all lines, and all gaps
-between lumps, are a *stride* or longer: they go so many slabs at once, the others meanwhile step by step. *Each* is the
-time of the kernel's steps by line and slab.
+No slab is longer than the shortest delay, unless that line can be lumped; at demands, pumps and valves none is. Loss
+elements of friction are at most 64 in the longest pipe and in others in proportion, at least one: their number hardly
+follows the slab, as the number *at most*, half a slab apart, does. *Far* are the nodes from which all lines, and all
+gaps between loss elements, are a *stride* or longer: they go so many slabs at once, the others meanwhile step by step.
+*Each* is the time of the kernel's steps by line and slab.
 
-| network | delays to 0, 1, 10, 50, 100 %, ms | slab, ms | slabs in 1 s | lumps | at most | stride | far | each, ns |
-|---|---|---:|---:|---:|---:|---:|---:|---:|
+| network | delays to 0, 1, 10, 50, 100 %, ms | slab, ms | slabs in 1 s | loss elements | at most | stride | far | each,
+ns | |---|---|---:|---:|---:|---:|---:|---:|---:|
 """
 
 

@@ -13,7 +13,7 @@ from tline.solver.loop.march import Stepper
 def compile_for(path: str) -> None:
     scene = read_scene(path)
     shortest = min(line.shortest for line in scene.lines.values())
-    parts = 4 if "cable" in path else 3.3  # cells take whole slabs
+    parts = 4 if "cable" in path else 3.3  # segments take whole slabs
     scene = scene.with_changes(solver={"order": 1, "slab": shortest / parts}, t_end=9 * shortest / parts)
     assembly = assemble(describe(scene), set())
     Stepper(assembly, 9, np.empty((2 * len(assembly.recorded), 2, 9))).compile()

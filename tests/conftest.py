@@ -16,7 +16,7 @@ settings.register_profile("explore")
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeat"))
 
 HERE = Path(__file__).parent
-TO_COMPILE = "town", "y_junction lossy_cable"  # elements and lumps; nothing, and cells: as long each
+TO_COMPILE = "town", "y_junction lossy_cable"  # elements and losses; nothing, and segments: as long each
 
 
 def pytest_configure(config):

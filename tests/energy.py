@@ -36,7 +36,7 @@ class InLoads:
 
     def __init__(self, scene: Scene, assembly: Assembly):
         self.forms = []
-        cells, nodes, net = assembly.resolution.cells, assembly.nodes, assembly.network
+        sections, nodes, net = assembly.resolution.sections, assembly.nodes, assembly.network
         names = list(nodes)
         loads = {load.at: load for load in scene.loads.values() if dynamic(load)}
         for low, high, at in zip(net.group[:-1], net.group[1:], net.load_at, strict=True):
@@ -44,12 +44,12 @@ class InLoads:
                 node = nodes[name]
                 if node.held is None and node.load is not None:
                     beside = sum(
-                        capacitance(scene, line) / 2 / n * ends(scene, line, name) for line, n in cells.items()
+                        capacitance(scene, line) / 2 / n * ends(scene, line, name) for line, n in sections.items()
                     )
                     form = stored(reflection(node.load, 1 / node.total, ""), node.total, loads.get(name), beside)
                     self.forms.append((at, form))
                     at += len(form)
-            for line, n in cells.items():
+            for line, n in sections.items():
                 if scene.lines[line].nodes[0] in names[low:high]:
                     self.forms.append((at, np.eye(2 * n - 1) * capacitance(scene, line) / n / 2))
                     at += 2 * n - 1
@@ -93,9 +93,9 @@ def stored(system: StateSpace, g: float, load: Series | Parallel | None, beside:
     return sum(size / 2 * np.outer(v, v) for size, v in parts)
 
 
-def silent(scene, seed: int, cells: Mapping[str, int] = NONE) -> Assembly:
-    """The scene without sources, its lines filled with random waves; some may be lumped, in so many cells."""
-    chosen = resolution(describe(scene), cells=cells)
+def silent(scene, seed: int, sections: Mapping[str, int] = NONE) -> Assembly:
+    """The scene without sources, its lines filled with random waves; some may be lumped, in so many LC sections."""
+    chosen = resolution(describe(scene), sections=sections)
     assembly = assemble(describe(scene), set(), chosen)
     rng = np.random.default_rng(seed)
     assembly.state.waves[:] = rng.normal(size=assembly.state.waves.shape)

@@ -17,7 +17,7 @@ from tline.solver.run import run
 from tline.solver.simulate import UnresolvedWarning, simulate
 
 CLOSE = 1e-7  # slabs of the finer run; what is nearer to a jump is on either side of it
-LUMPS = 4, 1024  # times as narrow as the finest run's slabs, beside lumps of losses, and at most as the first ones
+LUMPS = 4, 1024  # times as narrow as the finest run's slabs, beside loss elements, and at most as the first ones
 JUMP = 1e-4  # of the range, between two neighbours that far apart as a slab: a front
 
 
@@ -36,7 +36,7 @@ class Kept(NamedTuple):
 def kept(scene: Scene, tol: float, finer: int = 16, order: int = 4) -> Kept:
     """Run a scene to a tolerance and compare all that was told with a run on far narrower slabs.
 
-    Lumps of losses converge slowly: there the reference goes by the finest run, and tells nothing where that is too
+    Loss elements converge slowly: there the reference goes by the finest run, and tells nothing where that is too
     fine.
     """
     with warnings.catch_warnings():

@@ -1,4 +1,4 @@
-"""How errors of lossy lines fall when slabs, and with them lumps, are halved."""
+"""How errors of lossy lines fall when slabs, and with them loss elements, are halved."""
 
 import itertools
 
@@ -34,7 +34,7 @@ def errors(order: int, powers: tuple[int, ...]) -> np.ndarray:
 @pytest.mark.parametrize("order", [1, 3])
 @pytest.mark.parametrize(("powers", "slope"), [((), 1), ((1,), 2), ((1, 2), 3)])
 def test_behind_a_step_each_extrapolation_adds_an_order(monkeypatch, order, powers, slope):
-    """In lumps, which this line would not need: no line may be cut in cells."""
+    """With loss elements, which this line would not need: no line may be cut into segments."""
     monkeypatch.setattr("tline.solver.assembly.lossy_segments.MOST_DIFFERENT", -1)
     found = errors(order, powers)
     fitted = -np.polyfit(np.arange(len(found)), np.log2(found), 1)[0]

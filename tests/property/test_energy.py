@@ -53,11 +53,11 @@ def test_stored_energy_never_grows(seed, order, slab):
 @settings(max_examples=30, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1), order=st.integers(1, 8), slab=st.floats(0.02, 0.49), lumped=st.integers(1, 4),
-    cells=st.integers(1, 3),
+    sections=st.integers(1, 3),
 )  # fmt: skip
-def test_stored_energy_never_grows_in_lumped_lines(seed, order, slab, lumped, cells):
+def test_stored_energy_never_grows_in_lumped_lines(seed, order, slab, lumped, sections):
     scene = random_scene(seed, switches=False, solver={"order": order, "slab": slab})
-    assembly = silent(scene, seed, {f"l{k}": cells for k in range(lumped)})
+    assembly = silent(scene, seed, {f"l{k}": sections for k in range(lumped)})
     in_loads = InLoads(scene, assembly)
     assembly.state.load[:] = np.random.default_rng(seed).normal(size=assembly.state.load.shape)
     start = last = on_lines(assembly) + in_loads(assembly)
@@ -85,8 +85,8 @@ def test_stored_energy_never_grows_with_fronts_under_way(seed, order, slab, sett
     points = [[0, 1], [1.37, 1], [1.37, 0], [2.11, -1], [2.9, 0.3], [silence, 0]]
     table["sources"]["s"]["value"] = {"shape": "piecewise linear", "points": points}
     scene = Scene(**table | {"t_end": t_end})
-    cells = {} if settle is None else {"l0": 1, "l1": 2}
-    assembly = assemble(describe(scene), set(), resolution(describe(scene), cells=cells, settle=settle or 0.0))
+    sections = {} if settle is None else {"l0": 1, "l1": 2}
+    assembly = assemble(describe(scene), set(), resolution(describe(scene), sections=sections, settle=settle or 0.0))
     n = int(t_end / slab)
     steps, in_loads = Stepper(assembly, n, np.zeros((0, 2, n * order))), InLoads(scene, assembly)
     first, last, seen = int(silence / slab) + 1, np.inf, 0

@@ -68,7 +68,7 @@ def test_a_node_that_is_not_there():
 
 @pytest.mark.parametrize("file", ["pipe_friction.toml", "lossy_cable.toml"])
 def test_a_run_to_a_tolerance_with_losses_has_its_envelope(file):
-    """In lumps and in cells; the extremes are those of slabs at least as narrow as the result's."""
+    """With loss elements and in segments; the extremes are those of slabs at least as narrow as the result's."""
     scene = read_scene(Path(__file__).parents[2] / "scenes" / file)
     result = simulate(scene, tol=1e-3, envelope=True)
     assert result.envelope is not None

@@ -59,7 +59,7 @@ def test_networks_with_valves_and_vessels(seed, order, slab):
 @settings(max_examples=8, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), order=st.integers(1, 5), slab=st.sampled_from([0.1, 0.23]), whole=st.booleans())
 def test_networks_with_losses(seed, order, slab, whole):
-    """Whole delays are cut in cells, others have lumps."""
+    """Whole delays are cut into segments, others have loss elements."""
     table = random_scene(seed, sources=True, switches=False, solver={"order": order, "slab": slab}).table()
     for line in table["lines"].values():
         line |= {"length": 1.0, "resistance": 0.3 * line["z0"], "conductance": 0.1 / line["z0"]}
@@ -154,7 +154,7 @@ def test_a_lumped_line_has_its_account():
     )
     result = simulate(scene, ledger=True)
     assert result.ledger is not None
-    assert "stub" in result.resolution.cells
+    assert "stub" in result.resolution.sections
     # the end of the stub is not seen, so what it and the resistor take is told together
     assert result.ledger.of("loads.r and lines.stub").taken == pytest.approx(35e-9 * (2 / 3) ** 2 / 100, rel=1e-4)
 

@@ -52,13 +52,13 @@ def with_friction(seed: int, **scene) -> Scene:
     return Scene(**table | {"medium": "hydraulic", "lines": lines})
 
 
-def in_lumps(assembly: Assembly) -> float:
+def in_losses(assembly: Assembly) -> float:
     """Half the sum of squares of the circuits' states, over z0."""
-    lumps, total = assembly.network.lumps, 0.0
+    losses, total = assembly.network.losses, 0.0
     z0 = [line.z0 for line in assembly.lines.values()]
-    for r in np.flatnonzero(lumps.kind == REMEMBERED):
-        n = lumps.modes[r] * (lumps.first[r + 1] - lumps.first[r])
-        total += float(np.sum(assembly.state.lumps[lumps.memory[r] :][:n] ** 2)) / (2 * z0[lumps.line[r]])
+    for r in np.flatnonzero(losses.kind == REMEMBERED):
+        n = losses.modes[r] * (losses.first[r + 1] - losses.first[r])
+        total += float(np.sum(assembly.state.loss_states[losses.memory[r] :][:n] ** 2)) / (2 * z0[losses.line[r]])
     return total
 
 
@@ -75,19 +75,19 @@ def test_energy_never_grows(seed, make, order, slab, size):
     assembly = assemble(describe(scene), set())
     state = assembly.state
     rng = np.random.default_rng(seed)
-    for part in (state.waves, state.before, state.lumps):
+    for part in (state.waves, state.before, state.loss_states):
         part[:] = size * rng.normal(size=part.shape)
-    state.lumps[:] *= 1e-2  # of the size that waves bring about, or less
+    state.loss_states[:] *= 1e-2  # of the size that waves bring about, or less
     in_loads = InLoads(scene, assembly)
-    start = last = on_lines(assembly) + in_loads(assembly) + in_lumps(assembly)
+    start = last = on_lines(assembly) + in_loads(assembly) + in_losses(assembly)
     for _ in range(SLABS // PART):
         assert advance(assembly.network, state, PART, SILENT, UNRECORDED, 0) == -1
-        now = on_lines(assembly) + in_loads(assembly) + in_lumps(assembly)
+        now = on_lines(assembly) + in_loads(assembly) + in_losses(assembly)
         assert now <= last + 1e-12 * start  # roundings of so many slabs
         last = now
 
 
-@pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")  # of fronts, smeared at lumps
+@pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")  # of fronts, smeared at loss elements
 @pytest.mark.parametrize("seed", range(4))
 def test_a_line_turned_round_gives_the_same(seed):
     scene = lossy(seed, solver={"order": 3, "slab": 0.25}, t_end=8.0)

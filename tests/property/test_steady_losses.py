@@ -21,7 +21,7 @@ FRICTION = {
     "vardy-brown": {"kind": "vardy-brown", **TURBULENT, "reynolds": 1e5},
 }
 CREEP = {"wall_thickness": "1 cm", "creep": [{"compliance": 1e-10, "time": 0.05}]}
-SAME, CIRCUITS = 1e-11, 1e-9  # cells of circuits are known as well as needed beside the circuits' own error
+SAME, CIRCUITS = 1e-11, 1e-9  # segments of circuits are known as well as needed beside the circuits' own error
 LEAK_AND_RESISTANCE = 1e-8
 
 
@@ -66,7 +66,7 @@ def cables(**losses) -> Scene:
 
 def drift(scene: Scene, s: int) -> float:
     """How far any end of a line gets from where it began, relative to the largest effort."""
-    chosen = resolution(describe(scene), s)._replace(fit=1e-4)  # of few terms, which cells are found faster of
+    chosen = resolution(describe(scene), s)._replace(fit=1e-4)  # of few terms, which segments are found faster of
     result = run(describe(scene), chosen, record=scene.lines)
     records = result.lines.values()
     waves = [wave for line in records for wave in (line.a1, line.b1, line.a2, line.b2)]

@@ -21,7 +21,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.Unresolve
 SOLVER = {"order": 4, "slab": 0.12}
 # 170 slabs through some ten operations each; the amplitude is below 2
 SAME = 1e-11
-LUMPED = st.dictionaries(st.sampled_from(["l0", "l1", "l2"]), st.integers(1, 3), max_size=2)  # cells
+LUMPED = st.dictionaries(st.sampled_from(["l0", "l1", "l2"]), st.integers(1, 3), max_size=2)  # LC sections
 
 
 def apart(one: Scene, other: Scene) -> float:
@@ -34,8 +34,8 @@ def apart(one: Scene, other: Scene) -> float:
 
 
 def lumping(scene: Scene, lumped: dict[str, int]) -> Resolution:
-    """As the scene says, with some lines in so many cells, but not the one that is probed."""
-    return resolution(describe(scene), cells={k: n for k, n in lumped.items() if k != scene.probes["p"].line})
+    """As the scene says, with some lines in so many LC sections, but not the one that is probed."""
+    return resolution(describe(scene), sections={k: n for k, n in lumped.items() if k != scene.probes["p"].line})
 
 
 def changed(scene: Scene, **sections) -> Scene:

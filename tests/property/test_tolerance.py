@@ -32,7 +32,7 @@ def test_errors_are_as_told_at_any_instant(seed, kind, tol):
 
 @pytest.mark.parametrize(("seed", "kind"), list(enumerate(KINDS)))
 def test_another_clock_changes_nothing(seed, kind):
-    by, tol = 1.3, 1e-3 if kind == "pipe" else 1e-5  # lumps of friction take long
+    by, tol = 1.3, 1e-3 if kind == "pipe" else 1e-5  # loss elements of friction take long
     scene, later = (random_kinks(seed, kind, delayed) for delayed in (0.0, by))
     one, other = (simulate(each, tol=tol) for each in (scene, later))
     t = np.linspace(0.0, 7.9, 400)
@@ -207,7 +207,7 @@ CORNERS = {
 
 
 @pytest.mark.parametrize("tol", [0.1, 0.04, 0.01, 2e-3])
-def test_two_runs_in_lumps_that_agree_by_accident_are_not_believed(tol):
+def test_two_runs_with_loss_elements_that_agree_by_accident_are_not_believed(tol):
     """From slab to slab the differences here fall by 0.4, 0.6, 0.3, 0.2, 1.1 and 0.7."""
     scene = rubbing(CORNERS)
     result, fine = simulate(scene, tol=tol), run(describe(scene), Resolution(3, 2.0**-11))
@@ -221,7 +221,7 @@ def test_two_runs_in_lumps_that_agree_by_accident_are_not_believed(tol):
             assert off <= told * np.abs(exact).max()
 
 
-def test_lumps_that_will_not_do_are_given_up_soon():
+def test_loss_elements_that_will_not_do_are_given_up_soon():
     """Minutes of ever narrower slabs would not reach what is asked."""
     accuracy = simulate(rubbing(CORNERS), tol=1e-6).accuracy
     assert not accuracy.met

@@ -112,7 +112,7 @@ def test_a_short_line_costs_little_and_the_tolerance_holds(case, source, tol):
     made = CASES[case](value)
     result = simulate(made, tol=tol)
     assert result.accuracy.met
-    assert set(result.resolution.cells) == {case}
+    assert set(result.resolution.sections) == {case}
     assert any(f"'{case}'" in note and "lumped" in note for note in result.notes)
     assert off(made, result, parts) <= 3 * tol
     without = simulate(scene_without(made), tol=tol)
@@ -123,7 +123,7 @@ def test_a_short_line_costs_little_and_the_tolerance_holds(case, source, tol):
 @pytest.mark.parametrize("tol", TOLERANCES)
 @pytest.mark.parametrize("source", SOURCES)
 @pytest.mark.parametrize("delay", ["1 ps", "4 ps", "20 ps"])
-def test_longer_ones_get_more_cells_or_stay_lines(delay, source, tol):
+def test_longer_ones_get_more_sections_or_stay_lines(delay, source, tol):
     value, parts = SOURCES[source]
     made = jumper(value, delay)
     result = simulate(made, tol=tol)
@@ -158,7 +158,7 @@ def test_a_short_line_among_very_long_ones():
     )
     result = simulate(scene)
     assert result.accuracy.met
-    assert set(result.resolution.cells) == {"jumper"}
+    assert set(result.resolution.sections) == {"jumper"}
     plain = simulate(scene_without(scene))
     cost, least = (sum(run.samples for run in r.accuracy.attempts) for r in (result, plain))
     assert cost <= 3 * least
@@ -181,13 +181,13 @@ def test_what_rings_on_stays_a_line():
         },
         probes={"p": {"at": "out"}},
     )
-    assert not simulate(scene).resolution.cells
+    assert not simulate(scene).resolution.sections
 
 
 def test_steady_flow_goes_on_through_a_lumped_line():
     """Nothing moves in a steady state, through inductors neither; a slab's 200 delays of it multiply the rounding."""
     made = jumper({"shape": "constant", "level": 1})
     result = simulate(Scene(**made.table() | {"start": "steady"}))
-    assert result.resolution.cells
+    assert result.resolution.sections
     assert np.abs(result.probes["p"].u - 75 / 125).max() < 1e-12
     assert np.abs(result.probes["p"].y - 1 / 125).max() < 1e-12 / 75

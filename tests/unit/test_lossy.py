@@ -1,4 +1,4 @@
-"""Lumps inside lines: the kernel against its plain twin, maps of circuits, and what scenes with losses refuse."""
+"""Loss elements: the kernel against its plain twin, maps of circuits, and what scenes with losses refuse."""
 
 import re
 
@@ -26,23 +26,23 @@ VISCOUS = {"viscosity": "0.0347 Pa s"}
 
 
 def plainly(assembly, waves, t):
-    """What lumps do in slab t: pair by pair, no memory of before."""
+    """What loss elements do in slab t: pair by pair, no memory of before."""
     net, s = assembly.network, assembly.basis.s
-    lumps, ring = net.lumps, 2 * net.delay[0]
+    losses, ring = net.losses, 2 * net.delay[0]
     slabs = waves.reshape(ring, s).copy()
-    for r in range(len(lumps.line)):
-        for k in range(lumps.first[r], lumps.first[r + 1]):
-            a, b = (t - lumps.place[k] // 2) % ring, (t + (lumps.place[k] + 1) // 2) % ring
-            w = slabs[a] + lumps.sign[r] * slabs[b]
-            if lumps.kind[r] == REMEMBERED:
-                loss = lumps.entries[lumps.at[r] :][: s * s].reshape(s, s) @ w
-            elif lumps.kind[r] == SQUARED:
-                c = lumps.strength[k]
+    for r in range(len(losses.line)):
+        for k in range(losses.first[r], losses.first[r + 1]):
+            a, b = (t - losses.place[k] // 2) % ring, (t + (losses.place[k] + 1) // 2) % ring
+            w = slabs[a] + losses.sign[r] * slabs[b]
+            if losses.kind[r] == REMEMBERED:
+                loss = losses.entries[losses.at[r] :][: s * s].reshape(s, s) @ w
+            elif losses.kind[r] == SQUARED:
+                c = losses.strength[k]
                 loss = w - 2 * w / (1 + np.sqrt(1 + c * np.abs(w)))
             else:
-                loss = lumps.strength[k] * w
+                loss = losses.strength[k] * w
             slabs[a] -= loss
-            slabs[b] -= lumps.sign[r] * loss
+            slabs[b] -= losses.sign[r] * loss
     return slabs.ravel()
 
 
@@ -65,7 +65,7 @@ def test_the_kernel_is_its_plain_twin(scene, order):
         state.slot[0], state.side[0] = slab % 5, slab // 5 % 2
         expected = plainly(assembly, state.waves, slab % 10)
         kernel = Kernel(assembly.network, state)
-        for r, kind in enumerate(assembly.network.lumps.kind):
+        for r, kind in enumerate(assembly.network.losses.kind):
             unit = memory if kind == REMEMBERED else dissipation
             unit(kernel.run(np.empty((0, 0)), np.empty((0, 2, 0))), r, 1)
         assert state.waves == pytest.approx(expected, rel=1e-12, abs=1e-6)

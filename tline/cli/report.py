@@ -9,7 +9,7 @@ from tline.cli.measured import model_as_dict, model_in_words, network_as_dict, n
 from tline.pictures.handy import handy, quantities
 from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.touchstone import Touchstone
-from tline.solver.assembly.loss_elements import lumps_in
+from tline.solver.assembly.loss_elements import loss_elements_in
 from tline.solver.assembly.lossy_segments import fits
 from tline.solver.description.lines import lines_of
 from tline.solver.result.accuracy import Accuracy
@@ -56,7 +56,7 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
         "end_time": float(result.t[-1]),
         "order": result.resolution.s,
         "slab": result.resolution.h,
-        "lumped": dict(result.resolution.cells),
+        "lumped": dict(result.resolution.sections),
         "losses": _losses(result),
         "measured": {
             name: {"file": x.file} | model_as_dict(x.model)
@@ -88,11 +88,11 @@ def _measured_in_words(result: Result) -> list[str]:
 
 
 def _losses(result: Result) -> dict[str, Any]:
-    """Of each lossy line, or of its stretches between cavities, its cells or lumps, and what stands for its laws."""
+    """Of each lossy line, or of its stretches between cavities, its segments or loss elements, and its circuits."""
     told: dict[str, Any] = {}
     lines = lines_of((result.parts or result).scene)
-    in_cells = fits(lines, result.resolution.h)
-    lumps = lumps_in(lines, result.resolution.h, result.resolution.lumps)
+    segmented = fits(lines, result.resolution.h)
+    loss_elements = loss_elements_in(lines, result.resolution.h, result.resolution.loss_elements)
     for name, circuits in result.circuits.items():
         line = lines[name]
         slabs = round(line.delay / result.resolution.h)
@@ -100,8 +100,8 @@ def _losses(result: Result) -> dict[str, Any]:
             {"lumps": 1}
             if line.losses and line.losses.distortionless
             else {"cells": slabs}
-            if in_cells
-            else {"lumps": lumps[name]}
+            if segmented
+            else {"lumps": loss_elements[name]}
         )
         terms = len(circuits.series.rates) + len(circuits.shunt.rates)
         told[name] = parts | {"terms": terms, "error": circuits.error}
@@ -113,8 +113,8 @@ def _losses_in_words(losses: dict[str, Any]) -> list[str]:
     if not losses:
         return []
     parts = [
-        f"up to {most} {kind}"
-        for kind in ("cells", "lumps")
+        f"up to {most} {name}"
+        for kind, name in (("cells", "segments"), ("lumps", "loss elements"))
         if (most := max(each.get(kind, 0) for each in losses.values()))
     ]
     terms, error = (max(each[key] for each in losses.values()) for key in ("terms", "error"))

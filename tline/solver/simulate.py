@@ -43,11 +43,12 @@ def simulate(
     tolerance. The error of a run is its difference to the next finer one; the result is the run before the last.
     Where a higher order leaves more than half of the difference, the slab is halved instead; where laws kink, slabs
     are cut in pieces. Lines far shorter than a
-    slab are lumped, each in as many cells of L and C as the tolerance needs: the next finer run has twice as many. A
+    slab are lumped, each in as many LC sections as the tolerance needs: the next finer run has twice as many. A
     scene that fixes order or slab by hand and asks for no tolerance is run once.
 
-    Losses are lumped inside lines, a lump every two slabs. With them, slabs are halved and the runs extrapolated; the
-    error is the difference to the entry before in Richardson's table (`tline.solver.tolerance.lossy`).
+    Losses are lumped inside lines, a loss element every two slabs. With them, slabs are halved and the runs
+    extrapolated; the error is the difference to the entry before in Richardson's table
+    (`tline.solver.tolerance.lossy`).
 
     Parameters
     ----------

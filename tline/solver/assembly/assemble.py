@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.assembly.layout import Excitation, layout_of
-from tline.solver.assembly.lossy_segments import InCells, cells_of
+from tline.solver.assembly.lossy_segments import SegmentedLine, segments_of
 from tline.solver.assembly.node_maps import maps_of
-from tline.solver.assembly.start import fill_cells, fill_lumped
+from tline.solver.assembly.start import fill_losses, fill_segments
 from tline.solver.description.circuits import Circuits
 from tline.solver.description.description import Description
 from tline.solver.description.groups import Group
@@ -41,7 +41,7 @@ class Assembly:
     start: dict[str, NDArray]  # line name -> (a1, b1, a2, b2) before t = 0, counted from the level
     groups: list[Group]
     circuits: dict[str, Circuits]  # of lossy lines
-    echoes: dict[str, NDArray]  # of lines in cells, what an end sends into itself (s, s)
+    echoes: dict[str, NDArray]  # of lines in segments, what an end sends into itself (s, s)
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
 
     def level_of(self, line: str) -> float:
@@ -60,11 +60,11 @@ def assemble(
     """Turn a description into arrays; `record` names the lines whose end waves are kept."""
     chosen = chosen or resolution(description)
     layout = layout_of(description, chosen, progress=progress)
-    order, groups, in_cells, delay = basis(chosen.s), layout.groups, layout.in_cells, layout.delay
+    order, groups, segmented, delay = basis(chosen.s), layout.groups, layout.segmented, layout.delay
     s, h, q = order.s, layout.h, layout.z0[:, None] * layout.y
-    echoes = [_echoes(group, layout.z0, in_cells) for group in groups]
-    cells, held = cells_of(
-        in_cells, [e if group.elements else _none(group) for e, group in zip(echoes, groups, strict=True)]
+    echoes = [_echoes(group, layout.z0, segmented) for group in groups]
+    segments, held = segments_of(
+        segmented, [e if group.elements else _none(group) for e, group in zip(echoes, groups, strict=True)]
     )
     arriving = (layout.u + [-1, 1] * q).ravel()  # b at end 1, a at end 2
     recorded, record_row = _recorded(list(layout.lines), record)
@@ -88,8 +88,8 @@ def assemble(
         step=step,
         record_row=record_row,
         laws=with_basis(layout.laws, order, h),
-        cells=cells,
-        lumps=layout.lumps,
+        segments=segments,
+        losses=layout.losses,
         blocks=layout.blocks,
     )
     state = State(
@@ -98,14 +98,14 @@ def assemble(
         side=np.zeros(len(delay), np.int64),
         before=np.repeat(arriving[:, None], s, axis=1),
         load=np.concatenate([layout.systems.states, layout.states]),
-        cells=np.zeros(held),
-        lumps=np.zeros(layout.memory),
+        segments=np.zeros(held),
+        loss_states=np.zeros(layout.memory),
     )
     if description.steady and layout.circuits:
         ends = zip(layout.lines.values(), layout.u, layout.y, strict=True)
         flows = {k: Ends(line, u, y) for k, (line, u, y) in enumerate(ends) if line.losses is not None}
-        fill_lumped(network, state, flows, order)
-        fill_cells(network, state, in_cells, flows, order)
+        fill_losses(network, state, flows, order)
+        fill_segments(network, state, segmented, flows, order)
     return Assembly(
         description,
         chosen,
@@ -121,21 +121,21 @@ def assemble(
         layout.start,
         groups,
         layout.circuits,
-        echoes={list(layout.lines)[k]: line.echo for k, line in in_cells.items()},
-        settle=np.array([chosen.settle if group.lumps else 0.0 for group in groups]),
+        echoes={list(layout.lines)[k]: line.echo for k, line in segmented.items()},
+        settle=np.array([chosen.settle if group.lumped_lines else 0.0 for group in groups]),
     )
 
 
-def _echoes(group: Group, z0: NDArray, in_cells: Mapping[int, InCells]) -> list[NDArray | None]:
-    """Of each node of a group at lines in cells: from its effort to what comes back of it at once."""
-    if not in_cells:
+def _echoes(group: Group, z0: NDArray, segmented: Mapping[int, SegmentedLine]) -> list[NDArray | None]:
+    """Of each node of a group at lines in segments: from its effort to what comes back of it at once."""
+    if not segmented:
         return _none(group)
     echoes: list[NDArray | None] = []
     for node in group.nodes:
         felt = [
-            2 * weight * in_cells[end // 2].echo
+            2 * weight * segmented[end // 2].echo
             for end, weight in zip(node.ends, node.weights(z0), strict=True)
-            if end // 2 in in_cells
+            if end // 2 in segmented
         ]
         echoes.append(np.sum(felt, axis=0) if felt else None)
     return echoes

@@ -1,25 +1,25 @@
 """How far the nodes of a network are advanced at once: those that meet only long lines farther than the others.
 
-What leaves a node is not seen elsewhere before the shortest of its lines, or of the gaps between lumps there, has
-passed. All nodes for which that takes a stride or longer go a stride at once, the others meanwhile in short steps.
+What leaves a node is not seen elsewhere before the shortest of its lines, or of the gaps between loss elements there,
+has passed. All nodes for which that takes a stride or longer go a stride at once, the others meanwhile in short steps.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.kernel.network import Blocks, Lumps
+from tline.solver.kernel.network import Blocks, LossElements
 
 LONGEST = 512  # slabs; more at once save nothing
 
 
-def blocks_of(delay: NDArray, first: NDArray, ends: NDArray, group: NDArray, lumps: Lumps) -> Blocks:
+def blocks_of(delay: NDArray, first: NDArray, ends: NDArray, group: NDArray, losses: LossElements) -> Blocks:
     """The blocks of a network; for the arrays see `Network`."""
-    reach = lumps.gap if len(lumps.gap) else delay
+    reach = losses.gap if len(losses.gap) else delay
     degree = np.diff(first)
     of_node = np.minimum.reduceat(np.append(reach[ends >> 1], LONGEST), first[:-1])
     of_group = np.minimum.reduceat(np.where(degree > 0, of_node, LONGEST), group[:-1])
     stride = _stride(of_group, np.add.reduceat(degree, group[:-1]))
-    groups, lines, rows = of_group >= stride, reach >= stride, reach[lumps.line] >= stride
+    groups, lines, rows = of_group >= stride, reach >= stride, reach[losses.line] >= stride
     return Blocks(
         stride,
         step=int(reach[~lines].min(initial=stride)),

@@ -82,7 +82,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], p
         AT_NODE,
         h,
         int(assembly.follows_edges),
-        _at_cells(network),
+        _at_segments(network),
         assembly.settle / h,
         np.full(len(assembly.settle), -np.inf),
         np.where(network.shift_row >= 0, delays / h - network.delay, 0.0),
@@ -114,9 +114,9 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], p
     )
 
 
-def _at_cells(network: Network) -> NDArray:
-    """Whether a line in cells ends at a group, shape (G,)."""
-    here = np.isin(network.ends // 2, network.cells.line)
+def _at_segments(network: Network) -> NDArray:
+    """Whether a line in segments ends at a group, shape (G,)."""
+    here = np.isin(network.ends // 2, network.segments.line)
     ends = network.first[network.group]
     return np.diff(np.concatenate([[0], np.cumsum(here)])[ends]) > 0
 

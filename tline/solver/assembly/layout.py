@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from tline.progress import Progress
 from tline.solver.assembly.blocks import blocks_of
-from tline.solver.assembly.loss_elements import lumps_of
-from tline.solver.assembly.lossy_segments import InCells, lines_in_cells
+from tline.solver.assembly.loss_elements import loss_elements_of
+from tline.solver.assembly.lossy_segments import SegmentedLine, segmented_lines
 from tline.solver.assembly.node_maps import GroupSystems, systems_of
 from tline.solver.assembly.start import tables_of
 from tline.solver.description.circuits import Circuits, circuits_of, fit_of
@@ -22,7 +22,7 @@ from tline.solver.description.laws import laws_of, states_of
 from tline.solver.description.lines import Line
 from tline.solver.description.nodes import NONE, Node
 from tline.solver.description.resolution import WHOLE, Resolution
-from tline.solver.kernel.network import Blocks, Laws, Lumps
+from tline.solver.kernel.network import Blocks, Laws, LossElements
 from tline.solver.radau import basis
 from tline.solver.steady.lossy_lines import Table
 from tline.solver.steady.steady_state import above_level, rest
@@ -44,9 +44,9 @@ class Layout:
     shift_row: NDArray  # (L,) row of the fractional rest of the delay, -1 if there is none
     rests: list[float]  # those that differ, in slabs
     circuits: dict[str, Circuits]  # of lossy lines
-    in_cells: dict[int, InCells]  # lossy lines in cells
-    lumps: Lumps
-    memory: int  # states of the lumps
+    segmented: dict[int, SegmentedLine]  # lossy lines in segments
+    losses: LossElements
+    memory: int  # states of the loss elements
     groups: list[Group]
     nodes: dict[str, Node]  # group by group
     u: NDArray  # (L, 2) efforts before t = 0 at the ends of lines, counted from the level
@@ -85,8 +85,8 @@ def layout_of(description: Description, chosen: Resolution, *, progress: bool = 
         Show a bar on stderr if this takes long.
     """
     known = _kept.setdefault(description, {})
-    losses = (chosen.s, chosen.fit, chosen.band, chosen.lumps) if description.lossy else ()
-    key = chosen.h, tuple(chosen.cells.items()), losses
+    losses = (chosen.s, chosen.fit, chosen.band, chosen.loss_elements) if description.lossy else ()
+    key = chosen.h, tuple(chosen.sections.items()), losses
     if key not in known:
         while len(known) >= LAYOUTS:
             known.pop(next(iter(known)))
@@ -97,20 +97,20 @@ def layout_of(description: Description, chosen: Resolution, *, progress: bool = 
 def _laid_out(description: Description, chosen: Resolution, progress: bool) -> Layout:
     order, h, steady = basis(chosen.s), chosen.h, description.steady
     with Progress(STAGES, "stage", progress, "assembling") as bar:
-        lines = {name: line for name, line in description.lines.items() if name not in chosen.cells}
+        lines = {name: line for name, line in description.lines.items() if name not in chosen.sections}
         delay, shift_row, rests = _delays(lines, h)
         circuits = _circuits(description, lines, chosen)
-        in_cells = lines_in_cells(lines, circuits, order, h)
-        delay[list(in_cells)] = 1
-        lumps, memory = lumps_of(lines, circuits, delay, order, h, chosen.lumps, in_cells)
+        segmented = segmented_lines(lines, circuits, order, h)
+        delay[list(segmented)] = 1
+        losses, memory = loss_elements_of(lines, circuits, delay, order, h, chosen.loss_elements, segmented)
         bar.update()
-        effort, y = _before_start(description, tables_of(lumps, list(lines)))
+        effort, y = _before_start(description, tables_of(losses, list(lines)))
         u = np.array([[effort[at] for at in line.nodes] for line in description.lines.values()])
         bar.update()
         begin = zip(description.lines, zip(u[:, 0].tolist(), y[:, 0].tolist(), strict=True), strict=True)
-        groups, nodes = description.grouped(chosen.cells, dict(begin) if chosen.cells else NONE)
+        groups, nodes = description.grouped(chosen.sections, dict(begin) if chosen.sections else NONE)
         z0 = np.array([line.z0 for line in lines.values()])
-        if chosen.cells:
+        if chosen.sections:
             kept = np.array([name in lines for name in description.lines])
             u, y = u[kept], y[kept]
         ends = np.array([end for node in nodes.values() for end in node.ends])
@@ -123,7 +123,7 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
             arriving = (u + [-1, 1] * z0[:, None] * y).ravel()
             thevenin = np.bincount(np.repeat(np.arange(len(nodes)), degree), weight * arriving[ends], len(nodes))
             thevenin += [sum(share * just_before(waveform) for waveform, share in parts) for parts in drives]
-        systems = systems_of(groups, h, thevenin, in_cells)
+        systems = systems_of(groups, h, thevenin, segmented)
         driven = np.array([bool(parts) for parts in drives])
         drives = list(filter(None, drives))
         elements = [group.elements for group in groups]
@@ -136,8 +136,8 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         shift_row,
         rests,
         circuits,
-        in_cells,
-        lumps,
+        segmented,
+        losses,
         memory,
         groups,
         nodes,
@@ -153,7 +153,7 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         systems=systems,
         laws=laws,
         states=states_of([e for group in elements for e in group], effort),
-        blocks=blocks_of(delay, first, ends, group, lumps),
+        blocks=blocks_of(delay, first, ends, group, losses),
     )
 
 

@@ -1,11 +1,11 @@
-"""Losses of lines as lumps inside them: where they stand, and what each takes away.
+"""Loss elements of lines: their places, and the effort that each takes away.
 
-A lump of series impedance Z sees 2 z0 y + Z y = a - b and takes e = Z y; one of shunt admittance Y sees
+A loss element of series impedance Z sees 2 z0 y + Z y = a - b and takes e = Z y; one of shunt admittance Y sees
 2 u + z0 Y u = a + b and takes e = z0 Y u. Both read 2 q + ζ q = w, e = w - 2 q, with ζ = Z/z0 or z0 Y.
 
-Where they are not too many, lumps stand half a slab apart, so that every slab of one wave meets every slab of the
-other: what a jump leaves behind then changes from slab to slab alike, and errors at slab ends are smooth. None stands
-at an end, so the outermost take what lies before them, too: as an open trapezoidal rule of second order.
+Where they are not too many, loss elements stand half a slab apart, so that every slab of one wave meets every slab of
+the other: what a jump leaves behind then changes from slab to slab alike, and errors at slab ends are smooth. None
+stands at an end, so the outermost take what lies before them, too: as an open trapezoidal rule of second order.
 """
 
 from collections.abc import Collection, Mapping
@@ -20,7 +20,7 @@ from tline.loss.losses import Losses
 from tline.solver.description.circuits import Circuits, one_step
 from tline.solver.description.lines import Line
 from tline.solver.description.resolution import WHOLE
-from tline.solver.kernel.network import CONSTANT, NO_LUMPS, REMEMBERED, SQUARED, TABLED, Lumps
+from tline.solver.kernel.network import CONSTANT, NO_LOSSES, REMEMBERED, SQUARED, TABLED, LossElements
 from tline.solver.radau import Basis
 
 LOWEST, HIGHEST, POINTS = -10, 34, 256  # octaves of a wave in a table, and points in each
@@ -29,7 +29,7 @@ EMPTY = np.empty(0)
 
 
 class _Law(NamedTuple):
-    """What equal lumps of one line do: kind, sign, strength, entries and modes as in `Lumps`."""
+    """Law of equal loss elements of one line: kind, sign, strength, entries and modes as in `LossElements`."""
 
     kind: int
     sign: float
@@ -39,15 +39,15 @@ class _Law(NamedTuple):
 
 
 class _Row(NamedTuple):
-    """Equal lumps of one line."""
+    """Equal loss elements of one line."""
 
     line: int
     place: NDArray
     law: _Law
 
 
-def lumps_in(lines: Mapping[str, Line], h: float, most: int) -> dict[str, int]:
-    """Number of places of lumps in lossy lines: between any two slabs that meet inside, if these are not too many."""
+def loss_elements_in(lines: Mapping[str, Line], h: float, most: int) -> dict[str, int]:
+    """Places of loss elements in each lossy line: where any two slabs meet inside, if these are not too many."""
     delays = {name: line.delay for name, line in lines.items() if line.losses is not None}
     longest = max(delays.values(), default=0.0)
     return {
@@ -56,7 +56,7 @@ def lumps_in(lines: Mapping[str, Line], h: float, most: int) -> dict[str, int]:
     }
 
 
-def lumps_of(
+def loss_elements_of(
     lines: Mapping[str, Line],
     circuits: Mapping[str, Circuits],
     delay: NDArray,
@@ -64,8 +64,8 @@ def lumps_of(
     h: float,
     most: int,
     without: Collection[int],
-) -> tuple[Lumps, int]:
-    """All lumps of a scene, and the number of their states.
+) -> tuple[LossElements, int]:
+    """All loss elements of a scene, and the number of their states.
 
     Parameters
     ----------
@@ -75,20 +75,20 @@ def lumps_of(
     delay : ndarray, shape (lines,)
         Whole slabs of each delay.
     most : int
-        Lumps of one law in the longest line.
+        Loss elements of one law in the longest line.
     without : collection of int
-        Numbers of lines whose losses are not lumped.
+        Numbers of lines whose losses have no loss elements.
     """
     rows: list[_Row] = []
-    count = lumps_in(lines, h, most)
+    count = loss_elements_in(lines, h, most)
     for k, (name, line) in enumerate(lines.items()):
         if line.losses is not None and k not in without:
             rows += _rows(k, line, circuits[name], int(delay[k]), count[name], order, h)
     if not rows:
-        return NO_LUMPS, 0
+        return NO_LOSSES, 0
     laws, size = [row.law for row in rows], [len(row.place) for row in rows]
     states = np.cumsum([0, *(law.modes * n for law, n in zip(laws, size, strict=True))])
-    lumps = Lumps(
+    losses = LossElements(
         gap=_gaps(rows, delay),
         line=np.array([row.line for row in rows]),
         kind=np.array([law.kind for law in laws]),
@@ -101,11 +101,11 @@ def lumps_of(
         entries=np.concatenate([law.entries for law in laws]),
         memory=states[:-1],
     )
-    return lumps, int(states[-1])
+    return losses, int(states[-1])
 
 
 def _gaps(rows: list[_Row], delay: NDArray) -> NDArray:
-    """Of each line the slabs in which nothing passes two lumps, or a lump and an end; its delay if it has no lumps."""
+    """Slabs in which nothing passes from one loss element, or end, of a line to another; its delay if it has none."""
     places: dict[int, set[bytes]] = {}
     for row in rows:
         places.setdefault(row.line, set()).add(row.place.tobytes())
@@ -120,7 +120,7 @@ def _gaps(rows: list[_Row], delay: NDArray) -> NDArray:
 
 
 def _rows(k: int, line: Line, circuits: Circuits, delay: int, count: int, order: Basis, h: float) -> list[_Row]:
-    """Lumps at whole slabs, then those between in reverse order, so that laws that do not commute take turns."""
+    """Loss elements at whole slabs, then those between in reverse order, for laws that do not commute."""
     losses, z0 = line.losses, line.z0
     assert losses is not None
     if losses.distortionless:
@@ -143,7 +143,7 @@ def _rows(k: int, line: Line, circuits: Circuits, delay: int, count: int, order:
 
 @lru_cache(1024)
 def shares(count: int, even: bool) -> NDArray:
-    """Of the losses of a line, what each of its lumps stands for; all the same if one table or circuit does for all."""
+    """Share of each loss element in the losses of its line; equal if one table or circuit does for all."""
     if even or count == 1:
         return np.full(count, 1 / count)
     share = np.full(count, 1 / (count + 1))
@@ -175,7 +175,7 @@ def _friction(losses: Losses, z0: float, share: Any) -> list[_Law]:
 
 
 def tabled(losses: Losses, z0: float, share: float) -> NDArray:
-    """e/w of a lump over the logarithm of |w|, as the kernel looks it up; between 0 and 1, so it stays passive.
+    """e/w of a loss element over the logarithm of |w|, as the kernel looks it up; between 0 and 1, so it stays passive.
 
     The flow in 2 z0 y + share F(y) = w is found by halving: the left side rises, though it may jump.
     """

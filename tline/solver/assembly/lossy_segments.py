@@ -1,9 +1,9 @@
-"""Lossy lines in cells one slab long, each advanced by its exact evolution over a slab, projected on polynomials.
+"""Lossy lines in segments one slab long, each advanced by its exact evolution over a slab, projected on polynomials.
 
-What a cell holds (a, b and the memories of its circuits over x) and what enters it during a slab (a at its left end, b
-at its right end, over t) are polynomials of degree s - 1; so is, after projection, what it holds a slab later, and what
-has left it. The equations dissipate and the projections lose energy, so a cell cannot create any. There is no other
-error: a front that enters on a slab's edge leaves on one, and all between is smooth.
+What a segment holds (a, b and the memories of its circuits over x) and what enters it during a slab (a at its left end,
+b at its right end, over t) are polynomials of degree s - 1; so is, after projection, what it holds a slab later, and
+what has left it. The equations dissipate and the projections lose energy, so a segment cannot create any. There is no
+other error: a front that enters on a slab's edge leaves on one, and all between is smooth.
 """
 
 from collections.abc import Mapping
@@ -18,16 +18,16 @@ from tline.loss.foster import Foster
 from tline.solver.description.circuits import Circuits
 from tline.solver.description.lines import Line
 from tline.solver.description.resolution import WHOLE
-from tline.solver.kernel.network import Cells
+from tline.solver.kernel.network import Segments
 from tline.solver.radau import Basis, Matrix
 
-MOST_DIFFERENT = 50  # cells, for each takes some hundredths of a second to find
+MOST_DIFFERENT = 50  # segments, for each takes some hundredths of a second to find
 
 Plain = tuple[float, float, tuple[float, ...], tuple[float, ...]]  # a circuit as what makes it
 
 
-class Cell(NamedTuple):
-    """Maps of a cell over a slab: n fields at s points each; what enters or leaves is b at the left, a at the right."""
+class Segment(NamedTuple):
+    """Maps of a segment over a slab, of n fields at s points each; b leaves at the left, a at the right."""
 
     held: Matrix  # (n s, n s) from what it holds to what it holds a slab later
     entered: Matrix  # (n s, 2 s) from what enters (a, b) to what it holds then
@@ -35,40 +35,40 @@ class Cell(NamedTuple):
     back: Matrix  # (s, s) from what enters at an end to what leaves at the same end
 
 
-def cell(series: Foster, shunt: Foster, h: float, s: int) -> Cell:
-    """The cell of a line with circuits given per metre, for slabs of h seconds."""
+def segment(series: Foster, shunt: Foster, h: float, s: int) -> Segment:
+    """The segment of a line with circuits given per metre, for slabs of h seconds."""
     plain = [
         (law.loss, law.storage, tuple(law.strengths.tolist()), tuple(law.rates.tolist())) for law in (series, shunt)
     ]
-    return _cell(*plain, h, s)
+    return _segment(*plain, h, s)
 
 
 @lru_cache(maxsize=256)
-def _cell(series: Plain, shunt: Plain, h: float, s: int) -> Cell:
+def _segment(series: Plain, shunt: Plain, h: float, s: int) -> Segment:
     from tline.solver.assembly.evolution import evolution
 
     whole = evolution(Foster(*series), Foster(*shunt), h, s)
     inside = len(whole) - 2 * s
-    return Cell(
+    return Segment(
         whole[:inside, :inside], whole[:inside, inside:], whole[inside:, :inside], whole[inside + s :, inside:-s]
     )
 
 
-class InCells(NamedTuple):
-    """A line in cells, and what of a wave sent from an end its own node feels in the same slab."""
+class SegmentedLine(NamedTuple):
+    """A line in segments, and what of a wave sent from an end its own node feels in the same slab."""
 
     number: int
-    cell: Cell
+    segment: Segment
     memories: tuple[int, int]  # of the series and of the shunt circuit
 
     @property
     def echo(self) -> Matrix:
-        """Q = K/(1 + K) of `pass_cells`, shape (s, s)."""
-        return np.linalg.solve(np.eye(len(self.cell.back)) + self.cell.back, self.cell.back)
+        """Q = K/(1 + K) of `advance_segments`, shape (s, s)."""
+        return np.linalg.solve(np.eye(len(self.segment.back)) + self.segment.back, self.segment.back)
 
     def maps(self) -> Matrix:
-        """All maps in the order of `Cells.maps`."""
-        held, entered, left, K = self.cell
+        """All maps in the order of `Segments.maps`."""
+        held, entered, left, K = self.segment
         one = np.eye(len(K))
         X, R = np.linalg.inv(one - K @ K), np.linalg.inv(one + K)
         next_, then = np.vstack([held, left @ held]), np.vstack([entered, left @ entered])
@@ -76,7 +76,7 @@ class InCells(NamedTuple):
 
 
 def fits(lines: Mapping[str, Line], h: float) -> bool:
-    """Whether all lossy lines can be cut in cells: linear ones whose delay is whole slabs, unless too many differ."""
+    """Whether all lossy lines fit segments: linear ones whose delay is whole slabs, unless too many differ."""
     different: set[tuple[Law, Law]] = set()
     for line in lines.values():
         if line.losses is not None and not line.losses.distortionless:
@@ -91,21 +91,21 @@ def _fits(line: Line, h: float) -> bool:
     return line.losses is not None and line.losses.linear and abs(slabs - round(slabs)) <= WHOLE * slabs
 
 
-def lines_in_cells(
+def segmented_lines(
     lines: Mapping[str, Line], circuits: Mapping[str, Circuits], order: Basis, h: float
-) -> dict[int, InCells]:
-    """Lines that are cut in cells, by their numbers; none where one does not fit."""
-    found: dict[int, InCells] = {}
+) -> dict[int, SegmentedLine]:
+    """Lines that are cut into segments, by their numbers; none where one does not fit."""
+    found: dict[int, SegmentedLine] = {}
     for k, (name, line) in enumerate(lines.items() if fits(lines, h) else ()):
         if line.losses is not None and not line.losses.distortionless:
             series, shunt, _ = circuits[name]
-            made = cell(series, shunt, h, order.s)
-            found[k] = InCells(round(line.delay / h), made, (len(series.rates), len(shunt.rates)))
+            made = segment(series, shunt, h, order.s)
+            found[k] = SegmentedLine(round(line.delay / h), made, (len(series.rates), len(shunt.rates)))
     return found
 
 
-def cells_of(lines: Mapping[int, InCells], groups: list[list[NDArray | None]]) -> tuple[Cells, int]:
-    """All lines in cells by their numbers, and how many values they hold.
+def segments_of(lines: Mapping[int, SegmentedLine], groups: list[list[NDArray | None]]) -> tuple[Segments, int]:
+    """All lines in segments by their numbers, and how many values they hold.
 
     Parameters
     ----------
@@ -114,12 +114,12 @@ def cells_of(lines: Mapping[int, InCells], groups: list[list[NDArray | None]]) -
     """
     rows = list(lines.values())
     maps, echoes = [row.maps() for row in rows], [echo for group in groups for echo in group]
-    held = np.array([len(row.cell.held) for row in rows], int)
+    held = np.array([len(row.segment.held) for row in rows], int)
     number = np.array([row.number for row in rows], int)
-    values = np.cumsum([0, *(row.number * sum(row.cell.left.shape) + len(row.cell.left) for row in rows)])
+    values = np.cumsum([0, *(row.number * sum(row.segment.left.shape) + len(row.segment.left) for row in rows)])
     felt = np.array([echo is not None for echo in echoes])
-    size = len(rows[0].cell.back) ** 2 if rows else 0
-    cells = Cells(
+    size = len(rows[0].segment.back) ** 2 if rows else 0
+    segments = Segments(
         line=np.array(list(lines), int),
         number=number,
         held=held,
@@ -130,4 +130,4 @@ def cells_of(lines: Mapping[int, InCells], groups: list[list[NDArray | None]]) -
         echo_at=np.where(felt, (np.cumsum(felt) - 1) * size, -1),
         echo=np.concatenate([np.empty(0), *(echo.T.ravel() for echo in echoes if echo is not None)]),
     )
-    return cells, int(values[-1])
+    return segments, int(values[-1])

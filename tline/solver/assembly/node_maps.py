@@ -23,15 +23,15 @@ class GroupSystems(NamedTuple):
     changes: list[tuple[float, int, int]]  # (instant in slabs, group, row of the map), sorted
 
 
-def systems_of(groups: list[Group], h: float, thevenin: NDArray | None, in_cells: Collection[int]) -> GroupSystems:
+def systems_of(groups: list[Group], h: float, thevenin: NDArray | None, segmented: Collection[int]) -> GroupSystems:
     """State spaces of groups.
 
     Parameters
     ----------
     thevenin : ndarray, shape (nodes,), or None
         Waves under which they are steady at the start; without them the liquid stands still.
-    in_cells : collection of int
-        Numbers of lines in cells, which linear groups answer by a map even without states.
+    segmented : collection of int
+        Numbers of lines in segments, which linear groups answer by a map even without states.
     """
     load_at, step_row = np.full(len(groups), -1), np.full(len(groups), -1)
     systems: list[StateSpace] = []
@@ -41,7 +41,7 @@ def systems_of(groups: list[Group], h: float, thevenin: NDArray | None, in_cells
     first = filled = 0
     for g, group in enumerate(groups):
         last = first + len(group.nodes)
-        if group.dynamic or (in_cells and not group.elements and _at_cells(group, in_cells)):
+        if group.dynamic or (segmented and not group.elements and _at_segments(group, segmented)):
             load_at[g], step_row[g] = filled, len(systems)
             states.append(group.standing() if thevenin is None else group.at_rest_under(thevenin[first:last]))
             filled += len(states[-1])
@@ -55,15 +55,15 @@ def systems_of(groups: list[Group], h: float, thevenin: NDArray | None, in_cells
     return GroupSystems(load_at, step_row, step_states, np.concatenate(states), systems, of_group, sorted(changes))
 
 
-def _at_cells(group: Group, in_cells: Collection[int]) -> bool:
-    return any(end // 2 in in_cells for node in group.nodes for end in node.ends)
+def _at_segments(group: Group, segmented: Collection[int]) -> bool:
+    return any(end // 2 in segmented for node in group.nodes for end in node.ends)
 
 
 def maps_of(found: GroupSystems, order: Basis, h: float, echoes: list[list[NDArray | None]]) -> tuple[NDArray, NDArray]:
     """Maps over a slab from (Thévenin waves, state) to (efforts, next state), one after the other; and their places.
 
-    `echoes` has for each node of each linear group a matrix (s, s) from its effort to what lines in cells send back at
-    once, or None.
+    `echoes` has for each node of each linear group a matrix (s, s) from its effort to what lines in segments send back
+    at once, or None.
     """
     maps = [
         echoed(load_step(system, order, h), echoes[g]).ravel()

@@ -22,10 +22,10 @@ def largest_group(network: Network) -> tuple[int, int, int]:
 
 def work_for(network: Network, state: State) -> Work:
     """Workspace of the loop over blocks, and of all units that it calls."""
-    s, laws, cells = state.before.shape[1], network.laws, network.cells
+    s, laws, segments = state.before.shape[1], network.laws, network.segments
     nodes, states, elements = largest_group(network)
     tile, n = max(SAMPLES // s, 1), nodes + elements
-    held = int((cells.held + 2 * s).max(initial=0))
+    held = int((segments.held + 2 * s).max(initial=0))
     at_points = {name: np.empty(s) for name in AT_POINTS}
     system, integral = np.zeros((s, s + 1)), np.empty(s + 1)
     store = Store(
@@ -51,7 +51,7 @@ def work_for(network: Network, state: State) -> Work:
         newton=newton,
         pair=np.empty(s * ABREAST),
         out=np.empty(s * ABREAST),
-        enter=np.empty(2 * s * int(cells.number.max(initial=0))),
+        enter=np.empty(2 * s * int(segments.number.max(initial=0))),
         leave=np.empty(held),
     )
 

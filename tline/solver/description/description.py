@@ -19,7 +19,7 @@ from tline.solver.description.active import active_parts
 from tline.solver.description.elements import BREAKING, Element, elements_of
 from tline.solver.description.excitation import Shape
 from tline.solver.description.given import MEDIA, End, Height, Medium, Scene
-from tline.solver.description.groups import Group, Lump, grouped
+from tline.solver.description.groups import Group, LumpedLine, grouped
 from tline.solver.description.lines import Line, lines_of
 from tline.solver.description.multiport import PlacedPorts
 from tline.solver.description.nodes import NONE, Node, nodes_of
@@ -169,20 +169,22 @@ class Description:
         return active_parts(self.scene)
 
     def grouped(
-        self, cells: Mapping[str, int] = NONE, started: Mapping[str, tuple[float, float]] = NONE
+        self, sections: Mapping[str, int] = NONE, started: Mapping[str, tuple[float, float]] = NONE
     ) -> tuple[list[Group], dict[str, Node]]:
         """Groups of nodes that something joins, and the nodes in their order.
 
         Parameters
         ----------
-        cells : mapping of str to int
+        sections : mapping of str to int
             Of lumped lines.
         started : mapping of str to pair of float
             Effort and flow of these before t = 0.
         """
-        nodes = nodes_of(self.scene, self.lines, self.ends, cells) if cells else self.nodes
-        lumps = [Lump(name, self.lines[name], n, *started.get(name, (0.0, 0.0))) for name, n in cells.items()]
-        return grouped(nodes, lumps, self.elements, self.ends, self.multiports)
+        nodes = nodes_of(self.scene, self.lines, self.ends, sections) if sections else self.nodes
+        lumped_lines = [
+            LumpedLine(name, self.lines[name], n, *started.get(name, (0.0, 0.0))) for name, n in sections.items()
+        ]
+        return grouped(nodes, lumped_lines, self.elements, self.ends, self.multiports)
 
     def check_linear(self, what: str) -> None:
         """Refuse non-linear elements, and links that are no multiports.

@@ -86,8 +86,8 @@ def inventory_of(description: Description, group: Group, h: float, t_end: float)
         nodes = tuple(group.nodes[p].name for p in part.nodes)
         found.members.append(Member(part.where, nodes, TAKEN, steady or part.where in description.active))
     found.members.extend(_non_linear(element) for element in group.elements)
-    for lump in group.lumps:
-        found.members.append(Member(place("lines", lump.name), lump.line.nodes, TAKEN, steady, to_air=False))
+    for lumped in group.lumped_lines:
+        found.members.append(Member(place("lines", lumped.name), lumped.line.nodes, TAKEN, steady, to_air=False))
     return found
 
 

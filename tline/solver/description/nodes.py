@@ -233,7 +233,7 @@ def lowered(pressure: Shape, level: float) -> Shape:
 
 
 def nodes_of(
-    scene: Scene, lines: Mapping[str, Line], coupled: Iterable[End], cells: Mapping[str, int] = NONE
+    scene: Scene, lines: Mapping[str, Line], coupled: Iterable[End], sections: Mapping[str, int] = NONE
 ) -> dict[str, Node]:
     """The nodes of a scene by name, in the order in which lines and links name them.
 
@@ -242,7 +242,7 @@ def nodes_of(
     lines : mapping of str to Line
     coupled : iterable of End
         Both ends of all coupled conductors.
-    cells : mapping of str to int
+    sections : mapping of str to int
         Of lumped lines.
 
     Raises
@@ -259,12 +259,12 @@ def nodes_of(
             if at not in nodes:
                 nodes[at] = Node(at)
             node = nodes[at]
-            if name in cells:
+            if name in sections:
                 node.lumped += admittance
             else:
                 node.ends.append(2 * kept + side)
                 node.lines += admittance
-        kept += name not in cells
+        kept += name not in sections
     for end in coupled:
         for at, conductance in zip(end.conductors, np.diag(end.modes.admittance), strict=True):
             nodes.setdefault(at, Node(at)).lumped += float(conductance)
@@ -282,7 +282,7 @@ def nodes_of(
         nodes[source.at].prescribe(source, place("sources", name))
     for name, load in scene.loads.items():
         nodes[load.at].attach(load, place("loads", name))
-    for name, n in cells.items():
+    for name, n in sections.items():
         from passivity import RationalFunction
 
         half = Fraction(lines[name].delay) / (2 * n * Fraction(lines[name].z0))

@@ -16,7 +16,7 @@ ORDER = 5
 FIT = 1e-7
 HELD = 0.5  # cycles per slab up to which circuits hold
 BAND = 2.0  # cycles per slab beyond which they are not asked to
-LUMPS, ALL_LUMPS = 64, 2**31
+LOSS_ELEMENTS, ALL_LOSS_ELEMENTS = 64, 2**31
 POINTS = 2  # of a slab, at least, in the time scale of what is to be resolved
 SLABS_PER_DELAY, SLABS_PER_RUN = 4, 500  # at least, where they cost little
 SLABS_FOR_FRONTS = 20_000  # at most, to give the short pieces of waveforms slabs of their own
@@ -38,24 +38,24 @@ class Resolution(NamedTuple):
     h: float
     notes: tuple[str, ...] = ()
     blind: bool = False  # whether an oscillation may pass unseen, so that no comparison with another order tells
-    cells: Mapping[str, int] = NONE  # of each lumped line
+    sections: Mapping[str, int] = NONE  # of each lumped line
     settle: float = 0.0  # time in which these settle after a front, s
     fit: float = FIT  # tolerance of the circuits of lossy lines, relative
     band: float = HELD  # of these, cycles per slab at which it ends, at least
-    lumps: int = ALL_LUMPS  # of one law in the longest line, at most, and in others by their delay
+    loss_elements: int = ALL_LOSS_ELEMENTS  # of one law in the longest line, at most, and in others by their delay
 
 
 def resolution(
     description: Description,
     s: int | None = None,
     h: float | None = None,
-    cells: Mapping[str, int] = NONE,
+    sections: Mapping[str, int] = NONE,
     settle: float = 0.0,
 ) -> Resolution:
     """Order and slab width of a scene, if they are not given, and notes on what is too fast for them.
 
-    `cells` are those of lumped lines, which ask for no slabs. A slab is to be longer, if the lines allow it, than the
-    time in which lumped lines settle after a front.
+    `sections` are those of lumped lines, which ask for no slabs. A slab is to be longer, if the lines allow it, than
+    the time in which lumped lines settle after a front.
 
     Raises
     ------
@@ -63,10 +63,10 @@ def resolution(
         The waves under way would not fit in memory, or the run has too many slabs or ends within the first.
     """
     lines, fixed, t_end = description.lines, description.scene.solver, description.t_end
-    delays = {name: line.delay for name, line in lines.items() if name not in cells}
+    delays = {name: line.delay for name, line in lines.items() if name not in sections}
     s = s or fixed.order or ORDER
     by_hand = h is None and fixed.slab is not None
-    lumps = LUMPS if h is None and not by_hand else ALL_LUMPS
+    loss_elements = LOSS_ELEMENTS if h is None and not by_hand else ALL_LOSS_ELEMENTS
     scales = description.time_scales
     h = h or float(fixed.slab or 0.0) or _slab(description, delays, scales, settle)
     _check(t_end, delays, s, h, by_hand)
@@ -78,7 +78,13 @@ def resolution(
         if scale < seen
     ]
     return Resolution(
-        s, h, tuple(notes), any(period < seen for _, period in scales.values()), cells, settle, lumps=lumps
+        s,
+        h,
+        tuple(notes),
+        any(period < seen for _, period in scales.values()),
+        sections,
+        settle,
+        loss_elements=loss_elements,
     )
 
 
@@ -149,7 +155,7 @@ def _breaks(description: Description) -> list[float]:
 def _dividing(delays: list[float], lossy: list[float], marks: list[float], wanted: float, affordable: float) -> int:
     """The fewest parts of the shortest delay that divide all delays and marks, or else some of them; 0 for too many.
 
-    Rather those of lossy lines than others: fronts are not followed past lumps inside slabs.
+    Rather those of lossy lines than others: fronts are not followed past loss elements inside slabs.
     """
     shortest = min(delays)
     most = int(shortest / max(wanted / FINER, affordable)) or 1

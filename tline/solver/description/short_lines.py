@@ -63,7 +63,7 @@ def _far_shorter(description: Description, kept: set[str]) -> list[str]:
         if bound < floor and bound * SLABS_PER_DELAY < SHORT * longer:
             short = [name for name, delay in delays.items() if delay <= bound]
             try:
-                if bound < SHORT * resolution(description, cells=dict.fromkeys(short, 1)).h:
+                if bound < SHORT * resolution(description, sections=dict.fromkeys(short, 1)).h:
                     return short
             except InputError:  # the others want too much, too
                 continue
@@ -72,19 +72,19 @@ def _far_shorter(description: Description, kept: set[str]) -> list[str]:
 
 def _restless(description: Description, short: list[str]) -> tuple[set[str], float]:
     """Those of them that lie in a group which settles too slowly, or is too large; and how slowly the others settle."""
-    cells = dict.fromkeys(short, 1)
+    sections = dict.fromkeys(short, 1)
     try:
-        groups, _ = description.grouped(cells)
+        groups, _ = description.grouped(sections)
     except InputError:  # loads of too high a degree, or too far apart
         return set(short), 0.0
-    h = resolution(description, cells=cells).h
+    h = resolution(description, sections=sections).h
     quick = [group.settles(h) for group in groups]
-    h = resolution(description, cells=cells, settle=max(filter(isfinite, quick), default=0.0)).h
+    h = resolution(description, sections=sections, settle=max(filter(isfinite, quick), default=0.0)).h
     found: set[str] = set()
     slowest = 0.0
     for group in groups:
-        size, settle = sum(lump.states for lump in group.lumps) + 2 * len(group.nodes), group.settles(h)
+        size, settle = sum(lumped.states for lumped in group.lumped_lines) + 2 * len(group.nodes), group.settles(h)
         if size > MOST_STATES or settle >= SETTLED * h:
-            found |= {lump.name for lump in group.lumps}
+            found |= {lumped.name for lumped in group.lumped_lines}
         slowest = max(slowest, settle)
     return found, slowest

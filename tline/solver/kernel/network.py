@@ -18,7 +18,7 @@ import numpy as np
 
 from tline.structure import Flags, Floats, Floats2, Floats3, Floats4, Integers
 
-CONSTANT, SQUARED, TABLED, REMEMBERED = range(4)  # kinds of lumps
+CONSTANT, SQUARED, TABLED, REMEMBERED = range(4)  # kinds of loss elements
 QUADRATIC, PUMP, RELIEF, LEAK, DEMAND, DIODE, TABLE, GAS, TANK, ROTOR, VAPOUR, AIR, OWN = range(13)  # kinds of elements
 
 
@@ -50,48 +50,48 @@ class Laws(NamedTuple):
     step: float  # slab width, s
 
 
-class Cells(NamedTuple):
-    """Lossy lines in cells one slab long, advanced slab by slab; to the nodes such a line has a delay of one slab.
+class Segments(NamedTuple):
+    """Lossy lines in segments one slab long, advanced slab by slab; to the nodes such a line has a delay of one slab.
 
     A node sees what would arrive if nothing left it, ŷ, with its own share of what comes back at once left to the
     node's map; so a buffer holds ŷ and then 2u - ŷ.
     """
 
     line: Integers  # (rows,)
-    number: Integers  # (rows,) cells of the line
-    held: Integers  # (rows,) values that a cell holds, m
+    number: Integers  # (rows,) segments of the line
+    held: Integers  # (rows,) values that a segment holds, m
     at: Integers  # (rows,) place of the row's maps
-    maps: Floats  # by columns: to a cell's next values and what leaves it then, of those before, (m + 2 s, m), and of
-    # what enters, (m + 2 s, 2 s); X, Y, R, Q of `pass_cells`, (s, s)
-    state: Integers  # (rows,) place of the row's state: of each cell m values and 2 s that leave it next; 2 s of ends
+    maps: Floats  # by columns: from a segment's values (m + 2 s, m), and from what enters (m + 2 s, 2 s), to its next
+    # values and what leaves it then; X, Y, R, Q of `advance_segments`, (s, s)
+    state: Integers  # (rows,) place of the row's state: m values and 2 s that leave next, of each segment; 2 s of ends
     beside: Flags  # (G,) whether a group with elements has such lines
     echo_at: Integers  # (N,) place of what such a node's effort adds to its Thévenin wave, by columns (s, s); or -1
     echo: Floats
 
 
-class Lumps(NamedTuple):
-    """Losses, lumped at places inside lines, row by row: lumps of one line and one kind.
+class LossElements(NamedTuple):
+    """Loss elements at places inside lines; a row is those of one line and one kind.
 
-    A lump sees w = a + sign b: a - b drives the flow through a series impedance, a + b the effort over a shunt
+    A loss element sees w = a + sign b: a - b drives the flow through a series impedance, a + b the effort over a shunt
     admittance. It takes away e(w): a becomes a - e, b becomes b - sign e.
     """
 
-    gap: Integers  # (L,) slabs, at most the delay, in which nothing passes two lumps or a lump and an end; (0,) if none
+    gap: Integers  # (L,) slabs, <= delay, from one loss element, or end, to the next; (0,) if there are none
     line: Integers  # (rows,)
     kind: Integers  # (rows,)
     sign: Floats  # (rows,) -1 in series, 1 across
-    first: Integers  # (rows + 1,) the lumps of row r are first[r] to first[r + 1]
+    first: Integers  # (rows + 1,) the loss elements of row r are first[r] to first[r + 1]
     place: Integers  # half slabs from end 1
     strength: Floats  # constant: e/w; quadratic: c, e = c|w| w/(1 + sqrt(1 + c|w|))²; else without meaning
     at: Integers  # (rows,) place of the row's entries: of a table, or of its maps
     modes: Integers  # (rows,) of a circuit
     entries: Floats  # table: log2 of the first |w|, points per octave, number of points n, then e/w at n points;
     # circuit: D (s, s), C (s, modes), B (modes, s), decay (modes,) of e = D w + C x, x' = B w + decay x
-    memory: Integers  # (rows,) place of the row's states, shape (modes, lumps)
+    memory: Integers  # (rows,) place of the row's states, shape (modes, loss elements)
 
 
 class Blocks(NamedTuple):
-    """How many slabs groups, lines and rows of lumps are advanced at once."""
+    """How many slabs groups, lines and rows of loss elements are advanced at once."""
 
     stride: int  # of those that are far from short lines
     step: int  # of the others, meanwhile
@@ -123,8 +123,8 @@ class Network(NamedTuple):
     step: Floats  # maps (k s + n)² from (k Thévenin waves, state) to (k efforts, next state), one after the other
     record_row: Integers  # (2 L,) row in the record of an end, -1 if it is not recorded
     laws: Laws
-    cells: Cells
-    lumps: Lumps
+    segments: Segments
+    losses: LossElements
     blocks: Blocks
 
 
@@ -136,8 +136,8 @@ class State(NamedTuple):
     side: Integers  # (L,) 0: end 1 uses the first buffer and end 2 the second; 1: the other way round
     before: Floats2  # (2 L, s) the slab that arrived last, as sent; used where delays have a fractional rest
     load: Floats  # of all groups, one after the other
-    cells: Floats  # of all lossy lines in cells
-    lumps: Floats  # of all circuits in lumps
+    segments: Floats  # of all lossy lines in segments
+    loss_states: Floats  # of all circuits in loss elements
 
 
 class Units(NamedTuple):
@@ -234,7 +234,7 @@ class Run(NamedTuple):
 
 
 _NONE, _EMPTY = np.zeros(0, int), np.zeros(0)
-NO_LUMPS = Lumps(
+NO_LOSSES = LossElements(
     gap=_NONE,
     line=_NONE,
     kind=_NONE,

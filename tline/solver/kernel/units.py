@@ -37,7 +37,7 @@ def units_of(network: Network, *, fronts: bool) -> Units:
     def address(path: str, needed: Any) -> int:
         return unit_at(path).address if needed else 0
 
-    kind, losses, segments = network.laws.kind, network.lumps.kind, len(network.cells.line)
+    kind, losses, segments = network.laws.kind, network.losses.kind, len(network.segments.line)
     several = np.diff(network.laws.first).max(initial=0) > 1 or (network.laws.impedance < 0).any()
     constant = address("losses.dissipation.dissipation", (losses < REMEMBERED).any())
     remembered = address("losses.memory.memory", (losses == REMEMBERED).any())

@@ -70,7 +70,7 @@ class Books:
         self.taken, self.least = so_far[:, -1], np.minimum(self.least, so_far.min(axis=1))
 
     def _take_echoes(self, group: Accounts, waves: NDArray) -> None:
-        """Turn what is recorded into what arrived and left: lines in cells send back some of what enters at once."""
+        """Turn what is recorded into what arrived and left: lines in segments send back some of what enters at once."""
         for k, end in enumerate(group.ends):
             if end in self.echo:
                 back = waves[k].sum(axis=0) @ self.echo[end].T

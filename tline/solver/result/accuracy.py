@@ -48,7 +48,7 @@ class Attempt:
     seconds : float
         Time spent stepping.
     cells : int
-        Cells of L and C of each lumped line; 0 if no line was lumped.
+        LC sections of each lumped line; 0 if no line was lumped.
     """
 
     order: int
@@ -61,8 +61,8 @@ class Attempt:
     @classmethod
     def of(cls, result: "Result", estimate: float | None = None) -> "Attempt":
         """The run that gave a result."""
-        s, h, cells = result.resolution.s, result.resolution.h, max(result.resolution.cells.values(), default=0)
-        return cls(s, h, estimate, result.samples, result.seconds, cells)
+        s, h, sections = result.resolution.s, result.resolution.h, max(result.resolution.sections.values(), default=0)
+        return cls(s, h, estimate, result.samples, result.seconds, sections)
 
 
 @dataclass(frozen=True)

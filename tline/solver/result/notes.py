@@ -81,13 +81,13 @@ def untouched(probes: Mapping[str, ProbeResult]) -> list[str]:
 
 def lumped(chosen: Resolution) -> list[str]:
     """Lines that are lumped."""
-    if not chosen.cells:
+    if not chosen.sections:
         return []
-    count, named = len(chosen.cells), ", ".join(map(repr, [*chosen.cells][:LISTED]))
-    n = max(chosen.cells.values())
+    count, named = len(chosen.sections), ", ".join(map(repr, [*chosen.sections][:LISTED]))
+    n = max(chosen.sections.values())
     return [
         f"lines: {named}{' and more' * (count > LISTED)} {'is' if count == 1 else 'are'} far shorter than a slab and "
-        f"lumped: {n} {'cell' if n == 1 else 'cells'} of L and C each"
+        f"lumped: {n} LC {'section' if n == 1 else 'sections'} each"
         + (f"; for {chosen.settle:.3g} s and more behind a front, what they do is blurred" if chosen.settle else "")
     ]
 

@@ -18,10 +18,10 @@ Slopes = tuple[NDArray, NDArray, NDArray, NDArray]
 
 
 class Table(NamedTuple):
-    """Friction of a line as its lumps have it."""
+    """Friction of a line as its loss elements have it."""
 
-    lumps: int
-    entries: NDArray  # as in `Lumps`: e/w over log2 |w|
+    elements: int
+    entries: NDArray  # as in `LossElements`: e/w over log2 |w|
 
 
 def pi(line: Line) -> tuple[float, float]:
@@ -35,7 +35,7 @@ def pi(line: Line) -> tuple[float, float]:
 
 
 class Falls:
-    """What falls along lines, over one unknown each: z0·y, or the wave that a tabled lump sees.
+    """What falls along lines, over one unknown each: z0·y, or the wave that a tabled loss element sees.
 
     Attributes
     ----------
@@ -59,11 +59,11 @@ class Falls:
         for k, losses in self._curves:
             more, steep = losses.friction(y[k])
             fall[k], slope[k] = fall[k] + more, slope[k] + steep * dy[k]
-        for k, (lumps, entries) in self._tables.items():
+        for k, (elements, entries) in self._tables.items():
             share, steep = _looked_up(entries, a[k])
             y[k], dy[k] = (1 - share) * a[k] / (2 * self.z0[k]), (1 - steep) / (2 * self.z0[k])
-            fall[k] = lumps * share * a[k] + self._resistance[k] * y[k]
-            slope[k] = lumps * steep + self._resistance[k] * dy[k]
+            fall[k] = elements * share * a[k] + self._resistance[k] * y[k]
+            slope[k] = elements * steep + self._resistance[k] * dy[k]
         return fall, y, slope, dy
 
 

@@ -40,7 +40,7 @@ def steady_state(description: Description, tables: Mapping[str, Table] = NONE) -
     Parameters
     ----------
     tables : mapping of str to Table
-        Of lines whose friction is to be the one that their lumps have.
+        Of lines whose friction is to be the one that their loss elements have.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Richardson extrapolation of runs whose slabs, and with them lumps of losses, are halved."""
+"""Richardson extrapolation of runs whose slabs, and with them loss elements, are halved."""
 
 from dataclasses import replace
 

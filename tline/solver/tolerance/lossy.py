@@ -1,4 +1,4 @@
-"""Runs of scenes with losses to a tolerance; where losses are lumped, slabs and the distance of lumps are halved."""
+"""Runs of scenes with losses to a tolerance; with loss elements, these and slabs are halved."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -6,7 +6,7 @@ from itertools import pairwise
 from math import log
 
 from tline.errors import InputError
-from tline.solver.assembly.loss_elements import lumps_in
+from tline.solver.assembly.loss_elements import loss_elements_in
 from tline.solver.assembly.lossy_segments import fits
 from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import resolution
@@ -16,13 +16,13 @@ from tline.solver.tolerance.compare import added, compared, with_errors
 from tline.solver.tolerance.extrapolate import extrapolated, seen_at_ends
 from tline.solver.tolerance.search import Search, better, gained, inside_limit, inside_slabs, limit_of, rank, refined
 
-ORDER, ORDER_IN_CELLS = 3, 6
+ORDER, ORDER_IN_SEGMENTS = 3, 6
 TABLE = ((2,), (2, 4), (2, 4, 6), (1,), (1, 2), (1, 2, 3), (1, 2, 3, 4))  # powers of h taken out, smooth and not
 CLOSER, CLOSEST = 0.1, 1e-9  # tolerance of circuits over that of the run or of circuits before, and the least
-CALM = 0.02  # cycles per slab, the band of circuits in cells
-IN_CELLS = 1e-5  # the first of these in cells, where terms cost little
+CALM = 0.02  # cycles per slab, the band of circuits in segments
+IN_SEGMENTS = 1e-5  # the first of these in segments, where terms cost little
 FITTED = 3  # steps that tell what the next ones leave of an entry's difference
-FEW_PASSES, MOST_PASSES = 5e8, 5e10  # of samples through lumps in one run: a second, and some minutes for all runs
+FEW_PASSES, MOST_PASSES = 5e8, 5e10  # samples past loss elements, of one run: a second; of all runs: some minutes
 
 Powers = tuple[int, ...]
 Row = dict[Powers, Result]
@@ -32,14 +32,14 @@ Steps = dict[Powers, list[tuple[float, float]]]  # differences of each entry, at
 def with_losses(search: Search) -> Result:
     """Run a scene with losses until the estimated error is within the tolerance, or a limit is reached.
 
-    Where all lossy lines can be cut in cells, order and slab are refined as without losses. Else slabs are halved.
+    Where all lossy lines can be cut into segments, order and slab are refined as without losses. Else slabs are halved.
     Where circuits stand for exact laws, what closer ones change is added to the error.
     """
-    cells = fits(search.description.lines, resolution(search.description).h)
-    fit, attempts = max((IN_CELLS if cells else CLOSER) * search.tol, CLOSEST), ()
+    segmented = fits(search.description.lines, resolution(search.description).h)
+    fit, attempts = max((IN_SEGMENTS if segmented else CLOSER) * search.tol, CLOSEST), ()
     while True:
         search = search._replace(fit=fit)
-        result, last = _refined(search) if cells else _halved(search)
+        result, last = _refined(search) if segmented else _halved(search)
         accuracy = result.accuracy
         assert accuracy is not None
         closer = max(CLOSER * fit, CLOSEST)
@@ -56,7 +56,7 @@ def with_losses(search: Search) -> Result:
 
 
 def _refined(search: Search) -> tuple[Result, Result]:
-    """A result in cells, and the last run.
+    """A result in segments, and the last run.
 
     Right behind a front, lines with a memory answer faster than a slab can follow; some slabs later all is right. So
     with a memory slabs are halved, and samples are given at the ends of the first run's slabs. Between these the result
@@ -64,7 +64,7 @@ def _refined(search: Search) -> tuple[Result, Result]:
     steeper than polynomials can be, and what these lose is missing ever after, while what a circuit without fast rates
     has wrong decays with the rates it has.
     """
-    start = resolution(search.description, search.description.scene.solver.order or ORDER_IN_CELLS)
+    start = resolution(search.description, search.description.scene.solver.order or ORDER_IN_SEGMENTS)
     first = search.run(start._replace(fit=search.fit, band=CALM))
     if not any(len(line.series.rates) + len(line.shunt.rates) for line in first.circuits.values()):
         result = refined(search, NONE)
@@ -102,7 +102,7 @@ def _halved(search: Search) -> tuple[Result, Result]:
     while not limit:
         try:
             finer = resolution(description, order, chosen.h / 2)
-            chosen = finer._replace(fit=search.fit, lumps=2 * chosen.lumps)
+            chosen = finer._replace(fit=search.fit, loss_elements=2 * chosen.loss_elements)
             last = search.run(chosen, last.t[-1])
         except InputError as error:
             limit = f"{error.where}: {error.problem}"
@@ -148,8 +148,8 @@ def _caution(steps: Steps, powers: Powers, which: int) -> float:
 
     Where each step leaves the share r of the difference before, the finer entry still has r + r² + … = r / (1 - r) of
     the last one. Here r is the largest of the last steps, of an entry that has seen fewer also of those that it is
-    extrapolated from; at most a half, for errors of lumps are of first order at least. A difference that is smaller
-    than r allows after those before it is an accident of two runs, and counts as r allows.
+    extrapolated from; at most a half, for errors of loss elements are of first order at least. A difference that is
+    smaller than r allows after those before it is an accident of two runs, and counts as r allows.
     """
     left: list[float] = []
     for k in range(len(powers), -1, -1):
@@ -165,12 +165,14 @@ def _caution(steps: Steps, powers: Powers, which: int) -> float:
 def _too_slow(search: Search, attempts: Sequence[Attempt], last: Result) -> str:
     """What forbids runs of more than a second: that at the pace so far none that is affordable meets the tolerance."""
     told = [attempt.estimate for attempt in attempts if attempt.estimate is not None]
-    lumps = sum(lumps_in(search.description.lines, last.resolution.h, last.resolution.lumps).values())
-    passes = (len(last.t) - 1) * last.resolution.s * lumps
+    loss_elements = sum(
+        loss_elements_in(search.description.lines, last.resolution.h, last.resolution.loss_elements).values()
+    )
+    passes = (len(last.t) - 1) * last.resolution.s * loss_elements
     if told[-1] <= search.tol or len(told) <= FITTED or passes < FEW_PASSES:
         return ""
     pace = max(1.0, *((told[-k] / told[-1]) ** (1 / (k - 1)) for k in (FITTED + 1, len(told))))
-    halvings = log(max(MOST_PASSES / passes, 1.0), 4)  # each has twice as many slabs, and lumps
+    halvings = log(max(MOST_PASSES / passes, 1.0), 4)  # each has twice as many slabs, and loss elements
     reached = told[-1] / pace**halvings
     if reached <= search.tol:
         return ""

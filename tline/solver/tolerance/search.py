@@ -1,4 +1,4 @@
-"""Runs of rising order, on narrower slabs and with more cells of lumped lines, until a tolerance is met."""
+"""Runs of rising order, on narrower slabs and with more LC sections of lumped lines, until a tolerance is met."""
 
 from collections.abc import Generator, Mapping
 from dataclasses import replace
@@ -27,7 +27,7 @@ TRACED = 4  # runs in which kinks are followed before slabs are narrowed again
 HELPS = 0.5  # a step that leaves more of the difference than this does not converge
 STALE = 2  # halvings of the slab in a row that may bring nothing
 MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
-MOST_CELLS = 8  # of a lumped line
+MOST_SECTIONS = 8  # of a lumped line
 LOST = 0.3  # estimates beyond, one after the other, with cavities: no run resembles another
 COLLAPSE = (
     ": cavities collapse at other instants in each run, and that spreads; order = 1 and no tolerance give one run"
@@ -99,16 +99,16 @@ def _cost_of_lines(description: Description) -> tuple[float, str]:
     return cost, f"which takes {cost:.0e} line-end samples"
 
 
-def refined(search: Search, cells: Mapping[str, int]) -> Result:
+def refined(search: Search, sections: Mapping[str, int]) -> Result:
     """Raise the order and narrow the slab until the next finer run differs by no more than the tolerance.
 
-    From where that is so on, lines in cells have twice as many in each finer run: the last must have. Slab ends come
+    From where that is so on, lumped lines have twice as many in each finer run: the last must have. Slab ends come
     first; what is left inside slabs is worked on while that promises to be enough. Where a higher order does not help
     and laws kink, slabs are from then on cut in pieces where they did in the run before. Two comparisons tell how fast
     runs converge; one is enough if it leaves some room, or that is known of the scene with other values, and no law
     kinks.
     """
-    steps, limit, stale, helps = _finer(search, cells), "", 0, True
+    steps, limit, stale, helps = _finer(search, sections), "", 0, True
     kinked, traced = kinking(search.description), 0
     result = best = search.run(next(steps))
     attempts, accuracy, wanted = [Attempt.of(result)], Accuracy(search.tol), set(result.lines)
@@ -131,7 +131,7 @@ def refined(search: Search, cells: Mapping[str, int]) -> Result:
         if better(told, accuracy):
             best, accuracy = with_errors(result, finer, by), told
         blind = finer.resolution.blind
-        doubled = finer.resolution.cells != result.resolution.cells or not cells
+        doubled = finer.resolution.sections != result.resolution.sections or not sections
         first = CLEAR if search.start is None else 1.0
         sure = before.worst < inf or (told.worst <= first * search.tol and not kinked)
         if sure and told.met and doubled and not blind:
@@ -221,26 +221,26 @@ def limit_of(attempts: list[Attempt], stale: int, search: Search) -> str:
     return ""
 
 
-def _finer(search: Search, cells: Mapping[str, int]) -> Generator[Resolution, tuple[bool, bool]]:
+def _finer(search: Search, sections: Mapping[str, int]) -> Generator[Resolution, tuple[bool, bool]]:
     """Ever finer orders and slabs; what is sent in tells whether the last step helped, and met the tolerance.
 
     Beside lumped lines slabs are not narrowed: fronts are blurred there for a time of its own.
     """
     description, given = search.description, search.description.scene.solver
     s = given.order or (search.start.order if search.start else first_order(search.tol))
-    chosen = resolution(description, s, cells=cells, settle=search.settle)
-    h, fixed, enough = chosen.h, given.slab is not None or bool(cells), False
+    chosen = resolution(description, s, sections=sections, settle=search.settle)
+    h, fixed, enough = chosen.h, given.slab is not None or bool(sections), False
     while True:
         helped, met = yield chosen._replace(fit=search.fit)
         enough |= met
         if enough:
-            cells = {name: 2 * n for name, n in cells.items()}
-            if max(cells.values(), default=0) > MOST_CELLS:
-                raise InputError("lumped lines", f"more than {MOST_CELLS} cells would be needed")
+            sections = {name: 2 * n for name, n in sections.items()}
+            if max(sections.values(), default=0) > MOST_SECTIONS:
+                raise InputError("lumped lines", f"more than {MOST_SECTIONS} LC sections would be needed")
         if given.order is None and s < LAST and (helped or fixed):
             s += 1
         elif not fixed:
             h /= 2
         else:
             return
-        chosen = resolution(description, s, h, cells, search.settle)
+        chosen = resolution(description, s, h, sections, search.settle)

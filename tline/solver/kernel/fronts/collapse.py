@@ -65,15 +65,15 @@ def collapse_group(job: FrontRun, g: int, slab: int, k: int) -> int:
 @unit
 def collapse_at_losses(job: FrontRun) -> int:
     """Project slabs in pieces that pass loss elements on slabs in one piece: there fronts are no longer followed."""
-    fronts, network, state, lumps = job.fronts, job.run.network, job.run.state, job.run.network.lumps
+    fronts, network, state, losses = job.fronts, job.run.network, job.run.state, job.run.network.losses
     pieces, tools, counts, sizes, whole = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.work.whole
     waves, s = state.waves, whole.size
-    for r in range(lumps.line.size):
-        line = lumps.line[r]
+    for r in range(losses.line.size):
+        line = losses.line[r]
         ring = 2 * network.delay[line]
         t = state.side[line] * network.delay[line] + state.slot[line]
-        for k in range(lumps.first[r], lumps.first[r + 1]):
-            for slab in passing(t, lumps.place[k], ring):
+        for k in range(losses.first[r], losses.first[r + 1]):
+            for slab in passing(t, losses.place[k], ring):
                 o = network.offset[line] + slab * s
                 row = pieces.of_slab[o // s]
                 if row >= 0:

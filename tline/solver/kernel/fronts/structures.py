@@ -103,7 +103,7 @@ class Fronts(NamedTuple):
     at_node: int
     step: float  # slab width h
     fractional: int  # whether a front at the start of a slab needs to be followed
-    levels: Flags  # (G,) whether a group leaves out fronts inside slabs, for it is at a line in cells
+    levels: Flags  # (G,) whether a group leaves out fronts inside slabs, for it is at a line in segments
     settle: Floats  # (G,) slabs that a group with lumped lines takes to settle after a front, else 0
     settled: Floats  # (G,) instant at which it will have, in slabs
     rest: Floats  # (L,) fractional rest of each delay

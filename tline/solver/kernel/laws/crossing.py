@@ -76,7 +76,7 @@ def pass_at_segments(run, g, h):
 
     What they add is small, and the smaller the slab.
     """
-    low, s, cells, u = run.network.group[g], run.state.before.shape[1], run.network.cells, run.work.u
+    low, s, segments, u = run.network.group[g], run.state.before.shape[1], run.network.segments, run.work.u
     wave, last, size = run.work.newton.wave, run.work.newton.last, (run.network.group[g + 1] - low) * s
     change, scale = np.inf, 0.0
     for i in range(size):
@@ -87,8 +87,8 @@ def pass_at_segments(run, g, h):
         for p in range(size // s):
             for i in range(s):
                 u[p * s + i] = wave[p * s + i]
-            if cells.echo_at[low + p] >= 0:
-                add_product(cells.echo, cells.echo_at[low + p], s, s, last, p * s, u, p * s)
+            if segments.echo_at[low + p] >= 0:
+                add_product(segments.echo, segments.echo_at[low + p], s, s, last, p * s, u, p * s)
         pass_all(run, g, s, h)
         change, scale = 0.0, 0.0
         for i in range(size):
@@ -106,7 +106,7 @@ def crossing(run: Run, g: int, n: int, h: float, echoes: int) -> int:
 
     With `echoes`, a group at lossy segments is led through its one slab until these feel its efforts.
     """
-    if echoes != 0 and run.network.cells.beside.size > 0 and run.network.cells.beside[g]:
+    if echoes != 0 and run.network.segments.beside.size > 0 and run.network.segments.beside[g]:
         pass_at_segments(run, g, h)
     else:
         pass_all(run, g, n, h)

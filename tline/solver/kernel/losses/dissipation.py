@@ -38,13 +38,13 @@ def taken(kind, c, w):
 @function
 def dissipate(run, r, t, m):
     """Take away what a row dissipates of m slabs from slab t of its line on, element by element."""
-    lumps, waves, s = run.network.lumps, run.state.waves, run.state.before.shape[1]
-    line, kind, sign, at, entries = lumps.line[r], lumps.kind[r], lumps.sign[r], lumps.at[r], lumps.entries
+    losses, waves, s = run.network.losses, run.state.waves, run.state.before.shape[1]
+    line, kind, sign, at, entries = losses.line[r], losses.kind[r], losses.sign[r], losses.at[r], losses.entries
     o, ring = run.network.offset[line], 2 * run.network.delay[line]
-    for k in range(lumps.first[r], lumps.first[r + 1]):
-        done, c = 0, lumps.strength[k]
+    for k in range(losses.first[r], losses.first[r + 1]):
+        done, c = 0, losses.strength[k]
         while done < m:
-            a, b = passing(t + done, lumps.place[k], ring)
+            a, b = passing(t + done, losses.place[k], ring)
             n = min(m - done, ring - a, ring - b)
             done += n
             a, b, n = np.uint64(o + a * s), np.uint64(o + b * s), np.uint64(n * s)
@@ -58,8 +58,8 @@ def dissipate(run, r, t, m):
 @function
 def dissipate_abreast(run, r, first, n, a, b):
     """The same at n neighbouring elements in one slab: of s samples, at places a, a - s, ... and b, b + s, ..."""
-    lumps, waves, pair, each = run.network.lumps, run.state.waves, run.work.pair, run.work.out
-    kind, sign, strength = lumps.kind[r], lumps.sign[r], lumps.strength
+    losses, waves, pair, each = run.network.losses, run.state.waves, run.work.pair, run.work.out
+    kind, sign, strength = losses.kind[r], losses.sign[r], losses.strength
     n, s, first = np.uint64(n), np.uint64(run.state.before.shape[1]), np.uint64(first)
     if n * s < FEW:
         for k in range(n):
@@ -83,11 +83,11 @@ def dissipate_abreast(run, r, first, n, a, b):
 @unit
 def dissipation(run: Run, r: int, m: int) -> int:
     """Let a row of loss elements take what it dissipates of m slabs, no more than the gaps between them."""
-    network, state, lumps, s = run.network, run.state, run.network.lumps, run.state.before.shape[1]
-    line, low, high, place = lumps.line[r], lumps.first[r], lumps.first[r + 1], lumps.place
+    network, state, losses, s = run.network, run.state, run.network.losses, run.state.before.shape[1]
+    line, low, high, place = losses.line[r], losses.first[r], losses.first[r + 1], losses.place
     o, ring = network.offset[line], 2 * network.delay[line]
     t = state.side[line] * network.delay[line] + state.slot[line]
-    if m == 1 and lumps.kind[r] != TABLED and place[high - 1] - place[low] == 2 * (high - 1 - low):
+    if m == 1 and losses.kind[r] != TABLED and place[high - 1] - place[low] == 2 * (high - 1 - low):
         while low < high:
             a, b = passing(t, place[low], ring)
             n = min(high - low, a + 1, ring - b, ABREAST)

@@ -14,21 +14,21 @@ from tline.unit import unit
 @unit
 def memory(run: Run, r: int, m: int) -> int:
     """Advance the circuits of a row by m slabs, some elements at a time, and let them take what they dissipate."""
-    network, side, lumps, waves = run.network, run.state.side, run.network.lumps, run.state.waves
-    memory, w, out, s = run.state.lumps, run.work.pair, run.work.out, run.state.before.shape[1]
-    line = lumps.line[r]
+    network, side, losses, waves = run.network, run.state.side, run.network.losses, run.state.waves
+    memory, w, out, s = run.state.loss_states, run.work.pair, run.work.out, run.state.before.shape[1]
+    line = losses.line[r]
     o, ring = network.offset[line], 2 * network.delay[line]
     t = side[line] * network.delay[line] + run.state.slot[line]
-    low, high, modes, sign = lumps.first[r], lumps.first[r + 1], lumps.modes[r], lumps.sign[r]
-    direct = lumps.at[r]
+    low, high, modes, sign = losses.first[r], losses.first[r + 1], losses.modes[r], losses.sign[r]
+    direct = losses.at[r]
     read, write, decay = direct + s * s, direct + s * s + s * modes, direct + s * s + 2 * s * modes
-    entries, count = lumps.entries, high - low
+    entries, count = losses.entries, high - low
     while low < high:
         n = min(high - low, ABREAST)
-        state = lumps.memory[r] + low - lumps.first[r]
+        state = losses.memory[r] + low - losses.first[r]
         for slab in range(t, t + m):
             for j in range(n):
-                a, b = passing(slab, lumps.place[low + j], ring)
+                a, b = passing(slab, losses.place[low + j], ring)
                 a, b = o + a * s, o + b * s
                 for i in range(s):
                     w[i * ABREAST + j] = waves[a + i] + sign * waves[b + i]
@@ -55,7 +55,7 @@ def memory(run: Run, r: int, m: int) -> int:
                 for j in range(np.uint64(n)):
                     memory[x + j] = 0.0 if abs(memory[x + j]) < TINY else memory[x + j]
             for j in range(n):
-                a, b = passing(slab, lumps.place[low + j], ring)
+                a, b = passing(slab, losses.place[low + j], ring)
                 a, b = o + a * s, o + b * s
                 for i in range(s):
                     waves[a + i] -= out[i * ABREAST + j]

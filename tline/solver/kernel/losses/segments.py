@@ -7,17 +7,17 @@ from tline.unit import unit
 
 @unit
 def pass_segments(run: Run) -> int:
-    """Advance lossy lines in cells by the slab in which the nodes have just worked.
+    """Advance lossy lines in segments by the slab in which the nodes have just worked.
 
     At an end K is what comes back at once: w = y + K o arrives while o leaves, ŷ = R y with R = 1/(1 + K), and with
-    r = 2u - ŷ in the buffer o = r - Q (r + ŷ), Q = R K. Where cells meet, a and b leave them, and X a + Y b and
+    r = 2u - ŷ in the buffer o = r - Q (r + ŷ), Q = R K. Where segments meet, a and b leave them, and X a + Y b and
     X b + Y a enter, with X = 1/(1 - K²) and Y = X K.
     """
-    network, state, cells, enter, y = run.network, run.state, run.network.cells, run.work.enter, run.work.leave
-    waves, values, s = state.waves, state.cells, state.before.shape[1]
-    for r in range(cells.line.size):
-        line, D, m, x0 = cells.line[r], cells.number[r], cells.held[r], cells.state[r]
-        each, maps, at = m + 2 * s, cells.maps, cells.at[r]
+    network, state, segments, enter, y = run.network, run.state, run.network.segments, run.work.enter, run.work.leave
+    waves, values, s = state.waves, state.segments, state.before.shape[1]
+    for r in range(segments.line.size):
+        line, D, m, x0 = segments.line[r], segments.number[r], segments.held[r], segments.state[r]
+        each, maps, at = m + 2 * s, segments.maps, segments.at[r]
         ends = x0 + D * each
         into = at + each * m
         X = into + each * 2 * s

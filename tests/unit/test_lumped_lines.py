@@ -33,14 +33,14 @@ def scene(**parts) -> Scene:
     return Scene(**whole | parts)
 
 
-def group_of(made: Scene, cells: dict[str, int]):
-    groups, nodes = describe(made).grouped(cells)
-    (group,) = (group for group in groups if group.lumps)
+def group_of(made: Scene, sections: dict[str, int]):
+    groups, nodes = describe(made).grouped(sections)
+    (group,) = (group for group in groups if group.lumped_lines)
     return group, [name for name, node in nodes.items() if any(node is one for one in group.nodes)]
 
 
 def ladder(line, n: int, s: complex) -> np.ndarray:
-    """Admittance matrix of n cells, from their chain matrix."""
+    """Admittance matrix of n LC sections, from their chain matrix."""
     L, C = line.z0 * line.delay / n, line.delay / line.z0 / n
     half, coil = np.array([[1, 0], [s * C / 2, 1]]), np.array([[1, s * L], [0, 1]])
     (a, b), (_, d) = np.linalg.matrix_power(half @ coil @ half, n)
@@ -51,12 +51,12 @@ def ladder(line, n: int, s: complex) -> np.ndarray:
 @pytest.mark.parametrize("s", [2e12 + 1e12j, -1e11 + 4e12j, 1e11])
 def test_a_group_is_its_nodal_equations(n, s):
     """With G the conductances to the waves and Y the admittances: (G + Y) u = G w; node c conducts to nothing else."""
-    made, cells = scene(), {"x": n, "y": 2 * n}
-    group, names = group_of(made, cells)
+    made, sections = scene(), {"x": n, "y": 2 * n}
+    group, names = group_of(made, sections)
     Y = np.zeros((3, 3), complex)
-    for name in cells:
+    for name in sections:
         at = [names.index(node) for node in made.lines[name].nodes]
-        Y[np.ix_(at, at)] += ladder(made.lines[name].parameters, cells[name], s)
+        Y[np.ix_(at, at)] += ladder(made.lines[name].parameters, sections[name], s)
     G = np.diag([{"b": 1 / 50 + 1 / 80, "c": 0.0, "d": 0.0}[name] for name in names])
     Y[names.index("d"), names.index("d")] += 1 / 60 + s * 1e-12
     # a node with no conductance of its own counts its wave, a driven flow, in units of its short lines' conductance
@@ -66,7 +66,7 @@ def test_a_group_is_its_nodal_equations(n, s):
     assert np.abs(found - np.linalg.solve(G + Y, waves)).max() < 1e-10 * np.abs(found).max()
 
 
-def test_cells_approach_the_line_with_the_square_of_their_number():
+def test_sections_approach_the_line_with_the_square_of_their_number():
     line, s = scene().lines["x"].parameters, 2e12 + 3e12j
     theta = s * line.delay
     exact = np.array([[np.cosh(theta), -1], [-1, np.cosh(theta)]]) / np.sinh(theta) / line.z0
@@ -75,9 +75,9 @@ def test_cells_approach_the_line_with_the_square_of_their_number():
 
 
 def test_a_group_at_rest_stays_there():
-    made, cells = scene(), {"x": 2, "y": 1}
-    groups, nodes = describe(made).grouped(cells, {"x": (0.75, 0.0125), "y": (0.75, -0.0125)})
-    (group,) = (group for group in groups if group.lumps)
+    made, sections = scene(), {"x": 2, "y": 1}
+    groups, nodes = describe(made).grouped(sections, {"x": (0.75, 0.0125), "y": (0.75, -0.0125)})
+    (group,) = (group for group in groups if group.lumped_lines)
     waves = {"b": 0.75 + 0.0125 / (1 / 50 + 1 / 80), "c": 0.0, "d": 0.0}
     w = np.array([waves[name] for name in nodes if name in waves])
     x = group.at_rest_under(w)

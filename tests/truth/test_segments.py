@@ -1,4 +1,4 @@
-"""Lossy lines in cells against inverse Laplace in 20 digits, with one slab per transit or a few."""
+"""Lossy lines in segments against inverse Laplace in 20 digits, with one slab per transit or a few."""
 
 import numpy as np
 import pytest

@@ -1,11 +1,11 @@
-"""Cells of lossy lines: they dissipate, are their own mirror image, and are a mere delay where nothing is lost."""
+"""Segments of lossy lines: they dissipate, are their own mirror image, and are a mere delay where nothing is lost."""
 
 import numpy as np
 import pytest
 from scipy.linalg import expm
 
 from tline.loss import Foster
-from tline.solver.assembly.lossy_segments import InCells, cell
+from tline.solver.assembly.lossy_segments import SegmentedLine, segment
 from tline.solver.radau import basis
 
 LOSSLESS = Foster(0, 1, [], [])
@@ -18,7 +18,7 @@ def circuit(seed: int, terms: int, size: float) -> Foster:
 
 
 def whole(made) -> np.ndarray:
-    """From (what a cell holds, what enters) to (what it holds then, what has left)."""
+    """From (what a segment holds, what enters) to (what it holds then, what has left)."""
     nothing = np.zeros_like(made.back)
     at_once = np.block([[nothing, made.back], [made.back, nothing]])
     return np.block([[made.held, made.entered], [made.left, at_once]])
@@ -26,10 +26,10 @@ def whole(made) -> np.ndarray:
 
 @pytest.mark.parametrize("s", [1, 2, 5, 8])
 @pytest.mark.parametrize(("in_series", "across"), [(0, 0), (3, 0), (2, 3)])
-def test_a_cell_creates_no_energy(s, in_series, across):
+def test_a_segment_creates_no_energy(s, in_series, across):
     """Stored are a²/4 + b²/4 + Σ r w²/(2 p) + Σ g q²/(2 p) over x, passed a²/4 or b²/4 over t; the norm is in these."""
     series, shunt = circuit(s, in_series, 0.3), circuit(s + 100, across, 0.1)
-    made = cell(series, shunt, 1.0, s)
+    made = segment(series, shunt, 1.0, s)
     weights = np.concatenate(
         [[0.25, 0.25], series.strengths / series.rates / 2, shunt.strengths / shunt.rates / 2, [0.25, 0.25]]
     )
@@ -39,9 +39,9 @@ def test_a_cell_creates_no_energy(s, in_series, across):
     assert np.linalg.norm(root @ whole(made) @ np.linalg.inv(root), 2) < 1 + 1e-12
 
 
-def test_a_cell_of_a_lossless_line_hands_on_what_it_holds():
+def test_a_segment_of_a_lossless_line_hands_on_what_it_holds():
     s = 4
-    made = cell(LOSSLESS, LOSSLESS, 1.0, s)
+    made = segment(LOSSLESS, LOSSLESS, 1.0, s)
     mirror = basis(s).evaluation(1 - basis(s).c)  # from values over x to values over t of what leaves at the right
     nothing = np.zeros((s, s))
     assert np.allclose(made.left, np.block([[mirror, nothing], [nothing, np.eye(s)]]), atol=1e-12)
@@ -53,15 +53,15 @@ def test_a_cell_of_a_lossless_line_hands_on_what_it_holds():
 def test_without_distortion_a_wave_is_only_attenuated():
     """exp(-t/10): a and b do not meet."""
     s = 9
-    made = cell(Foster(0.1, 1, [], []), Foster(0.1, 1, [], []), 1.0, s)
+    made = segment(Foster(0.1, 1, [], []), Foster(0.1, 1, [], []), 1.0, s)
     passed = np.block([made.left[:s, :s]]) @ made.entered[:s, :s] @ np.ones(s)
     assert passed == pytest.approx(np.exp(-0.1), abs=1e-12)
     assert np.allclose(made.back, 0, atol=1e-12)
 
 
-def test_a_cell_is_its_own_mirror_image():
+def test_a_segment_is_its_own_mirror_image():
     s = 4
-    made = cell(circuit(1, 2, 0.3), circuit(2, 1, 0.2), 1.0, s)
+    made = segment(circuit(1, 2, 0.3), circuit(2, 1, 0.2), 1.0, s)
     flip = basis(s).evaluation(1 - basis(s).c)
     swap = np.array([[0, 1], [1, 0]])
     signs = np.diag([-1, -1, 1])  # flows turn round, efforts do not
@@ -95,11 +95,11 @@ def lattice(series: Foster, shunt: Foster, s: int, N: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("s", [1, 3, 5])
-def test_lattices_converge_to_a_cell(s):
+def test_lattices_converge_to_a_segment(s):
     """Their error is a series in 1/N^2."""
     series, shunt = Foster(0.1, 1, [0.5, 2.0], [3.0, 30.0]), Foster(0.05, 1, [0.3], [2.0])
     coarse, fine, finest = (lattice(series, shunt, s, N) for N in (64, 128, 256))
-    made = whole(cell(series, shunt, 1.0, s))
+    made = whole(segment(series, shunt, 1.0, s))
     assert np.abs(fine - made).max() == pytest.approx(np.abs(coarse - made).max() / 4, rel=0.2)
     better = [(4 * b - a) / 3 for a, b in ((coarse, fine), (fine, finest))]
     assert np.abs((16 * better[1] - better[0]) / 15 - made).max() < 2e-8
@@ -107,10 +107,10 @@ def test_lattices_converge_to_a_cell(s):
 
 def test_a_memory_too_short_to_matter_is_as_none():
     """r s/(s + p) adds r/p to the storage, at most; what a stiff circuit changes falls with 1/p."""
-    without = whole(cell(Foster(0.1, 1, [], []), LOSSLESS, 1.0, 4))
+    without = whole(segment(Foster(0.1, 1, [], []), LOSSLESS, 1.0, 4))
     rest = np.r_[:8, 12:20]  # without the memory
     off = [
-        np.abs(whole(cell(Foster(0.1, 1, [1.0], [p]), LOSSLESS, 1.0, 4))[np.ix_(rest, rest)] - without).max()
+        np.abs(whole(segment(Foster(0.1, 1, [1.0], [p]), LOSSLESS, 1.0, 4))[np.ix_(rest, rest)] - without).max()
         for p in (1e7, 1e9)
     ]
     assert off[1] < 2e-8
@@ -119,8 +119,8 @@ def test_a_memory_too_short_to_matter_is_as_none():
 
 def test_an_echo_is_what_an_end_sends_into_itself():
     """w = y + K (2u - w) means w = ŷ + 2 Q u."""
-    made = InCells(3, cell(circuit(3, 1, 0.4), LOSSLESS, 1.0, 3), (1, 0))
-    K, Q = made.cell.back, made.echo
+    made = SegmentedLine(3, segment(circuit(3, 1, 0.4), LOSSLESS, 1.0, 3), (1, 0))
+    K, Q = made.segment.back, made.echo
     y, u = np.random.default_rng(0).normal(size=(2, 3))
     w = np.linalg.solve(np.eye(3) + K, y + 2 * K @ u)
     assert w == pytest.approx(np.linalg.solve(np.eye(3) + K, y) + 2 * Q @ u, abs=1e-12)
