@@ -32,6 +32,7 @@ from friction import (
     sweep,
     tanh_creep,
 )
+from tline.structure import pack
 
 SMOOTH = [LuGre(sigma1=3.0), Dahl(), ElastoPlastic(sigma1=2.0), Tanh()]
 
@@ -207,3 +208,13 @@ def test_huge_and_tiny_numbers_end_soon():
         for force in (Ramp(1e12), Sine(1e12, 1e12), Ramp(1e-300)):
             run = simulate(model, Testbench(force, mass=1e-200), 1e3, budget=1000, times=[1.0])
             assert isinstance(run.status, Status)
+
+
+def test_events_beyond_the_list_are_counted():
+    """Those that fit are the same, whether or not all do."""
+    law, drive, times = Karnopp().law, Testbench(Sine(2.0, 5.0)).drive, np.array([10.0])
+    whole, short = (kernel.hybrid_run(law, drive, 1.0, 0.0, 10.0, times, events) for events in (1000, 21))
+    assert kernel.automaton(pack(whole), 10_000) == kernel.automaton(pack(short), 10_000) == kernel.DONE
+    np.testing.assert_array_equal(short.counts, whole.counts)
+    assert 100 < whole.counts[2] < 1000
+    np.testing.assert_array_equal(short.events[:20], whole.events[:20])
