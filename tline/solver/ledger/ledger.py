@@ -97,7 +97,7 @@ class Ledger(NamedTuple):
     def residual(self) -> float:
         """Sum of the sizes of all that is not accounted for, relative to the turnover; 0 if nothing moved."""
         off = float(np.abs(self._numbers()[:, UNACCOUNTED]).sum())
-        return off / self.turnover if off else 0.0
+        return off / self.turnover if self.turnover else 0.0
 
     @property
     def notes(self) -> tuple[str, ...]:
