@@ -88,13 +88,14 @@ class Packed:
         self.structure, self.values, self._inner = type(values), values, []
         words: list[Any] = []
         for field, value in zip(fields(self.structure), values, strict=True):
-            if field.dimensions >= 0:
-                if value.dtype != field.kind or value.ndim != field.dimensions or not value.flags.c_contiguous:
-                    kind = f"a contiguous array of {field.dimensions} dimensions of {field.kind.__name__}"
+            _, _, kind, dimensions = field
+            if dimensions >= 0:
+                if value.dtype != kind or value.ndim != dimensions or not value.flags.c_contiguous:
+                    kind = f"a contiguous array of {dimensions} dimensions of {kind.__name__}"
                     raise TypeError(f"{self.structure.__name__}.{field.name}: {kind} is needed, not {value!r}")
                 words.append(_address(value))
                 words += value.shape
-            elif field.kind in (int, float):
+            elif kind is int or kind is float:
                 words.append(value)
             else:
                 inner = value if isinstance(value, Packed) else Packed(value)

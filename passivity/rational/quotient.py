@@ -159,7 +159,7 @@ class Quotient:
 
     def __hash__(self) -> int:
         reduced = self.reduced()
-        return hash((reduced.numerator, reduced.denominator))
+        return hash(tuple(tuple(map(int, side.coeffs())) for side in (reduced.p, reduced.q)))
 
 
 def _fractions(polynomial: fmpz_poly) -> tuple[Fraction, ...]:

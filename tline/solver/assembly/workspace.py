@@ -1,11 +1,15 @@
 """Workspaces of the kernel: made once, they cost no slab anything."""
 
+from functools import cache
+from typing import Any
+
 import numpy as np
 
 from tline.solver.assembly.settling import SUBSTEPS
 from tline.solver.kernel.fronts.structures import Steps, Workspace
 from tline.solver.kernel.losses.passing import ABREAST
-from tline.solver.kernel.network import Crossing, Network, Newton, State, Store, Work
+from tline.solver.kernel.network import Crossing, Laws, Network, Newton, State, Store, Tools, Work
+from tline.structure import pack
 
 SAMPLES = 512  # per tile
 AT_POINTS = "v", "control", "flow", "y", "first", "safe", "rest", "coef", "piece", "kept", "whole"  # of a store
@@ -24,8 +28,29 @@ def work_for(network: Network, state: State) -> Work:
     """Workspace of the loop over blocks, and of all units that it calls."""
     s, laws, segments = state.before.shape[1], network.laws, network.segments
     nodes, states, elements = largest_group(network)
-    tile, n = max(SAMPLES // s, 1), nodes + elements
+    tile = max(SAMPLES // s, 1)
     held = int((segments.held + 2 * s).max(initial=0))
+    crossing, store, newton = _of_elements(laws, state, nodes, elements, tile) if elements else _without_elements()
+    return Work(
+        tile=tile,
+        position=np.zeros(len(network.ends), np.int64),
+        u=np.empty(nodes * tile * s),
+        history=np.empty((s, tile + 1)),
+        row=np.empty(max(tile, nodes * s + states)),
+        control=np.empty((elements, tile * s)),
+        crossing=crossing,
+        store=store,
+        newton=newton,
+        pair=np.empty(s * ABREAST),
+        out=np.empty(s * ABREAST),
+        enter=np.empty(2 * s * int(segments.number.max(initial=0))),
+        leave=np.empty(held),
+    )
+
+
+def _of_elements(laws: Laws, state: State, nodes: int, elements: int, tile: int) -> tuple[Crossing, Store, Newton]:
+    """Workspace of laws and stores, in groups of at most so many nodes and elements."""
+    s, n = state.before.shape[1], nodes + elements
     at_points = {name: np.empty(s) for name in AT_POINTS}
     system, integral = np.zeros((s, s + 1)), np.empty(s + 1)
     store = Store(
@@ -39,21 +64,20 @@ def work_for(network: Network, state: State) -> Work:
         system=np.zeros((n, n + 1)),
         own=np.zeros((elements, 2)),
     )
-    return Work(
-        tile=tile,
-        position=np.zeros(len(network.ends), np.int64),
-        u=np.empty(nodes * tile * s),
-        history=np.empty((s, tile + 1)),
-        row=np.empty(max(tile, nodes * s + states)),
-        control=np.empty((elements, tile * s)),
-        crossing=Crossing(laws.constants, *np.empty((4, tile * s if elements else 0))),
-        store=store,
-        newton=newton,
-        pair=np.empty(s * ABREAST),
-        out=np.empty(s * ABREAST),
-        enter=np.empty(2 * s * int(segments.number.max(initial=0))),
-        leave=np.empty(held),
+    return Crossing(laws.constants, *np.empty((4, tile * s))), store, newton
+
+
+@cache
+def _without_elements() -> Any:
+    """The same where there are none, packed: nothing reads it."""
+    nothing = np.empty(0)
+    matrix = np.empty((0, 0))
+    tools = Tools(nothing, matrix, matrix, matrix, matrix)
+    store = Store(
+        nothing, nothing, tools, **dict.fromkeys(AT_POINTS, nothing), system=matrix, integral=nothing, constant=nothing
     )
+    newton = dict.fromkeys(Newton._fields, nothing) | {"system": matrix, "own": matrix}
+    return pack(Crossing(*[nothing] * len(Crossing._fields))), pack(store), pack(Newton(**newton))
 
 
 def workspace_for(network: Network, s: int, most: int, parts: int) -> Workspace:

@@ -110,37 +110,41 @@ def reflection(impedance: "RationalFunction", z: float, where: str) -> StateSpac
     InputError
         If Z + z falls to a lower degree: Z tends to -z at high frequency, and no wave is defined.
     """
-    p, q = [Fraction(a) for a in impedance.numerator], [Fraction(a) for a in impedance.denominator]
+    p, q = ([int(a) for a in reversed(side.coeffs())] for side in (impedance.p, impedance.q))
     n = max(len(p), len(q)) - 1
-    p, q = [Fraction(0)] * (n + 1 - len(p)) + p, [Fraction(0)] * (n + 1 - len(q)) + q
-    exact_z = Fraction(z)
-    denominator = [a + exact_z * b for a, b in zip(p, q, strict=True)]
-    numerator = [a - exact_z * b for a, b in zip(p, q, strict=True)]
-    if denominator[0] == 0:
+    p, q = [0] * (n + 1 - len(p)) + p, [0] * (n + 1 - len(q)) + q
+    top, bottom = float(z).as_integer_ratio()
+    if bottom * p[0] + top * q[0] < 0:  # let the leading coefficient be positive
+        top, bottom = -top, -bottom
+    denominator = [bottom * a + top * b for a, b in zip(p, q, strict=True)]
+    numerator = [bottom * a - top * b for a, b in zip(p, q, strict=True)]
+    leading = denominator[0]
+    if leading == 0:
         raise InputError(
             where, f"its impedance tends to minus the line's {z:.6g} at high frequency: no wave is defined"
         )
     lowest = next(k for k in range(n, -1, -1) if denominator[k] != 0)
-    rate = _root(denominator[lowest] / denominator[0], lowest)  # time unit in which the coefficients are of one size
-    monic = [float(a / denominator[0] / rate**k) for k, a in enumerate(denominator)]
-    direct = numerator[0] / denominator[0]
+    exponent = _root(Fraction(denominator[lowest], leading), lowest)  # of the rate, at which all are of one size
+
+    def scaled(a: int, b: int, k: int) -> float:  # a/(b rate^k), rounded once
+        return (a << max(-k * exponent, 0)) / (b << max(k * exponent, 0))
+
+    monic = [scaled(a, leading, k) for k, a in enumerate(denominator)]
     output = [
-        float((b - direct * a) / denominator[0] / rate**k)
+        scaled(b * leading - numerator[0] * a, leading**2, k)
         for k, (a, b) in enumerate(zip(denominator, numerator, strict=True))
     ]
     A = np.eye(n, k=-1)
     A[0] = [-a for a in monic[1:]]
-    b, c, d = np.eye(n)[:, :1], np.array([output[1:]]), np.array([[float(direct)]])
+    b, c, d = np.eye(n)[:, :1], np.array([output[1:]]), np.array([[numerator[0] / leading]])
     scale = _balance(A)
-    return StateSpace(float(rate) * A / scale[:, None] * scale, float(rate) * b / scale[:, None], c * scale, d)
+    rate = 2.0**exponent
+    return StateSpace(rate * A / scale[:, None] * scale, rate * b / scale[:, None], c * scale, d)
 
 
-def _root(ratio: Fraction, n: int) -> Fraction:
-    """Some positive number of the size of abs(ratio)**(1/n), exact when used."""
-    if n == 0:
-        return Fraction(1)
-    exponent = (abs(ratio.numerator).bit_length() - ratio.denominator.bit_length()) // n
-    return Fraction(2) ** exponent
+def _root(ratio: Fraction, n: int) -> int:
+    """A whole number e such that 2**e has the size of abs(ratio)**(1/n)."""
+    return (abs(ratio.numerator).bit_length() - ratio.denominator.bit_length()) // n if n else 0
 
 
 def _balance(A: Matrix) -> Matrix:
@@ -149,10 +153,14 @@ def _balance(A: Matrix) -> Matrix:
     As scipy.linalg.matrix_balance, whose import would cost a short run a tenth of its time.
     """
     size, scale = np.abs(A) * (1 - np.eye(len(A))), np.ones(len(A))
-    for k in [*range(len(A))] * 8:
-        row, column = (size[k] * scale).sum() / scale[k], (size[:, k] / scale).sum() * scale[k]
-        if row > 0 and column > 0:
-            scale[k] *= 2.0 ** np.round(np.log2(row / column) / 2)
+    for _ in range(8 if size.any() else 0):
+        before = scale.copy()
+        for k in range(len(A)):
+            row, column = (size[k] * scale).sum() / scale[k], (size[:, k] / scale).sum() * scale[k]
+            if row > 0 and column > 0:
+                scale[k] *= 2.0 ** np.round(np.log2(row / column) / 2)
+        if (scale == before).all():
+            break
     return scale
 
 

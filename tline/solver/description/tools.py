@@ -1,11 +1,16 @@
 """Matrices of the polynomial basis, as the kernel reads them."""
 
+from functools import lru_cache
+from typing import Any
+
 import numpy as np
 
 from tline.solver.kernel.network import Tools
 from tline.solver.radau import Basis, gauss
+from tline.structure import pack
 
 
-def tools_of(basis: Basis) -> Tools:
-    """The matrices of a basis."""
-    return Tools(basis.c, basis.to_points, basis.to_legendre, basis.A, np.array(gauss(basis.s)))
+@lru_cache
+def tools_of(basis: Basis) -> Any:
+    """The matrices of a basis, packed: `Tools`."""
+    return pack(Tools(basis.c, basis.to_points, basis.to_legendre, basis.A, np.array(gauss(basis.s))))

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import Fronts
+from tline.solver.radau import gauss
 
 
 def under_way(assembly: Assembly, fronts: Fronts | None) -> NDArray:
@@ -32,7 +33,7 @@ def under_way(assembly: Assembly, fronts: Fronts | None) -> NDArray:
 
 def _squares(fronts: Fronts, rows: NDArray, after: NDArray) -> NDArray:
     """Integral of the square of slabs in pieces from an instant of each on, in slab time."""
-    pieces, (x, weights) = fronts.pieces, fronts.tools.gauss
+    pieces, (x, weights) = fronts.pieces, gauss(fronts.pieces.coef.shape[2])
     start, stop = pieces.start[rows, :-1], pieces.start[rows, 1:]
     there = np.arange(start.shape[1]) < pieces.number[rows][:, None]
     start, stop = np.where(there, start, 1.0), np.where(there, stop, 1.0)

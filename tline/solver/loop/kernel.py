@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 from tline.solver.assembly.workspace import work_for
 from tline.solver.kernel import blocks
 from tline.solver.kernel.fronts.structures import DONE, FrontRun, Fronts, Sources
-from tline.solver.kernel.network import Network, Run, State
+from tline.solver.kernel.network import NO_LOSSES, Network, Run, State
 from tline.solver.kernel.units import units_of
 from tline.structure import pack
+
+PACKED_NO_LOSSES = pack(NO_LOSSES)
 
 
 class Kernel:
@@ -31,6 +33,8 @@ class Kernel:
         self._fronts: Any = None if fronts is None else pack(fronts)
         units = units_of(network, fronts=fronts is not None)
         work = work_for(network, state)
+        if network.losses is NO_LOSSES:
+            network = network._replace(losses=PACKED_NO_LOSSES)
         self._held = pack(network), pack(state), pack(units), pack(work)
 
     @cached_property
