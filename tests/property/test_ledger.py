@@ -67,6 +67,14 @@ def test_networks_with_losses(seed, order, slab, whole):
     adds_up(kept(Scene(**table)))
 
 
+def test_energies_below_all_floats():
+    scene = Scene(
+        medium="electrical", t_end=3.0, lines={"line": {"nodes": ["a", "b"], "z0": 1e100, "delay": 1.0}},
+        sources={"s": {"at": "a", "kind": "voltage", "value": 1e-120, "resistance": 30}}, probes={"a": {"at": "a"}},
+    )  # fmt: skip
+    assert kept(scene).residual == 0.0
+
+
 def test_a_scene_in_which_nothing_happens():
     scene = random_scene(2, solver={"order": 2, "slab": 0.2})
     ledger = kept(scene)
