@@ -3,6 +3,7 @@
 import math
 import numbers
 from fractions import Fraction
+from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
@@ -41,6 +42,14 @@ def _exact(value: float) -> Fraction:
     return Fraction(repr(float(value)))
 
 
+@cache
+def _s() -> "RationalFunction":
+    """The impedance s, of 1 H."""
+    from passivity import RationalFunction
+
+    return RationalFunction.from_coefficients([1, 0], [1])
+
+
 def _as_typed(value: float | str) -> Fraction | float | str:
     return _exact(value) if isinstance(value, float) and math.isfinite(value) else value
 
@@ -53,13 +62,13 @@ class _Elements(Rational):
     def _impedances(self) -> "list[RationalFunction]":
         from passivity import RationalFunction
 
-        exact, parts = RationalFunction.from_coefficients, []
+        constant, parts = RationalFunction.constant, []
         if self.resistance is not None:
-            parts.append(exact([_exact(self.resistance)], [1]))
+            parts.append(constant(_exact(self.resistance)))
         if self.inductance is not None:
-            parts.append(exact([_exact(self.inductance), 0], [1]))
+            parts.append(constant(_exact(self.inductance)) * _s())
         if self.capacitance is not None:
-            parts.append(exact([1], [_exact(self.capacitance), 0]))
+            parts.append((constant(_exact(self.capacitance)) * _s()).inverse())
         if not parts:
             raise InputError("", "no element given", "at least one of resistance, inductance and capacitance")
         return parts

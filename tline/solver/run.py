@@ -74,7 +74,9 @@ def run(
         for name, probe in description.probes.items()
     }
     samples = len(assembly.network.ends) * n * s
-    again = Again(description.scene, chosen, n, dict(kinks), samples + EACH_NODE * len(assembly.nodes))
+    again = Again(
+        description.scene, chosen, n, dict(kinks), samples + EACH_NODE * len(assembly.nodes), bool(description.coupled)
+    )
     return Result(
         description.scene,
         ends,
@@ -100,6 +102,7 @@ class Again(NamedTuple):
     slabs: int
     kinks: dict[str, NDArray]
     work: float  # samples
+    coupled: bool
 
     def __call__(self) -> Ledger | None:
         """What every line and element gave, took and stored."""
@@ -108,7 +111,7 @@ class Again(NamedTuple):
     @property
     def is_cheap(self) -> bool:
         """Whether it may be done without being asked for."""
-        return self.work <= LARGEST_LEDGER and not describe(self.scene).coupled
+        return self.work <= LARGEST_LEDGER and not self.coupled
 
 
 def with_ledger(result: Result, ledger: bool | None) -> Result:

@@ -35,6 +35,8 @@ def blocks_of(delay: NDArray, first: NDArray, ends: NDArray, group: NDArray, los
 
 def _stride(reach: NDArray, ends: NDArray) -> int:
     """That for which groups with that reach, and so many ends each, are begun with least often; never a single slab."""
+    if reach.min() == reach.max():
+        return min(int(reach[0]), LONGEST) if reach[0] > 1 else LONGEST
     order = np.argsort(reach)
     choices, at = np.unique(np.minimum(reach[order], LONGEST), return_index=True)
     near = np.concatenate([[0], np.cumsum(ends[order])])[at]

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from fractions import Fraction
+from functools import lru_cache
 from math import ceil, lcm
 from typing import NamedTuple
 
@@ -161,10 +162,11 @@ def _dividing(delays: list[float], lossy: list[float], marks: list[float], wante
     most = int(shortest / max(wanted / FINER, affordable)) or 1
     choices = [[*delays, *marks], delays]
     choices += [[shortest, *lossy, *marks], [shortest, *lossy]] if lossy else []
-    return next(filter(None, (common_parts(times, shortest, most) for times in choices)), 0)
+    return next(filter(None, (common_parts(tuple(times), shortest, most) for times in choices)), 0)
 
 
-def common_parts(times: list[float], unit: float, most: int) -> int:
+@lru_cache  # fractions take long, and runs with other values ask the same
+def common_parts(times: tuple[float, ...], unit: float, most: int) -> int:
     """The fewest parts of the unit that divide all times, 0 if it takes more than `most`."""
     parts = 1
     for time in set(times):

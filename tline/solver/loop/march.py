@@ -40,6 +40,8 @@ class Noted(NamedTuple):
 def joined(noted: list[Noted], s: int) -> Noted:
     """One after the other."""
     nothing = Noted(np.empty(0, int), np.empty(0, int), np.empty((0, 2)), np.empty((0, 2, s)))
+    if not noted:
+        return nothing
     return Noted(*(np.concatenate(parts) for parts in zip(nothing, *noted, strict=True)))
 
 

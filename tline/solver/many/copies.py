@@ -58,7 +58,7 @@ def copies_of(description: Description, vary: Mapping[str, ArrayLike]) -> Copies
     if len(apart):
         problem = f"the delays of copy {apart[0]} are not in the proportion of those of copy 0"
         raise InputError("lines", problem, "all delays multiplied by the same number, copy by copy")
-    parts = common_parts(ratio[:, 0].tolist(), 1.0, MOST_UNITS)
+    parts = common_parts(tuple(ratio[:, 0].tolist()), 1.0, MOST_UNITS)
     if not parts:
         expected = f"whole multiples of a part of the shortest, at most a {MOST_UNITS}th"
         raise InputError("lines", "their delays have no common measure", expected)
