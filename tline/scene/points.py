@@ -24,7 +24,10 @@ class Points(Shape):
         raise NotImplementedError
 
     def breaks(self, t_end):  # noqa: D102
-        return np.unique(self.points()[0])
+        times, _ = self.points()
+        kept = np.ones(len(times), bool)
+        np.greater(times[1:], times[:-1], out=kept[1:])
+        return times[kept]
 
     def value(self, t, inside):  # noqa: D102
         return between(*self.points(), t, inside)

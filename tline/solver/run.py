@@ -119,7 +119,8 @@ def with_ledger(result: Result, ledger: bool | None) -> Result:
     again = result.accounts
     if isinstance(again, Again) and (ledger is False or (ledger is None and not again.is_cheap)):
         again = None
-    return replace(result, accounts=result.ledger if ledger else again)
+    accounts = result.ledger if ledger else again
+    return result if accounts is result.accounts else replace(result, accounts=accounts)
 
 
 def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[tuple[float, int, int]]:

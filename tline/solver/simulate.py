@@ -143,7 +143,7 @@ def simulated(
         result = with_ledger(result, ledger)
     for note in result.unresolved:
         warnings.warn(note, UnresolvedWarning, stacklevel=3)
-    return replace(result, warned=tuple(warned))
+    return replace(result, warned=tuple(warned)) if warned else result
 
 
 def judged(result: Result) -> Accuracy:

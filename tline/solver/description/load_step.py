@@ -173,12 +173,14 @@ def load_step(system: StateSpace, basis: Basis, h: float) -> Matrix:
         From (w, x) to (u, x at the slab's end): port by port the s points, then the states.
     """
     s, (n, k) = basis.s, system.b.shape
-    stages = np.eye(s * n) - h * _kron(system.A, basis.A)
-    drive = np.hstack([h * _kron(system.b, basis.A), _kron(np.eye(n), np.ones((s, 1)))])
-    x = np.linalg.solve(stages, drive)  # states at all points, shape (n s, k s + n)
-    u = _kron(system.c, np.eye(s)) @ x
-    u[:, : k * s] += _kron(system.d, np.eye(s))
-    return np.vstack([u, x[s - 1 :: s]])
+    one, drive = np.eye(s), np.empty((n * s, k * s + n))
+    drive[:, : k * s], drive[:, k * s :] = h * _kron(system.b, basis.A), _kron(np.eye(n), np.ones((s, 1)))
+    x = np.linalg.solve(np.eye(s * n) - h * _kron(system.A, basis.A), drive)  # states at all points
+    step = np.empty((k * s + n, k * s + n))
+    np.matmul(_kron(system.c, one), x, out=step[: k * s])
+    step[: k * s, : k * s] += _kron(system.d, one)
+    step[k * s :] = x[s - 1 :: s]
+    return step
 
 
 def _kron(a: Matrix, b: Matrix) -> Matrix:

@@ -120,7 +120,8 @@ class Stepper:
         moves = [(t, group, row) for t, group, row in _snapped(assembly.changes) if t < n]
         self.at_edges = [] if follows else [move for move in moves if move[0] % 1 == 0]
         inside = [move for move in moves if follows or move[0] % 1 != 0]
-        self.events = np.unique(np.floor(np.concatenate([*self.places, [t for t, _, _ in inside]])).astype(int))
+        instants = np.concatenate([*self.places, [t for t, _, _ in inside]])
+        self.events = np.unique(np.floor(instants).astype(int)) if instants.size else instants
         self.fronts: Fronts | None = None
         if len(self.events):
             in_slab = [np.unique(np.floor(p), return_counts=True)[1] for p in self.places]
