@@ -148,18 +148,18 @@ def sources_of(broken: list[Broken], s: int) -> Sources:
     first = np.cumsum([0, *(len(one.slab) for one in broken)])
     begin = np.cumsum([0, *(count for one in broken for count in one.parts)])
 
-    def joined(parts: list[NDArray], empty: NDArray) -> NDArray:
+    def concatenated(parts: list[NDArray], empty: NDArray) -> NDArray:
         return np.concatenate([empty, *parts])
 
     return Sources(
         first,
         first[:-1].copy(),
-        joined([one.slab for one in broken], np.empty(0, int)),
-        joined([one.anew for one in broken], np.empty(0, bool)),
+        concatenated([one.slab for one in broken], np.empty(0, int)),
+        concatenated([one.anew for one in broken], np.empty(0, bool)),
         begin,
-        joined([one.start for one in broken], np.empty(0)),
-        joined([one.stop for one in broken], np.empty(0)),
-        joined([one.coef for one in broken], np.empty((0, s))),
+        concatenated([one.start for one in broken], np.empty(0)),
+        concatenated([one.stop for one in broken], np.empty(0)),
+        concatenated([one.coef for one in broken], np.empty((0, s))),
     )
 
 

@@ -14,7 +14,7 @@ from tline.solver.kernel.network import Laws
 from tline.solver.radau import Basis, basis
 
 STATES = {"gas": 1, "tank": 1, "rotor": 1, "vapour": 1, "air": 2}
-KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", *STATES, "own")
+KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", *STATES, "user_defined")
 
 
 def laws_of(

@@ -124,7 +124,7 @@ class Node:
         """Whether the response has that state."""
         return bool(self.above_level) and (self.load is not None or bool(self.switches))
 
-    def standing(self) -> NDArray:
+    def state_at_rest(self) -> NDArray:
         """State of the response while the liquid stands still.
 
         Capacitances without a path for a steady flow, or straight across, hold the gauge pressure; nothing flows in

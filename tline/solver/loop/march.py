@@ -37,7 +37,7 @@ class Noted(NamedTuple):
         return Noted(*(part[self.row < most] for part in self))
 
 
-def joined(noted: list[Noted], s: int) -> Noted:
+def concatenated(noted: list[Noted], s: int) -> Noted:
     """One after the other."""
     nothing = Noted(np.empty(0, int), np.empty(0, int), np.empty((0, 2)), np.empty((0, 2, s)))
     return Noted(*(np.concatenate(parts) for parts in zip(nothing, *noted, strict=True)))
@@ -56,7 +56,7 @@ class Run(NamedTuple):
     seconds: float  # without compiling or loading the kernel
     pieces: Noted
     fronts: Tally
-    under_way: Fronts | None  # as they are at the end; None in a run without any
+    final_fronts: Fronts | None  # as they are at the end; None in a run without any
 
 
 def march(
@@ -97,7 +97,7 @@ def march(
                 steps.begin_record(low)
                 steps.advance(low, high)
                 record[:, :, low * s : high * s] = window[:kept, :, : (high - low) * s]
-                pieces = joined(steps.noted[seen:], s)
+                pieces = concatenated(steps.noted[seen:], s)
                 for observer in observers:
                     observer.see(window, low, high - low, pieces)
                 steps.noted[seen:] = [pieces.of_rows(kept)]
@@ -151,11 +151,11 @@ class Stepper:
         """Advance by some slabs, at most to `high`."""
         if self.fronts is not None:
             ahead = self.events[np.searchsorted(self.events, low) :]
-            quiet = (int(ahead[0]) if len(ahead) else high) - low
+            front_free = (int(ahead[0]) if len(ahead) else high) - low
             settling = (self.fronts.settled > low - self.origin).any()
-            if self.fronts.counts[LIVE] or settling or quiet < LULL:
+            if self.fronts.counts[LIVE] or settling or front_free < LULL:
                 return self._in_pieces(low, min(high - low, STRETCH))
-            high = min(high, low + quiet)
+            high = min(high, low + front_free)
         node = self.kernel.blocks(high - low, self._drive(low, high - low), self.record, low - self.origin)
         if node >= 0:
             _refuse(self.assembly, node)
@@ -196,7 +196,7 @@ class Stepper:
 
     def run(self, seconds: float) -> Run:
         """What there is to say now."""
-        pieces = joined(self.noted, self.assembly.basis.s)
+        pieces = concatenated(self.noted, self.assembly.basis.s)
         return Run(seconds, pieces, Tally() if self.fronts is None else tally(self.fronts), self.fronts)
 
 
