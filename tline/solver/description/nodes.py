@@ -145,7 +145,7 @@ class Node:
         return 0.0 * own if self.held is not None else own / (own.sum() + self.conductance)
 
     @property
-    def drives(self) -> list[tuple[Shape, float]]:
+    def excitations(self) -> list[tuple[Shape, float]]:
         """Waveforms and their shares of the Thévenin wave."""
         if self.held is not None:
             return [(self.held, 1.0)]
