@@ -103,7 +103,7 @@ def against_twin() -> float:
         twin = timed(lambda assembly=assembly: efforts(assembly, 200)) / 200
         for _, node, row in assembly.changes:
             assembly.network.step_row[node] = row
-        silent = np.zeros((len(assembly.drives), 20_000 * 5))
+        silent = np.zeros((len(assembly.excitations), 20_000 * 5))
         kernel = timed(lambda a=assembly, d=silent: advance(a.network, a.state, 20_000, d, UNRECORDED, 0)) / 20_000
         ratios.append(twin / kernel)
     return median(ratios)

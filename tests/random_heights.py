@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from tline.scene.own import OwnLink, OwnLoad
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
+from tline.scene.user_defined import UserLink, UserLoad
 
 WEIGHT = 1000 * GRAVITY  # Pa/m
 RATED = {"flow": "20 L/s", "pressure_drop": "2 bar"}
@@ -13,14 +13,14 @@ CURVE = {"points": [["-1 bar", "-5 L/s"], ["0 bar", "0 L/s"], ["1 bar", "3 L/s"]
 WAVES = {"resistance": "1e7 Pa s/m^3"}
 
 
-class Screen(OwnLoad):
+class Screen(UserLoad):
     """Flow in proportion to the pressure, none in."""
 
     def flow(self, effort, opening):
         return max(effort, 0.0) * 3e-8 * opening
 
 
-class Gate(OwnLink):
+class Gate(UserLink):
     """Flow in proportion to the drop."""
 
     def flow(self, effort, opening):

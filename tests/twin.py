@@ -36,8 +36,8 @@ def efforts(assembly: Assembly, n_slabs: int) -> np.ndarray:
         for node in range(len(net.first) - 1):
             for e in range(net.first[node], net.first[node + 1]):
                 u[node, k] += net.weight[e] * arriving[net.ends[e]]
-            if net.drive_row[node] >= 0:
-                for waveform, share in assembly.drives[net.drive_row[node]]:
+            if net.excitation_row[node] >= 0:
+                for waveform, share in assembly.excitations[net.excitation_row[node]]:
                     u[node, k] += share * sampled(waveform, assembly.basis, h, k, 1)[0]
         for g, (low, high) in enumerate(pairwise(net.group)):
             if net.load_at[g] >= 0:
@@ -84,12 +84,12 @@ def efforts_in_pieces(assembly: Assembly, n_slabs: int) -> np.ndarray:
         [(-delay[e // 2] - 2, 0.0, np.full(s, starts[e // 2, e % 2]))] for e in range(2 * len(delay))
     ]
     fronts: list[list[float]] = [[] for _ in sent]
-    breaks = [sorted({0.0, *(t / h for w, _ in parts for t in w.breaks(1e3))}) for parts in assembly.drives]
+    breaks = [sorted({0.0, *(t / h for w, _ in parts for t in w.breaks(1e3))}) for parts in assembly.excitations]
     u, x, step_row = np.zeros((len(net.first) - 1, n_slabs)), assembly.state.load.copy(), net.step_row.copy()
     for k in range(n_slabs):
         for g, (low, high) in enumerate(pairwise(net.group)):
             ends = net.ends[net.first[low] : net.first[high]]
-            rows, moves = net.drive_row[low:high], [(t, r) for t, where, r in assembly.changes if where == g]
+            rows, moves = net.excitation_row[low:high], [(t, r) for t, where, r in assembly.changes if where == g]
             here = [t + delay[e // 2] for e in ends for t in fronts[e ^ 1]] + [t for t, _ in moves]
             here += [t for row in rows if row >= 0 for t in breaks[row]]
             here = [t for t in here if k - SAME / 2 <= t < k + 1 - SAME / 2]
@@ -97,7 +97,7 @@ def efforts_in_pieces(assembly: Assembly, n_slabs: int) -> np.ndarray:
             for row, mine in zip(rows, driven, strict=True):
                 for p, q in pieces_between(k, breaks[row]) if row >= 0 else []:
                     t, inside = h * (p + (q - p) * basis.c), np.array(h * (p + q) / 2)
-                    mine.append((p, q, sum(share * w.value(t, inside) for w, share in assembly.drives[row])))
+                    mine.append((p, q, sum(share * w.value(t, inside) for w, share in assembly.excitations[row])))
             for p, q in pieces_between(k, here):
                 for t, r in moves:
                     if abs(t - p) < SAME:

@@ -24,8 +24,8 @@ from passivity import Kind, RationalFunction, RationalMatrix, StateSpace
 from tline.errors import ActiveError, InputError, SceneError
 from tline.line import ElectricalLine, HydraulicLine
 from tline.scene.file import read_scene, scene_from
-from tline.scene.own import OwnLink, OwnLoad
 from tline.scene.scene import Scene
+from tline.scene.user_defined import UserLink, UserLoad
 from tline.solver.many import many
 from tline.solver.simulate import simulate
 
@@ -41,8 +41,8 @@ LINE = {
 }
 
 
-class Clamp(OwnLoad):
-    """A user's own element, which can be imported."""
+class Clamp(UserLoad):
+    """A user-defined element, which can be imported."""
 
     limit: float
 
@@ -122,7 +122,7 @@ def test_user_defined_elements_of_nowhere_are_refused_in_a_sentence():
     class Hidden(Clamp):
         pass
 
-    class Between(OwnLink):
+    class Between(UserLink):
         pass
 
     for element in (Hidden(at="far", limit=1.0), own(Hidden, limit=1.0), Between(nodes=("a", "b"))):

@@ -48,7 +48,7 @@ def network(lines, order, slab, t_end):
 def efforts_at_q(lines, order, slab, t_end):
     """Effort at slab ends."""
     assembly = assemble(describe(network(lines, order, slab, t_end)), {"c"})
-    assembly.drives[0] = [(Bell(), share) for _, share in assembly.drives[0]]
+    assembly.excitations[0] = [(Bell(), share) for _, share in assembly.excitations[0]]
     record, _ = march(assembly, round(t_end / slab))
     side = lines["c"].index("q")
     return record[assembly.recorded["c"] + side].mean(axis=0).reshape(-1, order)[:, -1]

@@ -65,7 +65,7 @@ def test_stored_energy_never_grows(table, order, slabs, seed):
     assembly.state.waves[:] = rng.normal(size=assembly.state.waves.shape)
     assembly.state.before[:] = rng.normal(size=assembly.state.before.shape)
     assembly.state.load[:] = rng.normal(size=assembly.state.load.shape)
-    in_loads, nothing = InLoads(silent, assembly), np.zeros((len(assembly.drives), order))
+    in_loads, nothing = InLoads(silent, assembly), np.zeros((len(assembly.excitations), order))
     start = last = on_lines(assembly) + in_loads(assembly)
     for _ in range(SLABS):
         assert advance(assembly.network, assembly.state, 1, nothing, np.zeros((0, 2, 0)), 0) == -1

@@ -23,7 +23,7 @@ def test_stored_energy_never_grows(table, order, slabs, seed):
     assembly, rng = assemble(describe(scene), set()), np.random.default_rng(seed)
     for part in (assembly.state.waves, assembly.state.before, assembly.state.load):
         part[:] = rng.normal(size=part.shape)
-    in_loads, nothing = InLoads(scene, assembly), np.zeros((len(assembly.drives), order))
+    in_loads, nothing = InLoads(scene, assembly), np.zeros((len(assembly.excitations), order))
     start = last = on_lines(assembly) + in_loads(assembly)
     for _ in range(SLABS):
         assert advance(assembly.network, assembly.state, 1, nothing, np.zeros((0, 2, 0)), 0) == -1

@@ -9,7 +9,7 @@ from tline.line.modes import even_and_odd, modes
 from tline.pictures.fronts import only_line
 from tline.pictures.path import route
 from tline.scene.line import Cable
-from tline.scene.plausible import doubts
+from tline.scene.plausible import plausibility_notes
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.simulate import simulate
@@ -166,8 +166,8 @@ def test_what_does_not_know_them_says_so(ask):
 
 def test_lossless_modes_faster_than_light_are_a_note():
     fast = scene(MATRICES | {"capacitance": [[1.3e-12, -1e-13], [-1e-13, 1.3e-12]]})
-    assert doubts(fast) == ["lines.pair: L and C are too small: a mode is faster than light"]
-    assert doubts(scene(MATRICES)) == []
+    assert plausibility_notes(fast) == ["lines.pair: L and C are too small: a mode is faster than light"]
+    assert plausibility_notes(scene(MATRICES)) == []
 
 
 def test_pipes_are_not_coupled():

@@ -4,7 +4,7 @@ import pytest
 
 from tline.errors import InputError
 from tline.scene.load import Parallel
-from tline.scene.plausible import doubts
+from tline.scene.plausible import plausibility_notes
 from tline.scene.scene import Scene
 
 PIPE = {"nodes": ["tank", "valve"], "length": "300 m", "radius": "10 cm", "fluid": "water"}
@@ -30,7 +30,7 @@ def source(**waveform) -> dict:
 
 
 @pytest.mark.parametrize(
-    ("changes", "doubt"),
+    ("changes", "note"),
     [
         ({"loads": valve("5 s")}, "loads.v (5 s): nothing changes there before the run ends at 2 s"),
         ({"loads": valve("2 s")}, "loads.v (2 s): nothing changes there before the run ends at 2 s"),
@@ -58,8 +58,8 @@ def source(**waveform) -> dict:
         ),
     ],
 )
-def test_what_is_probably_not_meant_is_said_in_one_sentence(changes: dict, doubt: str) -> None:
-    assert doubts(scene(**changes)) == [doubt]
+def test_what_is_probably_not_meant_is_said_in_one_sentence(changes: dict, note: str) -> None:
+    assert plausibility_notes(scene(**changes)) == [note]
 
 
 @pytest.mark.parametrize(
@@ -72,7 +72,7 @@ def test_what_is_probably_not_meant_is_said_in_one_sentence(changes: dict, doubt
     ],
 )
 def test_nothing_is_said_of_what_is_plain(changes: dict) -> None:
-    assert doubts(scene(**changes)) == []
+    assert plausibility_notes(scene(**changes)) == []
 
 
 def test_ohms_and_volts_need_no_unit() -> None:
@@ -81,7 +81,7 @@ def test_ohms_and_volts_need_no_unit() -> None:
     end = {"at": "far", "kind": "resistor", "resistance": "75"}
     lines, sources, loads, probes = {"cable": cable}, {"s": drive}, {"end": end}, {"far": {"at": "far"}}
     plain = Scene(medium="electrical", t_end="1 us", lines=lines, sources=sources, loads=loads, probes=probes)
-    assert doubts(plain) == []
+    assert plausibility_notes(plain) == []
 
 
 def test_a_negative_resistance_leads_to_an_active_impedance() -> None:

@@ -13,7 +13,7 @@ from tline.line.given import Given
 from tline.line.hydraulic import QUANTITIES as HYDRAULIC
 from tline.line.plausible import CABLES, PIPES, unusual
 from tline.scene.file import read_scene
-from tline.scene.plausible import doubts
+from tline.scene.plausible import plausibility_notes
 from tline.scene.scene import Scene
 from tline.units import to_si
 
@@ -78,14 +78,15 @@ def test_nothing_is_said_of_what_exists(given: dict) -> None:
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_nothing_is_said_of_the_shipped_scenes(path: Path) -> None:
-    assert [doubt for doubt in doubts(read_scene(path)) if "outside what" in doubt or "beside a radius" in doubt] == []
+    notes = plausibility_notes(read_scene(path))
+    assert [note for note in notes if "outside what" in note or "beside a radius" in note] == []
 
 
 @pytest.mark.parametrize("name", ["Net1", "Net2", "Net3"])
 def test_nothing_is_said_of_networks_of_epanet(name: str) -> None:
     wntr = pytest.importorskip("wntr")
     scene, _ = read_inp(Path(wntr.__file__).parent / f"library/networks/{name}.inp", 1000)
-    assert doubts(scene) == []
+    assert plausibility_notes(scene) == []
 
 
 KNOWN = [(name, unit, known) for ranges, quantities in ((PIPES, HYDRAULIC), (CABLES, ELECTRICAL))
@@ -111,4 +112,5 @@ def test_what_is_usual_passes_in_any_unit_and_what_is_proposed_is_usual(which, s
 def test_a_scene_names_the_pipes() -> None:
     lines = {name: {"nodes": ["a", name], "radius": 10, "length": 300, "fluid": "water"} for name in ("b", "c")}
     scene = Scene(medium="hydraulic", t_end="1 s", lines=lines, probes={"a": {"at": "b"}})
-    assert doubts(scene) == ["lines.b, lines.c: radius: 10 m is outside what is built, 50 µm to 8 m: meant 10 cm?"]
+    note = "lines.b, lines.c: radius: 10 m is outside what is built, 50 µm to 8 m: meant 10 cm?"
+    assert plausibility_notes(scene) == [note]

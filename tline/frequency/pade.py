@@ -54,7 +54,9 @@ def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "St
     arriving = np.zeros((2 * len(lines), n + m + 1))
     arriving[:, :n] = c[[e ^ 1 for e in range(2 * len(lines))]]
     thevenin = np.array([node.weights(z0) @ arriving[node.ends] for node in nodes])
-    thevenin[:, -1] = [sum(f * float(w.value(np.array(1.0), np.array(1.0))) for w, f in node.drives) for node in nodes]
+    thevenin[:, -1] = [
+        sum(f * float(w.value(np.array(1.0), np.array(1.0))) for w, f in node.excitations) for node in nodes
+    ]
     states = np.eye(n + m + 1)[n : n + m]
     efforts = through @ thevenin + out @ states
     sent = 2 * efforts[node_of_end(nodes)] - arriving

@@ -11,8 +11,8 @@ from pydantic import TypeAdapter, ValidationError
 from tline.errors import InputError, SceneError
 from tline.scene.check import conflicts
 from tline.scene.medium import MEDIA
-from tline.scene.own import own_elements
 from tline.scene.scene import Scene
+from tline.scene.user_defined import user_elements
 from tline.wording import nearest, shown
 
 SECTIONS = "lines", "sources", "loads", "links", "probes", "nodes"
@@ -50,7 +50,7 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """
     if not values:
         return scene
-    if scene.measured or own_elements(scene):
+    if scene.measured or user_elements(scene):
         return _read_anew(scene, values)
     tables: dict[str, dict[str, Any]] = {}
     for path, value in values.items():

@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import Any
 
 from tline.scene.named_file import Folder
-from tline.scene.own import own_elements
 from tline.scene.scene import Scene
 from tline.scene.text_file import read_toml
+from tline.scene.user_defined import user_elements
 
 PLAIN = bool, int, float, str, list, tuple, dict  # what TOML knows
 
@@ -40,12 +40,12 @@ def scene_from(data: dict[str, Any], folder: str | Folder = ".") -> Scene:
 def scene_text(scene: Scene) -> str:
     """The scene as TOML text, with every value as it was typed; reading it gives an equal scene.
 
-    Elements of a user's own appear under the names of their classes, which a file cannot give back.
+    User-defined elements appear under the names of their classes, which a file cannot give back.
     """
     import tomli_w
 
     table = scene.table()
-    for part, name in own_elements(scene):
+    for part, name in user_elements(scene):
         element = table[part][name]
         fields = {key: value if isinstance(value, PLAIN) else repr(value) for key, value in element.table().items()}
         table[part][name] = {"kind": type(element).__name__} | fields

@@ -15,7 +15,7 @@ FACTORS = {
     "demand": "pattern",
     "pump": "speed",
     "rotor": "trip",
-    "own": "opening",
+    "user_defined": "opening",
 }
 
 

@@ -11,10 +11,10 @@ from tline.scene.choice import OneOf
 from tline.scene.element import AtNode
 from tline.scene.medium import MEDIA
 from tline.scene.outflow import Demand, Leak
-from tline.scene.own import OwnLoad, or_own
 from tline.scene.quantity import LoadResistance, Pressure, Resistance, Time
 from tline.scene.rational_load import Impedance, Parallel, Series
 from tline.scene.touchstone import Touchstone
+from tline.scene.user_defined import UserLoad, or_user_defined
 from tline.scene.valve import CheckValve, Orifice, ReliefValve
 from tline.scene.vessel import AirVessel, Cavity, SurgeTank, VapourCavity
 
@@ -92,4 +92,4 @@ _Any = (
     | Orifice | CheckValve | ReliefValve | Leak | Demand | Diode | Curve
     | AirVessel | SurgeTank | Cavity | VapourCavity | AirValve
 )  # fmt: skip
-Load = Annotated[_Any, OneOf(_Any, "kind"), *or_own(OwnLoad)]
+Load = Annotated[_Any, OneOf(_Any, "kind"), *or_user_defined(UserLoad)]

@@ -17,7 +17,7 @@ EVERYDAY = {"ohm", "V", "A", ""}  # units in which a bare number is what people 
 LISTED = 3
 
 
-def doubts(scene: Scene) -> list[str]:
+def plausibility_notes(scene: Scene) -> list[str]:
     """What a user may have overlooked in a scene.
 
     Examples
@@ -27,8 +27,8 @@ def doubts(scene: Scene) -> list[str]:
     ...     lines={"cable": {"nodes": ["near", "far"], "z0": 50, "length": "300", "wave_speed": 2e8}},
     ...     loads={"breaker": {"at": "far", "kind": "switch", "before": 0, "after": "inf", "time": "1 ms"}},
     ... )
-    >>> for doubt in doubts(scene):
-    ...     print(doubt)
+    >>> for note in plausibility_notes(scene):
+    ...     print(note)
     loads.breaker (0.001 s): nothing changes there before the run ends at 1e-06 s
     taken as SI for want of a unit: lines.cable.length = '300' (m)
     """

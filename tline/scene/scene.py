@@ -35,13 +35,13 @@ from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import MOST, limited, mistakes
 from tline.scene.named_file import Folder
-from tline.scene.own import own_elements
 from tline.scene.probe import Probe
 from tline.scene.quantity import Duration, Effort, Tolerance, Whole
 from tline.scene.shape import Shape
 from tline.scene.site import GRAVITY, Site
 from tline.scene.source import Source
 from tline.scene.touchstone import Touchstone
+from tline.scene.user_defined import user_elements
 from tline.wording import place
 
 SHORT = 1e-30  # s, an end time in place of a bad one, so short that no waveform has too many breaks
@@ -197,9 +197,9 @@ class Scene(Element):
         return table
 
     def table(self) -> dict[str, Any]:
-        """The scene as it stands in a file, but for elements of a user's own, which are given as they are."""
+        """The scene as it stands in a file, but for user-defined elements, which are given as they are."""
         table = super().table()
-        for (part, name), element in own_elements(self).items():
+        for (part, name), element in user_elements(self).items():
             table[part][name] = element
         return table
 

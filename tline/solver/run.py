@@ -16,7 +16,7 @@ from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution
 from tline.solver.ledger.ledger import Ledger
-from tline.solver.ledger.recorder import Books
+from tline.solver.ledger.recorder import Recorder
 from tline.solver.loop.march import Run, march
 from tline.solver.result.conductor import record_of
 from tline.solver.result.envelope import watch
@@ -63,9 +63,9 @@ def run(
     if 4 * len(kept) * n * s > LARGEST_RECORD:
         problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
         raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
-    books = Books(assembly, n) if ledger else None
+    recorder = Recorder(assembly, n) if ledger else None
     extremes = watch(assembly) if envelope else None
-    waves, done = march(assembly, n, observers=[each for each in (extremes, books) if each], progress=progress)
+    waves, done = march(assembly, n, observers=[each for each in (extremes, recorder) if each], progress=progress)
     smears = done.fronts.lost > VISIBLE or description.blurred
     lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
     ends = np.arange(n + 1) * h
@@ -89,7 +89,7 @@ def run(
         done.seconds,
         done.fronts,
         envelope=extremes and extremes.envelope(description.heights),
-        accounts=books.ledger(done.under_way) if books else again,
+        accounts=recorder.ledger(done.final_fronts) if recorder else again,
         circuits=assembly.circuits,
     )
 

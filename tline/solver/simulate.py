@@ -5,14 +5,14 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from tline.errors import ActiveError, InputError
-from tline.scene.own import own_elements, own_mistakes
-from tline.scene.parted import parted
+from tline.scene.expanded import expanded
 from tline.scene.quantity import TOLERANCE
+from tline.scene.user_defined import user_elements, user_mistakes
 from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.result.accuracy import Accuracy, Attempt
-from tline.solver.result.merged import joined, recorded
+from tline.solver.result.merged import merged, recorded
 from tline.solver.result.result import Result
 from tline.solver.run import run, with_ledger
 from tline.solver.stability.growth import growth_sentence
@@ -64,7 +64,7 @@ def simulate(
     ledger : bool, optional
         Account for what every line and element gave, took and stored: ``Result.ledger``. If not given that is done
         when the ledger or the notes are first read, unless it takes more than about half a second, and never with
-        coupled conductors. Always done where there are elements of a user's own, so that one which makes energy is
+        coupled conductors. Always done where there are user-defined elements, so that one which makes energy is
         told.
     active : bool
         Run even with a load that is not positive real. What it does to the scene is then the first of the notes.
@@ -124,15 +124,15 @@ def simulated(
 ) -> Result:
     """The same of a scene that is described: see `simulate`. `start` is what a run with other values has found."""
     scene = description.scene
-    whole = parted(scene)
+    whole = expanded(scene)
     if whole is not scene:
         more = {"envelope": envelope, "ledger": ledger, "active": active, "progress": progress}
-        return joined(simulated(describe(whole), tol=tol, record=recorded(description, record), **more), description)
+        return merged(simulated(describe(whole), tol=tol, record=recorded(description, record), **more), description)
     if ledger:
         description.refuse_coupled("a ledger")
     warned, record = _active(description, active), list(record)
-    tol, ledger = asked(scene, tol), True if own_elements(scene) else ledger
-    with own_mistakes(scene):
+    tol, ledger = asked(scene, tol), True if user_elements(scene) else ledger
+    with user_mistakes(scene):
         if tol is None or (scene.solver.slab and (scene.solver.order or description.lossy)):
             chosen = resolution(description)
             result = run(description, chosen, record, envelope=envelope, ledger=bool(ledger), progress=progress)
@@ -156,7 +156,7 @@ def judged(result: Result) -> Accuracy:
     """
     s, h, scene = result.resolution.s, result.resolution.h, (result.parts or result).scene
     description = describe(scene)
-    with own_mistakes(scene):
+    with user_mistakes(scene):
         better = run(description, Resolution(s, h / 2) if description.lossy else Resolution(s + 1, h))
     found = Accuracy(None, *compared(result, better)).cautious()
     return replace(found, attempts=(Attempt.of(result, found.worst), Attempt.of(better)))

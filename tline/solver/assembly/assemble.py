@@ -32,7 +32,7 @@ class Assembly:
     basis: Basis
     network: Network
     state: State
-    drives: list[Excitation]  # of each drive row
+    excitations: list[Excitation]  # of each excitation row
     systems: list[StateSpace]  # of each row of the network's maps
     changes: list[tuple[float, int, int]]  # (instant in slabs, group, row of the map from then on), sorted
     nodes: dict[str, Node]  # in the order of their groups
@@ -79,7 +79,7 @@ def assemble(
         first=layout.first,
         ends=layout.ends,
         weight=layout.weight,
-        drive_row=layout.drive_row,
+        excitation_row=layout.excitation_row,
         group=layout.group,
         load_at=layout.systems.load_at,
         step_row=layout.systems.step_row.copy(),  # which switches rewrite
@@ -112,7 +112,7 @@ def assemble(
         order,
         network,
         state,
-        layout.drives,
+        layout.excitations,
         layout.systems.systems,
         layout.systems.changes,
         layout.nodes,

@@ -20,7 +20,7 @@ from tline.solver.kernel.fronts.structures import (
     DROPPED,
     MERGED,
     PEAK,
-    Drives,
+    ExcitationRows,
     Fronts,
     Log,
     Moves,
@@ -94,7 +94,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], p
             np.array([row for _, _, row in moves], int)[order],
             first[:-1].copy(),
         ),
-        _drives(network),
+        _excitation_rows(network),
         Pieces(
             np.full(slabs, -1),
             np.full(ends, -1),
@@ -121,12 +121,12 @@ def _at_segments(network: Network) -> NDArray:
     return np.diff(np.concatenate([[0], np.cumsum(here)])[ends]) > 0
 
 
-def _drives(network: Network) -> Drives:
+def _excitation_rows(network: Network) -> ExcitationRows:
     laws, groups = network.laws, np.arange(len(network.group) - 1)
-    row = np.concatenate([network.drive_row, laws.drive_row])
+    row = np.concatenate([network.excitation_row, laws.excitation_row])
     group = np.concatenate([np.repeat(groups, np.diff(at)) for at in (network.group, laws.first)])[row >= 0]
     order = np.argsort(group, kind="stable")
-    return Drives(np.searchsorted(group[order], np.arange(len(network.group))), row[row >= 0][order])
+    return ExcitationRows(np.searchsorted(group[order], np.arange(len(network.group))), row[row >= 0][order])
 
 
 def _packed(assembly: Assembly) -> Systems:
@@ -144,22 +144,22 @@ def _joined(parts: list[NDArray]) -> tuple[NDArray, NDArray]:
 
 
 def sources_of(broken: list[Broken], s: int) -> Sources:
-    """Slabs of all drive rows, one after the other."""
+    """Slabs of all excitation rows, one after the other."""
     first = np.cumsum([0, *(len(one.slab) for one in broken)])
     begin = np.cumsum([0, *(count for one in broken for count in one.parts)])
 
-    def joined(parts: list[NDArray], empty: NDArray) -> NDArray:
+    def concatenated(parts: list[NDArray], empty: NDArray) -> NDArray:
         return np.concatenate([empty, *parts])
 
     return Sources(
         first,
         first[:-1].copy(),
-        joined([one.slab for one in broken], np.empty(0, int)),
-        joined([one.anew for one in broken], np.empty(0, bool)),
+        concatenated([one.slab for one in broken], np.empty(0, int)),
+        concatenated([one.anew for one in broken], np.empty(0, bool)),
         begin,
-        joined([one.start for one in broken], np.empty(0)),
-        joined([one.stop for one in broken], np.empty(0)),
-        joined([one.coef for one in broken], np.empty((0, s))),
+        concatenated([one.start for one in broken], np.empty(0)),
+        concatenated([one.stop for one in broken], np.empty(0)),
+        concatenated([one.coef for one in broken], np.empty((0, s))),
     )
 
 

@@ -56,8 +56,8 @@ class Layout:
     first: NDArray  # (N + 1,) those at node k are ends[first[k]:first[k + 1]]
     weight: NDArray  # (2 L,) share of an arriving wave in the node's Thévenin wave
     group: NDArray  # (G + 1,) nodes of group g are group[g] to group[g + 1]
-    drives: list[Excitation]
-    drive_row: NDArray  # (N,)
+    excitations: list[Excitation]
+    excitation_row: NDArray  # (N,)
     systems: GroupSystems
     laws: Laws  # without matrices of an order
     states: NDArray  # of the laws
@@ -117,17 +117,17 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         degree = [len(node.ends) for node in nodes.values()]
         first, group = np.cumsum([0, *degree]), np.cumsum([0, *(len(group.nodes) for group in groups)])
         weight = np.concatenate([node.weights(z0) for node in nodes.values()])
-        drives = [node.drives for node in nodes.values()]
+        excitations = [node.excitations for node in nodes.values()]
         thevenin = None
         if steady:
             arriving = (u + [-1, 1] * z0[:, None] * y).ravel()
             thevenin = np.bincount(np.repeat(np.arange(len(nodes)), degree), weight * arriving[ends], len(nodes))
-            thevenin += [sum(share * just_before(waveform) for waveform, share in parts) for parts in drives]
+            thevenin += [sum(share * just_before(waveform) for waveform, share in parts) for parts in excitations]
         systems = systems_of(groups, h, thevenin, segmented)
-        driven = np.array([bool(parts) for parts in drives])
-        drives = list(filter(None, drives))
+        driven = np.array([bool(parts) for parts in excitations])
+        excitations = list(filter(None, excitations))
         elements = [group.elements for group in groups]
-        laws, factors = laws_of(elements, [group.nodes for group in groups], len(drives), len(systems.states))
+        laws, controls = laws_of(elements, [group.nodes for group in groups], len(excitations), len(systems.states))
         bar.update()
     return Layout(
         h,
@@ -148,8 +148,8 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         first,
         weight,
         group,
-        drives + [[(factor, 1.0)] for factor in factors],
-        drive_row=np.where(driven, np.cumsum(driven) - 1, -1),
+        excitations + [[(factor, 1.0)] for factor in controls],
+        excitation_row=np.where(driven, np.cumsum(driven) - 1, -1),
         systems=systems,
         laws=laws,
         states=states_of([e for group in elements for e in group], effort),

@@ -43,7 +43,7 @@ def systems_of(groups: list[Group], h: float, thevenin: NDArray | None, segmente
         last = first + len(group.nodes)
         if group.dynamic or (segmented and not group.elements and _at_segments(group, segmented)):
             load_at[g], step_row[g] = filled, len(systems)
-            states.append(group.standing() if thevenin is None else group.at_rest_under(thevenin[first:last]))
+            states.append(group.state_at_rest() if thevenin is None else group.at_rest_under(thevenin[first:last]))
             filled += len(states[-1])
             switches, switched = group.nodes[0].switches, group.nodes[0].switched
             times = sorted({float(switch.time) for switch in switches if switch.time >= 0})

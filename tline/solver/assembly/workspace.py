@@ -96,7 +96,7 @@ def workspace_for(network: Network, s: int, most: int, parts: int) -> Workspace:
         given=np.zeros((given, s)),
         arrived=np.zeros((ends, most, s)),
         u=np.zeros((nodes, most, s)),
-        factor=np.zeros((elements, most, s)),
+        control=np.zeros((elements, most, s)),
         coef=np.zeros((most + 1, s)),
         whole=np.zeros(s),
         part=np.zeros(s),

@@ -12,8 +12,8 @@ from tline.scene.changed import changed, parts_of
 from tline.scene.coupled import Coupled, ends_of, refuse_coupled
 from tline.scene.load import Switch
 from tline.scene.multiport import Multiport
-from tline.scene.own import own_elements
-from tline.scene.plausible import doubts
+from tline.scene.plausible import plausibility_notes
+from tline.scene.user_defined import user_elements
 from tline.scene.vessel import Boiling
 from tline.solver.description.active import active_parts
 from tline.solver.description.elements import BREAKING, Element, elements_of
@@ -138,8 +138,8 @@ class Description:
     @cached_property
     def time_scales(self) -> dict[str, tuple[float, float]]:
         """Of each curved waveform and dynamic load the shortest time scale, and that of its oscillations, s."""
-        joined = [group for group in self.grouped()[0] if group.ports] if self.multiports else []
-        return time_scales(self.waveforms, self.nodes.values(), joined)
+        groups = [group for group in self.grouped()[0] if group.ports] if self.multiports else []
+        return time_scales(self.waveforms, self.nodes.values(), groups)
 
     @property
     def starts(self) -> dict[str, float]:
@@ -148,9 +148,9 @@ class Description:
         return {name: float(start) for name, start in given.items() if start is not None}
 
     @property
-    def doubts(self) -> list[str]:
+    def plausibility_notes(self) -> list[str]:
         """What is valid in the scene and yet probably not meant."""
-        return doubts(self.scene)
+        return plausibility_notes(self.scene)
 
     @cached_property
     def stretches(self) -> dict[str, Stretches]:
@@ -161,7 +161,7 @@ class Description:
     @property
     def own(self) -> set[str]:
         """Places of user-defined elements."""
-        return {place(*at) for at in own_elements(self.scene)}
+        return {place(*at) for at in user_elements(self.scene)}
 
     @cached_property
     def active(self) -> dict[str, str]:

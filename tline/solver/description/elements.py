@@ -15,8 +15,8 @@ class Element(NamedTuple):
 
     where: str
     law: Law
-    one: str | None
-    other: str | None
+    from_node: str | None
+    to_node: str | None
     above_level: float = 0.0  # of a node that it leads from to the open air; of one that it leads to, less than zero
 
     @property
@@ -28,7 +28,7 @@ class Element(NamedTuple):
     @property
     def nodes(self) -> list[str]:
         """Those that it is at."""
-        return [node for node in (self.one, self.other) if node is not None]
+        return [node for node in (self.from_node, self.to_node) if node is not None]
 
 
 def elements_of(scene: Scene, nodes: Mapping[str, Node]) -> list[Element]:
@@ -37,12 +37,12 @@ def elements_of(scene: Scene, nodes: Mapping[str, Node]) -> list[Element]:
     for (part, name), law in scene.laws.items():
         ends = scene.links[name].nodes if part == "links" else (scene.loads[name].at, None)
         if any(node is not None and nodes[node].held is None for node in ends):
-            one, other = reversed(ends) if law.reverse else ends
-            found.append(Element(place(part, name), law, one, other, _height(nodes, one, other)))
+            from_node, to_node = reversed(ends) if law.reverse else ends
+            found.append(Element(place(part, name), law, from_node, to_node, _height(nodes, from_node, to_node)))
     return found
 
 
-def _height(nodes: Mapping[str, Node], one: str | None, other: str | None) -> float:
-    if one is not None and other is not None:
+def _height(nodes: Mapping[str, Node], from_node: str | None, to_node: str | None) -> float:
+    if from_node is not None and to_node is not None:
         return 0.0
-    return nodes[one].above_level if one is not None else -nodes[other or ""].above_level
+    return nodes[from_node].above_level if from_node is not None else -nodes[to_node or ""].above_level

@@ -29,7 +29,7 @@ class Broken(NamedTuple):
 
 
 def places_of(parts: list[tuple[Shape, float]], t_end: float, h: float) -> NDArray:
-    """Instants in slabs, sorted, at which the waveforms of one drive row jump or bend; t = 0 is always one."""
+    """Instants in slabs, sorted, at which the waveforms of one excitation row jump or bend; t = 0 is always one."""
     places = np.concatenate([[0.0], *(waveform.breaks(t_end) for waveform, _ in parts)]) / h
     near = np.round(places)
     places = np.where(np.abs(places - near) < EDGE, near, places)

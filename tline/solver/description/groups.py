@@ -17,7 +17,7 @@ from tline.solver.description.elements import Element
 from tline.solver.description.given import End
 from tline.solver.description.lines import Line
 from tline.solver.description.load_step import NO_LOAD, StateSpace, side_by_side
-from tline.solver.description.multiport import PlacedPorts, PortPlaces, joined
+from tline.solver.description.multiport import PlacedPorts, PortPlaces, with_multiports
 from tline.solver.description.nodes import Node
 
 
@@ -65,7 +65,7 @@ class Group(NamedTuple):
         if self.ends:
             return scattered(self.nodes, self.ends)
         if self.ports:
-            return joined(self.nodes, self.ports)
+            return with_multiports(self.nodes, self.ports)
         if not self.lumped_lines:
             return self.nodes[0].response(switched)
         return coupled(self)
@@ -93,13 +93,13 @@ class Group(NamedTuple):
         inner = [np.resize([lumped.line.z0 * lumped.y, lumped.u], lumped.states) for lumped in self.lumped_lines]
         return np.concatenate([*states, *inner])
 
-    def standing(self) -> NDArray:
+    def state_at_rest(self) -> NDArray:
         """State while the liquid stands still."""
         system = self.system(0.0)
         state, first = np.where(system.constant, 1.0, 0.0), 0
         for node in self.nodes:
             if node.held is None:
-                own = node.standing()
+                own = node.state_at_rest()
                 state[first : first + len(own)] = own
                 first += len(own)
         return state

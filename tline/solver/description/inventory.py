@@ -122,7 +122,7 @@ def _at_node(node: Node, steady: bool, h: float, t_end: float) -> Iterator[Membe
 
 def _non_linear(element: Element) -> Member:
     """A valve, pump, vessel, diode or table; beyond a valve may be a pressure."""
-    kind, back = element.law.kind, element.law.constants[0] if element.other is None else 0.0
+    kind, back = element.law.kind, element.law.constants[0] if element.to_node is None else 0.0
     column = SUPPLIED if kind in GIVING else TAKEN if kind in STORING or back else DISSIPATED
     between = len(element.nodes) == 2
     return Member(element.where, tuple(element.nodes), column, column != DISSIPATED, between, to_air=not between)

@@ -14,7 +14,7 @@ from tline.solver.kernel.network import Laws
 from tline.solver.radau import Basis, basis
 
 STATES = {"gas": 1, "tank": 1, "rotor": 1, "vapour": 1, "air": 2}
-KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", *STATES, "own")
+KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", *STATES, "user_defined")
 
 
 def laws_of(
@@ -27,39 +27,39 @@ def laws_of(
     members : sequence of sequence of Node
         Nodes of each group.
     first_row, first_state : int
-        Numbers of the first drive row and of the first state.
+        Numbers of the first excitation row and of the first state.
     """
-    drives: list[Shape] = []
-    rows, factors, states, seen = [], [], [], []
+    excitations: list[Shape] = []
+    rows, controls, states, source_impedances = [], [], [], []
     place_of = {node.name: k for group in members for k, node in enumerate(group)}
     impedance = {node.name: _impedance(node) for group in members for node in group}
     largest = max([z for z in impedance.values() if z > 0], default=1.0)
     flat = [element for group in elements for element in group]
     for element in flat:
         factor = element.law.factor
-        rows.append(first_row + len(drives) if varies(factor) else -1)
-        factors.append(1.0 if factor is None else just_before(factor))
-        drives += [factor] if factor is not None and varies(factor) else []
+        rows.append(first_row + len(excitations) if varies(factor) else -1)
+        controls.append(1.0 if factor is None else just_before(factor))
+        excitations += [factor] if factor is not None and varies(factor) else []
         states.append(first_state if element.law.kind in STATES else -1)
         first_state += STATES.get(element.law.kind, 0)
-        seen.append(sum(max(impedance[node], 0.0) for node in element.nodes) or largest)
+        source_impedances.append(sum(max(impedance[node], 0.0) for node in element.nodes) or largest)
     constants = [element.constants for element in flat]
     laws = Laws(
         first=np.cumsum([0, *map(len, elements)]),
         kind=np.array([KINDS.index(element.law.kind) for element in flat], int),
-        one=np.array([-1 if e.one is None else place_of[e.one] for e in flat], int),
-        other=np.array([-1 if e.other is None else place_of[e.other] for e in flat], int),
-        drive_row=np.array(rows, int),
-        factor=np.array(factors, float),
+        from_node=np.array([-1 if e.from_node is None else place_of[e.from_node] for e in flat], int),
+        to_node=np.array([-1 if e.to_node is None else place_of[e.to_node] for e in flat], int),
+        excitation_row=np.array(rows, int),
+        control=np.array(controls, float),
         at=np.cumsum([0, *map(len, constants)])[:-1],
         constants=np.concatenate([np.empty(0), *constants]),
         state_at=np.array(states, int),
-        seen=np.array(seen, float),
+        source_impedance=np.array(source_impedances, float),
         impedance=np.array(list(impedance.values())),
         tools=tools_of(basis(1)),
         step=0.0,
     )
-    return laws, drives
+    return laws, excitations
 
 
 def with_basis(laws: Laws, order: Basis, h: float) -> Laws:

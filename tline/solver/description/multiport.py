@@ -45,7 +45,7 @@ def counted_from(levels: NDArray, ports: Ports) -> Ports:
     return Ports(M, N, np.hstack([E, (M @ levels)[:, None]]), Q, np.vstack([P, none]), np.vstack([R, none]))
 
 
-def joined(nodes: Sequence[Node], multiports: Sequence[PortPlaces]) -> StateSpace:
+def with_multiports(nodes: Sequence[Node], multiports: Sequence[PortPlaces]) -> StateSpace:
     """State space of a group with multiports, from the nodes' Thévenin waves to their efforts.
 
     Raises

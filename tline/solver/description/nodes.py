@@ -124,7 +124,7 @@ class Node:
         """Whether the response has that state."""
         return bool(self.above_level) and (self.load is not None or bool(self.switches))
 
-    def standing(self) -> NDArray:
+    def state_at_rest(self) -> NDArray:
         """State of the response while the liquid stands still.
 
         Capacitances without a path for a steady flow, or straight across, hold the gauge pressure; nothing flows in
@@ -145,7 +145,7 @@ class Node:
         return 0.0 * own if self.held is not None else own / (own.sum() + self.conductance)
 
     @property
-    def drives(self) -> list[tuple[Shape, float]]:
+    def excitations(self) -> list[tuple[Shape, float]]:
         """Waveforms and their shares of the Thévenin wave."""
         if self.held is not None:
             return [(self.held, 1.0)]

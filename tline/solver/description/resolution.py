@@ -23,7 +23,7 @@ SLABS_PER_DELAY, SLABS_PER_RUN = 4, 500  # at least, where they cost little
 SLABS_FOR_FRONTS = 20_000  # at most, to give the short pieces of waveforms slabs of their own
 CHEAP = 1e7  # line-end samples computed without asking whether that fine is needed
 CHEAP_IN_BLOCKS = 1e9  # the same where a slab divides all delays: without fronts inside slabs some hundred times faster
-ROOM = 4e7  # samples on the lines or in the record that are kept without asking
+MOST_KEPT = 4e7  # samples on the lines or in the record that are kept without asking
 LARGEST = 4e8  # samples on the lines at once
 MOST_SLABS = 1e9
 MOST_MARKS = 100  # jumps, corners and switches that are worth a slab that divides their instants
@@ -116,15 +116,15 @@ def _affordable(description: Description, delays: list[float], cheap: float) -> 
     """The narrowest slab, s, that neither time nor memory forbids."""
     probed = min(len(description.scene.probes), len(delays))
     stepping = 2 * len(delays) * description.t_end / cheap
-    kept = max(4 * probed * description.t_end, 2 * sum(delays)) / ROOM
+    kept = max(4 * probed * description.t_end, 2 * sum(delays)) / MOST_KEPT
     return ORDER * max(stepping, kept)
 
 
 def _check(t_end: float, delays: dict[str, float], s: int, h: float, by_hand: bool) -> None:
     shortest, longest = (place("lines", choose(delays, key=lambda name: delays[name])) for choose in (min, max))
-    under_way = 2 * s * sum(delays.values()) / h
-    if under_way > LARGEST:
-        problem = f"slabs of {h:.3g} s put {under_way:.2g} samples on the lines at once"
+    samples = 2 * s * sum(delays.values()) / h
+    if samples > LARGEST:
+        problem = f"slabs of {h:.3g} s put {samples:.2g} samples on the lines at once"
         raise InputError(
             "solver.slab" if by_hand else shortest,
             f"{problem}, for {longest} takes {max(delays.values()):.3g} s",

@@ -12,7 +12,7 @@ from tline.solver.description.nodes import Node
 
 
 def time_scales(
-    waveforms: Mapping[str, Shape], nodes: Iterable[Node], joined: Sequence[Group]
+    waveforms: Mapping[str, Shape], nodes: Iterable[Node], groups: Sequence[Group]
 ) -> dict[str, tuple[float, float]]:
     """Of each curved waveform and dynamic load the shortest time scale, and that of its oscillations, s.
 
@@ -21,20 +21,20 @@ def time_scales(
     waveforms : mapping of str to Shape
         By place.
     nodes : iterable of Node
-    joined : sequence of Group
+    groups : sequence of Group
         Those of nodes that multiports join.
     """
     scales = {where: (waveform.fastest(), waveform.fastest()) for where, waveform in waveforms.items()}
-    for where, poles in _poles(nodes, joined):
+    for where, poles in _poles(nodes, groups):
         ringing = poles[np.abs(np.imag(poles)) > np.abs(np.real(poles))]
         scales[where] = (_shortest(poles), _shortest(ringing))
     return scales
 
 
-def _poles(nodes: Iterable[Node], joined: Sequence[Group]) -> Iterator[tuple[str, NDArray]]:
+def _poles(nodes: Iterable[Node], groups: Sequence[Group]) -> Iterator[tuple[str, NDArray]]:
     """Of each node with dynamic loads, alone or joined to others by multiports, in all states of its switches."""
-    elsewhere = {id(node) for group in joined for node in group.nodes}
-    for group in joined:
+    elsewhere = {id(node) for group in groups for node in group.nodes}
+    for group in groups:
         yield group.ports[0].where, np.linalg.eigvals(group.system(0.0).A)
     for node in nodes:
         if node.load is not None and node.held is None and id(node) not in elsewhere:

@@ -19,7 +19,7 @@ import numpy as np
 from tline.structure import Flags, Floats, Floats2, Floats3, Floats4, Integers
 
 CONSTANT, SQUARED, TABLED, REMEMBERED = range(4)  # kinds of loss elements
-QUADRATIC, PUMP, RELIEF, LEAK, DEMAND, DIODE, TABLE, GAS, TANK, ROTOR, VAPOUR, AIR, OWN = range(13)  # kinds of elements
+QUADRATIC, PUMP, RELIEF, LEAK, DEMAND, DIODE, TABLE, GAS, TANK, ROTOR, VAPOUR, AIR, USER_DEFINED = range(13)  # elements
 
 
 class Tools(NamedTuple):
@@ -37,14 +37,14 @@ class Laws(NamedTuple):
 
     first: Integers  # (G + 1,) those of group g are first[g] to first[g + 1]
     kind: Integers  # (E,)
-    one: Integers  # (E,) node of the group from which its flow counts, -1 for the reference
-    other: Integers  # (E,) node to which it counts
-    drive_row: Integers  # (E,) row of what scales it over time, -1 for none
-    factor: Floats  # (E,) what scales it where there is none
+    from_node: Integers  # (E,) node of the group from which its flow counts, -1 for the reference
+    to_node: Integers  # (E,) node to which it counts
+    excitation_row: Integers  # (E,) row of its control signal, -1 where that is constant
+    control: Floats  # (E,) control signal where it is constant
     at: Integers  # (E,) place of its first constant
     constants: Floats
     state_at: Integers  # (E,) place of its state, -1 for none
-    seen: Floats  # (E,) impedance that it sees, > 0
+    source_impedance: Floats  # (E,) of the source that it sees, > 0
     impedance: Floats  # (N,) Thévenin impedance of each node, 0 if its effort is held, -1 if nothing conducts there
     tools: Tools
     step: float  # slab width, s
@@ -114,7 +114,7 @@ class Network(NamedTuple):
     first: Integers  # (N + 1,) the ends at node k are ends[first[k]:first[k + 1]]; a group's nodes need not have any
     ends: Integers  # (2 L,)
     weight: Floats  # (2 L,) share of an arriving wave in the node's Thévenin wave
-    drive_row: Integers  # (N,) row of the source's part of that wave, -1 for none
+    excitation_row: Integers  # (N,) row of the source's part of that wave, -1 for none
     group: Integers  # (G + 1,) nodes group[g] to group[g + 1] are advanced together; most groups have one
     load_at: Integers  # (G,) place of the group's first state, -1 for an algebraic node
     step_row: Integers  # (G,) row of the group's map over a slab; switches that move rewrite it
@@ -160,7 +160,7 @@ class Crossing(NamedTuple):
 
     constants: Floats  # of all elements
     v: Floats  # effort of the Thévenin source that the element sees
-    control: Floats  # what scales it
+    control: Floats  # control signal
     flow: Floats  # its flow i
     slope: Floats  # di/dv
 

@@ -12,14 +12,14 @@ from tline.unit import function, invoke
 
 
 @function
-def begin(u, q, n, drive, row, start):
+def begin(u, q, n, excitation, row, start):
     """Start the Thévenin wave of a node, at place q of u, with the sources' part."""
     if row < 0:
         for i in range(n):
             u[q + np.uint64(i)] = 0.0
     else:
         for i in range(n):
-            u[q + np.uint64(i)] = drive[row, start + i]
+            u[q + np.uint64(i)] = excitation[row, start + i]
 
 
 @function
@@ -51,9 +51,9 @@ def control(run, g, start, n):
     laws, excitation, signal = run.network.laws, run.excitation, run.work.control
     for k in range(laws.first[g + 1] - laws.first[g]):
         e = laws.first[g] + k
-        row = laws.drive_row[e]
+        row = laws.excitation_row[e]
         for i in range(n):
-            signal[k, i] = excitation[row, start + i] if row >= 0 else laws.factor[e]
+            signal[k, i] = excitation[row, start + i] if row >= 0 else laws.control[e]
 
 
 @function
@@ -66,7 +66,7 @@ def scatter_group(run, g, here, m, column):
     n = m * s
     for node in range(one, after):
         q = np.uint64((node - one) * n)
-        begin(u, q, n, excitation, network.drive_row[node], here)
+        begin(u, q, n, excitation, network.excitation_row[node], here)
         for i in range(first[node], first[node + 1]):
             e = ends[i]
             if shift_row[e >> 1] >= 0:

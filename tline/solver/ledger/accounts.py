@@ -33,7 +33,7 @@ class Accounts(NamedTuple):
     gathers: NDArray  # (nodes, ends) from w - o to what flows into the nodes
     heads: dict[int, int]  # of nodes with ends one of them
     held: dict[int, Shape]  # efforts of nodes without ends
-    drives: list[tuple[int, int, Excitation]]  # account, node
+    excitations: list[tuple[int, int, Excitation]]  # account, node
     conductors: list[tuple[int, int, Resistive]]
     flows: Flows
     posts: list[tuple[int, int, Member | None]]  # of each flow its account, column, and the member if it is one alone
@@ -64,14 +64,14 @@ class Accounts(NamedTuple):
             u[node] = (w[end] + o[end]) / 2
         for node, shape in self.held.items():
             u[node] = columns.values(shape, np.empty(0))
-        for account, node, drive in self.drives:
-            level, g = columns.values(drive.waveform, drive.breaks), drive.conductance
+        for account, node, excitation in self.excitations:
+            level, g = columns.values(excitation.waveform, excitation.breaks), excitation.conductance
             gauge = u[node] - self.above_level[node]
-            flow = g * (level - u[node]) if drive.is_effort else level - g * gauge
-            lost = level - u[node] if drive.is_effort else gauge
-            if not drive.is_effort:
+            flow = g * (level - u[node]) if excitation.is_effort else level - g * gauge
+            lost = level - u[node] if excitation.is_effort else gauge
+            if not excitation.is_effort:
                 found[self.gravity, SUPPLIED] -= self.above_level[node] * g * columns.integral_of(gauge)
-            found[account, SUPPLIED] += integral(level, flow if drive.is_effort else u[node])
+            found[account, SUPPLIED] += integral(level, flow if excitation.is_effort else u[node])
             found[account, DISSIPATED] += g * integral(lost, lost)
             rest[node] += flow
         for account, node, conductor in self.conductors:
@@ -146,10 +146,11 @@ def accounts_of(nodes: Sequence[Node], inventory: Inventory, z0: NDArray) -> Acc
             may_give.append(lifts or any(member.may_give for member in members))
         alone = members[0] if len(members) == 1 else None
         posts.append((opened[elements], alone.column if alone else TAKEN, alone))
-    drives = [(k, number[drive.node], drive) for k, drive in enumerate(inventory.excitations)]
-    conductors = [(len(drives) + k, number[one.node], one) for k, one in enumerate(inventory.conductors)]
+    excitations = [(k, number[excitation.node], excitation) for k, excitation in enumerate(inventory.excitations)]
+    conductors = [(len(excitations) + k, number[one.node], one) for k, one in enumerate(inventory.conductors)]
     if above_level.any():
         where.append(GRAVITY)
         may_give.append(True)
-    columns = z0[ends // 2], gathers, heads, held, drives, conductors, flows, posts, above_level, falls, len(where) - 1
+    last = len(where) - 1
+    columns = z0[ends // 2], gathers, heads, held, excitations, conductors, flows, posts, above_level, falls, last
     return Accounts(where, may_give, ends, *columns)

@@ -1,4 +1,4 @@
-"""Books kept while a run goes on: energies through line ends and into elements, slab by slab."""
+"""Energy accounting during a run: energies through line ends and into elements, slab by slab."""
 
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ from tline.solver.description.inventory import inventory_of
 from tline.solver.ledger.accounts import Accounts, accounts_of
 from tline.solver.ledger.columns import Columns
 from tline.solver.ledger.ledger import COLUMNS, GRAVITY, Entry, Ledger
-from tline.solver.ledger.stored import under_way
+from tline.solver.ledger.stored import stored
 from tline.solver.loop.march import Noted
 from tline.wording import place
 
@@ -27,8 +27,8 @@ class Found(NamedTuple):
     waves: NDArray  # (pieces, ends, 2, s) what arrived and what left
 
 
-class Books:
-    """A ledger that grows with a run."""
+class Recorder:
+    """Recorder of the energies of a run, slab by slab."""
 
     def __init__(self, assembly: Assembly, n: int):
         description, network, h = assembly.description, assembly.network, assembly.resolution.h
@@ -42,7 +42,7 @@ class Books:
         inventories = (inventory_of(description, group, h, n * h) for group in assembly.groups)
         each = zip(assembly.groups, inventories, strict=True)
         self.groups = [accounts_of(group.nodes, inventory, self.z0) for group, inventory in each]
-        self.start = under_way(assembly, None)
+        self.start = stored(assembly, None)
         self.taken, self.least = np.zeros((2, len(lines)))
         self.totals = [np.zeros((len(group.where), len(COLUMNS))) for group in self.groups]
         self.lowest = [np.zeros(len(group.where)) for group in self.groups]
@@ -114,7 +114,7 @@ class Books:
 
     def ledger(self, fronts: Fronts | None) -> Ledger:
         """What was entered, when the run is over."""
-        entries = self._of_lines(under_way(self.assembly, fronts))
+        entries = self._of_lines(stored(self.assembly, fronts))
         lossless = np.array([line.losses is None for line in self.assembly.lines.values()])
         turnover = float(np.where(lossless, self.start, np.maximum(-self.least, 0.0)).sum())
         gravity = np.zeros(len(COLUMNS))

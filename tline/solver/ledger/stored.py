@@ -1,4 +1,4 @@
-"""Energy of the waves that are under way on lines."""
+"""Energy stored in the waves on lines."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +8,7 @@ from tline.solver.assembly.fronts import Fronts
 from tline.solver.radau import gauss
 
 
-def under_way(assembly: Assembly, fronts: Fronts | None) -> NDArray:
+def stored(assembly: Assembly, fronts: Fronts | None) -> NDArray:
     """Integral of (a² + b²)/(4 z0) over what was sent and has not arrived, J; of lossless lines, shape (lines,).
 
     The part of the slab that arrived last which a fractional delay still holds back is among it.

@@ -37,7 +37,7 @@ class Noted(NamedTuple):
         return Noted(*(part[self.row < most] for part in self))
 
 
-def joined(noted: list[Noted], s: int) -> Noted:
+def concatenated(noted: list[Noted], s: int) -> Noted:
     """One after the other."""
     nothing = Noted(np.empty(0, int), np.empty(0, int), np.empty((0, 2)), np.empty((0, 2, s)))
     if not noted:
@@ -58,7 +58,7 @@ class Run(NamedTuple):
     seconds: float  # without compiling or loading the kernel
     pieces: Noted
     fronts: Tally
-    under_way: Fronts | None  # as they are at the end; None in a run without any
+    final_fronts: Fronts | None  # as they are at the end; None in a run without any
 
 
 def march(
@@ -99,7 +99,7 @@ def march(
                 steps.begin_record(low)
                 steps.advance(low, high)
                 record[:, :, low * s : high * s] = window[:kept, :, : (high - low) * s]
-                pieces = joined(steps.noted[seen:], s)
+                pieces = concatenated(steps.noted[seen:], s)
                 for observer in observers:
                     observer.see(window, low, high - low, pieces)
                 steps.noted[seen:] = [pieces.of_rows(kept)]
@@ -116,7 +116,7 @@ class Stepper:
         self.noting = noting  # rows of the record whose pieces are noted
         self.origin = 0  # slab at the record's first column; the kernel of fronts counts from it
         follows = assembly.follows_edges
-        self.places = [_inside(places_of(p, n * self.h, self.h), follows) for p in assembly.drives]
+        self.places = [_inside(places_of(p, n * self.h, self.h), follows) for p in assembly.excitations]
         moves = [(t, group, row) for t, group, row in _snapped(assembly.changes) if t < n]
         self.at_edges = [] if follows else [move for move in moves if move[0] % 1 == 0]
         inside = [move for move in moves if follows or move[0] % 1 != 0]
@@ -154,12 +154,12 @@ class Stepper:
         """Advance by some slabs, at most to `high`."""
         if self.fronts is not None:
             ahead = self.events[np.searchsorted(self.events, low) :]
-            quiet = (int(ahead[0]) if len(ahead) else high) - low
+            front_free = (int(ahead[0]) if len(ahead) else high) - low
             settling = (self.fronts.settled > low - self.origin).any()
-            if self.fronts.counts[LIVE] or settling or quiet < LULL:
+            if self.fronts.counts[LIVE] or settling or front_free < LULL:
                 return self._in_pieces(low, min(high - low, STRETCH))
-            high = min(high, low + quiet)
-        node = self.kernel.blocks(high - low, self._drive(low, high - low), self.record, low - self.origin)
+            high = min(high, low + front_free)
+        node = self.kernel.blocks(high - low, self._excitation(low, high - low), self.record, low - self.origin)
         if node >= 0:
             _refuse(self.assembly, node)
         if self.fronts is not None:
@@ -173,13 +173,13 @@ class Stepper:
         sources = sources_of(
             [
                 broken(parts, places, assembly.basis, self.h, first, n)
-                for parts, places in zip(assembly.drives, self.places, strict=True)
+                for parts, places in zip(assembly.excitations, self.places, strict=True)
             ],
             assembly.basis.s,
         )
         sources.slab[:] -= self.origin
-        drive, column = self._drive(first, n), first - self.origin
-        node, done = self.kernel.fronts(sources, drive, column, n, self.record)
+        excitation, column = self._excitation(first, n), first - self.origin
+        node, done = self.kernel.fronts(sources, excitation, column, n, self.record)
         if node >= 0:
             _refuse(assembly, node)
         noted, fronts.counts[NOTED] = fronts.counts[NOTED], 0
@@ -188,18 +188,18 @@ class Stepper:
         self.noted.append(pieces.of_rows(self.noting))
         return int(done)
 
-    def _drive(self, first: int, n: int) -> NDArray:
-        """The sources' parts of the Thévenin waves on n slabs, shape (drives, n * s); broken slabs are not in it."""
-        basis, drives = self.assembly.basis, self.assembly.drives
-        drive = np.zeros((len(drives), n, basis.s))
-        for row, parts in zip(drive, drives, strict=True):
+    def _excitation(self, first: int, n: int) -> NDArray:
+        """Excitations of n slabs, shape (excitations, n * s), but of slabs with breaks."""
+        basis, excitations = self.assembly.basis, self.assembly.excitations
+        excitation = np.zeros((len(excitations), n, basis.s))
+        for row, parts in zip(excitation, excitations, strict=True):
             for waveform, share in parts:
                 row += share * sampled(waveform, basis, self.h, first, n)
-        return drive.reshape(len(drives), n * basis.s)
+        return excitation.reshape(len(excitations), n * basis.s)
 
     def run(self, seconds: float) -> Run:
         """What there is to say now."""
-        pieces = joined(self.noted, self.assembly.basis.s)
+        pieces = concatenated(self.noted, self.assembly.basis.s)
         return Run(seconds, pieces, Tally() if self.fronts is None else tally(self.fronts), self.fronts)
 
 

@@ -38,8 +38,8 @@ class CutRecord(LineRecord):
         return self.stretches[k].waves(t, here - k)
 
 
-def joined(result: Result, description: Description) -> Result:
-    """The result of a parted scene as one of the scene described; `Result.parts` keeps the former."""
+def merged(result: Result, description: Description) -> Result:
+    """The result of an expanded scene as one of the scene described; `Result.parts` keeps the former."""
     cut = description.stretches
     hidden = {each for stretches in cut.values() for each in stretches.lines}
     lines = {name: record for name, record in result.lines.items() if name not in hidden}

@@ -27,7 +27,7 @@ def remarks_of(result: Result) -> tuple[str, ...]:
         *untouched(probes),
         *unconnected(description),
         *lumped(result.resolution),
-        *description.doubts,
+        *description.plausibility_notes,
         *beyond_limits(description, _extremes(probes, envelope)),
         *surges(description, result.t, result.start, probes, envelope),
     )

@@ -29,8 +29,8 @@ CORRECTIONS, EXACT = 2, 1e-9  # of linear systems
 class Laws(NamedTuple):
     """What lies between parts, by edge."""
 
-    one: NDArray  # (edges,) part from which the flow counts, -1 for the reference
-    other: NDArray  # (edges,) part to which it counts
+    from_node: NDArray  # (edges,) part from which the flow counts, -1 for the reference
+    to_node: NDArray  # (edges,) part to which it counts
     impedance: NDArray  # (edges,) r, of the size of drop/flow, > 0
     solved: Callable[[NDArray], tuple[NDArray, NDArray, NDArray, NDArray]]  # a -> drop, flow, and their slopes over a
 
@@ -81,7 +81,7 @@ def _starts(laws: Laws, given: NDArray, conductance: NDArray, driven: NDArray) -
     held = ~np.isnan(given)
     effort[~held] = given[held].mean() if held.any() else 0.0
     largest, r = _largest(laws, effort, driven), _mean(laws.impedance)
-    starts = [np.full(len(laws.one), share * largest) for share in STARTS]
+    starts = [np.full(len(laws.from_node), share * largest) for share in STARTS]
 
     def unbalance(a: NDArray) -> float:
         drop, flow, _, _ = laws.solved(a)
@@ -102,16 +102,16 @@ def _largest(laws: Laws, effort: NDArray, driven: NDArray) -> float:
 def _rests(laws: Laws, effort: NDArray, drop: NDArray, flow: NDArray, out: NDArray) -> tuple[NDArray, NDArray]:
     """What is left of laws, and of flows out of each part with those that are given."""
     ends, out = np.append(effort, 0.0), np.append(out, 0.0)
-    np.add.at(out, laws.one, flow)
-    np.add.at(out, laws.other, -flow)
-    return drop - (ends[laws.one] - ends[laws.other]), out[:-1]
+    np.add.at(out, laws.from_node, flow)
+    np.add.at(out, laws.to_node, -flow)
+    return drop - (ends[laws.from_node] - ends[laws.to_node]), out[:-1]
 
 
 def _newton(
     laws: Laws, given: NDArray, conductance: NDArray, driven: NDArray, leaking: float, start: tuple[NDArray, NDArray]
 ) -> _Found:
     """Newton's steps from a start, halved until what is left falls."""
-    n, count = len(given), len(laws.one)
+    n, count = len(given), len(laws.from_node)
     free = np.flatnonzero(np.isnan(given))
     number = np.full(n + 1, -1)  # the last one is the reference
     number[free] = count + np.arange(len(free))
@@ -154,7 +154,7 @@ def _jacobian(
     """Entries, rows and columns: laws first, then balances of the free parts."""
     edges = np.arange(count)
     entries, rows, columns = [np.maximum(steep, LEAST)], [edges], [edges]
-    for end, sign in ((laws.one, 1.0), (laws.other, -1.0)):
+    for end, sign in ((laws.from_node, 1.0), (laws.to_node, -1.0)):
         at = number[end]
         seen = at >= 0
         entries += [np.full(seen.sum(), -sign), r * sign * slope[seen]]

@@ -27,7 +27,7 @@ class Edges:
     ----------
     where : list of str
         Names for messages.
-    one, other : ndarray, shape (edges,)
+    from_node, to_node : ndarray, shape (edges,)
         Nodes, -1 for the reference.
     """
 
@@ -38,9 +38,11 @@ class Edges:
         self.falls = Falls(lines, tables)
         self.elements = [_running(e) for e in description.elements if e.law.kind not in FILLED]
         self.where = [place("lines", name) for name in lines] + [element.where for element in self.elements]
-        pairs = [line.nodes for line in lines.values()] + [(element.one, element.other) for element in self.elements]
+        pairs = [line.nodes for line in lines.values()] + [
+            (element.from_node, element.to_node) for element in self.elements
+        ]
         ends = [[-1 if node is None else number[node] for node in pair] for pair in pairs]
-        self.one, self.other = np.array(ends, int).reshape(-1, 2).T
+        self.from_node, self.to_node = np.array(ends, int).reshape(-1, 2).T
         self.packed, _ = laws_of([self.elements], [[*description.nodes.values()]], 0, 0)
 
     @property
@@ -51,15 +53,20 @@ class Edges:
     def out_of_nodes(self, flow: NDArray, n: int) -> NDArray:
         """Flow out of each of n nodes into the edges."""
         out = np.zeros(n + 1)
-        np.add.at(out, self.one, flow)
-        np.add.at(out, self.other, -flow)
+        np.add.at(out, self.from_node, flow)
+        np.add.at(out, self.to_node, -flow)
         return out[:-1]
 
     def laws(self, part: NDArray, largest: float) -> Laws:
         """The same between the parts that the nodes are in, where efforts are no larger than that."""
         ends = np.append(part, -1)
-        self.packed = self.packed._replace(seen=_steep(self.packed, largest))
-        return Laws(ends[self.one], ends[self.other], np.concatenate([self.falls.z0, self.packed.seen]), self._solved)
+        self.packed = self.packed._replace(source_impedance=_steep(self.packed, largest))
+        return Laws(
+            ends[self.from_node],
+            ends[self.to_node],
+            np.concatenate([self.falls.z0, self.packed.source_impedance]),
+            self._solved,
+        )
 
     def holding(
         self, part: NDArray, flow: NDArray, scale: float
@@ -68,31 +75,31 @@ class Edges:
         ends, none = np.append(part, -1), np.zeros(len(self.falls.z0))
         low, high = (np.concatenate([none, drops]) for drops in held_drops(self.packed))
         passing = (low == high) | (np.abs(flow) > NOTHING * scale)
-        return (ends[self.one], ends[self.other]), passing, (low, high)
+        return (ends[self.from_node], ends[self.to_node]), passing, (low, high)
 
     def _solved(self, a: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """Drops and flows, and their slopes over the efforts a behind the impedances."""
         count = len(self.falls.z0)
         fall, y, steep, dy = self.falls.solved(a[:count])
         flow, slope = flows_through(self.packed, a[count:])
-        seen = self.packed.seen
+        source_impedance = self.packed.source_impedance
         return (
-            np.concatenate([fall, a[count:] - seen * flow]),
+            np.concatenate([fall, a[count:] - source_impedance * flow]),
             np.concatenate([y, flow]),
-            np.concatenate([steep, 1 - seen * slope]),
+            np.concatenate([steep, 1 - source_impedance * slope]),
             np.concatenate([dy, slope]),
         )
 
 
 def _steep(elements: Elements, largest: float) -> NDArray:
     """Impedance of each element: that of its nodes, or drop over flow of one so tight that its root is a jump."""
-    seen = elements.seen.copy()
+    source_impedance = elements.source_impedance.copy()
     for e in np.flatnonzero(elements.kind == KINDS.index("quadratic")):
-        capacity = elements.constants[elements.at[e] + 1] * max(elements.factor[e], 0.0)
+        capacity = elements.constants[elements.at[e] + 1] * max(elements.control[e], 0.0)
         drop_over_flow = np.sqrt(largest) / capacity if capacity > 0 else 0.0
-        if drop_over_flow > TIGHT * seen[e]:
-            seen[e] = min(drop_over_flow, TIGHTEST * seen[e])
-    return seen
+        if drop_over_flow > TIGHT * source_impedance[e]:
+            source_impedance[e] = min(drop_over_flow, TIGHTEST * source_impedance[e])
+    return source_impedance
 
 
 def _running(element: Element) -> Element:

@@ -16,5 +16,5 @@ def flows_through(laws: Laws, v: NDArray) -> tuple[NDArray, NDArray]:
 
         crossing = Crossing(laws.constants, *np.empty((4, 1)))
         law = law_addresses(laws.kind)
-        through(pack(Through(law, laws.at, laws.factor, v, laws.seen, flow, slope, crossing)))
+        through(pack(Through(law, laws.at, laws.control, v, laws.source_impedance, flow, slope, crossing)))
     return flow, slope

@@ -23,14 +23,14 @@ class Holding(NamedTuple):
 
     Attributes
     ----------
-    one, other : ndarray, shape (elements,)
+    from_group, to_group : ndarray, shape (elements,)
         Groups.
     low, high : ndarray, shape (elements,)
         By how much the effort of the first may exceed that of the other, beside what it does.
     """
 
-    one: NDArray
-    other: NDArray
+    from_group: NDArray
+    to_group: NDArray
     low: NDArray
     high: NDArray
 
@@ -39,7 +39,7 @@ def held_drops(elements: Elements) -> tuple[NDArray, NDArray]:
     """Least and largest drop at which nothing passes each element; both zero of what nothing but balance stops."""
     low, high = np.zeros(len(elements.kind)), np.zeros(len(elements.kind))
     for e, kind in enumerate(elements.kind):
-        name, factor, c = KINDS[kind], max(float(elements.factor[e]), 0.0), elements.constants[elements.at[e] :]
+        name, factor, c = KINDS[kind], max(float(elements.control[e]), 0.0), elements.constants[elements.at[e] :]
         if name == "quadratic" and c[1] * factor == 0:
             low[e], high[e] = -np.inf, np.inf
         elif name == "quadratic" and c[2]:
@@ -89,16 +89,16 @@ def settled(
     """
     n = len(effort)
     u = np.append(effort, 0.0)
-    one, other = (np.where(end < 0, n, end) for end in ends)
-    group = parts(one[passing], other[passing], n + 1)
+    from_group, to_group = (np.where(end < 0, n, end) for end in ends)
+    group = parts(from_group[passing], to_group[passing], n + 1)
     fixed = np.zeros(group.max() + 1, bool)
     fixed[group[np.append(known, True)]] = True
     if fixed.all():
         return effort, np.empty(0, int)
-    lies = u[one] - u[other]
-    blocked = ~passing & (group[one] != group[other])
-    holding = Holding(group[one][blocked], group[other][blocked], *((drop - lies)[blocked] for drop in drops))
-    beside = list(zip(one[blocked], other[blocked], strict=True))
+    lies = u[from_group] - u[to_group]
+    blocked = ~passing & (group[from_group] != group[to_group])
+    holding = Holding(group[from_group][blocked], group[to_group][blocked], *((drop - lies)[blocked] for drop in drops))
+    beside = list(zip(from_group[blocked], to_group[blocked], strict=True))
     shift, opened = np.zeros(len(fixed)), []
     largest = np.abs(u).max()
     for part in np.argsort(np.isnan(start), kind="stable"):  # those with a start come first
@@ -120,14 +120,14 @@ def settled(
 def _bounds(holding: Holding, shift: NDArray, fixed: NDArray, g: int) -> tuple[float, float]:
     """Between what a group may be shifted: shortest paths to it and from it, by way of groups that are not fixed."""
     least, most = np.where(fixed, shift, -np.inf), np.where(fixed, shift, np.inf)
-    one, other, low, high = holding
+    from_group, to_group, low, high = holding
     for _ in range(len(fixed)):
         before = least.copy(), most.copy()
         with np.errstate(invalid="ignore"):
-            np.fmin.at(most, one, most[other] + high)
-            np.fmin.at(most, other, most[one] - low)
-            np.fmax.at(least, one, least[other] + low)
-            np.fmax.at(least, other, least[one] - high)
+            np.fmin.at(most, from_group, most[to_group] + high)
+            np.fmin.at(most, to_group, most[from_group] - low)
+            np.fmax.at(least, from_group, least[to_group] + low)
+            np.fmax.at(least, to_group, least[from_group] - high)
         least[fixed] = most[fixed] = shift[fixed]
         if np.array_equal(least, before[0]) and np.array_equal(most, before[1]):
             break

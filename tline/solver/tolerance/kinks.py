@@ -98,7 +98,7 @@ def _quantities(element: Element, result: Result, description: Description) -> I
 
 def _across(element: Element, result: Result, description: Description) -> Seen | None:
     """Effort across an element less what stands behind it; None if no line tells it."""
-    efforts = [_effort(node, result, description) for node in (element.one, element.other)]
+    efforts = [_effort(node, result, description) for node in (element.from_node, element.to_node)]
     known = [seen for seen in efforts if isinstance(seen, Seen)]
     if None in efforts or not known:
         return None
@@ -138,11 +138,11 @@ def _effort(node: str | None, result: Result, description: Description):
 
 def _flow(element: Element, result: Result, description: Description) -> Seen | None:
     """Flow through an element from its first node to its other, if it alone is at one of them, beside lines."""
-    for name, sign in ((element.one, 1.0), (element.other, -1.0)):
+    for name, sign in ((element.from_node, 1.0), (element.to_node, -1.0)):
         if name is None or description.nodes[name].held is not None:
             continue
         node, lines = description.nodes[name], _lines_at(description, name)
-        alone = node.conductance == 0 and node.load is None and not node.switches and not node.drives
+        alone = node.conductance == 0 and node.load is None and not node.switches and not node.excitations
         laws = sum(name in other.nodes for other in description.elements)
         if alone and laws == 1 and lines and all(line in result.lines for line, _ in lines):
             parts = []

@@ -39,4 +39,4 @@ def _cells(scene: Scene, n: float, courant: float, diffusion: Callable[[NDArray]
     C = cells * dt / delays_of(scene)
     net = scattering(scene, list(nodes.values()), dt, trapezoid)
     loop = partial(advance_cells, net, cells, C, diffusion(C))
-    return stepped(scene, loop, dt, steps, [node.drives for node in nodes.values()])
+    return stepped(scene, loop, dt, steps, [node.excitations for node in nodes.values()])

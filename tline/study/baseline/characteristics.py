@@ -57,4 +57,4 @@ def moc(
     within(2 * len(late) * (steps + late.max()), MOST_KEPT)
     net = scattering(scene, list(nodes.values()), dt, rule)
     loop = partial(advance_moc, net, late, taps)
-    return stepped(scene, loop, dt, steps, [node.drives for node in nodes.values()])
+    return stepped(scene, loop, dt, steps, [node.excitations for node in nodes.values()])

@@ -47,7 +47,7 @@ def integrated(
     A = sparse.block_array([[lines + b @ through @ c, b @ out], [by_lines @ c, own]], format="csr")
     B = sparse.vstack([b @ directly, by_sources], format="csr")
     efforts = sparse.hstack([through @ c, out], format="csr")
-    parts = [node.drives if thevenin or node.held else node.flows for node in nodes.values()]
+    parts = [node.excitations if thevenin or node.held else node.flows for node in nodes.values()]
     return _solved(scene, A, B, efforts, directly, parts, unit / n, 0.01 * n**-order)
 
 
@@ -66,7 +66,7 @@ def _solved(scene: Scene, A, B, efforts, directly, parts: list, dt: float, rtol:
     begun = time.perf_counter()
     v = np.array([sampled(row, t, dt) for row in parts])
     x, u = np.zeros(A.shape[0]), directly @ v
-    sizes = [np.abs(sampled(node.drives, t, dt)).max() for node in describe(scene).nodes.values()]
+    sizes = [np.abs(sampled(node.excitations, t, dt)).max() for node in describe(scene).nodes.values()]
     atol = rtol * max(*sizes, TINY)  # states are efforts, or flows times z0
     stiff = abs(A).sum(axis=1).max() > STIFF * unit / dt
     method, jacobian = ("Radau", {"jac": A}) if stiff else ("DOP853", {})

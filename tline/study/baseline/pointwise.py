@@ -64,13 +64,13 @@ def slabs_pointwise(scene: Scene, n: float, order: int = 4, offset: float = HALF
     rows = np.where(assembly.network.shift_row < 0, -1, np.arange(len(rests)))
     network = assembly.network._replace(shift=shift, shift_row=rows)
     record = np.full((2 * len(assembly.recorded), 2, steps * order), np.inf)  # what stays so grew beyond all bounds
-    advance(network, assembly.state, 0, np.zeros((len(assembly.drives), 0)), record, 0)
+    advance(network, assembly.state, 0, np.zeros((len(assembly.excitations), 0)), record, 0)
     begun = time.perf_counter()
-    drive = np.zeros((len(assembly.drives), steps, order))
-    for row, parts in zip(drive, assembly.drives, strict=True):
+    excitation = np.zeros((len(assembly.excitations), steps, order))
+    for row, parts in zip(excitation, assembly.excitations, strict=True):
         for waveform, share in parts:
             row += share * projected(waveform, waveform.breaks(steps * h), assembly.basis, h, 0, steps)
-    advance(network, assembly.state, steps, drive.reshape(len(drive), -1), record, 0)
+    advance(network, assembly.state, steps, excitation.reshape(len(excitation), -1), record, 0)
     seconds = time.perf_counter() - begun
     at_ends = record[:, :, order - 1 :: order] / 2
     u = {

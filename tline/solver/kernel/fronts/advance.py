@@ -78,8 +78,8 @@ def meets_front(run, fronts, sources, g, slab):
     i, delay = moves.due[g], network.delay
     met = i < moves.first[g + 1] and moves.at[i] - slab < 1.0 - MERGE / 2
     met |= fronts.settled[g] > slab + MERGE
-    for i in range(fronts.drives.first[g], fronts.drives.first[g + 1]):
-        met |= drives_front(sources, fronts.drives.row[i], slab)
+    for i in range(fronts.excitations.first[g], fronts.excitations.first[g + 1]):
+        met |= drives_front(sources, fronts.excitations.row[i], slab)
     for i in range(network.first[network.group[g]], network.first[network.group[g + 1]]):
         e = network.ends[i]
         line = e >> 1

@@ -35,7 +35,7 @@ def collapse_source(sources, r, tools, whole, out):
 def collapse_group(job: FrontRun, g: int, slab: int, k: int) -> int:
     """Leave out all fronts inside a slab that meet at a group; switches move at the nearest edge."""
     run, fronts, sources = job.run, job.fronts, job.sources
-    network, state, drive = run.network, run.state, run.excitation
+    network, state, excitation = run.network, run.state, run.excitation
     pieces, tools, counts, sizes, moves = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.moves
     waves, before, s = state.waves, state.before, fronts.tools.c.size
     position, whole = run.work.position, fronts.work.whole
@@ -43,10 +43,10 @@ def collapse_group(job: FrontRun, g: int, slab: int, k: int) -> int:
         counts[DROPPED] += 1
         network.step_row[g] = moves.row[moves.due[g]]
         moves.due[g] += 1
-    for i in range(fronts.drives.first[g], fronts.drives.first[g + 1]):
-        r = fronts.drives.row[i]
+    for i in range(fronts.excitations.first[g], fronts.excitations.first[g + 1]):
+        r = fronts.excitations.row[i]
         if drives_front(sources, r, slab):
-            collapse_source(sources, r, tools, whole, drive[r, k * s : (k + 1) * s])
+            collapse_source(sources, r, tools, whole, excitation[r, k * s : (k + 1) * s])
     for node in range(network.group[g], network.group[g + 1]):
         for i in range(network.first[node], network.first[node + 1]):
             e = network.ends[i]

@@ -104,8 +104,8 @@ def fronts_at(run, fronts, sources, g, slab):
     while i < moves.first[g + 1] and moves.at[i] - slab < 1.0 - MERGE / 2 and n < place.size:
         place[n], size[n] = max(moves.at[i] - slab, 0.0), np.inf
         i, n = i + 1, n + 1
-    for i in range(fronts.drives.first[g], fronts.drives.first[g + 1]):
-        n = fronts_of_source(sources, fronts.drives.row[i], slab, place, size, n)
+    for i in range(fronts.excitations.first[g], fronts.excitations.first[g + 1]):
+        n = fronts_of_source(sources, fronts.excitations.row[i], slab, place, size, n)
     return n
 
 
@@ -128,11 +128,11 @@ def drives_front(sources, r, slab):
 
 
 @function
-def driven(sources, drive, r, slab, o, to_legendre, span, given):
+def driven(sources, excitation, r, slab, o, to_legendre, span, given):
     """The sources' part of a Thévenin wave, as pieces. Returns how many."""
     if not drives_front(sources, r, slab):
         span[0, 0], span[0, 1] = 0.0, 1.0
-        times(to_legendre, drive[r], o, given[0])
+        times(to_legendre, excitation[r], o, given[0])
         return np.int64(1)
     first = sources.begin[sources.due[r]]
     n = sources.begin[sources.due[r] + 1] - first

@@ -7,7 +7,7 @@ from tline.unit import function
 
 
 @function
-def joined(left, right, a, mid, b, gauss, whole, part):
+def as_one(left, right, a, mid, b, gauss, whole, part):
     """Project two pieces on their union; returns what that changes in the wider one, and in the other."""
     clear(whole)
     project(left, a, mid, a, b, gauss, whole)
@@ -34,7 +34,7 @@ def front_size(fronts, left, right, a, mid, b):
         sign = -sign
     if abs(jump) > least:
         return abs(jump) * min(mid - a, b - mid) / (b - a)
-    on_wider, on_other = joined(left, right, a, mid, b, gauss, whole, part)
+    on_wider, on_other = as_one(left, right, a, mid, b, gauss, whole, part)
     return max(on_wider, TINY) if max(on_wider, on_other) > least else 0.0
 
 
@@ -57,7 +57,7 @@ def thinned(fronts, m, most):
     m = kept + 1
     while m > most:
         j = weakest(size, 1, m)
-        most_off = max(joined(coef[j - 1], coef[j], edges[j - 1], edges[j], edges[j + 1], gauss, whole, part))
+        most_off = max(as_one(coef[j - 1], coef[j], edges[j - 1], edges[j], edges[j + 1], gauss, whole, part))
         copy(whole, coef[j - 1])
         counts[DROPPED] += 1
         sizes[LOST] = max(sizes[LOST], most_off)

@@ -16,13 +16,13 @@ def arrive(job, g, slab, k, m):
     """Gather the waves that arrive at a group, and their Thévenin waves, in m pieces; what came before is given up."""
     run, fronts, sources = job.run, job.fronts, job.sources
     network, waves, before, position = run.network, run.state.waves, run.state.before, run.work.position
-    pieces, tools, work, drive, s = fronts.pieces, fronts.tools, fronts.work, run.excitation, run.state.before.shape[1]
+    pieces, tools, work, s = fronts.pieces, fronts.tools, fronts.work, run.state.before.shape[1]
     edges, arrived, span, given, whole = work.edges, work.arrived, work.span, work.given, work.whole
     low = network.first[network.group[g]]
     for node in range(network.group[g], network.group[g + 1]):
-        mine, r = work.u[node - network.group[g]], network.drive_row[node]
+        mine, r = work.u[node - network.group[g]], network.excitation_row[node]
         if r >= 0:
-            n = driven(sources, drive, r, slab, k * s, tools.to_legendre, span, given)
+            n = driven(sources, run.excitation, r, slab, k * s, tools.to_legendre, span, given)
             regrouped(span, given, n, edges, m, tools, whole, mine)
         else:
             for j in range(m):
@@ -54,14 +54,14 @@ def control_pieces(job, g, slab, k, m):
     run, fronts, laws, work = job.run, job.fronts, job.run.network.laws, job.fronts.work
     tools, s = fronts.tools, fronts.tools.c.size
     for i in range(laws.first[g], laws.first[g + 1]):
-        mine, r = work.factor[i - laws.first[g]], laws.drive_row[i]
+        mine, r = work.control[i - laws.first[g]], laws.excitation_row[i]
         if r >= 0:
             n = driven(job.sources, run.excitation, r, slab, k * s, tools.to_legendre, work.span, work.given)
             regrouped(work.span, work.given, n, work.edges, m, tools, work.whole, mine)
         else:
             for j in range(m):
                 for p in range(s):
-                    mine[j, p] = laws.factor[i]
+                    mine[j, p] = laws.control[i]
 
 
 @function

@@ -53,7 +53,7 @@ def respond(job, g, slab, m):
         if count > 0:
             for e in range(count):
                 for i in range(s):
-                    run.work.control[e, i] = work.factor[e, piece, i]
+                    run.work.control[e, i] = work.control[e, piece, i]
             width = fronts.step * (edges[piece + 1] - edges[piece])
             invoke(run.units.crossing, (run, np.int64(g), s, width, np.int64(0)))
         else:

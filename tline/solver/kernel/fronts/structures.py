@@ -34,8 +34,8 @@ class Moves(NamedTuple):
     due: Integers  # (G,) the next one of each group
 
 
-class Drives(NamedTuple):
-    """Rows of the drive that belong to each group: of its nodes, and of its elements."""
+class ExcitationRows(NamedTuple):
+    """Rows of the excitation that belong to each group: of its nodes, and of its elements."""
 
     first: Integers  # (G + 1,)
     row: Integers
@@ -87,7 +87,7 @@ class Workspace(NamedTuple):
     given: Floats2  # (pieces, s)
     arrived: Floats3  # (ends, m, s)
     u: Floats3  # (nodes, m, s)
-    factor: Floats3  # (elements, m, s) what scales the elements
+    control: Floats3  # (elements, m, s) control signals
     coef: Floats2  # (m + 1, s)
     whole: Floats  # (s,)
     part: Floats  # (s,)
@@ -110,7 +110,7 @@ class Fronts(NamedTuple):
     tools: Tools
     systems: Systems
     moves: Moves
-    drives: Drives
+    excitations: ExcitationRows
     pieces: Pieces
     work: Workspace
     log: Log
@@ -121,7 +121,7 @@ class Fronts(NamedTuple):
 class Sources(NamedTuple):
     """The sources' parts of the Thévenin waves in slabs that hold fronts of theirs."""
 
-    first: Integers  # (rows + 1,) the slabs of drive row k are first[k] to first[k + 1]
+    first: Integers  # (rows + 1,) the slabs of excitation row k are first[k] to first[k + 1]
     due: Integers  # (rows,) the next one of each
     slab: Integers
     anew: Flags  # whether it begins with a front

@@ -5,11 +5,11 @@ from tline.unit import function
 
 
 @function
-def bracketed(conducted, c, at, factor, d, z, low, high):
+def bracketed(conducted, c, at, control, d, z, low, high):
     """Flow i and di/dd where d = u + z i(u), and u lies between low and high: Newton, bisection where that fails."""
     u = high
     for _ in range(STEPS):
-        i, slope = conducted(c, at, factor, u)
+        i, slope = conducted(c, at, control, u)
         rest = u + z * i - d
         if rest > 0.0:
             high = u
@@ -23,7 +23,7 @@ def bracketed(conducted, c, at, factor, d, z, low, high):
         u = after
         if close:
             break
-    i, slope = conducted(c, at, factor, u)
+    i, slope = conducted(c, at, control, u)
     if z * slope > 1.0:  # then u is known better than what it conducts
         i = (d - u) / z
     return i, slope / (1.0 + z * slope)

@@ -17,20 +17,20 @@ def pass_one(run, g, n, h):
     """Pass n samples through the only element of a group, slab by slab of width h if it stores."""
     laws, u, control, s = run.network.laws, run.work.u, run.work.control, run.state.before.shape[1]
     e, low, crossing, store = laws.first[g], run.network.group[g], run.work.crossing, run.work.store
-    one, other, at, law = laws.one[e], laws.other[e], laws.at[e], run.units.law[e]
-    z_one = laws.impedance[low + one] if one >= 0 else 0.0
-    z_other = laws.impedance[low + other] if other >= 0 else 0.0
-    here, there = max(one, 0) * n, max(other, 0) * n
-    sign_here, sign_there = (1.0 if one >= 0 else 0.0), (1.0 if other >= 0 else 0.0)
+    from_node, to_node, at, law = laws.from_node[e], laws.to_node[e], laws.at[e], run.units.law[e]
+    z_from = laws.impedance[low + from_node] if from_node >= 0 else 0.0
+    z_to = laws.impedance[low + to_node] if to_node >= 0 else 0.0
+    here, there = max(from_node, 0) * n, max(to_node, 0) * n
+    sign_here, sign_there = (1.0 if from_node >= 0 else 0.0), (1.0 if to_node >= 0 else 0.0)
     if laws.state_at[e] < 0:
         v, signal, flow = crossing.v, crossing.control, crossing.flow
         for i in range(n):
             v[i] = sign_here * u[here + i] - sign_there * u[there + i]
             signal[i] = control[0, i]
-        invoke(law, (crossing, at, n, z_one + z_other))
+        invoke(law, (crossing, at, n, z_from + z_to))
         for i in range(n):
-            u[here + i] -= z_one * flow[i]
-            u[there + i] += z_other * flow[i]
+            u[here + i] -= z_from * flow[i]
+            u[there + i] += z_to * flow[i]
         return
     v, signal, flow = store.v, store.control, store.flow
     for slab in range(n // s):
@@ -38,10 +38,10 @@ def pass_one(run, g, n, h):
             i = slab * s + j
             v[j] = sign_here * u[here + i] - sign_there * u[there + i]
             signal[j] = control[0, i]
-        invoke(law, (store, at, laws.state_at[e], h, z_one + z_other))
+        invoke(law, (store, at, laws.state_at[e], h, z_from + z_to))
         for j in range(s):
-            u[here + slab * s + j] -= z_one * flow[j]
-            u[there + slab * s + j] += z_other * flow[j]
+            u[here + slab * s + j] -= z_from * flow[j]
+            u[there + slab * s + j] += z_to * flow[j]
 
 
 @function

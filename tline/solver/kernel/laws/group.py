@@ -24,27 +24,27 @@ def unbalance(run, g, u, stride, q):
     for k in range(n):
         e = first + k
         crossing.v[0], crossing.control[0] = x[k], control[k, q]
-        invoke(law[e], (crossing, laws.at[e], np.int64(1), laws.seen[e]))
+        invoke(law[e], (crossing, laws.at[e], np.int64(1), laws.source_impedance[e]))
         flow[k], slope[k] = crossing.flow[0], crossing.slope[0]
-        if laws.one[e] >= 0:
-            taken[laws.one[e]] += flow[k]
-        if laws.other[e] >= 0:
-            taken[laws.other[e]] -= flow[k]
+        if laws.from_node[e] >= 0:
+            taken[laws.from_node[e]] += flow[k]
+        if laws.to_node[e] >= 0:
+            taken[laws.to_node[e]] -= flow[k]
     for p in range(nodes):
         z = laws.impedance[low + p]
         if z >= 0.0:
             level[p], rest[n + p] = u[p * stride + q] - z * taken[p], 0.0
             scale = max(scale, abs(u[p * stride + q]), abs(z * taken[p]))
         else:
-            level[p], rest[n + p] = x[n + p], laws.seen[first] * (taken[p] - u[p * stride + q])
+            level[p], rest[n + p] = x[n + p], laws.source_impedance[first] * (taken[p] - u[p * stride + q])
     for k in range(n):
         e = first + k
-        rest[k] = x[k] - laws.seen[e] * flow[k]
-        if laws.one[e] >= 0:
-            rest[k] -= level[laws.one[e]]
-        if laws.other[e] >= 0:
-            rest[k] += level[laws.other[e]]
-        scale = max(scale, abs(x[k]), abs(laws.seen[e] * flow[k]))
+        rest[k] = x[k] - laws.source_impedance[e] * flow[k]
+        if laws.from_node[e] >= 0:
+            rest[k] -= level[laws.from_node[e]]
+        if laws.to_node[e] >= 0:
+            rest[k] += level[laws.to_node[e]]
+        scale = max(scale, abs(x[k]), abs(laws.source_impedance[e] * flow[k]))
     return scale
 
 
@@ -59,20 +59,20 @@ def response(run, g, size):
             system[i, j] = 0.0
         system[i, size] = rest[i]
     for k in range(count):
-        system[k, k] = max(1.0 - laws.seen[first + k] * slope[k], FAINT)
+        system[k, k] = max(1.0 - laws.source_impedance[first + k] * slope[k], FAINT)
     for k in range(count):  # what the flow of element k does to each other
-        for end, sign in ((laws.one[first + k], 1.0), (laws.other[first + k], -1.0)):
+        for end, sign in ((laws.from_node[first + k], 1.0), (laws.to_node[first + k], -1.0)):
             if end < 0:
                 continue
             z = laws.impedance[low + end]
             if z < 0.0:
-                system[count + end, k] += laws.seen[first] * sign * slope[k]
+                system[count + end, k] += laws.source_impedance[first] * sign * slope[k]
                 system[k, count + end] -= sign
             else:
                 for f in range(count):
-                    if laws.one[first + f] == end:
+                    if laws.from_node[first + f] == end:
                         system[f, k] += sign * z * slope[k]
-                    if laws.other[first + f] == end:
+                    if laws.to_node[first + f] == end:
                         system[f, k] -= sign * z * slope[k]
     for p in range(nodes):
         if laws.impedance[low + p] >= 0.0:

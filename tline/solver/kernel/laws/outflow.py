@@ -12,30 +12,30 @@ from tline.unit import function, unit
 
 
 @function
-def power(c, at, factor, u):
+def power(c, at, control, u):
     """Flow, and its slope, at an effort u."""
-    share = (u / c[at + 2]) ** c[at + 3] * factor * c[at + 1]
+    share = (u / c[at + 2]) ** c[at + 3] * control * c[at + 1]
     return share, c[at + 3] * share / u
 
 
 @function
-def leaking(c, at, factor, d, z):
+def leaking(c, at, control, d, z):
     """Flow i and di/dd of a leak behind the effort d and the impedance z."""
-    if d <= 0.0 or factor <= 0.0:
+    if d <= 0.0 or control <= 0.0:
         return 0.0, 0.0
     if c[at + 3] == 0.5:
-        return rooted(d, z, factor * c[at + 1] / np.sqrt(c[at + 2]), 0.0)
-    return bracketed(power, c, at, factor, d, z, 0.0, d)
+        return rooted(d, z, control * c[at + 1] / np.sqrt(c[at + 2]), 0.0)
+    return bracketed(power, c, at, control, d, z, 0.0, d)
 
 
 @function
-def demanded(c, at, factor, d, z):
+def demanded(c, at, control, d, z):
     """The same of a demand."""
-    if d <= 0.0 or factor <= 0.0:
+    if d <= 0.0 or control <= 0.0:
         return 0.0, 0.0
-    if d - z * factor * c[at + 1] >= c[at + 2]:
-        return factor * c[at + 1], 0.0
-    return bracketed(power, c, at, factor, d, z, 0.0, min(d, c[at + 2]))
+    if d - z * control * c[at + 1] >= c[at + 2]:
+        return control * c[at + 1], 0.0
+    return bracketed(power, c, at, control, d, z, 0.0, min(d, c[at + 2]))
 
 
 @unit

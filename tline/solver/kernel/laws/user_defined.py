@@ -9,21 +9,21 @@ from tline.unit import callback, function, unit
 
 
 @function
-def user_flow(address, factor, d, z):
+def user_flow(address, control, d, z):
     """Flow i and di/dd where d = u + z i(u), by Ridders' method, which needs no slope of i(u)."""
     low, high, wide = min(d, 0.0), max(d, 0.0), abs(d)
-    at_low = low + z * callback(address, low, factor) - d
-    at_high = high + z * callback(address, high, factor) - d
+    at_low = low + z * callback(address, low, control) - d
+    at_high = high + z * callback(address, high, control) - d
     for _ in range(STEPS):  # an active law has its effort beyond the wave
         if at_low <= 0.0 <= at_high:
             break
         wide = 2.0 * max(wide, abs(at_low), abs(at_high))
         if at_low > 0.0:
             low -= wide
-            at_low = low + z * callback(address, low, factor) - d
+            at_low = low + z * callback(address, low, control) - d
         if at_high < 0.0:
             high += wide
-            at_high = high + z * callback(address, high, factor) - d
+            at_high = high + z * callback(address, high, control) - d
     if not at_low <= 0.0 <= at_high:
         return np.nan, 0.0
     u = low if at_low == 0.0 else high
@@ -31,9 +31,9 @@ def user_flow(address, factor, d, z):
         if at_low == 0.0 or at_high == 0.0 or high - low <= ULPS * max(abs(low), abs(high)):
             break
         before, middle = u, 0.5 * (low + high)
-        rest = middle + z * callback(address, middle, factor) - d
+        rest = middle + z * callback(address, middle, control) - d
         u = middle if rest == 0.0 else middle - (middle - low) * rest / np.sqrt(rest**2 - at_low * at_high)
-        left = u + z * callback(address, u, factor) - d
+        left = u + z * callback(address, u, control) - d
         for place, value in ((middle, rest), (u, left)):
             if value > 0.0 and place < high:
                 high, at_high = place, value
@@ -41,8 +41,8 @@ def user_flow(address, factor, d, z):
                 low, at_low = place, value
         if abs(u - before) <= ULPS * abs(u):
             break
-    i, step = callback(address, u, factor), 1e-6 * max(abs(u), abs(d)) + TINY
-    slope = max(callback(address, u + step, factor) - callback(address, u - step, factor), 0.0) / (2.0 * step)
+    i, step = callback(address, u, control), 1e-6 * max(abs(u), abs(d)) + TINY
+    slope = max(callback(address, u + step, control) - callback(address, u - step, control), 0.0) / (2.0 * step)
     if z * slope > 1.0:
         i = (d - u) / z
     return i, slope / (1.0 + z * slope)

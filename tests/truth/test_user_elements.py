@@ -10,15 +10,15 @@ import pytest
 
 from tline.errors import InputError
 from tline.scene.file import scene_from, scene_text
-from tline.scene.own import OwnLink, OwnLoad
 from tline.scene.scene import Scene
+from tline.scene.user_defined import UserLink, UserLoad
 from tline.solver.simulate import simulate
 
 Z0, DELAY, HEAD = 2e7, 0.1, 6e5
 RAMP = {"shape": "ramp", "from": 1, "to": 0, "at": 0.05, "duration": 0.73}
 
 
-class Cubic(OwnLoad):
+class Cubic(UserLoad):
     """i = opening·(g u + k u³)."""
 
     g: float
@@ -28,7 +28,7 @@ class Cubic(OwnLoad):
         return opening * (self.g * effort + self.k * effort**3)
 
 
-class Root(OwnLink):
+class Root(UserLink):
     """An orifice."""
 
     capacity: float
@@ -103,7 +103,7 @@ def test_one_that_takes_energy_is_not():
     assert result.ledger.of("loads.x").dissipated > 0
 
 
-class Wrong(OwnLoad):
+class Wrong(UserLoad):
     """A law with a mistake."""
 
     answer: str
@@ -133,7 +133,7 @@ def test_an_interrupt_in_a_law_ends_the_run():
 
 
 def test_a_link_is_no_load():
-    with pytest.raises(InputError, match=r"loads\.x: does not fit here, expected an OwnLoad, got 'Root'"):
+    with pytest.raises(InputError, match=r"loads\.x: does not fit here, expected an UserLoad, got 'Root'"):
         pipe(Root(nodes=["tank", "end"], capacity=1.0))
 
 

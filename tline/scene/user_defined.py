@@ -1,4 +1,4 @@
-"""Elements of a user's own: Python classes whose method tells the flow."""
+"""User-defined elements: Python classes whose method tells the flow."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ _SIGNATURE = CFUNCTYPE(c_double, c_double, c_double)
 _CALLED: dict[int, _Called] = {}  # of each element alive, by its identity: a copy is an element of its own
 
 
-class OwnElement(NonLinear):
-    """What `OwnLoad` and `OwnLink` share."""
+class UserElement(NonLinear):
+    """What `UserLoad` and `UserLink` share."""
 
-    kind: ClassVar[str] = "own"
+    kind: ClassVar[str] = "user_defined"
     opening: Factor = Field(default=ALWAYS, description="what the law is told, from 0 to 1, constant or over time")
 
     def flow(self, effort: float, opening: float) -> float:
@@ -75,13 +75,13 @@ class OwnElement(NonLinear):
     def law(self) -> Law:
         """The method as a C function, which the kernel calls at its address."""
         address = cast(_called(self).function, c_void_p).value or 0
-        return Law("own", (0.0, float(address)), self.opening)  # exact: addresses are below 2**53
+        return Law("user_defined", (0.0, float(address)), self.opening)  # exact: addresses are below 2**53
 
 
 class _Called:
     """The method of an element as a C function, and what went wrong in it, by thread."""
 
-    def __init__(self, element: OwnElement):
+    def __init__(self, element: UserElement):
         self.function, self.problems = _SIGNATURE(self._told), {}
         self._element = ref(element)
 
@@ -103,7 +103,7 @@ class _Called:
         return nan
 
 
-def _called(element: OwnElement) -> _Called:
+def _called(element: UserElement) -> _Called:
     key = id(element)
     if key not in _CALLED:
         _CALLED[key] = _Called(element)
@@ -111,15 +111,15 @@ def _called(element: OwnElement) -> _Called:
     return _CALLED[key]
 
 
-class OwnLoad(OwnElement, AtNode):
+class UserLoad(UserElement, AtNode):
     """A load whose law you write: derive from it, give it fields, and say its flow.
 
     Examples
     --------
-    >>> from tline.scene.own import OwnLoad
+    >>> from tline.scene.user_defined import UserLoad
     >>> from tline.scene.scene import Scene
     >>> from tline.solver.simulate import simulate
-    >>> class Clamp(OwnLoad):
+    >>> class Clamp(UserLoad):
     ...     limit: float
     ...     def flow(self, effort, opening):
     ...         return max(abs(effort) - self.limit, 0.0) * (0.1 if effort > 0 else -0.1)
@@ -134,31 +134,31 @@ class OwnLoad(OwnElement, AtNode):
     """
 
 
-class OwnLink(OwnElement, Between):
+class UserLink(UserElement, Between):
     """The same between two nodes; flow counts positive from the first to the second."""
 
 
-def own_elements(scene: Scene) -> dict[tuple[str, str], OwnElement]:
+def user_elements(scene: Scene) -> dict[tuple[str, str], UserElement]:
     """Those of a scene, by section and name."""
-    return {at: element for at, element in scene.placed if isinstance(element, OwnElement)}
+    return {at: element for at, element in scene.placed if isinstance(element, UserElement)}
 
 
 @contextmanager
-def own_mistakes(scene: Scene) -> Iterator[None]:
-    """While such a scene runs: say what went wrong in the laws of its own elements, rather than what followed.
+def user_mistakes(scene: Scene) -> Iterator[None]:
+    """While such a scene runs: report mistakes in the laws of its user-defined elements, not their consequences.
 
     Raises
     ------
     InputError
         With the effort at which it happened.
     """
-    own, here = own_elements(scene), get_ident()
-    for element in own.values():
+    found, here = user_elements(scene), get_ident()
+    for element in found.values():
         _called(element).problems.pop(here, None)
     try:
         yield
     finally:
-        for where, element in own.items():
+        for where, element in found.items():
             problem = _called(element).problems.pop(here, None)
             if isinstance(problem, BaseException):
                 raise problem
@@ -167,14 +167,14 @@ def own_mistakes(scene: Scene) -> Iterator[None]:
                 raise InputError(place(*where), told, "a finite number") from None
 
 
-def or_own(kind: type[OwnElement]) -> tuple[WrapValidator, WrapSerializer]:
-    """For a union of elements: one of a user's own of that kind is taken, and given back, as it is."""
+def or_user_defined(kind: type[UserElement]) -> tuple[WrapValidator, WrapSerializer]:
+    """For a union of elements: a user-defined element of that kind passes unchanged."""
 
     def itself(value: Any, handler: Callable[[Any], Any]) -> Any:
         return value if isinstance(value, kind) else handler(value)
 
     def taken(value: Any, handler: Callable[[Any], Any]) -> Any:
-        if isinstance(value, OwnElement) and not isinstance(value, kind):
+        if isinstance(value, UserElement) and not isinstance(value, kind):
             raise InputError("", "does not fit here", f"an {kind.__name__}", f"'{type(value).__name__}'")
         return itself(value, handler)
 

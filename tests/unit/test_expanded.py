@@ -12,8 +12,8 @@ from tline.pictures.along import effort_along, extremes_along, start_effort
 from tline.pictures.fronts import only_line
 from tline.pictures.path import route
 from tline.pictures.surge import surges
+from tline.scene.expanded import expanded
 from tline.scene.file import scene_from, scene_text
-from tline.scene.parted import parted
 from tline.scene.scene import Scene
 from tline.solver.many.runs import many
 from tline.solver.result.interior import inside
@@ -65,7 +65,7 @@ def test_it_is_written_as_it_was_read():
     assert scene_text(scene_from(tomllib.loads(scene_text(scene)))) == scene_text(scene)
     assert tomllib.loads(scene_text(scene))["lines"]["pipe"]["cavities"] == TABLE["lines"]["pipe"]["cavities"]
     assert list(scene.lines) == ["pipe"]
-    assert parted(written_out()).lines.keys() == written_out().lines.keys()
+    assert expanded(written_out()).lines.keys() == written_out().lines.keys()
 
 
 @pytest.mark.parametrize("friction", [None, {"kind": "darcy", "factor": 0.02}])

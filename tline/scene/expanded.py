@@ -12,7 +12,7 @@ from tline.wording import place
 AT_A_PLACE = 1e-9  # of a stretch
 
 
-def parted(scene: Scene) -> Scene:
+def expanded(scene: Scene) -> Scene:
     """The same scene with stretches, nodes and loads in place of lines with cavities; itself if there are none.
 
     Raises
@@ -25,7 +25,7 @@ def parted(scene: Scene) -> Scene:
     >>> pipe = {"nodes": ["tank", "valve"], "z0": "20 MPa s/m^3", "delay": "0.3 s", "cavities": {"places": 2}}
     >>> probe = {"line": "pipe", "position": "50 %"}
     >>> scene = Scene(medium="hydraulic", t_end=1, lines={"pipe": pipe}, probes={"p": probe})
-    >>> whole = parted(scene)
+    >>> whole = expanded(scene)
     >>> list(whole.lines), list(whole.loads)
     (['pipe, stretch 1', 'pipe, stretch 2', 'pipe, stretch 3'], ['pipe, place 1', 'pipe, place 2'])
     >>> whole.probes["p"].line, whole.lines["pipe, stretch 2"].shortest
