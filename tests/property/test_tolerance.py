@@ -228,3 +228,53 @@ def test_loss_elements_that_will_not_do_are_given_up_soon():
     assert accuracy.limit.startswith("narrower slabs would reach")
     assert sum(attempt.samples for attempt in accuracy.attempts) < 5e5
     assert accuracy.worst < 1e-3
+
+
+STIFF = {
+    "receiver": ("electrical", {"kind": "parallel", "resistance": 1.0, "capacitance": 1.0}, "capacitance"),
+    "vessel": ("hydraulic", {"kind": "air vessel", "gas_volume": 5.0, "gas_pressure": 0.0, "atmosphere": 5.0,
+                             "exponent": 1.0}, "gas_volume"),
+    "tank": ("hydraulic", {"kind": "surge tank", "tank_area": 1.0, "gravity": 1.0, "density": 1.0}, "tank_area"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", list(STIFF))
+@pytest.mark.parametrize("fast", [1e-5, 1e-8])
+def test_orders_that_are_blind_alike_to_a_fast_load_are_not_believed(kind, fast):
+    """A step charges it far within a slab: two orders agree on what follows, and none sees how it begins."""
+    medium, load, key = STIFF[kind]
+    scene = Scene(
+        medium=medium,
+        t_end=3.0,
+        lines={"l": {"nodes": ["a", "b"], "z0": 1.0, "delay": 1.0}},
+        sources={"s": {"at": "a", "kind": "voltage" if medium == "electrical" else "pressure", "resistance": 1.0,
+                       "value": {"shape": "step", "to": 1, "at": 0.3337}}},
+        loads={"x": load | {key: fast * load[key], "at": "b"}},
+        probes={"b": {"at": "b"}},
+        solver={"slab": 0.25},
+    )  # fmt: skip
+    result = simulate(scene, tol=1e-3)
+    soon = result.probes["b"].at(1.3337 + 0.1 * fast).u
+    assert soon > 0.3  # it is 0.1 at most
+    assert not result.accuracy.met
+    assert result.accuracy.worst > soon - 0.1
+
+
+@pytest.mark.parametrize("capacitance", [1e-8, 1e-12])
+def test_a_fast_load_that_nothing_excites_does_not_keep_a_tolerance_from_being_met(capacitance):
+    """A sine that begins without a corner, into a capacitance too small to matter."""
+    scene = Scene(
+        medium="electrical",
+        t_end=3.0,
+        lines={"l": {"nodes": ["a", "b"], "z0": 1.0, "delay": 1.0}},
+        sources={"s": {"at": "a", "kind": "voltage", "resistance": 1.0,
+                       "value": {"shape": "sine", "amplitude": 1.0, "frequency": 0.5, "phase": "90 deg"}}},
+        loads={"x": {"kind": "parallel", "resistance": 1.0, "capacitance": capacitance, "at": "b"}},
+        probes={"b": {"at": "b"}},
+        start="steady",
+        solver={"slab": 0.25},
+    )  # fmt: skip
+    result = simulate(scene, tol=1e-6)
+    t = np.linspace(1.0, 3.0, 400)
+    assert result.accuracy.met
+    assert np.abs(result.probes["b"].at(t).u - 0.5 * np.cos(np.pi * (t - 1.0))).max() <= 5e-7

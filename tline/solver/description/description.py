@@ -24,7 +24,7 @@ from tline.solver.description.lines import Line, lines_of
 from tline.solver.description.multiport import PlacedPorts
 from tline.solver.description.nodes import NONE, Node, nodes_of
 from tline.solver.description.probes import ProbePlace, probes_of
-from tline.solver.description.scales import time_scales
+from tline.solver.description.scales import filling_times, time_scales
 from tline.wording import place
 
 
@@ -140,6 +140,11 @@ class Description:
         """Of each curved waveform and dynamic load the shortest time scale, and that of its oscillations, s."""
         groups = [group for group in self.grouped()[0] if group.ports] if self.multiports else []
         return time_scales(self.waveforms, self.nodes.values(), groups)
+
+    @cached_property
+    def filling_times(self) -> list[float]:
+        """Times in which vessels and tanks fill, s; none where cavities collapse, whose gas is part of their model."""
+        return [] if self.collapses else filling_times(self.elements, self.nodes)
 
     @property
     def starts(self) -> dict[str, float]:

@@ -44,6 +44,7 @@ class Resolution(NamedTuple):
     fit: float = FIT  # tolerance of the circuits of lossy lines, relative
     band: float = HELD  # of these, cycles per slab at which it ends, at least
     loss_elements: int = ALL_LOSS_ELEMENTS  # of one law in the longest line, at most, and in others by their delay
+    unseen: float = 0.0  # times that the fastest load, vessel or waveform is as fast as what is resolved
 
 
 def resolution(
@@ -78,15 +79,10 @@ def resolution(
         for where, (scale, _) in scales.items()
         if scale < seen
     ]
-    return Resolution(
-        s,
-        h,
-        tuple(notes),
-        any(period < seen for _, period in scales.values()),
-        sections,
-        settle,
-        loss_elements=loss_elements,
-    )
+    blind = any(period < seen for _, period in scales.values())
+    decays = [*(scale for scale, _ in scales.values()), *description.filling_times]
+    unseen = max((seen / decay for decay in decays if decay > 0), default=0.0)
+    return Resolution(s, h, tuple(notes), blind, sections, settle, loss_elements=loss_elements, unseen=unseen)
 
 
 def _slab(

@@ -6,6 +6,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.description.elements import Element
 from tline.solver.description.excitation import Shape
 from tline.solver.description.groups import Group
 from tline.solver.description.nodes import Node
@@ -29,6 +30,19 @@ def time_scales(
         ringing = poles[np.abs(np.imag(poles)) > np.abs(np.real(poles))]
         scales[where] = (_shortest(poles), _shortest(ringing))
     return scales
+
+
+def filling_times(elements: Iterable[Element], nodes: Mapping[str, Node]) -> list[float]:
+    """Times in which vessels and tanks fill through all else at their nodes, at pressure 0, s."""
+    times = []
+    for element in elements:
+        kind, constants = element.law.kind, element.law.constants
+        if kind not in ("gas", "tank"):
+            continue
+        capacity = constants[2] if kind == "tank" else constants[3] / (constants[4] * constants[2])
+        ends = [nodes[name] for name in element.nodes]
+        times.append(capacity * sum(1 / end.total for end in ends if end.held is None))
+    return times
 
 
 def _poles(nodes: Iterable[Node], groups: Sequence[Group]) -> Iterator[tuple[str, NDArray]]:

@@ -25,6 +25,8 @@ WORTH = 64  # or so many times those of the first run, if that is more
 TRIED = 2  # halvings of the slab, from which the next ones are foretold
 TRACED = 4  # runs in which kinks are followed before slabs are narrowed again
 HELPS = 0.5  # a step that leaves more of the difference than this does not converge
+CONVERGES = 0.2  # a step that leaves no more of it is not held up by a decay that none resolves
+ROUNDED = 1e-13  # of the amplitude: a difference below is rounding
 STALE = 2  # halvings of the slab in a row that may bring nothing
 MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
 MOST_SECTIONS = 8  # of a lumped line
@@ -125,6 +127,7 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
             break
         before, found = found, Accuracy(search.tol, *compared(result, finer))
         by = found.caution(before, search.start.left if search.start else SLOWEST)
+        by *= magnified(before, found, result.resolution.unseen)
         told = found.times(by)
         attempts[-1] = replace(attempts[-1], estimate=told.worst)
         attempts.append(Attempt.of(finer))
@@ -177,6 +180,16 @@ def gained(before: Accuracy, found: Accuracy) -> float:
         (accuracy.at_slab_ends if found.at_slab_ends > found.tol else accuracy.worst) for accuracy in (found, before)
     )
     return here / there if there > 0 else inf
+
+
+def magnified(before: Accuracy, found: Accuracy, unseen: float) -> float:
+    """Errors over differences, where a decay so many times faster than what runs resolve may follow a front.
+
+    Each run then sees no more of it than a share like 1/`unseen`, and of that finer runs leave as much; if they leave
+    less, the difference is of something else.
+    """
+    converges = before.worst < inf and found.worst <= CONVERGES * before.worst
+    return 1.0 if converges or found.worst <= ROUNDED else max(unseen, 1.0)
 
 
 def inside_limit(attempts: list[Attempt], found: Accuracy) -> str:
