@@ -2,6 +2,7 @@
 
 import copy
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from random import Random
 
@@ -150,6 +151,20 @@ def test_a_search_begins_where_the_last_one_ended(prepared):
         orders.append([attempt.order for attempt in attempts])
     assert len(orders[1]) == len(orders[2]) == 2 < len(orders[0])
     assert orders[1][0] == orders[0][-2]
+
+
+def test_threads_and_errors_change_no_results(prepared):
+    asked = [None if k % 3 == 0 else {"loads.receiver.capacitance": (3 + k / 5) * 1e-12} for k in range(12)]
+    asked.insert(5, {"loads.receiver.resistance": -3})
+    expected = [outcome(lambda values=values: prepared.run(values, tol=1e-6)) for values in asked]
+    with ThreadPoolExecutor(2) as threads:
+        found = list(threads.map(lambda values: outcome(lambda: prepared.run(values, tol=1e-6)), asked))
+    assert isinstance(expected[5], InputError)
+    assert str(found.pop(5)) == str(expected.pop(5))
+    for one, other in zip(found, expected, strict=True):
+        assert isinstance(one, Result)
+        assert isinstance(other, Result)
+        assert same(one, other)
 
 
 @pytest.mark.parametrize(

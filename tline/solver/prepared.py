@@ -16,7 +16,7 @@ ROOM = 0.2  # of the tolerance: where the order below should leave less, it is t
 
 
 class Prepared:
-    """A scene made ready for runs with other values; made by `prepare`.
+    """A scene made ready for runs with other values, also from several threads; made by `prepare`.
 
     Attributes
     ----------

@@ -87,11 +87,13 @@ def layout_of(description: Description, chosen: Resolution, *, progress: bool = 
     known = _kept.setdefault(description, {})
     losses = (chosen.s, chosen.fit, chosen.band, chosen.loss_elements) if description.lossy else ()
     key = chosen.h, tuple(chosen.sections.items()), losses
-    if key not in known:
-        while len(known) >= LAYOUTS:
-            known.pop(next(iter(known)))
-        known[key] = _laid_out(description, chosen, progress)
-    return known[key]
+    layout = known.get(key)
+    if layout is None:
+        layout = _laid_out(description, chosen, progress)
+        for old in list(known)[: len(known) + 1 - LAYOUTS]:
+            known.pop(old, None)  # which another thread may have done
+        known[key] = layout
+    return layout
 
 
 def _laid_out(description: Description, chosen: Resolution, progress: bool) -> Layout:
