@@ -102,12 +102,12 @@ def pipe() -> dict[str, Any]:
     """Least seconds of stepping that leave a true error below 1e-3, of slabs and of rthym-moc."""
     from tline.study.charts.clock import FULL
     from tline.study.charts.judge import Judge
-    from tline.study.charts.table import Table
+    from tline.study.charts.table import ChartTable
     from tline.study.charts.work_precision import add, production
     from tline.study.programs import rthym
 
     scene = scene_of(f"chart:{PIPE}")
-    judge, table = Judge(scene, FULL.instants), Table(PIPE, scene.title)
+    judge, table = Judge(scene, FULL.instants), ChartTable(PIPE, scene.title)
     for row in production(scene, judge, FULL._replace(longest=0.002)):
         table.rows.append(row)
     why = rthym.incompatibility(scene)

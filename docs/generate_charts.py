@@ -11,14 +11,14 @@ from tline.study.charts import growth, stability
 from tline.study.charts.peers import peers
 from tline.study.charts.picture import draw
 from tline.study.charts.scenes import NAMES
-from tline.study.charts.table import Table
+from tline.study.charts.table import ChartTable
 from tline.study.charts.work_precision import work_precision
 
 FOLDER = Path(__file__).parent / "charts"
 BESIDE_PEERS = ("rc", "rlc", "lossy", "y", "chain", "inductor", "hammer", "friction", "network")
 
 
-def written(table: Table, name: str) -> None:
+def written(table: ChartTable, name: str) -> None:
     """Table and picture of one chart."""
     table.save(FOLDER / f"{name}.csv")
     save_figure(draw(table), FOLDER / f"{name}.png")

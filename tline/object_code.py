@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
-from tline.sources import Source, are_unchanged, digests, sources_of
+from tline.sources import SourceText, are_unchanged, digests, sources_of
 
 COMPILING = "tline.by_reference", "tline.compiler"  # what any code is made with, though no unit imports it
 OPTIONS = "NUMBA_OPT", "NUMBA_LOOP_VECTORIZE", "NUMBA_SLP_VECTORIZE", "NUMBA_BOUNDSCHECK", "NUMBA_DEBUGINFO"
@@ -113,7 +113,7 @@ def _processor() -> str:
     return repr((llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten(), options))
 
 
-def sources_for(module: str) -> dict[str, Source] | None:
+def sources_for(module: str) -> dict[str, SourceText] | None:
     """What units of a module are made of; to be asked when it is loaded, for an upgrade may change files later."""
     return sources_of(module, *COMPILING)
 

@@ -18,7 +18,7 @@ IMPORT = re.compile(r"^(?:from|import)[ \t][^\n(]*(?:\([^)]*\))?", re.MULTILINE)
 Digests = Mapping[str, tuple[str, str]]  # of the text and of the meaning, by module
 
 
-class Source:
+class SourceText:
     """Source text of a module as it was loaded; `parent` is the package that relative imports start from."""
 
     def __init__(self, module: str, parent: str, text: str):
@@ -58,10 +58,10 @@ class _WithoutTexts(ast.NodeTransformer):
         return None if text else node
 
 
-_loaded: dict[str, tuple[ModuleSpec, Source]] = {}
+_loaded: dict[str, tuple[ModuleSpec, SourceText]] = {}
 
 
-def sources_of(*modules: str) -> dict[str, Source] | None:
+def sources_of(*modules: str) -> dict[str, SourceText] | None:
     """Sources of modules and of all they import from their package or `tline`, by name; None if one cannot be read.
 
     A file is read once for each time its module is loaded, and so is what runs in this process even if an upgrade
@@ -77,7 +77,7 @@ def sources_of(*modules: str) -> dict[str, Source] | None:
     >>> sorted(sources_of("tline.sources"))
     ['tline.sources']
     """
-    found: dict[str, Source] = {}
+    found: dict[str, SourceText] = {}
     waiting = [*modules]
     while waiting:
         name = waiting.pop()
@@ -89,19 +89,19 @@ def sources_of(*modules: str) -> dict[str, Source] | None:
     return found
 
 
-def digests(sources: Mapping[str, Source]) -> Digests:
+def digests(sources: Mapping[str, SourceText]) -> Digests:
     """What is kept of sources, to tell later whether they have changed."""
     return {name: (source.digest, source.meaning) for name, source in sources.items()}
 
 
-def are_unchanged(sources: Mapping[str, Source], then: Digests) -> bool:
+def are_unchanged(sources: Mapping[str, SourceText], then: Digests) -> bool:
     """Whether sources mean the same as when the digests were taken."""
     return sources.keys() == then.keys() and all(
         source.digest == then[name][0] or source.meaning == then[name][1] for name, source in sources.items()
     )
 
 
-def _source(name: str) -> Source | None:
+def _source(name: str) -> SourceText | None:
     try:
         spec = getattr(sys.modules.get(name), "__spec__", None) or find_spec(name)
     except (ImportError, ValueError):
@@ -112,7 +112,7 @@ def _source(name: str) -> Source | None:
         text = _text(spec)
         if text is None:
             return None
-        _loaded[name] = spec, Source(spec.name, spec.parent or "", text)
+        _loaded[name] = spec, SourceText(spec.name, spec.parent or "", text)
     return _loaded[name][1]
 
 

@@ -29,7 +29,7 @@ LOWER = {
     ("tline.solver.description.resolution", "LARGEST"): 1e6,
     ("tline.solver.description.resolution", "CHEAP"): 1e5,
     ("tline.solver.description.resolution", "CHEAP_IN_BLOCKS"): 1e6,
-    ("tline.solver.description.resolution", "ROOM"): 1e5,
+    ("tline.solver.description.resolution", "MOST_KEPT"): 1e5,
     ("tline.solver.tolerance.search", "MOST_SECONDS"): 0.3,
     ("friction.simulate", "MOST_STEPS"): 20_000,
     ("drives.simulation", "MOST_STEPS"): 5_000,

@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from tline import ElectricalLine, HydraulicLine
-from tline.cli.line import ELECTRICAL, HYDRAULIC, Medium, line
+from tline.cli.line import ELECTRICAL, HYDRAULIC, LineMedium, line
 from tline.cli.main import COMMANDS, main
 
 MEDIA = pytest.mark.parametrize("medium", [HYDRAULIC, ELECTRICAL], ids=lambda medium: medium.name)
@@ -147,7 +147,7 @@ def test_an_unknown_command_exits_2() -> None:
 
 
 @MEDIA
-def test_the_constructor_the_options_and_the_table_are_the_same(medium: Medium) -> None:
+def test_the_constructor_the_options_and_the_table_are_the_same(medium: LineMedium) -> None:
     arguments = list(inspect.signature(medium.build).parameters)
     assert arguments == [item.name for item in medium.quantities] + list(medium.names)
     options = [option.name for option in line.commands[medium.name].params]
@@ -155,7 +155,7 @@ def test_the_constructor_the_options_and_the_table_are_the_same(medium: Medium) 
 
 
 @MEDIA
-def test_every_argument_is_documented_and_no_other(medium: Medium) -> None:
+def test_every_argument_is_documented_and_no_other(medium: LineMedium) -> None:
     text = inspect.getdoc(medium.build) or ""
     section = text.split("Parameters\n----------\n")[1].split("\n\n")[0]
     named = [name for names in re.findall(r"^(\S.*) : ", section, re.MULTILINE) for name in names.split(", ")]
@@ -163,7 +163,7 @@ def test_every_argument_is_documented_and_no_other(medium: Medium) -> None:
 
 
 @MEDIA
-def test_every_example_of_the_help_runs(medium: Medium) -> None:
+def test_every_example_of_the_help_runs(medium: LineMedium) -> None:
     text = run("line", medium.name, "--help").stdout
     examples = re.sub(r"\\\n\s*", "", text.split("Examples:\n")[1]).strip().splitlines()
     assert len(examples) >= 3

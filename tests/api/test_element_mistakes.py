@@ -135,11 +135,11 @@ def test_a_flow_that_nothing_takes_has_no_steady_state():
 def test_linear_methods_refuse_a_valve_by_name():
     from tline.frequency.response import respond
     from tline.study.baseline import BASELINES
-    from tline.study.reference.network import Network
+    from tline.study.reference.network import ReferenceNetwork
 
     sources = {"s": {"at": "end", "kind": "flow", "value": 1}}
     valve = scene(sources=sources)
-    for method in (lambda: respond(valve, 1.0), lambda: Network(valve)):
+    for method in (lambda: respond(valve, 1.0), lambda: ReferenceNetwork(valve)):
         with pytest.raises(InputError, match=r"loads\.v: is non-linear, expected a linear scene"):
             method()
     assert all(

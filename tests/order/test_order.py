@@ -12,7 +12,7 @@ from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 from tline.solver.loop.march import march
 from tline.solver.simulate import simulate
-from tline.study.reference.network import Network
+from tline.study.reference.network import ReferenceNetwork
 from tline.study.reference.rays import Scatterer, rays
 
 DELAYS = {"a": 1.0, "b": sqrt(2), "c": pi / 2}
@@ -56,7 +56,7 @@ def efforts_at_q(lines, order, slab, t_end):
 
 def paths_to_q(lines, t_end):
     """Delay of every path from the source to q, and the effort there per effort of the source."""
-    exact, side = Network(network(lines, 1, 1.0, t_end)), lines["c"].index("q")
+    exact, side = ReferenceNetwork(network(lines, 1, 1.0, t_end)), lines["c"].index("q")
     scatterers = {name: Scatterer(name, junction, exact.z0) for name, junction in exact.junctions.items()}
     leaving = rays(exact, scatterers, "in", Fraction(t_end), line=2)
     for wave, way in zip(leaving, (side, 1 - side), strict=True):

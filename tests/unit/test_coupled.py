@@ -14,7 +14,7 @@ from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.simulate import simulate
 from tline.solver.stability.scattering import Scattering
-from tline.study.reference.network import Network
+from tline.study.reference.network import ReferenceNetwork
 
 PAIR = {"nodes1": ["a1", "a2"], "nodes2": ["b1", "b2"]}
 MODES = {"even": {"z0": 60, "delay": "1.1 ns"}, "odd": {"z0": 40, "delay": "0.9 ns"}}
@@ -158,7 +158,9 @@ def test_what_coupled_conductors_exclude_is_named(parts, sentence):
     assert str(found.value).startswith(sentence)
 
 
-@pytest.mark.parametrize("ask", [spice_text, route, only_line, lambda made: Scattering(describe(made)), Network])
+@pytest.mark.parametrize(
+    "ask", [spice_text, route, only_line, lambda made: Scattering(describe(made)), ReferenceNetwork]
+)
 def test_what_does_not_know_them_says_so(ask):
     with pytest.raises(InputError, match="coupled conductors"):
         ask(scene(MODES))

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from tline.errors import InputError
 from tline.line.given import Given
 from tline.line.parameters import choose
-from tline.line.relations import Law, System, determine, listed, solve
+from tline.line.relations import Relation, Relations, determine, listed, solve
 
-CIRCLE = System(
+CIRCLE = Relations(
     ({"diameter": 1, "2": -1, "radius": -1}, {"area": 1, "pi": -1, "radius": -2}),
     {"2": 2.0, "pi": math.pi},
 )
@@ -31,8 +31,8 @@ def test_a_given_value_is_kept_to_the_last_bit() -> None:
 
 def test_integer_powers_are_evaluated_without_logarithms() -> None:
     assert solve(CIRCLE, Given({"radius": 0.3}))["diameter"] == 0.6
-    assert solve(System(({"b": 1, "a": -9},), {}), Given({"a": 3.0}))["b"] == 19683.0
-    assert solve(System(({"b": 3, "a": -1},), {}), Given({"a": 27.0}))["b"] == pytest.approx(3, rel=1e-15)
+    assert solve(Relations(({"b": 1, "a": -9},), {}), Given({"a": 3.0}))["b"] == 19683.0
+    assert solve(Relations(({"b": 3, "a": -1},), {}), Given({"a": 27.0}))["b"] == pytest.approx(3, rel=1e-15)
 
 
 def test_nothing_follows_from_nothing() -> None:
@@ -40,7 +40,7 @@ def test_nothing_follows_from_nothing() -> None:
 
 
 def test_quantities_tied_only_in_combination_stay_open() -> None:
-    product = System(({"z": 1, "x": -1, "y": -1}, {"w": 1, "x": -2, "y": -2}), {})
+    product = Relations(({"z": 1, "x": -1, "y": -1}, {"w": 1, "x": -2, "y": -2}), {})
     assert solve(product, Given({"z": 3.0})) == {"z": 3.0, "w": 9.0}
 
 
@@ -51,7 +51,7 @@ def test_redundant_values_agree_within_a_millionth() -> None:
 
 
 def test_a_clash_names_exactly_the_quantities_that_disagree() -> None:
-    system = System((*CIRCLE.relations, {"volume": 1, "area": -1, "height": -1}), CIRCLE.constants)
+    system = Relations((*CIRCLE.relations, {"volume": 1, "area": -1, "height": -1}), CIRCLE.constants)
     with pytest.raises(InputError) as caught:
         solve(system, Given({"height": 1.0, "radius": 1.0, "diameter": 3.0}))
     assert str(caught.value) == "radius and diameter clash: 2*radius gives 2 but diameter is 3, 33.3 % apart"
@@ -86,10 +86,10 @@ def _parallel(name: str, known: Mapping[str, float]) -> float:
     return 1 / (1 / known["total"] - 1 / known["two" if name == "one" else "one"])
 
 
-RESISTORS = System(
+RESISTORS = Relations(
     ({"power": 1, "total": -1, "current": -2}, {"one": 1, "rho": -1, "length": -1}),
     {},
-    Law(("total", "one", "two"), _parallel, "one*two/(one + two)", "a part below the total"),
+    Relation(("total", "one", "two"), _parallel, "one*two/(one + two)", "a part below the total"),
 )
 
 
@@ -113,7 +113,7 @@ def test_a_law_that_is_broken_names_what_was_given() -> None:
         solve(RESISTORS, Given({"one": 2.0, "total": 2.0}))
 
 
-def _missing(system: System, given: Mapping[str, float], target: str, offered: list[str]) -> str:
+def _missing(system: Relations, given: Mapping[str, float], target: str, offered: list[str]) -> str:
     with pytest.raises(InputError) as caught:
         determine(system, Given(dict(given)), ((target,),), offered)
     return str(caught.value)
@@ -140,7 +140,7 @@ def test_alternatives_are_enough() -> None:
 
 
 def test_many_suggestions_are_cut() -> None:
-    system = System(tuple({"goal": 1, f"way{i}": -1} for i in range(9)), {})
+    system = Relations(tuple({"goal": 1, f"way{i}": -1} for i in range(9)), {})
     assert _missing(system, {}, "goal", [f"way{i}" for i in range(9)]) == (
         "goal cannot be found, add for example way0, way1, way2, way3, way4 or way5"
     )
@@ -158,7 +158,7 @@ def test_choose_knows_names_and_says_which() -> None:
         choose({"steel": 1, "lead": 2}, 7, "wall")
 
 
-CHAIN = System(
+CHAIN = Relations(
     (
         {"b": 1, "a": -2, "k": -1},
         {"c": 2, "a": -1, "b": -3},

@@ -25,7 +25,7 @@ from tline.scene.scene import Scene
 from tline.scene.shape import Step
 from tline.scene.source import Source
 from tline.solver.description.description import describe
-from tline.solver.description.resolution import CHEAP, ROOM, resolution
+from tline.solver.description.resolution import CHEAP, MOST_KEPT, resolution
 from tline.wording import nearest, place, shown
 
 SCENES = sorted((Path(__file__).parents[2] / "scenes").glob("*.toml"))
@@ -294,7 +294,7 @@ def test_the_default_is_affordable(count):
     s, h, notes, *_ = chosen(made)
     assert h <= 1.0
     assert 2 * count * s * made.t_end / h <= CHEAP * 1.001 or h == 1.0
-    assert max(4 * s * made.t_end, 2 * s * count) / h <= ROOM * 1.001 or h == 1.0
+    assert max(4 * s * made.t_end, 2 * s * count) / h <= MOST_KEPT * 1.001 or h == 1.0
     begin = f"loads.stiff: its time scale of 2.5e-19 s is shorter than the slab of {h:.3g} s; what is faster"
     assert [note[: len(begin)] for note in notes] == [begin]
 

@@ -8,11 +8,11 @@ import pytest
 
 from tline.errors import InputError
 from tline.study.charts import peers, work_precision
-from tline.study.charts.clock import QUICK, Run
+from tline.study.charts.clock import QUICK, TimedRun
 from tline.study.charts.judge import Judge
 from tline.study.charts.picture import draw
 from tline.study.charts.scenes import NAMES, chart_scene
-from tline.study.charts.table import Row, Table
+from tline.study.charts.table import ChartTable, Row
 from tline.study.charts.work_precision import add, fixed, refined, simulated, to_tolerances
 from tline.study.programs import ngspice, rthym, tsnet
 from tline.study.reference import exact
@@ -25,7 +25,7 @@ def row(method="slabs s = 2", kind="ours", error=1e-3, **more):
 
 
 def test_a_table_is_saved_with_its_notes(tmp_path):
-    table = Table("rc", "A title", [row(), row(kind="tolerance", asked=1e-3, estimated=2e-4)], ["absent: nobody"])
+    table = ChartTable("rc", "A title", [row(), row(kind="tolerance", asked=1e-3, estimated=2e-4)], ["absent: nobody"])
     table.save(tmp_path / "t.csv")
     lines = (tmp_path / "t.csv").read_text(encoding="utf-8").splitlines()
     assert lines[:2] == ["# A title", "# absent: nobody"]
@@ -37,7 +37,7 @@ def test_a_table_is_saved_with_its_notes(tmp_path):
 def test_a_picture_has_a_curve_for_each_method_and_units():
     rows = [row(), row("MOC", "baseline", 2.0), row("MOC", "baseline", inf), row("ngspice", "peer", 0.0)]
     rows.append(row("to a tolerance", "tolerance", 1e-5, asked=1e-4, estimated=3e-5))
-    (axes,) = draw(Table("rc", "A title", rows)).axes
+    (axes,) = draw(ChartTable("rc", "A title", rows)).axes
     labels = [text.get_text() for text in axes.get_legend().get_texts()]
     assert labels[:3] == ["slabs s = 2", "MOC", "ngspice"]
     assert axes.get_xlabel().endswith("[s]")
@@ -77,7 +77,7 @@ def test_refinement_ends_where_it_is_exact_or_too_slow():
 
     def rows(errors, seconds):
         effort = QUICK._replace(refinements=9, runs=1, longest=0.0)
-        runs = iter([Run(0, e, t, t) for e, t in zip(errors, seconds, strict=True) for _ in range(2)])
+        runs = iter([TimedRun(0, e, t, t) for e, t in zip(errors, seconds, strict=True) for _ in range(2)])
         return len(list(refined("m", "baseline", lambda n: next(runs), "steps", Fixed(), effort)))
 
     assert rows([0.1, 0.01, 1e-15, 1.0], 4 * [0.0]) == 3
@@ -86,7 +86,7 @@ def test_refinement_ends_where_it_is_exact_or_too_slow():
 
 
 def test_a_method_that_never_runs_is_named():
-    table = Table("rc", "")
+    table = ChartTable("rc", "")
 
     def broken(n):
         raise InputError("it", "is broken")

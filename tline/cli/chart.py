@@ -13,7 +13,7 @@ from tline.cli.aligned import aligned
 from tline.errors import InputError
 
 if TYPE_CHECKING:
-    from tline.study.charts.table import Table
+    from tline.study.charts.table import ChartTable
 
 PICTURE = (".png", ".svg", ".pdf")
 EXAMPLES = """\b
@@ -147,7 +147,7 @@ def _check_files(plot: str | None, csv: str | None) -> None:
             check_writable(file)
 
 
-def _tell_table(table: "Table", plot: str | None, csv: str | None, as_json: bool) -> None:
+def _tell_table(table: "ChartTable", plot: str | None, csv: str | None, as_json: bool) -> None:
     if csv:
         table.save(csv)
     if plot:

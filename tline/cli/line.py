@@ -9,23 +9,23 @@ import click
 from tline.cli.main import COMMANDS
 from tline.errors import InputError
 from tline.line import ElectricalLine, HydraulicLine, electrical, hydraulic
-from tline.line.parameters import LineParameters, Quantity
+from tline.line.parameters import LineParameters, LineQuantity
 from tline.units import engineering
 
 
-class Medium(NamedTuple):
-    """What the command has to know of a kind of line."""
+class LineMedium(NamedTuple):
+    """Medium of a line, as the command knows it."""
 
     name: str
     build: Callable[..., LineParameters]
-    quantities: tuple[Quantity, ...]
+    quantities: tuple[LineQuantity, ...]
     names: dict[str, str]  # options that are no quantities, with their help
     effort: str
     flow: str
     examples: str
 
 
-HYDRAULIC = Medium(
+HYDRAULIC = LineMedium(
     "hydraulic",
     HydraulicLine,
     hydraulic.QUANTITIES,
@@ -44,7 +44,7 @@ Examples:
       --wall-thickness "0.25 in" --length "1 km"
 """,
 )
-ELECTRICAL = Medium(
+ELECTRICAL = LineMedium(
     "electrical",
     ElectricalLine,
     electrical.QUANTITIES,
@@ -61,7 +61,7 @@ Examples:
 )
 
 
-def command(medium: Medium) -> click.Command:
+def command(medium: LineMedium) -> click.Command:
     """The subcommand of a medium, with one option per quantity."""
 
     def show(json: bool, **given: str | None) -> None:
@@ -87,7 +87,7 @@ def command(medium: Medium) -> click.Command:
     return click.Command(medium.name, params=list(options), callback=show, help=text, epilog=medium.examples)
 
 
-def as_table(medium: Medium, parameters: LineParameters) -> str:
+def as_table(medium: LineMedium, parameters: LineParameters) -> str:
     """What is known of a line, for the eye: name, symbol, SI value, handy value."""
     rows = [("quantity", "symbol", "SI", "handy")]
     for item in medium.quantities:
@@ -101,7 +101,7 @@ def as_table(medium: Medium, parameters: LineParameters) -> str:
     return "\n".join([*lines, "", f"effort: {medium.effort}", f"flow:   {medium.flow}"])
 
 
-def as_json(medium: Medium, parameters: LineParameters) -> str:
+def as_json(medium: LineMedium, parameters: LineParameters) -> str:
     """All quantities of a line in SI, and what is odd about them."""
     told = {item.name: getattr(parameters, item.name) for item in medium.quantities}
     return json.dumps(told | {"notes": list(parameters.remarks)}, indent=2, ensure_ascii=False)

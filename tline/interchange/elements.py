@@ -14,7 +14,7 @@ from tline.interchange.spice_commands import SHOWN, nodes_shown, transient
 KNOWN = "R, L, C, D, K, V, I, E, G, T, O, W, X, .model, .subckt, .param, .tran, .print, .plot, .save, .probe and .end"
 
 
-class Drive(NamedTuple):
+class SourceCard(NamedTuple):
     """A source: the node that it drives, and the sign of its level there; of an E its gain, and what commands it."""
 
     card: Card
@@ -40,7 +40,7 @@ class Netlist:
         self.links: dict[str, dict[str, Any]] = {}
         self.diodes: dict[str, dict[str, Any]] = {}  # to the reference
         self.branches: list[Branch] = []
-        self.drives: list[Drive] = []
+        self.drives: list[SourceCard] = []
         self.shown: list[tuple[Card, str]] = []  # nodes, and where they are asked for
         commands = [card for card in deck.cards if card.kind == "."]
         self.tran = transient([card for card in commands if card.name.lower() == ".tran"], self.path)
@@ -151,10 +151,10 @@ class Netlist:
             raise card.refuse("both ends are at one node", "two nodes")
         return Branch((first, second), element(kind, value), [card.name])
 
-    def _drive(self, card: Card, kind: str) -> Drive:
+    def _drive(self, card: Card, kind: str) -> SourceCard:
         """A source against the reference; a current flows through it from its first node to its second."""
         node, sign = self._against_reference(card, card.words[:2])
-        return Drive(card, node, sign if kind == "V" else -sign)
+        return SourceCard(card, node, sign if kind == "V" else -sign)
 
     def _against_reference(self, card: Card, words: list[str]) -> tuple[str, float]:
         """The node of two that is not the reference, and whether it is the first, as a sign."""
@@ -175,7 +175,7 @@ class Netlist:
             problem = "its gain is zero" if none else "its own voltage commands it"
             raise card.refuse(problem, "another gain" if none else "another node's", f"'{' '.join(card.words)}'")
         if card.kind == "E":
-            self.drives.append(Drive(card, out, gain, control))
+            self.drives.append(SourceCard(card, out, gain, control))
         elif out == control:
             self.branches.append(Branch((out, "0"), element("R", 1 / gain), [card.name]))
         else:

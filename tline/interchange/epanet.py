@@ -12,7 +12,17 @@ from tline.interchange.confined import solved
 from tline.interchange.epanet_text import EpanetText, parse, read_text
 from tline.interchange.head_loss import FOOT, GRAVITY, LAWS
 from tline.interchange.pump_curve import Polyline, PowerLaw, pump_curve
-from tline.interchange.water_network import STILL, TRICKLE, Basin, Junction, Pipe, Pump, Valve, WaterNetwork, listed
+from tline.interchange.water_network import (
+    STILL,
+    TRICKLE,
+    Basin,
+    Pipe,
+    Valve,
+    WaterJunction,
+    WaterNetwork,
+    WaterPump,
+    listed,
+)
 
 WATER, VISCOSITY = 1000.0, 1.1e-5 * FOOT**2  # kg/m³ and m²/s, EPANET's
 HIGHEST = 1e5  # m, of a head that is no accident of an unsolved network
@@ -38,8 +48,8 @@ WARNED = {
 }  # by EPANET's codes
 
 
-class Units(NamedTuple):
-    """SI units that one of the file is."""
+class FileUnits(NamedTuple):
+    """SI units of the numbers in a file."""
 
     length: float
     diameter: float
@@ -126,10 +136,10 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str) -> WaterNet
     )
 
 
-def _units(code: int) -> Units:
+def _units(code: int) -> FileUnits:
     if code < TRADITIONAL:
-        return Units(FOOT, INCH, FLOWS[code], HORSEPOWER, FOOT * 1e-3)
-    return Units(1.0, 1e-3, FLOWS[code], KILOWATT, 1e-3)
+        return FileUnits(FOOT, INCH, FLOWS[code], HORSEPOWER, FOOT * 1e-3)
+    return FileUnits(1.0, 1e-3, FLOWS[code], KILOWATT, 1e-3)
 
 
 def _check_heads(heads: Mapping[str, float], path: str) -> None:
@@ -199,7 +209,7 @@ def _ends_of_pipes(links: Mapping[str, Any], kept: set[str]) -> set[str]:
     return {end for name in kept if links[name]["type"] in (ONE_WAY, PIPE) for end in links[name]["ends"]}
 
 
-def _pipe(link: Mapping[str, Any], units: Units, law: str, given: tuple[float, ...], vertices: list) -> Pipe:
+def _pipe(link: Mapping[str, Any], units: FileUnits, law: str, given: tuple[float, ...], vertices: list) -> Pipe:
     """A pipe with the friction factor that gives EPANET's loss at its flow."""
     length, diameter = link["length"] * units.length, link["diameter"] * units.diameter
     roughness = link["roughness"] * (units.rough if law == "D-W" else 1.0)
@@ -215,29 +225,31 @@ def _ends(link: Mapping[str, Any]) -> tuple[str, str]:
     return one, two
 
 
-def _pump(where: str, link: Mapping[str, Any], units: Units) -> Pump:
+def _pump(where: str, link: Mapping[str, Any], units: FileUnits) -> WaterPump:
     curve = _curve(where, link["curve"], units) if link["curve"] else None
-    return Pump(_ends(link), curve, None if curve else link["power"] * units.power, link["setting"], link["flow"])
+    return WaterPump(_ends(link), curve, None if curve else link["power"] * units.power, link["setting"], link["flow"])
 
 
-def _curve(where: str, points: list[tuple[float, float]], units: Units) -> PowerLaw | Polyline:
+def _curve(where: str, points: list[tuple[float, float]], units: FileUnits) -> PowerLaw | Polyline:
     try:
         return pump_curve([(flow * units.flow, head * units.length) for flow, head in points])
     except InputError as error:
         raise InputError(where, error.problem, error.expected, error.got) from None
 
 
-def _valve(link: Mapping[str, Any], units: Units) -> Valve:
+def _valve(link: Mapping[str, Any], units: FileUnits) -> Valve:
     kind = VALVES[link["type"] - PUMP - 1]
     flow = link["flow"] if link["status"] else 0.0
     return Valve(_ends(link), kind, link["diameter"] * units.diameter, flow, link["drop"])
 
 
-def _junction(node: Mapping[str, Any], exponent: float, scale: float, units: Units, text: EpanetText) -> Junction:
+def _junction(
+    node: Mapping[str, Any], exponent: float, scale: float, units: FileUnits, text: EpanetText
+) -> WaterJunction:
     elevation, head = node["elevation"], node["head"]
     emitter = node["emitter"] * units.flow * scale**exponent
     leaking = emitter * max(head - elevation, 0.0) ** exponent if emitter else 0.0
-    return Junction(elevation, head, _position(node, text), node["demand"] * units.flow - leaking, emitter)
+    return WaterJunction(elevation, head, _position(node, text), node["demand"] * units.flow - leaking, emitter)
 
 
 def _basin(node: Mapping[str, Any], text: EpanetText) -> Basin:

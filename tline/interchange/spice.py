@@ -5,7 +5,7 @@ from typing import Any
 
 from tline.errors import InputError
 from tline.interchange.branches import Branch, as_load, reduced
-from tline.interchange.elements import Drive, Netlist
+from tline.interchange.elements import Netlist, SourceCard
 from tline.interchange.spice_source import Waveform, waveforms
 from tline.scene.file import scene_from
 from tline.scene.scene import Scene
@@ -74,9 +74,9 @@ def _tables(netlist: Netlist) -> dict[str, Any]:
     }
 
 
-def _held(netlist: Netlist) -> dict[str, Drive]:
+def _held(netlist: Netlist) -> dict[str, SourceCard]:
     """Voltage sources by node."""
-    held: dict[str, Drive] = {}
+    held: dict[str, SourceCard] = {}
     for drive in netlist.drives:
         if drive.card.kind in "VE" and held.setdefault(drive.node, drive) is not drive:
             problem = f"node '{drive.node}' is already held by {held[drive.node].card.name}"
@@ -84,7 +84,7 @@ def _held(netlist: Netlist) -> dict[str, Drive]:
     return held
 
 
-def _behind(netlist: Netlist, branch: Branch, held: dict[str, Drive]) -> Tables:
+def _behind(netlist: Netlist, branch: Branch, held: dict[str, SourceCard]) -> Tables:
     """The source that a resistor between a voltage source and a line's end makes; nothing else may lie there."""
     first, second = sorted(branch.nodes, key=lambda node: node not in held)
     if first in held and second in netlist.joined and second not in held and branch.impedance.degree == 0:
@@ -108,7 +108,7 @@ def _is_only(netlist: Netlist, node: str) -> bool:
     return node not in netlist.joined and sum(node in branch.nodes for branch in netlist.branches) == 1
 
 
-def _ideal(netlist: Netlist, drive: Drive, used: set[str]) -> Tables:
+def _ideal(netlist: Netlist, drive: SourceCard, used: set[str]) -> Tables:
     """A source at a line's end itself; one elsewhere must have been used behind its resistors."""
     if drive.node in netlist.joined:
         return _source(netlist, drive, drive.card.name, drive.node, None)
@@ -117,7 +117,7 @@ def _ideal(netlist: Netlist, drive: Drive, used: set[str]) -> Tables:
     return {}
 
 
-def _source(netlist: Netlist, drive: Drive, name: str, at: str, resistance: float | None) -> Tables:
+def _source(netlist: Netlist, drive: SourceCard, name: str, at: str, resistance: float | None) -> Tables:
     """A source of a scene, or two that add up; or a link, if a voltage commands it."""
     if drive.control:
         nodes = [drive.control, at]

@@ -24,7 +24,7 @@ def listed(names: Collection[str]) -> str:
 
 
 @dataclass(frozen=True)
-class Junction:
+class WaterJunction:
     """A node where pipes meet.
 
     Parameters
@@ -95,7 +95,7 @@ class Pipe:
 
 
 @dataclass(frozen=True)
-class Pump:
+class WaterPump:
     """A pump that runs.
 
     Parameters
@@ -168,15 +168,15 @@ class WaterNetwork:
     density: float
     viscosity: float
     exponent: float
-    junctions: Mapping[str, Junction]
+    junctions: Mapping[str, WaterJunction]
     basins: Mapping[str, Basin]
     pipes: Mapping[str, Pipe]
-    pumps: Mapping[str, Pump]
+    pumps: Mapping[str, WaterPump]
     valves: Mapping[str, Valve]
     sound: bool
     notes: tuple[str, ...]
 
     @property
-    def nodes(self) -> dict[str, Junction | Basin]:
+    def nodes(self) -> dict[str, WaterJunction | Basin]:
         """All nodes."""
         return {**self.junctions, **self.basins}

@@ -7,7 +7,16 @@ from tline.errors import InputError
 from tline.interchange.compare_heads import differences
 from tline.interchange.epanet import read_epanet
 from tline.interchange.head_loss import GRAVITY as EPANETS
-from tline.interchange.water_network import LEAST_DROP, STILL, TRICKLE, Basin, Junction, Pipe, Pump, WaterNetwork
+from tline.interchange.water_network import (
+    LEAST_DROP,
+    STILL,
+    TRICKLE,
+    Basin,
+    Pipe,
+    WaterJunction,
+    WaterNetwork,
+    WaterPump,
+)
 from tline.interchange.water_valves import guesses, is_shut, valve_link, with_bores
 from tline.scene.file import scene_from
 from tline.scene.quantity import Quantity
@@ -96,7 +105,7 @@ def _add_pipe(tables: dict[str, Any], network: WaterNetwork, name: str, pipe: Pi
     } | ({"vertices": [list(vertex) for vertex in pipe.vertices]} if pipe.vertices else {})
 
 
-def _site(node: Junction | Basin) -> dict[str, Any]:
+def _site(node: WaterJunction | Basin) -> dict[str, Any]:
     return {"elevation": node.elevation, "position": list(node.position)}
 
 
@@ -127,7 +136,7 @@ def _pockets(network: WaterNetwork, shut: set[str]) -> list[str]:
     return [name for name in network.nodes if name not in found]
 
 
-def _pump(network: WaterNetwork, name: str, pump: Pump, notes: list[str]) -> dict[str, Any]:
+def _pump(network: WaterNetwork, name: str, pump: WaterPump, notes: list[str]) -> dict[str, Any]:
     """A pump whose parabola has head and slope of the curve at the operating point, and its shut-off head if it can."""
     weight, flow = network.density * GRAVITY, pump.flow / pump.speed
     if pump.curve is None:  # constant power: head·flow is constant
@@ -155,7 +164,12 @@ def _pump(network: WaterNetwork, name: str, pump: Pump, notes: list[str]) -> dic
 
 
 def _add_node(
-    tables: dict[str, Any], network: WaterNetwork, name: str, node: Junction | Basin, weight: float, notes: list[str]
+    tables: dict[str, Any],
+    network: WaterNetwork,
+    name: str,
+    node: WaterJunction | Basin,
+    weight: float,
+    notes: list[str],
 ) -> None:
     tables["nodes"][name] = _site(node)
     if isinstance(node, Basin):

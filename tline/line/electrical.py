@@ -4,32 +4,32 @@ import math
 from collections.abc import Mapping
 
 from tline.errors import InputError
-from tline.line.parameters import LineParameters, Quantity, read
+from tline.line.parameters import LineParameters, LineQuantity, read
 from tline.line.plausible import CABLES, unusual
-from tline.line.relations import System, determine, listed
+from tline.line.relations import Relations, determine, listed
 from tline.units import engineering
 
 QUANTITIES = (
-    Quantity("inductance", "L'", "H/m", "H/m", "inductance per length"),
-    Quantity("capacitance", "C'", "F/m", "F/m", "capacitance per length"),
-    Quantity("z0", "z0", "ohm", "ohm", "characteristic impedance"),
-    Quantity("wave_speed", "c", "m/s", "cm/ns", "speed of a wave on the line"),
-    Quantity("velocity_factor", "c/c0", "", "%", "wave speed over the speed of light"),
-    Quantity("permittivity", "εr", "", "", "relative permittivity of the insulation"),
-    Quantity("length", "l", "m", "m", "length"),
-    Quantity("delay", "T", "s", "s", "time a wave takes from end to end"),
-    Quantity("inner_diameter", "d", "m", "m", "coaxial cable: diameter of the inner conductor"),
-    Quantity("outer_diameter", "D", "m", "m", "coaxial cable: inner diameter of the outer conductor"),
-    Quantity("wire_diameter", "d", "m", "m", "two-wire line or wire over ground: diameter of a wire"),
-    Quantity("spacing", "s", "m", "m", "two-wire line: distance between the wire centres"),
-    Quantity("height", "h", "m", "m", "wire over ground: height of the wire centre"),
+    LineQuantity("inductance", "L'", "H/m", "H/m", "inductance per length"),
+    LineQuantity("capacitance", "C'", "F/m", "F/m", "capacitance per length"),
+    LineQuantity("z0", "z0", "ohm", "ohm", "characteristic impedance"),
+    LineQuantity("wave_speed", "c", "m/s", "cm/ns", "speed of a wave on the line"),
+    LineQuantity("velocity_factor", "c/c0", "", "%", "wave speed over the speed of light"),
+    LineQuantity("permittivity", "εr", "", "", "relative permittivity of the insulation"),
+    LineQuantity("length", "l", "m", "m", "length"),
+    LineQuantity("delay", "T", "s", "s", "time a wave takes from end to end"),
+    LineQuantity("inner_diameter", "d", "m", "m", "coaxial cable: diameter of the inner conductor"),
+    LineQuantity("outer_diameter", "D", "m", "m", "coaxial cable: inner diameter of the outer conductor"),
+    LineQuantity("wire_diameter", "d", "m", "m", "two-wire line or wire over ground: diameter of a wire"),
+    LineQuantity("spacing", "s", "m", "m", "two-wire line: distance between the wire centres"),
+    LineQuantity("height", "h", "m", "m", "wire over ground: height of the wire centre"),
 )
 
 LIGHT = 299_792_458.0  # m/s, exact in SI
 MU0 = 1.25663706127e-6  # H/m, CODATA 2022
 ROUNDING = 1e-3  # people write 3e8 m/s for the speed of light
 
-SYSTEM = System(
+SYSTEM = Relations(
     (
         {"z0": 2, "capacitance": 1, "inductance": -1},
         {"wave_speed": 2, "inductance": 1, "capacitance": 1},

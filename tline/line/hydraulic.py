@@ -7,27 +7,27 @@ from tline.errors import InputError
 from tline.line.fluids import fluid as named_fluid
 from tline.line.fluids import metastable
 from tline.line.given import AGREE, Given
-from tline.line.parameters import LineParameters, Quantity, read
+from tline.line.parameters import LineParameters, LineQuantity, read
 from tline.line.plausible import PIPES, unusual
-from tline.line.relations import Law, System, determine
+from tline.line.relations import Relation, Relations, determine
 from tline.line.walls import youngs_modulus as named_modulus
 
 QUANTITIES = (
-    Quantity("radius", "R", "m", "m", "inner radius"),
-    Quantity("diameter", "d", "m", "m", "inner diameter"),
-    Quantity("area", "A", "m^2", "cm^2", "cross-section of the flow"),
-    Quantity("wave_speed", "c", "m/s", "", "speed of a pressure wave in the line"),
-    Quantity("density", "ρ", "kg/m^3", "kg/L", "density of the fluid"),
-    Quantity("bulk_modulus", "K", "Pa", "bar", "bulk modulus of the fluid itself"),
-    Quantity("effective_bulk_modulus", "β", "Pa", "bar", "bulk modulus of fluid and wall together"),
-    Quantity("z0", "z0", "Pa s/m^3", "bar/(m^3/s)", "characteristic impedance"),
-    Quantity("length", "l", "m", "m", "length"),
-    Quantity("delay", "T", "s", "s", "time a wave takes from end to end"),
-    Quantity("inertance", "L'", "kg/m^5", "", "inertance per length"),
-    Quantity("compliance", "C'", "m^2/Pa", "L/bar/m", "compliance per length"),
-    Quantity("wall_thickness", "e", "m", "m", "thickness of an elastic wall"),
-    Quantity("youngs_modulus", "E", "Pa", "Pa", "Young's modulus of an elastic wall"),
-    Quantity("restraint", "ψ", "", "", "factor of the wall for its supports, 1 if not given"),
+    LineQuantity("radius", "R", "m", "m", "inner radius"),
+    LineQuantity("diameter", "d", "m", "m", "inner diameter"),
+    LineQuantity("area", "A", "m^2", "cm^2", "cross-section of the flow"),
+    LineQuantity("wave_speed", "c", "m/s", "", "speed of a pressure wave in the line"),
+    LineQuantity("density", "ρ", "kg/m^3", "kg/L", "density of the fluid"),
+    LineQuantity("bulk_modulus", "K", "Pa", "bar", "bulk modulus of the fluid itself"),
+    LineQuantity("effective_bulk_modulus", "β", "Pa", "bar", "bulk modulus of fluid and wall together"),
+    LineQuantity("z0", "z0", "Pa s/m^3", "bar/(m^3/s)", "characteristic impedance"),
+    LineQuantity("length", "l", "m", "m", "length"),
+    LineQuantity("delay", "T", "s", "s", "time a wave takes from end to end"),
+    LineQuantity("inertance", "L'", "kg/m^5", "", "inertance per length"),
+    LineQuantity("compliance", "C'", "m^2/Pa", "L/bar/m", "compliance per length"),
+    LineQuantity("wall_thickness", "e", "m", "m", "thickness of an elastic wall"),
+    LineQuantity("youngs_modulus", "E", "Pa", "Pa", "Young's modulus of an elastic wall"),
+    LineQuantity("restraint", "ψ", "", "", "factor of the wall for its supports, 1 if not given"),
 )
 
 RELATIONS: tuple[Mapping[str, int], ...] = (
@@ -53,18 +53,18 @@ def _wall_softens(name: str, known: Mapping[str, float]) -> float:
     return 1 / known["effective_bulk_modulus"] - 1 / known["bulk_modulus"]
 
 
-RIGID = System(
+RIGID = Relations(
     (*RELATIONS, {"effective_bulk_modulus": 1, "bulk_modulus": -1}),
     CONSTANTS,
     remedies={"bulk_modulus": "if a yielding wall slows the wave, give wall_thickness and youngs_modulus"},
 )
-ELASTIC = System(
+ELASTIC = Relations(
     (
         *RELATIONS,
         {"wall_compliance": 1, "wall_thickness": 1, "youngs_modulus": 1, "restraint": -1, "diameter": -1},
     ),
     CONSTANTS,
-    Law(
+    Relation(
         ("effective_bulk_modulus", "bulk_modulus", "wall_compliance"),
         _wall_softens,
         "1/(1/bulk_modulus + restraint*diameter/(youngs_modulus*wall_thickness))",
@@ -199,7 +199,7 @@ def _is_elastic(given: Mapping[str, float]) -> bool:
     return differ or not WALL.isdisjoint(given)
 
 
-def _system(given: Given) -> System:
+def _system(given: Given) -> Relations:
     """The ties for a rigid or an elastic wall; the latter gets its restraint, 1 unless given."""
     values = given.values
     if _is_elastic(values):

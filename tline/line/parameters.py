@@ -11,7 +11,7 @@ from tline.units import to_si
 Entry = TypeVar("Entry")
 
 
-class Quantity(NamedTuple):
+class LineQuantity(NamedTuple):
     """One quantity of a line, as its constructor, the command line and the printed table know it."""
 
     name: str
@@ -35,7 +35,7 @@ class LineParameters:
 
     def _settle(
         self,
-        quantities: Iterable[Quantity],
+        quantities: Iterable[LineQuantity],
         values: Mapping[str, float],
         arguments: Mapping[str, object],
         remarks: Iterable[str],
@@ -68,7 +68,7 @@ class LineParameters:
         return f"{type(self).__name__}({given})"
 
 
-def read(quantities: Iterable[Quantity], arguments: Mapping[str, float | str | None]) -> Given:
+def read(quantities: Iterable[LineQuantity], arguments: Mapping[str, float | str | None]) -> Given:
     """The quantities given among `arguments` (None is not given), each positive and finite."""
     values, typed, units = {}, {}, {}
     for name, _, unit, _, _ in quantities:

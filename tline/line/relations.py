@@ -3,7 +3,7 @@
 The quantities of a line are tied by monomial relations, prod(quantity**power) = 1. These are linear in the
 powers, so Gauss-Jordan elimination over exact fractions finds each quantity that follows from the given ones
 as a product of their powers, each one that is given twice over, and what is missing. A tie that is no
-monomial (the elastic wall) takes part as a `Law`, in turns with the elimination.
+monomial (the elastic wall) takes part as a `Relation`, in turns with the elimination.
 """
 
 import math
@@ -21,7 +21,7 @@ COARSEST = 0.01  # relative; digits typed excuse no larger difference
 LISTED = 6  # suggestions shown when something is missing
 
 
-class Law(NamedTuple):
+class Relation(NamedTuple):
     """A tie that is no monomial: each of `names` follows from the others, by `solve`."""
 
     names: tuple[str, ...]
@@ -31,12 +31,12 @@ class Law(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class System:
-    """What ties the quantities of one kind of line together."""
+class Relations:
+    """Relations between the quantities of one kind of line."""
 
     relations: tuple[Mapping[str, int], ...]  # quantity or constant -> power; the product is 1
     constants: Mapping[str, float]
-    law: Law | None = None
+    law: Relation | None = None
     remedies: Mapping[str, str] = field(default_factory=dict)  # quantity -> what to do when it clashes
 
 
@@ -77,12 +77,12 @@ def _raised(name: str, power: Fraction) -> str:
     return name if power == 1 else f"{name}^{power}" if power.denominator == 1 else f"{name}^({power})"
 
 
-def solve(system: System, given: Given) -> dict[str, float]:
+def solve(system: Relations, given: Given) -> dict[str, float]:
     """Every quantity that follows from the given ones, with these themselves.
 
     Parameters
     ----------
-    system : System
+    system : Relations
         Relations, constants and law.
     given : Given
         Gets a remark where quantities agree to the digits typed only.
@@ -112,7 +112,7 @@ def solve(system: System, given: Given) -> dict[str, float]:
 
 
 def determine(
-    system: System, given: Given, targets: tuple[tuple[str, ...], ...], offered: Iterable[str]
+    system: Relations, given: Given, targets: tuple[tuple[str, ...], ...], offered: Iterable[str]
 ) -> dict[str, float]:
     """As `solve`, but of each tuple in `targets` at least one quantity must follow.
 
@@ -142,7 +142,7 @@ def listed(names: Iterable[str], conjunction: str = "and") -> str:
 
 
 @lru_cache(1024)
-def _reduced(system: System, known: tuple[str, ...]) -> dict[str, Product]:
+def _reduced(system: Relations, known: tuple[str, ...]) -> dict[str, Product]:
     """Relations solved for one quantity each.
 
     The reduced row echelon form, unknown quantities first, then the known ones, the earliest of them last. A
@@ -169,7 +169,7 @@ def _reduced(system: System, known: tuple[str, ...]) -> dict[str, Product]:
 
 
 @lru_cache(1024)
-def _following(system: System, known: tuple[str, ...]) -> list[tuple[str, Product, Set[str]]]:
+def _following(system: Relations, known: tuple[str, ...]) -> list[tuple[str, Product, Set[str]]]:
     """What follows from the known quantities alone, how, and from which of them."""
     there = {*system.constants, *known}
     products = _reduced(system, known).items()
@@ -183,7 +183,7 @@ def _subtract(row: dict[str, Fraction], factor: Fraction, other: Mapping[str, Fr
             del row[name]
 
 
-def _reaches(system: System, names: set[str], targets: Iterable[tuple[str, ...]]) -> bool:
+def _reaches(system: Relations, names: set[str], targets: Iterable[tuple[str, ...]]) -> bool:
     """Whether these quantities would settle one of each target, whatever their values."""
     while True:
         for name, product in _reduced(system, tuple(sorted(names))).items():
@@ -195,7 +195,7 @@ def _reaches(system: System, names: set[str], targets: Iterable[tuple[str, ...]]
         names.add(unknown[0])
 
 
-def _by_law(law: Law, name: str, values: Mapping[str, float]) -> float:
+def _by_law(law: Relation, name: str, values: Mapping[str, float]) -> float:
     try:
         return law.solve(name, values)
     except ZeroDivisionError:
@@ -205,7 +205,7 @@ def _by_law(law: Law, name: str, values: Mapping[str, float]) -> float:
 class _Solution:
     """The values known so far and the given quantities that each rests on."""
 
-    def __init__(self, system: System, given: Given):
+    def __init__(self, system: Relations, given: Given):
         self.system, self.given, self.values = system, given, dict(given.values)
         self.parts: dict[str, Set[str]] = {}  # of each value that followed, those that it followed from
 

@@ -12,7 +12,7 @@ from tline.solver.result.result import Result
 STRETCHES, FEWEST = 320, 8  # on the whole route, and on each line, at whose ends extremes are known
 
 
-class Extremes(NamedTuple):
+class RouteExtremes(NamedTuple):
     """Effort along a route, Pa or V; where lines meet there are two equal places, and at a link two efforts."""
 
     x: NDArray  # (places,) in the route's unit
@@ -39,7 +39,7 @@ def effort_along(result: Result, way: Route, x: NDArray, t: NDArray) -> NDArray:
     return effort
 
 
-def extremes_along(result: Result, way: Route) -> Extremes:
+def extremes_along(result: Result, way: Route) -> RouteExtremes:
     """Effort before t = 0, and the lowest and highest of the run, line after line.
 
     Raises
@@ -51,7 +51,7 @@ def extremes_along(result: Result, way: Route) -> Extremes:
     for leg, seen in zip(way.legs, _insides(result, way), strict=True):
         places.append(np.linspace(*leg.span, seen.cells + 1))
         efforts.append(seen.extremes(result.t)[:, :: 1 if leg.forward else -1])
-    return Extremes(np.concatenate(places), *np.concatenate(efforts, axis=1))
+    return RouteExtremes(np.concatenate(places), *np.concatenate(efforts, axis=1))
 
 
 def start_effort(result: Result, way: Route) -> float:

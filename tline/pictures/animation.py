@@ -23,8 +23,8 @@ STEPS = 9999  # levels from smallest to largest effort in the page
 SUFFIXES = (".html", ".gif")
 
 
-class Motion(NamedTuple):
-    """What moves, in handy units."""
+class MovingQuantities(NamedTuple):
+    """Quantities that move, in handy units."""
 
     title: str
     frames: NDArray  # (instants, places)
@@ -81,7 +81,7 @@ def animate(result: Result, path: Route, filename: str | Path) -> None:
             write_gif(motion, temporary)
 
 
-def _motion(result: Result, path: Route) -> Motion:
+def _motion(result: Result, path: Route) -> MovingQuantities:
     t_end = float(result.t[-1])
     t, x = np.linspace(0.0, t_end, FRAMES), np.linspace(0.0, path.marks[-1], PLACES)
     effort, seen = effort_along(result, path, x, t), extremes_along(result, path)
@@ -91,7 +91,7 @@ def _motion(result: Result, path: Route) -> Motion:
     word, size, unit = scale(result.scene, path.lines, max(-lowest.min(), highest.max()))
     second, time_unit = handy(t_end, "s")
     metre, place = axis(path)
-    return Motion(
+    return MovingQuantities(
         result.scene.title,
         effort / size,
         lowest / size,
@@ -111,7 +111,7 @@ def _points(bound: Bound) -> list:
     return [(x, None if np.isnan(u) else u) for x, u in zip(bound.x.tolist(), bound.effort.tolist(), strict=True)]
 
 
-def _page(motion: Motion) -> str:
+def _page(motion: MovingQuantities) -> str:
     """The page: a template with the efforts as whole numbers from 0 to STEPS."""
     low, high = motion.range
 

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
-from tline.pictures.animation import Motion
+from tline.pictures.animation import MovingQuantities
 from tline.pictures.profile import draw_bounds
 from tline.pictures.style import COLOURS, figure, name_nodes, styled
 
@@ -16,7 +16,7 @@ PALETTE = 64  # colours
 
 
 @styled
-def write_gif(motion: Motion, path: Path) -> None:
+def write_gif(motion: MovingQuantities, path: Path) -> None:
     """Write all frames, to be played for ever."""
     frames = list(_frames(motion))
     palette = frames[-1].quantize(PALETTE, method=Image.Quantize.MAXCOVERAGE)
@@ -24,7 +24,7 @@ def write_gif(motion: Motion, path: Path) -> None:
     first.save(path, format="GIF", save_all=True, append_images=rest, duration=1000 // FRAMES_PER_SECOND, loop=0)
 
 
-def _frames(motion: Motion) -> Iterator[Image.Image]:
+def _frames(motion: MovingQuantities) -> Iterator[Image.Image]:
     picture = figure(8.0, 4.2, motion.title)
     picture.set_dpi(100)
     canvas = FigureCanvasAgg(picture)

@@ -25,15 +25,15 @@ class Leg(NamedTuple):
     span: tuple[float, float]  # places of its ends, in the route's unit
 
 
-class Step(NamedTuple):
-    """A way out of a node."""
+class PathStep(NamedTuple):
+    """One step of a path: a way out of a node."""
 
     line: str  # empty for a link
     forward: bool
     node: str  # to which it leads
 
 
-Steps = Mapping[str, Sequence[Step]]
+Steps = Mapping[str, Sequence[PathStep]]
 
 
 class Route(NamedTuple):
@@ -119,8 +119,8 @@ def _sums(values: list[float]) -> tuple[float, ...]:
 def _steps(pairs: Iterable[tuple[str, tuple[str, str]]]) -> Steps:
     found = defaultdict(list)
     for line, (near, far) in pairs:
-        found[near].append(Step(line, True, far))
-        found[far].append(Step(line, False, near))
+        found[near].append(PathStep(line, True, far))
+        found[far].append(PathStep(line, False, near))
     return found
 
 
@@ -142,10 +142,10 @@ def _no_chain(steps: Steps) -> tuple[str, ...]:
     raise InputError("path", f"the lines form no chain{why}", expected)
 
 
-def _least_delay(scene: Scene, steps: Steps, start: str, end: str) -> list[Step]:
+def _least_delay(scene: Scene, steps: Steps, start: str, end: str) -> list[PathStep]:
     """Dijkstra's algorithm."""
-    came: dict[str, tuple[str, Step]] = {}
-    waiting, done = [(0.0, start, "", Step("", True, start))], set()
+    came: dict[str, tuple[str, PathStep]] = {}
+    waiting, done = [(0.0, start, "", PathStep("", True, start))], set()
     while waiting and end not in done:
         delay, node, before, step = heapq.heappop(waiting)
         if node in done:

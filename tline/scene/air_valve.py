@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from tline.scene.element import AtNode
-from tline.scene.law import Law, OfLiquids
+from tline.scene.law import ElementLaw, OfLiquids
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.vessel import ATMOSPHERE, Absolute
 
@@ -37,10 +37,10 @@ class AirValve(AtNode, OfLiquids):
     atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
     back_pressure: Pressure = Field(default=ZERO, description="gauge pressure outside; 0 is the open air")
 
-    def law(self) -> Law:  # noqa: D102
+    def law(self) -> ElementLaw:  # noqa: D102
         speed = sqrt(GAS_CONSTANT * self.temperature)
         inlet, outlet = (
             float(self.discharge_coefficient * pi / 4 * diameter**2 * speed)
             for diameter in (self.inlet_diameter, self.outlet_diameter)
         )
-        return Law("air", (float(self.back_pressure), float(self.atmosphere), inlet, outlet))
+        return ElementLaw("air", (float(self.back_pressure), float(self.atmosphere), inlet, outlet))

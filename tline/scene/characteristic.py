@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from tline.errors import InputError
 from tline.scene.between import Between
 from tline.scene.element import AtNode
-from tline.scene.law import Law, NonLinear
+from tline.scene.law import ElementLaw, NonLinear
 from tline.scene.quantity import Quantity, Role
 from tline.wording import shown
 
@@ -25,9 +25,11 @@ class _Diode(NonLinear):
         default=Quantity("300.15 K", "K"), description="of the junction"
     )
 
-    def law(self) -> Law:
+    def law(self) -> ElementLaw:
         thermal = self.emission * BOLTZMANN * self.temperature / CHARGE
-        return Law("diode", (0.0, float(self.saturation), float(thermal)), reverse=getattr(self, "reverse", False))
+        return ElementLaw(
+            "diode", (0.0, float(self.saturation), float(thermal)), reverse=getattr(self, "reverse", False)
+        )
 
 
 class Diode(_Diode, AtNode):
@@ -65,9 +67,9 @@ class _Curve(NonLinear):
                 raise InputError(f"points[{k - 1}]", "the curve falls or stands still", "points that rise", got)
         return self
 
-    def law(self) -> Law:
+    def law(self) -> ElementLaw:
         efforts, flows = zip(*self.points, strict=True)
-        return Law("table", (0.0, float(len(efforts)), *map(float, efforts), *map(float, flows)))
+        return ElementLaw("table", (0.0, float(len(efforts)), *map(float, efforts), *map(float, flows)))
 
 
 class Curve(_Curve, AtNode):

@@ -19,7 +19,7 @@ FACTORS = {
 }
 
 
-class Law(NamedTuple):
+class ElementLaw(NamedTuple):
     """Flow as a function of the effort across an element; the solver knows the kinds and what their constants mean."""
 
     kind: str
@@ -31,7 +31,7 @@ class Law(NamedTuple):
 class NonLinear(Element):
     """An element with such a law."""
 
-    def law(self) -> Law:
+    def law(self) -> ElementLaw:
         """What the solver needs to know of it."""
         raise NotImplementedError
 

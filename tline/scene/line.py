@@ -12,7 +12,7 @@ from tline.line import ElectricalLine, HydraulicLine
 from tline.line.electrical import QUANTITIES as ELECTRICAL
 from tline.line.fluids import FLUIDS
 from tline.line.hydraulic import QUANTITIES as HYDRAULIC
-from tline.line.parameters import Quantity as LineQuantity
+from tline.line.parameters import LineQuantity
 from tline.line.relations import listed
 from tline.line.walls import WALLS
 from tline.loss import Constant, Law, LossyLine, Sum, kelvin_voigt_wall

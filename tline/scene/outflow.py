@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 from tline.errors import InputError
 from tline.scene.element import AtNode
 from tline.scene.factor import ALWAYS, Factor
-from tline.scene.law import Law, OfLiquids
+from tline.scene.law import ElementLaw, OfLiquids
 from tline.scene.quantity import ZERO, Quantity, Role
 
 Exponent = Annotated[Quantity, Role("exponent", "", at_least=0.1, at_most=4)]
@@ -24,8 +24,8 @@ class Leak(AtNode, OfLiquids):
     exponent: Exponent = Field(default=SOME, description="0.5 for a hole in a stiff wall")
     opening: Factor = Field(default=ALWAYS, description="factor of the flow, constant or over time: 0 before it bursts")
 
-    def law(self) -> Law:  # noqa: D102
-        return Law("leak", (0.0, float(self.flow), float(self.pressure), float(self.exponent)), self.opening)
+    def law(self) -> ElementLaw:  # noqa: D102
+        return ElementLaw("leak", (0.0, float(self.flow), float(self.pressure), float(self.exponent)), self.opening)
 
 
 class Demand(AtNode, OfLiquids):
@@ -57,6 +57,8 @@ class Demand(AtNode, OfLiquids):
             raise InputError("required_pressure", "too low", expected, got)
         return self
 
-    def law(self) -> Law:  # noqa: D102
+    def law(self) -> ElementLaw:  # noqa: D102
         band = float(self.required_pressure - self.least_pressure)
-        return Law("demand", (float(self.least_pressure), float(self.flow), band, float(self.exponent)), self.pattern)
+        return ElementLaw(
+            "demand", (float(self.least_pressure), float(self.flow), band, float(self.exponent)), self.pattern
+        )

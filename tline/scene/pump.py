@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 from tline.errors import InputError
 from tline.scene.between import Between
 from tline.scene.factor import ALWAYS, Factor
-from tline.scene.law import Law, OfLiquids
+from tline.scene.law import ElementLaw, OfLiquids
 from tline.scene.quantity import Quantity, Role
 from tline.scene.shape import Step
 from tline.wording import shown
@@ -61,13 +61,13 @@ class Pump(Between, OfLiquids):
             raise InputError("speed", "cannot be prescribed beside a trip", "one of speed and trip")
         return self
 
-    def law(self) -> Law:  # noqa: D102
+    def law(self) -> ElementLaw:  # noqa: D102
         constants = (0.0, *self._parabola, float(self.check_valve))
         if self.trip is None or self.inertia is None or self.rated_speed is None:
-            return Law("pump", constants, self.speed)
+            return ElementLaw("pump", constants, self.speed)
         twice_the_energy = self.inertia * (2 * pi * self.rated_speed) ** 2  # J, at rated speed
         motor = Step.model_validate({"from": 1, "to": 0, "at": self.trip})
-        return Law("rotor", (*constants, float(twice_the_energy)), motor)
+        return ElementLaw("rotor", (*constants, float(twice_the_energy)), motor)
 
 
 def _parabola(points: list[tuple[float, float]]) -> tuple[float, float, float]:

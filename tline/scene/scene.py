@@ -27,7 +27,7 @@ from tline.scene.choice import Read, validator
 from tline.scene.coupled import Coupled, single_lines
 from tline.scene.element import Element, Name
 from tline.scene.heights import Height, heights_of
-from tline.scene.law import FACTORS, Law, NonLinear
+from tline.scene.law import FACTORS, ElementLaw, NonLinear
 from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.link import Link
 from tline.scene.load import Load
@@ -248,7 +248,7 @@ class Scene(Element):
         return {line for element in self.measured.values() for line in element.delay_lines}
 
     @property
-    def laws(self) -> dict[tuple[str, str], Law]:
+    def laws(self) -> dict[tuple[str, str], ElementLaw]:
         """Law of each non-linear element by section and name."""
         return {at: element.law() for at, element in self.placed if isinstance(element, NonLinear)}
 

@@ -18,7 +18,7 @@ from tline.errors import InputError
 from tline.scene.between import Between
 from tline.scene.element import AtNode
 from tline.scene.factor import ALWAYS, Factor
-from tline.scene.law import Law, NonLinear
+from tline.scene.law import ElementLaw, NonLinear
 from tline.wording import place
 
 if TYPE_CHECKING:
@@ -72,10 +72,10 @@ class UserElement(NonLinear):
             )
         return super().__reduce_ex__(protocol)
 
-    def law(self) -> Law:
+    def law(self) -> ElementLaw:
         """The method as a C function, which the kernel calls at its address."""
         address = cast(_called(self).function, c_void_p).value or 0
-        return Law("user_defined", (0.0, float(address)), self.opening)  # exact: addresses are below 2**53
+        return ElementLaw("user_defined", (0.0, float(address)), self.opening)  # exact: addresses are below 2**53
 
 
 class _Called:

@@ -18,7 +18,7 @@ from tline.errors import InputError
 from tline.scene.between import Between
 from tline.scene.element import AtNode, Element
 from tline.scene.factor import ALWAYS, Characterised, Factor
-from tline.scene.law import Law, OfLiquids
+from tline.scene.law import ElementLaw, OfLiquids
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.rating import Rated
 from tline.scene.shape import Shape
@@ -91,8 +91,8 @@ class _Orifice(Rated, OfLiquids):
             self._share = Characterised.model_construct(opening=self.opening, shares=points)
         return self._share
 
-    def law(self) -> Law:
-        return Law("quadratic", (_behind(self), self.capacity or inf, 0.0), self.share)
+    def law(self) -> ElementLaw:
+        return ElementLaw("quadratic", (_behind(self), self.capacity or inf, 0.0), self.share)
 
 
 class _CheckValve(Rated, OfLiquids):
@@ -104,8 +104,8 @@ class _CheckValve(Rated, OfLiquids):
     def _may_lack_a_loss(self) -> bool:
         return True
 
-    def law(self) -> Law:
-        return Law("quadratic", (self.cracking_pressure + _behind(self), self.capacity or inf, 1.0))
+    def law(self) -> ElementLaw:
+        return ElementLaw("quadratic", (self.cracking_pressure + _behind(self), self.capacity or inf, 1.0))
 
 
 class _ReliefValve(Rated, OfLiquids):
@@ -116,9 +116,9 @@ class _ReliefValve(Rated, OfLiquids):
         description="further drop over which it opens in proportion, up to its full capacity"
     )
 
-    def law(self) -> Law:
+    def law(self) -> ElementLaw:
         constants = (_behind(self), self.capacity or inf, float(self.set_pressure), float(self.band))
-        return Law("relief", constants)
+        return ElementLaw("relief", constants)
 
 
 class _Behind(AtNode):

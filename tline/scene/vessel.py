@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from tline.errors import InputError
 from tline.scene.element import AtNode, Element
-from tline.scene.law import Law, OfLiquids
+from tline.scene.law import ElementLaw, OfLiquids
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.rating import Rated
 
@@ -40,10 +40,10 @@ class AirVessel(_Vessel):
             raise InputError("gas_pressure", "below vacuum", f"more than {-self.atmosphere:g} Pa", got)
         return self
 
-    def law(self) -> Law:  # noqa: D102
+    def law(self) -> ElementLaw:  # noqa: D102
         n, outside = float(self.exponent), float(self.atmosphere)
         at_zero = self.gas_volume * ((self.gas_pressure + outside) / outside) ** (1 / n)
-        return Law("gas", (0.0, self.capacity or inf, outside, at_zero, n))
+        return ElementLaw("gas", (0.0, self.capacity or inf, outside, at_zero, n))
 
 
 class Boiling(Element):
@@ -80,9 +80,9 @@ class Cavity(_BoilingAtNode):
         description="volume of the free gas at the atmosphere's pressure: often 1e-7 of the liquid's nearby"
     )
 
-    def law(self) -> Law:  # noqa: D102
+    def law(self) -> ElementLaw:  # noqa: D102
         above_vapour, back = float(self.atmosphere - self.vapour_pressure), float(self.back_pressure)
-        return Law("gas", (back, inf, above_vapour, float(self.gas_volume), 1.0))
+        return ElementLaw("gas", (back, inf, above_vapour, float(self.gas_volume), 1.0))
 
 
 class VapourCavity(_BoilingAtNode):
@@ -97,8 +97,8 @@ class VapourCavity(_BoilingAtNode):
 
     kind: Literal["vapour cavity"] = "vapour cavity"
 
-    def law(self) -> Law:  # noqa: D102
-        return Law("vapour", (float(self.vapour_pressure - self.atmosphere + self.back_pressure),))
+    def law(self) -> ElementLaw:  # noqa: D102
+        return ElementLaw("vapour", (float(self.vapour_pressure - self.atmosphere + self.back_pressure),))
 
 
 class SurgeTank(_Vessel):
@@ -121,6 +121,6 @@ class SurgeTank(_Vessel):
             raise InputError("", "its surface is not given once", "either tank_diameter or tank_area")
         return self
 
-    def law(self) -> Law:  # noqa: D102
+    def law(self) -> ElementLaw:  # noqa: D102
         area = pi / 4 * self.tank_diameter**2 if self.tank_diameter is not None else (self.tank_area or ZERO)
-        return Law("tank", (0.0, self.capacity or inf, float(area / (self.density * self.gravity))))
+        return ElementLaw("tank", (0.0, self.capacity or inf, float(area / (self.density * self.gravity))))

@@ -17,7 +17,7 @@ from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution
 from tline.solver.ledger.ledger import Ledger
 from tline.solver.ledger.recorder import Recorder
-from tline.solver.loop.march import Run, march
+from tline.solver.loop.march import March, march
 from tline.solver.result.conductor import record_of
 from tline.solver.result.envelope import watch
 from tline.solver.result.notes import VISIBLE, smeared
@@ -131,7 +131,7 @@ def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[tuple[float, int, int]]:
             yield from ((float(t), g, row) for t in kinks.get(element.where, NOWHERE) / assembly.resolution.h)
 
 
-def _record(assembly: Assembly, name: str, waves: NDArray, done: Run, smears: bool) -> LineRecord:
+def _record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: bool) -> LineRecord:
     row, echo = assembly.recorded[name], assembly.echoes.get(name)
     line = assembly.lines[name]
     s, h = assembly.resolution.s, assembly.resolution.h

@@ -24,7 +24,7 @@ from tline.solver.kernel.fronts.structures import (
     Fronts,
     Log,
     Moves,
-    Pieces,
+    PiecesUnderWay,
     Sources,
     Systems,
 )  # fmt: skip
@@ -95,7 +95,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], p
             first[:-1].copy(),
         ),
         _excitation_rows(network),
-        Pieces(
+        PiecesUnderWay(
             np.full(slabs, -1),
             np.full(ends, -1),
             np.empty((ends, s)),

@@ -24,7 +24,7 @@ from tline.solver.description.nodes import NONE, Node
 from tline.solver.description.resolution import WHOLE, Resolution
 from tline.solver.kernel.network import Blocks, Laws, LossElements
 from tline.solver.radau import basis
-from tline.solver.steady.lossy_lines import Table
+from tline.solver.steady.lossy_lines import FrictionTable
 from tline.solver.steady.steady_state import above_level, rest
 
 LAYOUTS = 2  # of a scene that are kept
@@ -162,7 +162,7 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
 _before: WeakKeyDictionary[Description, Before] = WeakKeyDictionary()
 
 
-def _before_start(description: Description, tables: Mapping[str, Table]) -> Before:
+def _before_start(description: Description, tables: Mapping[str, FrictionTable]) -> Before:
     """Efforts of nodes, and flows at the ends of lines, before t = 0; without friction slabs do not matter."""
     if tables or description not in _before:
         _before[description] = above_level(description, tables) if description.steady else rest(description)

@@ -10,16 +10,16 @@ from tline.solver.assembly.loss_elements import shares
 from tline.solver.assembly.lossy_segments import SegmentedLine
 from tline.solver.kernel.network import REMEMBERED, TABLED, LossElements, Network, State
 from tline.solver.radau import Basis
-from tline.solver.steady.lossy_lines import Ends, Table
+from tline.solver.steady.lossy_lines import Ends, FrictionTable
 
 
-def tables_of(losses: LossElements, names: list[str]) -> dict[str, Table]:
+def tables_of(losses: LossElements, names: list[str]) -> dict[str, FrictionTable]:
     """Of lines whose friction is tabled, by name."""
-    found: dict[str, Table] = {}
+    found: dict[str, FrictionTable] = {}
     for r in np.flatnonzero(losses.kind == TABLED):
         name, at, count = names[losses.line[r]], int(losses.at[r]), int(losses.first[r + 1] - losses.first[r])
         known = found[name].elements if name in found else 0
-        found[name] = Table(known + count, losses.entries[at : at + 3 + int(losses.entries[at + 2])])
+        found[name] = FrictionTable(known + count, losses.entries[at : at + 3 + int(losses.entries[at + 2])])
     return found
 
 

@@ -16,7 +16,7 @@ from tline.scene.plausible import plausibility_notes
 from tline.scene.user_defined import user_elements
 from tline.scene.vessel import Boiling
 from tline.solver.description.active import active_parts
-from tline.solver.description.elements import BREAKING, Element, elements_of
+from tline.solver.description.elements import BREAKING, PlacedLaw, elements_of
 from tline.solver.description.excitation import Shape
 from tline.solver.description.given import MEDIA, End, Height, Medium, Scene
 from tline.solver.description.groups import Group, LumpedLine, grouped
@@ -100,7 +100,7 @@ class Description:
         return nodes_of(self.scene, self.lines, self.ends)
 
     @cached_property
-    def elements(self) -> list[Element]:
+    def elements(self) -> list[PlacedLaw]:
         """Non-linear elements, but for those between efforts that are held."""
         return elements_of(self.scene, self.nodes)
 

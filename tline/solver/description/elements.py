@@ -3,18 +3,18 @@
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from tline.solver.description.given import Law, Scene
+from tline.solver.description.given import ElementLaw, Scene
 from tline.solver.description.nodes import Node
 from tline.wording import place
 
 BREAKING = {"vapour", "air"}  # kinds that send fronts at instants of their own, which are not followed
 
 
-class Element(NamedTuple):
+class PlacedLaw(NamedTuple):
     """A law between two nodes, or a node and the reference (None)."""
 
     where: str
-    law: Law
+    law: ElementLaw
     from_node: str | None
     to_node: str | None
     above_level: float = 0.0  # of a node that it leads from to the open air; of one that it leads to, less than zero
@@ -31,14 +31,14 @@ class Element(NamedTuple):
         return [node for node in (self.from_node, self.to_node) if node is not None]
 
 
-def elements_of(scene: Scene, nodes: Mapping[str, Node]) -> list[Element]:
+def elements_of(scene: Scene, nodes: Mapping[str, Node]) -> list[PlacedLaw]:
     """Those elements of a scene that are seen by anything: not those between efforts that are held."""
     found = []
     for (part, name), law in scene.laws.items():
         ends = scene.links[name].nodes if part == "links" else (scene.loads[name].at, None)
         if any(node is not None and nodes[node].held is None for node in ends):
             from_node, to_node = reversed(ends) if law.reverse else ends
-            found.append(Element(place(part, name), law, from_node, to_node, _height(nodes, from_node, to_node)))
+            found.append(PlacedLaw(place(part, name), law, from_node, to_node, _height(nodes, from_node, to_node)))
     return found
 
 

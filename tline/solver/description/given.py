@@ -2,11 +2,23 @@
 
 from tline.scene.coupled import End
 from tline.scene.heights import NO_HEIGHT, Height
-from tline.scene.law import Law
+from tline.scene.law import ElementLaw
 from tline.scene.medium import MEDIA, Medium
 from tline.scene.multiport import Ports
 from tline.scene.scene import Scene
 from tline.scene.shape import Constant, Shape
 from tline.scene.touchstone import Touchstone
 
-__all__ = ["MEDIA", "NO_HEIGHT", "Constant", "End", "Height", "Law", "Medium", "Ports", "Scene", "Shape", "Touchstone"]
+__all__ = [
+    "MEDIA",
+    "NO_HEIGHT",
+    "Constant",
+    "ElementLaw",
+    "End",
+    "Height",
+    "Medium",
+    "Ports",
+    "Scene",
+    "Shape",
+    "Touchstone",
+]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from tline.solver.description.components import parts
 from tline.solver.description.coupled import EndPlaces, scattered
-from tline.solver.description.elements import Element
+from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import End
 from tline.solver.description.lines import Line
 from tline.solver.description.load_step import NO_LOAD, StateSpace, side_by_side
@@ -50,7 +50,7 @@ class Group(NamedTuple):
     lumped_lines: list[LumpedLine]
     ends: list[EndPlaces]
     ports: list[PortPlaces]
-    elements: list[Element]
+    elements: list[PlacedLaw]
 
     @property
     def dynamic(self) -> bool:
@@ -140,7 +140,7 @@ def coupled(group: Group) -> StateSpace:
 def grouped(
     nodes: dict[str, Node],
     lumped_lines: Sequence[LumpedLine],
-    elements: Sequence[Element],
+    elements: Sequence[PlacedLaw],
     coupled_ends: Sequence[End],
     multiports: Sequence[PlacedPorts],
 ) -> tuple[list[Group], dict[str, Node]]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tline.scene.load import Matched, Reservoir, Resistor, Short, Switch
 from tline.scene.rational_load import Parallel, Rational, Series
 from tline.solver.description.description import Description
-from tline.solver.description.elements import Element
+from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import places_of
 from tline.solver.description.given import Shape
 from tline.solver.description.groups import Group
@@ -120,7 +120,7 @@ def _at_node(node: Node, steady: bool, h: float, t_end: float) -> Iterator[Membe
                 yield Member(where, (name,), column, steady, series=float(series), beside=float(beside))
 
 
-def _non_linear(element: Element) -> Member:
+def _non_linear(element: PlacedLaw) -> Member:
     """A valve, pump, vessel, diode or table; beyond a valve may be a pressure."""
     kind, back = element.law.kind, element.law.constants[0] if element.to_node is None else 0.0
     column = SUPPLIED if kind in GIVING else TAKEN if kind in STORING or back else DISSIPATED

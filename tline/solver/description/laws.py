@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.solver.description.elements import Element
+from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import Shape, just_before, varies
 from tline.solver.description.nodes import Node
 from tline.solver.description.tools import tools_of
@@ -18,7 +18,7 @@ KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", *STA
 
 
 def laws_of(
-    elements: Sequence[list[Element]], members: Sequence[Sequence[Node]], first_row: int, first_state: int
+    elements: Sequence[list[PlacedLaw]], members: Sequence[Sequence[Node]], first_row: int, first_state: int
 ) -> tuple[Laws, list[Shape]]:
     """Elements by group as arrays, without the slabs' order and width; and what scales them over time.
 
@@ -67,7 +67,7 @@ def with_basis(laws: Laws, order: Basis, h: float) -> Laws:
     return laws._replace(tools=tools_of(order), step=h)
 
 
-def states_of(elements: list[Element], effort: dict[str, float]) -> NDArray:
+def states_of(elements: list[PlacedLaw], effort: dict[str, float]) -> NDArray:
     """States of the elements that have one, in equilibrium with the efforts of their nodes.
 
     Raises

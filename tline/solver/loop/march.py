@@ -52,8 +52,8 @@ class Observer(Protocol):
         """Take note of n slabs from number `first` on, recorded from the first column of the record on."""
 
 
-class Run(NamedTuple):
-    """What there is to say of a run beside its record."""
+class March(NamedTuple):
+    """Result of a march beside its record."""
 
     seconds: float  # without compiling or loading the kernel
     pieces: Noted
@@ -63,7 +63,7 @@ class Run(NamedTuple):
 
 def march(
     assembly: Assembly, n: int, *, observers: Sequence[Observer] = (), progress: bool = False
-) -> tuple[NDArray, Run]:
+) -> tuple[NDArray, March]:
     """Advance an assembled scene by n slabs.
 
     For observers the kernel records into a window of one chunk, and only recorded lines are kept.
@@ -72,7 +72,7 @@ def march(
     -------
     record : ndarray, shape (recorded ends, 2, n * s)
         What arrived at each recorded end, and what left it, at the points of each slab.
-    run : Run
+    run : March
         Time it took, recorded pieces, and what became of fronts.
 
     Raises
@@ -197,10 +197,10 @@ class Stepper:
                 row += share * sampled(waveform, basis, self.h, first, n)
         return excitation.reshape(len(excitations), n * basis.s)
 
-    def run(self, seconds: float) -> Run:
+    def run(self, seconds: float) -> March:
         """What there is to say now."""
         pieces = concatenated(self.noted, self.assembly.basis.s)
-        return Run(seconds, pieces, Tally() if self.fronts is None else tally(self.fronts), self.fronts)
+        return March(seconds, pieces, Tally() if self.fronts is None else tally(self.fronts), self.fronts)
 
 
 def _inside(places: NDArray, follows_edges: bool) -> NDArray:

@@ -20,7 +20,7 @@ PERIOD, ROOM, LARGEST = 25e3, 8e6, 1e8  # samples that are set up at once in a p
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class ProbeOfCopies:
     """What one probe saw in all copies; Pa and m³/s, or V and A.
 
     Attributes
@@ -41,7 +41,9 @@ class Seen:
     highest_at: Floats
 
 
-def run(description: Description, copies: Copies, edges: Floats, s: int, rows: NDArray, t: Floats) -> dict[str, Seen]:
+def run(
+    description: Description, copies: Copies, edges: Floats, s: int, rows: NDArray, t: Floats
+) -> dict[str, ProbeOfCopies]:
     """Run those copies of some rows at order s, with slabs at edges (K + 1, copies); see them at instants t."""
     where = _line_ends(description)
     recorded = sorted({*where.values()})
@@ -69,7 +71,7 @@ def run(description: Description, copies: Copies, edges: Floats, s: int, rows: N
     for name, (u, _, lowest, _, highest, _) in found.items():
         for effort in (u, lowest, highest):
             effort += description.probes[name].height.level
-    return {name: Seen(*arrays) for name, arrays in found.items()}
+    return {name: ProbeOfCopies(*arrays) for name, arrays in found.items()}
 
 
 def _line_ends(description: Description) -> dict[str, int]:

@@ -26,7 +26,7 @@ MOST_UNITS = 1000  # in the shortest delay
 MOST_COPIES = 10_000_000
 
 
-class Junction(NamedTuple):
+class NodeOfCopies(NamedTuple):
     """A node in all copies."""
 
     ends: list[int]
@@ -41,7 +41,7 @@ class Copies(NamedTuple):
     unit: Floats  # (N,) the common measure of a copy's delays, s
     delay: NDArray[np.int64]  # (L,) delays in units, the same in all copies
     z0: Floats  # (L, N)
-    junctions: list[Junction]
+    junctions: list[NodeOfCopies]
 
 
 def copies_of(description: Description, vary: Mapping[str, ArrayLike]) -> Copies:
@@ -140,11 +140,11 @@ def _values(where: str, values: ArrayLike, known: Mapping[str, float]) -> Floats
     return array
 
 
-def _junction(node: Node, z0: Floats, numbers: Mapping[str, Floats]) -> Junction:
+def _junction(node: Node, z0: Floats, numbers: Mapping[str, Floats]) -> NodeOfCopies:
     """A node with all that is attached to it."""
     own = 1 / z0[np.array(node.ends) // 2]
     if node.held is not None:
-        return Junction(node.ends, 0.0 * own, [(node.held, np.ones(z0.shape[1]))], None)
+        return NodeOfCopies(node.ends, 0.0 * own, [(node.held, np.ones(z0.shape[1]))], None)
     total, to_air = own.sum(axis=0), np.zeros(z0.shape[1])
     flows: list[tuple[Shape, Floats | float]] = []
     dynamic: tuple[Series | Parallel, Floats | None, Floats | None, Floats | None] | None = None
@@ -172,8 +172,8 @@ def _junction(node: Node, z0: Floats, numbers: Mapping[str, Floats]) -> Junction
     drives = [(waveform, factor / total) for waveform, factor in flows]
     weights = own / total
     if dynamic is None:
-        return Junction(node.ends, weights, drives, None)
+        return NodeOfCopies(node.ends, weights, drives, None)
     load, R, L, C = dynamic
     z = 1 / total
     through = parallel(z, L, C) if isinstance(load, Parallel) else series(z, 0.0 if R is None else R, L, C)
-    return Junction(node.ends, weights, drives, through)
+    return NodeOfCopies(node.ends, weights, drives, through)

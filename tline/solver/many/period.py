@@ -89,7 +89,7 @@ def slab_edges(fronts: Floats, parts: int, growth: float) -> Floats:
     return np.vstack([*(a + b * cut for a, b, cut in zip(fronts[:-1], width, cuts, strict=True)), fronts[-1:]])
 
 
-class Modes(NamedTuple):
+class RadauModes(NamedTuple):
     """Radau IIA matrix as the sum of rate·projector over its modes, one of each conjugate pair, which counts twice."""
 
     rate: Complexes  # (modes,)
@@ -97,7 +97,7 @@ class Modes(NamedTuple):
 
 
 @lru_cache
-def modes_of(order: Basis) -> Modes:
+def modes_of(order: Basis) -> RadauModes:
     """Modes of the Radau IIA matrix, rounded once: those of double arithmetic would cost six digits at s = 10."""
     from flint import acb_mat, ctx
 
@@ -108,7 +108,7 @@ def modes_of(order: Basis) -> Modes:
         projector: Complexes = np.array([[[complex(right[i, k] * left[k, j]) for j in n] for i in n] for k in n])
     turning = rate.imag / abs(rate)
     one = np.flatnonzero(turning > -REAL)
-    return Modes(rate[one], projector[one] * np.where(turning[one] > REAL, 2, 1)[:, None, None])
+    return RadauModes(rate[one], projector[one] * np.where(turning[one] > REAL, 2, 1)[:, None, None])
 
 
 def driven_waves(

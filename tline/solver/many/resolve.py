@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ive
 
 from tline.solver.description.description import Description
-from tline.solver.many.batches import Seen, run
+from tline.solver.many.batches import ProbeOfCopies, run
 from tline.solver.many.copies import Copies
 from tline.solver.many.period import front_places, slab_edges
 from tline.solver.tolerance.compare import ROUNDING, SILENT
@@ -89,7 +89,11 @@ def _choices(fronts: Floats, rates: Complexes, tol: float) -> list[tuple[float, 
 
 
 def _apart(
-    description: Description, copies: Copies, rows: NDArray, coarse: Mapping[str, Seen], fine: Mapping[str, Seen]
+    description: Description,
+    copies: Copies,
+    rows: NDArray,
+    coarse: Mapping[str, ProbeOfCopies],
+    fine: Mapping[str, ProbeOfCopies],
 ) -> float:
     """Largest difference of two runs relative to the amplitude of each copy."""
     worst, lines = ROUNDING, list(description.lines)

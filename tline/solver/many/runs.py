@@ -12,7 +12,7 @@ from tline.errors import InputError
 from tline.scene.quantity import Role
 from tline.solver.description.description import describe
 from tline.solver.description.given import Height, Scene
-from tline.solver.many.batches import Seen, run
+from tline.solver.many.batches import ProbeOfCopies, run
 from tline.solver.many.copies import copies_of
 from tline.solver.many.period import breaks_of
 from tline.solver.many.resolve import resolve
@@ -32,7 +32,7 @@ class Many:
     ----------
     t : ndarray, shape (instants,)
         The instants asked for, s.
-    probes : mapping of str to Seen
+    probes : mapping of str to ProbeOfCopies
         By name of the probe.
     order : int
         Points in a slab.
@@ -48,7 +48,7 @@ class Many:
     """
 
     t: Floats
-    probes: Mapping[str, Seen]
+    probes: Mapping[str, ProbeOfCopies]
     order: int
     slabs: int
     estimate: float

@@ -26,8 +26,8 @@ TIED = 1e-13  # of what else ties a part, where that is not enough to tell its e
 CORRECTIONS, EXACT = 2, 1e-9  # of linear systems
 
 
-class Laws(NamedTuple):
-    """What lies between parts, by edge."""
+class EdgeLaws(NamedTuple):
+    """Laws between parts, by edge."""
 
     from_node: NDArray  # (edges,) part from which the flow counts, -1 for the reference
     to_node: NDArray  # (edges,) part to which it counts
@@ -44,12 +44,12 @@ class Balance(NamedTuple):
     leak: NDArray  # (parts,) flow that only the leak takes
 
 
-def balanced(laws: Laws, given: NDArray, conductance: NDArray, driven: NDArray) -> Balance:
+def balanced(laws: EdgeLaws, given: NDArray, conductance: NDArray, driven: NDArray) -> Balance:
     """Efforts at which all flows balance.
 
     Parameters
     ----------
-    laws : Laws
+    laws : EdgeLaws
     given : ndarray, shape (parts,)
         Effort where it is prescribed, else nan.
     conductance, driven : ndarray, shape (parts,)
@@ -75,7 +75,7 @@ class _Found(NamedTuple):
     balance: Balance
 
 
-def _starts(laws: Laws, given: NDArray, conductance: NDArray, driven: NDArray) -> list[tuple[NDArray, NDArray]]:
+def _starts(laws: EdgeLaws, given: NDArray, conductance: NDArray, driven: NDArray) -> list[tuple[NDArray, NDArray]]:
     """Efforts a behind the impedances and efforts of parts to begin with, the least unbalanced first."""
     effort = np.where(np.isnan(given), 0.0, given)
     held = ~np.isnan(given)
@@ -95,11 +95,11 @@ def _mean(impedance: NDArray) -> float:
     return float(np.exp(np.log(impedance).mean()))
 
 
-def _largest(laws: Laws, effort: NDArray, driven: NDArray) -> float:
+def _largest(laws: EdgeLaws, effort: NDArray, driven: NDArray) -> float:
     return max(np.abs(effort).max(initial=0.0), _mean(laws.impedance) * np.abs(driven).max(initial=0.0)) or 1.0
 
 
-def _rests(laws: Laws, effort: NDArray, drop: NDArray, flow: NDArray, out: NDArray) -> tuple[NDArray, NDArray]:
+def _rests(laws: EdgeLaws, effort: NDArray, drop: NDArray, flow: NDArray, out: NDArray) -> tuple[NDArray, NDArray]:
     """What is left of laws, and of flows out of each part with those that are given."""
     ends, out = np.append(effort, 0.0), np.append(out, 0.0)
     np.add.at(out, laws.from_node, flow)
@@ -108,7 +108,12 @@ def _rests(laws: Laws, effort: NDArray, drop: NDArray, flow: NDArray, out: NDArr
 
 
 def _newton(
-    laws: Laws, given: NDArray, conductance: NDArray, driven: NDArray, leaking: float, start: tuple[NDArray, NDArray]
+    laws: EdgeLaws,
+    given: NDArray,
+    conductance: NDArray,
+    driven: NDArray,
+    leaking: float,
+    start: tuple[NDArray, NDArray],
 ) -> _Found:
     """Newton's steps from a start, halved until what is left falls."""
     n, count = len(given), len(laws.from_node)
@@ -149,7 +154,7 @@ def _newton(
 
 
 def _jacobian(
-    laws: Laws, number: NDArray, count: int, free: NDArray, steep: NDArray, slope: NDArray, r: float, own: NDArray
+    laws: EdgeLaws, number: NDArray, count: int, free: NDArray, steep: NDArray, slope: NDArray, r: float, own: NDArray
 ) -> tuple[NDArray, NDArray, NDArray]:
     """Entries, rows and columns: laws first, then balances of the free parts."""
     edges = np.arange(count)

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
-from tline.solver.description.elements import Element
+from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.laws import KINDS, laws_of
 from tline.solver.kernel.network import Laws as Elements
-from tline.solver.steady.balance import Laws
+from tline.solver.steady.balance import EdgeLaws
 from tline.solver.steady.flows import flows_through
-from tline.solver.steady.lossy_lines import Falls, Table
+from tline.solver.steady.lossy_lines import Falls, FrictionTable
 from tline.solver.steady.pockets import held_drops
 from tline.wording import place
 
@@ -32,7 +32,7 @@ class Edges:
     """
 
     def __init__(
-        self, description: Description, number: Mapping[str, int], lossy: NDArray, tables: Mapping[str, Table]
+        self, description: Description, number: Mapping[str, int], lossy: NDArray, tables: Mapping[str, FrictionTable]
     ):
         lines = {name: line for (name, line), falls in zip(description.lines.items(), lossy, strict=True) if falls}
         self.falls = Falls(lines, tables)
@@ -57,11 +57,11 @@ class Edges:
         np.add.at(out, self.to_node, -flow)
         return out[:-1]
 
-    def laws(self, part: NDArray, largest: float) -> Laws:
+    def laws(self, part: NDArray, largest: float) -> EdgeLaws:
         """The same between the parts that the nodes are in, where efforts are no larger than that."""
         ends = np.append(part, -1)
         self.packed = self.packed._replace(source_impedance=_steep(self.packed, largest))
-        return Laws(
+        return EdgeLaws(
             ends[self.from_node],
             ends[self.to_node],
             np.concatenate([self.falls.z0, self.packed.source_impedance]),
@@ -102,7 +102,7 @@ def _steep(elements: Elements, largest: float) -> NDArray:
     return source_impedance
 
 
-def _running(element: Element) -> Element:
+def _running(element: PlacedLaw) -> PlacedLaw:
     """A pump that will run down still runs."""
     if element.law.kind != "rotor":
         return element

@@ -17,7 +17,7 @@ FAINTEST = 1e-150  # wave that a table knows
 Slopes = tuple[NDArray, NDArray, NDArray, NDArray]
 
 
-class Table(NamedTuple):
+class FrictionTable(NamedTuple):
     """Friction of a line as its loss elements have it."""
 
     elements: int
@@ -42,7 +42,7 @@ class Falls:
     z0 : ndarray, shape (lines,)
     """
 
-    def __init__(self, lines: Mapping[str, Line], tables: Mapping[str, Table]):
+    def __init__(self, lines: Mapping[str, Line], tables: Mapping[str, FrictionTable]):
         self.z0 = np.array([line.z0 for line in lines.values()])
         self._resistance = np.array([pi(line)[0] for line in lines.values()])
         losses = [line.losses for line in lines.values()]

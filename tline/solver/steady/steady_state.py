@@ -18,7 +18,7 @@ from tline.solver.description.excitation import just_before
 from tline.solver.description.nodes import NONE, Node
 from tline.solver.steady.balance import CLOSE, balanced
 from tline.solver.steady.edges import Edges
-from tline.solver.steady.lossy_lines import Table, pi
+from tline.solver.steady.lossy_lines import FrictionTable, pi
 from tline.solver.steady.pockets import settled
 from tline.wording import place
 
@@ -34,7 +34,9 @@ def rest(description: Description) -> tuple[dict[str, float], NDArray]:
     return dict.fromkeys(description.nodes, 0.0), np.zeros((len(description.lines), 2))
 
 
-def steady_state(description: Description, tables: Mapping[str, Table] = NONE) -> tuple[dict[str, float], NDArray]:
+def steady_state(
+    description: Description, tables: Mapping[str, FrictionTable] = NONE
+) -> tuple[dict[str, float], NDArray]:
     """Effort of each node and flows at both ends of each line, from end 1 to end 2, immediately before t = 0.
 
     Parameters
@@ -51,7 +53,9 @@ def steady_state(description: Description, tables: Mapping[str, Table] = NONE) -
     return {name: u + description.nodes[name].height.level for name, u in effort.items()}, flows
 
 
-def above_level(description: Description, tables: Mapping[str, Table] = NONE) -> tuple[dict[str, float], NDArray]:
+def above_level(
+    description: Description, tables: Mapping[str, FrictionTable] = NONE
+) -> tuple[dict[str, float], NDArray]:
     """The same with efforts that count from the level."""
     description.refuse_coupled("a steady state")
     nodes, lines = description.nodes, description.lines.values()

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
-from tline.solver.description.elements import Element
-from tline.solver.description.given import Law
+from tline.solver.description.elements import PlacedLaw
+from tline.solver.description.given import ElementLaw
 from tline.solver.radau import Basis, basis
 from tline.solver.result.result import LineRecord, Result, Wave
 from tline.solver.run import Kinks
@@ -24,7 +24,7 @@ OVER = 1.5  # pieces, to which a neighbour is continued
 CLOSED = 1e-12  # of the largest flow; less is none
 
 
-class Seen(NamedTuple):
+class PiecewiseQuantity(NamedTuple):
     """A quantity in pieces, in order of time."""
 
     start: NDArray  # (pieces,) s
@@ -32,15 +32,15 @@ class Seen(NamedTuple):
     values: NDArray  # (pieces, s) at the Radau points
     before: float
 
-    def __add__(self, other: "Seen") -> "Seen":  # pyright: ignore[reportIncompatibleMethodOverride]
+    def __add__(self, other: "PiecewiseQuantity") -> "PiecewiseQuantity":  # pyright: ignore[reportIncompatibleMethodOverride]
         return self._replace(values=self.values + other.values, before=self.before + other.before)
 
-    def times(self, factor: float) -> "Seen":
+    def times(self, factor: float) -> "PiecewiseQuantity":
         """The same, so many times."""
         return self._replace(values=factor * self.values, before=factor * self.before)
 
 
-def kinking(description: Description) -> dict[str, tuple[Element, list[str]]]:
+def kinking(description: Description) -> dict[str, tuple[PlacedLaw, list[str]]]:
     """Elements whose laws kink, by where they stand, and the lines whose records tell when."""
     nodes, found = description.nodes, {}
     for element in description.elements:
@@ -51,7 +51,7 @@ def kinking(description: Description) -> dict[str, tuple[Element, list[str]]]:
     return found
 
 
-def kinks_of(result: Result, description: Description, elements: Mapping[str, tuple[Element, list[str]]]) -> Kinks:
+def kinks_of(result: Result, description: Description, elements: Mapping[str, tuple[PlacedLaw, list[str]]]) -> Kinks:
     """Instants at which laws kinked in a run that recorded the lines at their elements, s."""
     found = {}
     for where, (element, _) in elements.items():
@@ -62,7 +62,7 @@ def kinks_of(result: Result, description: Description, elements: Mapping[str, tu
     return found
 
 
-def _points(law: Law) -> Sequence[tuple[float | None, float | None]] | None:
+def _points(law: ElementLaw) -> Sequence[tuple[float | None, float | None]] | None:
     """Points (e, i) at which a law's graph bends, one of them None if the other tells; None of a smooth law."""
     c = law.constants
     if law.kind == "quadratic":
@@ -81,7 +81,7 @@ def _points(law: Law) -> Sequence[tuple[float | None, float | None]] | None:
     return None
 
 
-def _quantities(element: Element, result: Result, description: Description) -> Iterator[Seen]:
+def _quantities(element: PlacedLaw, result: Result, description: Description) -> Iterator[PiecewiseQuantity]:
     """What passes zero when a law kinks."""
     law, flow, across = element.law, _flow(element, result, description), _across(element, result, description)
     closed = CLOSED * float(np.abs(flow.values).max(initial=0.0)) if flow is not None else 0.0
@@ -96,17 +96,17 @@ def _quantities(element: Element, result: Result, description: Description) -> I
             yield _less(across + flow.times(rho), e + rho * i)
 
 
-def _across(element: Element, result: Result, description: Description) -> Seen | None:
+def _across(element: PlacedLaw, result: Result, description: Description) -> PiecewiseQuantity | None:
     """Effort across an element less what stands behind it; None if no line tells it."""
     efforts = [_effort(node, result, description) for node in (element.from_node, element.to_node)]
-    known = [seen for seen in efforts if isinstance(seen, Seen)]
+    known = [seen for seen in efforts if isinstance(seen, PiecewiseQuantity)]
     if None in efforts or not known:
         return None
-    one, other = (seen if isinstance(seen, Seen) else _sampled(seen, known[0], result) for seen in efforts)
+    one, other = (seen if isinstance(seen, PiecewiseQuantity) else _sampled(seen, known[0], result) for seen in efforts)
     return _less(one + other.times(-1.0), element.law.constants[0])
 
 
-def _less(seen: Seen, level: float) -> Seen:
+def _less(seen: PiecewiseQuantity, level: float) -> PiecewiseQuantity:
     return seen._replace(values=seen.values - level, before=seen.before - level)
 
 
@@ -116,7 +116,7 @@ def _lines_at(description: Description, node: str) -> list[tuple[str, int]]:
     return [(names[end // 2], end % 2) for end in description.nodes[node].ends]
 
 
-def _resistance(element: Element, description: Description) -> float:
+def _resistance(element: PlacedLaw, description: Description) -> float:
     """That of a line at the element."""
     (name, _), *_ = (end for node in element.nodes for end in _lines_at(description, node))
     return description.lines[name].z0
@@ -136,7 +136,7 @@ def _effort(node: str | None, result: Result, description: Description):
     return (_in_pieces(a) + _in_pieces(b)).times(0.5)
 
 
-def _flow(element: Element, result: Result, description: Description) -> Seen | None:
+def _flow(element: PlacedLaw, result: Result, description: Description) -> PiecewiseQuantity | None:
     """Flow through an element from its first node to its other, if it alone is at one of them, beside lines."""
     for name, sign in ((element.from_node, 1.0), (element.to_node, -1.0)):
         if name is None or description.nodes[name].held is not None:
@@ -162,7 +162,7 @@ def _waves(record: LineRecord, end: int) -> tuple[Wave, Wave]:
     return (record.a1, record.b1) if end == 0 else (record.a2, record.b2)
 
 
-def _in_pieces(wave: Wave) -> Seen:
+def _in_pieces(wave: Wave) -> PiecewiseQuantity:
     """A wave's pieces, slabs without fronts among them."""
     pieces, n = wave.pieces, len(wave.values)
     whole = np.ones(n, bool)
@@ -172,10 +172,10 @@ def _in_pieces(wave: Wave) -> Seen:
     width = np.concatenate([np.ones(len(slabs)), np.diff(pieces.span, axis=1)[:, 0]])
     order = np.argsort(start, kind="stable")
     values = np.concatenate([wave.values[whole], pieces.values])[order]
-    return Seen(start[order] * wave.h, width[order] * wave.h, values, wave.before)
+    return PiecewiseQuantity(start[order] * wave.h, width[order] * wave.h, values, wave.before)
 
 
-def _sampled(held, like: Seen, result: Result) -> Seen:
+def _sampled(held, like: PiecewiseQuantity, result: Result) -> PiecewiseQuantity:
     """An effort that is held, in the pieces of another."""
     if isinstance(held, float):
         return like._replace(values=np.full_like(like.values, held), before=held)
@@ -185,7 +185,7 @@ def _sampled(held, like: Seen, result: Result) -> Seen:
     return like._replace(values=np.broadcast_to(values, t.shape), before=float(values[0, 0]))
 
 
-def _crossings(seen: Seen, result: Result) -> NDArray:
+def _crossings(seen: PiecewiseQuantity, result: Result) -> NDArray:
     """Instants at which a quantity passes zero, s."""
     order = basis(result.resolution.s)
     heights = np.column_stack([np.append(seen.before, seen.values[:-1, -1]), seen.values])
@@ -209,7 +209,7 @@ def _crossings(seen: Seen, result: Result) -> NDArray:
     return t[(t > 0) & (t < result.t[-1])]
 
 
-def _root(seen: Seen, order: Basis, piece: NDArray, x: NDArray) -> NDArray:
+def _root(seen: PiecewiseQuantity, order: Basis, piece: NDArray, x: NDArray) -> NDArray:
     """Newton's root of the polynomials of pieces, continued; from places x, in their own widths."""
     values = seen.values[piece]
     low, high = -OVER - 1, OVER + 2

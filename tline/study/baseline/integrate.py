@@ -12,7 +12,7 @@ from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.nodes import node_of_end
 from tline.study.baseline.method import Trace
-from tline.study.baseline.node_systems import System
+from tline.study.baseline.node_systems import NodeSystem
 from tline.study.baseline.steps import MOST_KEPT, count_steps, probed, sampled, shortest_delay, within
 
 MOST_EVALUATIONS = 3_000_000  # of a differential equation
@@ -29,7 +29,7 @@ class Chain(NamedTuple):
 
 
 def integrated(
-    scene: Scene, n: float, chains: list[Chain], systems: list[System], order: int, thevenin: bool = False
+    scene: Scene, n: float, chains: list[Chain], systems: list[NodeSystem], order: int, thevenin: bool = False
 ) -> Trace:
     """Join lines and nodes, and integrate to a hundredth of the error that the sections leave."""
     from scipy import sparse

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
 from tline.solver.description.nodes import Node
-from tline.study.baseline.kernel.nodes import Scattering
+from tline.study.baseline.kernel.nodes import NodeScattering
 
 Euler = tuple[NDArray, NDArray, NDArray]  # x_next = first x + second w_now + third w_next
 
@@ -29,7 +29,7 @@ def trapezoid(A: NDArray, b: NDArray) -> Euler:
     return inverse @ (np.eye(len(A)) + A / 2), inverse @ b / 2, inverse @ b / 2
 
 
-def scattering(scene: Scene, nodes: list[Node], dt: float, rule: Callable[[NDArray, NDArray], Euler]) -> Scattering:
+def scattering(scene: Scene, nodes: list[Node], dt: float, rule: Callable[[NDArray, NDArray], Euler]) -> NodeScattering:
     """The nodes of a scene, their loads integrated by a rule."""
     z0 = np.array([line.parameters.z0 for line in scene.lines.values()])
     own = [1 / z0[np.array(node.ends) // 2] / (np.inf if node.held else node.total) for node in nodes]
@@ -43,4 +43,4 @@ def scattering(scene: Scene, nodes: list[Node], dt: float, rule: Callable[[NDArr
     )
     ends, first = np.array([end for node in nodes for end in node.ends]), np.cumsum([0, *(len(n.ends) for n in nodes)])
     row, u_w = np.where(dynamic, np.cumsum(dynamic) - 1, -1), np.array([system.d[0, 0] for system in systems])
-    return Scattering(first, ends, np.concatenate(own), row, x_x, x_before, x_now, u_x, u_w)
+    return NodeScattering(first, ends, np.concatenate(own), row, x_x, x_before, x_now, u_x, u_w)

@@ -10,7 +10,7 @@ from tline.solver.description.nodes import Node
 from tline.study.baseline.steps import delays_of, impedances_of
 
 
-class System(NamedTuple):
+class NodeSystem(NamedTuple):
     """A node: x' = A x + B v, effort = C x + D v, v what the lines and what the sources drive; k states."""
 
     A: NDArray  # (k, k)
@@ -19,17 +19,17 @@ class System(NamedTuple):
     D: NDArray  # (1, 2)
 
 
-HELD = System(np.zeros((0, 0)), np.zeros((0, 2)), np.zeros((1, 0)), np.array([[0.0, 1.0]]))
+HELD = NodeSystem(np.zeros((0, 0)), np.zeros((0, 2)), np.zeros((1, 0)), np.array([[0.0, 1.0]]))
 
 
-def _companion(tops: list[NDArray], bottom: NDArray) -> System:
+def _companion(tops: list[NDArray], bottom: NDArray) -> NodeSystem:
     """Transfer functions of one denominator; coefficients with the highest power first. The effort is x[0] + D v."""
     bottom = np.trim_zeros(bottom, "f")
     k, a = len(bottom) - 1, bottom / bottom[0]
     b = np.array([np.pad(top, (k + 1 - len(top), 0)) for top in tops]).T / bottom[0]
     A = np.eye(k, k=1)
     A[:, :1] -= a[1:, None]
-    return System(A, b[1:] - np.outer(a[1:], b[0]), np.eye(1, k), b[:1])
+    return NodeSystem(A, b[1:] - np.outer(a[1:], b[0]), np.eye(1, k), b[:1])
 
 
 def _admittance(node: Node, unit: float) -> tuple[NDArray, NDArray]:
@@ -50,7 +50,7 @@ def half_sections(scene: Scene, nodes: dict[str, Node], cells: NDArray) -> list[
     return [(node, float(half[node.ends].sum())) for node in nodes.values()]
 
 
-def on_capacitor(node: Node, capacitance: float, unit: float) -> System:
+def on_capacitor(node: Node, capacitance: float, unit: float) -> NodeSystem:
     """From the flows into a node with a capacitance to its effort."""
     if node.held:
         return HELD
@@ -58,7 +58,7 @@ def on_capacitor(node: Node, capacitance: float, unit: float) -> System:
     return _companion([under, under], np.polyadd(np.append(capacitance / unit * under, 0.0), over))
 
 
-def behind_inductor(node: Node, inductance: float, unit: float) -> System:
+def behind_inductor(node: Node, inductance: float, unit: float) -> NodeSystem:
     """From the effort behind an inductance, in units of time times z0, and the flow of the sources to the effort."""
     if node.held:
         return HELD

@@ -10,7 +10,7 @@ from tline.solver.description.description import describe
 from tline.solver.description.nodes import node_of_end
 from tline.study.baseline.integrate import Chain, integrated
 from tline.study.baseline.method import Trace
-from tline.study.baseline.node_systems import HELD, System, behind_inductor, half_sections, on_capacitor
+from tline.study.baseline.node_systems import HELD, NodeSystem, behind_inductor, half_sections, on_capacitor
 from tline.study.baseline.steps import decays_of, delays_of, impedances_of, sections_of, shortest_delay
 
 
@@ -67,7 +67,7 @@ def pade(scene: Scene, n: float) -> Trace:
     for node in nodes.values():
         A, b, c, d = node.effort(0.0)
         both = np.repeat(unit * b, 2, axis=1)
-        systems.append(HELD if node.held else System(unit * A, both, c, np.repeat(d, 2, axis=1)))
+        systems.append(HELD if node.held else NodeSystem(unit * A, both, c, np.repeat(d, 2, axis=1)))
     return integrated(scene, n, chains, systems, order=3, thevenin=True)
 
 

@@ -46,7 +46,7 @@ print(2 * instants[1] - instants[0] - instants[2])
 Traces = dict[str, NDArray]
 
 
-class Run(NamedTuple):
+class TimedRun(NamedTuple):
     """Instants, efforts by probe, seconds of stepping alone and in all, and the error as estimated, if it is."""
 
     t: NDArray
@@ -56,7 +56,7 @@ class Run(NamedTuple):
     estimated: float = np.inf
 
 
-def timed(run: Callable[[], Run], effort: Effort) -> Run:
+def timed(run: Callable[[], TimedRun], effort: Effort) -> TimedRun:
     """A run with the medians of its times: of at least as many runs as asked, of more if they are short."""
     run()  # compiles, or loads what is compiled
     runs, spent = [], 0.0

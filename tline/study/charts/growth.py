@@ -35,7 +35,7 @@ LOWEST, HIGHEST = 1e-10, 10.0  # drawn
 
 
 @dataclass(frozen=True)
-class Curve:
+class GrowthCurve:
     """What one method did to the pulse, relative to the exact one, after each number of transits.
 
     Attributes
@@ -142,7 +142,7 @@ def _slabs(scene: Scene, order: int) -> tuple[NDArray, NDArray, float]:
     return t, run.probes["far"].at(t).u, run.seconds
 
 
-def error_growth(*, quick: bool = False, progress: bool = False) -> dict[str, Curve]:
+def error_growth(*, quick: bool = False, progress: bool = False) -> dict[str, GrowthCurve]:
     """Run all methods and compare what they leave of the pulse.
 
     Parameters
@@ -173,11 +173,11 @@ def error_growth(*, quick: bool = False, progress: bool = False) -> dict[str, Cu
                 if np.abs(u[m * size : (m + 1) * size]).max() < 1e100
             ]
         error, damping, phase, dispersion = np.array(told).T
-        curves[label] = Curve(2.0 * windows[: len(told)], error, damping, phase, dispersion, seconds)
+        curves[label] = GrowthCurve(2.0 * windows[: len(told)], error, damping, phase, dispersion, seconds)
     return curves
 
 
-def save(curves: dict[str, Curve], path: str | Path) -> None:
+def save(curves: dict[str, GrowthCurve], path: str | Path) -> None:
     """Write all numbers as CSV."""
     from tline.solver.result.atomic import replacing
 
@@ -190,7 +190,7 @@ def save(curves: dict[str, Curve], path: str | Path) -> None:
 
 
 @styled
-def draw(curves: dict[str, Curve]) -> Figure:
+def draw(curves: dict[str, GrowthCurve]) -> Figure:
     """Four panels over the number of transits, logarithmic."""
     picture = figure(10.0, 8.6, f"A pulse on a lightly damped line, {STEPS} steps per transit")
     panels = picture.subplots(2, 2, sharex=True, sharey=True)

@@ -8,7 +8,7 @@ import numpy as np
 
 from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
-from tline.study.charts.clock import Run
+from tline.study.charts.clock import TimedRun
 
 DAMPING = 12.0  # nepers over the window: what wraps round is e^-12 of itself
 REFERENCE = 50.0  # ohm, of its two-ports
@@ -29,7 +29,7 @@ def incompatibility(scene: Scene) -> str | None:
     return None
 
 
-def run(scene: Scene, n: int) -> Run:
+def run(scene: Scene, n: int) -> TimedRun:
     """u = E(s) times 1/A of the chain matrix, on a line of s right of the axis, so that nothing wraps round."""
     import skrf
 
@@ -50,7 +50,7 @@ def run(scene: Scene, n: int) -> Run:
     drive = source.value.value(t, t + 1e-9 * dt) * np.exp(-damping * t)
     u = np.fft.irfft(np.fft.rfft(drive) / chain.a[:, 0, 0], count) * np.exp(damping * t)
     seconds = time.perf_counter() - begun
-    return Run(t, {str(name): u for name in scene.probes}, seconds, seconds)
+    return TimedRun(t, {str(name): u for name in scene.probes}, seconds, seconds)
 
 
 def _parts(scene: Scene) -> list[Any]:

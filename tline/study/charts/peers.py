@@ -17,14 +17,14 @@ from functools import partial
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.study.charts import inverse_fft
-from tline.study.charts.clock import FULL, QUICK, Run
-from tline.study.charts.table import Table
+from tline.study.charts.clock import FULL, QUICK, TimedRun
+from tline.study.charts.table import ChartTable
 from tline.study.charts.work_precision import add, baseline_run, begun, production
 from tline.study.programs import ngspice, rthym, tsnet
 
 PATIENT = FULL._replace(longest=2.0)  # s; peers need it
 
-Peer = tuple[Callable[[Scene], str | None], Callable[[Scene, int], Run]]
+Peer = tuple[Callable[[Scene], str | None], Callable[[Scene, int], TimedRun]]
 PEERS: dict[str, Peer] = {
     "ngspice": (ngspice.incompatibility, ngspice.run),
     "scikit-rf, inverse FFT": (inverse_fft.incompatibility, inverse_fft.run),
@@ -34,7 +34,7 @@ PEERS: dict[str, Peer] = {
 TEXTBOOK = "moc_grid"
 
 
-def peers(name: str, quick: bool = False, progress: bool = False) -> Table:
+def peers(name: str, quick: bool = False, progress: bool = False) -> ChartTable:
     """Measure other programs, and the production method beside them, on one scene of the charts.
 
     Parameters

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from tline.pictures.style import COLOURS, DASHES, FAINT, INK, figure, styled
-from tline.study.charts.table import Row, Table
+from tline.study.charts.table import ChartTable, Row
 
 LOWEST, HIGHEST = 1e-16, 10.0  # errors; what blows up or is exact stands at the edge
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -17,12 +17,12 @@ OURS = ("#9ECAE1", "#6BAED6", "#4292C6", "#08519C", "#08306B")  # one hue, darke
 
 
 @styled
-def draw(table: Table) -> Figure:
+def draw(table: ChartTable) -> Figure:
     """Error against run time, one curve for each method; both axes logarithmic.
 
     Parameters
     ----------
-    table : Table
+    table : ChartTable
         From `work_precision` or `peers`.
     """
     from tline.study.baseline import BASELINES

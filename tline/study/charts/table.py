@@ -46,7 +46,7 @@ class Row:
 
 
 @dataclass
-class Table:
+class ChartTable:
     """The rows of one chart.
 
     Attributes

@@ -11,17 +11,17 @@ import numpy as np
 from tline.errors import InputError
 from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
-from tline.study.charts.clock import FULL, QUICK, Effort, Run, compilation, timed
+from tline.study.charts.clock import FULL, QUICK, Effort, TimedRun, compilation, timed
 from tline.study.charts.judge import Judge
 from tline.study.charts.scenes import chart_scene
-from tline.study.charts.table import Row, Table
+from tline.study.charts.table import ChartTable, Row
 
 ORDERS = (1, 2, 3, 5, 8)
 TOLERANCES = tuple(10.0**-k for k in range(3, 11))
 GOOD = 1e-13  # an error that needs no refinement
 
 
-def work_precision(name: str, quick: bool = False, progress: bool = False) -> Table:
+def work_precision(name: str, quick: bool = False, progress: bool = False) -> ChartTable:
     """Measure all methods on one scene of the charts.
 
     Parameters
@@ -67,13 +67,13 @@ def work_precision(name: str, quick: bool = False, progress: bool = False) -> Ta
     return table
 
 
-def begun(name: str, effort: Effort, quick: bool) -> tuple[Scene, Judge, Table]:
+def begun(name: str, effort: Effort, quick: bool) -> tuple[Scene, Judge, ChartTable]:
     """A scene of the charts, who judges runs of it, and the table that they will fill."""
     given = chart_scene(name)
     judge, notes = Judge(given.scene, effort.instants), [] if quick else [compilation()]
     if judge.own:
         notes.append(f"Errors are against a grid of characteristics, extrapolated, good to {judge.own:.0e}.")
-    return given.scene, judge, Table(name, given.title, notes=notes)
+    return given.scene, judge, ChartTable(name, given.title, notes=notes)
 
 
 def production(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:
@@ -83,7 +83,7 @@ def production(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:
     yield from to_tolerances(scene, judge, effort)
 
 
-def add(table: Table, label: str, kind: str, run: Callable[[int], Run], judge: Judge, effort: Effort) -> None:
+def add(table: ChartTable, label: str, kind: str, run: Callable[[int], TimedRun], judge: Judge, effort: Effort) -> None:
     """Put a method on a table, or say why it is absent."""
     try:
         table.rows += refined(label, kind, run, "steps", judge, effort)
@@ -91,7 +91,9 @@ def add(table: Table, label: str, kind: str, run: Callable[[int], Run], judge: J
         table.notes.append(f"absent: {label} ({error})")
 
 
-def refined(label: str, kind: str, run: Callable[[int], Run], unit: str, judge: Judge, effort: Effort) -> Iterator[Row]:
+def refined(
+    label: str, kind: str, run: Callable[[int], TimedRun], unit: str, judge: Judge, effort: Effort
+) -> Iterator[Row]:
     """One method, its step halved until it is too slow or as good as exact."""
     ran = False
     for k in range(effort.refinements):
@@ -111,7 +113,7 @@ def refined(label: str, kind: str, run: Callable[[int], Run], unit: str, judge: 
             return
 
 
-def _slabs(scene: Scene, order: int, n: int) -> Run:
+def _slabs(scene: Scene, order: int, n: int) -> TimedRun:
     shortest = min(line.parameters.delay or 0.0 for line in scene.lines.values())
     return simulated(fixed(scene, order, shortest / n))
 
@@ -121,7 +123,7 @@ def fixed(scene: Scene, order: int, slab: float) -> Scene:
     return Scene(**scene.table() | {"solver": {"order": order, "slab": slab}})
 
 
-def simulated(scene: Scene, tol: float | None = None) -> Run:
+def simulated(scene: Scene, tol: float | None = None) -> TimedRun:
     """One run of the production method, or all that a tolerance takes."""
     from tline.solver.simulate import simulate
 
@@ -131,14 +133,14 @@ def simulated(scene: Scene, tol: float | None = None) -> Run:
     accuracy = result.accuracy
     seconds = sum(attempt.seconds for attempt in accuracy.attempts) if accuracy else result.seconds
     u = {name: probe.u for name, probe in result.probes.items()}
-    return Run(result.t, u, seconds, first, accuracy.at_slab_ends if accuracy else np.inf)
+    return TimedRun(result.t, u, seconds, first, accuracy.at_slab_ends if accuracy else np.inf)
 
 
-def baseline_run(method: Any, scene: Scene, n: int) -> Run:
+def baseline_run(method: Any, scene: Scene, n: int) -> TimedRun:
     """A baseline method's run of n steps per shortest delay."""
     begun = time.perf_counter()
     trace = method.run(scene, n)
-    return Run(trace.t, trace.u, trace.seconds, time.perf_counter() - begun)
+    return TimedRun(trace.t, trace.u, trace.seconds, time.perf_counter() - begun)
 
 
 def to_tolerances(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:

@@ -15,7 +15,7 @@ from tline.errors import InputError
 from tline.interchange.spice_text import spice_text
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
-from tline.study.charts.clock import Run
+from tline.study.charts.clock import TimedRun
 from tline.study.reference.network import decimal
 from tline.study.reference.waveforms import level, straight
 
@@ -64,7 +64,7 @@ def netlist(scene: Scene, longest: float) -> str:
     return f"{cards}\n.options acct{tran}{end}"
 
 
-def run(scene: Scene, n: int) -> Run:
+def run(scene: Scene, n: int) -> TimedRun:
     """A run with steps no longer than an n-th of the shortest delay.
 
     Raises
@@ -75,7 +75,7 @@ def run(scene: Scene, n: int) -> Run:
     shortest = min(float(line.parameters.delay or 0) for line in scene.lines.values())
     columns, seconds, first = transient(netlist(scene, shortest / n))
     u = {name: columns[f"v({str(probe.at).lower()})"] for name, probe in scene.probes.items()}
-    return Run(columns["time"], u, max(seconds, HALF_TICK), first)
+    return TimedRun(columns["time"], u, max(seconds, HALF_TICK), first)
 
 
 def transient(text: str) -> tuple[dict[str, NDArray], float, float]:

@@ -17,7 +17,7 @@ from tline.scene.friction import darcy
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import rest, steady_state
-from tline.study.charts.clock import Run
+from tline.study.charts.clock import TimedRun
 from tline.study.programs.ngspice import corners
 
 FOOT, DENSITY = 0.3048, 1000.0  # m, kg/m³
@@ -32,7 +32,7 @@ def incompatibility(scene: Scene) -> str | None:
     return None if find_spec("rthym_moc") else "not installed: pip install 'tline[peers]'"
 
 
-def run(scene: Scene, n: int) -> Run:
+def run(scene: Scene, n: int) -> TimedRun:
     """A run of n reaches in the shortest pipe; heads count from that of the reservoir."""
     moc: Any = import_module("rthym_moc")
     unit = moc.GPM_TO_CFS * FOOT**3  # of flow, m³/s, as it has it
@@ -59,7 +59,7 @@ def run(scene: Scene, n: int) -> Run:
     seconds = time.perf_counter() - begun
     heads = {name: np.array(result["node_head"][str(probe.at)], float) for name, probe in scene.probes.items()}
     u = {name: (heads[name] - HEAD) * head for name in heads}
-    return Run(np.array(result["time"]) - dt, u, seconds, seconds)
+    return TimedRun(np.array(result["time"]) - dt, u, seconds, seconds)
 
 
 def roughness(factor: float, length: float, diameter: float, flow_gpm: float, moc: Any) -> float:

@@ -25,7 +25,7 @@ from tline.scene.friction import darcy
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import steady_state
-from tline.study.charts.clock import Run
+from tline.study.charts.clock import TimedRun
 from tline.study.programs.ngspice import corners
 
 PYTHON = "TSNET_PYTHON"  # variable that names the interpreter
@@ -72,7 +72,7 @@ def incompatibility(scene: Scene) -> str | None:
     return None
 
 
-def run(scene: Scene, n: int) -> Run:
+def run(scene: Scene, n: int) -> TimedRun:
     """A run of n reaches in the shortest pipe; heads count from that of the reservoir.
 
     Raises
@@ -99,7 +99,7 @@ def run(scene: Scene, n: int) -> Run:
             raise InputError("TSNet", f"failed: {done.stderr.strip().splitlines()[-1]}")
         with np.load(result) as found:
             u = {name: (found[name] - HEAD) * DENSITY * G for name in scene.probes}
-            return Run(found["t"], u, float(found["seconds"]), first)
+            return TimedRun(found["t"], u, float(found["seconds"]), first)
 
 
 def _told(scene: Scene, n: int, halves: int) -> tuple[str, dict[str, Any]]:

@@ -16,7 +16,7 @@ from tline.scene.load import Switch
 from tline.scene.scene import Scene
 from tline.study.reference.lattice import instant, lattice
 from tline.study.reference.motion import rational
-from tline.study.reference.network import Network, decimal
+from tline.study.reference.network import ReferenceNetwork, decimal
 from tline.study.reference.rays import Begun, arrivals, sampled
 
 FEW_BITS, MOST_BITS = 64, 20_000
@@ -82,7 +82,7 @@ class Solution:
     def __init__(self, scene: Scene, probe: str):
         if scene.start != "rest":
             raise InputError("start", "exact solutions start at rest", "'rest'", f"'{scene.start}'")
-        self.network, self.probe = Network(scene), probe
+        self.network, self.probe = ReferenceNetwork(scene), probe
         self.z0 = self.network.z0[self.network.seen_by(probe)[0]]
         self._switched = any(isinstance(load, Switch) for load in scene.loads.values())
         self._arrivals: dict[int, tuple[Begun, Begun]] = {}

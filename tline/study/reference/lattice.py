@@ -6,7 +6,7 @@ from typing import Any
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.study.reference.network import Junction, Network, decimal, switched
+from tline.study.reference.network import ReferenceNetwork, ReferenceNode, decimal, switched
 from tline.study.reference.waveforms import level, straight
 from tline.wording import place
 
@@ -58,7 +58,7 @@ def lattice(
     >>> [str(u) for u in lattice(scene, [1, 2, 4], "far")[0]]
     ['0', '5/12', '5/9']
     """
-    network = Network(scene)
+    network = ReferenceNetwork(scene)
     refuse_unless_resistive(network)
     line, share = network.seen_by(probe)
     instants, delay = [instant(t) for t in times], network.delay[line]
@@ -76,7 +76,7 @@ def instant(t: Any) -> Fraction:
     return t if isinstance(t, Fraction) else Fraction(repr(float(t)) if isinstance(t, float) else str(t))
 
 
-def refuse_unless_resistive(network: Network) -> None:
+def refuse_unless_resistive(network: ReferenceNetwork) -> None:
     """Refuse what has no lattice.
 
     Raises
@@ -94,7 +94,7 @@ def refuse_unless_resistive(network: Network) -> None:
 class _Trace:
     """Waves that are known, and how they follow from each other."""
 
-    def __init__(self, network: Network, number: Callable[[Any], Any], until: Fraction):
+    def __init__(self, network: ReferenceNetwork, number: Callable[[Any], Any], until: Fraction):
         self.network, self.number, self.known = network, number, {}
         self.drives = {
             name: [(straight(shape, until) or [], factor) for shape, factor in junction.drives]
@@ -120,7 +120,7 @@ class _Trace:
             waiting.pop()
         return self.known[wanted]
 
-    def _left(self, arrival: Arrival) -> tuple[Fraction, Junction, str, int]:
+    def _left(self, arrival: Arrival) -> tuple[Fraction, ReferenceNode, str, int]:
         t, end = arrival
         name = self.network.node[end ^ 1]
         return t - self.network.delay[end // 2], self.network.junctions[name], name, end ^ 1

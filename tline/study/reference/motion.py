@@ -54,27 +54,27 @@ def rotation(frequency: Fraction, sign: int) -> Pole:
     return Pole((frequency, sign), acb(0, 2 * sign * arb.pi() * rational(frequency)))
 
 
-class Motion:
+class ExponentialSum:
     """Sum of P(t) exp(pt), P by pole."""
 
     def __init__(self, parts: dict[Pole, acb_poly] | None = None):
         self.parts = parts or {}
 
-    def __add__(self, other: "Motion") -> "Motion":
+    def __add__(self, other: "ExponentialSum") -> "ExponentialSum":
         parts = dict(self.parts)
         for pole, polynomial in other.parts.items():
             parts[pole] = parts[pole] + polynomial if pole in parts else polynomial
-        return Motion(parts)
+        return ExponentialSum(parts)
 
-    def __mul__(self, factor: fmpq) -> "Motion":
-        return Motion({pole: polynomial * acb(factor) for pole, polynomial in self.parts.items()})
+    def __mul__(self, factor: fmpq) -> "ExponentialSum":
+        return ExponentialSum({pole: polynomial * acb(factor) for pole, polynomial in self.parts.items()})
 
-    def shifted(self, by: Fraction) -> "Motion":
+    def shifted(self, by: Fraction) -> "ExponentialSum":
         """The same motion as seen from an instant later by so much."""
         if not by:
             return self
         later = acb_poly([acb(rational(by)), 1])
-        return Motion({p: P(later) * (p.value * rational(by)).exp() for p, P in self.parts.items()})
+        return ExponentialSum({p: P(later) * (p.value * rational(by)).exp() for p, P in self.parts.items()})
 
     def at(self, t: Fraction) -> arb:
         """Its value, which is real."""
@@ -130,9 +130,9 @@ class Ray:
             ray = ray + divided * (pole.value - zeros[k].value) if k < len(zeros) else divided
         return ray
 
-    def driven(self, motion: Motion) -> Motion:
+    def driven(self, motion: ExponentialSum) -> ExponentialSum:
         """The motion that a motion from t = 0 on becomes."""
-        total = Motion()
+        total = ExponentialSum()
         for pole, polynomial in motion.parts.items():
             ray = Ray()
             for k, a in reversed(list(enumerate(polynomial.coeffs()))):
@@ -140,6 +140,6 @@ class Ray:
             total = total + ray.motion()
         return total
 
-    def motion(self) -> Motion:
+    def motion(self) -> ExponentialSum:
         """In time, the direct part aside."""
-        return Motion({p: acb_poly([a / factorial(m) for m, a in enumerate(c)]) for p, c in self.parts.items()})
+        return ExponentialSum({p: acb_poly([a / factorial(m) for m, a in enumerate(c)]) for p, c in self.parts.items()})

@@ -22,8 +22,8 @@ def decimal(value: float) -> Fraction:
 
 
 @dataclass
-class Junction:
-    """What hangs together at a node."""
+class ReferenceNode:
+    """Elements at a node."""
 
     ends: list[int] = field(default_factory=list)  # 2 * line for an end 1, 2 * line + 1 for an end 2
     conductance: Fraction = Fraction(0)  # of lines, resistors and sources
@@ -33,7 +33,7 @@ class Junction:
     switches: list[Switch] = field(default_factory=list)
 
 
-class Network:
+class ReferenceNetwork:
     """Lines and junctions of a scene.
 
     Attributes
@@ -54,7 +54,7 @@ class Network:
         self.delay = [decimal(line.delay or 0.0) for line in lines]
         self.z0 = [decimal(line.z0) for line in lines]
         self.node = [name for line in scene.lines.values() for name in line.nodes]
-        self.junctions: dict[str, Junction] = {name: Junction() for name in self.node}
+        self.junctions: dict[str, ReferenceNode] = {name: ReferenceNode() for name in self.node}
         for end, name in enumerate(self.node):
             self.junctions[name].ends.append(end)
             self.junctions[name].conductance += 1 / self.z0[end // 2]
@@ -115,7 +115,7 @@ def _conductance(resistance: float) -> Fraction:
     return Fraction(0) if resistance == inf else 1 / decimal(resistance)
 
 
-def switched(junction: Junction, t: Fraction) -> Fraction | None:
+def switched(junction: ReferenceNode, t: Fraction) -> Fraction | None:
     """Conductance of a junction's switches just before t; None is a short."""
     states = [switch.after if decimal(switch.time) < t else switch.before for switch in junction.switches]
     return None if 0 in states else sum(map(_conductance, states), Fraction(0))

@@ -13,19 +13,19 @@ from fractions import Fraction
 from flint import acb, arb, fmpq, fmpq_poly
 
 from tline.errors import InputError
-from tline.study.reference.motion import Motion, Pole, Ray, rational, roots
-from tline.study.reference.network import Junction, Network
+from tline.study.reference.motion import ExponentialSum, Pole, Ray, rational, roots
+from tline.study.reference.network import ReferenceNetwork, ReferenceNode
 from tline.study.reference.waveforms import starts
 
 MOST_ARRIVALS = 200_000  # of rays at nodes
 
-Begun = list[tuple[Fraction, Motion]]  # motions and the instants at which they begin
+Begun = list[tuple[Fraction, ExponentialSum]]  # motions and the instants at which they begin
 
 
 class Scatterer:
     """A junction in s: effort u = F (sum of w/z0 + J), with F = 1/(Y + 1/Z); 2u - w leaves each end."""
 
-    def __init__(self, name: str, junction: Junction, z0: list[Fraction]):
+    def __init__(self, name: str, junction: ReferenceNode, z0: list[Fraction]):
         self.held, self.ends = junction.held, junction.ends
         self.admittance = {end: rational(1 / z0[end // 2]) for end in junction.ends}
         self.zeros: list[Pole] = []
@@ -67,7 +67,7 @@ def _sum(rays: Iterable[Ray]) -> Ray:
 
 
 def rays(
-    network: Network, scatterers: dict[str, Scatterer], node: str, until: Fraction, line: int
+    network: ReferenceNetwork, scatterers: dict[str, Scatterer], node: str, until: Fraction, line: int
 ) -> tuple[dict[Fraction, Ray], dict[Fraction, Ray]]:
     """Waves that leave ends 1 and 2 of a line after a unit impulse at a node, by the delay that they have behind them.
 
@@ -107,7 +107,7 @@ def rays(
     raise InputError("scene", "too many reflections for an exact solution", f"at most {MOST_ARRIVALS:,}")
 
 
-def arrivals(network: Network, probe: str, until: Fraction) -> tuple[Begun, Begun]:
+def arrivals(network: ReferenceNetwork, probe: str, until: Fraction) -> tuple[Begun, Begun]:
     """What waves a and b at a probe are made of: motions, and the instants before `until` at which they begin."""
     line, share = network.seen_by(probe)
     delay = network.delay[line]
@@ -138,7 +138,7 @@ def arrivals(network: Network, probe: str, until: Fraction) -> tuple[Begun, Begu
 def sampled(begun: Begun, times: list[Fraction]) -> list[arb]:
     """Sum of the motions that have begun, at instants in order of time; at a jump the value before it."""
     order, values = iter(sorted(begun, key=lambda each: each[0])), []
-    now, carried = Fraction(0), Motion()
+    now, carried = Fraction(0), ExponentialSum()
     following = next(order, None)
     for t in times:
         while following is not None and following[0] < t:

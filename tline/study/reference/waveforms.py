@@ -11,7 +11,7 @@ from tline.errors import InputError
 from tline.scene.points import Points
 from tline.scene.pulses import Pulses
 from tline.scene.waveform import Constant, DoubleExponential, Exponential, Shape, Sine, Step
-from tline.study.reference.motion import Motion, rate, rational, rotation
+from tline.study.reference.motion import ExponentialSum, rate, rational, rotation
 from tline.study.reference.network import decimal
 
 Straight = tuple[Fraction | None, Fraction, Fraction]  # start (None: ever since), level there, slope
@@ -59,7 +59,7 @@ def level(pieces: list[Straight], t: Fraction) -> Fraction:
     return first if start is None else first + slope * (t - start)
 
 
-def motions(shape: Shape, t_end: Fraction, where: str) -> list[tuple[Fraction | None, Motion]]:
+def motions(shape: Shape, t_end: Fraction, where: str) -> list[tuple[Fraction | None, ExponentialSum]]:
     """A waveform as motions, each counted from its start.
 
     Raises
@@ -75,39 +75,39 @@ def motions(shape: Shape, t_end: Fraction, where: str) -> list[tuple[Fraction | 
             return _sine(shape)
         case Exponential():
             low, high = decimal(shape.from_), decimal(shape.to)
-            fall = Motion({rate(-1 / decimal(shape.time_constant)): acb_poly([acb(rational(low - high))])})
+            fall = ExponentialSum({rate(-1 / decimal(shape.time_constant)): acb_poly([acb(rational(low - high))])})
             return [(None, _polynomial(low)), (decimal(shape.at), _polynomial(high) + fall)]
         case DoubleExponential():
-            return [(None, Motion()), (decimal(shape.at), _surge(shape))]
+            return [(None, ExponentialSum()), (decimal(shape.at), _surge(shape))]
     raise InputError(where, "its waveform has no exact transform", "a straight, exponential or sine one")
 
 
-def _polynomial(*coefficients: Fraction) -> Motion:
-    return Motion({rate(Fraction(0)): acb_poly([acb(rational(c)) for c in coefficients])})
+def _polynomial(*coefficients: Fraction) -> ExponentialSum:
+    return ExponentialSum({rate(Fraction(0)): acb_poly([acb(rational(c)) for c in coefficients])})
 
 
-def _sine(sine: Sine) -> list[tuple[Fraction | None, Motion]]:
+def _sine(sine: Sine) -> list[tuple[Fraction | None, ExponentialSum]]:
     f, offset, at = decimal(sine.frequency), _polynomial(decimal(sine.offset)), decimal(sine.at)
     phase, half = arb(rational(decimal(sine.phase))), arb(rational(decimal(sine.amplitude))) / 2
     turn = acb(0, phase).exp() * acb(0, -half)  # half the amplitude over i
-    waving = Motion({rotation(f, 1): acb_poly([turn]), rotation(f, -1): acb_poly([turn.conjugate()])})
+    waving = ExponentialSum({rotation(f, 1): acb_poly([turn]), rotation(f, -1): acb_poly([turn.conjugate()])})
 
-    def still(at: Fraction) -> Motion:
-        return offset + Motion({rate(Fraction(0)): acb_poly([acb(waving.at(at))])})
+    def still(at: Fraction) -> ExponentialSum:
+        return offset + ExponentialSum({rate(Fraction(0)): acb_poly([acb(waving.at(at))])})
 
-    pieces: list[tuple[Fraction | None, Motion]] = [(None, still(Fraction(0))), (at, offset + waving)]
+    pieces: list[tuple[Fraction | None, ExponentialSum]] = [(None, still(Fraction(0))), (at, offset + waving)]
     return pieces if sine.until is None else [*pieces, (decimal(sine.until), still(decimal(sine.until) - at))]
 
 
-def _surge(surge: DoubleExponential) -> Motion:
+def _surge(surge: DoubleExponential) -> ExponentialSum:
     rise, decay = decimal(surge.rise), decimal(surge.decay)
     top = rational(rise * decay / (decay - rise)) * arb(rational(decay / rise)).log()
     height = (-top / rational(decay)).exp() - (-top / rational(rise)).exp()
     scale = acb(rational(decimal(surge.peak)) / height)
-    return Motion({rate(-1 / decay): acb_poly([scale]), rate(-1 / rise): acb_poly([-scale])})
+    return ExponentialSum({rate(-1 / decay): acb_poly([scale]), rate(-1 / rise): acb_poly([-scale])})
 
 
-def starts(shape: Shape, t_end: Fraction, where: str) -> list[tuple[Fraction, Motion]]:
+def starts(shape: Shape, t_end: Fraction, where: str) -> list[tuple[Fraction, ExponentialSum]]:
     """Motions that begin at instants from 0 on and add up to the waveform, silent before."""
     pieces = motions(shape, t_end, where)
     past = [piece for piece in pieces if piece[0] is None or piece[0] <= 0]

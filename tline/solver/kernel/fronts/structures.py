@@ -41,7 +41,7 @@ class ExcitationRows(NamedTuple):
     row: Integers
 
 
-class Pieces(NamedTuple):
+class PiecesUnderWay(NamedTuple):
     """Slabs under way that are held in pieces, one a row."""
 
     of_slab: Integers  # (slabs in the wave buffers,) row, -1 for a slab in one piece
@@ -111,7 +111,7 @@ class Fronts(NamedTuple):
     systems: Systems
     moves: Moves
     excitations: ExcitationRows
-    pieces: Pieces
+    pieces: PiecesUnderWay
     work: Workspace
     log: Log
     counts: Integers  # (7,)

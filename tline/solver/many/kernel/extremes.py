@@ -12,7 +12,7 @@ NEWTON = 3  # steps from the best point of a slab to the extreme of its polynomi
 SAME = 1e-12  # what is larger by less, relatively, is the same extreme
 
 
-class Extremes(NamedTuple):
+class ExtremesOfCopies(NamedTuple):
     """A wave in B copies, in periods of K slabs of s points, zero at t = 0; what is sought of it until t_end."""
 
     wave: Floats3  # (n K, s, B)
@@ -28,14 +28,14 @@ class Extremes(NamedTuple):
 
 def extremes(
     wave: Floats3, period: Floats, edges: Floats2, t_end: float, points: Floats, to_powers: Floats2, found: Floats2
-) -> Extremes:
+) -> ExtremesOfCopies:
     """The search for a wave's extremes, with its workspace."""
     top = np.empty((2, len(wave), wave.shape[2]))
-    return Extremes(wave, period, edges, t_end, points, to_powers, found, top, np.empty(len(points)))
+    return ExtremesOfCopies(wave, period, edges, t_end, points, to_powers, found, top, np.empty(len(points)))
 
 
 @unit
-def find_extremes(search: Extremes) -> int:
+def find_extremes(search: ExtremesOfCopies) -> int:
     """Find the extremes in all copies.
 
     Slabs are searched whose points come near enough to the best: within twice what a parabola with the bend of the

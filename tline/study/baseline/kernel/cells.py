@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.structure import Floats, Floats2, Integers, pack
-from tline.study.baseline.kernel.nodes import Instant, Scattering, at_rest, scatter
+from tline.study.baseline.kernel.nodes import Instant, NodeScattering, at_rest, scatter
 from tline.study.baseline.kernel.signals import Signals
 from tline.unit import unit
 
@@ -13,7 +13,7 @@ from tline.unit import unit
 class Cells(NamedTuple):
     """Lines and nodes."""
 
-    net: Scattering
+    net: NodeScattering
     now: Instant
     signals: Signals
     cells: Integers  # (lines,)

@@ -21,7 +21,7 @@ class Grid(NamedTuple):
     friction: Floats  # (lines,) K of a drop K |y| y over a reach
 
 
-class Points(NamedTuple):
+class GridPoints(NamedTuple):
     """A grid and what is on it, at this step and the next by turns."""
 
     net: Grid
@@ -39,11 +39,11 @@ def advance_grid(net, ends, flows, drive, seen, steps, record):
         u[0, j, : last + 1] = ends[j, 0] + (ends[j, 1] - ends[j, 0]) / last * np.arange(last + 1)
         y[0, j, : last + 1] = flows[j]
     record[:, 0] = effort[seen]
-    advance_points(pack(Points(net, Signals(drive, seen, record), effort, u, y)), steps)
+    advance_points(pack(GridPoints(net, Signals(drive, seen, record), effort, u, y)), steps)
 
 
 @unit
-def advance_points(run: Points, steps: int) -> int:
+def advance_points(run: GridPoints, steps: int) -> int:
     """Go from point to point along the lines, and to the nodes."""
     net, effort, drive = run.net, run.effort, run.signals.drive
     for step in range(1, steps + 1):

@@ -11,7 +11,7 @@ from tline.unit import function
 TINY = 1e-150  # waves below are flushed to zero, as in the production kernel
 
 
-class Scattering(NamedTuple):
+class NodeScattering(NamedTuple):
     """Nodes as arrays: from the waves that arrive at their ends to those sent back; m states a load."""
 
     first: Integers  # (nodes + 1,) the ends at node k are ends[first[k]:first[k + 1]]
@@ -36,7 +36,7 @@ class Instant(NamedTuple):
     sent: Floats  # (ends,)
 
 
-def at_rest(net: Scattering) -> Instant:
+def at_rest(net: NodeScattering) -> Instant:
     """Nothing moves."""
     nodes, ends, m = len(net.row), len(net.ends), net.x_x.shape[1]
     return Instant(np.zeros(nodes), np.zeros(nodes), np.zeros((len(net.x_x), m)), np.zeros(m), *np.zeros((2, ends)))
