@@ -79,6 +79,7 @@ def test_what_epanet_is_given_names_no_file() -> None:
         (TEXT.encode().replace(b" a 20 30", b" a 1e308 30"), "beyond all numbers"),
         (TEXT.encode().replace(b"900 250", b"1e400 250"), "no steady flow"),
         (TEXT.encode().replace(b"900 250", b"900 1e-300"), "no steady flow"),
+        (TEXT.encode().replace(b"900 250", b"900 1e100"), "beyond all numbers"),
         (TEXT.encode().replace(b" lake 10", b" lake inf"), "a number that is none"),
         (TEXT.encode().replace(b" main lift a", b" main lift lift"), "main"),
         (TEXT.encode().replace(b" main lift", b' "ma in" lift'), "quotes or spaces"),

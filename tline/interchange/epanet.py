@@ -3,7 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
-from math import isfinite, pi
+from math import inf, isfinite, pi
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -215,7 +215,10 @@ def _pipe(link: Mapping[str, Any], units: FileUnits, law: str, given: tuple[floa
     roughness = link["roughness"] * (units.rough if law == "D-W" else 1.0)
     area = pi / 4 * diameter**2
     at = max(abs(link["flow"]), SLOWEST * area)
-    loss = LAWS[law](at, length, diameter, roughness, *given)
+    try:
+        loss = LAWS[law](at, length, diameter, roughness, *given)
+    except OverflowError:
+        loss = inf  # which is refused by the pipe's name
     factor = loss * diameter / length * 2 * GRAVITY / (at / area) ** 2 + link["minor"] * diameter / length
     return Pipe(_ends(link), length, diameter, link["flow"], factor, link["type"] == ONE_WAY, tuple(vertices))
 

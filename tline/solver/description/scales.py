@@ -6,7 +6,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.description.elements import Element
+from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import Shape
 from tline.solver.description.groups import Group
 from tline.solver.description.nodes import Node
@@ -32,7 +32,7 @@ def time_scales(
     return scales
 
 
-def filling_times(elements: Iterable[Element], nodes: Mapping[str, Node]) -> list[float]:
+def filling_times(elements: Iterable[PlacedLaw], nodes: Mapping[str, Node]) -> list[float]:
     """Times in which vessels and tanks fill through all else at their nodes, at pressure 0, s."""
     times = []
     for element in elements:
