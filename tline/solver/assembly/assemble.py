@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.assembly.layout import Excitation, layout_of
+from tline.solver.assembly.layout import Excitation, Layout, layout_of
 from tline.solver.assembly.lossy_segments import SegmentedLine, segments_of
 from tline.solver.assembly.node_maps import maps_of
 from tline.solver.assembly.start import fill_losses, fill_segments
@@ -18,7 +18,7 @@ from tline.solver.description.lines import Line
 from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node
 from tline.solver.description.resolution import Resolution, resolution
-from tline.solver.kernel.network import Network, State
+from tline.solver.kernel.network import Network, Segments, State
 from tline.solver.radau import Basis, basis
 from tline.solver.steady.lossy_lines import Ends
 
@@ -61,37 +61,15 @@ def assemble(
     chosen = chosen or resolution(description)
     layout = layout_of(description, chosen, progress=progress)
     order, groups, segmented, delay = basis(chosen.s), layout.groups, layout.segmented, layout.delay
-    s, h, q = order.s, layout.h, layout.z0[:, None] * layout.y
+    s, q = order.s, layout.z0[:, None] * layout.y
     echoes = [_echoes(group, layout.z0, segmented) for group in groups]
     segments, held = segments_of(
         segmented, [e if group.elements else _none(group) for e, group in zip(echoes, groups, strict=True)]
     )
     arriving = (layout.u + [-1, 1] * q).ravel()  # b at end 1, a at end 2
     recorded, record_row = _recorded(list(layout.lines), record)
-    pairs = [order.shift(f) for f in layout.rests]
     linear = [_none(group) if group.elements else e for e, group in zip(echoes, groups, strict=True)]
-    step, step_at = maps_of(layout.systems, order, h, linear)
-    network = Network(
-        delay,
-        offset=np.concatenate([[0], np.cumsum(2 * delay * s)[:-1]]),
-        shift_row=layout.shift_row,
-        shift=np.array(pairs) if pairs else np.zeros((0, 2, s, s)),
-        first=layout.first,
-        ends=layout.ends,
-        weight=layout.weight,
-        excitation_row=layout.excitation_row,
-        group=layout.group,
-        load_at=layout.systems.load_at,
-        step_row=layout.systems.step_row.copy(),  # which switches rewrite
-        step_at=step_at,
-        step_states=layout.systems.step_states,
-        step=step,
-        record_row=record_row,
-        laws=with_basis(layout.laws, order, h),
-        segments=segments,
-        losses=layout.losses,
-        blocks=layout.blocks,
-    )
+    network = _network(layout, order, segments, record_row, linear)
     state = State(
         waves=np.repeat(arriving, np.repeat(delay * s, 2)),
         slot=np.zeros(len(delay), np.int64),
@@ -123,6 +101,34 @@ def assemble(
         layout.circuits,
         echoes={list(layout.lines)[k]: line.echo for k, line in segmented.items()},
         settle=np.array([chosen.settle if group.lumped_lines else 0.0 for group in groups]),
+    )
+
+
+def _network(layout: Layout, order: Basis, segments: Segments, record_row: NDArray, echoes: list) -> Network:
+    """The constant arrays of a layout at an order; `echoes` are of the nodes of groups without elements."""
+    s, delay = order.s, layout.delay
+    pairs = [order.shift(f) for f in layout.rests]
+    step, step_at = maps_of(layout.systems, order, layout.h, echoes)
+    return Network(
+        delay,
+        offset=np.concatenate([[0], np.cumsum(2 * delay * s)[:-1]]),
+        shift_row=layout.shift_row,
+        shift=np.array(pairs) if pairs else np.zeros((0, 2, s, s)),
+        first=layout.first,
+        ends=layout.ends,
+        weight=layout.weight,
+        excitation_row=layout.excitation_row,
+        group=layout.group,
+        load_at=layout.systems.load_at,
+        step_row=layout.systems.step_row.copy(),  # which switches rewrite
+        step_at=step_at,
+        step_states=layout.systems.step_states,
+        step=step,
+        record_row=record_row,
+        laws=with_basis(layout.laws, order, layout.h),
+        segments=segments,
+        losses=layout.losses,
+        blocks=layout.blocks,
     )
 
 

@@ -120,11 +120,7 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         first, group = np.cumsum([0, *degree]), np.cumsum([0, *(len(group.nodes) for group in groups)])
         weight = np.concatenate([node.weights(z0) for node in nodes.values()])
         excitations = [node.excitations for node in nodes.values()]
-        thevenin = None
-        if steady:
-            arriving = (u + [-1, 1] * z0[:, None] * y).ravel()
-            thevenin = np.bincount(np.repeat(np.arange(len(nodes)), degree), weight * arriving[ends], len(nodes))
-            thevenin += [sum(share * just_before(waveform) for waveform, share in parts) for parts in excitations]
+        thevenin = _thevenin(u, z0[:, None] * y, ends, degree, weight, excitations) if steady else None
         systems = systems_of(groups, h, thevenin, segmented)
         driven = np.array([bool(parts) for parts in excitations])
         excitations = list(filter(None, excitations))
@@ -157,6 +153,15 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         states=states_of([e for group in elements for e in group], effort),
         blocks=blocks_of(delay, first, ends, group, losses),
     )
+
+
+def _thevenin(
+    u: NDArray, q: NDArray, ends: NDArray, degree: list[int], weight: NDArray, excitations: list[Excitation]
+) -> NDArray:
+    """Thévenin wave of each node just before t = 0."""
+    arriving = (u + [-1, 1] * q).ravel()
+    from_lines = np.bincount(np.repeat(np.arange(len(degree)), degree), weight * arriving[ends], len(degree))
+    return from_lines + [sum(share * just_before(waveform) for waveform, share in parts) for parts in excitations]
 
 
 _before: WeakKeyDictionary[Description, Before] = WeakKeyDictionary()
