@@ -179,6 +179,8 @@ def apply(name: str, argument: Form) -> Form:
     r = argument.rational
     if r is not None and r.degree == 0:
         p, q = int(r.p[0]), int(r.q[0])
+        if q == 0:
+            raise ExpressionError("", "division by zero", "a denominator that is not zero everywhere")
         if name == "sqrt" and p >= 0 and isqrt(p) ** 2 == p and isqrt(q) ** 2 == q:
             return constant(Fraction(isqrt(p), isqrt(q)))
         if (name, p, q) in (("exp", 0, 1), ("cosh", 0, 1), ("sech", 0, 1)):

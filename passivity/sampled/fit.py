@@ -26,6 +26,7 @@ from passivity.sampled.response import MAX_SAMPLES, Parameter, SampledResponse
 
 ROUNDS = 10
 ORDERS = (1, 2, 4, 6, 8, 12, 16, 24, 32, 40)  # tried if none is given
+LOWEST = 1e-12  # of the band; where samples lie lower, poles start here
 IN_VAIN = 2  # orders in a row that do not pay, after which no higher is tried
 GOOD = 1e-3  # misfit, root mean square, that is good enough
 FARTHEST = 1e4  # modulus of a pole, of the highest frequency: beyond, it is like a constant
@@ -117,7 +118,7 @@ def poles_of(w: NDArray, h: NDArray[np.complex128], order: int, grows: bool = Fa
 
 def _first_poles(w: NDArray, order: int) -> NDArray:
     """Narrow pairs over the whole band, and a real pole if the order is odd."""
-    low = float(w[w > 0].min())
+    low = max(float(w[w > 0].min()), LOWEST)
     spread = np.geomspace if low < 1e-2 else np.linspace
     im = spread(low, 1.0, order // 2)
     return np.append(-im / 100 + 1j * im, [-1.0] * (order % 2))

@@ -103,6 +103,15 @@ def test_a_broken_file_is_one_sentence(folder: Path, data: bytes, said: str) -> 
         read_epanet("bad.inp")
 
 
+def test_an_emitter_beyond_all_numbers(folder: Path) -> None:
+    pipe = "[JUNCTIONS]\na 20 30\n[RESERVOIRS]\nlake 50\n[PIPES]\nintake lake a 80 300 120 0.5 Open\n"
+    (folder / "bad.inp").write_text(
+        f"{pipe}[EMITTERS]\na 0.4\n[OPTIONS]\nUNITS LPS\nHEADLOSS H-W\nEMITTER EXPONENT 9e18\n[END]\n"
+    )
+    with pytest.raises(InputError, match="a: its demand is beyond all numbers"):
+        read_epanet("bad.inp")
+
+
 def test_pipes_folders_and_devices_are_no_files(folder: Path) -> None:
     os.mkfifo("pipe.inp")
     (folder / "folder.inp").mkdir()

@@ -320,6 +320,7 @@ def test_rational_expressions_go_to_the_exact_test():
     ("text", "words"),
     [
         ("1/(exp(-s) - exp(-s))", "division by zero"),
+        ("sqrt(2/0)^-2", "division by zero"),
         ("1/(sqrt(s^2) - s)", "no value in reach"),
         ("log(0)*s", "log(0) has no value"),
         ("coth(0) + exp(-s)", "coth(0) has no value"),

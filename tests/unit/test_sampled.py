@@ -134,6 +134,11 @@ def test_what_samples_cannot_show_is_said():
 # ---- files
 
 
+def test_a_sample_far_below_the_band_is_fitted_as_well():
+    f = np.array([1e-305, 2e3, 3e3, 4e3, 5e3])
+    assert fit(SampledResponse(f, np.full(5, 3.0), "Z")).at(f) == pytest.approx(3.0)
+
+
 def test_csv(tmp_path):
     path = tmp_path / "z.csv"
     path.write_text("\ufeff# an impedance\nf, re, im\n0,50,0\n\n1e3, 49.5,-2e-1\n", encoding="utf-8")

@@ -250,8 +250,11 @@ def _junction(
     node: Mapping[str, Any], exponent: float, scale: float, units: FileUnits, text: EpanetText
 ) -> WaterJunction:
     elevation, head = node["elevation"], node["head"]
-    emitter = node["emitter"] * units.flow * scale**exponent
-    leaking = emitter * max(head - elevation, 0.0) ** exponent if emitter else 0.0
+    try:
+        emitter = node["emitter"] * units.flow * scale**exponent
+        leaking = emitter * max(head - elevation, 0.0) ** exponent if emitter else 0.0
+    except OverflowError:
+        emitter, leaking = inf, 0.0  # which is refused by the junction's name
     return WaterJunction(elevation, head, _position(node, text), node["demand"] * units.flow - leaking, emitter)
 
 
