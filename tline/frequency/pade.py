@@ -9,6 +9,7 @@ from tline.errors import InputError
 from tline.scene.lossless import refuse_losses
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
+from tline.solver.description.groups import Group
 from tline.solver.description.nodes import node_of_end
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "St
     n = len(A)
 
     # rows over the states of delays, those of loads, and the source
-    systems = [node.effort(node.switched(np.inf)) for node in nodes]
+    systems = [Group([node], [], [], []).circuit(np.inf).system for node in nodes]
     own, into, out, through = (
         np.array(block_diag(*parts))
         for parts in zip(*((s.A * second, s.b * second, s.c, s.d) for s in systems), strict=True)

@@ -63,13 +63,10 @@ def assemble(
     order, groups, segmented, delay = basis(chosen.s), layout.groups, layout.segmented, layout.delay
     s, q = order.s, layout.z0[:, None] * layout.y
     echoes = [_echoes(group, layout.z0, segmented) for group in groups]
-    segments, held = segments_of(
-        segmented, [e if group.elements else _none(group) for e, group in zip(echoes, groups, strict=True)]
-    )
+    segments, held = segments_of(segmented)
     arriving = (layout.u + [-1, 1] * q).ravel()  # b at end 1, a at end 2
     recorded, record_row = _recorded(list(layout.lines), record)
-    linear = [_none(group) if group.elements else e for e, group in zip(echoes, groups, strict=True)]
-    network = _network(layout, order, segments, record_row, linear)
+    network = _network(layout, order, segments, record_row, echoes)
     state = State(
         waves=np.repeat(arriving, np.repeat(delay * s, 2)),
         slot=np.zeros(len(delay), np.int64),
@@ -105,7 +102,7 @@ def assemble(
 
 
 def _network(layout: Layout, order: Basis, segments: Segments, record_row: NDArray, echoes: list) -> Network:
-    """The constant arrays of a layout at an order; `echoes` are of the nodes of groups without elements."""
+    """The constant arrays of a layout at an order; `echoes` are of the nodes of groups."""
     s, delay = order.s, layout.delay
     pairs = [order.shift(f) for f in layout.rests]
     step, step_at = maps_of(layout.systems, order, layout.h, echoes)
@@ -123,6 +120,7 @@ def _network(layout: Layout, order: Basis, segments: Segments, record_row: NDArr
         step_row=layout.systems.step_row.copy(),  # which switches rewrite
         step_at=step_at,
         step_states=layout.systems.step_states,
+        step_whole=np.array(layout.systems.whole, bool),
         step=step,
         record_row=record_row,
         laws=with_basis(layout.laws, order, layout.h),

@@ -109,8 +109,8 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         effort, y = _before_start(description, tables_of(losses, list(lines)))
         u = np.array([[effort[at] for at in line.nodes] for line in description.lines.values()])
         bar.update()
-        begin = zip(description.lines, zip(u[:, 0].tolist(), y[:, 0].tolist(), strict=True), strict=True)
-        groups, nodes = description.grouped(chosen.sections, dict(begin) if chosen.sections else NONE)
+        begin = dict(zip(description.lines, y[:, 0].tolist(), strict=True))
+        groups, nodes = description.grouped(chosen.sections, begin if chosen.sections else NONE)
         z0 = np.array([line.z0 for line in lines.values()])
         if chosen.sections:
             kept = np.array([name in lines for name in description.lines])
@@ -120,12 +120,16 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         first, group = np.cumsum([0, *degree]), np.cumsum([0, *(len(group.nodes) for group in groups)])
         weight = np.concatenate([node.weights(z0) for node in nodes.values()])
         excitations = [node.excitations for node in nodes.values()]
-        thevenin = _thevenin(u, z0[:, None] * y, ends, degree, weight, excitations) if steady else None
-        systems = systems_of(groups, h, thevenin, segmented)
+        before = None
+        if steady:
+            thevenin = _thevenin(u, z0[:, None] * y, ends, degree, weight, excitations)
+            before = thevenin, np.array([effort[name] for name in nodes])
+        systems = systems_of(groups, h, before, segmented)
         driven = np.array([bool(parts) for parts in excitations])
         excitations = list(filter(None, excitations))
         elements = [group.elements for group in groups]
-        laws, controls = laws_of(elements, [group.nodes for group in groups], len(excitations), len(systems.states))
+        members, rows = [group.nodes for group in groups], len(excitations)
+        laws, controls = laws_of(elements, members, systems.impedances, rows, len(systems.states))
         bar.update()
     return Layout(
         h,

@@ -104,49 +104,17 @@ def segmented_lines(
     return found
 
 
-def segments_of(lines: Mapping[int, SegmentedLine], groups: list[list[NDArray | None]]) -> tuple[Segments, int]:
-    """All lines in segments by their numbers, and how many values they hold.
-
-    Parameters
-    ----------
-    groups : list of lists of ndarray, shape (s, s), or None
-        Of each node of each group the echo that its map does not have in it.
-    """
-    if not lines:
-        return _no_segments(groups), 0
+def segments_of(lines: Mapping[int, SegmentedLine]) -> tuple[Segments, int]:
+    """All lines in segments by their numbers, and how many values they hold."""
     rows = list(lines.values())
-    maps, echoes = [row.maps() for row in rows], [echo for group in groups for echo in group]
-    held = np.array([len(row.segment.held) for row in rows], int)
-    number = np.array([row.number for row in rows], int)
+    maps = [row.maps() for row in rows]
     values = np.cumsum([0, *(row.number * sum(row.segment.left.shape) + len(row.segment.left) for row in rows)])
-    felt = np.array([echo is not None for echo in echoes])
-    size = len(rows[0].segment.back) ** 2
     segments = Segments(
         line=np.array(list(lines), int),
-        number=number,
-        held=held,
+        number=np.array([row.number for row in rows], int),
+        held=np.array([len(row.segment.held) for row in rows], int),
         at=np.cumsum([0, *map(len, maps)])[:-1],
         maps=np.concatenate([np.empty(0), *maps]),
         state=values[:-1],
-        beside=np.array([any(echo is not None for echo in group) for group in groups]),
-        echo_at=np.where(felt, (np.cumsum(felt) - 1) * size, -1),
-        echo=np.concatenate([np.empty(0), *(echo.T.ravel() for echo in echoes if echo is not None)]),
     )
     return segments, int(values[-1])
-
-
-def _no_segments(groups: list[list[NDArray | None]]) -> Segments:
-    """Of a network without such lines."""
-    nothing, none = np.empty(0), np.zeros(0, int)
-    nodes = sum(map(len, groups))
-    return Segments(
-        none,
-        none,
-        none,
-        none,
-        nothing,
-        none,
-        beside=np.zeros(len(groups), bool),
-        echo_at=np.full(nodes, -1),
-        echo=nothing,
-    )

@@ -1,4 +1,4 @@
-"""Loads, switches and lumped lines: each such group's map over a slab, and the instants from which on it is another."""
+"""Circuits at the nodes: each group's map over a slab, and the instants from which on it is another."""
 
 from collections.abc import Collection
 from typing import NamedTuple
@@ -6,53 +6,70 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.errors import InputError
 from tline.solver.description.groups import Group
+from tline.solver.description.laws import STATES
 from tline.solver.description.load_step import StateSpace, load_step
 from tline.solver.radau import Basis
 
 
 class GroupSystems(NamedTuple):
-    """State spaces of all groups with states, switches or echoes, one after the other; slabs may be of any order."""
+    """State spaces of all groups that need a map, one after the other; slabs may be of any order."""
 
-    load_at: NDArray  # (groups,) place of the group's first state, -1 for an algebraic node
-    step_row: NDArray  # (groups,) row of its first map, -1 for an algebraic node
+    load_at: NDArray  # (groups,) place of the group's first state, -1 without a map
+    step_row: NDArray  # (groups,) row of its first map, -1 without one
     step_states: NDArray  # (maps,) number of states of a map
     states: NDArray  # at the start
-    systems: list[StateSpace]  # of each map, from the Thévenin waves to the efforts
+    systems: list[StateSpace]  # of each map, from waves of nodes and laws to efforts there
     group: list[int]  # of each map
+    whole: list[bool]  # of each map, whether it sees the points of a slab at once, be it without states
     changes: list[tuple[float, int, int]]  # (instant in slabs, group, row of the map), sorted
+    impedances: list[float]  # behind which all elements are seen
 
 
-def systems_of(groups: list[Group], h: float, thevenin: NDArray | None, segmented: Collection[int]) -> GroupSystems:
+def systems_of(
+    groups: list[Group], h: float, before: tuple[NDArray, NDArray] | None, segmented: Collection[int]
+) -> GroupSystems:
     """State spaces of groups.
 
     Parameters
     ----------
-    thevenin : ndarray, shape (nodes,), or None
-        Waves under which they are steady at the start; without them the liquid stands still.
+    before : pair of ndarray, shape (nodes,), or None
+        Thévenin waves and efforts in the steady state at the start; without them the liquid stands still.
     segmented : collection of int
-        Numbers of lines in segments, which linear groups answer by a map even without states.
+        Numbers of lines in segments, which groups answer by a map even without states.
     """
     load_at, step_row = np.full(len(groups), -1), np.full(len(groups), -1)
-    systems: list[StateSpace] = []
-    of_group: list[int] = []
+    found = GroupSystems(load_at, step_row, np.empty(0), np.empty(0), [], [], [], [], [])
     states = [np.empty(0)]
-    changes: list[tuple[float, int, int]] = []
     first = filled = 0
     for g, group in enumerate(groups):
         last = first + len(group.nodes)
-        if group.dynamic or (segmented and not group.elements and _at_segments(group, segmented)):
-            load_at[g], step_row[g] = filled, len(systems)
-            states.append(group.state_at_rest() if thevenin is None else group.at_rest_under(thevenin[first:last]))
+        impedances = group.matched(1 / h)
+        found.impedances.extend(impedances)
+        echoed = bool(segmented) and _at_segments(group, segmented)
+        if group.dynamic or echoed or (group.elements and not group.simple):
+            load_at[g], step_row[g] = filled, len(found.systems)
+            states.append(group.at_rest() if before is None else group.at_rest_under(*(x[first:last] for x in before)))
             filled += len(states[-1])
-            switches, switched = group.nodes[0].switches, group.nodes[0].switched
-            times = sorted({float(switch.time) for switch in switches if switch.time >= 0})
-            changes += [(time / h, g, len(systems) + 1 + j) for j, time in enumerate(times)]
-            systems += [group.system(switched(time)) for time in (*times, np.inf)]
-            of_group += [g] * (len(times) + 1)
+            stores = any(element.law.kind in STATES for element in group.elements)
+            _add(found, g, group, impedances, h, echoed or stores)
         first = last
-    step_states = np.array([len(system.A) for system in systems], int)
-    return GroupSystems(load_at, step_row, step_states, np.concatenate(states), systems, of_group, sorted(changes))
+    step_states = np.array([len(system.A) for system in found.systems], int)
+    return found._replace(step_states=step_states, states=np.concatenate(states), changes=sorted(found.changes))
+
+
+def _add(found: GroupSystems, g: int, group: Group, impedances: list[float], h: float, coupled: bool) -> None:
+    """Add the maps of a group, and when they change."""
+    times = group.instants
+    systems = [group.circuit(time, impedances).system for time in (*times, np.inf)]
+    if len({len(system.A) for system in systems}) > 1:
+        where = next(branch.where for branch in (*group.loads, *group.branches))
+        raise InputError(where, "a switch joins what holds efforts or flows", "a switch with a resistance above zero")
+    found.changes.extend((time / h, g, len(found.systems) + 1 + j) for j, time in enumerate(times))
+    found.systems.extend(systems)
+    found.group.extend([g] * len(systems))
+    found.whole.extend([coupled or bool(len(systems[0].A))] * len(systems))
 
 
 def _at_segments(group: Group, segmented: Collection[int]) -> bool:
@@ -60,14 +77,15 @@ def _at_segments(group: Group, segmented: Collection[int]) -> bool:
 
 
 def maps_of(found: GroupSystems, order: Basis, h: float, echoes: list[list[NDArray | None]]) -> tuple[NDArray, NDArray]:
-    """Maps over a slab from (Thévenin waves, state) to (efforts, next state), one after the other; and their places.
+    """Maps over a slab from (waves, state) to (efforts, next state), one after the other; and their places.
 
-    `echoes` has for each node of each linear group a matrix (s, s) from its effort to what lines in segments send back
-    at once, or None.
+    Waves and efforts are those of nodes, then of laws, each at the points of the slab, or at any one instant if these
+    do not see each other. `echoes` has for each node of each group a matrix (s, s) from its effort to what lines in
+    segments send back at once, or None.
     """
     maps = [
-        echoed(load_step(system, order, h), echoes[g]).ravel()
-        for system, g in zip(found.systems, found.group, strict=True)
+        echoed(load_step(system, order, h), echoes[g]).ravel() if whole else system.d.ravel()
+        for system, g, whole in zip(found.systems, found.group, found.whole, strict=True)
     ]
     return np.concatenate([np.empty(0), *maps]), np.cumsum([0, *map(len, maps)])[:-1]
 

@@ -8,10 +8,11 @@ import numpy as np
 from tline.solver.assembly.settling import SUBSTEPS
 from tline.solver.kernel.fronts.structures import Steps, Workspace
 from tline.solver.kernel.losses.passing import ABREAST
-from tline.solver.kernel.network import Crossing, Laws, Network, Newton, State, Store, Tools, Work
+from tline.solver.kernel.network import CircuitWork, Crossing, Laws, Network, State, Store, Tools, Work
 from tline.structure import pack
 
 SAMPLES = 512  # per tile
+AT_LAWS = "given", "aimed", "start", "turn", "trial", "sent", "flow", "other", "slope", "rest"  # of a circuit
 AT_POINTS = "v", "control", "flow", "y", "first", "safe", "rest", "coef", "piece", "kept", "whole"  # of a store
 
 
@@ -28,19 +29,20 @@ def work_for(network: Network, state: State) -> Work:
     """Workspace of the loop over blocks, and of all units that it calls."""
     s, laws, segments = state.before.shape[1], network.laws, network.segments
     nodes, states, elements = largest_group(network)
-    tile = max(SAMPLES // s, 1)
+    tile, ports = max(SAMPLES // s, 1), nodes + elements
     held = int((segments.held + 2 * s).max(initial=0))
-    crossing, store, newton = _of_elements(laws, state, nodes, elements, tile) if elements else _without_elements()
+    crossing, store, circuit = _of_elements(laws, state, elements, tile) if elements else _without_elements()
     return Work(
         tile=tile,
         position=np.zeros(len(network.ends), np.int64),
         u=np.empty(nodes * tile * s),
         history=np.empty((s, tile + 1)),
-        row=np.empty(max(tile, nodes * s + states)),
+        row=np.empty(max(tile, ports * s + states)),
         control=np.empty((elements, tile * s)),
         crossing=crossing,
         store=store,
-        newton=newton,
+        circuit=circuit,
+        map=np.empty((ports * s + states) ** 2 if elements and states else 0),
         pair=np.empty(s * ABREAST),
         out=np.empty(s * ABREAST),
         enter=np.empty(2 * s * int(segments.number.max(initial=0))),
@@ -48,23 +50,24 @@ def work_for(network: Network, state: State) -> Work:
     )
 
 
-def _of_elements(laws: Laws, state: State, nodes: int, elements: int, tile: int) -> tuple[Crossing, Store, Newton]:
-    """Workspace of laws and stores, in groups of at most so many nodes and elements."""
-    s, n = state.before.shape[1], nodes + elements
+def _of_elements(laws: Laws, state: State, elements: int, tile: int) -> tuple[Crossing, Store, CircuitWork]:
+    """Workspace of laws and stores, in groups of at most so many elements."""
+    s = state.before.shape[1]
     at_points = {name: np.empty(s) for name in AT_POINTS}
     system, integral = np.zeros((s, s + 1)), np.empty(s + 1)
     store = Store(
         laws.constants, state.load, laws.tools, system=system, integral=integral, constant=np.empty(1), **at_points
     )
-    newton = Newton(
-        **{name: np.zeros(n) for name in ("x", "safe", "aimed", "rest")},
-        **{name: np.zeros(nodes) for name in ("level", "taken")},
-        **{name: np.zeros(elements) for name in ("flow", "slope")},
-        **{name: np.zeros(nodes * s) for name in ("wave", "last")},
-        system=np.zeros((n, n + 1)),
-        own=np.zeros((elements, 2)),
+    circuit = CircuitWork(
+        **{name: np.zeros(elements * s) for name in AT_LAWS},
+        answer=np.zeros((elements * s, s)),
+        system=np.zeros((elements * s, elements * s + 1)),
+        control=np.zeros((elements, s)),
+        kept=np.zeros((elements, 2)),
+        waves=np.zeros(len(laws.kind) * s),
+        width=np.zeros(1, np.int64),
     )
-    return Crossing(laws.constants, *np.empty((4, tile * s))), store, newton
+    return Crossing(laws.constants, *np.empty((4, tile * s))), store, circuit
 
 
 @cache
@@ -76,8 +79,9 @@ def _without_elements() -> Any:
     store = Store(
         nothing, nothing, tools, **dict.fromkeys(AT_POINTS, nothing), system=matrix, integral=nothing, constant=nothing
     )
-    newton = dict.fromkeys(Newton._fields, nothing) | {"system": matrix, "own": matrix}
-    return pack(Crossing(*[nothing] * len(Crossing._fields))), pack(store), pack(Newton(**newton))
+    two = dict.fromkeys(("answer", "system", "control", "kept"), matrix)
+    circuit = CircuitWork(**dict.fromkeys(AT_LAWS, nothing), **two, waves=nothing, width=np.zeros(0, np.int64))
+    return pack(Crossing(*[nothing] * len(Crossing._fields))), pack(store), pack(circuit)
 
 
 def workspace_for(network: Network, s: int, most: int, parts: int) -> Workspace:
@@ -100,7 +104,7 @@ def workspace_for(network: Network, s: int, most: int, parts: int) -> Workspace:
         coef=np.zeros((most + 1, s)),
         whole=np.zeros(s),
         part=np.zeros(s),
-        stages=np.zeros((s * states, s * states + 1)),
+        stages=np.zeros((s * states, s * states + (s * (nodes + elements) + states if elements else 1))),
         steps=Steps(
             np.zeros(SUBSTEPS + 2),
             np.array([0.0, 1.0]),

@@ -16,12 +16,12 @@ from tline.scene.plausible import plausibility_notes
 from tline.scene.user_defined import user_elements
 from tline.scene.vessel import Boiling
 from tline.solver.description.active import active_parts
+from tline.solver.description.branches import PlacedBranch
 from tline.solver.description.elements import BREAKING, PlacedLaw, elements_of
 from tline.solver.description.excitation import Shape
 from tline.solver.description.given import MEDIA, End, Height, Medium, Scene
 from tline.solver.description.groups import Group, LumpedLine, grouped
 from tline.solver.description.lines import Line, lines_of
-from tline.solver.description.multiport import PlacedPorts
 from tline.solver.description.nodes import NONE, Node, nodes_of
 from tline.solver.description.probes import ProbePlace, probes_of
 from tline.solver.description.scales import filling_times, time_scales
@@ -105,10 +105,10 @@ class Description:
         return elements_of(self.scene, self.nodes)
 
     @cached_property
-    def multiports(self) -> list[PlacedPorts]:
-        """Linear multiports."""
+    def branches(self) -> list[PlacedBranch]:
+        """Linear links."""
         links = {name: link for name, link in self.scene.links.items() if isinstance(link, Multiport)}
-        return [PlacedPorts(place("links", name), link.nodes, link.ports()) for name, link in links.items()]
+        return [PlacedBranch(place("links", name), link.nodes, link.ports(), to_air=True) for name, link in links.items()]
 
     @cached_property
     def probes(self) -> dict[str, ProbePlace]:
@@ -138,8 +138,7 @@ class Description:
     @cached_property
     def time_scales(self) -> dict[str, tuple[float, float]]:
         """Of each curved waveform and dynamic load the shortest time scale, and that of its oscillations, s."""
-        groups = [group for group in self.grouped()[0] if group.ports] if self.multiports else []
-        return time_scales(self.waveforms, self.nodes.values(), groups)
+        return time_scales(self.waveforms, self.grouped()[0])
 
     @cached_property
     def filling_times(self) -> list[float]:
@@ -174,7 +173,7 @@ class Description:
         return active_parts(self.scene)
 
     def grouped(
-        self, sections: Mapping[str, int] = NONE, started: Mapping[str, tuple[float, float]] = NONE
+        self, sections: Mapping[str, int] = NONE, started: Mapping[str, float] = NONE
     ) -> tuple[list[Group], dict[str, Node]]:
         """Groups of nodes that something joins, and the nodes in their order.
 
@@ -182,14 +181,14 @@ class Description:
         ----------
         sections : mapping of str to int
             Of lumped lines.
-        started : mapping of str to pair of float
-            Effort and flow of these before t = 0.
+        started : mapping of str to float
+            Flow in these before t = 0.
         """
         nodes = nodes_of(self.scene, self.lines, self.ends, sections) if sections else self.nodes
         lumped_lines = [
-            LumpedLine(name, self.lines[name], n, *started.get(name, (0.0, 0.0))) for name, n in sections.items()
+            LumpedLine(name, self.lines[name], n, started.get(name, 0.0)) for name, n in sections.items()
         ]
-        return grouped(nodes, lumped_lines, self.elements, self.ends, self.multiports)
+        return grouped(nodes, lumped_lines, self.elements, self.ends, self.branches)
 
     def check_linear(self, what: str) -> None:
         """Refuse non-linear elements, and links that are no multiports.

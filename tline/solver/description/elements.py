@@ -30,6 +30,10 @@ class PlacedLaw(NamedTuple):
         """Those that it is at."""
         return [node for node in (self.from_node, self.to_node) if node is not None]
 
+    def seen(self, nodes: Mapping[str, Node]) -> float:
+        """Impedance of what its nodes would be without anything that is not resistive."""
+        return sum(1 / abs(nodes[node].total) for node in self.nodes if nodes[node].held is None)
+
 
 def elements_of(scene: Scene, nodes: Mapping[str, Node]) -> list[PlacedLaw]:
     """Those elements of a scene that are seen by anything: not those between efforts that are held."""

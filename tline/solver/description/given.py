@@ -3,6 +3,7 @@
 from tline.scene.coupled import End
 from tline.scene.heights import NO_HEIGHT, Height
 from tline.scene.law import ElementLaw
+from tline.scene.load import Switch
 from tline.scene.medium import MEDIA, Medium
 from tline.scene.multiport import Ports
 from tline.scene.scene import Scene
@@ -20,5 +21,6 @@ __all__ = [
     "Ports",
     "Scene",
     "Shape",
+    "Switch",
     "Touchstone",
 ]

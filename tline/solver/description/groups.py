@@ -1,9 +1,4 @@
-"""Short lines as lumped inductors and capacitors, and the state space of the nodes that they join.
-
-A line cut in n LC sections is n inductors z0 T/n in a row, with a capacitor T/(n z0) between each two and half of one
-at each end. Its states are the inductors' flows times z0 and the inner capacitors' efforts, in order along the line; so
-all rates are n/T. The halves at the ends are part of the nodes' loads.
-"""
+"""Nodes that see each other without delay, and the circuit that stands between their line ends."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -11,26 +6,23 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.description.branches import Branch, PlacedBranch, conductors, lc_sections, one_port
+from tline.solver.description.circuit import Circuit, LawPort, circuit, equations
 from tline.solver.description.components import parts
-from tline.solver.description.coupled import EndPlaces, scattered
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import End
 from tline.solver.description.lines import Line
-from tline.solver.description.load_step import NO_LOAD, StateSpace, side_by_side
-from tline.solver.description.multiport import PlacedPorts, PortPlaces, with_multiports
 from tline.solver.description.nodes import Node
+from tline.wording import place
 
 
 class LumpedLine(NamedTuple):
-    """A lumped line, and the places of its nodes in their group."""
+    """A short line as inductors and capacitors; half a capacitor at each end is part of the loads there."""
 
     name: str
     line: Line
     sections: int
-    u: float = 0.0  # before t = 0
-    y: float = 0.0
-    first: int = -1
-    second: int = -1
+    y: float = 0.0  # before t = 0
 
     @property
     def states(self) -> int:
@@ -40,101 +32,122 @@ class LumpedLine(NamedTuple):
 
 FAST = 3.0  # over the slab's width: poles beyond are not resolved
 LONG = 64.0  # delays, so that the steps of that time are too long for what rings in LC sections, but not in lines
+OPEN = 1 - 1e-6  # share of a wave that comes back where a law sees next to nothing
 GONE = 20.0  # time constants after which 2e-9 is left
 
 
 class Group(NamedTuple):
-    """Nodes that short lines, ends of coupled conductors, multiports or non-linear elements join, or one node."""
+    """Nodes that branches or laws join, or one node."""
 
     nodes: list[Node]
-    lumped_lines: list[LumpedLine]
-    ends: list[EndPlaces]
-    ports: list[PortPlaces]
+    branches: list[Branch]  # beside the loads
     elements: list[PlacedLaw]
+    lumped_lines: list[LumpedLine]
 
     @property
     def dynamic(self) -> bool:
-        """Whether it has a state, or a switch."""
-        free = [node for node in self.nodes if node.held is None]
-        return bool(self.lumped_lines or self.ends or self.ports) or any(
-            node.load is not None or node.switches for node in free
-        )
+        """Whether it has branches, loads with a state, or switches."""
+        return bool(self.branches) or any(node.held is None and (node.load or node.switches) for node in self.nodes)
 
-    def system(self, switched: float) -> StateSpace:
-        """From the nodes' Thévenin waves to their efforts, with switches of that conductance if it is one node."""
-        if self.ends:
-            return scattered(self.nodes, self.ends)
-        if self.ports:
-            return with_multiports(self.nodes, self.ports)
-        if not self.lumped_lines:
-            return self.nodes[0].response(switched)
-        return coupled(self)
+    @property
+    def simple(self) -> bool:
+        """Whether one law alone stands behind line ends, resistors and sources."""
+        return len(self.elements) == 1 and not self.dynamic and not any(node.dead for node in self.nodes)
+
+    @property
+    def loads(self) -> list[Branch]:
+        """Loads with a state."""
+        return [
+            Branch(node.load_name, np.array([k]), one_port(node.reflection, 1 / node.total), to_air=True)
+            for k, node in enumerate(self.nodes)
+            if node.load is not None and node.held is None
+        ]
+
+    @property
+    def instants(self) -> list[float]:
+        """When switches move, s; not before t = 0."""
+        switches = [switch for node in self.nodes for switch in node.switches]
+        switches += [branch.switch for branch in self.branches if branch.switch is not None]
+        return sorted({float(switch.time) for switch in switches if switch.time >= 0})
+
+    def circuit(self, t: float, impedances: Sequence[float] = ()) -> Circuit:
+        """The circuit just before an instant.
+
+        Parameters
+        ----------
+        t : float
+            s.
+        impedances : sequence of float
+            Behind which its laws are seen; without them it has none.
+        """
+        branches = [*self.loads, *(branch.before(t) for branch in self.branches)]
+        return circuit(self.nodes, branches, self.ports(impedances), [node.switched(t) for node in self.nodes])
+
+    def ports(self, impedances: Sequence[float]) -> list[LawPort]:
+        """Its laws, seen behind impedances."""
+        at = {node.name: k for k, node in enumerate(self.nodes)} | {None: -1}
+        each = zip(self.elements, impedances, strict=bool(impedances))
+        return [LawPort(e.where, at[e.from_node], at[e.to_node], z) for e, z in each]
+
+    def matched(self, rate: float) -> list[float]:
+        """Impedances that its laws see where all changes at a rate, 1/s, with the other laws behind such ones too."""
+        if not self.elements:
+            return []
+        nodes = {node.name: node for node in self.nodes}
+        seen = [element.seen(nodes) for element in self.elements]
+        if self.simple:
+            return seen
+        A, B, C, D = self.circuit(0.0, seen).system
+        k = len(self.nodes)
+        response = np.diag(C @ np.linalg.solve(rate * np.eye(len(A)) - A, B) + D)[k:] if len(A) else np.diag(D)[k:]
+        share = np.clip(response, 1 - OPEN, OPEN)  # Z/(Z + z)
+        return [z if r == OPEN else z * float(r / (1 - r)) for z, r in zip(seen, share, strict=True)]
 
     def settles(self, h: float) -> float:
         """Time in which what lumped lines make faster than slabs of width h dies away, s."""
         if not self.lumped_lines:
             return 0.0
-        poles = np.linalg.eigvals(self.system(0.0).A)
+        poles = np.linalg.eigvals(self.circuit(0.0).system.A)
         decay = -float(poles.real[np.abs(poles) * h > FAST].max(initial=-np.inf))
         return max(GONE / decay, LONG * max(lumped.line.delay for lumped in self.lumped_lines)) if decay > 0 else np.inf
 
-    def at_rest_under(self, waves: NDArray) -> NDArray:
-        """Steady state under Thévenin waves, shape (nodes,), while the lumped lines carry their flows."""
-        if not self.lumped_lines:
-            return self.nodes[0].response(self.nodes[0].switched(0.0)).at_rest_under(waves[0])
-        states, out, level = [], np.zeros(len(self.nodes)), np.zeros(len(self.nodes))
-        for lumped in self.lumped_lines:
-            level[[lumped.first, lumped.second]] = lumped.u
-            out[lumped.first] += lumped.y
-            out[lumped.second] -= lumped.y
-        for node, wave, flow, u in zip(self.nodes, waves, out, level, strict=True):
-            if node.held is None:
-                states.append(node.response(0.0).at_rest_under(wave - flow / node.total + u * node.floating))
-        inner = [np.resize([lumped.line.z0 * lumped.y, lumped.u], lumped.states) for lumped in self.lumped_lines]
-        return np.concatenate([*states, *inner])
-
-    def state_at_rest(self) -> NDArray:
+    def at_rest(self) -> NDArray:
         """State while the liquid stands still."""
-        system = self.system(0.0)
-        state, first = np.where(system.constant, 1.0, 0.0), 0
-        for node in self.nodes:
-            if node.held is None:
-                own = node.state_at_rest()
-                state[first : first + len(own)] = own
-                first += len(own)
-        return state
+        own = [node.state_at_rest() for node in self.nodes if node.load is not None and node.held is None]
+        return self._kept(np.concatenate([np.zeros(0), *own]))
 
+    def at_rest_under(self, waves: NDArray, efforts: NDArray) -> NDArray:
+        """Steady state under Thévenin waves of the nodes that lead to these efforts, both of shape (nodes,).
 
-def coupled(group: Group) -> StateSpace:
-    """State space of a group with lumped lines: those of its nodes, whose Thévenin waves lose what the inductors take.
+        Where inductors form loops, that of the least flows; but lumped lines carry theirs.
+        """
+        branches = [*self.loads, *(branch.before(0.0) for branch in self.branches)]
+        k, n = len(self.nodes), len(self.elements)
+        F, G, H, Q, L = equations(
+            self.nodes, branches, self.ports(n * [1.0]), [node.switched(0.0) for node in self.nodes]
+        )
+        free = slice(0, len(F) - n)  # what laws let pass is unknown
+        size = np.maximum(np.abs(Q).max(axis=1, initial=0.0), np.abs(L).max(axis=1, initial=0.0))[:, None]
+        size[size == 0.0] = 1.0
+        system = np.block([[F[free, k:], -G[free]], [L[:, k:] / size, Q / size]])
+        given = np.concatenate([H[free, :k] @ waves - F[free, :k] @ efforts, -(L[:, :k] / size) @ efforts])
+        unit, at = self.nodes[0].alone, 0
+        for branch in branches:
+            for flow in branch.flows:
+                row = np.zeros(system.shape[1])
+                row[at] = 1.0
+                system, given, at = np.vstack([system, row]), np.append(given, flow / unit), at + 1
+            at += len(branch.nodes) - len(branch.flows)
+        if len(Q) > sum(len(branch.ports.Q) for branch in branches):  # the last one is always 1
+            given, system = given - system[:, -1], system[:, :-1]
+        return self._kept(np.linalg.lstsq(system, given)[0][len(F) - k :])
 
-    With g the conductance and i the flow out of a node into inductors, its wave becomes w - i/g. A node where nothing
-    but short lines conducts takes their sum for g, and gets back its own effort, w - i/g + u; with a capacitor there, u
-    does not depend on that wave but through the state.
-    """
-    own = [NO_LOAD if node.held is not None else node.response(0.0) for node in group.nodes]
-    first = np.cumsum([0, *(len(system.A) for system in own), *(lumped.states for lumped in group.lumped_lines)])
-    k = len(own)
-    A, B, C, D = side_by_side(own, sum(lumped.states for lumped in group.lumped_lines))
-    wave = np.zeros_like(C)  # what the states add to the waves
-    for p, node in enumerate(group.nodes):
-        if node.held is None and node.floating:
-            wave[p] += C[p]
-    for lumped, at in zip(group.lumped_lines, first[k:-1], strict=True):
-        last = at + lumped.states - 1
-        for p, place, sign in ((lumped.first, at, 1.0), (lumped.second, last, -1.0)):
-            if group.nodes[p].held is None:
-                wave[p, place] -= sign / (lumped.line.z0 * group.nodes[p].total)
-    A += B @ wave
-    C += D @ wave
-    for lumped, at in zip(group.lumped_lines, first[k:-1], strict=True):
-        last, rate = at + lumped.states - 1, lumped.sections / lumped.line.delay
-        for j in range(at, last):  # neighbours along the line
-            A[j, j + 1], A[j + 1, j] = -rate, rate
-        for p, place, sign in ((lumped.first, at, 1.0), (lumped.second, last, -1.0)):
-            A[place] += sign * rate * C[p]
-            B[place] += sign * rate * D[p]
-    return StateSpace(A, B, C, D)
+    def _kept(self, states: NDArray) -> NDArray:
+        """Of the states of all branches, zero where not given, and of the 1 behind them those that the circuit has."""
+        number = sum(len(branch.ports.Q) for branch in (*self.loads, *self.branches))
+        full = np.append(np.zeros(number), 1.0)
+        full[: len(states)] = states
+        return full[self.circuit(0.0, self.matched(1.0)).kept]
 
 
 def grouped(
@@ -142,31 +155,33 @@ def grouped(
     lumped_lines: Sequence[LumpedLine],
     elements: Sequence[PlacedLaw],
     coupled_ends: Sequence[End],
-    multiports: Sequence[PlacedPorts],
+    branches: Sequence[PlacedBranch],
 ) -> tuple[list[Group], dict[str, Node]]:
-    """Groups of the nodes that lumped or coupled lines, multiports or elements join, and the nodes in their order."""
-    if not lumped_lines and not elements and not coupled_ends and not multiports:
-        return [Group([node], [], [], [], []) for node in nodes.values()], nodes
+    """Groups of the nodes that lumped or coupled lines, branches or elements join, and the nodes in their order."""
+    placed = [
+        *branches,
+        *(
+            PlacedBranch(place("lines", one.name), one.line.nodes, lc_sections(one.line, one.sections), (one.y, -one.y))
+            for one in lumped_lines
+        ),
+        *(PlacedBranch("", (*end.conductors, *end.modal), conductors(end.modes)) for end in coupled_ends),
+    ]
+    if not placed and not elements:
+        return [Group([node], [], [], []) for node in nodes.values()], nodes
     names, number = list(nodes), {name: k for k, name in enumerate(nodes)}
-    joined_nodes = [lumped.line.nodes for lumped in lumped_lines] + [element.nodes for element in elements]
-    joined_nodes += [(*end.conductors, *end.modal) for end in coupled_ends] + [link.nodes for link in multiports]
-    pairs = [[number[joint[0]], number[at]] for joint in joined_nodes for at in joint]
+    pairs = [[number[one.nodes[0]], number[at]] for one in (*placed, *elements) for at in one.nodes]
     first, second = np.array(pairs).T
     part = parts(first, second, len(names))
     order = np.argsort(part, kind="stable")
-    place = np.argsort(order) - np.searchsorted(part[order], part)  # of each node in its group
-    groups = [Group([], [], [], [], []) for _ in range(part.max() + 1)]
+    at = np.argsort(order) - np.searchsorted(part[order], part)  # of each node in its group
+    groups = [Group([], [], [], []) for _ in range(part.max() + 1)]
     for k in order:
         groups[part[k]].nodes.append(nodes[names[k]])
     for element in elements:
         groups[part[number[element.nodes[0]]]].elements.append(element)
-    for end in coupled_ends:
-        conductors, modal = (place[[number[at] for at in nodes]] for nodes in (end.conductors, end.modal))
-        groups[part[number[end.modal[0]]]].ends.append(EndPlaces(conductors, modal, end.modes))
-    for link in multiports:
-        at = [number[node] for node in link.nodes]
-        groups[part[at[0]]].ports.append(PortPlaces(link.where, place[at], link.ports))
+    for one in placed:
+        here = [number[node] for node in one.nodes]
+        groups[part[here[0]]].branches.append(one.among(at[here]))
     for lumped in lumped_lines:
-        one, other = (number[node] for node in lumped.line.nodes)
-        groups[part[one]].lumped_lines.append(lumped._replace(first=place[one], second=place[other]))
+        groups[part[number[lumped.line.nodes[0]]]].lumped_lines.append(lumped)
     return groups, {names[k]: nodes[names[k]] for k in order}

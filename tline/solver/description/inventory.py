@@ -14,7 +14,6 @@ from tline.solver.description.excitation import places_of
 from tline.solver.description.given import Shape
 from tline.solver.description.groups import Group
 from tline.solver.description.nodes import Node, lowered
-from tline.wording import place
 
 SUPPLIED, DISSIPATED, STORED, TAKEN = range(4)  # what an element is expected to do with energy
 GIVING = {"pump", "rotor"}  # kinds of laws
@@ -82,12 +81,11 @@ def inventory_of(description: Description, group: Group, h: float, t_end: float)
             else:
                 member = Member(one.where, (node.name,), DISSIPATED, False)
                 found.members.append(member) if alone else found.conductors.append(one)
-    for part in group.ports:
-        nodes = tuple(group.nodes[p].name for p in part.nodes)
-        found.members.append(Member(part.where, nodes, TAKEN, steady or part.where in description.active))
+    for branch in group.branches:
+        nodes = tuple(group.nodes[p].name for p in branch.nodes)
+        may_give = steady or branch.where in description.active
+        found.members.append(Member(branch.where, nodes, TAKEN, may_give, to_air=branch.to_air))
     found.members.extend(_non_linear(element) for element in group.elements)
-    for lumped in group.lumped_lines:
-        found.members.append(Member(place("lines", lumped.name), lumped.line.nodes, TAKEN, steady, to_air=False))
     return found
 
 

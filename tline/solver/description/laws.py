@@ -18,7 +18,11 @@ KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", *STA
 
 
 def laws_of(
-    elements: Sequence[list[PlacedLaw]], members: Sequence[Sequence[Node]], first_row: int, first_state: int
+    elements: Sequence[Sequence[PlacedLaw]],
+    members: Sequence[Sequence[Node]],
+    impedances: Sequence[float],
+    first_row: int,
+    first_state: int,
 ) -> tuple[Laws, list[Shape]]:
     """Elements by group as arrays, without the slabs' order and width; and what scales them over time.
 
@@ -26,14 +30,15 @@ def laws_of(
     ----------
     members : sequence of sequence of Node
         Nodes of each group.
+    impedances : sequence of float
+        Of all elements, of the sources that they see.
     first_row, first_state : int
         Numbers of the first excitation row and of the first state.
     """
     excitations: list[Shape] = []
-    rows, controls, states, source_impedances = [], [], [], []
-    place_of = {node.name: k for group in members for k, node in enumerate(group)}
-    impedance = {node.name: _impedance(node) for group in members for node in group}
-    largest = max([z for z in impedance.values() if z > 0], default=1.0)
+    rows, controls, states = [], [], []
+    place_of: dict[str | None, int] = {node.name: k for group in members for k, node in enumerate(group)}
+    place_of[None] = -1
     flat = [element for group in elements for element in group]
     for element in flat:
         factor = element.law.factor
@@ -42,20 +47,19 @@ def laws_of(
         excitations += [factor] if factor is not None and varies(factor) else []
         states.append(first_state if element.law.kind in STATES else -1)
         first_state += STATES.get(element.law.kind, 0)
-        source_impedances.append(sum(max(impedance[node], 0.0) for node in element.nodes) or largest)
     constants = [element.constants for element in flat]
     laws = Laws(
         first=np.cumsum([0, *map(len, elements)]),
         kind=np.array([KINDS.index(element.law.kind) for element in flat], int),
-        from_node=np.array([-1 if e.from_node is None else place_of[e.from_node] for e in flat], int),
-        to_node=np.array([-1 if e.to_node is None else place_of[e.to_node] for e in flat], int),
+        from_node=np.array([place_of[e.from_node] for e in flat], int),
+        to_node=np.array([place_of[e.to_node] for e in flat], int),
         excitation_row=np.array(rows, int),
         control=np.array(controls, float),
         at=np.cumsum([0, *map(len, constants)])[:-1],
         constants=np.concatenate([np.empty(0), *constants]),
         state_at=np.array(states, int),
-        source_impedance=np.array(source_impedances, float),
-        impedance=np.array(list(impedance.values())),
+        source_impedance=np.array(impedances, float),
+        impedance=np.array([0.0 if n.held is not None else 1 / n.total for group in members for n in group]),
         tools=tools_of(basis(1)),
         step=0.0,
     )
@@ -98,9 +102,3 @@ def states_of(elements: list[PlacedLaw], effort: dict[str, float]) -> NDArray:
                 raise InputError(element.where, "no state at rest: it draws air", got=gauge)
             states += [0.0, 0.0]
     return np.array(states, float)
-
-
-def _impedance(node: Node) -> float:
-    if node.held is not None:
-        return 0.0
-    return -1.0 if node.dead else 1 / node.total

@@ -6,7 +6,6 @@ then a constant linear map from the Thévenin wave w at the points and the load'
 node's effort u at the points and the state at the slab's end.
 """
 
-from collections.abc import Sequence
 from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
@@ -27,69 +26,6 @@ class StateSpace(NamedTuple):
     b: Matrix  # (n, k)
     c: Matrix  # (k, n)
     d: Matrix  # (k, k)
-
-    @property
-    def constant(self) -> Matrix:
-        """Which states nothing moves; these are 1."""
-        return np.array(~(np.any(self.A, axis=1) | np.any(self.b, axis=1)))
-
-    def at_rest_under(self, wave: float) -> Matrix:
-        """State in the steady state under a constant input, the same at all ports."""
-        state, moving = self.constant.astype(float), ~self.constant
-        forcing = self.b[moving].sum(axis=1) * wave + self.A[moving] @ state
-        if forcing.any():
-            state[moving] = -np.linalg.solve(self.A[np.ix_(moving, moving)], forcing)
-        return state
-
-
-NO_LOAD = StateSpace(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))  # the effort is the wave
-
-
-def side_by_side(systems: Sequence[StateSpace], more: int = 0) -> StateSpace:
-    """All systems as one, and behind their states some more that nothing moves yet."""
-    first = np.cumsum([0, *(len(system.A) for system in systems)])
-    k, n = len(systems), int(first[-1]) + more
-    A, B, C, D = np.zeros((n, n)), np.zeros((n, k)), np.zeros((k, n)), np.zeros((k, k))
-    for p, system in enumerate(systems):
-        part = slice(first[p], first[p + 1])
-        A[part, part], B[part, p], C[p, part], D[p, p] = system.A, system.b[:, 0], system.c[0], system.d[0, 0]
-    return StateSpace(A, B, C, D)
-
-
-def effort(reflection: StateSpace, g: float) -> StateSpace:
-    """From the wave w to the effort u of a node with a load and, beside it, a switch.
-
-    Parameters
-    ----------
-    reflection : StateSpace
-        From the wave a = u + z i into the load to the wave r = u - z i out of it.
-    g : float
-        Conductance of the switch in units of 1/z, 0 to infinity: a = (2 w - g r)/(2 + g).
-
-    Raises
-    ------
-    ZeroDivisionError
-        If a closed switch (g infinite) shorts a load that holds its effort, such as a capacitor.
-    """
-    A, b, c, d = reflection
-    direct = 1.0 + float(d[0, 0])
-    if np.isinf(g):
-        back, passed = 1.0 / direct, 0.0
-    else:
-        back, passed = g / (2.0 + g * direct), 2.0 / (2.0 + g * direct)
-    return StateSpace(A - back * b @ c, b * passed, c * passed / 2, (1.0 + d) * passed / 2)
-
-
-def counted_from(level: float, system: StateSpace) -> StateSpace:
-    """A system of one port whose wave and effort both count from a level; its last state is 1 and nothing moves it."""
-    A, b, c, d = system
-    n = len(A)
-    return StateSpace(
-        np.block([[A, -level * b], [np.zeros((1, n + 1))]]),
-        np.vstack([b, np.zeros((1, 1))]),
-        np.hstack([c, level * (1.0 - d)]),
-        d,
-    )
 
 
 @lru_cache

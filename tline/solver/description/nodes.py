@@ -18,7 +18,6 @@ from tline.errors import InputError
 from tline.scene.cavities import refuse_cavities
 from tline.scene.heights import below
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
-from tline.scene.multiport import Multiport
 from tline.scene.quantity import ZERO
 from tline.scene.rational_load import MOST_STATES, Rational
 from tline.scene.shape import Lowered
@@ -26,7 +25,7 @@ from tline.scene.source import Source
 from tline.solver.description.excitation import just_before
 from tline.solver.description.given import Constant, End, Height, Scene, Shape, Touchstone
 from tline.solver.description.lines import Line
-from tline.solver.description.load_step import NO_LOAD, StateSpace, counted_from, effort, reflection
+from tline.solver.description.load_step import StateSpace, reflection
 from tline.solver.description.partial_fractions import reflection_of_poles
 from tline.wording import place
 
@@ -45,7 +44,7 @@ class Node:
     sources: dict[str, Source] = field(default_factory=dict)  # attached here, by place
     loads: dict[str, Load] = field(default_factory=dict)
     lines: float = 0.0  # sum of 1/z0 of the ends
-    lumped: float = 0.0  # sum of 1/z0 of the lumped lines' ends, and of coupled conductors'
+    lumped: float = 0.0  # sum of 1/z0 of the lumped lines' ends
     conductance: float = 0.0  # of resistors, constant loads and sources
     flows: list[tuple[Shape, float]] = field(default_factory=list)  # waveforms and what turns them into flows
     held: Shape | None = None  # the effort, where it is ideal
@@ -58,32 +57,24 @@ class Node:
 
     @property
     def total(self) -> float:
-        """Conductance that the waves see beside switches and dynamic loads; some reference where there is none."""
-        if self.dead:
-            return self.alone
-        return self.lumped if self.floating else self.lines + self.conductance
+        """Conductance that the waves see; some reference where there is none."""
+        return self.alone if self.lines == 0 == self.conductance else self.lines + self.conductance
 
     @property
     def dead(self) -> bool:
-        """Whether nothing conducts, so that non-linear elements alone say what its effort is."""
-        return self.held is None and self.lines + self.lumped == 0 == self.conductance
-
-    @property
-    def floating(self) -> bool:
-        """Whether nothing but lumped lines, coupled conductors and dynamic loads conducts."""
-        return self.lumped > 0 and self.lines + self.conductance == 0
+        """Whether no line, resistor or source conducts, so that what else stands there says what its effort is."""
+        return self.held is None and self.lines == 0 == self.conductance
 
     @cached_property
     def reflection(self) -> StateSpace:
-        """From the wave into the dynamic loads to the one out of them, seen from lines and resistances.
+        """From the wave into the dynamic loads to the one out of them, against 1/total.
 
         Raises
         ------
         InputError
             No wave is defined, or the loads' coefficients are beyond the range of floats.
         """
-        if self.load is None:
-            return NO_LOAD
+        assert self.load is not None
         if self.measured is not None:
             return reflection_of_poles(self.measured.model.model, self.measured.z0 * self.total)
         try:
@@ -95,49 +86,24 @@ class Node:
             raise InputError(self.load_name, "its coefficients are too far apart for floating-point numbers")
         return system
 
-    def effort(self, switched: float) -> StateSpace:
-        """From the Thévenin wave to the node's effort, through the loads and switches of that conductance.
-
-        Raises
-        ------
-        InputError
-            A closed switch shorts a load that holds its effort.
-        """
-        try:
-            return effort(self.reflection, switched / self.total)
-        except ZeroDivisionError:
-            problem = "a switch shorts it, and it holds its effort"
-            raise InputError(self.load_name, problem, "a switch with a resistance above zero") from None
-
-    def response(self, switched: float) -> StateSpace:
-        """The same where loads and switches see the gauge pressure; they then have a last state that is always 1."""
-        system = self.effort(switched)
-        return counted_from(self.above_level, system) if self.has_constant else system
-
     @property
     def above_level(self) -> float:
         """Effort at which the gauge pressure is zero."""
         return self.height.above_level
 
-    @property
-    def has_constant(self) -> bool:
-        """Whether the response has that state."""
-        return bool(self.above_level) and (self.load is not None or bool(self.switches))
-
     def state_at_rest(self) -> NDArray:
-        """State of the response while the liquid stands still.
+        """State of the loads while the liquid stands still.
 
         Capacitances without a path for a steady flow, or straight across, hold the gauge pressure; nothing flows in
         inductances.
         """
-        A, b, c, d = self.effort(0.0)
-        state = np.zeros(len(A))
+        A, b, c, d = self.reflection
         if self.above_level and self.load is not None:
             if np.isinf(float(self.load.at_zero())):
-                state = np.linalg.solve(A, b[:, 0]) * self.above_level
-            elif float(d[0, 0]) == 0.0:
-                state = b[:, 0] * (-self.above_level / float((c @ b)[0, 0]))
-        return np.append(state, 1.0) if self.has_constant else state
+                return np.linalg.solve(A, b[:, 0]) * self.above_level
+            if float(d[0, 0]) == -1.0:
+                return b[:, 0] * (-2 * self.above_level / float((c @ b)[0, 0]))
+        return np.zeros(len(A))
 
     def weights(self, z0: NDArray) -> NDArray:
         """Share of each end's arriving wave in the Thévenin wave; none reach an effort that is held."""
@@ -266,16 +232,14 @@ def nodes_of(
                 node.lines += admittance
         kept += name not in sections
     for end in coupled:
-        for at, conductance in zip(end.conductors, np.diag(end.modes.admittance), strict=True):
-            nodes.setdefault(at, Node(at)).lumped += float(conductance)
+        for at in end.conductors:
+            nodes.setdefault(at, Node(at))
     for link in scene.links.values():
         for at in link.nodes:
             nodes.setdefault(at, Node(at))
-    multiports = [link for link in scene.links.values() if isinstance(link, Multiport)]
-    if multiports:
-        usual = float(1 / np.mean([line.z0 for line in lines.values()]))
-        for at in {node for link in multiports for node in link.nodes}:
-            nodes[at].alone = usual
+    usual = float(1 / np.mean([line.z0 for line in lines.values()]))
+    for node in nodes.values():
+        node.alone = usual
     for name, height in scene.heights.items():
         nodes[name].height = height
     for name, source in scene.sources.items():

@@ -1,6 +1,6 @@
 """How fast the waveforms and the dynamic loads of a scene are."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from math import inf
 
 import numpy as np
@@ -12,21 +12,17 @@ from tline.solver.description.groups import Group
 from tline.solver.description.nodes import Node
 
 
-def time_scales(
-    waveforms: Mapping[str, Shape], nodes: Iterable[Node], groups: Sequence[Group]
-) -> dict[str, tuple[float, float]]:
-    """Of each curved waveform and dynamic load the shortest time scale, and that of its oscillations, s.
+def time_scales(waveforms: Mapping[str, Shape], groups: Iterable[Group]) -> dict[str, tuple[float, float]]:
+    """Of each curved waveform and dynamic circuit the shortest time scale, and that of its oscillations, s.
 
     Parameters
     ----------
     waveforms : mapping of str to Shape
         By place.
-    nodes : iterable of Node
-    groups : sequence of Group
-        Those of nodes that multiports join.
+    groups : iterable of Group
     """
     scales = {where: (waveform.fastest(), waveform.fastest()) for where, waveform in waveforms.items()}
-    for where, poles in _poles(nodes, groups):
+    for where, poles in _poles(groups):
         ringing = poles[np.abs(np.imag(poles)) > np.abs(np.real(poles))]
         scales[where] = (_shortest(poles), _shortest(ringing))
     return scales
@@ -45,15 +41,14 @@ def filling_times(elements: Iterable[PlacedLaw], nodes: Mapping[str, Node]) -> l
     return times
 
 
-def _poles(nodes: Iterable[Node], groups: Sequence[Group]) -> Iterator[tuple[str, NDArray]]:
-    """Of each node with dynamic loads, alone or joined to others by multiports, in all states of its switches."""
-    elsewhere = {id(node) for group in groups for node in group.nodes}
+def _poles(groups: Iterable[Group]) -> Iterator[tuple[str, NDArray]]:
+    """Of each group with loads or branches that have states, in all positions of its switches."""
     for group in groups:
-        yield group.ports[0].where, np.linalg.eigvals(group.system(0.0).A)
-    for node in nodes:
-        if node.load is not None and node.held is None and id(node) not in elsewhere:
-            states = {node.switched(t) for t in (0.0, *(float(switch.time) for switch in node.switches), inf)}
-            yield node.load_name, np.concatenate([np.linalg.eigvals(node.effort(g).A) for g in states])
+        held = [branch.where for branch in (*group.loads, *group.branches) if len(branch.ports.Q)]
+        if held:
+            impedances = group.matched(0.0)
+            systems = [group.circuit(t, impedances).system for t in (0.0, *group.instants, inf)]
+            yield held[0], np.concatenate([np.linalg.eigvals(system.A) for system in systems])
 
 
 def _shortest(poles: NDArray) -> float:

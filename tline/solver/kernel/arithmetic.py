@@ -60,24 +60,31 @@ def weakest(size, low, high):
 
 
 @function
-def eliminate(system, size):
-    """Solve a linear system by Gauss with pivots; the right side is its last column, and becomes the solution."""
+def eliminate_all(system, size, sides):
+    """Solve linear systems by Gauss with pivots; the right sides are their last columns, and become the solutions."""
     for pivot in range(size):
         best = pivot
         for i in range(pivot + 1, size):
             if abs(system[i, pivot]) > abs(system[best, pivot]):
                 best = i
-        for j in range(pivot, size + 1):
+        for j in range(pivot, size + sides):
             system[pivot, j], system[best, j] = system[best, j], system[pivot, j]
         for i in range(pivot + 1, size):
             ratio = system[i, pivot] / system[pivot, pivot]
             if ratio != 0.0:
-                for j in range(pivot + 1, size + 1):
+                for j in range(pivot + 1, size + sides):
                     system[i, j] -= ratio * system[pivot, j]
     for pivot in range(size - 1, -1, -1):
-        for j in range(pivot + 1, size):
-            system[pivot, size] -= system[pivot, j] * system[j, size]
-        system[pivot, size] /= system[pivot, pivot]
+        for side in range(size, size + sides):
+            for j in range(pivot + 1, size):
+                system[pivot, side] -= system[pivot, j] * system[j, side]
+            system[pivot, side] /= system[pivot, pivot]
+
+
+@function
+def eliminate(system, size):
+    """The same with one right side."""
+    eliminate_all(system, size, 1)
 
 
 @function

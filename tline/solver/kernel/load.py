@@ -1,4 +1,4 @@
-"""A group of nodes with a state: one matrix product a slab."""
+"""A group with a map and without laws: one matrix product a slab."""
 
 import numpy as np
 
@@ -7,29 +7,31 @@ from tline.unit import function
 
 
 @function
-def load(run, g, m, step, at):
-    """Turn the Thévenin waves of m slabs at a group into the nodes' efforts, through the group's state.
+def load(run, g, n, step, at):
+    """Turn the Thévenin waves of n samples at a group into the nodes' efforts, through the group's state.
 
-    The map from (k Thévenin waves, n states) to (k efforts, the next states) begins at a place of `step`.
+    The map from (k Thévenin waves at q points, states) to (k efforts, the next states) begins at a place of `step`.
     """
     network, states, u, row, s = run.network, run.state.load, run.work.u, run.work.row, run.state.before.shape[1]
-    k, n, x = network.group[g + 1] - network.group[g], network.step_states[network.step_row[g]], network.load_at[g]
-    width = np.uint64(k * s + n)
-    for slab in range(m):
+    r, x = network.step_row[g], network.load_at[g]
+    k, count = network.group[g + 1] - network.group[g], network.step_states[r]
+    q = s if network.step_whole[r] else np.int64(1)
+    width = np.uint64(k * q + count)
+    for block in range(n // q):
         for p in range(k):
-            for i in range(s):
-                row[np.uint64(p * s + i)] = u[np.uint64((p * m + slab) * s + i)]
-        for i in range(n):
-            row[np.uint64(k * s + i)] = states[np.uint64(x + i)]
+            for i in range(q):
+                row[np.uint64(p * q + i)] = u[np.uint64(p * n + block * q + i)]
+        for i in range(count):
+            row[np.uint64(k * q + i)] = states[np.uint64(x + i)]
         place = np.uint64(at)
         for p in range(k):
-            for i in range(s):
+            for i in range(q):
                 total = 0.0
                 for j in range(width):
                     total += step[place + j] * row[j]
                 place += width
-                u[np.uint64((p * m + slab) * s + i)] = total
-        for i in range(n):
+                u[np.uint64(p * n + block * q + i)] = total
+        for i in range(count):
             total = 0.0
             for j in range(width):
                 total += step[place + j] * row[j]

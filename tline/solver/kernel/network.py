@@ -44,8 +44,8 @@ class Laws(NamedTuple):
     at: Integers  # (E,) place of its first constant
     constants: Floats
     state_at: Integers  # (E,) place of its state, -1 for none
-    source_impedance: Floats  # (E,) of the source that it sees, > 0
-    impedance: Floats  # (N,) Thévenin impedance of each node, 0 if its effort is held, -1 if nothing conducts there
+    source_impedance: Floats  # (E,) behind which each is seen, > 0
+    impedance: Floats  # (N,) Thévenin impedance of each node beside branches, 0 if its effort is held
     tools: Tools
     step: float  # slab width, s
 
@@ -64,9 +64,6 @@ class Segments(NamedTuple):
     maps: Floats  # by columns: from a segment's values (m + 2 s, m), and from what enters (m + 2 s, 2 s), to its next
     # values and what leaves it then; X, Y, R, Q of `advance_segments`, (s, s)
     state: Integers  # (rows,) place of the row's state: m values and 2 s that leave next, of each segment; 2 s of ends
-    beside: Flags  # (G,) whether a group with elements has such lines
-    echo_at: Integers  # (N,) place of what such a node's effort adds to its Thévenin wave, by columns (s, s); or -1
-    echo: Floats
 
 
 class LossElements(NamedTuple):
@@ -116,11 +113,12 @@ class Network(NamedTuple):
     weight: Floats  # (2 L,) share of an arriving wave in the node's Thévenin wave
     excitation_row: Integers  # (N,) row of the source's part of that wave, -1 for none
     group: Integers  # (G + 1,) nodes group[g] to group[g + 1] are advanced together; most groups have one
-    load_at: Integers  # (G,) place of the group's first state, -1 for an algebraic node
+    load_at: Integers  # (G,) place of the group's first state, -1 for one without a map
     step_row: Integers  # (G,) row of the group's map over a slab; switches that move rewrite it
     step_at: Integers  # (rows,) place of a map in step
     step_states: Integers  # (rows,) its number of states n
-    step: Floats  # maps (k s + n)² from (k Thévenin waves, state) to (k efforts, next state), one after the other
+    step_whole: Flags  # (rows,) whether it sees q = s points of a slab at once, or q = 1, one after the other
+    step: Floats  # maps (p q + n)² from (waves of p nodes and laws, state) to (p efforts, next state)
     record_row: Integers  # (2 L,) row in the record of an end, -1 if it is not recorded
     laws: Laws
     segments: Segments
@@ -145,8 +143,8 @@ class Units(NamedTuple):
 
     advance: int  # blocks of slabs
     delay: int  # fractional rests of delays
-    crossing: int  # groups with elements
-    group: int  # those with several that see each other
+    crossing: int  # groups with one law and nothing else
+    circuit: int  # other groups with laws
     law: Integers  # (E,) of each element: its law, or its store
     loss: Integers  # (rows,) of each row of loss elements
     segments: int  # lossy lines in segments
@@ -187,21 +185,25 @@ class Store(NamedTuple):
     constant: Floats  # (1,)
 
 
-class Newton(NamedTuple):
-    """Workspace of Newton's method for a group of elements: n unknowns, elements first, then nodes."""
+class CircuitWork(NamedTuple):
+    """Workspace of a circuit with laws; M points of laws that see each other, law by law."""
 
-    x: Floats  # (n,)
-    safe: Floats
-    aimed: Floats
-    rest: Floats
-    level: Floats  # (nodes,)
-    taken: Floats
-    flow: Floats  # (elements,)
-    slope: Floats
-    system: Floats2  # (n, n + 1)
-    wave: Floats  # (nodes * s,) of one slab
-    last: Floats
-    own: Floats2  # (elements, 2) states
+    given: Floats  # (M,) waves that nodes and states send to laws
+    aimed: Floats  # (M,) waves into laws
+    start: Floats  # (M,)
+    turn: Floats  # (M,)
+    trial: Floats  # (M,)
+    sent: Floats  # (M,) waves out of them
+    flow: Floats  # (M,)
+    other: Floats  # (M,)
+    slope: Floats  # (M,) of flows without a state over waves
+    rest: Floats  # (M,)
+    answer: Floats2  # (M, s)
+    system: Floats2  # (M, M + 1)
+    control: Floats2  # (elements, s)
+    kept: Floats2  # (elements, 2) states
+    waves: Floats  # (E s,) last waves into all elements, with which the next search begins
+    width: Integers  # (1,) of the map
 
 
 class Work(NamedTuple):
@@ -215,7 +217,8 @@ class Work(NamedTuple):
     control: Floats2  # (elements, tile * s)
     crossing: Crossing
     store: Store
-    newton: Newton
+    circuit: CircuitWork
+    map: Floats  # of a circuit over a piece of a slab
     pair: Floats  # (s * ABREAST,) waves at neighbouring loss elements
     out: Floats  # (s * ABREAST,)
     enter: Floats  # what enters the segments of a line

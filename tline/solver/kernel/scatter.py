@@ -72,11 +72,15 @@ def scatter_group(run, g, here, m, column):
             if shift_row[e >> 1] >= 0:
                 invoke(units.delay, (run, e, position[e], m))
             gather(u, q, n, waves, np.uint64(position[e]), weight[i])
-    if network.load_at[g] >= 0:
-        load(run, g, m, network.step, network.step_at[network.step_row[g]])
-    if network.laws.first[g] < network.laws.first[g + 1]:
+    laws = network.laws.first[g] < network.laws.first[g + 1]
+    if laws:
         control(run, g, here, n)
-        invoke(units.crossing, (run, np.int64(g), n, network.laws.step, np.int64(1)))
+    if laws and network.load_at[g] >= 0:
+        invoke(units.circuit, (run, np.int64(g), n, network.laws.step, np.int64(0)))
+    elif laws:
+        invoke(units.crossing, (run, np.int64(g), n, network.laws.step))
+    elif network.load_at[g] >= 0:
+        load(run, g, n, network.step, network.step_at[network.step_row[g]])
     for node in range(one, after):
         q = np.uint64((node - one) * n)
         for i in range(first[node], first[node + 1]):

@@ -38,18 +38,18 @@ def units_of(network: Network, *, fronts: bool) -> Units:
         return unit_at(path).address if needed else 0
 
     kind, losses, segments = network.laws.kind, network.losses.kind, len(network.segments.line)
-    several = len(kind) and (np.diff(network.laws.first).max() > 1 or (network.laws.impedance < 0).any())
+    laws, mapped = np.diff(network.laws.first) > 0, network.load_at >= 0
     constant = address("losses.dissipation.dissipation", len(losses) and (losses < REMEMBERED).any())
     remembered = address("losses.memory.memory", len(losses) and (losses == REMEMBERED).any())
     return Units(
         advance=advance.address,
         delay=address("delay.delay_rest", (network.shift_row >= 0).any()),
-        crossing=address("laws.crossing.crossing", len(kind)),
-        group=address("laws.group.group", several),
+        crossing=address("laws.crossing.crossing", (laws & ~mapped).any()),
+        circuit=address("laws.circuit.circuit", (laws & mapped).any()),
         law=law_addresses(kind) if len(kind) else np.zeros(0, np.int64),
         loss=np.where(losses == REMEMBERED, remembered, constant),
         segments=address("losses.segments.pass_segments", segments),
-        respond=address("fronts.respond.respond_by_map", fronts and (network.load_at >= 0).any()),
+        respond=address("fronts.respond.respond_by_map", fronts and mapped.any()),
         collapse_at_losses=address("fronts.collapse.collapse_at_losses", fronts and len(losses)),
         collapse_group=address("fronts.collapse.collapse_group", fronts and segments),
     )

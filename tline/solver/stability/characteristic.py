@@ -12,22 +12,22 @@ CHUNK = 2e6  # complex entries held at once
 class Characteristic(Scattering):
     """D(s) = det(I - P S) times the product of all f: without poles; see `scattering` for the names.
 
-    Of nodes that multiports join, the determinants of their balance and of the multiports' s - Q stand for the f.
+    Of nodes that branches join, the determinants of their balance and of the branches' s - Q stand for the f.
     """
 
     @property
     def corner(self) -> float:
         """Beyond this modulus of s the loads behave as at infinity: that of the largest root of all p, q and f.
 
-        Of multiports, that of the largest root of their Q, and of the determinants of M u and N i alone.
+        Of branches, that of the largest root of their Q, and of the determinants of M u and N i alone.
         """
         roots = [
             np.roots(side)
             for (p, f), total in zip(self.loads, self.totals, strict=True)
             for side in (p, f, np.polysub(f, p * total))
         ]
-        for _, multiports in self.groups:
-            roots += [each * self.second for part in multiports for each in _roots(part.ports)]
+        for _, branches in self.groups:
+            roots += [each * self.second for branch in branches for each in _roots(branch.ports)]
         return float(max((np.abs(r).max() for r in roots if len(r)), default=0.0))
 
     def log(self, s: NDArray) -> NDArray:
@@ -37,10 +37,10 @@ class Characteristic(Scattering):
     def _log(self, s: NDArray) -> NDArray:
         balances = list(self.balances(s))
         total = _log_det(np.eye(self.size) - self.sent_back(s, self.answered(balances)))
-        for (_, multiports), (_, _, matrix) in zip(self.groups, balances, strict=True):
+        for (_, branches), (_, _, matrix) in zip(self.groups, balances, strict=True):
             total = total + _log_det(matrix)
-            for part in multiports:
-                Q = part.ports.Q * self.second
+            for branch in branches:
+                Q = branch.ports.Q * self.second
                 total = total + _log_det(s[:, None, None] * np.eye(len(Q)) - Q)
         return total
 

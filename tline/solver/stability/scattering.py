@@ -3,7 +3,7 @@
 Waves w that arrive at the line ends come back as w = P(s) (S(s) w + g), with the lines' passage P, exp(-sT) without
 losses, the scattering S of the nodes and what the sources send, g. At a node with lines and resistances of conductance
 Y and a load Z = p/q, the effort follows from f u = p (sum of w/z0 + J - i) with f = Y p + q, J the flow of its sources
-and i that into multiports, which bind efforts and flows of several nodes; 2u - w leaves each end.
+and i that into branches, which bind efforts and flows of several nodes; 2u - w leaves each end.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
 from tline.solver.description.given import Touchstone
-from tline.solver.description.multiport import PortPlaces
+from tline.solver.description.branches import Branch
 from tline.solver.description.nodes import Node
 from tline.solver.stability.lossy_line import carried, losses_of
 
@@ -55,7 +55,8 @@ class Scattering:
         self.measured = [node.measured for node in nodes.values()]
         self.loads = [self._polynomials(*each) for each in zip(nodes.values(), self.totals, self.held, strict=True)]
         edges = np.cumsum([0, *(len(group.nodes) for group in groups)])
-        self.groups = [(np.arange(*span), group.ports) for span, group in zip(pairwise(edges), groups, strict=True)]
+        last = [[branch.before(np.inf) for branch in group.branches] for group in groups]
+        self.groups = [(np.arange(*span), branches) for span, branches in zip(pairwise(edges), last, strict=True)]
 
     def _polynomials(self, node: Node, total: float, held: bool) -> tuple[NDArray, NDArray]:
         """Coefficients of p and of f = Y p + q, one scale for both; p = 0 where the effort is held."""
@@ -96,27 +97,28 @@ class Scattering:
         return size * p, size * (1 - S + total * p)
 
     def balances(self, s: NDArray) -> Iterator[Parts]:
-        """Of each group its nodes, p there, and what efforts and flows into multiports are multiplied by.
+        """Of each group its nodes, p there, and what efforts and flows into branches are multiplied by.
 
         Shapes (k,), (n, k) and (n, k + flows, k + flows).
         """
         p, f = self.sides(s)
-        for nodes, multiports in self.groups:
+        for nodes, branches in self.groups:
             k, row = len(nodes), len(nodes)
-            matrix = np.zeros((len(s), *2 * [k + sum(len(part.nodes) for part in multiports)]), complex)
+            matrix = np.zeros((len(s), *2 * [k + sum(len(branch.nodes) for branch in branches)]), complex)
             matrix[:, range(k), range(k)] = f[:, nodes]
-            for part in multiports:
-                flows = np.arange(row, row + len(part.nodes))
-                through, binding = self._bound(part, s)
-                matrix[:, flows[:, None], part.nodes] = through
+            for branch in branches:
+                flows = np.arange(row, row + len(branch.nodes))
+                through, binding = self._bound(branch, s)
+                for j, node in enumerate(branch.nodes):  # which may have several of them
+                    matrix[:, flows, node] += through[:, :, j]
                 matrix[:, flows[:, None], flows] = binding
-                matrix[:, part.nodes, flows] = p[:, nodes[part.nodes]]
-                row += len(part.nodes)
+                matrix[:, branch.nodes, flows] = p[:, nodes[branch.nodes]]
+                row += len(branch.nodes)
             yield nodes, p[:, nodes], matrix
 
-    def _bound(self, part: PortPlaces, s: NDArray) -> tuple[NDArray, NDArray]:
-        """M u + N i = 0 of a multiport, without its states."""
-        M, N, E, Q, P, R = part.ports
+    def _bound(self, branch: Branch, s: NDArray) -> tuple[NDArray, NDArray]:
+        """M u + N i = 0 of a branch, without its states."""
+        M, N, E, Q, P, R = branch.ports
         states = np.linalg.solve(s[:, None, None] / self.second * np.eye(len(Q)) - Q, np.hstack([P, R])[None])
         less = E @ states
         return M - less[:, :, : len(M)], N - less[:, :, len(M) :]

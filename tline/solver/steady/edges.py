@@ -43,7 +43,9 @@ class Edges:
         ]
         ends = [[-1 if node is None else number[node] for node in pair] for pair in pairs]
         self.from_node, self.to_node = np.array(ends, int).reshape(-1, 2).T
-        self.packed, _ = laws_of([self.elements], [[*description.nodes.values()]], 0, 0)
+        nodes = description.nodes
+        impedances = [element.seen(nodes) for element in self.elements]
+        self.packed, _ = laws_of([self.elements], [[*nodes.values()]], impedances, 0, 0)
 
     @property
     def count(self) -> int:

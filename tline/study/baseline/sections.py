@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
+from tline.solver.description.groups import Group
 from tline.solver.description.nodes import node_of_end
 from tline.study.baseline.integrate import Chain, integrated
 from tline.study.baseline.method import Trace
@@ -65,7 +66,7 @@ def pade(scene: Scene, n: float) -> Trace:
         chains.append(Chain(both, 2 / width * np.kron(np.eye(2), enter), sides))
     systems = []
     for node in nodes.values():
-        A, b, c, d = node.effort(0.0)
+        A, b, c, d = Group([node], [], [], []).circuit(0.0).system
         both = np.repeat(unit * b, 2, axis=1)
         systems.append(HELD if node.held else NodeSystem(unit * A, both, c, np.repeat(d, 2, axis=1)))
     return integrated(scene, n, chains, systems, order=3, thevenin=True)

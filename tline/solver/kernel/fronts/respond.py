@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tline.solver.kernel.fronts.settle import collocate, collocate_finely
+from tline.solver.kernel.fronts.settle import collocate, collocate_finely, map_of
 from tline.solver.kernel.fronts.structures import MERGE, FrontRun
 from tline.solver.kernel.load import load
 from tline.unit import function, invoke, unit
@@ -19,18 +19,23 @@ def move_switches(run, fronts, g, slab, until):
 
 @unit
 def respond_by_map(job: FrontRun, g: int, piece: int, m: int) -> int:
-    """Turn the Thévenin waves of a piece at a group with a state into efforts; the piece is the slab if m is 1."""
+    """Turn the Thévenin waves of a piece at a group with a map into efforts; the piece is the slab if m is 1."""
     run, fronts = job.run, job.fronts
-    network, systems, wave = run.network, fronts.systems, run.work.u
+    network, systems, wave, s = run.network, fronts.systems, run.work.u, fronts.tools.c.size
     edges, x, k, r = fronts.work.edges, network.load_at[g], network.group[g + 1] - network.group[g], network.step_row[g]
     n, width = network.step_states[r], edges[piece + 1] - edges[piece]
     states = run.state.load[x : x + n]
-    if m == 1:
-        load(run, g, np.int64(1), network.step, network.step_at[r])
+    laws = network.laws.first[g + 1] - network.laws.first[g]
+    if laws > 0:
+        if n > 0 and m > 1:
+            map_of(fronts, systems.at[r], k + laws, n, fronts.step * width, run.work.map)
+        invoke(run.units.circuit, (run, g, s, fronts.step * width, np.int64(n > 0 and m > 1)))
+    elif m == 1 or n == 0:
+        load(run, g, s, network.step, network.step_at[r])
     elif not fronts.work.unsettled[piece]:
         collocate(fronts, systems.at[r], k, fronts.step * width, wave, states, run.work.row)
     elif abs(width - fronts.settle[g]) < MERGE:
-        load(run, g, np.int64(1), systems.settling, systems.settling_at[r])
+        load(run, g, s, systems.settling, systems.settling_at[r])
     else:
         collocate_finely(run, fronts, systems.at[r], k, width, fronts.settle[g], states)
     return 0
@@ -54,8 +59,9 @@ def respond(job, g, slab, m):
             for e in range(count):
                 for i in range(s):
                     run.work.control[e, i] = work.control[e, piece, i]
+        if network.load_at[g] < 0:
             width = fronts.step * (edges[piece + 1] - edges[piece])
-            invoke(run.units.crossing, (run, np.int64(g), s, width, np.int64(0)))
+            invoke(run.units.crossing, (run, np.int64(g), s, width))
         else:
             invoke(run.units.respond, (job, np.int64(g), np.int64(piece), m))
         for p in range(k):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tline.solver.kernel.arithmetic import eliminate, times
+from tline.solver.kernel.arithmetic import eliminate, eliminate_all, times
 from tline.solver.kernel.fronts.gather import regrouped
 from tline.solver.kernel.fronts.structures import DROPPED, MERGE
 from tline.unit import function
@@ -38,6 +38,35 @@ def collocate(fronts, at, k, h, w, x, row):
             w[p * s + i] = row[p]
     for p in range(n):
         x[p] = stages[(s - 1) * n + p, size]
+
+
+@function
+def map_of(fronts, at, k, n, h, out):
+    """The map over a piece of width h of dx/dt = A x + B w, from k waves w at the points and n states, row by row."""
+    entries, radau, stages = fronts.systems.entries, fronts.tools.radau, fronts.work.stages
+    s, size, width, columns = radau.shape[0], radau.shape[0] * n, n + k, k * radau.shape[0] + n
+    for i in range(s):
+        for p in range(n):
+            stage, line = i * n + p, at + p * width
+            for j in range(s):
+                for q in range(k):
+                    stages[stage, size + q * s + j] = h * radau[i, j] * entries[line + n + q]
+                for q in range(n):
+                    stages[stage, j * n + q] = (i == j and p == q) - h * radau[i, j] * entries[line + q]
+            for q in range(n):
+                stages[stage, size + k * s + q] = p == q
+    eliminate_all(stages, size, columns)
+    for p in range(k):
+        for i in range(s):
+            place, line = (p * s + i) * columns, at + (n + p) * width
+            for c in range(columns):
+                total = entries[line + n + c // s] if c < k * s and c % s == i else 0.0
+                for q in range(n):
+                    total += entries[line + q] * stages[i * n + q, size + c]
+                out[place + c] = total
+    for p in range(n):
+        for c in range(columns):
+            out[(k * s + p) * columns + c] = stages[(s - 1) * n + p, size + c]
 
 
 @function

@@ -1,0 +1,205 @@
+"""What stands between the line ends of a group of nodes, as one state space.
+
+At a node with conductance g flows balance: g (w - u) is what flows into the branches there, with the Thévenin wave w of
+line ends, resistors and sources. A law, whose flow is no linear function of the effort, is a line end of no length: the
+circuit sees the wave β that comes out of it behind an impedance ρ, e - ρ i = β. With the equations of the branches,
+M u + N i = E x, that is one linear system for efforts and flows; the states x follow them.
+
+Where it is singular, as in loops of capacitors and where inductors alone meet, some states bind each other: these are
+taken together, and what the efforts or flows lack follows from the rates of what is bound (index reduction; Hairer,
+Wanner: Solving Ordinary Differential Equations II, 1996, section VII.2).
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.solver.description.branches import Branch
+from tline.solver.description.load_step import StateSpace
+from tline.solver.description.nodes import Node
+
+ILL, SINGULAR = 1e11, 1e-12  # condition from which on singular values are looked at, and which of these count as none
+SMALL = 1e-9  # what rounding leaves of coefficients
+
+
+class LawPort(NamedTuple):
+    """Where a law stands: places of its nodes, -1 for the reference, and the impedance behind which it is seen."""
+
+    where: str
+    from_node: int
+    to_node: int
+    impedance: float
+
+
+class Circuit(NamedTuple):
+    """A state space, and which of the states of all branches, one after the other, are its own."""
+
+    system: StateSpace
+    kept: NDArray
+
+
+class Equations(NamedTuple):
+    """F v = G x + H w and dx/dt = Q x + L v: efforts and flows v, states x, waves w."""
+
+    F: NDArray
+    G: NDArray
+    H: NDArray
+    Q: NDArray
+    L: NDArray
+
+
+def circuit(
+    nodes: Sequence[Node], branches: Sequence[Branch], laws: Sequence[LawPort] = (), switched: Sequence[float] = ()
+) -> Circuit:
+    """State space of a circuit, from the waves of its nodes and of its laws to the efforts at nodes and across laws.
+
+    Parameters
+    ----------
+    nodes : sequence of Node
+    branches : sequence of Branch
+        Loads with states too.
+    laws : sequence of LawPort
+    switched : sequence of float
+        Conductance of the switches at each node; none without it.
+
+    Raises
+    ------
+    InputError
+        Efforts and flows do not follow: what is prescribed contradicts itself, or nothing determines an effort.
+
+    Notes
+    -----
+    Where branches see the gauge pressure at heights, a last state is always 1.
+    """
+    k, m = len(nodes), len(laws)
+    F, G, H, Q, L = equations(nodes, branches, laws, switched)
+    bound, kept = _bound(F), np.arange(len(Q))
+    if len(bound):
+        x, w, Q, L, kept = _reduced(Equations(F, G, H, Q, L), bound, nodes, branches)
+    else:
+        x, w = np.linalg.solve(F, G), np.linalg.solve(F, H)
+    A, B = Q + L @ x, L @ w
+    C, D = np.zeros((k + m, A.shape[1])), np.zeros((k + m, k + m))
+    C[:k], D[:k] = x[:k], w[:k]
+    for p, law in enumerate(laws, k):
+        for at, sign in ((law.from_node, 1.0), (law.to_node, -1.0)):
+            if at >= 0:
+                C[p] += sign * x[at]
+                D[p] += sign * w[at]
+    return Circuit(StateSpace(A, B, C, D), kept)
+
+
+def equations(
+    nodes: Sequence[Node], branches: Sequence[Branch], laws: Sequence[LawPort] = (), switched: Sequence[float] = ()
+) -> Equations:
+    """The equations of a circuit: balances of nodes, then branches, then laws; flows in units of the conductances."""
+    switched = switched or [0.0] * len(nodes)
+    k, m, levels = len(nodes), len(laws), np.array([node.above_level for node in nodes])
+    states, flows = sum(len(b.ports.Q) for b in branches), sum(len(b.nodes) for b in branches)
+    lifted = bool(levels.any()) and (any(b.to_air for b in branches) or any(switched))
+    n, size = states + lifted, k + flows + m
+    unit = nodes[0].alone  # of flows, so that all unknowns are of one size
+    F, G, H, Q, L = (np.zeros(shape) for shape in ((size, size), (size, n), (size, k + m), (n, n), (n, size)))
+    for p, (node, g) in enumerate(zip(nodes, switched, strict=True)):
+        scale = max(abs(node.total), 0.0 if np.isinf(g) else g, unit)
+        if node.held is not None:
+            F[p, p] = H[p, p] = 1.0
+        elif np.isinf(g):
+            F[p, p] = 1.0
+            G[p, states:] = levels[p]
+        else:
+            F[p, p] = ((0.0 if node.dead else node.total) + g) / scale
+            H[p, p] = node.total / scale
+            G[p, states:] = g * levels[p] / scale
+    free = [node.held is None and not np.isinf(g) for node, g in zip(nodes, switched, strict=True)]
+
+    def leave(at: int, column: int, sign: float) -> None:
+        """Let a flow leave a node."""
+        if at >= 0 and free[at]:
+            F[at, column] += sign * unit / max(abs(nodes[at].total), switched[at], unit)
+
+    row, state = k, 0
+    for branch in branches:
+        M, N, E, own, P, R = branch.ports
+        rows, those = slice(row, row + len(M)), slice(state, state + len(own))
+        size_ = np.maximum(np.abs(M).max(axis=1), np.abs(N).max(axis=1) * unit)[:, None]
+        for j, at in enumerate(branch.nodes):  # a node may have several of them
+            F[rows, at] += (M / size_)[:, j]
+            L[those, at] += P[:, j]
+            leave(at, row + j, 1.0)
+        F[rows, rows] = N * unit / size_
+        L[those, rows] = R * unit
+        G[rows, those], Q[those, those] = E / size_, own
+        if lifted and branch.to_air:
+            G[rows, states] += M @ levels[branch.nodes] / size_[:, 0]
+            Q[those, states] -= P @ levels[branch.nodes]
+        row, state = rows.stop, those.stop
+    for p, law in enumerate(laws, row):
+        size_ = max(1.0, law.impedance * unit)
+        for at, sign in ((law.from_node, 1.0), (law.to_node, -1.0)):
+            if at >= 0:
+                F[p, at] += sign / size_
+            leave(at, p, sign)
+        F[p, p], H[p, k + p - row] = -law.impedance * unit / size_, 1.0 / size_
+    return Equations(F, G, H, Q, L)
+
+
+def _bound(F: NDArray) -> NDArray:
+    """Combinations of the equations that tell nothing of efforts and flows, so that they bind states."""
+    try:
+        if np.linalg.norm(np.linalg.inv(F), 1) * np.linalg.norm(F, 1) < ILL:
+            return F[:0]
+    except np.linalg.LinAlgError:
+        pass
+    left, values, _ = np.linalg.svd(F)
+    return left[:, values < SINGULAR * values[0]].T
+
+
+def _reduced(
+    equations: Equations, bound: NDArray, nodes: Sequence[Node], branches: Sequence[Branch]
+) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
+    """Efforts and flows by the states that are left and by waves, rates of these in terms of both, and which."""
+    F, G, H, Q, L = equations
+    where = " and ".join(dict.fromkeys(branch.where for branch in branches))
+    together = bound @ G
+    if np.abs(bound @ H).max(initial=0.0) > SMALL:
+        problem = "no efforts and flows follow from what is at its nodes"
+        if np.abs(together).max(initial=0.0) > SMALL:
+            problem = "an ideal source prescribes what it holds itself"
+        raise InputError(where, problem, "a resistance in between")
+    follow = together @ L
+    scale = np.abs(follow).max(axis=1, keepdims=True, initial=0.0)
+    scale[scale == 0.0] = 1.0
+    whole = np.vstack([F, follow / scale])
+    _, values, back = np.linalg.svd(whole)
+    if values[-1] < SINGULAR * values[0]:
+        loose = [node.name for node, share in zip(nodes, back[-1], strict=False) if abs(share) > SMALL]
+        if not loose:
+            raise InputError(where, "no efforts and flows follow from what is at its nodes", "a resistance in between")
+        raise InputError(f"node '{loose[0]}'", "nothing ties its effort to the reference", "a load, or a line")
+    others, of_others = _eliminated(together, Q.any(axis=1) | L.any(axis=1))
+    x = np.linalg.lstsq(whole, np.vstack([G, -together @ Q / scale]) @ of_others)[0]
+    w = np.linalg.lstsq(whole, np.vstack([H, np.zeros((len(bound), H.shape[1]))]))[0]
+    return x, w, Q[others] @ of_others, L[others], others
+
+
+def _eliminated(together: NDArray, moving: NDArray) -> tuple[NDArray, NDArray]:
+    """States that are left where combinations of all vanish, and all in terms of these; by Gauss with full pivots."""
+    size = np.abs(together).max(axis=0, initial=0.0)
+    size[size == 0.0] = 1.0
+    rest, gone = together / size * moving, []
+    for _ in range(len(together)):
+        row, column = np.unravel_index(np.argmax(np.abs(rest)), rest.shape)
+        if abs(rest[row, column]) < SMALL:
+            break
+        gone.append(column)
+        rest = rest - np.outer(rest[:, column] / rest[row, column], rest[row])
+    others = np.setdiff1d(np.arange(together.shape[1]), gone)
+    of_others = np.zeros((together.shape[1], len(others)))
+    of_others[others, np.arange(len(others))] = 1.0
+    if gone:
+        of_others[gone] = -np.linalg.lstsq(together[:, gone], together[:, others])[0]
+    return others, of_others
