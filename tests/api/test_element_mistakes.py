@@ -53,8 +53,6 @@ def scene(load: dict | None = None, link: dict | None = None, **more) -> Scene:
         ({"kind": "table", "points": [[0, 0], [1, -1]]}, r"loads.x.points\[1\]: the curve falls or stands still"),
         ({"kind": "surge tank"}, "loads.x: its surface is not given once"),
         ({"kind": "air vessel", "gas_volume": 1, "gas_pressure": -2e5}, "loads.x.gas_pressure: below vacuum"),
-        ({"kind": "air vessel", "gas_volume": 1, "gas_pressure": 1}, "an air vessel or cavity stands beside loads.v"),
-        ({"kind": "vapour cavity"}, "loads.x: a vapour cavity stands beside loads.v, expected a line between"),
         (
             {"kind": "vapour cavity", "vapour_pressure": "2 bar"},
             "loads.x.vapour_pressure: too high, expected less than",
@@ -64,11 +62,6 @@ def scene(load: dict | None = None, link: dict | None = None, **more) -> Scene:
             {"kind": "air valve", "inlet_diameter": 0.1, "outlet_diameter": 0.1, "discharge_coefficient": 2},
             "loads.x.discharge_coefficient: ",
         ),
-        (
-            {"kind": "series", "capacitance": 1e-8},
-            "loads.x: stands beside loads.v, .*, expected a line",
-        ),
-        ({"kind": "valve", "before": 1, "after": 2, "time": 3}, "loads.x: stands beside loads.v, which is non-linear"),
     ],
 )
 def test_a_load(load, message):

@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 from tline.errors import InputError
 from tline.frequency.resonances import Resonance, resonances
 from tline.frequency.response import respond, source_named
-from tline.scene.load import Reservoir, Switch
+from tline.scene.load import Reservoir
 from tline.scene.scene import Scene
+from tline.scene.switch import Switch, SwitchLink
 from tline.solver.description.description import describe
 from tline.solver.stability.growth import growth
 from tline.wording import nearest
@@ -167,8 +168,8 @@ class DelaySystem:
             name: source | {"value": {"shape": "constant", "level": 0}} for name, source in table["sources"].items()
         }
         silent[self.source]["value"] = {"shape": "step", "to": 1}
-        still = {Switch: {"time": -1}, Reservoir: {"pressure": 0}}
-        loads = {
-            name: load | still.get(type(self.scene.loads[name]), {}) for name, load in table.get("loads", {}).items()
-        }
-        return self.scene.with_changes(sources=silent, loads=loads, nodes={})
+        still = {Switch: {"time": -1}, SwitchLink: {"time": -1}, Reservoir: {"pressure": 0}}
+        changed: dict[str, dict[str, Any]] = {"loads": {}, "links": {}}
+        for (part, name), element in self.scene.placed:
+            changed[part][name] = table[part][name] | still.get(type(element), {})
+        return self.scene.with_changes(sources=silent, nodes={}, **changed)

@@ -109,7 +109,7 @@ def _references(ports: Sequence[str], z0: float | str | Sequence[float | str]) -
 
 
 def _without_sources(scene: Scene, ports: Sequence[str]) -> Scene:
-    kept = {name: source for name, source in scene.table().get("sources", {}).items() if source["at"] not in ports}
+    kept = {name: source for name, source in scene.table().get("sources", {}).items() if source.get("at") not in ports}
     return scene.with_changes(sources=kept)
 
 

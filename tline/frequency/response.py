@@ -70,7 +70,7 @@ def respond(scene: Scene, s: ArrayLike, source: str | None = None) -> dict[str, 
     name = source_named(scene, source)
     given, network = scene.sources[name], Scattering(describe(scene))
     held, flows = np.zeros(len(network.names)), np.zeros(len(network.names))
-    at = network.names.index(given.at)
+    at = network.names.index(given.terminals[0])
     if np.isinf(given.conductance):
         held[at] = 1.0
     else:

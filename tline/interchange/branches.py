@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 from passivity import RationalFunction
-from tline.scene.rational_load import MOST_STATES
+from tline.scene.rational import MOST_STATES
 
 
 @dataclass(eq=False)

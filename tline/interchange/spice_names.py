@@ -9,8 +9,8 @@ class Names:
     """Words of a netlist for the names of a scene: these where they are words, and numbered ones elsewhere."""
 
     def __init__(self, scene: Scene):
-        joined = (*scene.lines.values(), *scene.links.values())
-        nodes = list(dict.fromkeys(at for element in joined for at in element.nodes))
+        joined = [*(line.nodes for line in scene.lines.values()), *(nodes for _, nodes in scene.between)]
+        nodes = list(dict.fromkeys(at for each in joined for at in each))
         self.used = {"0", "gnd"}
         self.node = {at: self._word(at, f"n{k}") for k, at in enumerate(nodes, 1)}
         self.comments = [f"* node {word} is {at!r}" for at, word in self.node.items() if word != at]

@@ -13,6 +13,7 @@ from tline.interchange.spice_waveform import spice_waveform
 from tline.scene.characteristic import Diode, DiodeLink
 from tline.scene.coupled import refuse_coupled
 from tline.scene.load import Matched, NoFlow, Resistor, Short
+from tline.scene.rational_link import RationalLink
 from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
 from tline.wording import place
@@ -28,8 +29,8 @@ def spice_text(scene: Scene, rise: float | None = None, step: float | None = Non
     Parameters
     ----------
     scene : Scene
-        Electrical; lines without losses or with a resistance, open, matched or shorted ends, R, L and C, linear
-        multiports, probes at nodes.
+        Electrical; lines without losses or with a resistance, open, matched or shorted ends, R, L and C at
+        nodes and between them, linear multiports, probes at nodes.
     rise : float, optional
         Time that a jump takes in the netlist, s; without it jumps are refused, for SPICE has none.
     step : float, optional
@@ -74,8 +75,13 @@ def spice_text(scene: Scene, rise: float | None = None, step: float | None = Non
         cards += _load(scene, name, names)
     for name, link in scene.links.items():
         nodes = [names.node[at] for at in link.nodes]
-        is_diode = isinstance(link, DiodeLink)
-        cards += diode_cards(link, name, nodes, names) if is_diode else multiport_cards(link, name, names)
+        match link:
+            case DiodeLink():
+                cards += diode_cards(link, name, nodes, names)
+            case RationalLink():
+                cards += _elements(as_load(link.rational()), name, nodes, names, place("links", name))
+            case _:
+                cards += multiport_cards(link, name, names)
     for name, probe in scene.probes.items():
         if probe.at is None:
             raise InputError(place("probes", name), "stands within a line, and a netlist knows nodes only", "at = …")
@@ -104,19 +110,19 @@ def _line(scene: Scene, name: str, names: Names) -> list[str]:
 
 def _source(scene: Scene, name: str, names: Names, rise: float | None) -> list[str]:
     source = scene.sources[name]
-    where, node = place("sources", name), names.node[source.at]
+    where, (node, minus) = place("sources", name), (names.node[at] if at else "0" for at in source.terminals)
     value = spice_waveform(source.value, scene, where, rise)
     resistance = None if source.resistance is None else float(source.resistance)
     if not source.is_effort:
-        beside = [] if resistance in (None, np.inf) else [f"{names.element('R', name)} {node} 0 {resistance!r}"]
-        return [f"{names.element('I', name)} 0 {node} {value}", *beside]
+        beside = [] if resistance in (None, np.inf) else [f"{names.element('R', name)} {node} {minus} {resistance!r}"]
+        return [f"{names.element('I', name)} {minus} {node} {value}", *beside]
     card = names.element("V", name)
     if not resistance:
-        return [f"{card} {node} 0 {value}"]
+        return [f"{card} {node} {minus} {value}"]
     if resistance == np.inf:
         return []
     inner = f"{card}.s"
-    return [f"{card} {inner} 0 {value}", f"{names.element('R', name)} {inner} {node} {resistance!r}"]
+    return [f"{card} {inner} {minus} {value}", f"{names.element('R', name)} {inner} {node} {resistance!r}"]
 
 
 def _load(scene: Scene, name: str, names: Names) -> list[str]:
@@ -139,16 +145,16 @@ def _load(scene: Scene, name: str, names: Names) -> list[str]:
         case Diode():
             return diode_cards(load, name, ["0", node] if load.reverse else [node, "0"], names)
         case Rational() if not load.rational().is_zero and not load.rational().is_infinite:
-            return _elements(as_load(load.rational()), name, node, names, where)
+            return _elements(as_load(load.rational()), name, [node, "0"], names, where)
     raise InputError(where, f"a {load.kind} has no counterpart in a netlist", "R, L and C")
 
 
-def _elements(table: dict[str, Any], name: str, node: str, names: Names, where: str) -> list[str]:
-    """R, L and C of a load that is made of them."""
+def _elements(table: dict[str, Any], name: str, ends: list[str], names: Names, where: str) -> list[str]:
+    """R, L and C of an impedance that is made of them."""
     parts = [(names.element(letter, name), table[key]) for key, letter in LETTERS.items() if key in table]
     if not parts or min(value for _, value in parts) <= 0:
         raise InputError(where, "its impedance is not R, L and C in series or side by side", "kind = 'series' or so")
     if table["kind"] != "series":
-        return [f"{element} {node} 0 {value!r}" for element, value in parts]
-    nodes = [node, *(f"{element}.x" for element, _ in parts[1:]), "0"]
+        return [f"{element} {' '.join(ends)} {value!r}" for element, value in parts]
+    nodes = [ends[0], *(f"{element}.x" for element, _ in parts[1:]), ends[1]]
     return [f"{element} {i} {j} {value!r}" for (element, value), i, j in zip(parts, nodes, nodes[1:], strict=False)]

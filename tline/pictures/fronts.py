@@ -9,9 +9,10 @@ import numpy as np
 from tline.errors import InputError
 from tline.scene.cavities import refuse_cavities
 from tline.scene.coupled import refuse_coupled
-from tline.scene.load import Switch
+from tline.scene.held import terminals_of
 from tline.scene.lossless import refuse_losses
 from tline.scene.scene import Scene
+from tline.scene.switch import Switch, SwitchLink
 from tline.solver.result.dense_output import AFTER, drawable
 from tline.solver.result.result import LineRecord, Result, Wave
 
@@ -92,9 +93,10 @@ def bounces(result: Result) -> Bounces:
 
 def _fronts(scene: Scene, record: LineRecord, nodes: tuple[str, str], t_end: float) -> list[Front]:
     """The first legs, in the order of their starts."""
-    starts = [(float(t), source.at) for source in scene.sources.values() for t in source.value.breaks(t_end)]
-    starts += [(float(load.time), load.at) for load in scene.loads.values() if isinstance(load, Switch)]
-    waiting = [(t, end) for t, at in starts if 0 <= t < t_end for end in (0, 1) if nodes[end] == at]
+    sources = [(float(t), source.terminals) for source in scene.sources.values() for t in source.value.breaks(t_end)]
+    moving = [element for _, element in scene.placed if isinstance(element, Switch | SwitchLink)]
+    starts = sources + [(float(switch.time), terminals_of(switch)) for switch in moving]
+    waiting = [(t, end) for t, at in starts if 0 <= t < t_end for end in (0, 1) if nodes[end] in at]
     heapq.heapify(waiting)
     fronts: list[Front] = []
     largest = max(float(np.ptp([wave.before, *wave.values.ravel()])) for wave in (record.a1, record.b2))

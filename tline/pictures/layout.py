@@ -77,7 +77,7 @@ def course(scene: Scene, line: str, places: Places, shares: NDArray) -> NDArray:
 
 
 def _nodes(scene: Scene) -> list[str]:
-    pairs = [element.nodes for element in (*scene.lines.values(), *scene.links.values())]
+    pairs = [*(line.nodes for line in scene.lines.values()), *(nodes for _, nodes in scene.between)]
     return list(dict.fromkeys(node for pair in pairs for node in pair))
 
 
@@ -92,7 +92,7 @@ def _distances(scene: Scene, nodes: list[str]) -> NDArray:
         lines[line.nodes] = min(lines.get(line.nodes, np.inf), line.parameters.delay or 0.0)
     median = float(np.median([*lines.values()]))
     edges = {pair: min(max(delay / median, SHORTEST), LONGEST) for pair, delay in lines.items()}
-    edges = dict.fromkeys(linked_pairs(scene.links), SHORTEST) | edges
+    edges = dict.fromkeys(linked_pairs(scene), SHORTEST) | edges
     at = [[number[node] for node in pair] for pair in edges if pair[0] != pair[1]]
     size = [edge for pair, edge in edges.items() if pair[0] != pair[1]]
     graph = coo_array((size, tuple(zip(*at, strict=True)) or ([], [])), shape=(len(nodes), len(nodes)))

@@ -18,7 +18,7 @@ from tline.pictures.handy import spread
 from tline.pictures.layout import Places, course, has_positions, layout
 from tline.pictures.style import FAINT, INK, LONGEST_NAME, figure, styled
 from tline.pictures.surge import Surge, surges
-from tline.scene.check import ideal_efforts
+from tline.scene.held import held_nodes
 from tline.scene.link import linked_pairs
 from tline.scene.scene import Scene
 from tline.solver.result.result import Result
@@ -81,16 +81,11 @@ def plot_map(result: Result) -> Figure:
         bar = picture.colorbar(colours, ax=axes, pad=0.02, fraction=0.05)
         bar.set_label(f"{word.split()[0]} of {effort} [{unit}]")
         bar.outline.set_visible(False)
-    _explain(picture, scene, bool(_held(scene)), any(surge.beyond for surge in both))
+    _explain(picture, scene, bool(held_nodes(scene)), any(surge.beyond for surge in both))
     picture.draw_without_rendering()
     for axes in panels:
         _name(axes, places)
     return picture
-
-
-def _held(scene: Scene) -> set[str]:
-    """Nodes whose effort is given."""
-    return {node for _, node in ideal_efforts(scene)}
 
 
 def _draw(axes: Axes, scene: Scene, places: Places, surge: Surge, colours: ScalarMappable, size: float) -> None:
@@ -101,10 +96,10 @@ def _draw(axes: Axes, scene: Scene, places: Places, surge: Surge, colours: Scala
         steps = LineCollection([*pairwise(ways[name])], cmap=colours.cmap, norm=colours.norm, linewidths=3.4, zorder=2)
         steps.set_array(np.maximum(values[1:], values[:-1]) / size)
         axes.add_collection(steps)
-    for pair in linked_pairs(scene.links):
+    for pair in linked_pairs(scene):
         x, y = np.array([places[node] for node in pair]).T
         axes.plot(x, y, color=INK, linewidth=1.5, linestyle=":", zorder=1)
-    held = _held(scene)
+    held = held_nodes(scene)
     for node, place in places.items():
         known = np.array([surge.nodes[node] / size]) if node in surge.nodes else None
         colour = "white" if known is None else colours.to_rgba(known)[0]

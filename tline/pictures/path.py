@@ -85,7 +85,7 @@ def route(scene: Scene, *nodes: str) -> Route:
     """
     refuse_coupled(scene.lines, "a path")
     by_line = _steps((name, line.nodes) for name, line in scene.lines.items())
-    linked = [("", pair) for pair in linked_pairs(scene.links)]
+    linked = [("", pair) for pair in linked_pairs(scene)]
     steps = _steps([*((name, line.nodes) for name, line in scene.lines.items()), *linked])
     nodes = nodes or _chain_ends(by_line) or _chain_ends(steps) or _no_chain(by_line)
     for node in nodes:

@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Any
 from tline.errors import InputError
 from tline.scene.cavities import places_of, stretches_of, with_cavities
 from tline.scene.coupled import Coupled, ends_of
-from tline.scene.crowded import crowded
 from tline.scene.element import is_name
 from tline.scene.factor import check_range
 from tline.scene.heights import height_mistakes
-from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
+from tline.scene.held import conflicting_holds
+from tline.scene.load import Matched, NoFlow, Resistor, Short
+from tline.scene.multiport import Multiport
 from tline.scene.rational_load import Rational
+from tline.scene.touchstone import Touchstone
 from tline.wording import nearest, place, shown
 
 if TYPE_CHECKING:
@@ -36,7 +38,7 @@ def misplaced(data: Mapping[str, Any]) -> list[InputError]:
     ends = [_ends(line) for line in lines.values()]
     known = bool(lines) and all(ends)
     nodes = sorted({node for pair in ends for node in pair}) if known else []
-    there, linked = set(nodes), Counter(linked_nodes(_tables(data, "links")))
+    there, linked = set(nodes), Counter(node for _, _, _, node in _joined(data))
     anywhere = there | linked.keys()
     if known:
         found += _loose_ends(data, nodes, linked)
@@ -64,25 +66,29 @@ def _ends(line: Mapping[str, Any]) -> list[str]:
     return []
 
 
-def _named(link: Mapping[str, Any]) -> list[str]:
-    """The nodes that a link's table names; none if they are no names."""
-    nodes = link.get("nodes")
+def _named(table: Mapping[str, Any]) -> list[str]:
+    """The nodes that a table of a link or a source names; none if they are no names."""
+    nodes = table.get("nodes")
     return [*nodes] if isinstance(nodes, list | tuple) and all(map(is_name, nodes)) else []
 
 
-def linked_nodes(links: Mapping[str, dict[str, Any]]) -> list[str]:
-    """Nodes that links name, as often as they do."""
-    return [node for link in links.values() for node in _named(link)]
+def _joined(data: Mapping[str, Any]) -> list[tuple[str, str, int, str]]:
+    """Nodes that links and sources between nodes name: section, name, place among their nodes, node."""
+    return [
+        (section, name, k, node)
+        for section in ("links", "sources")
+        for name, table in _tables(data, section).items()
+        for k, node in enumerate(_named(table))
+    ]
 
 
 def _loose_ends(data: Mapping[str, Any], nodes: list[str], linked: Counter[str]) -> Iterator[InputError]:
-    """Ends of links at nodes where nothing else is."""
+    """Ends of links, and of sources between nodes, at nodes where nothing else is."""
     there = {*nodes} | {str(table.get("at")) for part in ("sources", "loads") for table in _tables(data, part).values()}
-    for name, link in _tables(data, "links").items():
-        for k, node in enumerate(_named(link)):
-            if node not in there and linked[node] == 1:
-                where = place("links", name, "nodes", k)
-                yield InputError(where, "nothing else is at this node", nearest(node, nodes), shown(node))
+    for section, name, k, node in _joined(data):
+        if node not in there and linked[node] == 1:
+            where = place(section, name, "nodes", k)
+            yield InputError(where, "nothing else is at this node", nearest(node, nodes), shown(node))
 
 
 def _tables(data: Mapping[str, Any], section: str) -> dict[str, dict[str, Any]]:
@@ -103,12 +109,13 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
     ends.default_factory = None
     yield from _slab(scene)
     yield from _waveforms(scene)
-    yield from _held(scene)
+    yield from conflicting_holds(scene)
     yield from height_mistakes(scene)
     yield from _coupled(scene)
     yield from _cavities(scene)
-    yield from crowded(scene, {node for _, node in ideal_efforts(scene)})
-    linked = {node for link in scene.links.values() for node in link.nodes} - set(ends)
+    yield from _steady(scene)
+    yield from _measured(scene)
+    linked = {node for _, nodes in scene.between for node in nodes} - set(ends)
     for name, load in scene.loads.items():
         if isinstance(load, Matched) and load.at in linked:
             yield InputError(place("loads", name), f"no line ends at node '{load.at}' to be matched", "a resistor")
@@ -146,11 +153,9 @@ def _coupled(scene: Scene) -> Iterator[InputError]:
         if load.at in coupled and not isinstance(load, NoFlow | Short | Resistor | Rational):
             problem = f"a {load.kind} load at node '{load.at}' of coupled conductors"
             yield InputError(place("loads", name), problem, "R, L, C, an impedance, a short or an open end")
-    for name, link in scene.links.items():
-        for node in coupled.intersection(link.nodes):
-            yield InputError(
-                place("links", name), f"ends at node '{node}' of coupled conductors", "a node of single lines"
-            )
+    for where, nodes in scene.between:
+        for node in coupled.intersection(nodes):
+            yield InputError(where, f"ends at node '{node}' of coupled conductors", "a node of single lines")
 
 
 def _cavities(scene: Scene) -> Iterator[InputError]:
@@ -179,41 +184,25 @@ def _waveforms(scene: Scene) -> Iterator[InputError]:
             yield InputError(where, error.problem, error.expected, error.got)
 
 
-def _held(scene: Scene) -> Iterator[InputError]:
-    """Nodes where an effort is prescribed, or held by a capacitor, and what cannot stand beside that."""
-    held: dict[str, str] = {}
-    for where, node in ideal_efforts(scene):
-        if node in held:
-            problem = f"node '{node}' is already held by {held[node]}"
-            yield InputError(where, problem, "one ideal effort or short at a node")
-        held.setdefault(node, where)
-    capacitive: dict[str, str] = {}
+def _steady(scene: Scene) -> Iterator[InputError]:
+    """A steady state is not known with multiports."""
+    multiport = next((name for name, link in scene.links.items() if isinstance(link, Multiport)), None)
+    if scene.start == "steady" and multiport is not None:
+        where = place("links", multiport)
+        yield InputError("start", f"{where} has no steady state here", "'rest'", "'steady'")
+
+
+def _measured(scene: Scene) -> Iterator[InputError]:
+    """Measured one-ports beside loads with states: only alone they are as well conditioned as their fits."""
+    at: dict[str, list[str]] = defaultdict(list)
     for name, load in scene.loads.items():
-        where = place("loads", name)
-        if isinstance(load, Rational) and not load.rational().is_zero and load.rational().at_infinity() == 0:
-            capacitive.setdefault(load.at, where)
-            if load.at in held:
-                problem = f"its impedance vanishes at high frequency: a jump of {held[load.at]} drives an infinite flow"
-                yield InputError(where, problem, "a source with a resistance")
-    for name, load in scene.loads.items():
-        holder = held.get(load.at) or capacitive.get(load.at)
-        if isinstance(load, Switch) and 0 in (load.before, load.after) and holder:
-            problem = f"shorts node '{load.at}', which {holder} holds"
-            yield InputError(place("loads", name), problem, "a resistance above zero")
-
-
-def ideal_efforts(scene: Scene) -> list[tuple[str, str]]:
-    """Elements that prescribe an effort, and their nodes."""
-    ideal = [(place("sources", name), s.at) for name, s in scene.sources.items() if s.conductance == inf]
-    return ideal + [(place("loads", name), load.at) for name, load in scene.loads.items() if _is_ideal(load)]
-
-
-def _is_ideal(load: Any) -> bool:
-    return (
-        isinstance(load, Short | Reservoir)
-        or (isinstance(load, Resistor) and load.resistance == 0)
-        or (isinstance(load, Rational) and load.rational().is_zero)
-    )
+        if isinstance(load, Rational):
+            at[load.at].append(name)
+    for names in at.values():
+        one = next((name for name in names if isinstance(scene.loads[name], Touchstone)), None)
+        other = next((name for name in names if name != one), None)
+        if one and other:
+            yield InputError(place("loads", one), f"stands beside {place('loads', other)}", "a line between them")
 
 
 def _probe(scene: Scene, where: str, probe: Probe, ends: Ends) -> Iterator[InputError]:

@@ -144,9 +144,10 @@ def taken_as_zero(scene: Scene) -> list[str]:
         return []
     indifferent = {"closed", "open", "reservoir"}
     at = [load.at for load in scene.loads.values() if load.kind not in indifferent]
-    at += [source.at for source in scene.sources.values() if not source.is_effort]
+    at += [source.at for source in scene.sources.values() if source.at is not None and not source.is_effort]
     at += [node for probe in scene.probes.values() for node in _probed(scene, probe)]
-    at += [node for link in scene.links.values() if isinstance(link, Multiport) for node in link.nodes]
+    grounded = (link for link in scene.links.values() if isinstance(link, Multiport) and link.is_grounded)
+    at += [node for link in grounded for node in link.nodes]
     missing = list(dict.fromkeys(node for node in at if node not in known))
     if not missing:
         return []
@@ -194,9 +195,9 @@ def _components(scene: Scene) -> list[tuple[list[str], list[str]]]:
             parent[node] = node = parent[parent[node]]
         return node
 
-    for joint in (*scene.lines.values(), *scene.links.values()):
-        first = root(joint.nodes[0])
-        for node in joint.nodes[1:]:
+    for nodes in (*(line.nodes for line in scene.lines.values()), *(nodes for _, nodes in scene.between)):
+        first = root(nodes[0])
+        for node in nodes[1:]:
             parent[root(node)] = first
     found: dict[str, tuple[list[str], list[str]]] = {}
     for node in list(parent):

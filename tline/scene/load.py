@@ -9,22 +9,15 @@ from tline.scene.air_valve import AirValve
 from tline.scene.characteristic import Curve, Diode
 from tline.scene.choice import OneOf
 from tline.scene.element import AtNode
-from tline.scene.medium import MEDIA
+from tline.scene.medium import check_word
 from tline.scene.outflow import Demand, Leak
-from tline.scene.quantity import LoadResistance, Pressure, Resistance, Time
-from tline.scene.rational_load import Impedance, Parallel, Series
+from tline.scene.quantity import LoadResistance, Pressure
+from tline.scene.rational_load import Capacitor, Impedance, Inductor, Parallel, Series
+from tline.scene.switch import Switch
 from tline.scene.touchstone import Touchstone
 from tline.scene.user_defined import UserLoad, or_user_defined
 from tline.scene.valve import CheckValve, Orifice, ReliefValve
 from tline.scene.vessel import AirVessel, Cavity, SurgeTank, VapourCavity
-
-
-def _check_word(kind: str, info: ValidationInfo, role: str) -> str:
-    """The kind of a load, if it is a word of the scene's medium."""
-    medium = MEDIA.get((info.context or {}).get("medium", ""))
-    if medium is not None and getattr(medium, role) != kind:
-        raise InputError("", f"not a word of {medium.name} scenes", f"'{getattr(medium, role)}'", f"'{kind}'")
-    return kind
 
 
 class NoFlow(AtNode):
@@ -35,7 +28,7 @@ class NoFlow(AtNode):
     @field_validator("kind")
     @classmethod
     def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
-        return _check_word(kind, info, "no_flow")
+        return check_word(kind, info, "no_flow")
 
 
 class Short(AtNode):
@@ -73,22 +66,9 @@ class Resistor(AtNode):
     resistance: LoadResistance = Field(description="effort over flow")
 
 
-class Switch(AtNode):
-    """A valve or switch whose resistance changes from one value to another at an instant."""
-
-    kind: Literal["switch", "valve"]
-    before: Resistance = Field(description="resistance before the instant")
-    after: Resistance = Field(description="resistance from the instant on")
-    time: Time = Field(description="the instant")
-
-    @field_validator("kind")
-    @classmethod
-    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
-        return _check_word(kind, info, "switch")
-
-
 _Any = (
-    NoFlow | Short | Reservoir | Matched | Resistor | Switch | Series | Parallel | Impedance | Touchstone
+    NoFlow | Short | Reservoir | Matched | Resistor | Inductor | Capacitor | Series | Parallel
+    | Impedance | Touchstone | Switch
     | Orifice | CheckValve | ReliefValve | Leak | Demand | Diode | Curve
     | AirVessel | SurgeTank | Cavity | VapourCavity | AirValve
 )  # fmt: skip

@@ -1,6 +1,13 @@
 """The two media: what effort and flow are called there, and their units."""
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from tline.errors import InputError
+
+if TYPE_CHECKING:
+    from pydantic import ValidationInfo
 
 
 class Medium(NamedTuple):
@@ -45,3 +52,11 @@ ELECTRICAL = Medium(
     "switch",
 )
 MEDIA = {medium.name: medium for medium in (HYDRAULIC, ELECTRICAL)}
+
+
+def check_word(kind: str, info: ValidationInfo, role: str) -> str:
+    """The kind of an element, if it is the word of the scene's medium for that role."""
+    medium = MEDIA.get((info.context or {}).get("medium", ""))
+    if medium is not None and getattr(medium, role) != kind:
+        raise InputError("", f"not a word of {medium.name} scenes", f"'{getattr(medium, role)}'", f"'{kind}'")
+    return kind

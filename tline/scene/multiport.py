@@ -1,4 +1,4 @@
-"""Linear multiports: elements whose ports, each a node and the reference, know of each other without a delay."""
+"""Linear multiports: elements whose ports, each a node and the reference or two nodes, act without a delay."""
 
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
@@ -7,7 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from tline.errors import InputError
-from tline.scene.between import Between
 from tline.scene.element import Element, Name
 from tline.scene.quantity import Inductance, PositiveResistance, Quantity, Resistance, Role
 from tline.wording import shown
@@ -34,23 +33,92 @@ def _memoryless(M: ArrayLike, N: ArrayLike) -> Ports:
     return Ports(M, N, none.T, np.zeros((0, 0)), none, none)
 
 
+def floating(grounded: Ports) -> Ports:
+    """The equations of two ports between two nodes each, from those of ports between a node and the reference.
+
+    Each port's effort is that of its first node less that of its second, and its flow leaves at the second.
+
+    Parameters
+    ----------
+    grounded : Ports
+        Of two ports.
+
+    Returns
+    -------
+    Ports
+        Of the four nodes: those of the first port, then those of the second.
+
+    Examples
+    --------
+    >>> wire = floating(_memoryless([[1, -1], [0, 0]], [[0, 0], [1, 1]]))
+    >>> wire.M.tolist()
+    [[1.0, -1.0, -1.0, 1.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]]
+    >>> wire.N[2:].tolist()
+    [[1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]]
+    """
+    M, N, E, Q, P, R = grounded
+    across = np.array([[1, -1, 0, 0], [0, 0, 1, -1]], float)  # from nodes to ports
+    into = across.clip(min=0)
+    none, leaving = np.zeros((2, 4)), abs(across)
+    return Ports(
+        np.vstack([M @ across, none]), np.vstack([N @ into, leaving]), np.vstack([E, np.zeros_like(E)]), Q,
+        P @ across, R @ into,
+    )  # fmt: skip
+
+
 class Multiport(Element):
     """Base of all linear multiports."""
 
     section: ClassVar[str] = "links"
     nodes: tuple[Name, ...]
 
+    @property
+    def is_grounded(self) -> bool:
+        """Whether its ports are between a node and the reference."""
+        return True
+
     def ports(self) -> Ports:
-        """Its equations."""
+        """Its equations, with an effort and a flow for each of its nodes, in their order."""
         raise NotImplementedError
 
 
-class _TwoPort(Between, Multiport):
-    pass
+def _two_or_four(nodes: object) -> object:
+    if not isinstance(nodes, list | tuple) or len(nodes) not in (2, 4):
+        expected = 'two names such as ["a", "b"], or two for each port, ["a", "b", "c", "d"]'
+        raise InputError("", "not the nodes of two ports", expected, shown(nodes))
+    return nodes
+
+
+def _apart(nodes: tuple[str, ...]) -> tuple[str, ...]:
+    for one, other in (nodes,) if len(nodes) == 2 else (nodes[:2], nodes[2:]):
+        if one == other:
+            problem = "both ends are at one node" if len(nodes) == 2 else "both ends of a port are at one node"
+            raise InputError("", problem, "two different nodes", shown(one))
+    return nodes
+
+
+class _TwoPort(Multiport):
+    nodes: Annotated[tuple[Name, ...], BeforeValidator(_two_or_four), AfterValidator(_apart)] = Field(
+        description="a node for each port, against the reference; or four: the first port from the first to the "
+        "second, the second port from the third to the fourth, which may share nodes"
+    )
+
+    @property
+    def is_grounded(self) -> bool:
+        """Whether its ports are between a node and the reference."""
+        return len(self.nodes) == 2
+
+    def ports(self) -> Ports:
+        """Its equations, with an effort and a flow for each of its nodes, in their order."""
+        return self._grounded() if self.is_grounded else floating(self._grounded())
+
+    def _grounded(self) -> Ports:
+        """Its equations with both ports against the reference."""
+        raise NotImplementedError
 
 
 class Transformer(_TwoPort):
-    """An ideal transformer: u₁ = n·u₂, and flow into the first node comes out of the second n times.
+    """An ideal transformer: u₁ = n·u₂ across its ports, and flow into the first comes out of the second n times.
 
     Examples
     --------
@@ -59,16 +127,17 @@ class Transformer(_TwoPort):
     """
 
     kind: Literal["transformer"] = "transformer"
-    ratio: Annotated[Quantity, Role("ratio", "")] = Field(description="n, effort at the first node over the second's")
+    ratio: Annotated[Quantity, Role("ratio", "")] = Field(
+        description="n, effort across the first port over the second's"
+    )
 
     @model_validator(mode="after")
     def _joins(self):
         if self.ratio == 0:
-            raise InputError("ratio", "shorts the first node and leaves the second", "any other number", "0")
+            raise InputError("ratio", "shorts the first port and leaves the second", "any other number", "0")
         return self
 
-    def ports(self) -> Ports:
-        """Its equations."""
+    def _grounded(self) -> Ports:
         n = float(self.ratio)
         return _memoryless([[1, -n], [0, 0]], [[0, 0], [n, 1]])
 
@@ -79,22 +148,21 @@ class Gyrator(_TwoPort):
     kind: Literal["gyrator"] = "gyrator"
     resistance: PositiveResistance = Field(description="R, of gyration")
 
-    def ports(self) -> Ports:
-        """Its equations."""
+    def _grounded(self) -> Ports:
         R = float(self.resistance)
         return _memoryless([[1, 0], [0, 1]], [[0, R], [-R, 0]])
 
 
 class ControlledSource(_TwoPort):
-    """A source at the second node that the effort at the first commands, and that draws nothing from the first."""
+    """A source at the second port that the effort across the first commands, and that draws nothing from the first."""
 
     kind: Literal["controlled source"] = "controlled source"
     gain: Annotated[Quantity, Role("gain", "")] | None = Field(
-        default=None, description="open effort at the second node over the first's"
+        default=None, description="open effort across the second port over that across the first"
     )
     resistance: Resistance | None = Field(default=None, description="of the source; 0 for an ideal one")
     transconductance: Annotated[Quantity, Role("transconductance", "")] | None = Field(
-        default=None, description="instead of these: flow drawn from the second node over the first's effort, SI"
+        default=None, description="instead of these: flow into the second port over the effort across the first, SI"
     )
 
     @model_validator(mode="after")
@@ -106,8 +174,7 @@ class ControlledSource(_TwoPort):
             raise InputError("resistance", "drives nothing", "a finite one", "inf")
         return self
 
-    def ports(self) -> Ports:
-        """Its equations."""
+    def _grounded(self) -> Ports:
         if self.transconductance is not None:
             return _memoryless([[0, 0], [-float(self.transconductance), 0]], [[1, 0], [0, 1]])
         gain, resistance = float(self.gain or 0), float(self.resistance or 0)
@@ -115,7 +182,7 @@ class ControlledSource(_TwoPort):
 
 
 class CoupledInductors(_TwoPort):
-    """Two windings, each from a node to the reference: a real transformer without losses.
+    """Two windings, each a port: a real transformer without losses.
 
     Examples
     --------
@@ -137,8 +204,8 @@ class CoupledInductors(_TwoPort):
             raise InputError("coupling", problem, expected, f"{self.coupling:.9g}")
         return self
 
-    def ports(self) -> Ports:
-        """Its equations, with the windings' currents for states."""
+    def _grounded(self) -> Ports:
+        # states are the windings' currents
         one, two = map(float, self.inductance)
         mutual, left = float(self.coupling) * np.sqrt(one * two), one * two * (1 - float(self.coupling) ** 2)
         inverse = np.array([[two, -mutual], [-mutual, one]]) / left
@@ -191,6 +258,6 @@ class Junction(Multiport):
         return self
 
     def ports(self) -> Ports:
-        """Its equations."""
+        """Its equations, with an effort and a flow for each of its nodes, in their order."""
         S, one = np.array(self.scattering, float), np.eye(len(self.nodes))
         return _memoryless(one - S, -float(self.z0) * (one + S))

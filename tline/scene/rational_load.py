@@ -1,113 +1,48 @@
-"""Loads with inductance or capacitance: rational impedances Z(s)."""
+"""Loads that are rational impedances Z(s) from their node to the reference."""
 
-import math
-import numbers
-from fractions import Fraction
-from functools import cache
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Any, Literal
 
-from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
-
-from tline.errors import InputError
 from tline.scene.element import AtNode
-from tline.scene.quantity import LARGEST, SMALLEST, Capacitance, Inductance, Parameter, PositiveResistance
-from tline.wording import shown
+from tline.scene.rational import (
+    AnyImpedance,
+    OneCapacitance,
+    OneInductance,
+    ParallelRLC,
+    RationalImpedance,
+    SeriesRLC,
+    coefficients_of,
+)
 
-if TYPE_CHECKING:
-    from passivity import RationalFunction
 
-MOST_STATES = 20  # degree up to which double precision holds ladders of L and C to some 1e-12
-
-
-class Rational(AtNode):
+class Rational(RationalImpedance, AtNode):
     """A load that is a rational impedance."""
 
-    _rational: "RationalFunction" = PrivateAttr()
 
-    def rational(self) -> "RationalFunction":
-        """Z(s), exact for the decimals typed."""
-        return self._rational
+class Inductor(OneInductance, Rational):
+    """An inductance, Z(s) = sL."""
 
-    def _build(self) -> "RationalFunction":
-        raise NotImplementedError
-
-    @model_validator(mode="after")
-    def _readable(self):
-        self._rational = self._build()
-        return self
+    kind: Literal["inductor"] = "inductor"
 
 
-def _exact(value: float) -> Fraction:
-    """The shortest decimal that is this float: what was typed."""
-    return Fraction(repr(float(value)))
+class Capacitor(OneCapacitance, Rational):
+    """A capacitance, Z(s) = 1/(sC)."""
+
+    kind: Literal["capacitor"] = "capacitor"
 
 
-@cache
-def _s() -> "RationalFunction":
-    """The impedance s, of 1 H."""
-    from passivity import RationalFunction
-
-    return RationalFunction.from_coefficients([1, 0], [1])
-
-
-def _as_typed(value: float | str) -> Fraction | float | str:
-    return _exact(value) if isinstance(value, float) and math.isfinite(value) else value
-
-
-class _Elements(Rational):
-    resistance: PositiveResistance | None = Field(default=None, description="R")
-    inductance: Inductance | None = Field(default=None, description="L")
-    capacitance: Capacitance | None = Field(default=None, description="C")
-
-    def _impedances(self) -> "list[RationalFunction]":
-        from passivity import RationalFunction
-
-        constant, parts = RationalFunction.constant, []
-        if self.resistance is not None:
-            parts.append(constant(_exact(self.resistance)))
-        if self.inductance is not None:
-            parts.append(constant(_exact(self.inductance)) * _s())
-        if self.capacitance is not None:
-            parts.append((constant(_exact(self.capacitance)) * _s()).inverse())
-        if not parts:
-            raise InputError("", "no element given", "at least one of resistance, inductance and capacitance")
-        return parts
-
-
-class Series(_Elements):
+class Series(SeriesRLC, Rational):
     """R, L and C one after the other, Z(s) = R + sL + 1/(sC); those not given are absent."""
 
     kind: Literal["series"] = "series"
 
-    def _build(self) -> "RationalFunction":
-        first, *rest = self._impedances()
-        for part in rest:
-            first = first + part
-        return first
 
-
-class Parallel(_Elements):
+class Parallel(ParallelRLC, Rational):
     """R, L and C side by side, 1/Z(s) = 1/R + 1/(sL) + sC; those not given are absent."""
 
     kind: Literal["parallel"] = "parallel"
 
-    def _build(self) -> "RationalFunction":
-        first, *rest = self._impedances()
-        for part in rest:
-            first = first.parallel(part)
-        return first
 
-
-def _number_or_text(value: Any) -> Any:
-    if isinstance(value, str) or (isinstance(value, numbers.Real) and not isinstance(value, bool)):
-        return value
-    raise InputError("", "not a number", "a number or text such as '10 nH'", shown(value))
-
-
-Coefficient = Annotated[int | float | str, BeforeValidator(_number_or_text)]
-
-
-class Impedance(Rational):
+class Impedance(AnyImpedance, Rational):
     """Any rational Z(s): an expression with its parameters, or coefficients with the highest power first.
 
     Examples
@@ -117,59 +52,8 @@ class Impedance(Rational):
     """
 
     kind: Literal["impedance"] = "impedance"
-    expression: str | None = Field(default=None, description="Z(s) in SI, such as 'R + s*L'")
-    parameters: dict[str, Parameter] = Field(default_factory=dict, description="values of the names in the expression")
-    numerator: list[Coefficient] | None = Field(default=None, description="coefficients, highest power first, SI")
-    denominator: list[Coefficient] | None = Field(default=None, description="coefficients, highest power first, SI")
-
-    def _build(self) -> "RationalFunction":
-        if self.expression is not None and self.numerator is None and self.denominator is None:
-            return _within_limits(self._from_expression(self.expression))
-        if self.expression is not None or self.numerator is None or self.denominator is None:
-            given = [key for key in ("expression", "numerator", "denominator") if getattr(self, key) is not None]
-            expected = "either expression, or numerator and denominator"
-            raise InputError("", "its Z(s) is not given once", expected, ", ".join(given) or "none")
-        if self.parameters:
-            raise InputError("parameters", "they belong to an expression, not to coefficients")
-        return _within_limits(self._from_coefficients(self.numerator, self.denominator))
-
-    def _from_expression(self, expression: str) -> "RationalFunction":
-        from passivity import ExpressionError, RationalFunction
-
-        try:
-            values = {name: _exact(value) for name, value in self.parameters.items()}
-            return RationalFunction.from_expression(expression, values)
-        except ExpressionError as error:
-            at, _, name = error.where.partition("parameter ")
-            problem = f"{at}: {error.problem}" if at else error.problem
-            where = f"parameters.{name}" if name else "expression"
-            raise InputError(where, problem, error.expected, error.got) from None
-
-    def _from_coefficients(self, *sides: list[Coefficient]) -> "RationalFunction":
-        from passivity import ExpressionError, RationalFunction
-
-        try:
-            numerator, denominator = (list(map(_as_typed, side)) for side in sides)
-            return RationalFunction.from_coefficients(numerator, denominator)
-        except ExpressionError as error:
-            raise InputError(error.where, error.problem, error.expected, error.got) from None
 
     @classmethod
     def from_system(cls, system: Any, at: str) -> "Impedance":
         """Z(s) from a scipy.signal or python-control system with one input (flow) and one output (effort)."""
-        from passivity import RationalFunction
-
-        function = RationalFunction.from_system(system)
-        numerator, denominator = ([str(a) for a in side] for side in (function.numerator, function.denominator))
-        return cls.model_validate({"at": at, "numerator": numerator, "denominator": denominator})
-
-
-def _within_limits(impedance: "RationalFunction") -> "RationalFunction":
-    for limit in (impedance.at_zero(), impedance.at_infinity()):
-        if limit not in (0, math.inf) and not SMALLEST <= abs(limit) <= LARGEST:
-            problem = "its resistance at low or high frequency is out of range"
-            raise InputError("", problem, f"{SMALLEST:g} to {LARGEST:g}")
-    degree = impedance.reduced().degree
-    if degree > MOST_STATES:
-        raise InputError("", "its degree in s is too high", f"at most {MOST_STATES}", f"{degree}")
-    return impedance
+        return cls.model_validate({"at": at} | coefficients_of(system))

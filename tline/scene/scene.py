@@ -39,7 +39,7 @@ from tline.scene.probe import Probe
 from tline.scene.quantity import Duration, Effort, Tolerance, Whole
 from tline.scene.shape import Shape
 from tline.scene.site import GRAVITY, Site
-from tline.scene.source import Source
+from tline.scene.source import Source, refuse_floating
 from tline.scene.touchstone import Touchstone
 from tline.scene.user_defined import user_elements
 from tline.wording import place
@@ -93,7 +93,8 @@ class Scene(Element):
     t_end : number or text
         End time, s; a run goes on to the end of its last slab.
     lines, sources, loads, links, probes : dict
-        Elements by name. Lines meet at the nodes they name, in any topology; a node with nothing else is closed.
+        Elements by name. Lines meet at the nodes they name, in any topology; a node with nothing else is closed. Nodes
+        that only links, loads and sources name are part of the circuits between lines.
     nodes : dict
         Elevation and position of nodes by name, where they are known.
     rating : number or text
@@ -136,7 +137,7 @@ class Scene(Element):
     lines: dict[Name, Line] = Field(description="lines by name")
     sources: dict[Name, Source] = Field(default_factory=dict, description="sources by name")
     loads: dict[Name, Load] = Field(default_factory=dict, description="loads by name")
-    links: dict[Name, Link] = Field(default_factory=dict, description="what stands between two nodes, by name")
+    links: dict[Name, Link] = Field(default_factory=dict, description="what stands between nodes, by name")
     probes: dict[Name, Probe] = Field(description="probes by name")
     nodes: dict[Name, Site] = Field(default_factory=dict, description="height and place of nodes, by name")
     rating: Effort | None = Field(default=None, description="largest pressure or voltage that all lines are made for")
@@ -238,6 +239,12 @@ class Scene(Element):
         return [*loads, *((("links", name), link) for name, link in self.links.items())]
 
     @property
+    def between(self) -> list[tuple[str, tuple[str, ...]]]:
+        """Place and nodes of each link, and of each source between two nodes."""
+        links = [(place("links", name), link.nodes) for name, link in self.links.items()]
+        return links + [(place("sources", name), s.nodes) for name, s in self.sources.items() if s.nodes is not None]
+
+    @property
     def measured(self) -> dict[tuple[str, str], Touchstone | MeasuredMultiport]:
         """Each load and multiport from a Touchstone file, by section and name."""
         return {at: x for at, x in self.placed if isinstance(x, Touchstone | MeasuredMultiport)}
@@ -253,7 +260,7 @@ class Scene(Element):
         return {at: element.law() for at, element in self.placed if isinstance(element, NonLinear)}
 
     def check_linear(self, what: str, besides: type | tuple[()] = ()) -> None:
-        """Refuse a scene with a non-linear element, or one between nodes, but for a kind that is allowed.
+        """Refuse a scene with a non-linear element, or one between nodes, but for a kind of link that is allowed.
 
         Raises
         ------
@@ -266,6 +273,7 @@ class Scene(Element):
         for name, link in self.links.items():
             if not isinstance(link, besides):
                 raise InputError(place("links", name), f"a {link.kind}", f"a scene without links for {what}")
+        refuse_floating(self.sources, what)
 
     @property
     def waveforms(self) -> dict[tuple[str, str, str], Shape]:

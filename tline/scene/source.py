@@ -1,8 +1,10 @@
 """Sources: a prescribed effort or flow behind an internal resistance."""
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import (
+    BeforeValidator,
     Field,
     ValidationInfo,
     field_validator,
@@ -11,10 +13,12 @@ from pydantic import (
 
 from tline.errors import InputError
 from tline.scene.choice import Read
-from tline.scene.element import AtNode
+from tline.scene.element import Element, Name
+from tline.scene.line import two_nodes
 from tline.scene.medium import MEDIA
 from tline.scene.quantity import Resistance
 from tline.scene.waveform import Shape, Waveform, read_waveform
+from tline.wording import place, shown
 
 UNITS = {word: m.units[role] for m in MEDIA.values() for word, role in ((m.effort, "effort"), (m.flow, "flow"))}
 
@@ -24,17 +28,20 @@ def _waveform(value: Any, info: ValidationInfo) -> Shape:
     return read_waveform(value, UNITS.get(info.data.get("kind", "")), info)
 
 
-class Source(AtNode):
+class Source(Element):
     """An effort in series with its resistance, or a flow with the resistance beside it.
 
     Parameters
     ----------
     at : str
-        Node.
+        Node of a source against the reference.
+    nodes : pair of str
+        Instead of `at`, plus and minus of a source between two nodes: the effort is by how much that of the first
+        exceeds that of the second, and a flow is driven out of the second into the first.
     kind : str
         "pressure" or "flow" in a hydraulic scene, "voltage" or "current" in an electrical one.
     value : number, text or waveform
-        What is prescribed; a flow is counted into the node. A pressure is piezometric if nodes have elevations.
+        What is prescribed; a flow is counted into the (first) node. A pressure is piezometric if nodes have elevations.
     resistance : number or text
         Internal resistance; without it an effort has none, and a flow an infinite one.
 
@@ -44,16 +51,27 @@ class Source(AtNode):
     50.0
     """
 
+    at: Name | None = Field(default=None, description="node of a source against the reference")
+    nodes: Annotated[tuple[Name, Name], BeforeValidator(two_nodes)] | None = Field(
+        default=None,
+        description="instead of `at`, plus and minus of a source between two nodes: an effort is that of the first "
+        "less that of the second, and a flow is driven out of the second into the first",
+    )
     kind: Literal["pressure", "flow", "voltage", "current"] = Field(
         description="what is prescribed: pressure or flow in a hydraulic scene, voltage or current in an electrical one"
     )
     value: Annotated[Shape, Read(_waveform, Waveform | float | str)] = Field(
-        description="how much, constant or over time; a flow counts into the node; a pressure is piezometric, "
+        description="how much, constant or over time; a flow counts into the (first) node; a pressure is piezometric, "
         "density·g·head, if nodes have elevations"
     )
     resistance: Resistance | None = Field(
         default=None, description="internal resistance; without it the source is ideal"
     )
+
+    @property
+    def terminals(self) -> tuple[str, str | None]:
+        """Its plus and its minus; None for the reference."""
+        return (self.at or "", None) if self.nodes is None else self.nodes
 
     @property
     def is_effort(self) -> bool:
@@ -77,8 +95,32 @@ class Source(AtNode):
         return kind
 
     @model_validator(mode="after")
+    def _placed_once(self):
+        if self.at is None and self.nodes is None:
+            raise InputError("at", "is missing", 'a node, or two as nodes = ["plus", "minus"]')
+        if self.nodes is not None:
+            if self.at is not None:
+                raise InputError("", "its place is not given once", "either at or nodes", "both")
+            if self.nodes[0] == self.nodes[1]:
+                raise InputError("nodes", "both ends are at one node", "two different nodes", shown(self.nodes[0]))
+        return self
+
+    @model_validator(mode="after")
     def _drives(self):
         if not self.is_effort and self.resistance == 0:
             problem = f"beside the {self.kind} it takes all of it"
             raise InputError("resistance", problem, "none for an ideal source", "0")
         return self
+
+
+def refuse_floating(sources: Mapping[str, Source], what: str) -> None:
+    """Refuse sources between two nodes where something does not know them.
+
+    Raises
+    ------
+    InputError
+        Naming the first.
+    """
+    for name, source in sources.items():
+        if source.nodes is not None:
+            raise InputError(place("sources", name), "stands between two nodes", f"one at a node for {what}")

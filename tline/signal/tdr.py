@@ -90,7 +90,8 @@ def reflectometry(
         raise InputError("z0", "conductors that are coupled have none of their own", "that of the instrument")
     resistance = lines[0].parameters.z0 if z0 is None else _above_zero(z0, None, "z0")
     duration, table = _above_zero(rise, "s", "rise"), scene.table()
-    sources = {name: source | {"value": 0} for name, source in table.get("sources", {}).items() if source["at"] != node}
+    kept = {name: source for name, source in table.get("sources", {}).items() if source.get("at") != node}
+    sources = {name: source | {"value": 0} for name, source in kept.items()}
     effort = "voltage" if scene.medium == "electrical" else "pressure"
     ramp = {"shape": "ramp", "to": 2, "duration": duration}
     sources["instrument"] = {"at": node, "kind": effort, "value": ramp, "resistance": resistance}

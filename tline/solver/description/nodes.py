@@ -19,7 +19,8 @@ from tline.scene.cavities import refuse_cavities
 from tline.scene.heights import below
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.quantity import ZERO
-from tline.scene.rational_load import MOST_STATES, Rational
+from tline.scene.rational import MOST_STATES
+from tline.scene.rational_load import Rational
 from tline.scene.shape import Lowered
 from tline.scene.source import Source
 from tline.solver.description.excitation import just_before

@@ -66,6 +66,8 @@ class Baseline:
             return f"{place(part, name)}: baseline methods know linear elements only"
         for name in with_cavities(scene.lines):
             return f"{place('lines', name, 'cavities')}: baseline methods know linear elements only"
+        for where, _ in scene.between:
+            return f"{where}: baseline methods know nothing between nodes"
         for name, load in scene.loads.items():
             if load.kind in ("switch", "valve"):
                 return f"{place('loads', name)}: baseline methods have no switches"

@@ -86,7 +86,7 @@ def _skew(D: NDArray) -> NDArray:
 def pushes_inductors(scene: Scene) -> str | None:
     """Why sections that end in inductances cannot do a scene; None if they can."""
     for source in scene.sources.values():
-        node = describe(scene).nodes[source.at]
+        node = describe(scene).nodes[source.terminals[0]]
         if node.held is None and node.conductance == 0.0:
-            return f"node '{source.at}': an ideal flow would have to jump in the inductances there"
+            return f"node '{node.name}': an ideal flow would have to jump in the inductances there"
     return None

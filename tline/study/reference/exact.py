@@ -12,8 +12,8 @@ from flint import arb, ctx
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.load import Switch
 from tline.scene.scene import Scene
+from tline.scene.switch import Switch
 from tline.study.reference.lattice import instant, lattice
 from tline.study.reference.motion import rational
 from tline.study.reference.network import ReferenceNetwork, decimal

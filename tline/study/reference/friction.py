@@ -17,6 +17,7 @@ from tline.scene.heights import refuse_heights
 from tline.scene.load import Load, Reservoir, Short
 from tline.scene.scene import Scene
 from tline.scene.shape import Shape
+from tline.scene.source import refuse_floating
 from tline.study.reference.grid import Pipes, joined, march, steady
 from tline.study.reference.network import decimal
 from tline.study.reference.waveforms import straight
@@ -60,7 +61,7 @@ class FrictionSolution:
 
     def __init__(self, scene: Scene, finest: int | None = None):
         pipes, nodes = _pipes(scene)
-        flows = [(nodes.index(source.at), source.value) for source in scene.sources.values()]
+        flows = [(nodes.index(source.terminals[0]), source.value) for source in scene.sources.values()]
         delays = [decimal(line.parameters.delay or 0.0) for line in scene.lines.values()]
         shortest = min(delays)
         end = (int(decimal(scene.t_end) / shortest) + 1) * shortest
@@ -116,6 +117,7 @@ def _pipes(scene: Scene) -> tuple[Pipes, list[str]]:
     for name, line in scene.single_lines.items():
         if line.losses is None or not line.losses.only_quadratic:
             raise InputError(place("lines", name), "not with Darcy's friction alone")
+    refuse_floating(scene.sources, "exact solutions")
     for name, source in scene.sources.items():
         if source.is_effort or straight(source.value, decimal(scene.t_end)) is None:
             raise InputError(place("sources", name), "no flow of straight pieces")

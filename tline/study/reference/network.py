@@ -8,10 +8,11 @@ from math import inf
 from passivity import RationalFunction
 from tline.errors import InputError
 from tline.scene.heights import refuse_heights
-from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
+from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short
 from tline.scene.lossless import refuse_losses
 from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
+from tline.scene.switch import Switch
 from tline.scene.waveform import Constant, Shape
 from tline.wording import nearest, place
 
@@ -61,7 +62,7 @@ class ReferenceNetwork:
         for name, load in scene.loads.items():
             self._attach(name, load)
         for source in scene.sources.values():
-            junction, ideal = self.junctions[source.at], source.conductance in (0.0, inf)
+            junction, ideal = self.junctions[source.terminals[0]], source.conductance in (0.0, inf)
             conductance = Fraction(0) if ideal else 1 / decimal(source.resistance or 0.0)
             junction.conductance += conductance
             if source.conductance == inf:

@@ -1,0 +1,110 @@
+"""What holds the effort of a node or between two nodes, and what cannot stand beside that."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import inf
+from typing import TYPE_CHECKING, Any
+
+from tline.errors import InputError
+from tline.scene.between import Between
+from tline.scene.load import Reservoir, Resistor, Short
+from tline.scene.rational import RationalImpedance
+from tline.scene.rational_load import Rational
+from tline.scene.switch import Switch, SwitchLink
+from tline.wording import place
+
+if TYPE_CHECKING:
+    from tline.scene.scene import Scene
+
+Terminals = tuple[str, str | None]  # the second is None for the reference
+
+
+class _Rigid:
+    """Nodes between which the effort is prescribed or cannot jump; None stands for the reference."""
+
+    def __init__(self) -> None:
+        self._parent: dict[str | None, str | None] = {}
+        self._holders: list[tuple[str, Terminals]] = []
+
+    def join(self, where: str, terminals: Terminals) -> None:
+        first, second = map(self._root, terminals)
+        self._parent[first] = second
+        self._holders.append((where, terminals))
+
+    def joins(self, terminals: Terminals) -> bool:
+        first, second = map(self._root, terminals)
+        return first == second
+
+    def holder(self, terminals: Terminals) -> str:
+        """What holds the effort between terminals that are joined, or is part of what does."""
+        across = (where for where, others in self._holders if {*others} == {*terminals})
+        nodes = {*terminals} - {None}
+        return next(across, "") or next(where for where, others in self._holders if nodes.intersection(others))
+
+    def _root(self, node: str | None) -> str | None:
+        while (above := self._parent.get(node, node)) != node:
+            self._parent[node] = node = self._parent.get(above, above)
+        return node
+
+
+def conflicting_holds(scene: Scene) -> Iterator[InputError]:
+    """Elements across what is held: a second ideal effort, a capacitor, a switch without a resistance."""
+    held = _Rigid()
+    for where, terminals in ideal_efforts(scene):
+        if held.joins(terminals):
+            problem = f"{_told(terminals)} is already held by {held.holder(terminals)}"
+            yield InputError(where, problem, "one ideal effort or short at a node")
+        else:
+            held.join(where, terminals)
+    capacitive = [
+        (place(*at), terminals_of(element))
+        for at, element in scene.placed
+        if isinstance(element, RationalImpedance) and _is_capacitive(element)
+    ]
+    for where, terminals in capacitive:
+        if held.joins(terminals):
+            source = held.holder(terminals)
+            problem = f"its impedance vanishes at high frequency: a jump of {source} drives an infinite flow"
+            yield InputError(where, problem, "a source with a resistance")
+    for where, terminals in capacitive:
+        held.join(where, terminals)
+    for at, element in scene.placed:
+        if isinstance(element, Switch | SwitchLink) and 0 in (element.before, element.after):
+            terminals = terminals_of(element)
+            if held.joins(terminals):
+                problem = f"shorts {_told(terminals)}, which {held.holder(terminals)} holds"
+                yield InputError(place(*at), problem, "a resistance above zero")
+
+
+def ideal_efforts(scene: Scene) -> list[tuple[str, Terminals]]:
+    """Elements that prescribe an effort, and their terminals."""
+    ideal = [(place("sources", name), s.terminals) for name, s in scene.sources.items() if s.conductance == inf]
+    return ideal + [(place("loads", name), (load.at, None)) for name, load in scene.loads.items() if _is_ideal(load)]
+
+
+def held_nodes(scene: Scene) -> set[str]:
+    """Nodes whose effort against the reference is prescribed."""
+    return {node for _, (node, other) in ideal_efforts(scene) if other is None}
+
+
+def terminals_of(element: Any) -> Terminals:
+    """Where a two-terminal element stands: its nodes, or its node and the reference."""
+    return element.nodes if isinstance(element, Between) else (element.at, None)
+
+
+def _told(terminals: Terminals) -> str:
+    first, second = terminals
+    return f"node '{first}'" if second is None else f"what is between nodes '{first}' and '{second}'"
+
+
+def _is_ideal(load: Any) -> bool:
+    return (
+        isinstance(load, Short | Reservoir)
+        or (isinstance(load, Resistor) and load.resistance == 0)
+        or (isinstance(load, Rational) and load.rational().is_zero)
+    )
+
+
+def _is_capacitive(element: RationalImpedance) -> bool:
+    return not element.rational().is_zero and element.rational().at_infinity() == 0
