@@ -13,6 +13,8 @@ from tline.scene.coupled import Coupled, ends_of, refuse_coupled
 from tline.scene.load import Switch
 from tline.scene.multiport import Multiport
 from tline.scene.plausible import plausibility_notes
+from tline.scene.rational_link import RationalLink
+from tline.scene.switch import SwitchLink
 from tline.scene.user_defined import user_elements
 from tline.scene.vessel import Boiling
 from tline.solver.description.active import active_parts
@@ -22,6 +24,7 @@ from tline.solver.description.excitation import Shape
 from tline.solver.description.given import MEDIA, End, Height, Medium, Scene
 from tline.solver.description.groups import Group, LumpedLine, grouped
 from tline.solver.description.lines import Line, lines_of
+from tline.solver.description.links import branches_of
 from tline.solver.description.nodes import NONE, Node, nodes_of
 from tline.solver.description.probes import ProbePlace, probes_of
 from tline.solver.description.scales import filling_times, time_scales
@@ -106,9 +109,8 @@ class Description:
 
     @cached_property
     def branches(self) -> list[PlacedBranch]:
-        """Linear links."""
-        links = {name: link for name, link in self.scene.links.items() if isinstance(link, Multiport)}
-        return [PlacedBranch(place("links", name), link.nodes, link.ports(), to_air=True) for name, link in links.items()]
+        """Linear links, and sources between two nodes."""
+        return list(branches_of(self.scene, self.nodes))
 
     @cached_property
     def probes(self) -> dict[str, ProbePlace]:
@@ -191,14 +193,14 @@ class Description:
         return grouped(nodes, lumped_lines, self.elements, self.ends, self.branches)
 
     def check_linear(self, what: str) -> None:
-        """Refuse non-linear elements, and links that are no multiports.
+        """Refuse non-linear elements.
 
         Raises
         ------
         InputError
             Naming the first.
         """
-        self.scene.check_linear(what, besides=Multiport)
+        self.scene.check_linear(what, besides=Multiport | RationalLink | SwitchLink)
 
     def refuse_coupled(self, what: str) -> None:
         """Refuse coupled conductors where something does not know them.

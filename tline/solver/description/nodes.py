@@ -235,16 +235,26 @@ def nodes_of(
     for end in coupled:
         for at in end.conductors:
             nodes.setdefault(at, Node(at))
-    for link in scene.links.values():
-        for at in link.nodes:
+    for _, joined in scene.between:
+        for at in joined:
             nodes.setdefault(at, Node(at))
+    floating = {place("sources", name): source for name, source in scene.sources.items() if source.nodes is not None}
+    nodes |= {where: Node(where) for where, source in floating.items() if source.is_effort}
     usual = float(1 / np.mean([line.z0 for line in lines.values()]))
     for node in nodes.values():
         node.alone = usual
     for name, height in scene.heights.items():
         nodes[name].height = height
     for name, source in scene.sources.items():
-        nodes[source.at].prescribe(source, place("sources", name))
+        if source.at is not None:
+            nodes[source.at].prescribe(source, place("sources", name))
+    for where, source in floating.items():
+        plus, minus = source.terminals
+        if source.is_effort:
+            nodes[where].held = source.value
+        else:
+            nodes[plus].flows.append((source.value, 1.0))
+            nodes[minus or ""].flows.append((source.value, -1.0))
     for name, load in scene.loads.items():
         nodes[load.at].attach(load, place("loads", name))
     for name, n in sections.items():

@@ -1,0 +1,50 @@
+"""Linear links, and sources between two nodes, as branches."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from tline.scene.multiport import Multiport
+from tline.scene.rational_link import RationalLink
+from tline.scene.switch import SwitchLink
+from tline.solver.description.branches import PlacedBranch, between, one_port, resistance
+from tline.solver.description.given import Ports, Scene
+from tline.solver.description.load_step import reflection
+from tline.solver.description.nodes import Node
+from tline.wording import place
+
+
+def branches_of(scene: Scene, nodes: Mapping[str, Node]) -> Iterator[PlacedBranch]:
+    """Those of a scene; `nodes` are its own."""
+    for name, link in scene.links.items():
+        where = place("links", name)
+        match link:
+            case Multiport():
+                yield PlacedBranch(where, link.nodes, link.ports(), to_air=link.is_grounded)
+            case RationalLink():
+                yield PlacedBranch(where, link.nodes, _across(link, 1 / nodes[link.nodes[0]].alone, where))
+            case SwitchLink():
+                yield PlacedBranch(where, link.nodes, between(resistance(float(link.before))), switch=link)
+    for name, source in scene.sources.items():
+        if source.nodes is not None:
+            where, r = place("sources", name), 1 / source.conductance if source.conductance else np.inf
+            if source.is_effort:
+                yield PlacedBranch(where, (*source.nodes, where), _behind(r))
+            elif np.isfinite(r):
+                yield PlacedBranch(where, source.nodes, between(resistance(r)))
+
+
+def _across(link: RationalLink, z: float, where: str) -> Ports:
+    """Equations of an impedance between two nodes, realised by its reflection against z."""
+    impedance = link.rational().reduced()
+    if impedance.degree == 0:
+        return between(resistance(float(impedance.at_zero())))
+    return between(one_port(reflection(impedance, z, where), z))
+
+
+def _behind(r: float) -> Ports:
+    """Equations of an effort behind a resistance, from its plus to its minus; that of a third node prescribes it."""
+    none = np.zeros((0, 3))
+    M = np.array([[1.0, -1.0, -1.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    N = np.array([[-r, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    return Ports(M, N, none.T, np.zeros((0, 0)), none, none)
