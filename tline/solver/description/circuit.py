@@ -112,7 +112,7 @@ def equations(
             G[p, states:] = levels[p]
         else:
             F[p, p] = ((0.0 if node.dead else node.total) + g) / scale
-            H[p, p] = node.total / scale
+            H[p, p] = node.total / scale if node.flows or not node.dead else 0.0
             G[p, states:] = g * levels[p] / scale
     free = [node.held is None and not np.isinf(g) for node, g in zip(nodes, switched, strict=True)]
 

@@ -187,9 +187,7 @@ class Description:
             Flow in these before t = 0.
         """
         nodes = nodes_of(self.scene, self.lines, self.ends, sections) if sections else self.nodes
-        lumped_lines = [
-            LumpedLine(name, self.lines[name], n, started.get(name, 0.0)) for name, n in sections.items()
-        ]
+        lumped_lines = [LumpedLine(name, self.lines[name], n, started.get(name, 0.0)) for name, n in sections.items()]
         return grouped(nodes, lumped_lines, self.elements, self.ends, self.branches)
 
     def check_linear(self, what: str) -> None:

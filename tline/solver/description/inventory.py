@@ -6,14 +6,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.load import Matched, Reservoir, Resistor, Short, Switch
-from tline.scene.rational_load import Parallel, Rational, Series
+from tline.scene.between import Between
+from tline.scene.load import Matched, Reservoir, Resistor, Short
+from tline.scene.rational import OneCapacitance, OneInductance, ParallelRLC, RationalImpedance, SeriesRLC
+from tline.scene.rational_link import RationalLink
+from tline.scene.rational_load import Rational
+from tline.scene.switch import Switch, SwitchLink
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import places_of
 from tline.solver.description.given import Shape
 from tline.solver.description.groups import Group
 from tline.solver.description.nodes import Node, lowered
+from tline.wording import place
 
 SUPPLIED, DISSIPATED, STORED, TAKEN = range(4)  # what an element is expected to do with energy
 GIVING = {"pump", "rotor"}  # kinds of laws
@@ -81,10 +86,11 @@ def inventory_of(description: Description, group: Group, h: float, t_end: float)
             else:
                 member = Member(one.where, (node.name,), DISSIPATED, False)
                 found.members.append(member) if alone else found.conductors.append(one)
+    between = {place(*at): element for at, element in description.scene.placed if isinstance(element, Between)}
     for branch in group.branches:
         nodes = tuple(group.nodes[p].name for p in branch.nodes)
         may_give = steady or branch.where in description.active
-        found.members.append(Member(branch.where, nodes, TAKEN, may_give, to_air=branch.to_air))
+        found.members.append(_linear(branch.where, nodes, between.get(branch.where), may_give, branch.to_air))
     found.members.extend(_non_linear(element) for element in group.elements)
     return found
 
@@ -112,10 +118,28 @@ def _at_node(node: Node, steady: bool, h: float, t_end: float) -> Iterator[Membe
             case Reservoir():
                 yield Member(where, (name,), SUPPLIED, True, to_air=False)
             case Rational() if node.held is None:
-                R = float(getattr(load, "resistance", None) or 0.0)
-                column = STORED if isinstance(load, Series | Parallel) else TAKEN
-                series, beside = isinstance(load, Series) and R, isinstance(load, Parallel) and R and 1 / R
-                yield Member(where, (name,), column, steady, series=float(series), beside=float(beside))
+                stores = isinstance(load, SeriesRLC | ParallelRLC | OneInductance | OneCapacitance)
+                series, beside = _resistances(load)
+                yield Member(where, (name,), STORED if stores else TAKEN, steady, series=series, beside=beside)
+
+
+def _linear(where: str, nodes: tuple[str, ...], link: Between | None, may_give: bool, to_air: bool) -> Member:
+    """A linear link, a lumped line, or a source between two nodes."""
+    if link is None and where.startswith("sources."):
+        return Member(where, nodes[:2], SUPPLIED, True, through=True, to_air=False)
+    if not isinstance(link, RationalLink | SwitchLink):
+        return Member(where, nodes, TAKEN, may_give, to_air=to_air)
+    if isinstance(link, SwitchLink) or link.rational().degree == 0:
+        return Member(where, nodes, DISSIPATED, may_give, through=True, to_air=False)
+    column = STORED if isinstance(link, SeriesRLC | ParallelRLC | OneInductance | OneCapacitance) else TAKEN
+    series, beside = _resistances(link)
+    return Member(where, nodes, column, may_give, through=True, to_air=False, series=series, beside=beside)
+
+
+def _resistances(one: RationalImpedance) -> tuple[float, float]:
+    """Resistance in series with what stores, and conductance beside it."""
+    r = float(getattr(one, "resistance", None) or 0.0)
+    return (r if isinstance(one, SeriesRLC) else 0.0), (1 / r if isinstance(one, ParallelRLC) and r else 0.0)
 
 
 def _non_linear(element: PlacedLaw) -> Member:

@@ -18,6 +18,7 @@ from tline.solver.description.excitation import just_before
 from tline.solver.description.nodes import NONE, Node
 from tline.solver.steady.balance import CLOSE, balanced
 from tline.solver.steady.edges import Edges
+from tline.solver.steady.links import inductive
 from tline.solver.steady.lossy_lines import FrictionTable, pi
 from tline.solver.steady.pockets import settled
 from tline.wording import place
@@ -60,10 +61,12 @@ def above_level(
     description.refuse_coupled("a steady state")
     nodes, lines = description.nodes, description.lines.values()
     number, n = {name: k for k, name in enumerate(nodes)}, len(nodes)
-    first, second = np.array([[number[node] for node in line.nodes] for line in lines]).T
+    shorts = inductive(description)
+    joined = [*(line.nodes for line in lines), *((first, second) for first, second, _ in shorts)]
+    first, second = np.array([[number[node] for node in pair] for pair in joined]).T
     lossy = np.array([line.losses is not None and any(line.losses.steady_drop(1.0)) for line in lines])
-    leak = np.array([pi(line)[1] for line in lines])
-    stiff = ~lossy
+    leak = np.array([pi(line)[1] for line in lines] + [0.0] * len(shorts))
+    count, stiff = len(lossy), np.append(~lossy, np.ones(len(shorts), bool))
     part = parts(first[stiff], second[stiff], n)
     given, conductance, driven, tie = _balances(nodes)
     conductance += np.bincount(first, leak, n) + np.bincount(second, leak, n)
@@ -77,13 +80,13 @@ def above_level(
     effort = level[part]
     unheld = np.isnan(_least(given, part))
     tie[np.unique(part, return_index=True)[1][unheld]] = np.inf  # the potential's zero, anywhere
-    stiffness = np.array([1 / (line.z0 * line.delay) for line in lines])
-    stiffness[lossy] = 0.0
+    stiffness = np.array([1 / (line.z0 * line.delay) for line in lines] + [1 / inertia for _, _, inertia in shorts])
+    stiffness[:count][lossy] = 0.0
     flow_in = driven - conductance * effort - out
     potential = _potential(first[stiff], second[stiff], stiffness[stiff], flow_in, tie)
     y = stiffness * (potential[first] - potential[second])
-    y[lossy] = flow[: lossy.sum()]
-    flows = np.stack([y + leak * effort[first], y - leak * effort[second]], axis=1)
+    y[:count][lossy] = flow[: lossy.sum()]
+    flows = np.stack([y + leak * effort[first], y - leak * effort[second]], axis=1)[:count]
     return dict(zip(nodes, effort.tolist(), strict=True)), flows
 
 

@@ -35,7 +35,9 @@ def scattering(scene: Scene, nodes: list[Node], dt: float, rule: Callable[[NDArr
     z0 = np.array([line.parameters.z0 for line in scene.lines.values()])
     own = [1 / z0[np.array(node.ends) // 2] / (np.inf if node.held else node.total) for node in nodes]
     dynamic = [node.load is not None and node.held is None for node in nodes]
-    systems = [Group([node], [], [], []).circuit(0.0).system for node, moves in zip(nodes, dynamic, strict=True) if moves]
+    systems = [
+        Group([node], [], [], []).circuit(0.0).system for node, moves in zip(nodes, dynamic, strict=True) if moves
+    ]
     m = max((len(system.A) for system in systems), default=0)
     maps = [(*rule(dt * system.A, dt * system.b[:, 0]), system.c[0]) for system in systems]
     x_x, x_before, x_now, u_x = (

@@ -14,7 +14,11 @@ from tline.solver.kernel.newton import CLOSE, FAINT, SPARE
 from tline.unit import function, invoke, unit
 
 TRIES = 400  # steps
-SHARES, SHORTER, GAIN = 3, 0.25, 0.1  # parts of Newton's step that are tried, each so much of the last; what each must gain
+SHARES, SHORTER, GAIN = (
+    3,
+    0.25,
+    0.1,
+)  # parts of Newton's step that are tried, each so much of the last; what each must gain
 DIFFERENCE = 1e-7  # of waves, for the slopes of stores
 
 
