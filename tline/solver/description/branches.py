@@ -1,6 +1,7 @@
 """Equations of what stands at the nodes of a circuit and between them.
 
-Whatever it is, it binds the efforts u of its terminals and the flows i into them: M u + N i = E x, dx/dt = Q x + P u + R i.
+Whatever it is, it binds the efforts u of its terminals and the flows i into them: M u + N i = E x, with states x that
+follow dx/dt = Q x + P u + R i.
 """
 
 from collections.abc import Sequence
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.line.modes import Modes
-from tline.solver.description.given import Ports, Switch
+from tline.solver.description.given import Ports, SwitchLink
 from tline.solver.description.lines import Line
 from tline.solver.description.load_step import StateSpace
 
@@ -23,7 +24,7 @@ class Branch(NamedTuple):
     ports: Ports
     to_air: bool = False  # whether it sees the gauge pressure at its nodes
     flows: tuple[float, ...] = ()  # into its terminals before t = 0, where these are known
-    switch: Switch | None = None  # if it is one
+    switch: SwitchLink | None = None  # if it is one
 
     def before(self, t: float) -> "Branch":
         """The same just before an instant."""
@@ -40,7 +41,7 @@ class PlacedBranch(NamedTuple):
     nodes: Sequence[str]
     ports: Ports
     flows: tuple[float, ...] = ()
-    switch: Switch | None = None
+    switch: SwitchLink | None = None
     to_air: bool = False
 
     def among(self, places: NDArray) -> Branch:
@@ -89,7 +90,7 @@ def lc_sections(line: Line, number: int) -> Ports:
 
 
 def conductors(modes: Modes) -> Ports:
-    """An end of coupled conductors, an ideal transformer: efforts v = T u of the modes, and T' i = -j flows out of them.
+    """An end of coupled conductors, an ideal transformer: v = T u of the modes, and T' i = -j flows out of them.
 
     Terminals are the conductors, then the modes.
     """

@@ -24,7 +24,7 @@ from tline.solver.description.excitation import Shape
 from tline.solver.description.given import MEDIA, End, Height, Medium, Scene
 from tline.solver.description.groups import Group, LumpedLine, grouped
 from tline.solver.description.lines import Line, lines_of
-from tline.solver.description.links import branches_of
+from tline.solver.description.links import branches_of, inductive, resistive
 from tline.solver.description.nodes import NONE, Node, nodes_of
 from tline.solver.description.probes import ProbePlace, probes_of
 from tline.solver.description.scales import filling_times, time_scales
@@ -111,6 +111,16 @@ class Description:
     def branches(self) -> list[PlacedBranch]:
         """Linear links, and sources between two nodes."""
         return list(branches_of(self.scene, self.nodes))
+
+    @property
+    def resistive(self) -> list[PlacedLaw]:
+        """What passes a steady flow between nodes in proportion to the effort."""
+        return resistive(self.scene, self.nodes)
+
+    @property
+    def inductive(self) -> list[tuple[str, str, float]]:
+        """Nodes of links that are shorts to a steady flow, and their inductances."""
+        return inductive(self.scene)
 
     @cached_property
     def probes(self) -> dict[str, ProbePlace]:

@@ -3,11 +3,11 @@
 from tline.scene.coupled import End
 from tline.scene.heights import NO_HEIGHT, Height
 from tline.scene.law import ElementLaw
-from tline.scene.load import Switch
 from tline.scene.medium import MEDIA, Medium
 from tline.scene.multiport import Ports
 from tline.scene.scene import Scene
 from tline.scene.shape import Constant, Shape
+from tline.scene.switch import SwitchLink
 from tline.scene.touchstone import Touchstone
 
 __all__ = [
@@ -21,6 +21,6 @@ __all__ = [
     "Ports",
     "Scene",
     "Shape",
-    "Switch",
+    "SwitchLink",
     "Touchstone",
 ]

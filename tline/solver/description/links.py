@@ -1,4 +1,4 @@
-"""Linear links, and sources between two nodes, as branches."""
+"""Linear links, and sources between two nodes: as branches, and what is left of them while nothing changes."""
 
 from collections.abc import Iterator, Mapping
 
@@ -8,7 +8,9 @@ from tline.scene.multiport import Multiport
 from tline.scene.rational_link import RationalLink
 from tline.scene.switch import SwitchLink
 from tline.solver.description.branches import PlacedBranch, between, one_port, resistance
-from tline.solver.description.given import Ports, Scene
+from tline.solver.description.elements import PlacedLaw
+from tline.solver.description.excitation import just_before
+from tline.solver.description.given import ElementLaw, Ports, Scene
 from tline.solver.description.load_step import reflection
 from tline.solver.description.nodes import Node
 from tline.wording import place
@@ -48,3 +50,39 @@ def _behind(r: float) -> Ports:
     M = np.array([[1.0, -1.0, -1.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
     N = np.array([[-r, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     return Ports(M, N, none.T, np.zeros((0, 0)), none, none)
+
+
+def resistive(scene: Scene, nodes: Mapping[str, Node]) -> list[PlacedLaw]:
+    """Those that pass a steady flow in proportion to the effort, beside what a source adds, where a node is free."""
+    return [law for law in _resistive(scene) if any(nodes[node].held is None for node in law.nodes)]
+
+
+def _resistive(scene: Scene) -> Iterator[PlacedLaw]:
+    for name, link in scene.links.items():
+        if isinstance(link, RationalLink):
+            r = float(link.rational().at_zero())
+            if 0 < abs(r) < float("inf"):
+                yield _straight(place("links", name), link.nodes, 0.0, r)
+        elif isinstance(link, SwitchLink):
+            r = float(link.after if link.time < 0 else link.before)
+            if r < float("inf"):
+                yield _straight(place("links", name), link.nodes, 0.0, r)
+    for name, source in scene.sources.items():
+        if source.nodes is not None and source.conductance > 0:
+            open_ = just_before(source.value) if source.is_effort else 0.0
+            yield _straight(place("sources", name), source.nodes, open_, 1 / source.conductance)
+
+
+def _straight(where: str, nodes: tuple[str, str], open_: float, r: float) -> PlacedLaw:
+    """A law that passes no flow at one effort, and in proportion to what is beyond."""
+    return PlacedLaw(where, ElementLaw("table", (0.0, 2.0, open_, open_ + r, 0.0, 1.0)), *nodes)
+
+
+def inductive(scene: Scene) -> list[tuple[str, str, float]]:
+    """Nodes of links that are shorts to a steady flow, and their inductances."""
+    found = []
+    for link in scene.links.values():
+        if isinstance(link, RationalLink) and link.rational().at_zero() == 0:
+            impedance = link.rational().reduced()
+            found.append((*link.nodes, float(impedance.numerator[-2] / impedance.denominator[-1])))
+    return found

@@ -13,9 +13,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.description.branches import Branch
 from tline.solver.description.description import Description
 from tline.solver.description.given import Touchstone
-from tline.solver.description.branches import Branch
 from tline.solver.description.nodes import Node
 from tline.solver.stability.lossy_line import carried, losses_of
 

@@ -11,7 +11,6 @@ from tline.solver.description.laws import KINDS, laws_of
 from tline.solver.kernel.network import Laws as Elements
 from tline.solver.steady.balance import EdgeLaws
 from tline.solver.steady.flows import flows_through
-from tline.solver.steady.links import resistive
 from tline.solver.steady.lossy_lines import Falls, FrictionTable
 from tline.solver.steady.pockets import held_drops
 from tline.wording import place
@@ -38,7 +37,7 @@ class Edges:
         lines = {name: line for (name, line), falls in zip(description.lines.items(), lossy, strict=True) if falls}
         self.falls = Falls(lines, tables)
         self.elements = [_running(e) for e in description.elements if e.law.kind not in FILLED]
-        self.elements += resistive(description)
+        self.elements += description.resistive
         self.where = [place("lines", name) for name in lines] + [element.where for element in self.elements]
         pairs = [line.nodes for line in lines.values()] + [
             (element.from_node, element.to_node) for element in self.elements

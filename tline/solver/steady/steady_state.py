@@ -18,7 +18,6 @@ from tline.solver.description.excitation import just_before
 from tline.solver.description.nodes import NONE, Node
 from tline.solver.steady.balance import CLOSE, balanced
 from tline.solver.steady.edges import Edges
-from tline.solver.steady.links import inductive
 from tline.solver.steady.lossy_lines import FrictionTable, pi
 from tline.solver.steady.pockets import settled
 from tline.wording import place
@@ -61,7 +60,7 @@ def above_level(
     description.refuse_coupled("a steady state")
     nodes, lines = description.nodes, description.lines.values()
     number, n = {name: k for k, name in enumerate(nodes)}, len(nodes)
-    shorts = inductive(description)
+    shorts = description.inductive
     joined = [*(line.nodes for line in lines), *((first, second) for first, second, _ in shorts)]
     first, second = np.array([[number[node] for node in pair] for pair in joined]).T
     lossy = np.array([line.losses is not None and any(line.losses.steady_drop(1.0)) for line in lines])
@@ -137,7 +136,7 @@ def _refuse_flow(description: Description, number: dict[str, int], part: NDArray
     """Say that nothing takes the flow into a part."""
     sources = description.scene.sources.items()
     where = next(
-        (place("sources", name) for name, source in sources if part[number[source.at]] == stuck),
+        (place("sources", name) for name, source in sources if part[number[source.terminals[0]]] == stuck),
         f"node '{list(number)[int(np.flatnonzero(part == stuck)[0])]}'",
     )
     got = f"{flow:g} {description.medium.units['flow']}"

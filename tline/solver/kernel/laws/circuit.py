@@ -1,9 +1,9 @@
 """Laws in a circuit: the waves into all of them, at all points that see each other, by one Newton method.
 
 A law is a line end of no length. Into it goes the wave α = e + ρ i, out of it comes β = e - ρ i = R(α); the circuit
-sends α = c + S β, where c is what nodes and states send. S cannot add energy if the circuit is passive, and R cannot move
-two waves apart if the law is monotone. So the mean of α and c + S R(α) comes nearer to a solution wherever there is one
-(Krasnoselskii 1955); Newton's steps are taken where they do better.
+sends α = c + S β, where c is what nodes and states send. S cannot add energy if the circuit is passive, and R cannot
+move two waves apart if the law is monotone. So the mean of α and c + S R(α) comes nearer to a solution wherever there is
+one (Krasnoselskii 1955); Newton's steps are taken where they do better.
 """
 
 import numpy as np
@@ -39,7 +39,7 @@ def exchange_states(run, g, give):
 @function
 def ask(run, e, q, h, wave, o, flow):
     """Ask the law or the store of element e for its flows under q waves from place o on; a store moves its states."""
-    laws, law, z, signal, k = run.network.laws, run.units.law[e], 0.0, run.work.circuit.control, o // q
+    laws, law, signal, k = run.network.laws, run.units.law[e], run.work.circuit.control, o // q
     z = laws.source_impedance[e]
     if laws.state_at[e] < 0:
         crossing = run.work.crossing
@@ -59,15 +59,15 @@ def ask(run, e, q, h, wave, o, flow):
 
 @function
 def unbalance(run, g, q, h, step, at, k):
-    """Flows under the waves `aimed`, and what these are beyond c + S β. Returns its square, its largest, and a scale."""
+    """Flows under the waves `aimed`, and what these exceed c + S β by. Returns its square, its largest, and a scale."""
     laws, work, radau = run.network.laws, run.work.circuit, run.network.laws.tools.radau
     first, m = laws.first[g], laws.first[g + 1] - laws.first[g]
     wave, sent, flow, rest, size, width = work.aimed, work.sent, work.flow, work.rest, m * q, work.width[0]
     exchange_states(run, g, True)
-    for l in range(m):
-        ask(run, first + l, q, h, wave, l * q, flow)
+    for law in range(m):
+        ask(run, first + law, q, h, wave, law * q, flow)
         for j in range(q):
-            sent[l * q + j] = wave[l * q + j] - 2.0 * laws.source_impedance[first + l] * flow[l * q + j]
+            sent[law * q + j] = wave[law * q + j] - 2.0 * laws.source_impedance[first + law] * flow[law * q + j]
     square, worst, scale = 0.0, 0.0, 0.0
     for a in range(size):
         place, z = at + (k * q + a) * width + k * q, laws.source_impedance[first + a // q]
@@ -86,9 +86,9 @@ def answered(run, g, q, h):
     """How flows answer to waves, law by law: `answer[a, j]` is the change of flow a with wave j of the same law."""
     laws, work = run.network.laws, run.work.circuit
     first, aimed, trial, answer = laws.first[g], work.aimed, work.trial, work.answer
-    for l in range(laws.first[g + 1] - first):
-        o = l * q
-        if laws.state_at[first + l] < 0:
+    for law in range(laws.first[g + 1] - first):
+        o = law * q
+        if laws.state_at[first + law] < 0:
             for a in range(q):
                 for j in range(q):
                     answer[o + a, j] = work.slope[o + a] if a == j else 0.0
@@ -101,7 +101,7 @@ def answered(run, g, q, h):
             exchange_states(run, g, True)
             for a in range(q):
                 trial[o + a] = aimed[o + a] + (step if a == j else 0.0)
-            ask(run, first + l, q, h, trial, o, work.other)
+            ask(run, first + law, q, h, trial, o, work.other)
             for a in range(q):
                 answer[o + a, j] = (work.other[o + a] - work.flow[o + a]) / step
 
@@ -134,6 +134,7 @@ def solved(run, g, q, h, step, at, k):
     size = (laws.first[g + 1] - laws.first[g]) * q
     aimed, start, turn = work.aimed, work.start, work.turn
     now, worst, scale = unbalance(run, g, q, h, step, at, k)
+    new, new_scale = worst, scale
     for _ in range(TRIES):
         if not np.isfinite(now):
             return False
@@ -194,9 +195,9 @@ def circuit(run: Run, g: int, n: int, h: float, own: int) -> int:
             for j in range(low, width):
                 total += step[place + j] * row[j]
             work.given[a], work.aimed[a] = 2.0 * total, work.waves[first * s + a]
-        for l in range(m):
+        for law in range(m):
             for i in range(q):
-                work.control[l, i] = run.work.control[l, block * q + i]
+                work.control[law, i] = run.work.control[law, block * q + i]
         exchange_states(run, g, False)
         found = solved(run, g, q, h, step, at, k)
         if not found:
