@@ -18,6 +18,7 @@ from tline.scene.rational_link import (
 from tline.scene.rational_load import Capacitor, Impedance, Inductor, Parallel, Series
 from tline.scene.scene import Scene
 from tline.scene.source import Source
+from tline.solver.description.active import active_impedances
 
 R, L, C, BETWEEN = 50.0, 2e-9, 3e-12, ("a", "b")
 
@@ -105,6 +106,13 @@ def test_a_common_return_is_named_twice():
     assert pair.nodes == ("a", "m", "b", "m")
     assert pair.ports().M.shape == (4, 4)
     assert not pair.is_grounded
+
+
+def test_an_active_impedance_is_found_between_nodes_too():
+    line = {"nodes": BETWEEN, "z0": 50, "delay": 1}
+    links = {"x": ImpedanceLink(nodes=BETWEEN, expression="s - 2"), "r": ResistorLink(nodes=BETWEEN, resistance=2)}
+    scene = Scene(medium="electrical", t_end=1, lines={"l": line}, links=links, probes={"p": {"at": "a"}})
+    assert list(active_impedances(scene)) == ["links.x"]
 
 
 def test_terminals_of_sources():
