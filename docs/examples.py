@@ -189,6 +189,16 @@ at = "near"
 kind = "voltage"
 value = "1 V"
 resistance = "50 ohm"
+
+[sources.offset]           # in series with what is behind the line
+nodes = ["receiver", "far"]
+kind = "voltage"
+value = "0.2 V"
+
+[loads.receiver]
+at = "receiver"
+kind = "resistor"
+resistance = "50 ohm"
 """,
     "NoFlow": """\
 [loads.end]
@@ -210,6 +220,18 @@ kind = "matched"
 at = "far"
 kind = "resistor"
 resistance = "75 ohm"
+""",
+    "Inductor": """\
+[loads.bias]               # a choke that feeds direct current
+at = "far"
+kind = "inductor"
+inductance = "10 uH"
+""",
+    "Capacitor": """\
+[loads.receiver]
+at = "far"
+kind = "capacitor"
+capacitance = "1.5 pF"
 """,
     "Series": """\
 [loads.end]
@@ -262,11 +284,109 @@ nodes = ["near", "far"]
 kind = "table"
 points = [[-1, "-1 mA"], [1, "1 mA"], [2, "20 mA"]]
 """,
-    "Transformer": """\
-[links.balun]
+    "ResistorLink": """\
+[links.series]             # between the line and a receiver of 1.5 pF
+nodes = ["far", "receiver"]
+kind = "resistor"
+resistance = "33 ohm"
+
+[loads.receiver]
+at = "receiver"
+kind = "capacitor"
+capacitance = "1.5 pF"
+""",
+    "InductorLink": """\
+[links.bond]
+nodes = ["far", "die"]
+kind = "inductor"
+inductance = "0.8 nH"
+
+[loads.die]
+at = "die"
+kind = "resistor"
+resistance = "50 ohm"
+""",
+    "CapacitorLink": """\
+[links.coupling]
+nodes = ["far", "receiver"]
+kind = "capacitor"
+capacitance = "100 nF"
+
+[loads.receiver]
+at = "receiver"
+kind = "resistor"
+resistance = "50 ohm"
+""",
+    "SeriesLink": """\
+[links.stub]               # passes what is near its resonance at 225 MHz
 nodes = ["near", "far"]
+kind = "series"
+resistance = "1 ohm"
+inductance = "50 nH"
+capacitance = "10 pF"
+""",
+    "ParallelLink": """\
+[links.trap]               # stops what is near its resonance at 225 MHz
+nodes = ["far", "load"]
+kind = "parallel"
+inductance = "50 nH"
+capacitance = "10 pF"
+
+[loads.load]
+at = "load"
+kind = "resistor"
+resistance = "50 ohm"
+""",
+    "ImpedanceLink": """\
+[links.ferrite]            # an inductor beside the resistance of its core's losses
+nodes = ["far", "load"]
+kind = "impedance"
+expression = "R0 + s*L*R/(R + s*L)"
+parameters = { R0 = "0.1 ohm", R = "600 ohm", L = "1 uH" }
+
+[loads.load]
+at = "load"
+kind = "resistor"
+resistance = "50 ohm"
+""",
+    "SwitchLink": """\
+[links.breaker]
+nodes = ["far", "motor"]
+kind = "switch"            # in a hydraulic scene "valve"
+before = "1 mohm"
+after = inf                # open
+time = "10 ns"
+
+[loads.motor]
+at = "motor"
+kind = "series"
+resistance = "2 ohm"
+inductance = "5 mH"
+""",
+    "Transformer": """\
+[links.balun]              # from the line to a floating dipole
+nodes = ["far", "reference", "arm1", "arm2"]
 kind = "transformer"
-ratio = 0.5                # raises the voltage to twice that at the first node
+ratio = 0.5                # raises the voltage to twice the line's
+
+[loads.reference]
+at = "reference"
+kind = "short"
+
+[links.dipole]
+nodes = ["arm1", "arm2"]
+kind = "resistor"
+resistance = "200 ohm"
+
+[loads.arm1]
+at = "arm1"
+kind = "resistor"
+resistance = "1 kohm"
+
+[loads.arm2]
+at = "arm2"
+kind = "resistor"
+resistance = "1 kohm"
 """,
     "Gyrator": """\
 [links.gyrator]

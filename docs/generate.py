@@ -14,7 +14,8 @@ SECTIONS = {
     "lines": ("Lines", "A line runs from its first node (end 1) to its second (end 2); flow counts positive that way."),
     "sources": (
         "Sources",
-        "`value` is a number or text, or one of the waveforms below. A flow or current counts positive into the node.",
+        "At a node, against the reference, or between two nodes. `value` is a number or text, or one of the waveforms "
+        "below. A flow or current counts positive into the node, or into the first of two.",
     ),
     "loads": (
         "Loads",
@@ -23,8 +24,9 @@ SECTIONS = {
     ),
     "links": (
         "Links",
-        "What stands between nodes without a delay: [non-linear elements](elements.md), with flow positive from "
-        "the first node to the second, and linear multiports, each port of which is a node and the reference.",
+        "What stands between nodes without a delay, with flow positive from the first node to the second: R, L, C and "
+        "switches, [laws](elements.md), and linear multiports, each port of which is a node and the reference, or two "
+        "nodes. Links may meet at nodes where no line ends.",
     ),
     "probes": (
         "Probes",
@@ -52,7 +54,7 @@ def reference() -> str:
         "",
         'A scene is a TOML file. Numbers are SI; texts carry a unit, such as `"10 cm"`. Elements are tables keyed by a',
         "name of your choice, such as `[lines.pipe]`. A node is any name that a line gives to an end; a node with",
-        "nothing else is closed.",
+        "nothing else is closed. Links and sources between nodes may name further ones, where no line ends.",
         "",
         "## Top level",
         "",

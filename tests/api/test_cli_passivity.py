@@ -297,6 +297,14 @@ def test_a_scene_is_checked_load_by_load(tmp_path):
     assert "waves grow by a factor e every 1.82 s" in result.stdout  # 2/ln 3: H = 3 at one end, 1 at the other
 
 
+def test_impedances_between_nodes_are_checked_too(tmp_path):
+    link = '[links.in]\nnodes = ["far", "beyond"]\nkind = "impedance"\nexpression = "s + 2"\n'
+    link += '[loads.beyond]\nat = "beyond"\nkind = "resistor"\nresistance = 1\n'
+    (tmp_path / "scene.toml").write_text(SCENE.format("3") + link, encoding="utf-8")
+    told = json.loads(run("--json", str(tmp_path / "scene.toml")).stdout)
+    assert (told["status"], told["links"]) == ("proved", {"in": "proved"})
+
+
 @pytest.mark.parametrize(
     ("arguments", "status", "words"),
     [

@@ -14,11 +14,21 @@ from hypothesis import strategies as st
 from tline.printable import one_line
 from tline.scene.file import scene_from, scene_text, schema
 from tline.scene.line import Cable, Pipe
-from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
+from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
+from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Transformer
 from tline.scene.probe import Probe
-from tline.scene.rational_load import Impedance, Parallel, Series
+from tline.scene.rational_link import (
+    CapacitorLink,
+    ImpedanceLink,
+    InductorLink,
+    ParallelLink,
+    ResistorLink,
+    SeriesLink,
+)
+from tline.scene.rational_load import Capacitor, Impedance, Inductor, Parallel, Series
 from tline.scene.scene import Scene, Solver
 from tline.scene.source import Source
+from tline.scene.switch import Switch, SwitchLink
 
 
 def quantity(*units: str, least: float = 1e-3, most: float = 1e3, signed: bool = False):
@@ -78,20 +88,17 @@ def waveform(kind: str):
 
 
 @cache  # making a strategy takes longer than drawing from it
-def load(medium: str):
-    """All kinds; no node has two of them."""
+def passive(medium: str):
+    """R, L, C, impedances and switches: the kinds that loads and links share."""
     rlc = {"resistance": positive[medium], "inductance": inductance[medium], "capacitance": capacitance[medium]}
     rl, c = {key: rlc[key] for key in ("resistance", "inductance")}, {"capacitance": capacitance[medium]}
     number = st.integers(1, 10**20) | st.floats(1e-9, 1e9) | st.just("4.7 nH")
     changing = {"before": resistance[medium], "after": resistance[medium], "time": instant}
     parameters = table({"R": quantity("ohm", "m", "bar"), "L": quantity("H")})
-    hydraulic = medium == "hydraulic"
-    kinds = [
-        table({"kind": st.just("closed" if hydraulic else "open")}),
-        table({"kind": st.just("short")}),
-        table({"kind": st.just("matched")}),
-        table({"kind": st.just("resistor"), "resistance": resistance[medium]}),
-        table({"kind": st.just("valve" if hydraulic else "switch")} | changing),
+    return [
+        table({"kind": st.just("valve" if medium == "hydraulic" else "switch")} | changing),
+        table({"kind": st.just("inductor"), "inductance": inductance[medium]}),
+        table({"kind": st.just("capacitor"), "capacitance": capacitance[medium]}),
         table({"kind": st.sampled_from(["series", "parallel"])} | rl, c),
         table({"kind": st.sampled_from(["series", "parallel"])} | c, rl),
         table({"kind": st.just("impedance"), "expression": st.just("R + s*L"), "parameters": parameters}),
@@ -99,9 +106,40 @@ def load(medium: str):
         table({"kind": st.just("impedance"), "numerator": st.tuples(number, number).map(list),
                "denominator": st.lists(number, min_size=1, max_size=3)}),
     ]  # fmt: skip
+
+
+@cache
+def load(medium: str):
+    """All kinds; no node has two of them."""
+    hydraulic = medium == "hydraulic"
+    kinds = [
+        table({"kind": st.just("closed" if hydraulic else "open")}),
+        table({"kind": st.just("short")}),
+        table({"kind": st.just("matched")}),
+        table({"kind": st.just("resistor"), "resistance": resistance[medium]}),
+        *passive(medium),
+    ]
     if hydraulic:
         kinds.append(table({"kind": st.just("reservoir"), "pressure": quantity("Pa", "bar", signed=True)}))
     return st.one_of(kinds)
+
+
+@cache
+def link(medium: str, start: str):
+    """From a node (0) to others (1, 2, 3) at which nothing else is but a resistor each."""
+    kinds = [table({"kind": st.just("resistor"), "resistance": positive[medium]}), *passive(medium)]
+    two = st.one_of(kinds).map(lambda one: {"nodes": [0, 1]} | one)
+    ports = st.sampled_from([[0, 1], [0, 1, 2, 3], [1, 2, 0, 2]])
+    gain, coils = st.sampled_from([-2, 0.5, "3"]), st.lists(inductance[medium], min_size=2, max_size=2)
+    multiports = st.one_of(
+        table({"nodes": ports, "kind": st.just("transformer"), "ratio": gain}),
+        table({"nodes": ports, "kind": st.just("gyrator"), "resistance": positive[medium]}),
+        table({"nodes": ports, "kind": st.just("controlled source"), "transconductance": gain}),
+        table({"nodes": ports, "kind": st.just("controlled source"), "gain": gain, "resistance": st.just(5)}),
+        table({"nodes": ports, "kind": st.just("coupled inductors"), "inductance": coils,
+               "coupling": st.sampled_from([-0.99, 0, "0.5"])}),
+    )  # fmt: skip
+    return two if start == "steady" else two | multiports
 
 
 @cache
@@ -142,15 +180,22 @@ def scenes(draw):
     share = {"line": names[0], "position": draw(st.sampled_from(places))}
     end = {"at": nodes[-1]}
     probes = draw(st.sampled_from([{"p": middle}, {"a b": share}, {"p": middle, "q": share, '"': end}]))
-    extra = {
+    sources, links, start = {draw(name): source}, {}, draw(st.sampled_from(["rest", "steady"]))
+    for node in draw(st.lists(st.sampled_from(nodes), max_size=3, unique=True)):
+        one = draw(link(medium, start))
+        around = [node, *(f"{node} inside {k}" for k in range(3))]
+        links[draw(name)] = one | {"nodes": [around[k] for k in one["nodes"]]}
+    inside = list(dict.fromkeys(node for one in links.values() for node in one["nodes"] if node not in nodes))
+    loads |= {f"of {node}": {"at": node, "kind": "resistor", "resistance": 1} for node in inside}
+    if inside and draw(st.booleans()):
+        sources["between"] = {"nodes": [inside[0], nodes[0]], "kind": kind, "value": 1, "resistance": 1}
+    optional = {
         "title": st.text("abc äöü\n\t\x1b\"'\\日", max_size=20).map(one_line),
-        "start": st.sampled_from(["rest", "steady"]),
         "solver": table({}, {"order": st.integers(1, 16), "slab": st.just("1e-12 s") | st.just(1e-20)}),
-        "sources": st.just({draw(name): source}),
-        "loads": st.just(loads),
     }
+    given = {"start": start, "sources": sources, "loads": loads, "links": links}
     whole = {"medium": st.just(medium), "t_end": time, "lines": st.just(lines), "probes": st.just(probes)}
-    return draw(table(whole, extra))
+    return draw(table(whole | {key: st.just(value) for key, value in given.items()}, optional))
 
 
 @pytest.fixture(scope="module")
@@ -189,6 +234,13 @@ LINES = {"hydraulic": Pipe, "electrical": Cable}
 LOADS = {
     "closed": NoFlow, "open": NoFlow, "short": Short, "reservoir": Reservoir, "matched": Matched, "resistor": Resistor,
     "switch": Switch, "valve": Switch, "series": Series, "parallel": Parallel, "impedance": Impedance,
+    "inductor": Inductor, "capacitor": Capacitor,
+}  # fmt: skip
+LINKS = {
+    "resistor": ResistorLink, "inductor": InductorLink, "capacitor": CapacitorLink, "series": SeriesLink,
+    "parallel": ParallelLink, "impedance": ImpedanceLink, "switch": SwitchLink, "valve": SwitchLink,
+    "transformer": Transformer, "gyrator": Gyrator, "controlled source": ControlledSource,
+    "coupled inductors": CoupledInductors,
 }  # fmt: skip
 
 
@@ -199,6 +251,7 @@ def test_objects_to_text_to_objects_is_the_identity(data, folder):
     for key, model in (("lines", LINES[data["medium"]]), ("probes", Probe)):
         parts[key] = {n: model(**one) for n, one in data[key].items()}
     parts["loads"] = {n: LOADS[one["kind"]](**one) for n, one in data.get("loads", {}).items()}
+    parts["links"] = {n: LINKS[one["kind"]](**one) for n, one in data.get("links", {}).items()}
     if "points.csv" not in str(data):  # a table alone looks for its file in the working folder
         parts["sources"] = {n: Source(**one) for n, one in data.get("sources", {}).items()}
     if "solver" in data:

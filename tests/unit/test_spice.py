@@ -396,6 +396,34 @@ def test_what_no_netlist_has_is_refused_by_name(parts, sentence):
     assert str(found.value).startswith(sentence)
 
 
+def test_what_stands_between_nodes_is_written():
+    links = {
+        "c": {"kind": "capacitor", "nodes": ["a", "m"], "capacitance": 1e-9},
+        "rl": {"kind": "series", "nodes": ["m", "0x"], "resistance": 5, "inductance": 2e-9},
+        "t": {"kind": "transformer", "nodes": ["a", "m", "b", "m"], "ratio": 2},
+        "e": {"kind": "controlled source", "nodes": ["a", "m", "b", "m"], "gain": 3, "resistance": 7},
+        "g": {"kind": "gyrator", "nodes": ["a", "m", "b", "m"], "resistance": 4},
+        "k": {"kind": "coupled inductors", "nodes": ["a", "m", "b", "m"], "inductance": [1, 2], "coupling": 0.5},
+    }
+    sources = {
+        "v": {"nodes": ["a", "m"], "kind": "voltage", "value": 1, "resistance": 25},
+        "i": {"nodes": ["a", "m"], "kind": "current", "value": 2, "resistance": 30},
+    }
+    lines = {"l": {"nodes": ["a", "b"], "z0": 50, "delay": 1}}
+    loads = {"end": {"at": "0x", "kind": "inductor", "inductance": 3e-9}}
+    scene = Scene(
+        medium="electrical", t_end=9, probes={"p": {"at": "a"}}, lines=lines, links=links, sources=sources, loads=loads
+    )
+    cards = spice_text(scene).splitlines()
+    assert set(cards) > {
+        "Vv Vv.s m DC 1.0", "Rv Vv.s a 25.0", "Ii m a DC 2.0", "Ri a m 30.0", "Lend n4 0 3e-09",
+        "Cc a m 1e-09", "Rrl m Lrl.x 5.0", "Lrl Lrl.x n4 2e-09",
+        "Et Vt.x m b m 2.0", "Vt a Vt.x DC 0", "Ft m b Vt 2.0",
+        "Ee Ee.x m a m 3.0", "Re Ee.x b 7.0", "Gg a m b m 0.25", "Gg_2 b m a m -0.25",
+        "Lk a m 1.0", "Lk_2 b m 2.0", "Kk Lk Lk_2 0.5",
+    }  # fmt: skip
+
+
 def test_pipes_have_no_netlist():
     pipe = {
         "medium": "hydraulic",

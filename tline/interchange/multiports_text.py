@@ -1,4 +1,4 @@
-"""Linear multiports of a scene as SPICE cards: controlled sources and coupled inductors, each port to the reference."""
+"""Linear multiports of a scene as SPICE cards: controlled sources and coupled inductors."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.interchange.spice_names import Names
 from tline.scene.link import Link
-from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Junction, Transformer
+from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Junction, Multiport, Transformer
 from tline.wording import place
 
 LARGEST = 1e12  # condition number of 1 + S, beyond which there is no admittance
@@ -32,43 +32,45 @@ def multiport_cards(link: Link, name: str, names: Names) -> list[str]:
         Naming the link: it is non-linear, or a junction without an admittance matrix.
     """
     where, nodes = place("links", name), [names.node[at] for at in link.nodes]
+    grounded = not isinstance(link, Multiport) or link.is_grounded
+    ports = [f"{at} 0" for at in nodes] if grounded else [" ".join(nodes[:2]), " ".join(nodes[2:])]
     match link:
         case Transformer():
-            return _transformer(float(link.ratio), name, nodes, names)
+            return _transformer(float(link.ratio), name, ports, names)
         case Gyrator():
             turned = 1 / float(link.resistance)
-            return _conductances(np.array([[0.0, turned], [-turned, 0.0]]), name, nodes, names)
+            return _conductances(np.array([[0.0, turned], [-turned, 0.0]]), name, ports, names)
         case ControlledSource():
-            return _controlled_source(link, name, nodes, names)
+            return _controlled_source(link, name, ports, names)
         case CoupledInductors():
-            return _coupled_inductors(link, name, nodes, names)
+            return _coupled_inductors(link, name, ports, names)
         case Junction():
-            return _conductances(_admittance(link, where), name, nodes, names)
+            return _conductances(_admittance(link, where), name, ports, names)
     raise InputError(where, f"a {link.kind} has no counterpart in a netlist", "a linear multiport")
 
 
-def _transformer(ratio: float, name: str, nodes: list[str], names: Names) -> list[str]:
-    """u₁ = n u₂, and n times the current into the first node comes out of the second."""
-    first, second = nodes
+def _transformer(ratio: float, name: str, ports: list[str], names: Names) -> list[str]:
+    """u₁ = n u₂, and n times the current into the first port comes out of the second."""
+    (first, low), second = ports[0].split(), ports[1]
     E, V, F = (names.element(letter, name) for letter in "EVF")
-    inner = f"{V}.x"
-    return [f"{E} {inner} 0 {second} 0 {ratio!r}", f"{V} {first} {inner} DC 0", f"{F} 0 {second} {V} {ratio!r}"]
+    inner, turned = f"{V}.x", " ".join(reversed(second.split()))
+    return [f"{E} {inner} {low} {second} {ratio!r}", f"{V} {first} {inner} DC 0", f"{F} {turned} {V} {ratio!r}"]
 
 
-def _controlled_source(link: ControlledSource, name: str, nodes: list[str], names: Names) -> list[str]:
-    control, out = nodes
+def _controlled_source(link: ControlledSource, name: str, ports: list[str], names: Names) -> list[str]:
+    control, out = ports
     if link.transconductance is not None:
-        return [f"{names.element('G', name)} {out} 0 {control} 0 {float(link.transconductance)!r}"]
+        return [f"{names.element('G', name)} {out} {control} {float(link.transconductance)!r}"]
     E, gain, resistance = names.element("E", name), float(link.gain or 0), float(link.resistance or 0)
     if not resistance:
-        return [f"{E} {out} 0 {control} 0 {gain!r}"]
-    inner = f"{E}.x"
-    return [f"{E} {inner} 0 {control} 0 {gain!r}", f"{names.element('R', name)} {inner} {out} {resistance!r}"]
+        return [f"{E} {out} {control} {gain!r}"]
+    inner, (plus, minus) = f"{E}.x", out.split()
+    return [f"{E} {inner} {minus} {control} {gain!r}", f"{names.element('R', name)} {inner} {plus} {resistance!r}"]
 
 
-def _coupled_inductors(link: CoupledInductors, name: str, nodes: list[str], names: Names) -> list[str]:
-    windings, k = [names.element("L", name) for _ in nodes], float(link.coupling)
-    cards = [f"{L} {at} 0 {float(x)!r}" for L, at, x in zip(windings, nodes, link.inductance, strict=True)]
+def _coupled_inductors(link: CoupledInductors, name: str, ports: list[str], names: Names) -> list[str]:
+    windings, k = [names.element("L", name) for _ in ports], float(link.coupling)
+    cards = [f"{L} {port} {float(x)!r}" for L, port, x in zip(windings, ports, link.inductance, strict=True)]
     return [*cards, f"{names.element('K', name)} {' '.join(windings)} {k!r}"] if k else cards
 
 
@@ -80,9 +82,9 @@ def _admittance(link: Junction, where: str) -> NDArray:
     return np.linalg.solve(one + S, one - S) / float(link.z0)
 
 
-def _conductances(Y: NDArray, name: str, nodes: list[str], names: Names) -> list[str]:
-    """G from each node to the reference for each voltage that commands its current."""
+def _conductances(Y: NDArray, name: str, ports: list[str], names: Names) -> list[str]:
+    """G across each port for each voltage that commands its current."""
     return [
-        f"{names.element('G', name)} {nodes[i]} 0 {nodes[j]} 0 {float(Y[i, j])!r}"
+        f"{names.element('G', name)} {ports[i]} {ports[j]} {float(Y[i, j])!r}"
         for i, j in np.argwhere(np.abs(Y) > ROUNDING * np.abs(Y).max())
     ]

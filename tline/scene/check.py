@@ -154,7 +154,8 @@ def _coupled(scene: Scene) -> Iterator[InputError]:
             problem = f"a {load.kind} load at node '{load.at}' of coupled conductors"
             yield InputError(place("loads", name), problem, "R, L, C, an impedance, a short or an open end")
     for where, nodes in scene.between:
-        for node in coupled.intersection(nodes):
+        node = next((node for node in nodes if node in coupled), None)
+        if node is not None:
             yield InputError(where, f"ends at node '{node}' of coupled conductors", "a node of single lines")
 
 

@@ -21,7 +21,7 @@ def _readable(name: str) -> str:
     return name
 
 
-def _words_are_required(schema: dict[str, Any]) -> None:
+def words_are_required(schema: dict[str, Any]) -> None:
     """Kind and shape have defaults in Python, but a file must name them."""
     required, properties = schema.setdefault("required", []), schema.get("properties", {})
     for word in sorted(WORDS & properties.keys()):
@@ -48,7 +48,7 @@ class Element(BaseModel):
         populate_by_name=True,
         revalidate_instances="always",
         validate_default=True,
-        json_schema_extra=_words_are_required,
+        json_schema_extra=words_are_required,
     )
 
     def __init__(self, /, **data: Any) -> None:

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import (
     BeforeValidator,
+    ConfigDict,
     Field,
     ValidationInfo,
     field_validator,
@@ -13,7 +14,7 @@ from pydantic import (
 
 from tline.errors import InputError
 from tline.scene.choice import Read
-from tline.scene.element import Element, Name
+from tline.scene.element import Element, Name, words_are_required
 from tline.scene.line import two_nodes
 from tline.scene.medium import MEDIA
 from tline.scene.quantity import Resistance
@@ -26,6 +27,11 @@ UNITS = {word: m.units[role] for m in MEDIA.values() for word, role in ((m.effor
 def _waveform(value: Any, info: ValidationInfo) -> Shape:
     """A waveform whose levels have the unit of the source's kind."""
     return read_waveform(value, UNITS.get(info.data.get("kind", "")), info)
+
+
+def _placed_once(schema: dict[str, Any]) -> None:
+    words_are_required(schema)
+    schema["oneOf"] = [{"required": ["at"]}, {"required": ["nodes"]}]
 
 
 class Source(Element):
@@ -50,6 +56,8 @@ class Source(Element):
     >>> Source(at="near", kind="voltage", value="1 V", resistance="50 ohm").resistance
     50.0
     """
+
+    model_config = ConfigDict(json_schema_extra=_placed_once)
 
     at: Name | None = Field(default=None, description="node of a source against the reference")
     nodes: Annotated[tuple[Name, Name], BeforeValidator(two_nodes)] | None = Field(
@@ -95,7 +103,7 @@ class Source(Element):
         return kind
 
     @model_validator(mode="after")
-    def _placed_once(self):
+    def _at_or_nodes(self):
         if self.at is None and self.nodes is None:
             raise InputError("at", "is missing", 'a node, or two as nodes = ["plus", "minus"]')
         if self.nodes is not None:

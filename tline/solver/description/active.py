@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from tline.scene.multiport import ControlledSource
-from tline.scene.rational_load import Impedance
+from tline.scene.rational import AnyImpedance
 from tline.solver.description.given import Scene
 from tline.wording import place
 
@@ -11,15 +11,15 @@ if TYPE_CHECKING:
     from passivity import Verdict
 
 
-def active_loads(scene: Scene) -> "dict[str, Verdict]":
-    """Loads whose impedance is refuted to be positive real, by name; R, L and C above zero need no test."""
-    impedances = {name: load for name, load in scene.loads.items() if isinstance(load, Impedance)}
-    if not impedances:
+def active_impedances(scene: Scene) -> "dict[str, Verdict]":
+    """Loads and links whose impedance is refuted to be positive real, by place; R, L and C above zero need no test."""
+    given = {place(*at): x for at, x in scene.placed if isinstance(x, AnyImpedance)}
+    if not given:
         return {}
     from passivity import Status, check_positive_real
 
-    verdicts = {name: check_positive_real(load.rational()) for name, load in impedances.items()}
-    return {name: verdict for name, verdict in verdicts.items() if verdict.status is Status.REFUTED}
+    verdicts = {where: check_positive_real(element.rational()) for where, element in given.items()}
+    return {where: verdict for where, verdict in verdicts.items() if verdict.status is Status.REFUTED}
 
 
 def controlled_sources(scene: Scene) -> list[str]:
@@ -29,5 +29,5 @@ def controlled_sources(scene: Scene) -> list[str]:
 
 def active_parts(scene: Scene) -> dict[str, str]:
     """What there is to say of each active load, and of each link that may feed waves, by its place."""
-    told = {place("loads", name): f"is active: {verdict.why}" for name, verdict in active_loads(scene).items()}
+    told = {where: f"is active: {verdict.why}" for where, verdict in active_impedances(scene).items()}
     return told | {place("links", name): "may feed waves" for name in controlled_sources(scene)}
