@@ -1,0 +1,101 @@
+"""The scenes with circuits against ngspice and SciPy: python -m benchmarks.circuits [NAME...].
+
+Prints a table and writes it into docs/circuits.md. The equations that SciPy integrates are written by hand
+(tests/electrical_by_hand.py, tests/hydraulic_by_hand.py), and so are the decks of ngspice
+(benchmarks/circuit_decks.py), whose largest step is halved until its result moves no more, or a run takes too long.
+Takes some minutes.
+"""
+
+import re
+import sys
+import time
+from pathlib import Path
+from statistics import median
+from typing import NamedTuple
+
+import numpy as np
+
+from benchmarks.circuit_decks import DECKS, deck
+from tline.scene.file import read_scene
+from tline.solver.result.result import Result
+from tline.solver.simulate import simulate
+from tline.study.programs import ngspice
+
+ROOT = Path(__file__).parent.parent
+sys.path.insert(0, str(ROOT / "tests"))
+
+from electrical_by_hand import ELECTRICAL  # noqa: E402
+from hydraulic_by_hand import HYDRAULIC  # noqa: E402
+
+PAGE = ROOT / "docs" / "circuits.md"
+FINE, USUAL, REPEATED = 1e-9, 1e-6, 5
+STEPS, STILL, LONG, INSTANTS = 40, 1e-7, 4.0, 4000  # in the shortest delay; change; s
+
+
+class Spice(NamedTuple):
+    """The last of its runs: largest distance from ours, what halving the step changed, and its seconds."""
+
+    distance: float
+    change: float
+    seconds: float
+
+
+def refined(name: str, ours: Result) -> Spice:
+    """Steps halved, errors relative to the amplitude of each probe."""
+    t_end, shortest = float(ours.scene.t_end), min(line.delay for line in ELECTRICAL[name].motion().lines)
+    before, n, found = None, STEPS, None
+    while True:
+        run, seconds, _ = ngspice.transient(deck(name, ours.probes, t_end, shortest / n))
+        t = run["time"]
+        chosen = np.unique(np.linspace(1, len(t) - 1, INSTANTS).astype(int))
+        distance = change = 0.0
+        for probe, wave in ours.probes.items():
+            u, size = run[f"v({probe})"], np.abs(wave.u).max()
+            distance = max(distance, np.abs(u[chosen] - wave.at(t[chosen]).u).max() / size)
+            if before is not None:
+                at = before["time"][1:]
+                inside = at <= t[-1]
+                moved = np.interp(at[inside], t, u) - before[f"v({probe})"][1:][inside]
+                change = max(change, np.abs(moved).max() / size)
+        if before is not None:
+            found = Spice(distance, change, seconds)
+            if change < STILL or seconds > LONG:
+                return found
+        before, n = run, 2 * n
+
+
+def row(name: str) -> str:
+    """Figures of a scene."""
+    scene = read_scene(ROOT / "scenes" / f"{name}.toml")
+    by_hand = (ELECTRICAL | HYDRAULIC)[name]
+    fine, usual, seconds = simulate(scene, tol=FINE), simulate(scene, tol=USUAL), []
+    for _ in range(REPEATED):
+        begun = time.perf_counter()
+        simulate(scene, tol=USUAL)
+        seconds.append(time.perf_counter() - begun)
+    off = [f"{max(by_hand.differences(run.probes).values()):.0e}" for run in (usual, fine)]
+    figures = [*off, f"{1e3 * median(seconds):.0f}", f"{1e3 * fine.seconds:.1f}"]
+    if name in DECKS:
+        spice = refined(name, fine)
+        figures += [f"{spice.distance:.0e}", f"{spice.change:.0e}", f"{1e3 * spice.seconds:.0f}"]
+    else:
+        figures += [""] * 3
+    return f"| `{name}` | " + " | ".join(figures) + " |"
+
+
+HEAD = f"""| scene | from SciPy, at {USUAL:.0e} | at {FINE:.0e} | all of a run at {USUAL:.0e}, ms \
+| steps at {FINE:.0e}, ms | from ngspice | its last halving moves it by | its steps, ms |
+|---|---:|---:|---:|---:|---:|---:|---:|"""
+
+
+if __name__ == "__main__":
+    names = sys.argv[1:] or [*ELECTRICAL, *HYDRAULIC]
+    rows = [HEAD]
+    for each in names:
+        rows.append(row(each))
+        print(rows[-1], flush=True)
+    if not sys.argv[1:]:
+        page = PAGE.read_text(encoding="utf-8")
+        table = "\n".join(rows)
+        page = re.sub(r"(<!-- measured -->\n).*?(\n<!-- end -->)", rf"\g<1>{table}\g<2>", page, flags=re.DOTALL)
+        PAGE.write_text(page, encoding="utf-8")
