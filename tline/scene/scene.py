@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from functools import cached_property
 from math import nan
 from pathlib import Path
+from types import UnionType
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -259,7 +260,7 @@ class Scene(Element):
         """Law of each non-linear element by section and name."""
         return {at: element.law() for at, element in self.placed if isinstance(element, NonLinear)}
 
-    def check_linear(self, what: str, besides: type | tuple[()] = ()) -> None:
+    def check_linear(self, what: str, besides: type | UnionType | tuple[()] = ()) -> None:
         """Refuse a scene with a non-linear element, or one between nodes, but for a kind of link that is allowed.
 
         Raises
