@@ -145,7 +145,7 @@ class Description:
     @cached_property
     def switched(self) -> dict[str, float]:
         """Instants of switches by place, s."""
-        return {place(*at): float(one.time) for at, one in self.scene.placed if isinstance(one, Switch)}
+        return {place(*at): float(one.time) for at, one in self.scene.placed if isinstance(one, Switch | SwitchLink)}
 
     @cached_property
     def time_scales(self) -> dict[str, tuple[float, float]]:

@@ -95,7 +95,7 @@ def lumped(chosen: Resolution) -> list[str]:
 def unconnected(description: Description) -> list[str]:
     """Parts of the scene that no line joins with the rest: often a node whose name is written in two ways."""
     scene = description.scene
-    pairs = [joint.nodes for joint in (*scene.lines.values(), *scene.links.values())]
+    pairs = [*(line.nodes for line in scene.lines.values()), *(nodes for _, nodes in scene.between)]
     nodes = list(dict.fromkeys(node for pair in pairs for node in pair))
     number = {node: k for k, node in enumerate(nodes)}
     pairs = [(pair[0], node) for pair in pairs for node in pair[1:]]

@@ -92,7 +92,7 @@ def _rises(
 def _changes(description: Description, t: NDArray) -> Iterator[float]:
     """What sources of flow do to the pipes beside them, Pa."""
     for source in description.scene.sources.values():
-        admittance = description.nodes[source.at].lines
+        admittance = max(description.nodes[node].lines for node in source.terminals if node is not None)
         if not source.is_effort and admittance:
             flow = np.append(source.value.value(t, t), just_before(source.value))
             yield float(np.ptp(flow)) / admittance

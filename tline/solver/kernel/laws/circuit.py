@@ -2,8 +2,8 @@
 
 A law is a line end of no length. Into it goes the wave α = e + ρ i, out of it comes β = e - ρ i = R(α); the circuit
 sends α = c + S β, where c is what nodes and states send. S cannot add energy if the circuit is passive, and R cannot
-move two waves apart if the law is monotone. So the mean of α and c + S R(α) comes nearer to a solution wherever there is
-one (Krasnoselskii 1955); Newton's steps are taken where they do better.
+move two waves apart if the law is monotone. So the mean of α and c + S R(α) comes nearer to a solution, wherever there
+is one (Krasnoselskii 1955); Newton's steps are taken where they do better.
 """
 
 import numpy as np
