@@ -25,12 +25,11 @@ from tline.solver.description.resolution import WHOLE, Resolution
 from tline.solver.kernel.network import Blocks, Laws, LossElements
 from tline.solver.radau import basis
 from tline.solver.steady.lossy_lines import FrictionTable
-from tline.solver.steady.steady_state import above_level, rest
+from tline.solver.steady.steady_state import Before, above_level, rest
 
 LAYOUTS = 2  # of a scene that are kept
 STAGES = 3  # lines, state before t = 0, nodes
 
-Before = tuple[dict[str, float], NDArray]
 Excitation = list[tuple[Shape, float]]  # waveforms and their shares of the Thévenin wave, or what scales an element
 
 
@@ -106,7 +105,7 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         delay[list(segmented)] = 1
         losses, memory = loss_elements_of(lines, circuits, delay, order, h, chosen.loss_elements, segmented)
         bar.update()
-        effort, y = _before_start(description, tables_of(losses, list(lines)))
+        effort, y, through = _before_start(description, tables_of(losses, list(lines)))
         u = np.array([[effort[at] for at in line.nodes] for line in description.lines.values()])
         bar.update()
         begin = dict(zip(description.lines, y[:, 0].tolist(), strict=True))
@@ -122,8 +121,8 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         excitations = [node.excitations for node in nodes.values()]
         before = None
         if steady:
-            thevenin = _thevenin(u, z0[:, None] * y, ends, degree, weight, excitations)
-            before = thevenin, np.array([effort[name] for name in nodes])
+            waves = _thevenin(u, z0[:, None] * y, ends, degree, weight, excitations)
+            before = dict(zip(nodes, waves.tolist(), strict=True)), effort, through
         systems = systems_of(groups, h, before, segmented)
         driven = np.array([bool(parts) for parts in excitations])
         excitations = list(filter(None, excitations))

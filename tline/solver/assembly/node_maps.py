@@ -28,33 +28,32 @@ class GroupSystems(NamedTuple):
 
 
 def systems_of(
-    groups: list[Group], h: float, before: tuple[NDArray, NDArray] | None, segmented: Collection[int]
+    groups: list[Group], h: float, before: tuple[dict[str, float], ...] | None, segmented: Collection[int]
 ) -> GroupSystems:
     """State spaces of groups.
 
     Parameters
     ----------
-    before : pair of ndarray, shape (nodes,), or None
-        Thévenin waves and efforts in the steady state at the start; without them the liquid stands still.
+    before : tuple of dict of str to float, or None
+        Thévenin waves and efforts by node, and flows by element, in the steady state at the start; without them the
+        liquid stands still.
     segmented : collection of int
         Numbers of lines in segments, which groups answer by a map even without states.
     """
     load_at, step_row = np.full(len(groups), -1), np.full(len(groups), -1)
     found = GroupSystems(load_at, step_row, np.empty(0), np.empty(0), [], [], [], [], [])
     states = [np.empty(0)]
-    first = filled = 0
+    filled = 0
     for g, group in enumerate(groups):
-        last = first + len(group.nodes)
         impedances = group.matched(1 / h)
         found.impedances.extend(impedances)
         echoed = bool(segmented) and _at_segments(group, segmented)
         if group.dynamic or echoed or (group.elements and not group.simple):
             load_at[g], step_row[g] = filled, len(found.systems)
-            states.append(group.at_rest() if before is None else group.at_rest_under(*(x[first:last] for x in before)))
+            states.append(group.at_rest() if before is None else group.at_rest_under(*before))
             filled += len(states[-1])
             stores = any(element.law.kind in STATES for element in group.elements)
             _add(found, g, group, impedances, h, echoed or stores)
-        first = last
     step_states = np.array([len(system.A) for system in found.systems], int)
     return found._replace(step_states=step_states, states=np.concatenate(states), changes=sorted(found.changes))
 
@@ -65,7 +64,7 @@ def _add(found: GroupSystems, g: int, group: Group, impedances: list[float], h: 
     systems = [group.circuit(time, impedances).system for time in (*times, np.inf)]
     if len({len(system.A) for system in systems}) > 1:
         where = next(branch.where for branch in (*group.loads, *group.branches))
-        raise InputError(where, "a switch joins what holds efforts or flows", "a switch with a resistance above zero")
+        raise InputError(where, "a switch shorts what holds efforts or flows", "a switch with a resistance above zero")
     found.changes.extend((time / h, g, len(found.systems) + 1 + j) for j, time in enumerate(times))
     found.systems.extend(systems)
     found.group.extend([g] * len(systems))

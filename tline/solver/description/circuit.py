@@ -99,7 +99,7 @@ def equations(
     switched = switched or [0.0] * len(nodes)
     k, m, levels = len(nodes), len(laws), np.array([node.above_level for node in nodes])
     states, flows = sum(len(b.ports.Q) for b in branches), sum(len(b.nodes) for b in branches)
-    lifted = bool(levels.any()) and (any(b.to_air for b in branches) or any(switched))
+    lifted = bool(levels.any()) and (any(b.to_air for b in branches) or any(node.switches for node in nodes))
     n, size = states + lifted, k + flows + m
     unit = nodes[0].alone  # of flows, so that all unknowns are of one size
     F, G, H, Q, L = (np.zeros(shape) for shape in ((size, size), (size, n), (size, k + m), (n, n), (n, size)))

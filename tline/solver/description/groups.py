@@ -1,6 +1,6 @@
 """Nodes that see each other without delay, and the circuit that stands between their line ends."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +32,7 @@ class LumpedLine(NamedTuple):
 
 FAST = 3.0  # over the slab's width: poles beyond are not resolved
 LONG = 64.0  # delays, so that the steps of that time are too long for what rings in LC sections, but not in lines
+ROUNDS = 3  # in which laws find the impedances that they see
 OPEN = 1 - 1e-6  # share of a wave that comes back where a law sees next to nothing
 GONE = 20.0  # time constants after which 2e-9 is left
 
@@ -97,11 +98,13 @@ class Group(NamedTuple):
         seen = [element.seen(nodes) for element in self.elements]
         if self.simple:
             return seen
-        A, B, C, D = self.circuit(0.0, seen).system
         k = len(self.nodes)
-        response = np.diag(C @ np.linalg.solve(rate * np.eye(len(A)) - A, B) + D)[k:] if len(A) else np.diag(D)[k:]
-        share = np.clip(response, 1 - OPEN, OPEN)  # Z/(Z + z)
-        return [z if r == OPEN else z * float(r / (1 - r)) for z, r in zip(seen, share, strict=True)]
+        for _ in range(ROUNDS):
+            A, B, C, D = self.circuit(0.0, seen).system
+            whole = C @ np.linalg.solve(rate * np.eye(len(A)) - A, B) + D if len(A) else D
+            share = np.clip(np.diag(whole)[k:], 1 - OPEN, OPEN)  # Z/(Z + z)
+            seen = [z if r == OPEN else z * float(r / (1 - r)) for z, r in zip(seen, share, strict=True)]
+        return seen
 
     def settles(self, h: float) -> float:
         """Time in which what lumped lines make faster than slabs of width h dies away, s."""
@@ -116,31 +119,35 @@ class Group(NamedTuple):
         own = [node.state_at_rest() for node in self.nodes if node.load is not None and node.held is None]
         return self._kept(np.concatenate([np.zeros(0), *own]))
 
-    def at_rest_under(self, waves: NDArray, efforts: NDArray) -> NDArray:
-        """Steady state under Thévenin waves of the nodes that lead to these efforts, both of shape (nodes,).
+    def at_rest_under(
+        self, waves: Mapping[str, float], efforts: Mapping[str, float], through: Mapping[str, float]
+    ) -> NDArray:
+        """Steady state under Thévenin waves of the nodes, which leads to efforts there and to flows through elements.
 
         Where inductors form loops, that of the least flows; but lumped lines carry theirs.
         """
         branches = [*self.loads, *(branch.before(0.0) for branch in self.branches)]
-        k, n = len(self.nodes), len(self.elements)
+        k, n, unit = len(self.nodes), len(self.elements), self.nodes[0].alone
+        w, u = (np.array([values[node.name] for node in self.nodes]) for values in (waves, efforts))
+        passed = np.array([through.get(element.where, 0.0) for element in self.elements]) / unit
         F, G, H, Q, L = equations(
             self.nodes, branches, self.ports(n * [1.0]), [node.switched(0.0) for node in self.nodes]
         )
-        free = slice(0, len(F) - n)  # what laws let pass is unknown
+        of_branches, at = slice(k, len(F) - n), np.arange(len(F) - n)
         size = np.maximum(np.abs(Q).max(axis=1, initial=0.0), np.abs(L).max(axis=1, initial=0.0))[:, None]
         size[size == 0.0] = 1.0
-        system = np.block([[F[free, k:], -G[free]], [L[:, k:] / size, Q / size]])
-        given = np.concatenate([H[free, :k] @ waves - F[free, :k] @ efforts, -(L[:, :k] / size) @ efforts])
-        unit, at = self.nodes[0].alone, 0
+        system = np.block([[F[at, of_branches], -G[at]], [L[:, of_branches] / size, Q / size]])
+        known = H[at, :k] @ w - F[at, :k] @ u - F[at, len(F) - n :] @ passed
+        given = np.concatenate([known, -(L[:, :k] / size) @ u])
+        column = 0
         for branch in branches:
             for flow in branch.flows:
-                row = np.zeros(system.shape[1])
-                row[at] = 1.0
-                system, given, at = np.vstack([system, row]), np.append(given, flow / unit), at + 1
-            at += len(branch.nodes) - len(branch.flows)
+                system = np.vstack([system, np.arange(system.shape[1]) == column])
+                given, column = np.append(given, flow / unit), column + 1
+            column += len(branch.nodes) - len(branch.flows)
         if len(Q) > sum(len(branch.ports.Q) for branch in branches):  # the last one is always 1
             given, system = given - system[:, -1], system[:, :-1]
-        return self._kept(np.linalg.lstsq(system, given)[0][len(F) - k :])
+        return self._kept(np.linalg.lstsq(system, given)[0][len(F) - n - k :])
 
     def _kept(self, states: NDArray) -> NDArray:
         """Of the states of all branches, zero where not given, and of the 1 behind them those that the circuit has."""

@@ -76,8 +76,8 @@ def _refuse(scene: Scene) -> None:
         if getattr(scene.solver, key) is not None:
             raise InputError(place("solver", key), "many runs choose order and slabs themselves", "a tolerance")
     refuse_cavities(scene.lines, "many runs")
-    for name in scene.links:
-        raise InputError(place("links", name), "stands between two nodes", what)
+    for where, _ in scene.between:
+        raise InputError(where, "stands between two nodes", what)
     for name, line in scene.lines.items():
         if isinstance(line, Coupled) or line.losses is not None:
             problem = "has coupled conductors" if isinstance(line, Coupled) else "has losses"

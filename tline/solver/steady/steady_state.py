@@ -7,6 +7,7 @@ net inertia round any loop, so that flow = difference of a potential over z0·T 
 """
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +30,17 @@ ROUNDING = 1e-12  # of the flows that meet
 STUCK = 1e-9  # of the largest flow, or of what held efforts and pumps send into a line, that only a leak takes
 
 
-def rest(description: Description) -> tuple[dict[str, float], NDArray]:
-    """Effort of each node, which counts from the level, and flows at both ends of each line while all stands still."""
-    return dict.fromkeys(description.nodes, 0.0), np.zeros((len(description.lines), 2))
+class Before(NamedTuple):
+    """What there is before t = 0; efforts count from the level."""
+
+    effort: dict[str, float]  # of each node
+    flows: NDArray  # (lines, 2) at both ends, from end 1 to end 2
+    through: dict[str, float]  # of each element that lets something pass
+
+
+def rest(description: Description) -> Before:
+    """While all stands still."""
+    return Before(dict.fromkeys(description.nodes, 0.0), np.zeros((len(description.lines), 2)), {})
 
 
 def steady_state(
@@ -49,14 +58,12 @@ def steady_state(
     InputError
         If there is none: different ideal efforts on connected lines, or a flow that nothing takes; or none was found.
     """
-    effort, flows = above_level(description, tables)
+    effort, flows, _ = above_level(description, tables)
     return {name: u + description.nodes[name].height.level for name, u in effort.items()}, flows
 
 
-def above_level(
-    description: Description, tables: Mapping[str, FrictionTable] = NONE
-) -> tuple[dict[str, float], NDArray]:
-    """The same with efforts that count from the level."""
+def above_level(description: Description, tables: Mapping[str, FrictionTable] = NONE) -> Before:
+    """The same with efforts that count from the level, and flows through elements."""
     description.refuse_coupled("a steady state")
     nodes, lines = description.nodes, description.lines.values()
     number, n = {name: k for k, name in enumerate(nodes)}, len(nodes)
@@ -86,7 +93,8 @@ def above_level(
     y = stiffness * (potential[first] - potential[second])
     y[:count][lossy] = flow[: lossy.sum()]
     flows = np.stack([y + leak * effort[first], y - leak * effort[second]], axis=1)[:count]
-    return dict(zip(nodes, effort.tolist(), strict=True)), flows
+    through = dict(zip(edges.where[lossy.sum() :], flow[lossy.sum() :].tolist(), strict=True))
+    return Before(dict(zip(nodes, effort.tolist(), strict=True)), flows, through)
 
 
 def _between_parts(
