@@ -5,7 +5,6 @@ import pytest
 
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.solver.description.groups import coupled
 from tline.solver.description.short_lines import short_lines
 
 LONG = {"z0": 50, "delay": "1 ns"}
@@ -59,9 +58,8 @@ def test_a_group_is_its_nodal_equations(n, s):
         Y[np.ix_(at, at)] += ladder(made.lines[name].parameters, sections[name], s)
     G = np.diag([{"b": 1 / 50 + 1 / 80, "c": 0.0, "d": 0.0}[name] for name in names])
     Y[names.index("d"), names.index("d")] += 1 / 60 + s * 1e-12
-    # a node with no conductance of its own counts its wave, a driven flow, in units of its short lines' conductance
-    waves = np.diag([node.total for node in group.nodes])
-    A, B, C, D = coupled(group)
+    waves = np.diag([0.0 if node.dead else node.total for node in group.nodes])  # nothing drives the others
+    A, B, C, D = group.circuit(0.0).system
     found = C @ np.linalg.solve(s * np.eye(len(A)) - A, B) + D
     assert np.abs(found - np.linalg.solve(G + Y, waves)).max() < 1e-10 * np.abs(found).max()
 
@@ -76,12 +74,12 @@ def test_sections_approach_the_line_with_the_square_of_their_number():
 
 def test_a_group_at_rest_stays_there():
     made, sections = scene(), {"x": 2, "y": 1}
-    groups, nodes = describe(made).grouped(sections, {"x": (0.75, 0.0125), "y": (0.75, -0.0125)})
+    groups, nodes = describe(made).grouped(sections, {"x": 0.0125, "y": -0.0125})
     (group,) = (group for group in groups if group.lumped_lines)
     waves = {"b": 0.75 + 0.0125 / (1 / 50 + 1 / 80), "c": 0.0, "d": 0.0}
     w = np.array([waves[name] for name in nodes if name in waves])
-    x = group.at_rest_under(w)
-    A, B, C, D = coupled(group)
+    x = group.at_rest_under(waves, dict.fromkeys(waves, 0.75), {})
+    A, B, C, D = group.circuit(0.0).system
     assert np.abs(A @ x + B @ w).max() < 1e-12 * np.abs(A).max()
     assert C @ x + D @ w == pytest.approx(np.full(3, 0.75), rel=1e-12)
 

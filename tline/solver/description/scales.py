@@ -43,7 +43,7 @@ def filling_times(elements: Iterable[PlacedLaw], nodes: Mapping[str, Node]) -> l
 
 
 def _poles(groups: Iterable[Group]) -> Iterator[tuple[str, NDArray]]:
-    """Of each group with loads or branches that have states, in all positions of its switches, while no law lets pass."""
+    """Of each group with states, in all positions of its switches, while its laws let nothing pass."""
     for group in groups:
         held = [branch.where for branch in (*group.loads, *group.branches) if len(branch.ports.Q)]
         if not held:
