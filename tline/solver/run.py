@@ -1,6 +1,6 @@
 """One run of a scene at a stated resolution: assemble it, step the kernel, and hand back what the probes saw."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from math import ceil
 from types import MappingProxyType
@@ -21,7 +21,7 @@ from tline.solver.loop.march import March, march
 from tline.solver.result.conductor import record_of
 from tline.solver.result.envelope import watch
 from tline.solver.result.notes import VISIBLE, smeared
-from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, Wave
+from tline.solver.result.result import ElementRecord, LineRecord, Pieces, ProbeResult, Result, Wave
 
 LARGEST_RECORD = 4e8  # samples
 LARGEST_LEDGER = 1e7  # samples at line ends, of a ledger that is not asked for: half a second
@@ -41,11 +41,13 @@ def run(
     progress: bool = False,
     slabs: int | None = None,
     kinks: Kinks = NO_KINKS,
+    laws: Collection[str] = (),
 ) -> Result:
     """Run a scene with slabs of a given width and order, to its end time or for so many slabs.
 
     `record` names lines to keep beside those of the probes. Without `ledger` energies are accounted for once they are
-    read. Slabs are cut in pieces at the instants of `kinks`, s, where the elements named by its keys stand.
+    read. Slabs are cut in pieces at the instants of `kinks`, s, where the elements named by its keys stand. `laws` are
+    places of elements whose waves are kept.
 
     Raises
     ------
@@ -56,7 +58,7 @@ def run(
         description.refuse_coupled("an envelope")
     kept, s, h = {*record, *description.probed}, chosen.s, chosen.h
     with gc_paused():
-        assembly = assemble(description, kept, chosen, progress=progress)
+        assembly = assemble(description, kept, chosen, laws=laws, progress=progress)
     if kinks:
         assembly.changes = sorted([*assembly.changes, *_cuts(assembly, kinks)])
     n = slabs or max(ceil(description.t_end / h - 1e-9), 1)
@@ -91,6 +93,7 @@ def run(
         envelope=extremes and extremes.envelope(description.heights),
         accounts=recorder.ledger(done.final_fronts) if recorder else again,
         circuits=assembly.circuits,
+        elements={where: _into(assembly, where, waves, done) for where in assembly.recorded_laws},
     )
 
 
@@ -129,6 +132,15 @@ def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[tuple[float, int, int]]:
         for element in group.elements:
             row = int(assembly.network.step_row[g])
             yield from ((float(t), g, row) for t in kinks.get(element.where, NOWHERE) / assembly.resolution.h)
+
+
+def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> ElementRecord:
+    row, noted = assembly.recorded_laws[where], done.pieces
+    here, values = noted.row == row, waves[row, 0].reshape(-1, assembly.basis.s)
+    pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, 0])
+    wave = Wave(values, float(values[0, 0]), assembly.basis, assembly.resolution.h, pieces)
+    places = [element.where for group in assembly.groups for element in group.elements]
+    return ElementRecord(wave, float(assembly.network.laws.source_impedance[places.index(where)]))
 
 
 def _record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: bool) -> LineRecord:

@@ -1,6 +1,6 @@
 """From a scene to arrays: the one place that knows both."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,6 +38,7 @@ class Assembly:
     nodes: dict[str, Node]  # in the order of their groups
     lines: dict[str, Line]  # those that are not lumped
     recorded: dict[str, int]  # line name -> first of its two rows in the record
+    recorded_laws: dict[str, int]  # place of an element -> its row, behind those of lines
     start: dict[str, NDArray]  # line name -> (a1, b1, a2, b2) before t = 0, counted from the level
     groups: list[Group]
     circuits: dict[str, Circuits]  # of lossy lines
@@ -49,15 +50,25 @@ class Assembly:
         return self.nodes[self.lines[line].nodes[0]].height.level
 
     @property
+    def kept(self) -> int:
+        """Rows of the record that a run keeps."""
+        return 2 * len(self.recorded) + len(self.recorded_laws)
+
+    @property
     def follows_edges(self) -> bool:
         """Whether fronts at slabs' edges need pieces: where delays are whole and nothing is lumped they stay there."""
         return bool((self.network.shift_row >= 0).any() or self.settle.any())
 
 
 def assemble(
-    description: Description, record: set[str], chosen: Resolution | None = None, *, progress: bool = False
+    description: Description,
+    record: set[str],
+    chosen: Resolution | None = None,
+    *,
+    laws: Collection[str] = (),
+    progress: bool = False,
 ) -> Assembly:
-    """Turn a description into arrays; `record` names the lines whose end waves are kept."""
+    """Turn a description into arrays; kept are the end waves of lines, and the waves into laws, that are named."""
     chosen = chosen or resolution(description)
     layout = layout_of(description, chosen, progress=progress)
     order, groups, segmented, delay = basis(chosen.s), layout.groups, layout.segmented, layout.delay
@@ -66,7 +77,10 @@ def assemble(
     segments, held = segments_of(segmented)
     arriving = (layout.u + [-1, 1] * q).ravel()  # b at end 1, a at end 2
     recorded, record_row = _recorded(list(layout.lines), record)
-    network = _network(layout, order, segments, record_row, echoes)
+    places = [element.where for group in groups for element in group.elements]
+    recorded_laws = {where: 2 * len(recorded) + k for k, where in enumerate(w for w in places if w in laws)}
+    law_row = np.array([recorded_laws.get(where, -1) for where in places], int)
+    network = _network(layout, order, segments, record_row, law_row, echoes)
     state = State(
         waves=np.repeat(arriving, np.repeat(delay * s, 2)),
         slot=np.zeros(len(delay), np.int64),
@@ -93,6 +107,7 @@ def assemble(
         layout.nodes,
         layout.lines,
         recorded,
+        recorded_laws,
         layout.start,
         groups,
         layout.circuits,
@@ -101,7 +116,9 @@ def assemble(
     )
 
 
-def _network(layout: Layout, order: Basis, segments: Segments, record_row: NDArray, echoes: list) -> Network:
+def _network(
+    layout: Layout, order: Basis, segments: Segments, record_row: NDArray, law_row: NDArray, echoes: list
+) -> Network:
     """The constant arrays of a layout at an order; `echoes` are of the nodes of groups."""
     s, delay = order.s, layout.delay
     pairs = [order.shift(f) for f in layout.rests]
@@ -123,7 +140,7 @@ def _network(layout: Layout, order: Basis, segments: Segments, record_row: NDArr
         step_whole=np.array(layout.systems.whole, bool),
         step=step,
         record_row=record_row,
-        laws=with_basis(layout.laws, order, layout.h),
+        laws=with_basis(layout.laws, order, layout.h, law_row),
         segments=segments,
         losses=layout.losses,
         blocks=layout.blocks,

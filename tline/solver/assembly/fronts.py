@@ -74,7 +74,8 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], p
     group = np.array([g for _, g, _ in moves], int)
     order = np.argsort(group, kind="stable")
     first = np.searchsorted(group[order], np.arange(len(network.group)))
-    places = max(LOGGED, 2 * int(network.record_row.max(initial=-1) + 1) * AT_NODE)
+    rows_ = max(int(network.record_row.max(initial=-1)) + 1, assembly.kept)
+    places = max(LOGGED, 2 * rows_ * AT_NODE)
     delays = np.array([line.delay for line in assembly.lines.values()])
     return Fronts(
         LULL,

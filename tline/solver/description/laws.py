@@ -59,6 +59,7 @@ def laws_of(
         constants=np.concatenate([np.empty(0), *constants]),
         state_at=np.array(states, int),
         source_impedance=np.array(impedances, float),
+        record_row=np.full(len(flat), -1),
         impedance=np.array([0.0 if n.held is not None else 1 / n.total for group in members for n in group]),
         tools=tools_of(basis(1)),
         step=0.0,
@@ -66,9 +67,9 @@ def laws_of(
     return laws, excitations
 
 
-def with_basis(laws: Laws, order: Basis, h: float) -> Laws:
-    """The same for slabs of that order and width."""
-    return laws._replace(tools=tools_of(order), step=h)
+def with_basis(laws: Laws, order: Basis, h: float, record_row: NDArray) -> Laws:
+    """The same for slabs of that order and width, recorded in these rows."""
+    return laws._replace(tools=tools_of(order), step=h, record_row=record_row)
 
 
 def states_of(elements: list[PlacedLaw], effort: dict[str, float]) -> NDArray:

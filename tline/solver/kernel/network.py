@@ -46,6 +46,7 @@ class Laws(NamedTuple):
     state_at: Integers  # (E,) place of its state, -1 for none
     source_impedance: Floats  # (E,) behind which each is seen, > 0
     impedance: Floats  # (N,) Thévenin impedance of each node beside branches, 0 if its effort is held
+    record_row: Integers  # (E,) row in the record of the wave e + ρ i into it, or of a store's flow; -1 for none
     tools: Tools
     step: float  # slab width, s
 
@@ -215,6 +216,7 @@ class Work(NamedTuple):
     history: Floats2  # (s, tile + 1)
     row: Floats
     control: Floats2  # (elements, tile * s)
+    into: Floats2  # (elements, tile * s) waves into laws, flows into stores
     crossing: Crossing
     store: Store
     circuit: CircuitWork

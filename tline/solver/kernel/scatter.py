@@ -46,6 +46,17 @@ def note(u, q, n, waves, o, record, row, column):
 
 
 @function
+def note_laws(run, g, n, column):
+    """Keep the waves into laws."""
+    laws, record, into = run.network.laws, run.record, run.work.into
+    for e in range(laws.first[g], laws.first[g + 1]):
+        row, k = laws.record_row[e], e - laws.first[g]
+        for i in range(n if row >= 0 else 0):
+            record[row, 0, column + i] = into[k, i]
+            record[row, 1, column + i] = into[k, i]
+
+
+@function
 def control(run, g, start, n):
     """Gather the control signals of a group's elements at n samples."""
     laws, excitation, signal = run.network.laws, run.excitation, run.work.control
@@ -81,6 +92,8 @@ def scatter_group(run, g, here, m, column):
         invoke(units.crossing, (run, np.int64(g), n, network.laws.step))
     elif network.load_at[g] >= 0:
         load(run, g, n, network.step, network.step_at[network.step_row[g]])
+    if laws:
+        note_laws(run, g, n, column + here)
     for node in range(one, after):
         q = np.uint64((node - one) * n)
         for i in range(first[node], first[node + 1]):

@@ -35,8 +35,9 @@ class Recorder:
         description.refuse_coupled("a ledger")
         self.assembly, self.h = assembly, h
         new = np.flatnonzero(network.record_row < 0)
-        network.record_row[new] = network.record_row.max(initial=-1) + 1 + np.arange(len(new))
-        self.end_of_row = np.argsort(network.record_row)
+        network.record_row[new] = max(network.record_row.max(initial=-1) + 1, assembly.kept) + np.arange(len(new))
+        self.end_of_row = np.full(network.record_row.max(initial=-1) + 1, -1)  # none in those of laws
+        self.end_of_row[network.record_row] = np.arange(len(network.record_row))
         lines = list(assembly.lines.values())
         self.z0 = np.array([line.z0 for line in lines])
         inventories = (inventory_of(description, group, h, n * h) for group in assembly.groups)
@@ -98,6 +99,8 @@ class Recorder:
 
     def _sorted(self, pieces: Noted) -> dict[int, Found]:
         """Pieces by group; those of one group and slab are alike at all its ends."""
+        of_ends = self.end_of_row[pieces.row] >= 0
+        pieces = pieces._replace(**{name: part[of_ends] for name, part in pieces._asdict().items()})
         end = self.end_of_row[pieces.row]
         g = self.group_of_end[end]
         place = np.empty(len(self.group_of_end), int)

@@ -84,7 +84,8 @@ def march(
     windowed = bool(observers)
     samples = LOOK if windowed else CHUNK
     chunk = min(max(int(samples / (len(assembly.network.ends) * s)), 1), n)
-    kept, rows = 2 * len(assembly.recorded), int(assembly.network.record_row.max(initial=-1)) + 1
+    kept = assembly.kept
+    rows = max(kept, int(assembly.network.record_row.max(initial=-1)) + 1)
     record = np.empty((kept, 2, n * s))
     window = np.empty((rows, 2, chunk * s)) if windowed else record
     steps = Stepper(assembly, n, window, rows if windowed else kept)

@@ -155,7 +155,7 @@ def watch(assembly: Assembly) -> Extremes:
     there = np.flatnonzero(np.diff(network.first))
     one = network.ends[network.first[there]]
     new = one[network.record_row[one] < 0]
-    network.record_row[new] = 2 * len(assembly.recorded) + np.arange(len(new))
+    network.record_row[new] = assembly.kept + np.arange(len(new))
     before = np.array([assembly.start[name].reshape(2, 2).mean(axis=1) for name in assembly.lines]).ravel()
     at_ends = assembly.description.blurred
     nodes = list(assembly.nodes)

@@ -96,6 +96,13 @@ class LineRecord:
         return self.a1(t - share * self.delay), self.b2(t - (1.0 - share) * self.delay)
 
 
+class ElementRecord(NamedTuple):
+    """The wave e + ρ i into the law of an element, behind the impedance ρ; of a store its flow."""
+
+    wave: Wave
+    impedance: float
+
+
 @dataclass(frozen=True, eq=False)
 class Samples:
     """Effort, flow and waves at instants t, in SI; flow counts positive from end 1 to end 2 of the line."""
@@ -245,6 +252,8 @@ class Result:
         Energy by element, or what accounts for it; `ledger` has it.
     circuits : mapping of str to Circuits
         What stands for the laws of lossy lines, by line.
+    elements : mapping of str to ElementRecord
+        Of elements whose laws kink, by place, in the runs on the way to a tolerance.
     parts : Result or None
         The same of a scene with stretches in place of lines with cavities; None if there are none.
     warned : tuple of str
@@ -265,6 +274,7 @@ class Result:
     envelope: Envelope | None = None
     accounts: Ledger | Callable[[], Ledger | None] | None = None
     circuits: Mapping[str, Circuits] = field(default_factory=dict)
+    elements: Mapping[str, ElementRecord] = field(default_factory=dict)
     parts: "Result | None" = None
     warned: tuple[str, ...] = ()
 

@@ -1,11 +1,12 @@
 """When laws of elements kink, as a run saw it, for the next run to have its slabs cut in pieces there.
 
-A law is smooth between some points of its graph. With e the effort across the element, less what stands behind it, and
-i the flow, e + ρ i rises along the graph for any ρ > 0, and passes each point once. A piece without a kink inside is as
-accurate as its order; so the instant is sought on the piece before or behind, continued into the one that has it.
+A law is smooth between some points of its graph. With e the effort across the element and i the flow, the wave e + ρ i
+into it rises along the graph, and passes each point once. A piece without a kink inside is as accurate as its order; so
+the instant is sought on the piece before or behind, continued into the one that has it.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -13,9 +14,8 @@ from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
-from tline.solver.description.given import ElementLaw
 from tline.solver.radau import Basis, basis
-from tline.solver.result.result import LineRecord, Result, Wave
+from tline.solver.result.result import Result, Wave
 from tline.solver.run import Kinks
 
 MOST = 2000  # instants of an element; where there are more, none is followed
@@ -32,134 +32,68 @@ class PiecewiseQuantity(NamedTuple):
     values: NDArray  # (pieces, s) at the Radau points
     before: float
 
-    def __add__(self, other: "PiecewiseQuantity") -> "PiecewiseQuantity":  # pyright: ignore[reportIncompatibleMethodOverride]
-        return self._replace(values=self.values + other.values, before=self.before + other.before)
 
-    def times(self, factor: float) -> "PiecewiseQuantity":
-        """The same, so many times."""
-        return self._replace(values=factor * self.values, before=factor * self.before)
+def kinking(description: Description) -> list[PlacedLaw]:
+    """Elements whose laws kink."""
+    return [element for element in description.elements if any(True for _ in _bends(element, 1.0))]
 
 
-def kinking(description: Description) -> dict[str, tuple[PlacedLaw, list[str]]]:
-    """Elements whose laws kink, by where they stand, and the lines whose records tell when."""
-    nodes, found = description.nodes, {}
-    for element in description.elements:
-        free = [node for node in element.nodes if nodes[node].held is None]
-        lines = [name for node in free for name, _ in _lines_at(description, node)]
-        if lines and _points(element.law) is not None:
-            found[element.where] = element, lines
-    return found
-
-
-def kinks_of(result: Result, description: Description, elements: Mapping[str, tuple[PlacedLaw, list[str]]]) -> Kinks:
-    """Instants at which laws kinked in a run that recorded the lines at their elements, s."""
+def kinks_of(result: Result, elements: Sequence[PlacedLaw]) -> Kinks:
+    """Instants at which laws kinked in a run that recorded the waves into these elements, s."""
     found = {}
-    for where, (element, _) in elements.items():
-        instants = [_crossings(seen, result) for seen in _quantities(element, result, description)]
+    for element in elements:
+        record = result.elements[element.where]
+        into = _in_pieces(record.wave)
+        instants = [_crossings(_less(into, at, element, result), result) for at in _bends(element, record.impedance)]
         all_ = np.unique(np.concatenate([np.empty(0), *instants]))
         if 0 < len(all_) <= MOST:
-            found[where] = all_
+            found[element.where] = all_
     return found
 
 
-def _points(law: ElementLaw) -> Sequence[tuple[float | None, float | None]] | None:
-    """Points (e, i) at which a law's graph bends, one of them None if the other tells; None of a smooth law."""
-    c = law.constants
-    if law.kind == "quadratic":
-        return [(0.0, 0.0)]
-    if law.kind == "table":
+class Bend(NamedTuple):
+    """A wave at which a law kinks: a part that stays, and one in proportion to a power of the control signal.
+
+    Of a store it is a flow, in shares of the largest.
+    """
+
+    constant: float
+    varying: float = 0.0
+    power: int = 1
+    share: bool = False
+
+
+def _bends(element: PlacedLaw, rho: float) -> Iterator[Bend]:
+    """Waves e + ρ i at which a law kinks; none of a smooth one."""
+    kind, c = element.law.kind, element.constants
+    if kind in ("quadratic", "leak", "demand"):
+        yield Bend(c[0])
+    if kind == "demand":
+        yield Bend(c[0] + c[2], rho * c[1])
+    if kind == "table":
         n = int(c[1])
-        return list(zip(c[2 : 2 + n], c[2 + n : 2 + 2 * n], strict=True))[1:-1]
-    if law.kind == "relief":
-        return [(c[2], None), (c[2] + c[3], None)]
-    if law.kind == "demand":
-        return [(0.0, None), (c[2], None)]
-    if law.kind == "leak":
-        return [(0.0, None)]
-    if law.kind in ("pump", "rotor") and c[4] > 0:
-        return [(None, 0.0)]
-    return None
+        for e, i in list(zip(c[2 : 2 + n], c[2 + n : 2 + 2 * n], strict=True))[1:-1]:
+            yield Bend(c[0] + e + rho * i)
+    if kind == "relief":
+        yield Bend(c[0] + c[2])
+        yield Bend(c[0] + c[2] + c[3], rho * c[1] * sqrt(c[2] + c[3]))
+    if kind == "pump" and c[4] > 0:
+        yield Bend(c[0], -c[1], 2)
+    if kind == "rotor" and c[4] > 0:
+        yield Bend(CLOSED, share=True)
 
 
-def _quantities(element: PlacedLaw, result: Result, description: Description) -> Iterator[PiecewiseQuantity]:
-    """What passes zero when a law kinks."""
-    law, flow, across = element.law, _flow(element, result, description), _across(element, result, description)
-    closed = CLOSED * float(np.abs(flow.values).max(initial=0.0)) if flow is not None else 0.0
-    for e, i in _points(law) or []:
-        if across is None or e is None:
-            if flow is not None:
-                yield _less(flow, i or closed)
-        elif i is None or flow is None:
-            yield _less(across, e)
-        else:
-            rho = _resistance(element, description)
-            yield _less(across + flow.times(rho), e + rho * i)
-
-
-def _across(element: PlacedLaw, result: Result, description: Description) -> PiecewiseQuantity | None:
-    """Effort across an element less what stands behind it; None if no line tells it."""
-    efforts = [_effort(node, result, description) for node in (element.from_node, element.to_node)]
-    known = [seen for seen in efforts if isinstance(seen, PiecewiseQuantity)]
-    if None in efforts or not known:
-        return None
-    one, other = (seen if isinstance(seen, PiecewiseQuantity) else _sampled(seen, known[0], result) for seen in efforts)
-    return _less(one + other.times(-1.0), element.law.constants[0])
-
-
-def _less(seen: PiecewiseQuantity, level: float) -> PiecewiseQuantity:
-    return seen._replace(values=seen.values - level, before=seen.before - level)
-
-
-def _lines_at(description: Description, node: str) -> list[tuple[str, int]]:
-    """Lines that end at a node, and which of their ends."""
-    names = list(description.lines)
-    return [(names[end // 2], end % 2) for end in description.nodes[node].ends]
-
-
-def _resistance(element: PlacedLaw, description: Description) -> float:
-    """That of a line at the element."""
-    (name, _), *_ = (end for node in element.nodes for end in _lines_at(description, node))
-    return description.lines[name].z0
-
-
-def _effort(node: str | None, result: Result, description: Description):
-    """Effort at a node in pieces; a shape where it is held, 0 at the reference, None where it is not known."""
-    if node is None:
-        return 0.0
-    held = description.nodes[node].held
-    if held is not None:
-        return held
-    lines = _lines_at(description, node)
-    if not lines or lines[0][0] not in result.lines:
-        return None
-    a, b = _waves(result.lines[lines[0][0]], lines[0][1])
-    return (_in_pieces(a) + _in_pieces(b)).times(0.5)
-
-
-def _flow(element: PlacedLaw, result: Result, description: Description) -> PiecewiseQuantity | None:
-    """Flow through an element from its first node to its other, if it alone is at one of them, beside lines."""
-    for name, sign in ((element.from_node, 1.0), (element.to_node, -1.0)):
-        if name is None or description.nodes[name].held is not None:
-            continue
-        node, lines = description.nodes[name], _lines_at(description, name)
-        alone = node.conductance == 0 and node.load is None and not node.switches and not node.excitations
-        laws = sum(name in other.nodes for other in description.elements)
-        if alone and laws == 1 and lines and all(line in result.lines for line, _ in lines):
-            parts = []
-            for line, k in lines:
-                record = result.lines[line]
-                a, b = _waves(record, k)
-                out = (_in_pieces(a) + _in_pieces(b).times(-1.0)).times((2 * k - 1) / (2 * record.z0))
-                parts.append(out)
-            total = parts[0]
-            for part in parts[1:]:
-                total += part
-            return total.times(sign)
-    return None
-
-
-def _waves(record: LineRecord, end: int) -> tuple[Wave, Wave]:
-    return (record.a1, record.b1) if end == 0 else (record.a2, record.b2)
+def _less(into: PiecewiseQuantity, bend: Bend, element: PlacedLaw, result: Result) -> PiecewiseQuantity:
+    """By how much what enters an element is beyond a bend."""
+    if bend.share:
+        level = bend.constant * np.abs(into.values).max(initial=0.0)
+        return into._replace(values=into.values - level, before=into.before - level)
+    control = 1.0
+    if bend.varying and element.law.factor is not None:
+        t = into.start[:, None] + into.width[:, None] * basis(result.resolution.s).c
+        control = element.law.factor.value(t, (into.start + into.width / 2)[:, None])
+    values = into.values - bend.constant - bend.varying * np.maximum(control, 0.0) ** bend.power
+    return into._replace(values=values, before=float(values[0, 0]))
 
 
 def _in_pieces(wave: Wave) -> PiecewiseQuantity:
@@ -173,16 +107,6 @@ def _in_pieces(wave: Wave) -> PiecewiseQuantity:
     order = np.argsort(start, kind="stable")
     values = np.concatenate([wave.values[whole], pieces.values])[order]
     return PiecewiseQuantity(start[order] * wave.h, width[order] * wave.h, values, wave.before)
-
-
-def _sampled(held, like: PiecewiseQuantity, result: Result) -> PiecewiseQuantity:
-    """An effort that is held, in the pieces of another."""
-    if isinstance(held, float):
-        return like._replace(values=np.full_like(like.values, held), before=held)
-    c = basis(result.resolution.s).c
-    t = like.start[:, None] + like.width[:, None] * c
-    values = held.value(t, (like.start + like.width / 2)[:, None])
-    return like._replace(values=np.broadcast_to(values, t.shape), before=float(values[0, 0]))
 
 
 def _crossings(seen: PiecewiseQuantity, result: Result) -> NDArray:

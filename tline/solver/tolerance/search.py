@@ -1,6 +1,6 @@
 """Runs of rising order, on narrower slabs and with more LC sections of lumped lines, until a tolerance is met."""
 
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from math import inf, log2, log10
@@ -55,6 +55,7 @@ class Search(NamedTuple):
     fit: float = FIT  # tolerance of the circuits of lossy lines
     envelope: bool = False
     start: Start | None = None
+    laws: Sequence[str] = ()  # elements whose waves are recorded
 
     def run(self, chosen: Resolution, end: float | None = None, kinks: Kinks = NO_KINKS) -> Result:
         """One run, to the scene's end time or to another."""
@@ -63,6 +64,7 @@ class Search(NamedTuple):
             self.description,
             chosen,
             self.record,
+            laws=self.laws,
             envelope=self.envelope,
             progress=self.progress,
             slabs=slabs,
@@ -113,11 +115,11 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
     steps, limit, stale, helps = _finer(search, sections), "", 0, True
     kinked, traced = kinking(search.description), 0
     result = best = search.run(next(steps))
-    attempts, accuracy, wanted = [Attempt.of(result)], Accuracy(search.tol), set(result.lines)
+    attempts, accuracy = [Attempt.of(result)], Accuracy(search.tol)
     found = told = accuracy  # of the last comparison
     while not limit:
         try:
-            kinks = kinks_of(result, search.description, kinked) if traced > 1 else NO_KINKS
+            kinks = kinks_of(result, kinked) if traced > 1 else NO_KINKS
             finer = search.run(steps.send((helps, told.met)), kinks=kinks)
         except StopIteration:
             limit = "order and slab are as fine as they may be"
@@ -144,17 +146,15 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
         if traced or (kinked and not helps and not blind):
             traced += 1
             helps |= traced <= TRACED
-            lines = [line for _, names in kinked.values() for line in names]
-            search = search._replace(record=[*dict.fromkeys([*search.record, *lines])])
+            search = search._replace(laws=[element.where for element in kinked])
         stale = stale + 1 if narrowed and not blind and gained(before, found) >= 1.0 else 0
         limit = limit_of(attempts, stale, search) or (not blind and inside_limit(attempts, told))
         result = finer
     damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
     unresolved = tuple(note for note in best.unresolved if note not in damped)
     limit = limit and (inside_slabs(accuracy) or limit)
-    lines = {name: record for name, record in best.lines.items() if name in wanted}
     accuracy = replace(accuracy, attempts=tuple(attempts), limit=limit)
-    return replace(best, lines=lines, unresolved=unresolved, accuracy=accuracy)
+    return replace(best, elements={}, unresolved=unresolved, accuracy=accuracy)
 
 
 def first_order(tol: float) -> int:

@@ -84,6 +84,10 @@ def depart(job, g, slab, m, anew):
             copy(edges, work.own)
             send(fronts, e, run.state.waves, run.work.position[e], m, anew)
         total += mine[m - 1, s - 1]
+    for e in range(network.laws.first[g], network.laws.first[g + 1]):
+        into = work.into[e - network.laws.first[g]]
+        if network.laws.record_row[e] >= 0:
+            keep(fronts, run.record, network.laws.record_row[e], slab, m, into, into)
     return total
 
 

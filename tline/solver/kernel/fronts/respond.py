@@ -67,3 +67,6 @@ def respond(job, g, slab, m):
         for p in range(k):
             for i in range(s):
                 u[p, piece, i] = wave[p * s + i]
+        for e in range(count):
+            for i in range(s):
+                work.into[e, piece, i] = run.work.into[e, i]

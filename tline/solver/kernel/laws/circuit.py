@@ -206,6 +206,8 @@ def circuit(run: Run, g: int, n: int, h: float, own: int) -> int:
             found = solved(run, g, q, h, step, at, k)
         for a in range(size):
             row[k * q + a], work.waves[first * s + a] = work.sent[a], work.aimed[a] if found else 0.0
+            stores = laws.state_at[first + a // q] >= 0
+            run.work.into[a // q, block * q + a % q] = work.flow[a] if stores else work.aimed[a]
         for a in range(k * q):
             place, total = at + a * width, 0.0
             for j in range(width):

@@ -17,12 +17,13 @@ def crossing(run: Run, g: int, n: int, h: float) -> int:
     z_from = laws.impedance[low + from_node] if from_node >= 0 else 0.0
     z_to = laws.impedance[low + to_node] if to_node >= 0 else 0.0
     here, there = max(from_node, 0) * n, max(to_node, 0) * n
+    into = run.work.into
     sign_here, sign_there = (1.0 if from_node >= 0 else 0.0), (1.0 if to_node >= 0 else 0.0)
     if laws.state_at[e] < 0:
         v, signal, flow = sample.v, sample.control, sample.flow
         for i in range(n):
             v[i] = sign_here * u[here + i] - sign_there * u[there + i]
-            signal[i] = control[0, i]
+            signal[i], into[0, i] = control[0, i], v[i]
         invoke(law, (sample, at, n, z_from + z_to))
         for i in range(n):
             u[here + i] -= z_from * flow[i]
@@ -36,6 +37,7 @@ def crossing(run: Run, g: int, n: int, h: float) -> int:
             signal[j] = control[0, i]
         invoke(law, (store, at, laws.state_at[e], h, z_from + z_to))
         for j in range(s):
+            into[0, slab * s + j] = flow[j]
             u[here + slab * s + j] -= z_from * flow[j]
             u[there + slab * s + j] += z_to * flow[j]
     return 0
