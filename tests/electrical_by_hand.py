@@ -115,7 +115,7 @@ def ac_coupled() -> Motion:
 
 def via_tdr() -> Motion:
     """C u1' = (w1 - u1)/z0 - i, L i' = u1 - u2, C u2' = i + (w2 - u2)/z0."""
-    z0, c, inductance, begin, rise = 50.0, 0.2 * PF, 0.5e-9, 0.1 * NS, 0.035 * NS
+    z0, c, inductance, begin, rise = 50.0, 0.06 * PF, 0.5e-9, 0.1 * NS, 0.035 * NS
 
     def circuit(t, x, w, mode):
         u1, u2, i = x
@@ -124,7 +124,7 @@ def via_tdr() -> Motion:
         return np.array(rates), np.array([behind(e, z0, w[0]), u1, u2, w[3] / 2])
 
     lines = [Line(z0, 0.3 * NS)] * 2
-    return integrate(circuit, lines, 2 * NS, scale=[1.0, 1.0, 0.02], corners=(begin, begin + rise))
+    return integrate(circuit, lines, 1.4 * NS, scale=[1.0, 1.0, 0.02], corners=(begin, begin + rise), longest=1e-12)
 
 
 def pad_6db() -> Motion:
