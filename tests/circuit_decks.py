@@ -137,7 +137,7 @@ class Spice(NamedTuple):
 
 def in_ngspice(name: str, ours: Result, steps: int) -> Spice:
     """A scene with so many steps in its shortest delay at least."""
-    step = min(line.parameters.delay for line in ours.scene.single_lines.values()) / steps
+    step = min(float(line.parameters.delay or 0) for line in ours.scene.single_lines.values()) / steps
     options = f".options acct reltol=1e-6 gmin=1e-20 abstol=1e-15 vntol=1e-9 minbreak={step / 100!r}"
     saved = ".save " + " ".join(f"v({probe})" for probe in ours.probes)
     transient = f".tran {step!r} {float(ours.scene.t_end)!r} 0 {step!r} uic"

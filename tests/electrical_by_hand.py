@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 from method_of_steps import ByHand, Line, Motion, integrate
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 THERMAL = 1.380649e-23 * 300.15 / 1.602176634e-19  # V
 NS, US, PF = 1e-9, 1e-6, 1e-12
@@ -155,7 +154,7 @@ def l_match() -> Motion:
 
 def double_exponential(peak: float, rise: float, decay: float) -> Callable[[float], float]:
     """A surge that reaches its peak where its slope is zero."""
-    top = brentq(lambda t: np.exp(-t / rise) / rise - np.exp(-t / decay) / decay, rise / 100, 100 * decay, xtol=1e-20)
+    top = np.log(decay / rise) * rise * decay / (decay - rise)
     factor = peak / (np.exp(-top / decay) - np.exp(-top / rise))
     return lambda t: float(factor * (np.exp(-t / decay) - np.exp(-t / rise)))
 

@@ -6,7 +6,7 @@ efforts at all ends. Integration stops at corners of sources, where they arrive,
 """
 
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from heapq import heappop, heappush
 from typing import Any, NamedTuple
 
@@ -87,7 +87,7 @@ class ByHand(NamedTuple):
     probes: dict[str, int]
     begins: float = 0.0
 
-    def differences(self, probes: dict[str, Any], inside: int = 0) -> dict[str, float]:
+    def differences(self, probes: Mapping[str, Any], inside: int = 0) -> dict[str, float]:
         """Largest difference of effort and flow at each probe, relative to the amplitude.
 
         At slab ends, or, if a number of them is given, at so many random instants.
