@@ -25,6 +25,7 @@ bench: $(VENV)/ready-bench
 	$(BIN)/python -m benchmarks.kernel
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.many
 	$(BIN)/python -m benchmarks.large_network
+	$(BIN)/python -m benchmarks.circuits
 	$(BIN)/python -m benchmarks.shipped_networks
 	$(BIN)/python -m benchmarks.passivity
 	$(BIN)/python -m benchmarks.friction

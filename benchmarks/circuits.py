@@ -2,7 +2,7 @@
 
 Prints a table and writes it into docs/circuits.md. The equations that SciPy integrates are written by hand
 (tests/electrical_by_hand.py, tests/hydraulic_by_hand.py), and so are the decks of ngspice
-(benchmarks/circuit_decks.py), whose largest step is halved until its result moves no more, or a run takes too long.
+(tests/circuit_decks.py), whose largest step is halved until its result moves no more, or a run takes too long.
 Takes some minutes.
 """
 
@@ -11,57 +11,32 @@ import sys
 import time
 from pathlib import Path
 from statistics import median
-from typing import NamedTuple
 
-import numpy as np
-
-from benchmarks.circuit_decks import DECKS, deck
 from tline.scene.file import read_scene
 from tline.solver.result.result import Result
 from tline.solver.simulate import simulate
-from tline.study.programs import ngspice
 
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "tests"))
 
+from circuit_decks import DECKS, in_ngspice  # noqa: E402
 from electrical_by_hand import ELECTRICAL  # noqa: E402
 from hydraulic_by_hand import HYDRAULIC  # noqa: E402
 
 PAGE = ROOT / "docs" / "circuits.md"
 FINE, USUAL, REPEATED = 1e-9, 1e-6, 5
-STEPS, STILL, LONG, INSTANTS = 40, 1e-7, 4.0, 4000  # in the shortest delay; change; s
+STEPS, STILL, LONG = 40, 1e-7, 4.0  # in the shortest delay; change; s
 
 
-class Spice(NamedTuple):
-    """The last of its runs: largest distance from ours, what halving the step changed, and its seconds."""
-
-    distance: float
-    change: float
-    seconds: float
-
-
-def refined(name: str, ours: Result) -> Spice:
-    """Steps halved, errors relative to the amplitude of each probe."""
-    t_end, shortest = float(ours.scene.t_end), min(line.delay for line in ELECTRICAL[name].motion().lines)
-    before, n, found = None, STEPS, None
+def refined(name: str, ours: Result) -> tuple[float, float, float]:
+    """Steps halved: the distance of the last run from ours, what halving them changed, and the run's seconds."""
+    steps, run = STEPS, in_ngspice(name, ours, STEPS)
     while True:
-        run, seconds, _ = ngspice.transient(deck(name, ours.probes, t_end, shortest / n))
-        t = run["time"]
-        chosen = np.unique(np.linspace(1, len(t) - 1, INSTANTS).astype(int))
-        distance = change = 0.0
-        for probe, wave in ours.probes.items():
-            u, size = run[f"v({probe})"], np.abs(wave.u).max()
-            distance = max(distance, np.abs(u[chosen] - wave.at(t[chosen]).u).max() / size)
-            if before is not None:
-                at = before["time"][1:]
-                inside = at <= t[-1]
-                moved = np.interp(at[inside], t, u) - before[f"v({probe})"][1:][inside]
-                change = max(change, np.abs(moved).max() / size)
-        if before is not None:
-            found = Spice(distance, change, seconds)
-            if change < STILL or seconds > LONG:
-                return found
-        before, n = run, 2 * n
+        steps *= 2
+        coarser, run = run, in_ngspice(name, ours, steps)
+        change = run.change(coarser)
+        if change < STILL or run.seconds > LONG:
+            return run.distance, change, run.seconds
 
 
 def row(name: str) -> str:
@@ -76,8 +51,8 @@ def row(name: str) -> str:
     off = [f"{max(by_hand.differences(run.probes).values()):.0e}" for run in (usual, fine)]
     figures = [*off, f"{1e3 * median(seconds):.0f}", f"{1e3 * fine.seconds:.1f}"]
     if name in DECKS:
-        spice = refined(name, fine)
-        figures += [f"{spice.distance:.0e}", f"{spice.change:.0e}", f"{1e3 * spice.seconds:.0f}"]
+        distance, change, seconds = refined(name, fine)
+        figures += [f"{distance:.0e}", f"{change:.0e}", f"{1e3 * seconds:.0f}"]
     else:
         figures += [""] * 3
     return f"| `{name}` | " + " | ".join(figures) + " |"

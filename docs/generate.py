@@ -1,5 +1,6 @@
 """Writes what in docs/ is generated: the scene reference and the pictures. Run: python docs/generate.py."""
 
+import re
 import runpy
 import warnings
 from pathlib import Path
@@ -174,6 +175,7 @@ def pictures() -> None:
     _signals()
     _network()
     _cavities()
+    _circuits()
     refuted = check_positive_real(RationalFunction.from_expression("(s + 2)/(s^2 + s + 1)"))
     save_figure(styled(draw_verdict)(refuted, refuted.margins), str(DOCS / "pictures" / "passivity.png"))
 
@@ -232,6 +234,18 @@ def _cavities() -> None:
     axes.axhline(measured, color=INK, linestyle=":", linewidth=1.4)
     axes.annotate("highest measured", (0.99, measured), (0, 3), ("axes fraction", "data"), "offset points", ha="right")
     save_figure(picture, str(DOCS / "pictures" / "column_separation.png"))
+
+
+def _circuits() -> None:
+    """Every scene that docs/circuits.md shows."""
+    from tline.pictures.style import save_figure
+    from tline.pictures.traces import plot_probes
+    from tline.solver.simulate import simulate
+
+    page = (DOCS / "circuits.md").read_text(encoding="utf-8")
+    for name in re.findall(r"\(pictures/circuit_(\w+)\.png\)", page):
+        result = simulate(read_scene(DOCS.parent / "scenes" / f"{name}.toml"))
+        save_figure(plot_probes(result), str(DOCS / "pictures" / f"circuit_{name}.png"))
 
 
 if __name__ == "__main__":

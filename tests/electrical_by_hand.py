@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 from method_of_steps import ByHand, Line, Motion, integrate
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 THERMAL = 1.380649e-23 * 300.15 / 1.602176634e-19  # V
 NS, US, PF = 1e-9, 1e-6, 1e-12
@@ -115,7 +114,7 @@ def ac_coupled() -> Motion:
 
 def via_tdr() -> Motion:
     """C u1' = (w1 - u1)/z0 - i, L i' = u1 - u2, C u2' = i + (w2 - u2)/z0."""
-    z0, c, inductance, begin, rise = 50.0, 0.2 * PF, 0.5e-9, 0.1 * NS, 0.035 * NS
+    z0, c, inductance, begin, rise = 50.0, 0.06 * PF, 0.5e-9, 0.1 * NS, 0.035 * NS
 
     def circuit(t, x, w, mode):
         u1, u2, i = x
@@ -124,7 +123,7 @@ def via_tdr() -> Motion:
         return np.array(rates), np.array([behind(e, z0, w[0]), u1, u2, w[3] / 2])
 
     lines = [Line(z0, 0.3 * NS)] * 2
-    return integrate(circuit, lines, 2 * NS, scale=[1.0, 1.0, 0.02], corners=(begin, begin + rise))
+    return integrate(circuit, lines, 1.4 * NS, scale=[1.0, 1.0, 0.02], corners=(begin, begin + rise), longest=1e-12)
 
 
 def pad_6db() -> Motion:
@@ -155,7 +154,7 @@ def l_match() -> Motion:
 
 def double_exponential(peak: float, rise: float, decay: float) -> Callable[[float], float]:
     """A surge that reaches its peak where its slope is zero."""
-    top = brentq(lambda t: np.exp(-t / rise) / rise - np.exp(-t / decay) / decay, rise / 100, 100 * decay, xtol=1e-20)
+    top = np.log(decay / rise) * rise * decay / (decay - rise)
     factor = peak / (np.exp(-top / decay) - np.exp(-top / rise))
     return lambda t: float(factor * (np.exp(-t / decay) - np.exp(-t / rise)))
 

@@ -6,9 +6,9 @@ efforts at all ends. Integration stops at corners of sources, where they arrive,
 """
 
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from heapq import heappop, heappush
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,16 +87,21 @@ class ByHand(NamedTuple):
     probes: dict[str, int]
     begins: float = 0.0
 
-    def differences(self, probes: dict) -> dict[str, float]:
-        """Largest difference of effort and flow, relative to the amplitude, at the slab ends of each probe."""
+    def differences(self, probes: Mapping[str, Any], inside: int = 0) -> dict[str, float]:
+        """Largest difference of effort and flow at each probe, relative to the amplitude.
+
+        At slab ends, or, if a number of them is given, at so many random instants.
+        """
         motion, found = self.motion(), {}
+        last = motion.steps[-1].end
         for name, end in self.probes.items():
             probe = probes[name]
-            exact = motion.probe(end, np.clip(probe.t - self.begins, 0, motion.steps[-1].end))
-            inside = probe.t - self.begins <= motion.steps[-1].end * (1 + 1e-12)
-            for key, mine, theirs in zip("uy", exact, (probe.u, probe.y), strict=True):
-                size = np.abs(mine).max() or 1.0
-                found[f"{name}.{key}"] = float(np.abs(mine - theirs)[inside].max() / size)
+            if inside:
+                probe = probe.at(np.sort(np.random.default_rng(0).uniform(0, self.begins + last, inside)))
+            shared = probe.t - self.begins <= last * (1 + 1e-12)
+            exact = motion.probe(end, np.clip(probe.t[shared] - self.begins, 0, last))
+            for key, theirs, ours in zip("uy", exact, (probe.u, probe.y), strict=True):
+                found[f"{name}.{key}"] = float(np.abs(ours[shared] - theirs).max() / (np.abs(theirs).max() or 1.0))
         return found
 
 

@@ -6,7 +6,7 @@ from bounces import COILS, SERIES, closed_form, scene_of
 
 from tline.solver.simulate import simulate
 
-SLABS = np.array([0.25, 0.125, 0.0625])
+SLABS = np.array([0.125, 0.0625, 0.03125])
 INSTANTS = np.arange(0.5, 10, 0.5)[3::2]  # halfway between echoes
 
 

@@ -1,19 +1,35 @@
 """The electrical scenes with circuits against their equations written by hand, and against ngspice."""
 
+import shutil
 from pathlib import Path
 
 import pytest
+from circuit_decks import DECKS, in_ngspice
 from electrical_by_hand import ELECTRICAL
 
 from tline.scene.file import read_scene
 from tline.solver.simulate import simulate
 
 SCENES = Path(__file__).parents[2] / "scenes"
+STEPS = {"ac_coupled": 80}  # of ngspice in the shortest delay; many delays make it slow
 
 
 @pytest.mark.parametrize("name", ELECTRICAL)
 def test_a_scene_is_its_delay_equations(name):
     """SciPy's DOP853 at 1e-13, from corner to corner, of which steps halved show 2e-11."""
     result = simulate(read_scene(SCENES / f"{name}.toml"), tol=1e-9)
-    found = ELECTRICAL[name].differences(result.probes)
-    assert max(found.values()) < 1e-8, found
+    at_slab_ends = ELECTRICAL[name].differences(result.probes)
+    assert max(at_slab_ends.values()) < 1e-9, at_slab_ends
+    inside = ELECTRICAL[name].differences(result.probes, inside=500)
+    assert max(inside.values()) < 1e-8, inside
+
+
+@pytest.mark.skipif(shutil.which("ngspice") is None, reason="ngspice is not installed")
+@pytest.mark.parametrize("name", DECKS)
+def test_ngspice_agrees_within_its_own_error(name):
+    """Which is a third of what halving its steps changes, as it is of second order."""
+    result = simulate(read_scene(SCENES / f"{name}.toml"), tol=1e-9)
+    steps = STEPS.get(name, 640)
+    coarse, fine = (in_ngspice(name, result, n) for n in (steps, 2 * steps))
+    assert fine.distance < fine.change(coarse) + 1e-12
+    assert fine.distance < 1e-3

@@ -165,6 +165,7 @@ def _reduced(
     F, G, H, Q, L = equations
     where = " and ".join(dict.fromkeys(branch.where for branch in branches))
     together = bound @ G
+    together[np.abs(together) <= SMALL * np.linalg.norm(G, axis=0)] = 0.0  # states that are not bound, but for rounding
     if np.abs(bound @ H).max(initial=0.0) > SMALL:
         problem = "no efforts and flows follow from what is at its nodes"
         if np.abs(together).max(initial=0.0) > SMALL:

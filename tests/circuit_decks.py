@@ -3,8 +3,16 @@
 REL makes a T element see corners that arrive: smaller ones than by itself, for each costs it a step.
 """
 
-from collections.abc import Iterable
 from math import exp, log
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.solver.result.result import Result
+from tline.study.programs import ngspice
+
+INSTANTS = 4000  # at most, at which a run is compared
 
 DIODE = ".model D D(IS=1n N=1)"
 
@@ -61,9 +69,9 @@ DECKS = {
         "V1 s 0 PULSE(0 0.5 0.1n 35p 35p 1)",
         "R1 s instrument 50",
         "T1 instrument 0 upper_pad 0 Z0=50 TD=0.3n",
-        "C1 upper_pad 0 0.2p",
+        "C1 upper_pad 0 0.06p",
         "L1 upper_pad lower_pad 0.5n",
-        "C2 lower_pad 0 0.2p",
+        "C2 lower_pad 0 0.06p",
         "T2 lower_pad 0 end 0 Z0=50 TD=0.3n",
         "R2 end 0 50",
     ],
@@ -109,10 +117,36 @@ DECKS = {
 }
 
 
-def deck(name: str, probes: Iterable[str], t_end: float, step: float) -> str:
-    """A scene with steps no longer than so many seconds."""
+class Spice(NamedTuple):
+    """A run in ngspice: the largest distance from ours, relative to the amplitude, its waves, and its seconds."""
+
+    distance: float
+    waves: dict[str, NDArray]
+    seconds: float
+
+    def change(self, coarser: "Spice") -> float:
+        """Largest difference from a run with wider steps, relative to the amplitude."""
+        t, at = self.waves["time"], coarser.waves["time"]
+        moved = [
+            np.abs(np.interp(at, t, u) - coarser.waves[key]).max() / np.abs(u).max()
+            for key, u in self.waves.items()
+            if key != "time"
+        ]
+        return float(max(moved))
+
+
+def in_ngspice(name: str, ours: Result, steps: int) -> Spice:
+    """A scene with so many steps in its shortest delay at least."""
+    step = min(float(line.parameters.delay or 0) for line in ours.scene.single_lines.values()) / steps
     options = f".options acct reltol=1e-6 gmin=1e-20 abstol=1e-15 vntol=1e-9 minbreak={step / 100!r}"
-    saved = ".save " + " ".join(f"v({probe})" for probe in probes)
-    return "\n".join(
-        [f"* {name}", *DECKS[name], options, saved, f".tran {step!r} {t_end!r} 0 {step!r} uic", ".end", ""]
-    )
+    saved = ".save " + " ".join(f"v({probe})" for probe in ours.probes)
+    transient = f".tran {step!r} {float(ours.scene.t_end)!r} 0 {step!r} uic"
+    text = "\n".join([f"* {name}", *DECKS[name], options, saved, transient, ".end", ""])
+    waves, seconds, _ = ngspice.transient(text)
+    t = waves["time"]
+    chosen = np.unique(np.linspace(1, len(t) - 1, INSTANTS).astype(int))
+    off = [
+        np.abs(waves[f"v({key})"][chosen] - probe.at(t[chosen]).u).max() / np.abs(probe.u).max()
+        for key, probe in ours.probes.items()
+    ]
+    return Spice(float(max(off)), waves, seconds)

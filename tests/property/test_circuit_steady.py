@@ -1,0 +1,67 @@
+"""What starts in its steady state and is not operated stays in it, whatever circuit stands between two lines."""
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tline.scene.scene import Scene
+from tline.solver.simulate import simulate
+
+NAMES = ["a", "b", "m1", "m2"]
+
+
+def random_element(rng: np.random.Generator, medium: str) -> dict[str, Any]:
+    """A linear one or a law, without its nodes."""
+    kind = rng.choice(["resistor", "inductor", "capacitor", "series", "law", "law"])
+    r, inductance = float(10 ** rng.uniform(0, 2)), float(10 ** rng.uniform(-1, 2))
+    match kind:
+        case "resistor":
+            return {"kind": "resistor", "resistance": r}
+        case "inductor":
+            return {"kind": "inductor", "inductance": inductance}
+        case "capacitor":
+            return {"kind": "capacitor", "capacitance": float(10 ** rng.uniform(-4, -1))}
+        case "series":
+            return {"kind": "series", "resistance": r, "inductance": inductance}
+    if medium == "hydraulic":
+        return {"kind": "orifice", "flow": 1 / r, "pressure_drop": 1.0}
+    return {"kind": "table", "points": [[-5, -1 / r], [0, 0], [3, 0.3 / r], [9, 9 / r]]}
+
+
+@pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
+@pytest.mark.parametrize("medium", ["hydraulic", "electrical"])
+def test_a_steady_state_lasts(medium):
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        links = {
+            f"link{k}": random_element(rng, medium) | {"nodes": list(pair)}
+            for k, pair in enumerate(pairwise(["a", "m1", "m2", "b"]))
+        }
+        for k in range(rng.integers(0, 4)):
+            pair = [str(name) for name in rng.choice(NAMES, 2, replace=False)]
+            links[f"across{k}"] = random_element(rng, medium) | {"nodes": pair}
+        loads = {"end": {"at": "end", "kind": "resistor", "resistance": float(10 ** rng.uniform(1, 2))}}
+        if rng.random() < 0.5:
+            loads["capacitor"] = {"at": "m2", "kind": "capacitor", "capacitance": float(10 ** rng.uniform(-4, -1))}
+        if rng.random() < 0.5:
+            loads["resistor"] = {"at": "m1", "kind": "resistor", "resistance": float(10 ** rng.uniform(1, 2))}
+        source = {"kind": "pressure" if medium == "hydraulic" else "voltage", "value": 10.0}
+        scene = Scene(
+            medium=medium,
+            t_end=6.0,
+            start="steady",
+            lines={
+                "first": {"nodes": ["source", "a"], "z0": 50.0, "delay": 1.0},
+                "second": {"nodes": ["b", "end"], "z0": 70.0, "delay": 1.3},
+            },
+            sources={"s": source | {"at": "source", "resistance": float(10 ** rng.uniform(0, 2))}},
+            links=links,
+            loads=loads,
+            probes={"a": {"at": "a"}, "b": {"at": "b"}, "end": {"at": "end"}},
+            solver={"order": 4, "slab": 0.1},
+        )
+        for name, probe in simulate(scene).probes.items():
+            assert np.abs(probe.u - probe.u[0]).max() < 1e-9 * 10, (seed, name)
+            assert np.abs(probe.y - probe.y[0]).max() < 1e-9 * 10 / 50, (seed, name)
