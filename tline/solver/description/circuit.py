@@ -181,7 +181,7 @@ def _reduced(
         if not loose:
             raise InputError(where, "no efforts and flows follow from what is at its nodes", "a resistance in between")
         raise InputError(f"node '{loose[0]}'", "nothing ties its effort to the reference", "a load, or a line")
-    others, of_others = _eliminated(together, Q.any(axis=1) | L.any(axis=1))
+    others, of_others = _eliminated(together, np.array(Q.any(axis=1) | L.any(axis=1)))
     x = np.linalg.lstsq(whole, np.vstack([G, -together @ Q / scale]) @ of_others)[0]
     w = np.linalg.lstsq(whole, np.vstack([H, np.zeros((len(bound), H.shape[1]))]))[0]
     return x, w, Q[others] @ of_others, L[others], others

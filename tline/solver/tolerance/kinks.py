@@ -6,7 +6,7 @@ the instant is sought on the piece before or behind, continued into the one that
 """
 
 from collections.abc import Iterator, Sequence
-from math import sqrt
+from math import inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ MOST = 2000  # instants of an element; where there are more, none is followed
 STEPS, STEP = 8, 1e-4  # of Newton's method, and for its slopes, in pieces
 OVER = 1.5  # pieces, to which a neighbour is continued
 CLOSED = 1e-12  # of the largest flow; less is none
+ROUNDED = 1e-12  # of the largest wave; so little has no sign
 
 
 class PiecewiseQuantity(NamedTuple):
@@ -81,6 +82,8 @@ def _bends(element: PlacedLaw, rho: float) -> Iterator[Bend]:
         yield Bend(c[0], -c[1], 2)
     if kind == "rotor" and c[4] > 0:
         yield Bend(CLOSED, share=True)
+    if kind in ("gas", "tank") and c[1] < inf:  # flow turns in the loss before it
+        yield Bend(0.0, share=True)
 
 
 def _less(into: PiecewiseQuantity, bend: Bend, element: PlacedLaw, result: Result) -> PiecewiseQuantity:
@@ -113,7 +116,11 @@ def _crossings(seen: PiecewiseQuantity, result: Result) -> NDArray:
     """Instants at which a quantity passes zero, s."""
     order = basis(result.resolution.s)
     heights = np.column_stack([np.append(seen.before, seen.values[:-1, -1]), seen.values])
-    piece, k = np.nonzero((heights[:, :-1] < 0) != (heights[:, 1:] < 0))
+    told = np.abs(heights) > ROUNDED * np.abs(heights).max()  # else it has the sign that it had
+    told[0, 0] = True
+    last = np.maximum.accumulate(np.where(told, np.arange(heights.size).reshape(heights.shape), 0).ravel())
+    below = (heights.ravel() < 0)[last].reshape(heights.shape)
+    piece, k = np.nonzero(below[:, :-1] != below[:, 1:])
     if not 0 < len(piece) <= MOST:
         return np.empty(0)
     places = np.append(0.0, order.c)
