@@ -27,6 +27,10 @@ def cable(**more) -> Scene:
     )
 
 
+def clamped() -> Scene:
+    return cable(loads={"d": {"at": "far", "kind": "diode", "saturation": 1e-14}})
+
+
 def chain(s, x):
     """Voltage and current at the share x of the cable, per volt of the source, by its chain matrix."""
     load = 1 / (1 / R + s * C)
@@ -79,6 +83,22 @@ def test_pade_of_a_passive_scene_is_stable_and_near(seed):
     assert np.abs(approximate(s) - H(s)).max() < 1e-5 * np.abs(H(s)).max()
 
 
+def test_pade_knows_what_stands_between_nodes():
+    """A source between two nodes, and a coil behind one without a line."""
+    between = cable(
+        sources={"s": {"nodes": ["near", "inner"], "kind": "voltage", "value": 1, "resistance": RS}},
+        links={"coil": {"nodes": ["inner", "other"], "kind": "inductor", "inductance": "5 nH"}},
+        lines={
+            "line": {"nodes": ["near", "far"], "z0": Z0, "delay": T},
+            "second": {"nodes": ["other", "end"], "z0": 70, "delay": T},
+        },
+        loads={node: {"at": node, "kind": "resistor", "resistance": r} for node, r in (("far", R), ("end", 70))},
+    )
+    H, s = DelaySystem(between, "far"), 2j * np.pi * np.linspace(1e7, 4e8, 9)
+    assert np.abs(H.to_control(9)(s) - H(s)).max() < 1e-6 * np.abs(H(s)).max()
+    assert H.step([100e-9], tol=1e-9)[0] == pytest.approx(R / (R + RS + 70), rel=1e-8)
+
+
 @pytest.mark.parametrize(("resistance", "stable"), [(-20, True), (-40, False)])
 def test_stability(resistance, stable):
     """A loop gain of (R - z)/(R + z) times -1/3: 7/9 or 3."""
@@ -98,6 +118,7 @@ def test_oscillations():
         (lambda: DelaySystem(cable(), "far", source="t"), "source: no such source"),
         (lambda: DelaySystem(cable(), "far", quantity="i"), "quantity: unknown"),
         (lambda: DelaySystem(cable(), "far").to_control(0), "order: not an order"),
+        (lambda: DelaySystem(clamped(), "far").to_control(3), "loads.d: is non-linear"),
         (lambda: DelaySystem(cable(), "far").step([1.0]), "t: an instant beyond"),
         (lambda: DelaySystem(cable(), "far").step([np.nan]), "t: an instant"),
     ],

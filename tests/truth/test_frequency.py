@@ -50,6 +50,34 @@ def test_voltage_at_the_far_end_behind_a_source_resistance():
     assert np.abs(u - exact).max() < 1e-14
 
 
+@pytest.mark.parametrize("sigma", [0.0, 3e8])
+@pytest.mark.parametrize("kind", ["voltage", "current"])
+@pytest.mark.parametrize("resistance", [None, 30])
+def test_a_source_between_two_nodes_sees_what_is_behind_them_in_series(sigma, kind, resistance):
+    """Both lines' input impedances, its own resistance, and an inductance behind a node without a line."""
+    s, inductance, ends = S + sigma, 20e-9, {"left": 20, "right": 90}
+    line = {"z0": Z0, "delay": T}
+    scene = Scene(
+        medium="electrical",
+        t_end=1,
+        lines={"one": line | {"nodes": ["left", "plus"]}, "two": line | {"nodes": ["behind", "right"]}},
+        sources={"s": {"nodes": ["plus", "minus"], "kind": kind, "value": 1, "resistance": resistance}},
+        links={"coil": {"nodes": ["minus", "behind"], "kind": "inductor", "inductance": inductance}},
+        loads={node: {"at": node, "kind": "resistor", "resistance": r} for node, r in ends.items()},
+        probes={"plus": {"at": "plus"}, "behind": {"at": "behind"}},
+    )
+    t = np.tanh(T * s)
+    one, two = (Z0 * (r + Z0 * t) / (Z0 + r * t) for r in ends.values())
+    if resistance is None and kind == "current":
+        i = 1.0
+    else:
+        i = (1 if kind == "voltage" else resistance) / (one + two + s * inductance + (resistance or 0))
+    seen = respond(scene, s)
+    assert np.abs(seen["plus"].u / (one * i) - 1).max() < 1e-12
+    assert np.abs(seen["behind"].u / (-two * i) - 1).max() < 1e-12
+    assert np.abs(seen["behind"].y / -i - 1).max() < 1e-12
+
+
 def test_a_quarter_wave_inside_the_line():
     """A probe at a place sees both waves: the standing wave of an open line is cos(ω(T - x/c)) up to a factor."""
     scene = cable(sources={"s": {"at": "near", "kind": "voltage", "value": 1}})

@@ -9,7 +9,6 @@ from tline.errors import InputError
 from tline.scene.lossless import refuse_losses
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.solver.description.groups import Group
 from tline.solver.description.nodes import node_of_end
 
 if TYPE_CHECKING:
@@ -24,7 +23,7 @@ def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "St
     Raises
     ------
     InputError
-        The order is out of range.
+        The order is out of range, or the scene has no state space with Padé delays.
     """
     import control
     from scipy.linalg import block_diag
@@ -32,7 +31,11 @@ def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "St
     if type(order) is not int or not 1 <= order <= HIGHEST:
         raise InputError("order", "not an order", f"a whole number from 1 to {HIGHEST}", f"{order}")
     refuse_losses(scene, "no state space with Padé delays")
-    lines, nodes = list(scene.lines.values()), list(describe(scene).nodes.values())
+    description = describe(scene)
+    description.check_linear("a state space")
+    description.refuse_coupled("a state space")
+    groups, named = description.grouped()
+    lines, nodes = list(scene.lines.values()), list(named.values())
     delays = np.array([line.parameters.delay or 0.0 for line in lines])
     z0, second = np.array([line.parameters.z0 for line in lines]), float(delays.min())
     name = scene.probed_line(probe)
@@ -46,7 +49,7 @@ def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "St
     n = len(A)
 
     # rows over the states of delays, those of loads, and the source
-    systems = [Group([node], [], [], []).circuit(np.inf).system for node in nodes]
+    systems = [group.circuit(np.inf).system for group in groups]
     own, into, out, through = (
         np.array(block_diag(*parts))
         for parts in zip(*((s.A * second, s.b * second, s.c, s.d) for s in systems), strict=True)

@@ -11,7 +11,7 @@ from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.stability.lossy_line import inside
 from tline.solver.stability.scattering import Scattering
-from tline.wording import nearest
+from tline.wording import nearest, place
 
 CHUNK = 2e6  # complex entries held at once
 
@@ -70,11 +70,14 @@ def respond(scene: Scene, s: ArrayLike, source: str | None = None) -> dict[str, 
     name = source_named(scene, source)
     given, network = scene.sources[name], Scattering(describe(scene))
     held, flows = np.zeros(len(network.names)), np.zeros(len(network.names))
-    at = network.names.index(given.terminals[0])
-    if np.isinf(given.conductance):
-        held[at] = 1.0
+    if given.is_effort and given.nodes is not None:
+        held[network.names.index(place("sources", name))] = 1.0  # behind which its branch stands
+    elif np.isinf(given.conductance):
+        held[network.names.index(given.terminals[0])] = 1.0
     else:
-        flows[at] = given.conductance if given.is_effort else 1.0
+        for node, sign in zip(given.terminals, (1.0, -1.0), strict=True):
+            if node is not None:
+                flows[network.names.index(node)] = sign * (given.conductance if given.is_effort else 1.0)
     arriving, efforts = solved(network, s.ravel() * network.second, held, flows)
     return {probe: _seen(scene, network, probe, arriving, efforts, s) for probe in scene.probes}
 

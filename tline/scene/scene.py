@@ -40,7 +40,7 @@ from tline.scene.probe import Probe
 from tline.scene.quantity import Duration, Effort, Tolerance, Whole
 from tline.scene.shape import Shape
 from tline.scene.site import GRAVITY, Site
-from tline.scene.source import Source, refuse_floating
+from tline.scene.source import Source
 from tline.scene.touchstone import Touchstone
 from tline.scene.user_defined import user_elements
 from tline.wording import place
@@ -274,7 +274,6 @@ class Scene(Element):
         for name, link in self.links.items():
             if not isinstance(link, besides):
                 raise InputError(place("links", name), f"a {link.kind}", f"a scene without links for {what}")
-        refuse_floating(self.sources, what)
 
     @property
     def waveforms(self) -> dict[tuple[str, str, str], Shape]:

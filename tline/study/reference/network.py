@@ -12,6 +12,7 @@ from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short
 from tline.scene.lossless import refuse_losses
 from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
+from tline.scene.source import refuse_floating
 from tline.scene.switch import Switch
 from tline.scene.waveform import Constant, Shape
 from tline.wording import nearest, place
@@ -48,6 +49,7 @@ class ReferenceNetwork:
 
     def __init__(self, scene: Scene):
         scene.check_linear("exact solutions")
+        refuse_floating(scene.sources, "exact solutions")
         refuse_heights(scene, "exact solutions")
         refuse_losses(scene, "no exact solution of that kind; see tline.study.reference.lossy")
         lines = [line.parameters for line in scene.lines.values()]
