@@ -15,7 +15,7 @@ from tline.solver.description.resolution import Resolution
 from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.dense_output import extremes
 from tline.solver.run import run
-from tline.solver.simulate import UnresolvedWarning, simulate
+from tline.solver.simulate import UnresolvedWarning, judged, simulate
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 FACTOR = 2  # an error is told by a difference of two runs, which may be that much smaller than it
@@ -278,3 +278,87 @@ def test_a_fast_load_that_nothing_excites_does_not_keep_a_tolerance_from_being_m
     t = np.linspace(1.0, 3.0, 400)
     assert result.accuracy.met
     assert np.abs(result.probes["b"].at(t).u - 0.5 * np.cos(np.pi * (t - 1.0))).max() <= 5e-7
+
+
+def charged(fast: float, kind: str, at: float = 0.3337, line: dict | None = None, **solver: float) -> Scene:
+    """A step into a line that ends at a fast load."""
+    medium, load, key = STIFF[kind]
+    return Scene(
+        medium=medium,
+        t_end=3.0,
+        lines={"l": {"nodes": ["a", "b"]} | (line or {"z0": 1.0, "delay": 1.0})},
+        sources={"s": {"at": "a", "kind": "voltage" if medium == "electrical" else "pressure", "resistance": 1.0,
+                       "value": {"shape": "step", "to": 1, "at": at}}},
+        loads={"x": load | {key: fast * load[key], "at": "b"}},
+        probes={"b": {"at": "b"}},
+        solver=solver,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", list(STIFF))
+@pytest.mark.parametrize("fast", [1e-3, 1e-5, 1e-7])
+@pytest.mark.parametrize("order", [1, 4, 7])
+def test_a_run_by_hand_knows_that_it_does_not_resolve_a_fast_load(kind, fast, order):
+    result = simulate(charged(fast, kind, slab=0.25, order=order))
+    soon = result.probes["b"].at(1.3337 + 1e-4 * fast).u  # 1e-4 of the step at most
+    told = judged(result)
+    assert told.inside["b"].u * np.abs(result.probes["b"].u).max() >= soon - 1e-3
+    assert len(told.attempts) == 3
+
+
+def test_a_run_by_hand_whose_orders_converge_is_not_doubted():
+    """A capacitance too small to matter behind a sine without a corner."""
+    line = {"l": {"nodes": ["a", "b"], "z0": 1.0, "delay": 1.0}}
+    wave = {"shape": "sine", "amplitude": 1.0, "frequency": 0.5, "phase": "90 deg"}
+    scene = Scene(
+        medium="electrical",
+        t_end=3.0,
+        lines=line,
+        sources={"s": {"at": "a", "kind": "voltage", "resistance": 1.0, "value": wave}},
+        loads={"x": {"kind": "parallel", "resistance": 1.0, "capacitance": 1e-9, "at": "b"}},
+        probes={"b": {"at": "b"}},
+        start="steady",
+        solver={"slab": 0.25, "order": 4},
+    )
+    result, t = simulate(scene), np.linspace(1.0, 3.0, 400)
+    off = np.abs(result.probes["b"].at(t).u - 0.5 * np.cos(np.pi * (t - 1.0))).max()
+    assert off <= 0.5 * judged(result).worst <= 20 * off
+
+
+@pytest.mark.parametrize(
+    ("start", "to", "atmosphere", "exponent", "slab", "volume"),
+    [(0.0, 1.0, 3.0, 1.2, 0.25, 0.04), (1.9, 2.9, 0.18, 1.2, 0.25, 0.019), (0.0, 1.0, 0.7, 1.1, 0.125, 0.024)],
+)
+@pytest.mark.parametrize("order", [None, 4])
+def test_gas_is_stiffer_under_pressure_than_without(start, to, atmosphere, exponent, slab, volume, order):
+    """Its pressure does not jump; that in which a run jumps is an error, and is told."""
+    scene = Scene(
+        medium="hydraulic",
+        t_end=3.0,
+        lines={"l": {"nodes": ["a", "b"], "z0": 1.0, "delay": 1.0}},
+        sources={"s": {"at": "a", "kind": "pressure", "resistance": 1.0,
+                       "value": {"shape": "step", "from": start, "to": to, "at": 0.3337}}},
+        loads={"x": {"kind": "air vessel", "gas_volume": volume, "gas_pressure": 0.0, "atmosphere": atmosphere,
+                     "exponent": exponent, "at": "b"}},
+        probes={"b": {"at": "b"}},
+        start="steady",
+        solver={"slab": slab} | ({"order": order} if order else {}),
+    )  # fmt: skip
+    result = simulate(scene, tol=1e-3)
+    jump = abs(float(result.probes["b"].at(1.3337 + 1e-8).u) - start)
+    assert jump <= result.accuracy.inside["b"].u * np.abs(result.probes["b"].u).max() + 1e-6
+
+
+@pytest.mark.parametrize(
+    ("kind", "solver"), [("receiver", {"slab": 0.25, "order": 3}), ("tank", {"slab": 0.25, "order": 3}), ("tank", {})]
+)
+def test_fast_loads_behind_lossy_lines_are_not_believed_either(kind, solver):
+    """The front arrives at a slab's end; then the load is still empty."""
+    cable = {"length": 1.0, "inductance": 1.0, "capacitance": 1.0, "skin": {"resistance": 0.3, "frequency": 10.0},
+             "resistance": 0.05}  # fmt: skip
+    pipe = {"length": 1.0, "wave_speed": 1.0, "density": 1.0, "radius": math.pi**-0.5,
+            "friction": {"kind": "darcy", "factor": 0.3}}  # fmt: skip
+    fast = 1e-7 if kind == "receiver" else 4e-3
+    result = simulate(charged(fast, kind, 0.5, cable if kind == "receiver" else pipe, **solver), tol=1e-2)
+    soon = float(result.probes["b"].at(1.5 + 1e-4 * fast).u)
+    assert soon <= FACTOR * result.accuracy.inside["b"].u * np.abs(result.probes["b"].u).max()

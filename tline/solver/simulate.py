@@ -16,7 +16,7 @@ from tline.solver.result.merged import merged, recorded
 from tline.solver.result.result import Result
 from tline.solver.run import run, with_ledger
 from tline.solver.stability.growth import growth_sentence
-from tline.solver.tolerance.compare import compared
+from tline.solver.tolerance.compare import caution, differences, magnified
 from tline.solver.tolerance.lossy import with_losses
 from tline.solver.tolerance.search import Search, Start, inside_slabs, within
 
@@ -149,17 +149,31 @@ def simulated(
 def judged(result: Result) -> Accuracy:
     """How accurate a run fixed by hand is: its difference to one of the next order, or on half the slab with losses.
 
+    Where a load may be too fast for both, the step after that tells whether they differ by what neither resolves.
+
     Parameters
     ----------
     result : Result
         Of a run without a tolerance.
     """
-    s, h, scene = result.resolution.s, result.resolution.h, (result.parts or result).scene
+    scene = (result.parts or result).scene
     description = describe(scene)
-    with user_mistakes(scene):
-        better = run(description, Resolution(s, h / 2) if description.lossy else Resolution(s + 1, h))
-    found = Accuracy(None, *compared(result, better)).cautious()
-    return replace(found, attempts=(Attempt.of(result, found.worst), Attempt.of(better)))
+
+    def step(coarse: Result) -> tuple[Result, Accuracy]:
+        s, h = coarse.resolution.s, coarse.resolution.h
+        with user_mistakes(scene):
+            fine = run(description, Resolution(s, h / 2) if description.lossy else Resolution(s + 1, h))
+        return fine, Accuracy(None, *differences(coarse, fine))
+
+    finer, found = step(result)
+    runs, by = [finer], magnified(description, result, finer, [found.worst])
+    if by > 1.0:
+        finest, left = step(finer)
+        runs.append(finest)
+        if magnified(description, finer, finest, [found.worst, left.worst]) == 1.0:
+            by = 1.0
+    found = found.times(caution(found) * by)
+    return replace(found, attempts=(Attempt.of(result, found.worst), *map(Attempt.of, runs)))
 
 
 def _by_hand(result: Result, tol: float) -> Accuracy:

@@ -152,10 +152,9 @@ class Description:
         """Of each curved waveform and dynamic load the shortest time scale, and that of its oscillations, s."""
         return time_scales(self.waveforms, self.grouped()[0])
 
-    @cached_property
-    def filling_times(self) -> list[float]:
+    def filling_times(self, pressure: float) -> list[float]:
         """Times in which vessels and tanks fill, s; none where cavities collapse, whose gas is part of their model."""
-        return [] if self.collapses else filling_times(self.elements, self.nodes)
+        return [] if self.collapses else filling_times(self.elements, self.nodes, pressure)
 
     @property
     def starts(self) -> dict[str, float]:

@@ -44,7 +44,11 @@ class Resolution(NamedTuple):
     fit: float = FIT  # tolerance of the circuits of lossy lines, relative
     band: float = HELD  # of these, cycles per slab at which it ends, at least
     loss_elements: int = ALL_LOSS_ELEMENTS  # of one law in the longest line, at most, and in others by their delay
-    unseen: float = 0.0  # times that the fastest load, vessel or waveform is as fast as what is resolved
+
+    @property
+    def resolved(self) -> float:
+        """Shortest time scale that is resolved, s."""
+        return self.h * min(POINTS / self.s, 1.0) * (1 - 1e-9)
 
 
 def resolution(
@@ -72,17 +76,15 @@ def resolution(
     scales = description.time_scales
     h = h or float(fixed.slab or 0.0) or _slab(description, delays, scales, settle)
     _check(t_end, delays, s, h, by_hand)
-    seen = h * min(POINTS / s, 1.0) * (1 - 1e-9)
+    chosen = Resolution(s, h, sections=sections, settle=settle, loss_elements=loss_elements)
     notes = [
         f"{where}: its time scale of {scale:.3g} s is shorter than the slab of {h:.3g} s; "
         "what is faster than the slab is damped, not resolved"
         for where, (scale, _) in scales.items()
-        if scale < seen
+        if scale < chosen.resolved
     ]
-    blind = any(period < seen for _, period in scales.values())
-    decays = [*(scale for scale, _ in scales.values()), *description.filling_times]
-    unseen = max((seen / decay for decay in decays if decay > 0), default=0.0)
-    return Resolution(s, h, tuple(notes), blind, sections, settle, loss_elements=loss_elements, unseen=unseen)
+    blind = any(period < chosen.resolved for _, period in scales.values())
+    return chosen._replace(notes=tuple(notes), blind=blind)
 
 
 def _slab(

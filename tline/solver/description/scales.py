@@ -1,6 +1,6 @@
 """How fast the waveforms and the dynamic loads of a scene are."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import inf
 
 import numpy as np
@@ -29,17 +29,24 @@ def time_scales(waveforms: Mapping[str, Shape], groups: Iterable[Group]) -> dict
     return scales
 
 
-def filling_times(elements: Iterable[PlacedLaw], nodes: Mapping[str, Node]) -> list[float]:
-    """Times in which vessels and tanks fill through all else at their nodes, at pressure 0, s."""
+def filling_times(elements: Iterable[PlacedLaw], nodes: Mapping[str, Node], pressure: float) -> list[float]:
+    """Times in which vessels and tanks fill through all else at their nodes, at a piezometric pressure, s."""
     times = []
     for element in elements:
         kind, constants = element.law.kind, element.law.constants
         if kind not in ("gas", "tank"):
             continue
-        capacity = constants[2] if kind == "tank" else constants[3] / (constants[4] * constants[2])
+        capacity = constants[2] if kind == "tank" else _capacity_of_gas(element.constants, pressure)
         ends = [nodes[name] for name in element.nodes]
         times.append(capacity * sum(1 / end.total for end in ends if end.held is None))
     return times
+
+
+def _capacity_of_gas(constants: Sequence[float], pressure: float) -> float:
+    """Volume over pressure; as at pressure 0 where it is lower."""
+    back, _, outside, at_zero, n = constants
+    compressed = 1 + max(pressure - back, 0.0) / outside
+    return at_zero / (n * outside) * compressed ** (-1 / n - 1)
 
 
 def _poles(groups: Iterable[Group]) -> Iterator[tuple[str, NDArray]]:

@@ -9,7 +9,6 @@ if TYPE_CHECKING:
     from tline.solver.result.result import Result
 
 SLOWEST = 0.5  # share of a difference that a step counts as leaving, at most
-BETWEEN = 1.5  # times the largest difference at the places that are compared: what lies between them
 
 
 @dataclass(frozen=True)
@@ -103,19 +102,6 @@ class Accuracy:
     def at_slab_ends(self) -> float:
         """The largest estimate at slab ends; infinite if there is none."""
         return max((estimate.worst for estimate in self.estimates.values()), default=inf)
-
-    def caution(self, before: "Accuracy | None" = None, unknown: float = SLOWEST) -> float:
-        """Errors between slab ends over differences to the finer run: they allow for what that still has of them.
-
-        Where a step leaves the share r of the difference before, the next ones leave r², r³, …; the sum of all is the
-        difference over 1 - r. Where laws bend waves r is erratic: it counts as at most a half, and as that if unknown.
-        """
-        left = self.worst / before.worst if before and 0 < before.worst < inf else unknown
-        return BETWEEN / (1 - min(left, SLOWEST))
-
-    def cautious(self, before: "Accuracy | None" = None) -> "Accuracy":
-        """The same with errors inside slabs that are told with caution."""
-        return self.times(self.caution(before))
 
     def times(self, by: float, at_ends: float = 1.0) -> "Accuracy":
         """The same with errors so many times as large, inside slabs and at their ends."""

@@ -1,20 +1,70 @@
-"""Errors of a run by its differences to a finer one."""
+"""Errors of a run by its differences to a finer one: whatever tells an error compares two runs here."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
-from tline.solver.result.accuracy import Estimate
+from tline.solver.description.description import Description
+from tline.solver.result.accuracy import SLOWEST, Accuracy, Estimate
 from tline.solver.result.result import Result
 from tline.solver.tolerance.difference import difference
 
 ROUNDING = 2e-15  # relative to the amplitude; no estimate is smaller
 SILENT = 1e-9  # of the larger of u and z0·y; an amplitude below it is not weighed
+BETWEEN = 1.5  # times the largest difference at the places that are compared: what lies between them
+BY_ORDER, BY_SLAB = 0.2, 0.5  # shares of the difference before: a step that leaves less follows every decay
+STEPS = 2  # in a row that have to: two runs may agree by accident
+ROUNDED = 1e-13  # of the amplitude: a difference below is rounding
 
 
-def compared(coarse: Result, fine: Result) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
-    """Errors of a run by its largest differences to a finer one: `estimates`, `inside` and `blurred` of `Accuracy`."""
+class Comparison(NamedTuple):
+    """A run beside a finer one."""
+
+    differences: Accuracy  # taken for errors
+    by: float  # errors at any instant over differences
+
+    @property
+    def errors(self) -> Accuracy:
+        """Estimated errors of the coarser run."""
+        return self.differences.times(self.by)
+
+
+def compare(
+    description: Description,
+    coarse: Result,
+    fine: Result,
+    tol: float | None = None,
+    before: Sequence[Accuracy] = (),
+    unknown: float = SLOWEST,
+) -> Comparison:
+    """Estimate the errors of a run by its differences to a finer one.
+
+    Parameters
+    ----------
+    description : Description
+        Of their scene.
+    coarse, fine : Result
+    tol : float, optional
+        The tolerance, if there is one.
+    before : sequence of Accuracy
+        Differences of each earlier run to the next, up to the coarse one.
+    unknown : float
+        Share of a difference that a step leaves, if there is no earlier run.
+
+    Returns
+    -------
+    Comparison
+    """
+    found = Accuracy(tol, *differences(coarse, fine))
+    by = caution(found, before[-1] if before else None, unknown)
+    return Comparison(found, by * magnified(description, coarse, fine, [*(each.worst for each in before), found.worst]))
+
+
+def differences(coarse: Result, fine: Result) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
+    """Largest differences to a finer run by probe, for `estimates`, `inside` and `blurred` of `Accuracy`."""
     told: tuple[dict[str, Estimate], ...] = {}, {}, {}
     for name, probe in fine.probes.items():
         found = difference(coarse.probes[name], probe, fine.resolution.settle)
@@ -25,13 +75,57 @@ def compared(coarse: Result, fine: Result) -> tuple[dict[str, Estimate], dict[st
     return told
 
 
-def with_errors(result: Result, other: Result, caution: float) -> Result:
+def caution(found: Accuracy, before: Accuracy | None = None, unknown: float = SLOWEST) -> float:
+    """Errors between slab ends over differences to the finer run: they allow for the error that it still has.
+
+    Where a step leaves the share r of the difference before, the next ones leave r², r³, …; the sum of all is the
+    difference over 1 - r. Where laws bend waves r is erratic: it counts as at most a half, and as that if unknown.
+    """
+    left = found.worst / before.worst if before and before.worst > 0 else unknown
+    return BETWEEN / (1 - min(left, SLOWEST))
+
+
+def magnified(description: Description, coarse: Result, fine: Result, steps: Sequence[float]) -> float:
+    """Errors over differences, where a decay faster than any run resolves may follow a front.
+
+    Each run shows a share like 1/`unseen` of it, and so does their difference, the last of `steps`, which then does
+    not fall. If it falls from step to step, it is of something else; if at once, by accident.
+    """
+    if steps[-1] <= ROUNDED:
+        return 1.0
+    most = BY_SLAB if _slab(fine) < _slab(coarse) else BY_ORDER
+    last = steps[-STEPS - 1 :]
+    if len(last) > 1 and all(after <= most * before for before, after in pairwise(last)):
+        return 1.0
+    by = unseen(description, coarse)
+    return by * max(most * max(last[:-1], default=0.0) / last[-1], 1.0) if by > 1.0 else 1.0
+
+
+def unseen(description: Description, result: Result) -> float:
+    """Times that the fastest load, vessel or waveform is as fast as what a run resolves.
+
+    The pressure at vessels is taken to be the highest at the ends of any recorded line.
+    """
+    lines = result.lines.values()
+    waves = [pair for line in lines for pair in ((line.a1, line.b1), (line.a2, line.b2))]
+    highest = max((float((a.values + b.values).max()) / 2 for a, b in waves), default=0.0)
+    decays = [*(scale for scale, _ in description.time_scales.values()), *description.filling_times(highest)]
+    resolved = result.resolution._replace(h=_slab(result)).resolved
+    return max((resolved / decay for decay in decays if decay > 0), default=0.0)
+
+
+def with_errors(result: Result, other: Result, by: float) -> Result:
     """A result whose envelope, if it has one, has its differences to that of another run, so many times, as errors."""
     if result.envelope is None or other.envelope is None:
         return result
-    return replace(result, envelope=result.envelope.compared(other.envelope, caution))
+    return replace(result, envelope=result.envelope.compared(other.envelope, by))
 
 
 def added(one: Mapping[str, Estimate], other: Mapping[str, Estimate]) -> dict[str, Estimate]:
     """Sums by probe."""
     return {name: Estimate(e.u + other[name].u, e.y + other[name].y) for name, e in one.items()}
+
+
+def _slab(result: Result) -> float:
+    """Width of the slabs in which a run was computed, whatever samples are kept of it, s."""
+    return min((probe.record.a1.h for probe in result.probes.values()), default=result.resolution.h)

@@ -12,7 +12,7 @@ from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import resolution
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import Result
-from tline.solver.tolerance.compare import added, compared, with_errors
+from tline.solver.tolerance.compare import added, caution, differences, magnified, with_errors
 from tline.solver.tolerance.extrapolate import extrapolated, seen_at_ends
 from tline.solver.tolerance.search import Search, better, gained, inside_limit, inside_slabs, limit_of, rank, refined
 
@@ -48,7 +48,7 @@ def with_losses(search: Search) -> Result:
             return replace(result, accuracy=replace(accuracy, attempts=attempts))
         again = search.run(last.resolution._replace(fit=closer), last.t[-1])
         attempts += (Attempt.of(again),)
-        before, more = (accuracy.estimates, accuracy.inside, accuracy.blurred), compared(last, again)
+        before, more = (accuracy.estimates, accuracy.inside, accuracy.blurred), differences(last, again)
         told = Accuracy(search.tol, *map(added, before, more), attempts=attempts)
         if told.at_slab_ends <= search.tol:
             return replace(result, accuracy=replace(told, limit=inside_slabs(told) or accuracy.limit))
@@ -70,16 +70,19 @@ def _refined(search: Search) -> tuple[Result, Result]:
         result = refined(search, NONE)
         return result, result
     result = seen = last = first
-    attempts, limit, stale, accuracy = [Attempt.of(first)], "", 0, Accuracy(search.tol)
+    attempts, limit, stale, accuracy, steps = [Attempt.of(first)], "", 0, Accuracy(search.tol), []
     while not limit:
         last = search.run(last.resolution._replace(h=last.resolution.h / 2), first.t[-1])
         finer = seen_at_ends(first, last)
-        found = Accuracy(search.tol, *compared(seen, finer)).cautious()
+        found = Accuracy(search.tol, *differences(seen, finer))
+        steps.append(found.worst)
+        by = caution(found) * magnified(search.description, seen, finer, steps)
+        found = found.times(by)
         attempts[-1] = replace(attempts[-1], estimate=found.worst)
         attempts.append(Attempt.of(last))
         stale = stale + 1 if gained(accuracy, found) >= 1.0 else 0
         if better(found, accuracy):
-            result, accuracy = with_errors(seen, finer, found.caution()), found
+            result, accuracy = with_errors(seen, finer, by), found
         if found.met and len(attempts) > 2:
             break
         seen, limit = finer, limit_of(attempts, stale, search) or inside_limit(attempts, found)
@@ -108,7 +111,8 @@ def _halved(search: Search) -> tuple[Result, Result]:
             limit = f"{error.where}: {error.problem}"
             break
         above, row = row, _row(row, last)
-        result, found, by = min(_judged(above, row, search.tol, steps), key=lambda entry: rank(entry[1]))
+        entries = _judged(search, above, row, steps)
+        result, found, by = min(entries, key=lambda entry: rank(entry[1]))
         attempts.append(Attempt.of(last, found.worst))
         stale = stale + 1 if gained(accuracy, found) >= 1.0 else 0
         if better(found, accuracy):
@@ -133,13 +137,15 @@ def _row(above: Row, finer: Result) -> Row:
     return row
 
 
-def _judged(above: Row, row: Row, tol: float, steps: Steps) -> Iterator[tuple[Result, Accuracy, float]]:
+def _judged(search: Search, above: Row, row: Row, steps: Steps) -> Iterator[tuple[Result, Accuracy, float]]:
     """Entries of a row, their errors by their differences to those above, and what these were multiplied by."""
     for powers in sorted(above.keys() & row.keys(), key=len):
         coarse, fine = above[powers], row[powers]
-        found = Accuracy(tol, *compared(coarse, fine))
-        steps.setdefault(powers, []).append((found.at_slab_ends, found.worst))
+        found = Accuracy(search.tol, *differences(coarse, fine))
+        told = steps.setdefault(powers, [])
+        told.append((found.at_slab_ends, found.worst))
         at_ends, inside = (_caution(steps, powers, k) for k in (0, 1))
+        inside *= magnified(search.description, coarse, fine, [worst for _, worst in told])
         yield fine, found.times(inside, at_ends), inside
 
 

@@ -14,7 +14,7 @@ from tline.solver.description.short_lines import short_lines
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import Result
 from tline.solver.run import NO_KINKS, Kinks, run
-from tline.solver.tolerance.compare import compared, with_errors
+from tline.solver.tolerance.compare import compare, with_errors
 from tline.solver.tolerance.kinks import kinking, kinks_of
 
 FIRST, LAST = 2, 12  # orders
@@ -25,8 +25,6 @@ WORTH = 64  # or so many times those of the first run, if that is more
 TRIED = 2  # halvings of the slab, from which the next ones are foretold
 TRACED = 4  # runs in which kinks are followed before slabs are narrowed again
 HELPS = 0.5  # a step that leaves more of the difference than this does not converge
-CONVERGES = 0.2  # a step that leaves no more of it is not held up by a decay that none resolves
-ROUNDED = 1e-13  # of the amplitude: a difference below is rounding
 STALE = 2  # halvings of the slab in a row that may bring nothing
 MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
 MOST_SECTIONS = 8  # of a lumped line
@@ -116,7 +114,7 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
     kinked, traced = kinking(search.description), 0
     result = best = search.run(next(steps))
     attempts, accuracy = [Attempt.of(result)], Accuracy(search.tol)
-    found = told = accuracy  # of the last comparison
+    told, found, left = accuracy, [accuracy], search.start.left if search.start else SLOWEST
     while not limit:
         try:
             kinks = kinks_of(result, kinked) if traced > 1 else NO_KINKS
@@ -127,10 +125,8 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
         except InputError as error:
             limit = f"{error.where}: {error.problem}"
             break
-        before, found = found, Accuracy(search.tol, *compared(result, finer))
-        by = found.caution(before, search.start.left if search.start else SLOWEST)
-        by *= magnified(before, found, result.resolution.unseen)
-        told = found.times(by)
+        comparison = compare(search.description, result, finer, search.tol, found[1:], left)
+        told, by, found = comparison.errors, comparison.by, [*found, comparison.differences]
         attempts[-1] = replace(attempts[-1], estimate=told.worst)
         attempts.append(Attempt.of(finer))
         if better(told, accuracy):
@@ -138,16 +134,16 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
         blind = finer.resolution.blind
         doubled = finer.resolution.sections != result.resolution.sections or not sections
         first = CLEAR if search.start is None else 1.0
-        sure = before.worst < inf or (told.worst <= first * search.tol and not kinked)
+        sure = len(found) > 2 or (told.worst <= first * search.tol and not kinked)
         if sure and told.met and doubled and not blind:
             break
         narrowed = finer.resolution.h < result.resolution.h
-        helps = not blind and gained(before, found) <= HELPS
+        helps = not blind and gained(*found[-2:]) <= HELPS
         if traced or (kinked and not helps and not blind):
             traced += 1
             helps |= traced <= TRACED
             search = search._replace(laws=[element.where for element in kinked])
-        stale = stale + 1 if narrowed and not blind and gained(before, found) >= 1.0 else 0
+        stale = stale + 1 if narrowed and not blind and gained(*found[-2:]) >= 1.0 else 0
         limit = limit_of(attempts, stale, search) or (not blind and inside_limit(attempts, told))
         result = finer
     damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
@@ -180,16 +176,6 @@ def gained(before: Accuracy, found: Accuracy) -> float:
         (accuracy.at_slab_ends if found.at_slab_ends > found.tol else accuracy.worst) for accuracy in (found, before)
     )
     return here / there if there > 0 else inf
-
-
-def magnified(before: Accuracy, found: Accuracy, unseen: float) -> float:
-    """Errors over differences, where a decay so many times faster than what runs resolve may follow a front.
-
-    Each run then sees no more of it than a share like 1/`unseen`, and of that finer runs leave as much; if they leave
-    less, the difference is of something else.
-    """
-    converges = before.worst < inf and found.worst <= CONVERGES * before.worst
-    return 1.0 if converges or found.worst <= ROUNDED else max(unseen, 1.0)
 
 
 def inside_limit(attempts: list[Attempt], found: Accuracy) -> str:
