@@ -7,9 +7,12 @@ v = e + l i + loss and dX/dt = (r + q i) i.
 
 import numpy as np
 
-from tline.solver.kernel.arithmetic import copy, eliminate, left_of
+from tline.solver.kernel.arithmetic import clear, copy, eliminate, left_of, times
 from tline.solver.kernel.newton import CLOSE, LEAST_STRIDE, SPARE, TRIES
+from tline.solver.kernel.polynomials import project
 from tline.unit import function
+
+NARROWEST = 1e-6  # part of a slab
 
 
 @function
@@ -63,8 +66,8 @@ def stepped(stored, entering, store, at, h, z, share, most):
 
 
 @function
-def fill(stored, entering, store, at, state, h, z, most):
-    """Flows at the points of a slab of width h, under the efforts v there; nan at the last if none were found.
+def filled(stored, entering, store, at, state, h, z, most):
+    """One step of width h. Returns whether it was found; its flows are kept, and the state moves, if so.
 
     Where Newton's full steps fail, the first residual is led to zero in smaller parts.
     """
@@ -92,6 +95,36 @@ def fill(stored, entering, store, at, state, h, z, most):
         else:
             copy(safe, y)
             stride *= 0.25
-    store.states[state] = y[s - 1]
-    if done < 1.0:
-        store.flow[s - 1] = np.nan
+    if done == 1.0:
+        store.states[state] = y[s - 1]
+    return done == 1.0
+
+
+@function
+def fill(stored, entering, store, at, state, h, z, most):
+    """Flows at the points of a slab of width h, under the efforts v there; nan at the last if none were found.
+
+    A slab that is far too long for the element is divided; the flow in its parts is projected on the slab, which keeps
+    what has flowed and adds no energy.
+    """
+    if filled(stored, entering, store, at, state, h, z, most):
+        return
+    tools, coef, kept, whole, piece = store.tools, store.coef, store.kept, store.whole, store.piece
+    clear(whole)
+    times(tools.to_legendre, store.v, 0, coef)
+    since, width = 0.0, 0.5
+    while since < 1.0 and width > NARROWEST:
+        until = min(since + width, 1.0)
+        clear(piece)
+        project(coef, 0.0, 1.0, since, until, tools.gauss, piece)
+        times(tools.to_points, piece, 0, store.v)
+        if filled(stored, entering, store, at, state, h * (until - since), z, most):
+            times(tools.to_legendre, store.flow, 0, kept)
+            project(kept, since, until, 0.0, 1.0, tools.gauss, whole)
+            since, width = until, 2.0 * width
+        else:
+            width *= 0.5
+    times(tools.to_points, coef, 0, store.v)
+    times(tools.to_points, whole, 0, store.flow)
+    if since < 1.0:
+        store.flow[store.flow.size - 1] = np.nan
