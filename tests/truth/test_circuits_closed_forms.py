@@ -109,7 +109,6 @@ def test_a_diode_beside_a_resistor_behind_another_is_its_recursion_per_bounce():
     assert np.abs(probe.u - np.array(exact, float))[late].max() < 1e-12 * emf
 
 
-@pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")  # of the inertance with the capillary alone
 def test_the_mass_oscillation_of_a_surge_tank_is_its_quadrature():
     """L q' = h - p - k q|q| and C p' = q: q² is linear in p with an exponential, swing by swing.
 
