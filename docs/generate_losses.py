@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from tline.loss import (
-    Constant,
+    ConstantLoss,
     DielectricLoss,
     LaminarFriction,
     Law,
@@ -38,7 +38,7 @@ COMPLIANCE = math.pi * PIPE["radius"] ** 2 / (PIPE["density"] * 1324.0**2)
 LENGTH = 36.09
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 WIRE = RoundWire(0.5e-3, 5.8e7)
-FIELD = Constant(0, 250e-9)
+FIELD = ConstantLoss(0, 250e-9)
 INSULATION = DielectricLoss(100e-12, 0.02, 1e9, (1e4, 1e12))
 
 
@@ -84,7 +84,7 @@ def responses() -> str:
     tolerances = TOLERANCES[:3]
     rows = ["| step response over 10 delays | " + " | ".join(f"{tolerance:.0e}" for tolerance in tolerances) + " |"]
     rows.append("|---|" + "---|" * len(tolerances))
-    pipe = LossyLine(LAMINAR, Constant(0, COMPLIANCE), LENGTH)
+    pipe = LossyLine(LAMINAR, ConstantLoss(0, COMPLIANCE), LENGTH)
     cable = LossyLine(WIRE + FIELD, INSULATION, 0.2)
     for name, line, source, load in (
         ("pipe of Holmboe and Rouleau, closed end", pipe, 0.0, math.inf),
@@ -128,9 +128,9 @@ def closing() -> Figure:
     picture = figure(7.5, 4.2, "Frequency-dependent friction rounds fronts and damps faster")
     axes = picture.subplots()
     steady = hagen_poiseuille(**PIPE)
-    kinds = {"no friction": Constant(0, LAMINAR.storage), "constant": steady, "frequency-dependent": LAMINAR}
+    kinds = {"no friction": ConstantLoss(0, LAMINAR.storage), "constant": steady, "frequency-dependent": LAMINAR}
     for k, (name, law) in enumerate(kinds.items()):
-        line = LossyLine(law, Constant(0, COMPLIANCE), LENGTH)
+        line = LossyLine(law, ConstantLoss(0, COMPLIANCE), LENGTH)
         times = (np.arange(1, 480) + 0.5) / 480 * 14 * line.delay
         u = lossy_response(line, times, LENGTH, source=0, load=math.inf, digits=6).efforts
         axes.plot(times * 1e3, u, color=COLOURS[k], linestyle=DASHES[k], label=name, linewidth=1.4)

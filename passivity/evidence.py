@@ -3,14 +3,14 @@
 from typing import TypeAlias
 
 from passivity.delayed.boxes import BallProof, holds
-from passivity.delayed.proof import Step
+from passivity.delayed.proof import ProofStep
 from passivity.delayed.verify import verify_proof
 from passivity.multiport.certificate import verify as verify_matrix
 from passivity.multiport.verdict import MinorCertificate, StorageCertificate
 from passivity.one_port.certificate import verify as verify_one_port
 from passivity.one_port.verdict import Certificate
 
-Evidence: TypeAlias = Certificate | MinorCertificate | StorageCertificate | Step | BallProof
+Evidence: TypeAlias = Certificate | MinorCertificate | StorageCertificate | ProofStep | BallProof
 
 
 def verify(evidence: Evidence) -> bool:
@@ -18,7 +18,7 @@ def verify(evidence: Evidence) -> bool:
 
     Parameters
     ----------
-    evidence : Certificate, MinorCertificate, StorageCertificate, Step or BallProof
+    evidence : Certificate, MinorCertificate, StorageCertificate, ProofStep or BallProof
         ``certificate`` of a verdict on rational functions and matrices, ``proof`` or ``balls`` of one on expressions.
 
     Examples
@@ -31,6 +31,6 @@ def verify(evidence: Evidence) -> bool:
     """
     if isinstance(evidence, MinorCertificate | StorageCertificate):
         return verify_matrix(evidence)
-    if isinstance(evidence, Step):
+    if isinstance(evidence, ProofStep):
         return verify_proof(evidence)
     return holds(evidence) if isinstance(evidence, BallProof) else verify_one_port(evidence)

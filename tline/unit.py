@@ -38,11 +38,6 @@ class Function:
         """What numba asks of a global name."""
         return self._dispatcher._numba_type_
 
-    @property
-    def targetoptions(self) -> dict[str, Any]:
-        """Where numba looks whether to inline it."""
-        return self._dispatcher.targetoptions
-
 
 def function(code: Callable[..., Any]) -> Any:
     """Mark a function that units call by name."""

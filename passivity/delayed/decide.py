@@ -14,7 +14,7 @@ from passivity.delayed.field import TooLargeError
 from passivity.delayed.form import Form, of_rational
 from passivity.delayed.margin import AxisValue, axis_value
 from passivity.delayed.poles import Pole, find_pole
-from passivity.delayed.proof import Step
+from passivity.delayed.proof import ProofStep
 from passivity.delayed.prove import DEPTHS, prove
 from passivity.delayed.search import Point, beside, find_witness
 from passivity.delayed.translate import Translation
@@ -47,7 +47,7 @@ class ExpressionVerdict:
         `UNDECIDED` with `unresolved`.
     rational : Verdict or None
         Of the exact test, if the expression is rational.
-    proof : Step or None
+    proof : ProofStep or None
         A proof by composition; its `lines()` are to be printed, `passivity.delayed.verify.verify_proof` repeats it.
     balls : BallProof or None
         A proof in ball arithmetic, which `passivity.delayed.boxes.holds` repeats.
@@ -63,7 +63,7 @@ class ExpressionVerdict:
     form: Form
     status: Status
     rational: Verdict | None = None
-    proof: Step | None = None
+    proof: ProofStep | None = None
     balls: BallProof | None = None
     witness: Point | None = None
     pole: Pole | None = None

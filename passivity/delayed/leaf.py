@@ -9,7 +9,7 @@ from flint import fmpz_poly
 
 from passivity.delayed.disc import RIGHT, UNIT, Disc
 from passivity.delayed.form import of_rational
-from passivity.delayed.proof import Step
+from passivity.delayed.proof import ProofStep
 from passivity.one_port.axis import allowance
 from passivity.one_port.hurwitz import routh_column
 from passivity.one_port.margin import Margin, margins
@@ -23,7 +23,7 @@ MAX_DEGREE = 16  # above, only Re >= 0 and modulus <= 1 are tried
 _S = RationalFunction(fmpz_poly([0, 1]), fmpz_poly([1]))
 
 
-def leaves(r: RationalFunction) -> Iterator[Step]:
+def leaves(r: RationalFunction) -> Iterator[ProofStep]:
     """Proved facts about a rational function, the sharpest half-planes and discs among them where they are found.
 
     Examples
@@ -38,16 +38,16 @@ def leaves(r: RationalFunction) -> Iterator[Step]:
     """
     for disc in _candidates(r):
         if certificate := _certificate(moved(r, disc)):
-            yield Step("rational", of_rational(r), disc, certificate=certificate)
+            yield ProofStep("rational", of_rational(r), disc, certificate=certificate)
     for turns, candidate in ((1, r), (2, r / _S), (2, r * _S)):
         if not r.is_zero and (certificate := _certificate(candidate)):
-            yield Step("rational", of_rational(r), Fraction(turns), certificate=certificate)
+            yield ProofStep("rational", of_rational(r), Fraction(turns), certificate=certificate)
             return
     if parts := _two_factors(r):
-        yield Step("factors", of_rational(r), Fraction(2), parts)
+        yield ProofStep("factors", of_rational(r), Fraction(2), parts)
 
 
-def _two_factors(r: RationalFunction) -> tuple[Step, Step] | None:
+def _two_factors(r: RationalFunction) -> tuple[ProofStep, ProofStep] | None:
     """Two positive real functions with the product r, one of them a quotient of prime factors."""
     if r.is_zero or r.degree > MAX_DEGREE:
         return None
@@ -57,7 +57,7 @@ def _two_factors(r: RationalFunction) -> tuple[Step, Step] | None:
         certificates = _certificate(one), _certificate(other := (r / one).reduced())
         if all(certificates):
             first, second = (
-                Step("rational", of_rational(z), Fraction(1), certificate=c)
+                ProofStep("rational", of_rational(z), Fraction(1), certificate=c)
                 for z, c in zip((one, other), certificates, strict=True)
             )
             return first, second

@@ -7,7 +7,7 @@ from flint import arb
 
 from passivity.delayed.disc import RIGHT, UNIT
 from passivity.delayed.form import Form
-from passivity.delayed.proof import Step
+from passivity.delayed.proof import ProofStep
 from passivity.delayed.search import lowest
 from passivity.delayed.value import exact_value
 from passivity.status import Kind
@@ -36,7 +36,7 @@ class AxisValue(NamedTuple):
         return self.bound is not None
 
 
-def axis_value(kind: Kind, form: Form, proof: Step | None) -> AxisValue | None:
+def axis_value(kind: Kind, form: Form, proof: ProofStep | None) -> AxisValue | None:
     """The worst value found on the axis, with the bound that a proof gives; None where there are no values.
 
     Examples
@@ -56,7 +56,7 @@ def axis_value(kind: Kind, form: Form, proof: Step | None) -> AxisValue | None:
     return AxisValue(attained, _bound(kind, proof), frequency)
 
 
-def _bound(kind: Kind, proof: Step | None) -> Fraction | None:
+def _bound(kind: Kind, proof: ProofStep | None) -> Fraction | None:
     if proof is None:
         return None
     if kind is Kind.PR:

@@ -15,7 +15,7 @@ Claim: TypeAlias = Disc | Fraction
 
 
 @dataclass(frozen=True)
-class Step:
+class ProofStep:
     """One conclusion about a function in Re s > 0.
 
     Parameters
@@ -26,7 +26,7 @@ class Step:
         The function.
     claim : Disc or Fraction
         The disc that holds its values; or a bound of |arg|, in quarter turns, of a function without zeros and poles.
-    premises : tuple of Step
+    premises : tuple of ProofStep
     certificate : Certificate or None
         Of the rational leaves.
     line : tuple of two Form or None
@@ -36,7 +36,7 @@ class Step:
     rule: str
     form: Form
     claim: Claim
-    premises: "tuple[Step, ...]" = ()
+    premises: "tuple[ProofStep, ...]" = ()
     certificate: Certificate | None = None
     line: tuple[Form, Form] | None = None
 

@@ -13,7 +13,7 @@ from passivity.delayed.disc import RIGHT, UNIT, Disc, power_of_bound
 from passivity.delayed.field import Field, TooLargeError
 from passivity.delayed.form import ONE, Form, Function, apply, constant, depends_on_s, multiply, of_rational
 from passivity.delayed.leaf import moved
-from passivity.delayed.proof import Step
+from passivity.delayed.proof import ProofStep
 from passivity.delayed.value import value
 from passivity.one_port.certificate import verify as verify_rational
 from passivity.rational.function import RationalFunction
@@ -23,7 +23,7 @@ _BITS = 256
 _PLACES = ((37, 29, 17, 23), (5, 3, 0, 1), (1, 7, 9, 11))  # s = a/b + j c/d, somewhere
 
 
-def verify_proof(step: Step) -> bool:
+def verify_proof(step: ProofStep) -> bool:
     """Whether each step of a proof follows from its premises, and each leaf from its certificate.
 
     Examples
@@ -50,7 +50,7 @@ def _number(form: Form) -> Fraction | None:
     return r.numerator[0] / r.denominator[0] if r is not None and r.degree == 0 else None
 
 
-def _constant(step: Step) -> bool:
+def _constant(step: ProofStep) -> bool:
     if depends_on_s(step.form):
         return False
     if (c := _number(step.form)) is not None:
@@ -61,7 +61,7 @@ def _constant(step: Step) -> bool:
     return x.imag == 0 and bool(x.real >= of_fraction(step.disc.low) and x.real <= of_fraction(step.disc.high))
 
 
-def _rational(step: Step) -> bool:
+def _rational(step: ProofStep) -> bool:
     r, c = step.form.rational, step.certificate
     if r is None or c is None or c.kind is not Kind.PR or not verify_rational(c):
         return False
@@ -71,12 +71,12 @@ def _rational(step: Step) -> bool:
     return not r.is_zero and c.function in {1: [r], 2: [r / s, r * s]}.get(int(step.turn), [])
 
 
-def _factors(step: Step) -> bool:
+def _factors(step: ProofStep) -> bool:
     whole = multiply([(premise.form, 1) for premise in step.premises])
     return whole == step.form and sum(premise.turn for premise in step.premises) <= step.turn
 
 
-def _sum(step: Step) -> bool:
+def _sum(step: ProofStep) -> bool:
     if [premise.form for premise in step.premises] != [Form((term,)) for term in step.form.terms]:
         return False
     if isinstance(step.claim, Fraction):
@@ -85,20 +85,20 @@ def _sum(step: Step) -> bool:
     return reduce(add, discs) <= step.disc
 
 
-def _multiple(step: Step) -> bool:
+def _multiple(step: ProofStep) -> bool:
     (premise,) = step.premises
     c = _number(multiply([(step.form, 1), (premise.form, -1)]))
     return c is not None and c != 0 and premise.disc.scaled(c) == step.disc
 
 
-def _inverse(step: Step) -> bool:
+def _inverse(step: ProofStep) -> bool:
     (premise,) = step.premises
     c = _number(multiply([(step.form, 1), (premise.form, 1)]))
     image = premise.disc.inverse()
     return c is not None and image is not None and c != 0 and image.scaled(c) == step.disc
 
 
-def _pieces(step: Step) -> list[tuple[Step, int]] | None:
+def _pieces(step: ProofStep) -> list[tuple[ProofStep, int]] | None:
     """Each factor of a product with its premise, and the exponent."""
     if len(step.form.terms) != 1:
         return None
@@ -111,7 +111,7 @@ def _pieces(step: Step) -> list[tuple[Step, int]] | None:
     return [(premise, e) for premise, (_, e) in zip(step.premises, parts, strict=True)]
 
 
-def _moduli(step: Step) -> bool:
+def _moduli(step: ProofStep) -> bool:
     pieces = _pieces(step)
     return pieces is not None and prod(_modulus(p.disc, e) for p, e in pieces) <= min(-step.disc.low, step.disc.high)
 
@@ -121,19 +121,19 @@ def _modulus(disc: Disc, e: int) -> Real:
     return power_of_bound(image.radius, abs(e)) if image else inf
 
 
-def _product(step: Step) -> bool:
+def _product(step: ProofStep) -> bool:
     pieces = _pieces(step)
     return pieces is not None and sum(abs(e) * p.turn for p, e in pieces) <= step.turn
 
 
-def _square(step: Step) -> bool:
+def _square(step: ProofStep) -> bool:
     square, *turns = step.premises
-    analytic = _product(Step("product", step.form, Fraction(10**9), tuple(turns)))
+    analytic = _product(ProofStep("product", step.form, Fraction(10**9), tuple(turns)))
     root = square.turn <= 2 and square.turn / 2 <= step.turn
     return analytic and root and square.form == multiply([(step.form, 2)]) and bool(value(step.form, acb(1)).real > 0)
 
 
-def _half_plane(step: Step) -> bool:
+def _half_plane(step: ProofStep) -> bool:
     (premise,) = step.premises
     if premise.form != step.form:
         return False
@@ -143,7 +143,7 @@ def _half_plane(step: Step) -> bool:
     return step.turn >= 1 and premise.within(RIGHT) and nonzero
 
 
-def _root(step: Step) -> bool:
+def _root(step: ProofStep) -> bool:
     turn, *more = step.premises
     if step.form != apply("sqrt", turn.form) or turn.turn > 2:
         return False
@@ -155,32 +155,32 @@ def _root(step: Step) -> bool:
     return premise.form == turn.form and (above or (below >= 0 and below**2 >= premise.disc.radius))
 
 
-def _logarithm(step: Step) -> bool:
+def _logarithm(step: ProofStep) -> bool:
     (premise,) = step.premises
     fits = step.form == apply("log", premise.form) and step.disc.high == inf
     return fits and premise.disc.low > 0 and bool(of_fraction(premise.disc.low).log() >= of_fraction(step.disc.low))
 
 
-def _hyperbolic(step: Step) -> bool:
+def _hyperbolic(step: ProofStep) -> bool:
     (premise,) = step.premises
     names = [step.form == apply(name, premise.form) for name in ("tanh", "coth")]
     return any(names) and premise.within(RIGHT) and step.claim == RIGHT
 
 
-def _diffusion(step: Step) -> bool:
+def _diffusion(step: ProofStep) -> bool:
     """|cosh(x + jy)|^2 = sinh^2 x + cos^2 y >= x^2 + 1 - y^2 >= 1 where |y| <= x."""
     (premise,) = step.premises
     return step.form == apply("sech", premise.form) and 2 * premise.turn <= 1 and step.claim == UNIT
 
 
-def _exponential(step: Step) -> bool:
+def _exponential(step: ProofStep) -> bool:
     (premise,) = step.premises
     bound = min(-step.disc.low, step.disc.high)
     fits = step.form == apply("exp", premise.form) and premise.disc.high < inf
     return fits and bool(of_fraction(premise.disc.high).exp() <= of_fraction(bound))
 
 
-def _power(step: Step) -> bool:
+def _power(step: ProofStep) -> bool:
     (premise,) = step.premises
     ((function, _),) = step.form.terms[0].factors
     if not isinstance(function, Function) or step.form != apply("exp", function.argument):
@@ -189,7 +189,7 @@ def _power(step: Step) -> bool:
     return c is not None and premise.turn <= 2 and abs(c) * premise.turn <= step.turn
 
 
-def _mean(step: Step) -> bool:
+def _mean(step: ProofStep) -> bool:
     """The mean over t from 0 to 1 of 1/(1 + tX), in the disc on [0, 1], or of exp(-tX), in that on [-1, 1]."""
     (premise,), one = step.premises, constant(1)
     x = premise.form
@@ -200,12 +200,12 @@ def _mean(step: Step) -> bool:
     return False
 
 
-def _equal(step: Step) -> bool:
+def _equal(step: ProofStep) -> bool:
     (premise,) = step.premises
     return step.claim == premise.claim and Field(step.form, premise.form).equal(step.form, premise.form)
 
 
-def _line(step: Step) -> bool:
+def _line(step: ProofStep) -> bool:
     """W = A (1 + E Y)/(1 - E Y), E = exp(-2B), solves dW/dx = A B - (B/A) W^2 along the line, and is the load at x = 0.
 
     Where Re W = 0, Re dW/dx = Re A B + |W|^2 Re B/A >= 0: W stays in the closed right half plane.
@@ -221,7 +221,7 @@ def _line(step: Step) -> bool:
     return line and any(field.equal(step.form, w) for w in inputs)
 
 
-RULES: dict[str, Callable[[Step], bool]] = {
+RULES: dict[str, Callable[[ProofStep], bool]] = {
     "constant": _constant,
     "rational": _rational,
     "factors": _factors,

@@ -11,7 +11,7 @@ _SHOWN = 60  # characters of a function in a claim
 
 
 @dataclass(frozen=True)
-class Product:
+class Monomial:
     """c s^power times powers of sums and functions; c is free of s."""
 
     constant: Pair

@@ -23,7 +23,7 @@ from passivity.errors import ExpressionError
 from passivity.expression.tree import Add, Call, Divide, Multiply, Negate, Node, Power, Symbol, symbols
 from passivity.status import Kind
 from passivity.symbolic.expand import Expansion, ExpansionError, Pair
-from passivity.symbolic.product import Product, cayley, pairs
+from passivity.symbolic.product import Monomial, cayley, pairs
 
 MAX_STEPS = 2_000
 _ELEMENTS = ("a constant >= 0", "s times a constant >= 0", "1/s times a constant >= 0")  # for the powers 0, 1, -1
@@ -33,7 +33,7 @@ _ELEMENTS = ("a constant >= 0", "s times a constant >= 0", "1/s times a constant
 class Proof:
     """That a product is positive real or bounded real: the rule, and the proofs of what it needs."""
 
-    product: Product
+    product: Monomial
     kind: Kind
     rule: str
     parts: tuple["Proof", ...] = ()
@@ -49,7 +49,7 @@ class Structure:
 
     def __init__(self, expansion: Expansion):
         self.expansion, self.signs, self.steps = expansion, expansion.domain.signs, 0
-        self.unit = Product(Pair(expansion.one, expansion.one), 0, {})
+        self.unit = Monomial(Pair(expansion.one, expansion.one), 0, {})
 
     def prove(self, node: Node, kind: Kind) -> Proof | None:
         """A proof that a function is positive real or bounded real for all parameters; None if none is found.
@@ -62,7 +62,7 @@ class Structure:
         except (UndecidedError, ExpressionError):  # 0/0 among them
             return None
 
-    def positive(self, z: Product) -> Proof | None:
+    def positive(self, z: Monomial) -> Proof | None:
         """A proof that a product is positive real."""
         if not z.atoms:
             element = abs(z.power) <= 1 and self.nonnegative(z.constant)
@@ -82,18 +82,18 @@ class Structure:
                 return Proof(z, Kind.PR, "Cayley", (proof,))
         return None
 
-    def root(self, z: Product) -> Proof | None:
+    def root(self, z: Monomial) -> Proof | None:
         """A proof for c sqrt(Z1 Z2) or c/sqrt(Z1 Z2)."""
         match list(z.atoms.items()):
             case [(Call("sqrt", argument), 1 | -1)]:
                 inside = self.product(argument)
-                factors = [Product(inside.constant, inside.power, {})] if inside.power or not inside.atoms else []
-                factors += [Product(self.unit.constant, 0, {x: k}) for x, k in inside.atoms.items()]
+                factors = [Monomial(inside.constant, inside.power, {})] if inside.power or not inside.atoms else []
+                factors += [Monomial(self.unit.constant, 0, {x: k}) for x, k in inside.atoms.items()]
                 if len(factors) <= 2 and self.nonnegative(inside.constant) and (parts := self.all_positive(factors)):
                     return Proof(z, Kind.PR, "root", parts)
         return None
 
-    def bounded(self, h: Product) -> Proof | None:
+    def bounded(self, h: Monomial) -> Proof | None:
         """A proof that a product is bounded real."""
         p, q = (self.expansion.times(f, f) for f in h.constant)
         if not h.atoms and not h.power:
@@ -109,21 +109,21 @@ class Structure:
                 return Proof(h, Kind.BR, "product", (proof, other))
         return None
 
-    def bounded_factors(self, h: Product) -> Iterator[tuple[Product, Proof]]:
+    def bounded_factors(self, h: Monomial) -> Iterator[tuple[Monomial, Proof]]:
         """Factors of a product that are bounded real: delays and Cayley transforms."""
         for atom, k in h.atoms.items():
             if isinstance(atom, Call) and atom.name == "exp" and k > 0:
-                one = Product(self.unit.constant, 0, {atom: k})
+                one = Monomial(self.unit.constant, 0, {atom: k})
                 gamma = self.positive(self.product(Negate(atom.argument)))
                 if gamma:
                     yield one, Proof(one, Kind.BR, "delay", (gamma,))
         for above, below in pairs(h.atoms):
-            one = Product(self.unit.constant, 0, {above: 1, below: -1})
+            one = Monomial(self.unit.constant, 0, {above: 1, below: -1})
             for a, b in cayley(one.atoms):
                 if proof := self.positive(self.times(self.product(b), self.product(a), -1)):
                     yield one, Proof(one, Kind.BR, "Cayley", (proof,))
 
-    def divider(self, terms: list[Product]) -> tuple[Proof, ...]:
+    def divider(self, terms: list[Monomial]) -> tuple[Proof, ...]:
         """Proofs that a sum is a constant >= 1 and a positive real function, of the latter's terms."""
         constant, rest = self.expansion.number(Fraction(-1)), []
         for t in terms:
@@ -133,7 +133,7 @@ class Structure:
                 constant = self.expansion.sum(constant, t.constant)
         return self.all_positive(rest) if self.nonnegative(constant) else ()
 
-    def all_positive(self, products: list[Product]) -> tuple[Proof, ...]:
+    def all_positive(self, products: list[Monomial]) -> tuple[Proof, ...]:
         """A proof for each that it is positive real; none if one is missing."""
         proofs = []
         for one in products:
@@ -142,31 +142,31 @@ class Structure:
             proofs.append(proof)
         return tuple(proofs)
 
-    def apart(self, product: Product, power: int) -> Iterator[tuple[Add, Product]]:
+    def apart(self, product: Monomial, power: int) -> Iterator[tuple[Add, Monomial]]:
         """Each sum with this power in a product, and X M/X = M or (M/X)/(1/X) = M, the rest."""
         for atom, k in product.atoms.items():
             if isinstance(atom, Add) and k == power:
-                yield atom, self.times(product, Product(self.unit.constant, 0, {atom: k}), -1)
+                yield atom, self.times(product, Monomial(self.unit.constant, 0, {atom: k}), -1)
 
-    def terms(self, sum_: Add) -> list[Product]:
+    def terms(self, sum_: Add) -> list[Monomial]:
         """The terms of a sum, all constants together being one."""
         constants = [t for t in sum_.terms if "s" not in symbols(t)]
         rest = [t for t in sum_.terms if "s" in symbols(t)]
         return [self.product(t) for t in ([Add(tuple(constants))] if constants else []) + rest]
 
-    def product(self, node: Node) -> Product:
+    def product(self, node: Node) -> Monomial:
         """A tree as a product."""
         self.steps += 1
         if self.steps > MAX_STEPS:
             raise ExpansionError(f"a proof along the expression takes over {MAX_STEPS} steps")
         if "s" not in symbols(node):
-            return Product(self.expansion.of(node).reduced(), 0, {})
+            return Monomial(self.expansion.of(node).reduced(), 0, {})
         match node:
             case Symbol():
-                return Product(self.unit.constant, 1, {})
+                return Monomial(self.unit.constant, 1, {})
             case Negate(operand):
                 one = self.product(operand)
-                return Product(Pair(-one.constant.p, one.constant.q), one.power, one.atoms)
+                return Monomial(Pair(-one.constant.p, one.constant.q), one.power, one.atoms)
             case Multiply(factors):
                 return reduce(self.times, map(self.product, factors))
             case Divide(numerator, denominator):
@@ -174,14 +174,14 @@ class Structure:
             case Power(base, exponent):
                 one = self.product(base)
                 constant = self.expansion.power(one.constant, exponent)
-                return Product(constant, one.power * exponent, {x: k * exponent for x, k in one.atoms.items()})
-        return Product(self.unit.constant, 0, {node: 1})
+                return Monomial(constant, one.power * exponent, {x: k * exponent for x, k in one.atoms.items()})
+        return Monomial(self.unit.constant, 0, {node: 1})
 
-    def times(self, a: Product, b: Product, sign: int = 1) -> Product:
+    def times(self, a: Monomial, b: Monomial, sign: int = 1) -> Monomial:
         """a b, or a/b."""
         constant = self.expansion.product(a.constant, b.constant if sign > 0 else b.constant.inverse())
         atoms = {x: a.atoms.get(x, 0) + sign * b.atoms.get(x, 0) for x in a.atoms | b.atoms}
-        return Product(constant.reduced(), a.power + sign * b.power, {x: k for x, k in atoms.items() if k})
+        return Monomial(constant.reduced(), a.power + sign * b.power, {x: k for x, k in atoms.items() if k})
 
     def nonnegative(self, constant: Pair) -> bool:
         """Whether a constant is >= 0 or infinite for all parameters."""

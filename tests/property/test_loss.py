@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from passivity import Status
 from passivity.one_port.certificate import verify
 from tline.loss import (
-    Constant,
+    ConstantLoss,
     DielectricLoss,
     Foster,
     LaminarFriction,
@@ -29,14 +29,14 @@ def decades(low, high):
 
 FLUID = {"density": decades(2.5, 3.2), "viscosity": decades(-4, 0), "radius": decades(-3, 0)}
 SERIES = st.one_of(
-    st.builds(Constant, decades(-3, 3), decades(-9, 6)),
+    st.builds(ConstantLoss, decades(-3, 3), decades(-9, 6)),
     st.builds(SkinEffect, st.just(0.0) | decades(-3, 2), decades(-6, 0)),
     st.builds(RoundWire, decades(-5, -2), decades(5, 8)),
     st.builds(LaminarFriction, **FLUID),
     st.builds(TurbulentFriction, **FLUID, reynolds=decades(3.4, 7.9)),
 )
 SHUNT = st.one_of(
-    st.builds(Constant, decades(-12, -6), decades(-12, -9)),
+    st.builds(ConstantLoss, decades(-12, -6), decades(-12, -9)),
     st.builds(DielectricLoss, decades(-12, -9), decades(-4, -2), decades(7, 10), st.just((1e4, 1e12))),
     st.builds(
         kelvin_voigt_wall,

@@ -10,7 +10,7 @@ from scipy.special import bei, beip, ber, berp
 
 from tline.line.electrical import MU0
 from tline.loss import (
-    Constant,
+    ConstantLoss,
     DielectricLoss,
     LaminarFriction,
     LossyLine,
@@ -153,7 +153,7 @@ def test_the_creep_of_a_wall_under_a_steady_pressure():
 
 
 def test_a_low_loss_line_attenuates_by_half_the_resistance_over_z0():
-    line = LossyLine(Constant(1e-3, 250e-9), Constant(1e-7, 100e-12), 1)
+    line = LossyLine(ConstantLoss(1e-3, 250e-9), ConstantLoss(1e-7, 100e-12), 1)
     gamma, zc = line.gamma(1e10j), line.zc(1e10j)
     assert gamma.real == pytest.approx(1e-3 / 100 + 1e-7 * 50 / 2, rel=1e-9)
     assert gamma.imag == pytest.approx(1e10 * 5e-9, rel=1e-9)
@@ -161,7 +161,7 @@ def test_a_low_loss_line_attenuates_by_half_the_resistance_over_z0():
 
 
 def test_the_chain_matrix_against_mpmath():
-    wire = RoundWire(0.5e-3, 5.8e7) + Constant(0, 250e-9)
+    wire = RoundWire(0.5e-3, 5.8e7) + ConstantLoss(0, 250e-9)
     line = LossyLine(wire, DielectricLoss(1e-10, 0.02, 1e9, (1e4, 1e12)), 0.7)
     s = 3e9j
     z, y = complex(wire.at(s)), complex(line.shunt.at(s))

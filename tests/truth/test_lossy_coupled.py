@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from tline.loss import Constant, Law, LossyLine, SkinEffect
+from tline.loss import ConstantLoss, Law, LossyLine, SkinEffect
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
@@ -45,7 +45,7 @@ def exact(t: np.ndarray, end: str, series: list[Law]) -> tuple[np.ndarray, np.nd
     """Voltages and currents of both conductors between symmetric ends: half the sum and difference of two lines."""
     found = []
     for (z0, delay, _), law in zip((EVEN, ODD), series, strict=True):
-        line = LossyLine(law + Constant(0, z0 * delay / LENGTH), Constant(0, delay / z0 / LENGTH), LENGTH)
+        line = LossyLine(law + ConstantLoss(0, z0 * delay / LENGTH), ConstantLoss(0, delay / z0 / LENGTH), LENGTH)
         x = LENGTH if end == "b" else 0.0
         seen = lossy_response(line, [repr(float(each)) for each in t], x, source=SOURCE, load=LOAD, digits=13)
         found.append(np.array([seen.efforts, seen.flows]))
@@ -65,7 +65,7 @@ def test_a_step_into_a_pair_with_resistance(tol):
     assert result.accuracy.met
     t = between_fronts(result.t[4:-1:9])
     for end in "ab":
-        both = exact(t, end, [Constant(EVEN[2]), Constant(ODD[2])])
+        both = exact(t, end, [ConstantLoss(EVEN[2]), ConstantLoss(ODD[2])])
         for conductor, (u, y) in enumerate(both, 1):
             probe = result.probes[f"{end}{conductor}"].at(t)
             assert np.abs(probe.u - u).max() < tol
@@ -80,7 +80,7 @@ def test_skin_effect_of_one_mode_a_slab_behind_the_front():
     t = result.t[1:]
     behind = np.array([[(each - delay) % (2 * delay) for delay in (EVEN[1], ODD[1])] for each in t + 1e-15])
     t = t[(behind > 0.28 * NS).all(axis=1) & (t > 1.2 * NS)][::11]
-    series = [Constant(EVEN[2]), SkinEffect(0, 10 / np.sqrt(np.pi * 1e8))]
+    series = [ConstantLoss(EVEN[2]), SkinEffect(0, 10 / np.sqrt(np.pi * 1e8))]
     for probe, (u, _) in zip(("b1", "b2"), exact(t, "b", series), strict=True):
         assert result.probes[probe].at(t).u == pytest.approx(u, abs=1e-4)
 

@@ -8,7 +8,7 @@ import mpmath
 import pytest
 
 from tline.errors import InputError
-from tline.loss import Constant, Foster, LaminarFriction, LossyLine, SkinEffect
+from tline.loss import ConstantLoss, Foster, LaminarFriction, LossyLine, SkinEffect
 from tline.scene.scene import Scene
 from tline.study.reference.lossy import Drive, lossy_response
 from tline.study.reference.lossy_scene import LossySolution
@@ -20,7 +20,7 @@ def close(found, expected, digits):
 
 @pytest.mark.parametrize("t", ["0.01", "1", "30"])
 def test_an_endless_rc_line_is_a_complementary_error_function(t):
-    line = LossyLine(Constant(2), Constant(0, 0.5), 400)
+    line = LossyLine(ConstantLoss(2), ConstantLoss(0, 0.5), 400)
     found = lossy_response(line, [t], 1, source=0, load=7, digits=30)
     with mpmath.workdps(50):
         t = mpmath.mpf(t)
@@ -31,7 +31,7 @@ def test_an_endless_rc_line_is_a_complementary_error_function(t):
 
 @pytest.mark.parametrize("t", ["0.1", "0.7", "2"])
 def test_an_open_rc_line_of_finite_length_is_fouriers_series(t):
-    line = LossyLine(Constant(1), Constant(0, 1), 1)
+    line = LossyLine(ConstantLoss(1), ConstantLoss(0, 1), 1)
     found = lossy_response(line, [t], 1, source=0, load=math.inf, digits=25)
     with mpmath.workdps(40):
         t = mpmath.mpf(t)
@@ -43,7 +43,7 @@ def test_an_open_rc_line_of_finite_length_is_fouriers_series(t):
 @pytest.mark.parametrize(("R", "G"), [(2, 0), (40, 0), (6, 2), (0, 3)])
 def test_the_telegraph_equation_is_a_bessel_function_behind_the_front(R, G):
     """L = C = 1, unit step at x = 0, seen at x = 1 before anything comes back."""
-    line = LossyLine(Constant(R, 1), Constant(G, 1), 3)
+    line = LossyLine(ConstantLoss(R, 1), ConstantLoss(G, 1), 3)
     times = ["0.999", "1.000001", "1.5", "4"]
     found = lossy_response(line, times, 1, source=0, load=5, digits=25)
     with mpmath.workdps(40):
@@ -61,7 +61,7 @@ def test_the_telegraph_equation_is_a_bessel_function_behind_the_front(R, G):
 
 def test_the_flow_into_an_endless_line_and_the_impulse_response():
     """With R = 2, L = C = 1: y = exp(-t) I0(t) at x = 0; the impulse response is the slope of the step response."""
-    line = LossyLine(Constant(2, 1), Constant(0, 1), 40)
+    line = LossyLine(ConstantLoss(2, 1), ConstantLoss(0, 1), 40)
     step = lossy_response(line, ["0.5", "3", "20"], 0, source=0, load=1, digits=30)
     impulse = lossy_response(line, ["0.5", "3", "20"], 0, source=0, load=1, drive=Drive.IMPULSE, digits=30)
     ramp = lossy_response(line, ["0.5", "3", "20"], 0, source=0, load=1, drive=Drive.RAMP, digits=25)
@@ -75,7 +75,7 @@ def test_the_flow_into_an_endless_line_and_the_impulse_response():
 
 def test_a_distortionless_line_only_attenuates():
     """z0 = 2, delay 1.5, exp(-3) from end to end; reflections 1/2 at the load (6) and -1/3 at the source (1)."""
-    line = LossyLine(Constant(2, 1), Constant(0.5, 0.25), 3)
+    line = LossyLine(ConstantLoss(2, 1), ConstantLoss(0.5, 0.25), 3)
     found = lossy_response(line, ["1", "2", "4", "5", "7", "8"], 3, source=1, load=6, digits=40)
     with mpmath.workdps(60):
         first = mpmath.mpf(2) / 3 * mpmath.mpf(3) / 2 * mpmath.exp(-3)
@@ -86,7 +86,7 @@ def test_a_distortionless_line_only_attenuates():
 
 
 def test_a_lossless_line_is_the_lattice():
-    line = LossyLine(Constant(0, 1), Constant(0, 1), 1)
+    line = LossyLine(ConstantLoss(0, 1), ConstantLoss(0, 1), 1)
     found = lossy_response(line, ["0.5", "2", "4"], 1, source=1 / 2, load=2, digits=30)
     first = Fraction(2, 3) * Fraction(4, 3)
     sums = [Fraction(0), first, first * (1 - Fraction(1, 9))]
@@ -116,7 +116,7 @@ def waves_by_mpmath(series, shunt, length, slowness, passages, source, load, t, 
 
 
 def test_a_cable_with_skin_effect_against_mpmath():
-    line = LossyLine(SkinEffect(0.5, 0.25) + Constant(0, 1), Constant(0.125, 1), 1)
+    line = LossyLine(SkinEffect(0.5, 0.25) + ConstantLoss(0, 1), ConstantLoss(0.125, 1), 1)
     times = ["1.01", "2.9", "3.5", "6.25"]
     found = lossy_response(line, times, 1, source=0.5, load=3, digits=16)
     for t, u in zip(times, found.u, strict=True):
@@ -142,13 +142,13 @@ def test_a_pipe_with_laminar_friction_and_a_creeping_wall_against_mpmath():
 
 
 def test_what_a_step_settles_to_is_the_steady_divider():
-    line = LossyLine(Constant(20, 250e-9), Constant(0, 100e-12), 0.2)  # 4 ohm
+    line = LossyLine(ConstantLoss(20, 250e-9), ConstantLoss(0, 100e-12), 0.2)  # 4 ohm
     found = lossy_response(line, [1e-7], 0.2, source=6, load=90, digits=10)
     assert float(found.u[0]) == pytest.approx(0.9, abs=1e-6)
 
 
 def test_more_digits_confirm_fewer():
-    line = LossyLine(SkinEffect(5, 1e-3) + Constant(0, 250e-9), Constant(0, 100e-12), 0.2)
+    line = LossyLine(SkinEffect(5, 1e-3) + ConstantLoss(0, 250e-9), ConstantLoss(0, 100e-12), 0.2)
     times = [1.001e-9, 3.2e-9, 7e-9]
     few, many = (lossy_response(line, times, 0.1, source=10, load=200, digits=d) for d in (8, 30))
     assert all(abs(a - b) <= Decimal("1e-8") * max(many.u) for a, b in zip(few.u, many.u, strict=True))

@@ -6,15 +6,15 @@ import pytest
 from tline.errors import SceneError
 from tline.frequency.ports import scattering_parameters
 from tline.frequency.response import respond
-from tline.loss import Constant, DielectricLoss, LossyLine, RoundWire
+from tline.loss import ConstantLoss, DielectricLoss, LossyLine, RoundWire
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.run import run
 from tline.study.reference.lossy import lossy_response
 
-SERIES = RoundWire(0.1e-3, 5.8e7) + Constant(0, 250e-9)
-SHUNT = Constant(1e-3) + DielectricLoss(100e-12, 0.02, 1e8, (1e5, 1e11))
+SERIES = RoundWire(0.1e-3, 5.8e7) + ConstantLoss(0, 250e-9)
+SHUNT = ConstantLoss(1e-3) + DielectricLoss(100e-12, 0.02, 1e8, (1e5, 1e11))
 F = np.geomspace(1e4, 1e10, 61)
 LENGTH, SOURCE, LOAD = 0.2, 25.0, 75.0
 
@@ -56,7 +56,7 @@ def test_a_step_into_a_round_wire_by_its_table(tmp_path):
     made = scene(tmp_path, [F, *columns(SERIES)], capacitance="100 pF/m")
     result = run(describe(made), Resolution(4, made.lines["line"].shortest / 4, fit=1e-4))
     t = np.array([1.9, 2.7, 3.8, 5.8, 7.7, 9.6]) * 1e-9
-    line = LossyLine(SERIES, Constant(0, 100e-12), LENGTH)
+    line = LossyLine(SERIES, ConstantLoss(0, 100e-12), LENGTH)
     exact = lossy_response(line, [repr(float(x)) for x in t], LENGTH, source=SOURCE, load=LOAD, digits=8).efforts
     assert result.probes["far"].at(t).u == pytest.approx(exact, abs=3e-4)
 

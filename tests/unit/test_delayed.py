@@ -15,7 +15,7 @@ from passivity.delayed.boxes import UnresolvedError, holds, prove_in_balls
 from passivity.delayed.decide import check_expression
 from passivity.delayed.disc import RIGHT, UNIT, Disc
 from passivity.delayed.field import Field
-from passivity.delayed.proof import Step
+from passivity.delayed.proof import ProofStep
 from passivity.delayed.prove import prove
 from passivity.delayed.roots import rightmost_roots, roots_right
 from passivity.delayed.translate import of_text
@@ -198,7 +198,7 @@ def test_a_leaf_needs_its_certificate():
 
 def test_a_function_without_values_is_nothing():
     nowhere = of_text("1/(sqrt(s^2) - s)")
-    assert not verify_proof(Step("half-plane", nowhere, RIGHT, (Step("constant", nowhere, Fraction(0)),)))
+    assert not verify_proof(ProofStep("half-plane", nowhere, RIGHT, (ProofStep("constant", nowhere, Fraction(0)),)))
 
 
 def g1(k, delay):

@@ -10,7 +10,7 @@ from flint import acb
 
 from tline.errors import InputError
 from tline.loss import (
-    Constant,
+    ConstantLoss,
     DielectricLoss,
     Foster,
     LaminarFriction,
@@ -29,15 +29,15 @@ from tline.study.reference.lossy import lossy_response
 
 WATER = {"density": 998.0, "viscosity": 1e-3, "radius": 0.011}
 LAWS = {
-    "constant": Constant(20, 250e-9),
-    "skin": SkinEffect(5, 1e-3) + Constant(0, 250e-9),
+    "constant": ConstantLoss(20, 250e-9),
+    "skin": SkinEffect(5, 1e-3) + ConstantLoss(0, 250e-9),
     "wire": RoundWire(0.5e-3, 5.8e7),
     "dielectric": DielectricLoss(1e-10, 0.02, 1e9, (1e4, 1e12)),
     "laminar": LaminarFriction(**WATER),
     "turbulent": TurbulentFriction(**WATER, reynolds=5e4),
     "wall": kelvin_voigt_wall(1.2e-11, 0.025, 6e-3, [(1e-10, 0.05), (1.1e-10, 0.5)]),
 }
-CABLE = LossyLine(Constant(20, 250e-9), Constant(0, 100e-12), 0.2)
+CABLE = LossyLine(ConstantLoss(20, 250e-9), ConstantLoss(0, 100e-12), 0.2)
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -63,7 +63,7 @@ def test_loss_and_storage_are_the_limits(name):
 
 
 def test_sums_add():
-    a, b = Constant(3, 2.0), SkinEffect(1, 0.5)
+    a, b = ConstantLoss(3, 2.0), SkinEffect(1, 0.5)
     assert (a + b).at(2j) == a.at(2j) + b.at(2j)
     assert ((a + b).loss, (a + b).storage) == (4, 2)
 
@@ -90,8 +90,8 @@ def test_points_on_the_cut_and_bad_digits_are_refused():
 @pytest.mark.parametrize(
     ("make", "says"),
     [
-        (lambda: Constant(-1, 1), "loss: negative or no number, expected a finite number from 0 on, got -1"),
-        (lambda: Constant(1, math.inf), "storage: negative or no number"),
+        (lambda: ConstantLoss(-1, 1), "loss: negative or no number, expected a finite number from 0 on, got -1"),
+        (lambda: ConstantLoss(1, math.inf), "storage: negative or no number"),
         (lambda: SkinEffect(0, 0), "resistance_or_surface: not positive"),
         (lambda: RoundWire(0, 5e7), "radius: not positive, expected a finite number above 0, got 0"),
         (
@@ -109,9 +109,9 @@ def test_points_on_the_cut_and_bad_digits_are_refused():
         (lambda: realise(SkinEffect(0, 1), (10, 1), 1e-3), "band: not from low to high"),
         (lambda: realise(SkinEffect(0, 1), (0, 1), 1e-3), "low: not positive"),
         (lambda: realise(SkinEffect(0, 1), (1, 10), 1e-14), "tolerance: out of range"),
-        (lambda: LossyLine(Constant(1, 1), Constant(1), 1), "shunt: has no storage"),
-        (lambda: LossyLine(Constant(0, 0), Constant(0, 1), 1), "series: no impedance at all"),
-        (lambda: LossyLine(Constant(1, 1), Constant(0, 1), -2), "length: not positive"),
+        (lambda: LossyLine(ConstantLoss(1, 1), ConstantLoss(1), 1), "shunt: has no storage"),
+        (lambda: LossyLine(ConstantLoss(0, 0), ConstantLoss(0, 1), 1), "series: no impedance at all"),
+        (lambda: LossyLine(ConstantLoss(1, 1), ConstantLoss(0, 1), -2), "length: not positive"),
     ],
 )
 def test_bad_parameters_are_refused_in_a_sentence(make, says):
@@ -147,7 +147,7 @@ def test_a_circuit_needs_no_more_terms_than_it_has():
     law = LAWS["wall"]
     found = realise(law, (0.01, 100), 1e-9)
     np.testing.assert_allclose(found.circuit.rates, np.sort(law.rates), rtol=1e-9)
-    for law in (Constant(2, 3), Constant(0)):
+    for law in (ConstantLoss(2, 3), ConstantLoss(0)):
         assert len(realise(law, (1, 10), 1e-9).circuit.rates) == 0
 
 
@@ -205,11 +205,11 @@ def test_bad_tables_are_refused(table, says):
 
 
 def test_the_distortionless_case_is_recognised():
-    assert LossyLine(Constant(2, 1), Constant(0.5, 0.25), 3).distortionless
-    assert LossyLine(Constant(0.3, 0.1), Constant(0.6, 0.2), 3).distortionless  # to rounding
-    assert LossyLine(Constant(0, 1), Constant(0, 1), 3).distortionless
+    assert LossyLine(ConstantLoss(2, 1), ConstantLoss(0.5, 0.25), 3).distortionless
+    assert LossyLine(ConstantLoss(0.3, 0.1), ConstantLoss(0.6, 0.2), 3).distortionless  # to rounding
+    assert LossyLine(ConstantLoss(0, 1), ConstantLoss(0, 1), 3).distortionless
     assert not CABLE.distortionless
-    assert not LossyLine(LAWS["skin"], Constant(0, 1e-10), 3).distortionless
+    assert not LossyLine(LAWS["skin"], ConstantLoss(0, 1e-10), 3).distortionless
 
 
 def test_a_chain_at_zero_frequency_is_a_resistance():
@@ -221,7 +221,7 @@ def test_a_chain_at_zero_frequency_is_a_resistance():
 
 
 def test_input_impedance_of_long_lines_does_not_overflow():
-    long = LossyLine(Constant(20, 250e-9), Constant(0, 100e-12), 1e6)
+    long = LossyLine(ConstantLoss(20, 250e-9), ConstantLoss(0, 100e-12), 1e6)
     assert long.input_impedance(1e10j, 3) == pytest.approx(complex(long.zc(1e10j)), rel=1e-14)
 
 
@@ -241,10 +241,10 @@ def test_scenes_with_losses_that_say_the_same_are_equal(file):
 
 
 def test_laws_are_equal_by_what_they_are_made_of():
-    assert SkinEffect(0, 1e-3) + Constant(1, 2) == SkinEffect(0, 1e-3) + Constant(1, 2)
+    assert SkinEffect(0, 1e-3) + ConstantLoss(1, 2) == SkinEffect(0, 1e-3) + ConstantLoss(1, 2)
     one, other = Foster(0.3, 0, [1, 2], [3, 4]), Foster(0.3, 0, [1, 2], [3, 4])
     assert one.verdict
     assert one == other
     assert hash(one) == hash(other)
     assert one != Foster(0.3, 0, [1, 2], [3, 5])
-    assert Constant(0, 1) != Foster(0, 1, [], [])
+    assert ConstantLoss(0, 1) != Foster(0, 1, [], [])

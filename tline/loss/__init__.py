@@ -4,7 +4,7 @@ The laws are functions of the Laplace variable that are analytic off the negativ
 them (`LossyLine`), and `realise` turns a law into a circuit of resistors and inductors (or conductors and capacitors).
 """
 
-from tline.loss.constant import Constant
+from tline.loss.constant import ConstantLoss
 from tline.loss.dielectric import DielectricLoss
 from tline.loss.foster import Foster
 from tline.loss.laminar import LaminarFriction, hagen_poiseuille
@@ -17,7 +17,7 @@ from tline.loss.turbulent import TurbulentFriction, smooth_pipe_resistance
 from tline.loss.wall import kelvin_voigt_wall
 
 __all__ = [
-    "Constant",
+    "ConstantLoss",
     "DielectricLoss",
     "Foster",
     "LaminarFriction",

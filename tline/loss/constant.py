@@ -7,7 +7,7 @@ from tline.loss.check import not_negative
 from tline.loss.law import Law
 
 
-class Constant(Law):
+class ConstantLoss(Law):
     """R + s L as an impedance, G + s C as an admittance, per metre.
 
     Parameters
@@ -28,7 +28,7 @@ class Constant(Law):
 
     Examples
     --------
-    >>> print(Constant(20, 250e-9).at(1e8j))
+    >>> print(ConstantLoss(20, 250e-9).at(1e8j))
     (20+25j)
     """
 

@@ -5,11 +5,11 @@ from typing import Any
 
 from tline.loss.arithmetic import Arithmetic
 from tline.loss.check import positive
-from tline.loss.constant import Constant
+from tline.loss.constant import ConstantLoss
 from tline.loss.law import Law
 
 
-def hagen_poiseuille(density: float, viscosity: float, radius: float) -> Constant:
+def hagen_poiseuille(density: float, viscosity: float, radius: float) -> ConstantLoss:
     """Friction as in steady laminar flow, at all frequencies: 8µ/(π R⁴) + s ρ/A.
 
     Parameters
@@ -32,7 +32,7 @@ def hagen_poiseuille(density: float, viscosity: float, radius: float) -> Constan
     '2.5465e+05 Pa s/m^4'
     """
     positive(density=density, viscosity=viscosity, radius=radius)
-    return Constant(8 * viscosity / (math.pi * radius**4), density / (math.pi * radius**2))
+    return ConstantLoss(8 * viscosity / (math.pi * radius**4), density / (math.pi * radius**2))
 
 
 class LaminarFriction(Law):

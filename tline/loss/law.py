@@ -114,8 +114,8 @@ class Sum(Law):
 
     Examples
     --------
-    >>> from tline.loss import Constant, SkinEffect
-    >>> print((Constant(5.0, 250e-9) + SkinEffect(0.0, 1e-3)).at(1e6j).round(3))
+    >>> from tline.loss import ConstantLoss, SkinEffect
+    >>> print((ConstantLoss(5.0, 250e-9) + SkinEffect(0.0, 1e-3)).at(1e6j).round(3))
     (5.707+0.957j)
     """
 

@@ -10,7 +10,7 @@ from tline.errors import InputError
 from tline.loss.arithmetic import Arithmetic
 from tline.loss.by_value import ByValue
 from tline.loss.check import positive
-from tline.loss.constant import Constant
+from tline.loss.constant import ConstantLoss
 from tline.loss.law import Law, points
 
 ROUNDING = 1e-12  # relative difference of R C and G L that comes from typing decimals
@@ -38,7 +38,7 @@ class LossyLine(ByValue):
 
     Examples
     --------
-    >>> line = LossyLine(Constant(20, 250e-9), Constant(0, 100e-12), length=0.2)
+    >>> line = LossyLine(ConstantLoss(20, 250e-9), ConstantLoss(0, 100e-12), length=0.2)
     >>> f"z0 = {line.z0:.4g} ohm, delay {line.delay:.4g} s, {line.gamma(1e10j):.4f} per metre"
     'z0 = 50 ohm, delay 1e-09 s, 0.2000+50.0004j per metre'
     """
@@ -65,7 +65,7 @@ class LossyLine(ByValue):
     @property
     def distortionless(self) -> bool:
         """R/L = G/C, to rounding: the line only delays and attenuates by exp(-l sqrt(R G)), and Zc = z0."""
-        if not (isinstance(self.series, Constant) and isinstance(self.shunt, Constant)):
+        if not (isinstance(self.series, ConstantLoss) and isinstance(self.shunt, ConstantLoss)):
             return False
         return math.isclose(
             self.series.loss * self.shunt.storage, self.shunt.loss * self.series.storage, rel_tol=ROUNDING

@@ -7,7 +7,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.loss.constant import Constant
+from tline.loss.constant import ConstantLoss
 from tline.loss.line import LossyLine
 
 Curve = Callable[[NDArray], tuple[NDArray, NDArray]]  # from |flow| to drop per metre and its slope
@@ -40,7 +40,7 @@ class Losses:
     def constant(self) -> tuple[float, float] | None:
         """Resistance and conductance per metre, if that is all."""
         laws = self.exact.series, self.exact.shunt
-        if not self.linear or not all(isinstance(law, Constant) for law in laws):
+        if not self.linear or not all(isinstance(law, ConstantLoss) for law in laws):
             return None
         return laws[0].loss, laws[1].loss
 
@@ -48,7 +48,7 @@ class Losses:
     def only_quadratic(self) -> bool:
         """Whether K |y| y is all that is lost."""
         laws = self.exact.series, self.exact.shunt
-        plain = all(isinstance(law, Constant) and not law.loss for law in laws)
+        plain = all(isinstance(law, ConstantLoss) and not law.loss for law in laws)
         return self.quadratic > 0 and self.curve is None and plain
 
     @property

@@ -12,8 +12,8 @@ from tline.loss.law import Law
 class SkinEffect(Law):
     """Z(s) = sqrt(R² + k² s): right at steady flow and far above the corner R²/k², a classical guess between.
 
-    With R = 0 it is k sqrt(s), the surface impedance of a flat thick conductor; `Constant` + that is what the W element
-    of SPICE programs takes for R0 and Rs.
+    With R = 0 it is k sqrt(s), the surface impedance of a flat thick conductor; `ConstantLoss` + that is what the W
+    element of SPICE programs takes for R0 and Rs.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class RoundWire(Law):
     """Internal impedance of a straight round wire alone: R/2 · z I0(z)/I1(z), z = a·sqrt(s µ σ).
 
     R = 1/(π a² σ) at steady flow; there the internal inductance is µ/(8π). What the field outside holds is added as
-    `Constant` (0, external inductance).
+    `ConstantLoss` (0, external inductance).
 
     Parameters
     ----------

@@ -15,8 +15,8 @@ TURBULENT = (4e3, 1e8)  # range of Prandtl's law of friction
 class TurbulentFriction(Law):
     """What friction adds while the flow changes: s ρ/A · (1 + 2/sqrt(B + s R² ρ/µ)), B = Re^κ/12.86.
 
-    κ = log10(15.29/Re^0.0567). Its friction vanishes in steady flow: add `Constant` with `smooth_pipe_resistance`, or a
-    friction law of another kind.
+    κ = log10(15.29/Re^0.0567). Its friction vanishes in steady flow: add `ConstantLoss` with `smooth_pipe_resistance`,
+    or a friction law of another kind.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ from typing import Annotated
 from pydantic import Field
 
 from tline.errors import InputError
-from tline.loss import Constant, DielectricLoss, Law, RoundWire, SkinEffect
+from tline.loss import ConstantLoss, DielectricLoss, Law, RoundWire, SkinEffect
 from tline.scene.element import Element
 from tline.scene.quantity import Frequency, Quantity, Role
 
@@ -25,7 +25,7 @@ class Skin(Element):
     def laws(self, resistance: float) -> list[Law]:
         """With the resistance to steady current, ohm/m: what goes from one to the other, or both."""
         surface = self.resistance / sqrt(pi * self.frequency)
-        return [Constant(resistance), SkinEffect(0.0, surface)] if self.added else [SkinEffect(resistance, surface)]
+        return [ConstantLoss(resistance), SkinEffect(0.0, surface)] if self.added else [SkinEffect(resistance, surface)]
 
 
 class Wire(Element):

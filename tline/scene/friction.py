@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pydantic import Field, ValidationInfo
 
 from tline.errors import InputError
-from tline.loss import Constant, LaminarFriction, Law, TurbulentFriction, hagen_poiseuille
+from tline.loss import ConstantLoss, LaminarFriction, Law, TurbulentFriction, hagen_poiseuille
 from tline.loss.losses import Curve
 from tline.scene.choice import Read, validator
 from tline.scene.element import Element
@@ -50,7 +50,7 @@ class Linear(Friction):
     )
 
     def law(self, density: float, area: float) -> Law:  # noqa: D102
-        return Constant(self.resistance)
+        return ConstantLoss(self.resistance)
 
 
 class Laminar(Friction):
@@ -60,7 +60,7 @@ class Laminar(Friction):
     viscosity: Viscosity = Field(description="dynamic viscosity")
 
     def law(self, density: float, area: float) -> Law:  # noqa: D102
-        return Constant(hagen_poiseuille(density, self.viscosity, (area / pi) ** 0.5).loss)
+        return ConstantLoss(hagen_poiseuille(density, self.viscosity, (area / pi) ** 0.5).loss)
 
 
 class Zielke(Friction):

@@ -15,7 +15,7 @@ from tline.line.hydraulic import QUANTITIES as HYDRAULIC
 from tline.line.parameters import LineQuantity
 from tline.line.relations import listed
 from tline.line.walls import WALLS
-from tline.loss import Constant, Law, LossyLine, Sum, kelvin_voigt_wall
+from tline.loss import ConstantLoss, Law, LossyLine, Sum, kelvin_voigt_wall
 from tline.loss.losses import Losses
 from tline.scene.cable_loss import LossTangent, Skin, Wire
 from tline.scene.cable_table import CableTable
@@ -118,10 +118,10 @@ def _of_kind(kind: type[HydraulicLine] | type[ElectricalLine], **given: float | 
 
 def _stored(storage: float, laws: list[Law]) -> Law:
     """All laws, and what of the storage is not theirs."""
-    if all(isinstance(law, Constant) for law in laws):
-        return Constant(sum(law.loss for law in laws), storage)
+    if all(isinstance(law, ConstantLoss) for law in laws):
+        return ConstantLoss(sum(law.loss for law in laws), storage)
     left = storage - sum(law.storage for law in laws)
-    return Sum(*laws, Constant(0.0, left if left > ROUNDING * storage else 0.0))
+    return Sum(*laws, ConstantLoss(0.0, left if left > ROUNDING * storage else 0.0))
 
 
 class Creep(Element):
@@ -191,10 +191,10 @@ class _Cable(SceneLine):
         if self.skin and self.wire:
             raise InputError("", "skin and wire say the same in two ways", "one of them")
         resistance = self.resistance or 0.0
-        series: list[Law] = self.skin.laws(resistance) if self.skin else [Constant(resistance)]
+        series: list[Law] = self.skin.laws(resistance) if self.skin else [ConstantLoss(resistance)]
         series += [self.wire.law()] if self.wire else []
         series += [self.tabulated.series] if self.tabulated else []
-        shunt: list[Law] = [Constant(self.conductance or 0.0)]
+        shunt: list[Law] = [ConstantLoss(self.conductance or 0.0)]
         shunt += [self.loss_tangent.law(self._capacitance(given[0]))] if self.loss_tangent else []
         shunt += [self.tabulated.shunt] if self.tabulated and self.tabulated.shunt else []
         self._lose(given[0], series, shunt)

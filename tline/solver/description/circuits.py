@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.loss import Constant, Foster, Law, Sum, realise
+from tline.loss import ConstantLoss, Foster, Law, Sum, realise
 from tline.solver.description.lines import Line
 from tline.solver.description.resolution import BAND
 from tline.solver.radau import Basis
@@ -78,13 +78,13 @@ def circuits_of(lines: Mapping[str, Line], fit: Fit) -> dict[str, Circuits]:
 
 def circuit_of(law: Law, fit: Fit) -> tuple[Foster, float]:
     """A circuit, as it is if the law is one that is no faster than the band, and its error."""
-    return (Foster(law.loss, law.storage, NONE, NONE), 0.0) if isinstance(law, Constant) else _fitted(law, fit)
+    return (Foster(law.loss, law.storage, NONE, NONE), 0.0) if isinstance(law, ConstantLoss) else _fitted(law, fit)
 
 
 @lru_cache
 def _fitted(law: Law, fit: Fit) -> tuple[Foster, float]:
     parts = law.laws if isinstance(law, Sum) else (law,)
-    if all(isinstance(part, Constant | Foster) for part in parts):
+    if all(isinstance(part, ConstantLoss | Foster) for part in parts):
         fosters = [part for part in parts if isinstance(part, Foster)]
         strengths = np.concatenate([np.empty(0), *(part.strengths for part in fosters)])
         rates = np.concatenate([np.empty(0), *(part.rates for part in fosters)])

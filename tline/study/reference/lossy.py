@@ -83,8 +83,8 @@ def lossy_response(
 
     Examples
     --------
-    >>> from tline.loss import Constant
-    >>> line = LossyLine(Constant(20, 250e-9), Constant(0, 100e-12), length=0.2)
+    >>> from tline.loss import ConstantLoss
+    >>> line = LossyLine(ConstantLoss(20, 250e-9), ConstantLoss(0, 100e-12), length=0.2)
     >>> print(lossy_response(line, ["1.5e-9"], 0.2, source=50, load=50, digits=12).u[0])
     0.4805612853383
     """
