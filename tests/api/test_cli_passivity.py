@@ -297,6 +297,33 @@ def test_a_scene_is_checked_load_by_load(tmp_path):
     assert "waves grow by a factor e every 1.82 s" in result.stdout  # 2/ln 3: H = 3 at one end, 1 at the other
 
 
+def test_a_circuit_may_be_passive_though_an_element_is_not(tmp_path):
+    links = """
+[links.in]
+nodes = ["far", "inner"]
+kind = "resistor"
+resistance = {}
+[links.negative]
+nodes = ["inner", "end"]
+kind = "impedance"
+expression = "-2"
+[lines.next]
+nodes = ["end", "last"]
+z0 = 1
+delay = "1 s"
+"""
+    for resistance, status, words in ((3, 0, "S^H S <= I for all ω"), (1, 1, "S has a singular value above 1")):
+        scene = SCENE.partition("[loads.end]")[0] + links.format(resistance) + '[probes.p]\nat = "near"\n'
+        (tmp_path / "scene.toml").write_text(scene, encoding="utf-8")
+        result = run(str(tmp_path / "scene.toml"))
+        assert (result.exit_code, result.stderr) == (status, "")
+        verdict = "refuted" if status else "proved"
+        assert f"  circuit at nodes 'far', 'inner', 'end', 2 ports: {verdict}\n    because {words}" in result.stdout
+        told = json.loads(run("--json", str(tmp_path / "scene.toml")).stdout)
+        assert told["status"] == verdict
+        assert told["circuits"][0]["scattering"][0][0] == f"({resistance - 2})/({resistance})"
+
+
 def test_impedances_between_nodes_are_checked_too(tmp_path):
     link = '[links.in]\nnodes = ["far", "beyond"]\nkind = "impedance"\nexpression = "s + 2"\n'
     link += '[loads.beyond]\nat = "beyond"\nkind = "resistor"\nresistance = 1\n'
