@@ -61,7 +61,7 @@ def systems_of(
 def _add(found: GroupSystems, g: int, group: Group, impedances: list[float], h: float, coupled: bool) -> None:
     """Add the maps of a group, and when they change."""
     times = group.instants
-    systems = [group.circuit(time, impedances).system for time in (*times, np.inf)]
+    systems = [circuit.system for circuit in group.circuits(impedances)]
     if len({len(system.A) for system in systems}) > 1:
         where = next(branch.where for branch in (*group.loads, *group.branches))
         raise InputError(where, "a switch shorts what holds efforts or flows", "a switch with a resistance above zero")

@@ -76,11 +76,12 @@ def circuit(
     """
     k, m = len(nodes), len(laws)
     F, G, H, Q, L = equations(nodes, branches, laws, switched)
-    bound, kept = _bound(F), np.arange(len(Q))
+    n, kept = len(Q), np.arange(len(Q))
+    bound, solution = _solved(F, np.hstack([G, H]))
     if len(bound):
         x, w, Q, L, kept = _reduced(Equations(F, G, H, Q, L), bound, nodes, branches)
     else:
-        x, w = np.linalg.solve(F, G), np.linalg.solve(F, H)
+        x, w = solution[:, :n], solution[:, n:]
     A, B = Q + L @ x, L @ w
     C, D = np.zeros((k + m, A.shape[1])), np.zeros((k + m, k + m))
     C[:k], D[:k] = x[:k], w[:k]
@@ -147,15 +148,23 @@ def equations(
     return Equations(F, G, H, Q, L)
 
 
-def _bound(F: NDArray) -> NDArray:
-    """Combinations of the equations that tell nothing of efforts and flows, so that they bind states."""
+def _solved(F: NDArray, given: NDArray) -> tuple[NDArray, NDArray]:
+    """Combinations of the equations that tell nothing of efforts and flows, so that they bind states; or all these."""
+    size = len(F)
     try:
-        if np.linalg.norm(np.linalg.inv(F), 1) * np.linalg.norm(F, 1) < ILL:
-            return F[:0]
+        solution = np.linalg.solve(F, np.hstack([np.eye(size), given]))
     except np.linalg.LinAlgError:
-        pass
-    left, values, _ = np.linalg.svd(F)
-    return left[:, values < SINGULAR * values[0]].T
+        solution = np.full((size, size + given.shape[1]), np.inf)
+    bound = F[:0]
+    if not _norm(solution[:, :size]) * _norm(F) < ILL:
+        left, values, _ = np.linalg.svd(F)
+        bound = left[:, values < SINGULAR * values[0]].T
+    return bound, solution[:, size:]
+
+
+def _norm(matrix: NDArray) -> float:
+    """Largest sum of a column's absolute values."""
+    return float(np.abs(matrix).sum(axis=0).max())
 
 
 def _reduced(

@@ -195,9 +195,15 @@ class Description:
         started : mapping of str to float
             Flow in these before t = 0.
         """
-        nodes = nodes_of(self.scene, self.lines, self.ends, sections) if sections else self.nodes
+        if not sections:
+            return self._grouped
+        nodes = nodes_of(self.scene, self.lines, self.ends, sections)
         lumped_lines = [LumpedLine(name, self.lines[name], n, started.get(name, 0.0)) for name, n in sections.items()]
         return grouped(nodes, lumped_lines, self.elements, self.ends, self.branches)
+
+    @cached_property
+    def _grouped(self) -> tuple[list[Group], dict[str, Node]]:
+        return grouped(self.nodes, [], self.elements, self.ends, self.branches)
 
     def check_linear(self, what: str) -> None:
         """Refuse non-linear elements.

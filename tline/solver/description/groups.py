@@ -1,6 +1,8 @@
 """Nodes that see each other without delay, and the circuit that stands between their line ends."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -37,25 +39,26 @@ OPEN = 1 - 1e-6  # share of a wave that comes back where a law sees next to noth
 GONE = 20.0  # time constants after which 2e-9 is left
 
 
-class Group(NamedTuple):
-    """Nodes that branches or laws join, or one node."""
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Nodes that branches or laws join, or one node; what it finds of itself it keeps."""
 
     nodes: list[Node]
     branches: list[Branch]  # beside the loads
     elements: list[PlacedLaw]
     lumped_lines: list[LumpedLine]
 
-    @property
+    @cached_property
     def dynamic(self) -> bool:
         """Whether it has branches, loads with a state, or switches."""
         return bool(self.branches) or any(node.held is None and (node.load or node.switches) for node in self.nodes)
 
-    @property
+    @cached_property
     def simple(self) -> bool:
         """Whether one law alone stands behind line ends, resistors and sources."""
         return len(self.elements) == 1 and not self.dynamic and not any(node.dead for node in self.nodes)
 
-    @property
+    @cached_property
     def loads(self) -> list[Branch]:
         """Loads with a state."""
         return [
@@ -64,7 +67,7 @@ class Group(NamedTuple):
             if node.load is not None and node.held is None
         ]
 
-    @property
+    @cached_property
     def instants(self) -> list[float]:
         """When switches move, s; not before t = 0."""
         switches = [switch for node in self.nodes for switch in node.switches]
@@ -84,6 +87,28 @@ class Group(NamedTuple):
         branches = [*self.loads, *(branch.before(t) for branch in self.branches)]
         return circuit(self.nodes, branches, self.ports(impedances), [node.switched(t) for node in self.nodes])
 
+    def circuits(self, impedances: Sequence[float] = ()) -> list[Circuit]:
+        """The circuit before the first of its instants, and after each; without impedances it has no laws."""
+        return self._behind(impedances) if impedances else self._linear
+
+    def _behind(self, impedances: Sequence[float]) -> list[Circuit]:
+        return [self.circuit(t, impedances) for t in (*self.instants, np.inf)]
+
+    @cached_property
+    def _linear(self) -> list[Circuit]:
+        return self._behind(())
+
+    @cached_property
+    def _alone(self) -> list[float]:
+        """Impedances that its laws would see of their nodes with nothing but resistors there."""
+        nodes = {node.name: node for node in self.nodes}
+        return [element.seen(nodes) for element in self.elements]
+
+    @cached_property
+    def _initial(self) -> Circuit:
+        """The circuit at t = 0, its laws behind such impedances."""
+        return self.circuit(0.0, self._alone) if self.elements else self._linear[0]
+
     def ports(self, impedances: Sequence[float]) -> list[LawPort]:
         """Its laws, seen behind impedances."""
         at = {node.name: k for k, node in enumerate(self.nodes)} | {None: -1}
@@ -92,19 +117,19 @@ class Group(NamedTuple):
 
     def matched(self, rate: float) -> list[float]:
         """Impedances that its laws see where all changes at a rate, 1/s, with the other laws behind such ones too."""
-        if not self.elements:
-            return []
-        nodes = {node.name: node for node in self.nodes}
-        seen = [element.seen(nodes) for element in self.elements]
-        if self.simple:
-            return seen
+        if not self.elements or self.simple:
+            return self._alone if self.elements else []
+        seen = np.array(self._alone)
+        A, B, C, D = self._initial.system
         k = len(self.nodes)
+        whole = C @ np.linalg.solve(rate * np.eye(len(A)) - A, B) + D if len(A) else D
+        first = whole[k:, k:]  # from waves behind these impedances to efforts, Z/(Z + z)
+        other, now, z = np.eye(len(seen)) - first, first, seen
         for _ in range(ROUNDS):
-            A, B, C, D = self.circuit(0.0, seen).system
-            whole = C @ np.linalg.solve(rate * np.eye(len(A)) - A, B) + D if len(A) else D
-            share = np.clip(np.diag(whole)[k:], 1 - OPEN, OPEN)  # Z/(Z + z)
-            seen = [z if r == OPEN else z * float(r / (1 - r)) for z, r in zip(seen, share, strict=True)]
-        return seen
+            share = np.clip(np.diag(now), 1 - OPEN, OPEN)
+            z = np.where(share == OPEN, z, z * share / (1 - share))
+            now = first @ np.linalg.inv(first + (z / seen)[:, None] * other)  # the same behind others
+        return z.tolist()
 
     def settles(self, h: float) -> float:
         """Time in which what lumped lines make faster than slabs of width h dies away, s."""
@@ -154,7 +179,7 @@ class Group(NamedTuple):
         number = sum(len(branch.ports.Q) for branch in (*self.loads, *self.branches))
         full = np.append(np.zeros(number), 1.0)
         full[: len(states)] = states
-        return full[self.circuit(0.0, self.matched(1.0)).kept]
+        return full[self._initial.kept]
 
 
 def grouped(

@@ -56,7 +56,7 @@ def _poles(groups: Iterable[Group]) -> Iterator[tuple[str, NDArray]]:
         if not held:
             continue
         try:
-            systems = [group.circuit(t).system for t in (0.0, *group.instants, inf)]
+            systems = [circuit.system for circuit in group.circuits()]
         except InputError:
             if not group.elements:
                 raise
