@@ -149,13 +149,16 @@ def equations(
 
 def _bound(F: NDArray) -> NDArray:
     """Combinations of the equations that tell nothing of efforts and flows, so that they bind states."""
+    size = np.abs(F).max(axis=0)
+    F = F / np.where(size == 0.0, 1.0, size)  # a column that is small throughout is no dependence
     try:
         if np.linalg.norm(np.linalg.inv(F), 1) * np.linalg.norm(F, 1) < ILL:
             return F[:0]
     except np.linalg.LinAlgError:
         pass
     left, values, _ = np.linalg.svd(F)
-    return left[:, values < SINGULAR * values[0]].T
+    found = left[:, values < SINGULAR * values[0]].T
+    return np.where(np.abs(found) < SMALL, 0.0, found)
 
 
 def _reduced(
@@ -165,6 +168,7 @@ def _reduced(
     F, G, H, Q, L = equations
     where = " and ".join(dict.fromkeys(branch.where for branch in branches))
     together = bound @ G
+    together[np.abs(together) < SMALL * (np.abs(bound) @ np.abs(G))] = 0.0  # rounding of what cancels
     if np.abs(bound @ H).max(initial=0.0) > SMALL:
         problem = "no efforts and flows follow from what is at its nodes"
         if np.abs(together).max(initial=0.0) > SMALL:
