@@ -150,16 +150,19 @@ def equations(
 
 def _solved(F: NDArray, given: NDArray) -> tuple[NDArray, NDArray]:
     """Combinations of the equations that tell nothing of efforts and flows, so that they bind states; or all these."""
-    size = len(F)
+    number, size = len(F), np.abs(F).max(axis=0)
+    size[size == 0.0] = 1.0
+    F = F / size  # a column that is small throughout is no dependence
     try:
-        solution = np.linalg.solve(F, np.hstack([np.eye(size), given]))
+        solution = np.linalg.solve(F, np.hstack([np.eye(number), given]))
     except np.linalg.LinAlgError:
-        solution = np.full((size, size + given.shape[1]), np.inf)
+        solution = np.full((number, number + given.shape[1]), np.inf)
     bound = F[:0]
-    if not _norm(solution[:, :size]) * _norm(F) < ILL:
+    if not _norm(solution[:, :number]) * _norm(F) < ILL:
         left, values, _ = np.linalg.svd(F)
         bound = left[:, values < SINGULAR * values[0]].T
-    return bound, solution[:, size:]
+        bound = np.where(np.abs(bound) < SMALL, 0.0, bound)
+    return bound, solution[:, number:] / size[:, None]
 
 
 def _norm(matrix: NDArray) -> float:
@@ -174,7 +177,7 @@ def _reduced(
     F, G, H, Q, L = equations
     where = " and ".join(dict.fromkeys(branch.where for branch in branches))
     together = bound @ G
-    together[np.abs(together) <= SMALL * np.linalg.norm(G, axis=0)] = 0.0  # states that are not bound, but for rounding
+    together[np.abs(together) < SMALL * (np.abs(bound) @ np.abs(G))] = 0.0  # rounding of what cancels
     if np.abs(bound @ H).max(initial=0.0) > SMALL:
         problem = "no efforts and flows follow from what is at its nodes"
         if np.abs(together).max(initial=0.0) > SMALL:

@@ -36,6 +36,7 @@ FAST = 3.0  # over the slab's width: poles beyond are not resolved
 LONG = 64.0  # delays, so that the steps of that time are too long for what rings in LC sections, but not in lines
 ROUNDS = 3  # in which laws find the impedances that they see
 OPEN = 1 - 1e-6  # share of a wave that comes back where a law sees next to nothing
+SLOW = 1e-9  # share of the largest rate in a circuit that counts as steady
 GONE = 20.0  # time constants after which 2e-9 is left
 
 
@@ -122,7 +123,8 @@ class Group:
         seen = np.array(self._alone)
         A, B, C, D = self._initial.system
         k = len(self.nodes)
-        whole = C @ np.linalg.solve(rate * np.eye(len(A)) - A, B) + D if len(A) else D
+        fastest = max(rate, SLOW * np.abs(A).max(initial=0.0)) or 1.0
+        whole = C @ np.linalg.solve(fastest * np.eye(len(A)) - A, B) + D if len(A) else D
         first = whole[k:, k:]  # from waves behind these impedances to efforts, Z/(Z + z)
         other, now, z = np.eye(len(seen)) - first, first, seen
         for _ in range(ROUNDS):
