@@ -38,7 +38,7 @@ def run(scene: Scene, n: int) -> TimedRun:
     unit = moc.GPM_TO_CFS * FOOT**3  # of flow, m³/s, as it has it
     head = DENSITY * moc.G_FT_S2 * FOOT**2  # of a foot, Pa, as it has it
     description = describe(scene)
-    efforts, flows = (steady_state if description.steady else rest)(description)
+    efforts, flows = steady_state(description) if description.steady else rest(description)[:2]
     solver = moc.MOCSolver()
     for name, node in description.nodes.items():
         kind = "PressureBoundary" if node.held else "Junction"
