@@ -57,6 +57,21 @@ def test_a_source(source, message):
     assert str(found.value).startswith(message)
 
 
+@pytest.mark.parametrize(
+    ("probe", "message"),
+    [
+        ({"at": "m", "line": "one"}, "probes.p.line: does not end at 'm', expected none, got 'one'"),
+        ({"at": "m", "position": "50 %"}, "probes.p: its place is not given once"),
+        ({"at": "n"}, "probes.p.at: no line or link ends at this node, expected one of 'a', 'b', 'c', 'd', 'm'"),
+    ],
+)
+def test_a_probe(probe, message):
+    link = {"kind": "resistor", "resistance": 1}
+    with pytest.raises(SceneError) as found:
+        scene(links={"x": link | {"nodes": ["b", "m"]}, "y": link | {"nodes": ["m", "c"]}}, probes={"p": probe})
+    assert str(found.value).startswith(message)
+
+
 V, SHORT, C = {"kind": "voltage", "value": 1}, {"kind": "short"}, {"kind": "capacitor", "capacitance": 1e-9}
 CLOSES = {"kind": "switch", "before": "inf", "after": 0, "time": "1 ns"}
 

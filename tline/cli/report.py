@@ -34,6 +34,8 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
     for name, probe in result.probes.items():
         probes[name] = {}
         for word, letter, unit, _ in quantities(result.scene):
+            if letter == "y" and not probe.has_flow:
+                continue
             low, high = extremes(probe, letter)
             probes[name][word] = {
                 "unit": unit,
@@ -152,6 +154,8 @@ def as_table(result: Result, accuracy: Accuracy | None) -> str:
     rows = [["probe", "quantity", "minimum", at, "maximum", at, "at the end", "± error"]]
     for name, probe in told["probes"].items():
         for k, (word, _, _, shown) in enumerate(quantities(result.scene)):
+            if word not in probe:
+                continue
             seen = probe[word]
             size, unit = handy(max(abs(seen["minimum"]), abs(seen["maximum"])), shown)
             numbers = [

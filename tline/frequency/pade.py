@@ -39,7 +39,9 @@ def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "St
     delays = np.array([line.parameters.delay or 0.0 for line in lines])
     z0, second = np.array([line.parameters.z0 for line in lines]), float(delays.min())
     name = scene.probed_line(probe)
-    k, share = list(scene.lines).index(name), scene.probes[probe].fraction(scene.lines[name])
+    k, share = (
+        (0, 0.0) if name is None else (list(scene.lines).index(name), scene.probes[probe].fraction(scene.lines[name]))
+    )
 
     # each end's sent wave is delayed by its line; those of the probe's line also on their way to a probe inside
     fed_by = [*range(2 * len(lines)), 2 * k, 2 * k + 1]
@@ -68,6 +70,8 @@ def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "St
     rates = np.vstack([b @ sent[fed_by], own @ states + into @ thevenin])
     rates[:n, :n] += A
     wave_a, wave_b = c[-2:] @ np.eye(n, n + m + 1) + d[-2:] @ sent[fed_by]
+    if name is None:
+        wave_a = wave_b = efforts[list(named).index(scene.probes[probe].at or "")]
     row = {"a": wave_a, "b": wave_b, "u": (wave_a + wave_b) / 2, "y": (wave_a - wave_b) / (2 * z0[k])}[quantity][None]
     return control.StateSpace(rates[:, :-1] / second, rates[:, -1:] / second, row[:, :-1], row[:, -1:])
 

@@ -111,6 +111,9 @@ def _solved(network: Scattering, s: NDArray, held: NDArray, flows: NDArray) -> t
 def _seen(scene: Scene, network: Scattering, probe: str, arriving: NDArray, efforts: NDArray, s: NDArray) -> Response:
     """What a probe sees: the two waves on its line, each delayed by its way."""
     line = scene.probed_line(probe)
+    if line is None:
+        u = efforts[:, network.names.index(scene.probes[probe].at or "")].reshape(s.shape)
+        return Response(u, 0 * u, u, u)
     k, share = list(scene.lines).index(line), scene.probes[probe].fraction(scene.lines[line])
     nodes = [network.names.index(node) for node in scene.lines[line].nodes]
     (b1, a2), (u1, u2) = arriving[:, 2 * k : 2 * k + 2].T, efforts[:, nodes].T

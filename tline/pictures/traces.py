@@ -16,6 +16,8 @@ ENTRY = 0.11  # inches per letter in the legend
 def plot_probes(result: Result) -> Figure:
     """Effort above, or gauge pressure and head in a scene with elevations, flow below; one curve for each probe.
 
+    Probes at nodes where no line ends have no flow.
+
     Parameters
     ----------
     result : Result
@@ -30,22 +32,24 @@ def plot_probes(result: Result) -> Figure:
     columns = max(int(WIDTH / (0.6 + ENTRY * max(map(len, curves)))), 1)
     rows = -(-len(curves) // columns) if len(curves) > 1 else 0
     picture = figure(WIDTH, HEIGHT + 0.22 * rows + MORE * bool(result.scene.heights), result.scene.title)
-    shown = quantities(result.scene)
-    panels = picture.subplots(len(shown), 1, sharex=True, height_ratios=[*[3] * (len(shown) - 1), 2])
+    flowing = {name for name, probe in result.probes.items() if probe.has_flow}
+    shown = [each for each in quantities(result.scene) if each[1] != "y" or flowing]
+    ratios = [2 if letter == "y" else 3 for _, letter, _, _ in shown]
+    panels = picture.subplots(len(shown), 1, sharex=True, height_ratios=ratios, squeeze=False)[:, 0]
     second, time_unit = handy(result.t[-1], "s")
-    handles = []
+    handles = {}
     for axes, (word, letter, _, unit) in zip(panels, shown, strict=True):
-        values = [getattr(samples, letter) for samples in curves.values()]
+        drawn = {
+            name: (k, samples.t / second, getattr(samples, letter))
+            for k, (name, samples) in enumerate(curves.items())
+            if letter != "y" or name in flowing
+        }
+        values = [v for _, _, v in drawn.values()]
         size, name = handy(max(abs(v).max() for v in values), unit)
-        handles = [
-            axes.plot(
-                samples.t / second,
-                v / size,
-                color=COLOURS[k % len(COLOURS)],
-                linestyle=DASHES[k % len(DASHES)],
-            )[0]
-            for k, (samples, v) in enumerate(zip(curves.values(), values, strict=True))
-        ]
+        handles |= {
+            probe: axes.plot(t, v / size, color=COLOURS[k % len(COLOURS)], linestyle=DASHES[k % len(DASHES)])[0]
+            for probe, (k, t, v) in drawn.items()
+        }
         where = f" at {next(iter(curves))}" if len(curves) == 1 else ""
         axes.set_ylabel(f"{word}{where} [{name}]")
         axes.grid(True)
@@ -56,5 +60,5 @@ def plot_probes(result: Result) -> Figure:
     picture.align_ylabels(panels)
     if len(curves) > 1:
         names = [f" {name}" for name in curves]  # a name that begins with '_' would be left out
-        picture.legend(handles, names, loc="outside lower center", ncols=min(columns, len(names)))
+        picture.legend(handles.values(), names, loc="outside lower center", ncols=min(columns, len(names)))
     return picture

@@ -45,10 +45,10 @@ def misplaced(data: Mapping[str, Any]) -> list[InputError]:
     for section in ("sources", "loads", "probes"):
         for name, table in _tables(data, section).items():
             at, line = table.get("at"), table.get("line")
-            within = there if section == "probes" else anywhere
-            if known and isinstance(at, str) and at not in within:
+            if known and isinstance(at, str) and at not in anywhere:
                 where = place(section, name, "at")
-                found.append(InputError(where, "no line ends at this node", nearest(at, nodes), shown(at)))
+                problem = "no line or link ends at this node" if linked else "no line ends at this node"
+                found.append(InputError(where, problem, nearest(at, sorted(anywhere)), shown(at)))
             if section == "probes" and lines and isinstance(line, str) and line not in lines:
                 where = place(section, name, "line")
                 found.append(InputError(where, "no such line", nearest(line, [*lines]), shown(line)))
@@ -125,7 +125,7 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
     hidden = scene.delay_lines
     ends = {node: [line for line in lines if line not in hidden] for node, lines in ends.items()}
     for name, probe in scene.probes.items():
-        if probe.at in {None, *ends} and probe.line in {None, *scene.lines}:
+        if probe.at in {None, *ends, *linked} and probe.line in {None, *scene.lines}:
             yield from _probe(scene, place("probes", name), probe, ends)
 
 
@@ -210,13 +210,13 @@ def _probe(scene: Scene, where: str, probe: Probe, ends: Ends) -> Iterator[Input
     if (probe.at is None) == (probe.position is None):
         yield InputError(where, "its place is not given once", "either at, or line with position")
     elif probe.at is not None:
-        here = list(dict.fromkeys(ends[probe.at]))
+        here = list(dict.fromkeys(ends.get(probe.at, ())))
         either = " or ".join(map(repr, here[:6]))
         if probe.line is None and len(here) > 1:
             problem = f"{len(here)} lines meet at '{probe.at}', and it is not said whose flow is meant"
             yield InputError(where, problem, f"line = {either}")
         if probe.line is not None and probe.line not in here:
-            yield InputError(f"{where}.line", f"does not end at '{probe.at}'", either, repr(probe.line))
+            yield InputError(f"{where}.line", f"does not end at '{probe.at}'", either or "none", repr(probe.line))
     elif probe.line is None:
         yield InputError(f"{where}.line", "is missing")
     elif isinstance(scene.lines[probe.line], Coupled):

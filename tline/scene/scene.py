@@ -228,7 +228,10 @@ class Scene(Element):
         """Height of a probe; inside a line on the straight line between those of its ends."""
         if self.medium == "electrical":
             return Height()
-        line = self.lines[self.probed_line(probe)]
+        name = self.probed_line(probe)
+        if name is None:
+            return self.heights.get(self.probes[probe].at or "", Height(per_metre=nan))
+        line = self.lines[name]
         own = Height(per_metre=GRAVITY * (getattr(line.parameters, "density", None) or nan))
         (near, far), share = (self.heights.get(node, own) for node in line.nodes), self.probes[probe].fraction(line)
         return near._replace(elevation=(1 - share) * near.elevation + share * far.elevation)
@@ -284,10 +287,10 @@ class Scene(Element):
                 given[part, name, FACTORS[law.kind]] = law.factor
         return given
 
-    def probed_line(self, probe: str) -> str:
-        """Name of the line that a probe is on, or of the first whose end it sees."""
+    def probed_line(self, probe: str) -> str | None:
+        """Name of the line that a probe is on, or of the first whose end it sees; None at a node where none ends."""
         place = self.probes[probe]
-        return place.line or next(name for name, line in self.lines.items() if place.at in line.nodes)
+        return place.line or next((name for name, line in self.lines.items() if place.at in line.nodes), None)
 
 
 def _sound_part(data: dict[str, Any], error: ValidationError, context: dict[str, Any]) -> Scene | None:

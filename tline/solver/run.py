@@ -72,8 +72,11 @@ def run(
     lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
     ends = np.arange(n + 1) * h
     probes = {
-        name: ProbeResult(name, probe.line, probe.share, record_of(probe, lines), ends, probe.height)
+        name: ProbeResult(name, probe.line, probe.share, record, ends, probe.height)
         for name, probe in description.probes.items()
+        for record in [
+            record_of(probe, lines) if probe.node is None else _at_node(assembly, probe.node, waves, done, smears)
+        ]
     }
     samples = len(assembly.network.ends) * n * s
     again = Again(
@@ -134,11 +137,25 @@ def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[tuple[float, int, int]]:
             yield from ((float(t), g, row) for t in kinks.get(element.where, NOWHERE) / assembly.resolution.h)
 
 
-def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> ElementRecord:
-    row, noted = assembly.recorded_laws[where], done.pieces
-    here, values = noted.row == row, waves[row, 0].reshape(-1, assembly.basis.s)
+def _alone(assembly: Assembly, row: int, waves: NDArray, done: March, before: float) -> Wave:
+    """What a row of the record holds twice."""
+    here, noted = done.pieces.row == row, done.pieces
     pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, 0])
-    wave = Wave(values, float(values[0, 0]), assembly.basis, assembly.resolution.h, pieces)
+    return Wave(waves[row, 0].reshape(-1, assembly.basis.s), before, assembly.basis, assembly.resolution.h, pieces)
+
+
+def _at_node(assembly: Assembly, node: str, waves: NDArray, done: March, smears: bool) -> LineRecord:
+    """The effort at a node where no line ends, as on a line that carries no flow."""
+    level = assembly.nodes[node].height.level
+    u = _alone(assembly, assembly.recorded_nodes[node], waves, done, float(assembly.efforts[node]))
+    pieces = u.pieces._replace(values=u.pieces.values + level)
+    u = replace(u, values=u.values + level, before=u.before + level, pieces=pieces)
+    return LineRecord(1.0, 0.0, u, u, u, u, smears)
+
+
+def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> ElementRecord:
+    row = assembly.recorded_laws[where]
+    wave = _alone(assembly, row, waves, done, float(waves[row, 0, 0]))
     places = [element.where for group in assembly.groups for element in group.elements]
     return ElementRecord(wave, float(assembly.network.laws.source_impedance[places.index(where)]))
 

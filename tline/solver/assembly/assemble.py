@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +40,9 @@ class Assembly:
     lines: dict[str, Line]  # those that are not lumped
     recorded: dict[str, int]  # line name -> first of its two rows in the record
     recorded_laws: dict[str, int]  # place of an element -> its row, behind those of lines
+    recorded_nodes: dict[str, int]  # node without a line -> its row, behind those
     start: dict[str, NDArray]  # line name -> (a1, b1, a2, b2) before t = 0, counted from the level
+    efforts: Mapping[str, float]  # of nodes, likewise
     groups: list[Group]
     circuits: dict[str, Circuits]  # of lossy lines
     echoes: dict[str, NDArray]  # of lines in segments, what an end sends into itself (s, s)
@@ -52,7 +55,7 @@ class Assembly:
     @property
     def kept(self) -> int:
         """Rows of the record that a run keeps."""
-        return 2 * len(self.recorded) + len(self.recorded_laws)
+        return 2 * len(self.recorded) + len(self.recorded_laws) + len(self.recorded_nodes)
 
     @property
     def follows_edges(self) -> bool:
@@ -80,7 +83,10 @@ def assemble(
     places = [element.where for group in groups for element in group.elements]
     recorded_laws = {where: 2 * len(recorded) + k for k, where in enumerate(w for w in places if w in laws)}
     law_row = np.array([recorded_laws.get(where, -1) for where in places], int)
-    network = _network(layout, order, segments, record_row, law_row, echoes)
+    first = 2 * len(recorded) + len(recorded_laws)
+    recorded_nodes = {node: k for k, node in enumerate(description.probed_nodes, first)}
+    effort_row = np.array([recorded_nodes.get(node, -1) for node in layout.nodes], int)
+    network = _network(layout, order, segments, Rows(record_row, law_row, effort_row), echoes)
     state = State(
         waves=np.repeat(arriving, np.repeat(delay * s, 2)),
         slot=np.zeros(len(delay), np.int64),
@@ -108,7 +114,9 @@ def assemble(
         layout.lines,
         recorded,
         recorded_laws,
+        recorded_nodes,
         layout.start,
+        layout.efforts,
         groups,
         layout.circuits,
         echoes={list(layout.lines)[k]: line.echo for k, line in segmented.items()},
@@ -116,9 +124,15 @@ def assemble(
     )
 
 
-def _network(
-    layout: Layout, order: Basis, segments: Segments, record_row: NDArray, law_row: NDArray, echoes: list
-) -> Network:
+class Rows(NamedTuple):
+    """Rows in the record, or -1: of line ends, laws and nodes."""
+
+    ends: NDArray
+    laws: NDArray
+    nodes: NDArray
+
+
+def _network(layout: Layout, order: Basis, segments: Segments, rows: Rows, echoes: list) -> Network:
     """The constant arrays of a layout at an order; `echoes` are of the nodes of groups."""
     s, delay = order.s, layout.delay
     pairs = [order.shift(f) for f in layout.rests]
@@ -139,8 +153,9 @@ def _network(
         step_states=layout.systems.step_states,
         step_whole=np.array(layout.systems.whole, bool),
         step=step,
-        record_row=record_row,
-        laws=with_basis(layout.laws, order, layout.h, law_row),
+        record_row=rows.ends,
+        effort_row=rows.nodes,
+        laws=with_basis(layout.laws, order, layout.h, rows.laws),
         segments=segments,
         losses=layout.losses,
         blocks=layout.blocks,

@@ -50,6 +50,7 @@ class Layout:
     nodes: dict[str, Node]  # group by group
     u: NDArray  # (L, 2) efforts before t = 0 at the ends of lines, counted from the level
     y: NDArray  # (L, 2) flows
+    efforts: Mapping[str, float]  # of nodes before t = 0, counted from the level
     z0: NDArray  # (L,)
     ends: NDArray  # (2 L,) node by node
     first: NDArray  # (N + 1,) those at node k are ends[first[k]:first[k + 1]]
@@ -144,6 +145,7 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         nodes,
         u,
         y,
+        effort,
         z0,
         ends,
         first,

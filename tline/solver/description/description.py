@@ -133,6 +133,11 @@ class Description:
         return {line for probe in self.probes.values() for line in probe.lines}
 
     @cached_property
+    def probed_nodes(self) -> list[str]:
+        """Nodes without a line at which probes are."""
+        return list(dict.fromkeys(probe.node for probe in self.probes.values() if probe.node is not None))
+
+    @cached_property
     def waveforms(self) -> dict[str, Shape]:
         """All that is prescribed over time, by place."""
         return {place(part, name): waveform for (part, name, _), waveform in self.scene.waveforms.items()}

@@ -1,4 +1,4 @@
-"""Where probes are: on which line, at which share of its delay, or at which of several conductors."""
+"""Where probes are: on which line, at which share of its delay, at which of several conductors or at which node."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -19,15 +19,18 @@ class Conductor(NamedTuple):
 class ProbePlace(NamedTuple):
     """Where a probe is."""
 
-    line: str
+    line: str  # '' at a node where none ends
     share: float  # of the delay
     height: Height
     conductor: Conductor | None = None
+    node: str | None = None  # where no line ends
 
     @property
     def lines(self) -> list[str]:
         """The lines that it sees: those of all modes at a conductor."""
         at = self.conductor
+        if self.node is not None:
+            return []
         return [self.line] if at is None else [node.removesuffix(", end 1") for node in at.ends[0].modal]
 
 
@@ -42,6 +45,9 @@ def probes_of(scene: Scene, coupled: Mapping[str, tuple[End, End]]) -> dict[str,
     found = {}
     for name, probe in scene.probes.items():
         where = scene.probed_line(name)
+        if where is None:
+            found[name] = ProbePlace("", 0.0, scene.height(name), node=probe.at)
+            continue
         if where in coupled:
             end = next(k for k, end in enumerate(coupled[where]) if probe.at in end.conductors)
             conductor = Conductor(coupled[where][end].conductors.index(probe.at or ""), end, coupled[where])

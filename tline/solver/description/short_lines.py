@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from itertools import pairwise
-from math import isfinite
+from math import inf, isfinite
 
 from tline.errors import InputError
 from tline.solver.description.description import Description
@@ -58,7 +58,7 @@ def _barred(node: Node) -> bool:
 def _far_shorter(description: Description, kept: set[str]) -> list[str]:
     """The lines that are far shorter than a slab which suits all others."""
     delays = {name: line.delay for name, line in description.lines.items()}
-    floor = min(delays[name] for name in kept)
+    floor = min((delays[name] for name in kept), default=inf)
     for longer, bound in pairwise(sorted(set(delays.values()), reverse=True)):
         if bound < floor and bound * SLABS_PER_DELAY < SHORT * longer:
             short = [name for name, delay in delays.items() if delay <= bound]

@@ -121,6 +121,7 @@ class Network(NamedTuple):
     step_whole: Flags  # (rows,) whether it sees q = s points of a slab at once, or q = 1, one after the other
     step: Floats  # maps (p q + n)² from (waves of p nodes and laws, state) to (p efforts, next state)
     record_row: Integers  # (2 L,) row in the record of an end, -1 if it is not recorded
+    effort_row: Integers  # (N,) row in the record of a node's effort, or -1
     laws: Laws
     segments: Segments
     losses: LossElements

@@ -46,6 +46,14 @@ def note(u, q, n, waves, o, record, row, column):
 
 
 @function
+def note_effort(u, q, n, record, row, column):
+    """Keep the effort of a node."""
+    for i in range(n):
+        record[row, 0, column + i] = u[q + np.uint64(i)]
+        record[row, 1, column + i] = u[q + np.uint64(i)]
+
+
+@function
 def note_laws(run, g, n, column):
     """Keep the waves into laws."""
     laws, record, into = run.network.laws, run.record, run.work.into
@@ -102,6 +110,8 @@ def scatter_group(run, g, here, m, column):
             if record_row[e] >= 0:
                 note(u, q, n, waves, o, record, record_row[e], column + here)
             scatter(u, q, n, waves, o)
+        if network.effort_row[node] >= 0:
+            note_effort(u, q, n, record, network.effort_row[node], column + here)
         if not np.isfinite(u[q + np.uint64(n - 1)]):
             return node
     return -1

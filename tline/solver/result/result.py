@@ -138,11 +138,16 @@ class ProbeResult:
     """What one probe saw."""
 
     name: str
-    line: str
+    line: str  # '' at a node where none ends
     share: float  # place on the line, 0 at end 1 and 1 at end 2
     record: LineRecord
     slab_ends: NDArray
     height: Height = NO_HEIGHT
+
+    @property
+    def has_flow(self) -> bool:
+        """Whether it sees a line's flow; at a node where no line ends that is 0, and both waves are the effort."""
+        return bool(self.line)
 
     def at(self, t: ArrayLike) -> Samples:
         """Effort, flow and waves at any instants of the run, and before t = 0; at a jump what was before it.

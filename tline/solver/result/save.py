@@ -18,7 +18,7 @@ ROWS = 10_000  # turned into text at a time
 
 
 def save_csv(result: Result, path: str | Path) -> None:
-    """Write what the probes saw as a table: time, then effort, flow and both waves of each probe.
+    """Write what the probes saw as a table: time, then effort, flow and both waves of each probe on a line.
 
     One header line names quantity and SI unit, such as ``valve pressure [Pa]``, in a scene with elevations
     ``valve gauge pressure [Pa]`` and ``valve head [m]``; a and b are waves in the unit of the effort. The rows are slab
@@ -44,8 +44,9 @@ def save_csv(result: Result, path: str | Path) -> None:
     seen = [*efforts, (medium.flow, flow, "y"), ("a", effort, "a"), ("b", effort, "b")]
     head, columns = ["time [s]"], [result.t]
     for name, probe in result.probes.items():
-        head += [f"{name} {what} [{unit}]" for what, unit, _ in seen]
-        columns += [getattr(probe, key) for _, _, key in seen]
+        here = seen if probe.has_flow else efforts
+        head += [f"{name} {what} [{unit}]" for what, unit, _ in here]
+        columns += [getattr(probe, key) for _, _, key in here]
     parts = (np.stack([column[k : k + ROWS] for column in columns], axis=1) for k in range(0, len(result.t), ROWS))
     write_table(path, head, (row for part in parts for row in part.tolist()))
 
@@ -105,9 +106,10 @@ def save_ledger(result: Result, path: str | Path) -> None:
 def save_npz(result: Result, path: str | Path) -> None:
     """Write what the probes saw as NumPy arrays, with the scene that led to it.
 
-    The arrays are ``t``; ``NAME/u``, ``NAME/y``, ``NAME/a`` and ``NAME/b`` of each probe, in SI at slab ends; in a
-    scene with elevations also ``NAME/gauge_pressure`` and ``NAME/head``, and u is the piezometric pressure;
-    ``scene``, the scene as TOML text; ``version`` of this package; ``order`` and ``slab`` of the run.
+    The arrays are ``t``; ``NAME/u``, ``NAME/y``, ``NAME/a`` and ``NAME/b`` of each probe, in SI at slab ends, of one at
+    a node where no line ends ``NAME/u`` alone; in a scene with elevations also ``NAME/gauge_pressure`` and
+    ``NAME/head``, and u is the piezometric pressure; ``scene``, the scene as TOML text; ``version`` of this package;
+    ``order`` and ``slab`` of the run.
 
     Parameters
     ----------
@@ -128,7 +130,7 @@ def save_npz(result: Result, path: str | Path) -> None:
 def _arrays(result: Result) -> Iterator[tuple[str, Any]]:
     yield "t", result.t
     for name, probe in result.probes.items():
-        keys = [*"uyab", *(["gauge_pressure", "head"] if result.scene.heights else [])]
+        keys = [*("uyab" if probe.has_flow else "u"), *(["gauge_pressure", "head"] if result.scene.heights else [])]
         yield from ((f"{name}/{key}", getattr(probe, key)) for key in keys)
     yield "scene", np.array(scene_text(result.scene))
     yield "version", np.array(version("tline"))

@@ -106,7 +106,7 @@ class ReferenceNetwork:
         """
         if probe not in self.scene.probes:
             raise InputError("probe", "no such probe", nearest(probe, list(self.scene.probes)), f"'{probe}'")
-        lines, line = self.scene.lines, self.scene.probed_line(probe)
+        lines, line = self.scene.lines, self.scene.probed_line(probe) or ""
         return list(lines).index(line), decimal(self.scene.probes[probe].fraction(lines[line]))
 
     def loaded(self) -> Iterator[str]:

@@ -83,6 +83,8 @@ def depart(job, g, slab, m, anew):
                 times(fronts.tools.to_legendre, part, 0, coef[j])
             copy(edges, work.own)
             send(fronts, e, run.state.waves, run.work.position[e], m, anew)
+        if network.effort_row[node] >= 0:
+            keep(fronts, run.record, network.effort_row[node], slab, m, mine, mine)
         total += mine[m - 1, s - 1]
     for e in range(network.laws.first[g], network.laws.first[g + 1]):
         into = work.into[e - network.laws.first[g]]

@@ -1,0 +1,66 @@
+"""What is told of a probe at a node where no line ends: its effort, and no flow."""
+
+import numpy as np
+import pytest
+
+from tline.cli.report import as_table, summary
+from tline.pictures.traces import plot_probes
+from tline.scene.scene import Scene
+from tline.solver.result.save import save_csv, save_npz
+from tline.solver.simulate import simulate
+
+
+def result_of(*probes):
+    scene = Scene(
+        medium="electrical",
+        t_end=5,
+        lines={"line": {"nodes": ["near", "far"], "z0": 50, "delay": 1}},
+        sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 25}},
+        links={"r": {"kind": "resistor", "nodes": ["far", "inner"], "resistance": 30}},
+        loads={"end": {"at": "inner", "kind": "resistor", "resistance": 20}},
+        probes={name: {"at": name} for name in probes},
+    )
+    return simulate(scene)
+
+
+@pytest.fixture(scope="module")
+def result():
+    return result_of("inner", "far")
+
+
+def test_tables(result, tmp_path):
+    told = summary(result, result.accuracy)
+    assert list(told["probes"]["inner"]) == ["voltage"]
+    assert list(told["probes"]["far"]) == ["voltage", "current"]
+    assert [line.split()[0] for line in as_table(result, result.accuracy).splitlines()[-3:]] == [
+        "inner",
+        "far",
+        "current",
+    ]
+    save_csv(result, tmp_path / "out.csv")
+    head = (tmp_path / "out.csv").read_text().partition("\n")[0].split(",")
+    assert head == [
+        "time [s]",
+        "inner voltage [V]",
+        *(f"far {x}" for x in ("voltage [V]", "current [A]", "a [V]", "b [V]")),
+    ]
+    save_npz(result, tmp_path / "out.npz")
+    kept = np.load(tmp_path / "out.npz")
+    assert [key for key in kept if key.startswith("inner")] == ["inner/u"]
+    assert kept["inner/u"][-1] == pytest.approx(0.4 * kept["far/u"][-1], rel=1e-12)
+
+
+def test_pictures(result):
+    effort, flow = plot_probes(result).axes
+    assert (len(effort.lines), len(flow.lines)) == (2, 1)
+    assert flow.lines[0].get_color() == effort.lines[1].get_color()
+    (alone,) = plot_probes(result_of("inner")).axes
+    assert alone.get_ylabel().startswith("voltage at inner")
+
+
+def test_in_python(result):
+    inner = result.probes["inner"]
+    assert not inner.has_flow
+    assert result.probes["far"].has_flow
+    assert not inner.y.any()
+    assert (inner.a == inner.u).all()
