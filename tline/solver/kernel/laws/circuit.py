@@ -14,7 +14,7 @@ from tline.solver.kernel.newton import CLOSE, FAINT, SPARE
 from tline.unit import function, invoke, unit
 
 TRIES, FREE = 400, 40  # steps, and how many of them need not do better than the last
-RESTRAINT = 0.01  # of steps where waves answer to nothing, as between shut valves, over the relative residual
+RESTRAINT = 0.1  # of steps where waves answer to nothing, as between shut valves, over the relative residual
 SHARES, SHORTER, GAIN = (
     3,
     0.25,
