@@ -129,7 +129,7 @@ class Group:
         other, now, z = np.eye(len(seen)) - first, first, seen
         for _ in range(ROUNDS):
             share = np.clip(np.diag(now), 1 - OPEN, OPEN)
-            z = np.where(share == OPEN, z, z * share / (1 - share))
+            z = np.where(share == OPEN, z, np.maximum(z * share / (1 - share), (1 - OPEN) * seen))
             now = first @ np.linalg.inv(first + (z / seen)[:, None] * other)  # the same behind others
         return z.tolist()
 

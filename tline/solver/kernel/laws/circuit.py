@@ -13,7 +13,8 @@ from tline.solver.kernel.network import AIR, Run
 from tline.solver.kernel.newton import CLOSE, FAINT, SPARE
 from tline.unit import function, invoke, unit
 
-TRIES = 400  # steps
+TRIES, FREE = 400, 40  # steps, and how many of them need not do better than the last
+RESTRAINT = 0.1  # of steps where waves answer to nothing, as between shut valves, over the relative residual
 SHARES, SHORTER, GAIN = (
     3,
     0.25,
@@ -107,8 +108,8 @@ def answered(run, g, q, h):
 
 
 @function
-def respond_to(run, g, q, step, at, k):
-    """The linear system of a Newton step."""
+def respond_to(run, g, q, step, at, k, off):
+    """Solve the linear system of a Newton step, regularised in proportion to the relative residual `off`."""
     laws, work = run.network.laws, run.work.circuit
     first, size = laws.first[g], (laws.first[g + 1] - laws.first[g]) * q
     system, answer, width = work.system, work.answer, work.width[0]
@@ -122,34 +123,39 @@ def respond_to(run, g, q, step, at, k):
                 scattered = 2.0 * step[place + o + c] - (1.0 if a == o + c else 0.0)
                 total += 2.0 * z * scattered * answer[o + c, b - o]
             system[a, b] = total
-        system[a, a] += FAINT
+        system[a, a] += max(FAINT, RESTRAINT * off)
         system[a, size] = work.rest[a]
     eliminate(system, size)
 
 
 @function
-def solved(run, g, q, h, step, at, k):
-    """Find the waves into the laws of a group. Returns whether it could."""
+def solved(run, g, q, h, step, at, k, stride):
+    """Find the waves into the laws of a group. Returns whether it could.
+
+    The first of Newton's steps are taken whatever they leave, for across kinks residuals rise before they vanish; every
+    other one is a `stride` of its length, lest steps go round in circles.
+    """
     laws, work = run.network.laws, run.work.circuit
     size = (laws.first[g + 1] - laws.first[g]) * q
     aimed, start, turn = work.aimed, work.start, work.turn
     now, worst, scale = unbalance(run, g, q, h, step, at, k)
     new, new_scale = worst, scale
-    for _ in range(TRIES):
+    for attempt in range(TRIES):
         if not np.isfinite(now):
             return False
         if worst <= SPARE * scale:
             return True
         answered(run, g, q, h)
-        respond_to(run, g, q, step, at, k)
+        respond_to(run, g, q, step, at, k, worst / scale)
         for a in range(size):
             start[a], turn[a] = aimed[a], work.rest[a]
-        before, share, better = now, 1.0, False
+        free = attempt < FREE and worst > CLOSE * scale
+        before, share, better = now, stride if free and attempt % 2 == 1 else 1.0, False
         for _ in range(SHARES):
             for a in range(size):
                 aimed[a] = start[a] - share * work.system[a, size]
             now, new, new_scale = unbalance(run, g, q, h, step, at, k)
-            better = now <= (1.0 - GAIN * share) ** 2 * before
+            better = now <= (1.0 - GAIN * share) ** 2 * before or free
             if better:
                 break
             share *= SHORTER
@@ -199,11 +205,11 @@ def circuit(run: Run, g: int, n: int, h: float, own: int) -> int:
             for i in range(q):
                 work.control[law, i] = run.work.control[law, block * q + i]
         exchange_states(run, g, False)
-        found = solved(run, g, q, h, step, at, k)
+        found = solved(run, g, q, h, step, at, k, 1.0)
         if not found:
             for a in range(size):  # from the start
                 work.aimed[a] = work.given[a]
-            found = solved(run, g, q, h, step, at, k)
+            found = solved(run, g, q, h, step, at, k, 0.5)
         for a in range(size):
             row[k * q + a], work.waves[first * s + a] = work.sent[a], work.aimed[a] if found else 0.0
             stores = laws.state_at[first + a // q] >= 0
