@@ -13,12 +13,9 @@ from tline.solver.kernel.network import AIR, Run
 from tline.solver.kernel.newton import CLOSE, FAINT, SPARE
 from tline.unit import function, invoke, unit
 
-TRIES = 400  # steps
-SHARES, SHORTER, GAIN = (
-    3,
-    0.25,
-    0.1,
-)  # parts of Newton's step that are tried, each so much of the last; what each must gain
+TRIES = 1600  # waves at which laws are asked
+SHORTER, SHORTEST = 0.25, 0.0625  # a part of Newton's step over the part tried before, and the least
+GAIN = 0.1  # what a step must gain, for each part of it
 DIFFERENCE = 1e-7  # of waves, for the slopes of stores
 
 
@@ -133,36 +130,26 @@ def solved(run, g, q, h, step, at, k):
     laws, work = run.network.laws, run.work.circuit
     size = (laws.first[g + 1] - laws.first[g]) * q
     aimed, start, turn = work.aimed, work.start, work.turn
-    now, worst, scale = unbalance(run, g, q, h, step, at, k)
-    new, new_scale = worst, scale
+    before, share, close, enough = 0.0, 0.0, False, False  # share of a Newton step that is tried; 0 for none
+    worst, scale = np.inf, 0.0
     for _ in range(TRIES):
-        if not np.isfinite(now):
-            return False
-        if worst <= SPARE * scale:
-            return True
-        answered(run, g, q, h)
-        respond_to(run, g, q, step, at, k)
-        for a in range(size):
-            start[a], turn[a] = aimed[a], work.rest[a]
-        before, share, better = now, 1.0, False
-        for _ in range(SHARES):
-            for a in range(size):
-                aimed[a] = start[a] - share * work.system[a, size]
-            now, new, new_scale = unbalance(run, g, q, h, step, at, k)
-            better = now <= (1.0 - GAIN * share) ** 2 * before
-            if better:
-                break
-            share *= SHORTER
-        if not better:
-            if worst <= CLOSE * scale:
-                for a in range(size):
-                    aimed[a] = start[a]
-                unbalance(run, g, q, h, step, at, k)
+        now, worst, scale = unbalance(run, g, q, h, step, at, k)
+        if enough or (share == 0.0 and not np.isfinite(now)):
+            return enough
+        if share == 0.0 or now <= (1.0 - GAIN * share) ** 2 * before:
+            if worst <= SPARE * scale:
                 return True
+            answered(run, g, q, h)
+            respond_to(run, g, q, step, at, k)
             for a in range(size):
-                aimed[a] = start[a] - 0.5 * turn[a]
-            now, new, new_scale = unbalance(run, g, q, h, step, at, k)
-        worst, scale = new, new_scale
+                start[a], turn[a] = aimed[a], work.rest[a]
+            before, share, close = now, 1.0, worst <= CLOSE * scale
+        else:
+            share = share * SHORTER if share > SHORTEST else 0.0
+            enough = close and share == 0.0
+        for a in range(size):
+            back = share * work.system[a, size] if share > 0.0 else 0.5 * turn[a]
+            aimed[a] = start[a] - (0.0 if enough else back)
     return worst <= CLOSE * scale
 
 
@@ -194,16 +181,17 @@ def circuit(run: Run, g: int, n: int, h: float, own: int) -> int:
                 total += step[place + j] * row[j]
             for j in range(low, width):
                 total += step[place + j] * row[j]
-            work.given[a], work.aimed[a] = 2.0 * total, work.waves[first * s + a]
+            work.given[a] = 2.0 * total
         for law in range(m):
             for i in range(q):
                 work.control[law, i] = run.work.control[law, block * q + i]
         exchange_states(run, g, False)
-        found = solved(run, g, q, h, step, at, k)
-        if not found:
-            for a in range(size):  # from the start
-                work.aimed[a] = work.given[a]
-            found = solved(run, g, q, h, step, at, k)
+        found = False
+        for again in range(2):
+            if not found:
+                for a in range(size):
+                    work.aimed[a] = work.waves[first * s + a] if again == 0 else work.given[a]
+                found = solved(run, g, q, h, step, at, k)
         for a in range(size):
             row[k * q + a], work.waves[first * s + a] = work.sent[a], work.aimed[a] if found else 0.0
             stores = laws.state_at[first + a // q] >= 0
