@@ -25,12 +25,7 @@ def respond_by_map(job: FrontRun, g: int, piece: int, m: int) -> int:
     edges, x, k, r = fronts.work.edges, network.load_at[g], network.group[g + 1] - network.group[g], network.step_row[g]
     n, width = network.step_states[r], edges[piece + 1] - edges[piece]
     states = run.state.load[x : x + n]
-    laws = network.laws.first[g + 1] - network.laws.first[g]
-    if laws > 0:
-        if n > 0 and m > 1:
-            map_of(fronts, systems.at[r], k + laws, n, fronts.step * width, run.work.map)
-        invoke(run.units.circuit, (run, g, s, fronts.step * width, np.int64(n > 0 and m > 1)))
-    elif m == 1 or n == 0:
+    if m == 1 or n == 0:
         load(run, g, s, network.step, network.step_at[r])
     elif not fronts.work.unsettled[piece]:
         collocate(fronts, systems.at[r], k, fronts.step * width, wave, states, run.work.row)
@@ -38,6 +33,20 @@ def respond_by_map(job: FrontRun, g: int, piece: int, m: int) -> int:
         load(run, g, s, systems.settling, systems.settling_at[r])
     else:
         collocate_finely(run, fronts, systems.at[r], k, width, fronts.settle[g], states)
+    return 0
+
+
+@unit
+def respond_with_laws(job: FrontRun, g: int, piece: int, m: int) -> int:
+    """The same at a group with a map and laws."""
+    run, fronts = job.run, job.fronts
+    network, edges, r = run.network, fronts.work.edges, run.network.step_row[g]
+    n, h = network.step_states[r], fronts.step * (edges[piece + 1] - edges[piece])
+    ports = network.group[g + 1] - network.group[g] + network.laws.first[g + 1] - network.laws.first[g]
+    own = n > 0 and m > 1
+    if own:
+        map_of(fronts, fronts.systems.at[r], ports, n, h, run.work.map)
+    invoke(run.units.circuit, (run, g, fronts.tools.c.size, h, np.int64(own)))
     return 0
 
 
@@ -62,6 +71,8 @@ def respond(job, g, slab, m):
         if network.load_at[g] < 0:
             width = fronts.step * (edges[piece + 1] - edges[piece])
             invoke(run.units.crossing, (run, np.int64(g), s, width))
+        elif count > 0:
+            invoke(run.units.respond_with_laws, (job, np.int64(g), np.int64(piece), m))
         else:
             invoke(run.units.respond, (job, np.int64(g), np.int64(piece), m))
         for p in range(k):

@@ -13,13 +13,10 @@ from tline.solver.kernel.network import AIR, Run
 from tline.solver.kernel.newton import CLOSE, FAINT, SPARE
 from tline.unit import function, invoke, unit
 
-TRIES, FREE = 400, 40  # steps, and how many of them need not do better than the last
+TRIES, FREE = 1600, 40  # waves at which laws are asked; steps that need not do better than the last
 RESTRAINT = 0.1  # of steps where waves answer to nothing, as between shut valves, over the relative residual
-SHARES, SHORTER, GAIN = (
-    3,
-    0.25,
-    0.1,
-)  # parts of Newton's step that are tried, each so much of the last; what each must gain
+SHORTER, SHORTEST = 0.25, 0.0625  # a part of Newton's step over the part tried before, and the least
+GAIN = 0.1  # what a step must gain, for each part of it
 DIFFERENCE = 1e-7  # of waves, for the slopes of stores
 
 
@@ -138,37 +135,29 @@ def solved(run, g, q, h, step, at, k, stride):
     laws, work = run.network.laws, run.work.circuit
     size = (laws.first[g + 1] - laws.first[g]) * q
     aimed, start, turn = work.aimed, work.start, work.turn
-    now, worst, scale = unbalance(run, g, q, h, step, at, k)
-    new, new_scale = worst, scale
-    for attempt in range(TRIES):
-        if not np.isfinite(now):
-            return False
-        if worst <= SPARE * scale:
-            return True
-        answered(run, g, q, h)
-        respond_to(run, g, q, step, at, k, worst / scale)
-        for a in range(size):
-            start[a], turn[a] = aimed[a], work.rest[a]
-        free = attempt < FREE and worst > CLOSE * scale
-        before, share, better = now, stride if free and attempt % 2 == 1 else 1.0, False
-        for _ in range(SHARES):
-            for a in range(size):
-                aimed[a] = start[a] - share * work.system[a, size]
-            now, new, new_scale = unbalance(run, g, q, h, step, at, k)
-            better = now <= (1.0 - GAIN * share) ** 2 * before or free
-            if better:
-                break
-            share *= SHORTER
-        if not better:
-            if worst <= CLOSE * scale:
-                for a in range(size):
-                    aimed[a] = start[a]
-                unbalance(run, g, q, h, step, at, k)
+    before, share, close, enough = 0.0, 0.0, False, False  # share of a Newton step that is tried; 0 for none
+    steps, free, worst, scale = 0, False, np.inf, 0.0
+    for _ in range(TRIES):
+        now, worst, scale = unbalance(run, g, q, h, step, at, k)
+        if enough or ((free or share == 0.0) and not np.isfinite(now)):
+            return enough
+        if free or share == 0.0 or now <= (1.0 - GAIN * share) ** 2 * before:
+            if worst <= SPARE * scale:
                 return True
+            answered(run, g, q, h)
+            respond_to(run, g, q, step, at, k, worst / scale)
             for a in range(size):
-                aimed[a] = start[a] - 0.5 * turn[a]
-            now, new, new_scale = unbalance(run, g, q, h, step, at, k)
-        worst, scale = new, new_scale
+                start[a], turn[a] = aimed[a], work.rest[a]
+            before, close = now, worst <= CLOSE * scale
+            free = steps < FREE and not close
+            share = stride if free and steps % 2 == 1 else 1.0
+            steps += 1
+        else:
+            share = share * SHORTER if share > SHORTEST else 0.0
+            enough = close and share == 0.0
+        for a in range(size):
+            back = share * work.system[a, size] if share > 0.0 else 0.5 * turn[a]
+            aimed[a] = start[a] - (0.0 if enough else back)
     return worst <= CLOSE * scale
 
 
@@ -200,25 +189,32 @@ def circuit(run: Run, g: int, n: int, h: float, own: int) -> int:
                 total += step[place + j] * row[j]
             for j in range(low, width):
                 total += step[place + j] * row[j]
-            work.given[a], work.aimed[a] = 2.0 * total, work.waves[first * s + a]
+            work.given[a] = 2.0 * total
         for law in range(m):
             for i in range(q):
                 work.control[law, i] = run.work.control[law, block * q + i]
         exchange_states(run, g, False)
-        found = solved(run, g, q, h, step, at, k, 1.0)
+        found = False
+        for again in range(2):
+            if not found:
+                for a in range(size):
+                    work.aimed[a] = work.waves[first * s + a] if again == 0 else work.given[a]
+                found = solved(run, g, q, h, step, at, k, 1.0 if again == 0 else 0.5)
         if not found:
-            for a in range(size):  # from the start
-                work.aimed[a] = work.given[a]
-            found = solved(run, g, q, h, step, at, k, 0.5)
+            for a in range(size):
+                work.waves[first * s + a] = 0.0
+            for p in range(k):
+                u[p * n + n - 1] = np.nan  # where it is looked for
+            return 0
         for a in range(size):
-            row[k * q + a], work.waves[first * s + a] = work.sent[a], work.aimed[a] if found else 0.0
+            row[k * q + a], work.waves[first * s + a] = work.sent[a], work.aimed[a]
             stores = laws.state_at[first + a // q] >= 0
             run.work.into[a // q, block * q + a % q] = work.flow[a] if stores else work.aimed[a]
         for a in range(k * q):
             place, total = at + a * width, 0.0
             for j in range(width):
                 total += step[place + j] * row[j]
-            u[a // q * n + block * q + a % q] = total if found else np.nan
+            u[a // q * n + block * q + a % q] = total
         for i in range(count):
             place, total = at + (low + i) * width, 0.0
             for j in range(width):
