@@ -12,8 +12,21 @@ from tline.solver.kernel.network import CircuitWork, Crossing, Laws, Network, St
 from tline.structure import pack
 
 SAMPLES = 512  # per tile
-AT_LAWS = "given", "aimed", "start", "turn", "trial", "sent", "flow", "other", "slope", "rest"  # of a circuit
-AT_POINTS = "v", "control", "flow", "y", "first", "safe", "rest", "coef", "piece", "kept", "whole"  # of a store
+AT_LAWS = "given", "aimed", "start", "turn", "trial", "sent", "flow", "other", "slope", "rest", "drive"  # of a circuit
+AT_POINTS = (
+    "v",
+    "control",
+    "flow",
+    "drive",
+    "y",
+    "first",
+    "safe",
+    "rest",
+    "coef",
+    "piece",
+    "kept",
+    "whole",
+)  # of a store
 
 
 def largest_group(network: Network) -> tuple[int, int, int]:

@@ -46,7 +46,7 @@ class Laws(NamedTuple):
     state_at: Integers  # (E,) place of its state, -1 for none
     source_impedance: Floats  # (E,) behind which each is seen, > 0
     impedance: Floats  # (N,) Thévenin impedance of each node beside branches, 0 if its effort is held
-    record_row: Integers  # (E,) row in the record of the wave e + ρ i into it, or of a store's flow; -1 for none
+    record_row: Integers  # (E,) row in the record of the wave e + ρ i into it, or of what drives a store; -1 for none
     tools: Tools
     step: float  # slab width, s
 
@@ -175,6 +175,7 @@ class Store(NamedTuple):
     v: Floats  # (s,) effort of the Thévenin source
     control: Floats  # (s,)
     flow: Floats  # (s,) into the store; nan at the last point if none was found
+    drive: Floats  # (s,) effort that drives it, beyond what the store holds
     y: Floats
     first: Floats
     safe: Floats
@@ -200,6 +201,7 @@ class CircuitWork(NamedTuple):
     flow: Floats  # (M,)
     other: Floats  # (M,)
     slope: Floats  # (M,) of flows without a state over waves
+    drive: Floats  # (M,) of stores
     rest: Floats  # (M,)
     answer: Floats2  # (M, s)
     system: Floats2  # (M, M + 1)
@@ -218,7 +220,7 @@ class Work(NamedTuple):
     history: Floats2  # (s, tile + 1)
     row: Floats
     control: Floats2  # (elements, tile * s)
-    into: Floats2  # (elements, tile * s) waves into laws, flows into stores
+    into: Floats2  # (elements, tile * s) waves into laws, what drives stores
     crossing: Crossing
     store: Store
     circuit: CircuitWork

@@ -97,7 +97,7 @@ class LineRecord:
 
 
 class ElementRecord(NamedTuple):
-    """The wave e + ρ i into the law of an element, behind the impedance ρ; of a store its flow."""
+    """The wave e + ρ i into the law of an element, behind the impedance ρ; of a store what drives its flow."""
 
     wave: Wave
     impedance: float

@@ -21,7 +21,6 @@ from tline.solver.run import Kinks
 MOST = 2000  # instants of an element; where there are more, none is followed
 STEPS, STEP = 8, 1e-4  # of Newton's method, and for its slopes, in pieces
 OVER = 1.5  # pieces, to which a neighbour is continued
-CLOSED = 1e-12  # of the largest flow; less is none
 ROUNDED = 1e-12  # of the largest wave; so little has no sign
 
 
@@ -55,13 +54,12 @@ def kinks_of(result: Result, elements: Sequence[PlacedLaw]) -> Kinks:
 class Bend(NamedTuple):
     """A wave at which a law kinks: a part that stays, and one in proportion to a power of the control signal.
 
-    Of a store it is a flow, in shares of the largest.
+    Of a store it is the effort that drives its flow.
     """
 
     constant: float
     varying: float = 0.0
     power: int = 1
-    share: bool = False
 
 
 def _bends(element: PlacedLaw, rho: float) -> Iterator[Bend]:
@@ -80,17 +78,12 @@ def _bends(element: PlacedLaw, rho: float) -> Iterator[Bend]:
         yield Bend(c[0] + c[2] + c[3], rho * c[1] * sqrt(c[2] + c[3]))
     if kind == "pump" and c[4] > 0:
         yield Bend(c[0], -c[1], 2)
-    if kind == "rotor" and c[4] > 0:
-        yield Bend(CLOSED, share=True)
-    if kind in ("gas", "tank") and c[1] < inf:  # flow turns in the loss before it
-        yield Bend(0.0, share=True)
+    if (kind == "rotor" and c[4] > 0) or (kind in ("gas", "tank") and c[1] < inf):  # where its flow turns, or stops
+        yield Bend(0.0)
 
 
 def _less(into: PiecewiseQuantity, bend: Bend, element: PlacedLaw, result: Result) -> PiecewiseQuantity:
     """By how much what enters an element is beyond a bend."""
-    if bend.share:
-        level = bend.constant * np.abs(into.values).max(initial=0.0)
-        return into._replace(values=into.values - level, before=into.before - level)
     control = 1.0
     if bend.varying and element.law.factor is not None:
         t = into.start[:, None] + into.width[:, None] * basis(result.resolution.s).c

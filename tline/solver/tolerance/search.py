@@ -112,12 +112,13 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
     """
     steps, limit, stale, helps = _finer(search, sections), "", 0, True
     kinked, traced = kinking(search.description), 0
+    search = search._replace(laws=[element.where for element in kinked])
     result = best = search.run(next(steps))
     attempts, accuracy = [Attempt.of(result)], Accuracy(search.tol)
     told, found, left = accuracy, [accuracy], search.start.left if search.start else SLOWEST
     while not limit:
         try:
-            kinks = kinks_of(result, kinked) if traced > 1 else NO_KINKS
+            kinks = kinks_of(result, kinked)
             finer = search.run(steps.send((helps, told.met)), kinks=kinks)
         except StopIteration:
             limit = "order and slab are as fine as they may be"
@@ -142,7 +143,6 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
         if traced or (kinked and not helps and not blind):
             traced += 1
             helps |= traced <= TRACED
-            search = search._replace(laws=[element.where for element in kinked])
         stale = stale + 1 if narrowed and not blind and gained(*found[-2:]) >= 1.0 else 0
         limit = limit_of(attempts, stale, search) or (not blind and inside_limit(attempts, told))
         result = finer

@@ -88,7 +88,7 @@ class Workspace(NamedTuple):
     arrived: Floats3  # (ends, m, s)
     u: Floats3  # (nodes, m, s)
     control: Floats3  # (elements, m, s) control signals
-    into: Floats3  # (elements, m, s) waves into laws, flows into stores
+    into: Floats3  # (elements, m, s) waves into laws, what drives stores
     coef: Floats2  # (m + 1, s)
     whole: Floats  # (s,)
     part: Floats  # (s,)

@@ -52,7 +52,7 @@ def ask(run, e, q, h, wave, o, flow):
             store.v[j], store.control[j] = wave[o + j], signal[k, j]
         invoke(law, (store, laws.at[e], laws.state_at[e], h, z))
         for j in range(q):
-            flow[o + j] = store.flow[j]
+            flow[o + j], run.work.circuit.drive[o + j] = store.flow[j], store.drive[j]
 
 
 @function
@@ -209,7 +209,7 @@ def circuit(run: Run, g: int, n: int, h: float, own: int) -> int:
         for a in range(size):
             row[k * q + a], work.waves[first * s + a] = work.sent[a], work.aimed[a]
             stores = laws.state_at[first + a // q] >= 0
-            run.work.into[a // q, block * q + a % q] = work.flow[a] if stores else work.aimed[a]
+            run.work.into[a // q, block * q + a % q] = work.drive[a] if stores else work.aimed[a]
         for a in range(k * q):
             place, total = at + a * width, 0.0
             for j in range(width):

@@ -37,7 +37,7 @@ def crossing(run: Run, g: int, n: int, h: float) -> int:
             signal[j] = control[0, i]
         invoke(law, (store, at, laws.state_at[e], h, z_from + z_to))
         for j in range(s):
-            into[0, slab * s + j] = flow[j]
+            into[0, slab * s + j] = store.drive[j]
             u[here + slab * s + j] -= z_from * flow[j]
             u[there + slab * s + j] += z_to * flow[j]
     return 0

@@ -97,6 +97,8 @@ def filled(stored, entering, store, at, state, h, z, most):
             stride *= 0.25
     if done == 1.0:
         store.states[state] = y[s - 1]
+        for j in range(s):
+            store.drive[j] = store.v[j] - store.constants[at] - stored(store.constants, at, y[j])[2]
     return done == 1.0
 
 

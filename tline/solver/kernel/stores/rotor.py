@@ -30,6 +30,7 @@ def rotor(store: Store, at: int, state: int, h: float, z: float) -> int:
     """Flows through the pump at the points of a slab of width h, behind the efforts v and the impedance z."""
     if store.control[0] > 0.5:
         for j in range(store.flow.size):
+            store.drive[j] = store.v[j] - store.constants[at] - stored(store.constants, at, store.states[state])[2]
             store.flow[j] = filling(stored, entering, store.constants, at, store.states[state], store.v[j], z)[0]
     else:
         fill(stored, entering, store, at, state, h, z, np.inf)
