@@ -23,7 +23,6 @@ CLEAR = 1 / 3  # of the tolerance: an error told by the first two runs alone is 
 MOST_INSIDE = 2e6  # line-end samples in all runs together, for the sake of instants inside slabs alone,
 WORTH = 64  # or so many times those of the first run, if that is more
 TRIED = 2  # halvings of the slab, from which the next ones are foretold
-TRACED = 4  # runs in which kinks are followed before slabs are narrowed again
 HELPS = 0.5  # a step that leaves more of the difference than this does not converge
 STALE = 2  # halvings of the slab in a row that may bring nothing
 MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
@@ -105,13 +104,12 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
     """Raise the order and narrow the slab until the next finer run differs by no more than the tolerance.
 
     From where that is so on, lumped lines have twice as many in each finer run: the last must have. Slab ends come
-    first; what is left inside slabs is worked on while that promises to be enough. Where a higher order does not help
-    and laws kink, slabs are from then on cut in pieces where they did in the run before. Two comparisons tell how fast
-    runs converge; one is enough if it leaves some room, or that is known of the scene with other values, and no law
-    kinks.
+    first; what is left inside slabs is worked on while that promises to be enough. Where laws kink, slabs are cut in
+    pieces where they did in the run before. Two comparisons tell how fast runs converge; one is enough if it leaves
+    some room, or that is known of the scene with other values, and no law kinks.
     """
     steps, limit, stale, helps = _finer(search, sections), "", 0, True
-    kinked, traced = kinking(search.description), 0
+    kinked = kinking(search.description)
     search = search._replace(laws=[element.where for element in kinked])
     result = best = search.run(next(steps))
     attempts, accuracy = [Attempt.of(result)], Accuracy(search.tol)
@@ -140,9 +138,6 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
             break
         narrowed = finer.resolution.h < result.resolution.h
         helps = not blind and gained(*found[-2:]) <= HELPS
-        if traced or (kinked and not helps and not blind):
-            traced += 1
-            helps |= traced <= TRACED
         stale = stale + 1 if narrowed and not blind and gained(*found[-2:]) >= 1.0 else 0
         limit = limit_of(attempts, stale, search) or (not blind and inside_limit(attempts, told))
         result = finer
