@@ -95,7 +95,7 @@ def stored(system: StateSpace, g: float, element) -> np.ndarray:
         parts = [(L, i), (C, u - R * i - L * i @ A)]
     else:
         parts = [(C, u), (L, i - (u / R if R else 0.0) - C * u @ A)]
-    return sum(size / 2 * v.T @ v for size, v in parts)
+    return np.sum([size / 2 * v.T @ v for size, v in parts], axis=0)
 
 
 def largest_growth(table: dict, seed: int, slabs: int) -> float:
