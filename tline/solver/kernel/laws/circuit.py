@@ -13,8 +13,10 @@ from tline.solver.kernel.network import AIR, Run
 from tline.solver.kernel.newton import CLOSE, FAINT, SPARE
 from tline.unit import function, invoke, unit
 
-TRIES, FREE = 1600, 40  # waves at which laws are asked; steps that need not do better than the last
-RESTRAINT = 0.1  # of steps where waves answer to nothing, as between shut valves, over the relative residual
+TRIES, FREE = 1600, 100  # waves at which laws are asked; steps that need not do better than the last
+# How to search, one after the other: length of every other step, and what restrains steps where waves answer to
+# nothing, as between shut valves: a share of a power of the relative residual. The root of it is the surest.
+SEARCHES = ((1.0, 0.1, 1.0), (0.5, 1.0, 0.7), (1.0, 1.0, 0.5))
 SHORTER, SHORTEST = 0.25, 0.0625  # a part of Newton's step over the part tried before, and the least
 GAIN = 0.1  # what a step must gain, for each part of it
 DIFFERENCE = 1e-7  # of waves, for the slopes of stores
@@ -105,8 +107,8 @@ def answered(run, g, q, h):
 
 
 @function
-def respond_to(run, g, q, step, at, k, off):
-    """Solve the linear system of a Newton step, regularised in proportion to the relative residual `off`."""
+def respond_to(run, g, q, step, at, k, restraint):
+    """Solve the linear system of a Newton step, regularised by a restraint."""
     laws, work = run.network.laws, run.work.circuit
     first, size = laws.first[g], (laws.first[g + 1] - laws.first[g]) * q
     system, answer, width = work.system, work.answer, work.width[0]
@@ -120,21 +122,21 @@ def respond_to(run, g, q, step, at, k, off):
                 scattered = 2.0 * step[place + o + c] - (1.0 if a == o + c else 0.0)
                 total += 2.0 * z * scattered * answer[o + c, b - o]
             system[a, b] = total
-        system[a, a] += max(FAINT, RESTRAINT * off)
+        system[a, a] += max(FAINT, restraint)
         system[a, size] = work.rest[a]
     eliminate(system, size)
 
 
 @function
-def solved(run, g, q, h, step, at, k, stride):
+def solved(run, g, q, h, step, at, k, search):
     """Find the waves into the laws of a group. Returns whether it could.
 
-    The first of Newton's steps are taken whatever they leave, for across kinks residuals rise before they vanish; every
-    other one is a `stride` of its length, lest steps go round in circles.
+    The first of Newton's steps are taken whatever they leave, for across kinks residuals rise before they vanish.
     """
     laws, work = run.network.laws, run.work.circuit
     size = (laws.first[g + 1] - laws.first[g]) * q
     aimed, start, turn = work.aimed, work.start, work.turn
+    stride, share_of, power = SEARCHES[search]
     before, share, close, enough = 0.0, 0.0, False, False  # share of a Newton step that is tried; 0 for none
     steps, free, worst, scale = 0, False, np.inf, 0.0
     for _ in range(TRIES):
@@ -145,7 +147,7 @@ def solved(run, g, q, h, step, at, k, stride):
             if worst <= SPARE * scale:
                 return True
             answered(run, g, q, h)
-            respond_to(run, g, q, step, at, k, worst / scale)
+            respond_to(run, g, q, step, at, k, share_of * min(worst / scale, 1.0) ** power)
             for a in range(size):
                 start[a], turn[a] = aimed[a], work.rest[a]
             before, close = now, worst <= CLOSE * scale
@@ -195,11 +197,11 @@ def circuit(run: Run, g: int, n: int, h: float, own: int) -> int:
                 work.control[law, i] = run.work.control[law, block * q + i]
         exchange_states(run, g, False)
         found = False
-        for again in range(2):
+        for search in range(len(SEARCHES)):
             if not found:
                 for a in range(size):
-                    work.aimed[a] = work.waves[first * s + a] if again == 0 else work.given[a]
-                found = solved(run, g, q, h, step, at, k, 1.0 if again == 0 else 0.5)
+                    work.aimed[a] = work.waves[first * s + a] if search == 0 else work.given[a]
+                found = solved(run, g, q, h, step, at, k, search)
         if not found:
             for a in range(size):
                 work.waves[first * s + a] = 0.0

@@ -1,0 +1,178 @@
+"""Lumped circuits between lines: they add no energy, always have a flow, and do the same however they are written."""
+
+import contextlib
+from copy import deepcopy
+
+import numpy as np
+import pytest
+from circuit_energy import largest_growth
+from energy import silent
+from random_chains import fade, random_chains
+from random_circuits import Table, random_circuit
+
+from tline.errors import ActiveError, InputError
+from tline.scene.scene import Scene
+from tline.solver.loop.march import Stepper
+from tline.solver.simulate import simulate
+
+SLABS, SCENES = 40, 15
+AT_ONCE = 1e-13  # of the energy at the start, in one slab: roundings
+SAME = 1e-11  # of the largest wave
+
+
+@pytest.mark.parametrize("order", range(1, 9))
+def test_energy_in_lines_and_circuits_never_grows(order):
+    """Time constants over six decades around the slab, loops of capacitors, cuts of inductors, laws."""
+    for seed in range(1000 * order, 1000 * order + SCENES):
+        assert largest_growth(random_circuit(seed, order), seed, SLABS) <= AT_ONCE, seed
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 5])
+def test_energy_in_gas_tanks_and_cavities_never_grows(order):
+    for seed in range(1000 * order, 1000 * order + SCENES):
+        with contextlib.suppress(InputError):  # some waves are too large for some vessels
+            assert largest_growth(random_circuit(seed, order, vessels=True), seed, SLABS) <= AT_ONCE, seed
+
+
+def after(table: Table, seed: int) -> np.ndarray:
+    """Waves under way after some slabs, over the largest at the start."""
+    assembly = silent(Scene(**table), seed)
+    start = np.abs(assembly.state.waves).max()
+    Stepper(assembly, SLABS, np.zeros((0, 2, SLABS * table["solver"]["order"]))).advance(0, SLABS)
+    return assembly.state.waves / start
+
+
+def shuffled(table: Table, seed: int) -> Table:
+    """The same circuit with its elements in another order."""
+    rng = np.random.default_rng(seed)
+    mixed = {}
+    for part in ("loads", "links"):
+        names = rng.permutation(list(table[part])).tolist()
+        mixed[part] = {name: table[part][name] for name in names}
+    return table | mixed
+
+
+REVERSIBLE = {"resistor", "inductor", "capacitor", "series", "parallel", "transformer", "gyrator", "coupled inductors"}
+
+
+def reversed_(table: Table, _: int) -> Table:
+    """The same circuit with all linear elements turned round."""
+    table = deepcopy(table)
+    for link in table["links"].values():
+        nodes = link["nodes"]
+        if link["kind"] in ("transformer", "coupled inductors", "gyrator"):
+            if len(nodes) == 4:
+                link["nodes"] = [nodes[1], nodes[0], nodes[3], nodes[2]]
+            elif link["kind"] == "transformer":
+                link |= {"nodes": nodes[::-1], "ratio": 1 / link["ratio"]}
+            elif link["kind"] == "coupled inductors":
+                link |= {"nodes": nodes[::-1], "inductance": link["inductance"][::-1]}
+        elif link["kind"] in REVERSIBLE:
+            link["nodes"] = nodes[::-1]
+    return table
+
+
+TIME, IMPEDANCE = 1000.0, 1000.0
+SCALES = {
+    "z0": IMPEDANCE, "delay": TIME, "resistance": IMPEDANCE, "inductance": IMPEDANCE * TIME,
+    "capacitance": TIME / IMPEDANCE, "flow": 1 / IMPEDANCE, "saturation": 1 / IMPEDANCE,
+}  # fmt: skip
+
+
+def rescaled(table: Table, _: int) -> Table:
+    """The same circuit in other units of time and of flow."""
+    table = deepcopy(table)
+    table["t_end"] *= TIME
+    table["solver"]["slab"] *= TIME
+    for element in (*table["lines"].values(), *table["links"].values(), *table["loads"].values()):
+        for key, scale in SCALES.items():
+            if isinstance(element.get(key), list):
+                element[key] = [value * scale for value in element[key]]
+            elif key in element:
+                element[key] *= scale
+        if "points" in element:
+            element["points"] = [[u, i / IMPEDANCE] for u, i in element["points"]]
+    return table
+
+
+@pytest.mark.parametrize("changed", [shuffled, reversed_, rescaled])
+@pytest.mark.parametrize("laws", [False, True])
+def test_another_way_to_write_a_circuit_changes_nothing(changed, laws):
+    for seed in range(2 * SCENES):
+        table = random_circuit(seed, 1 + seed % 8, laws=laws)
+        distance = np.abs(after(table, seed) - after(changed(table, seed), seed)).max()
+        assert distance <= SAME, seed
+
+
+@pytest.mark.parametrize("order", [*range(1, 9), 12, 16])
+def test_rows_of_laws_always_have_a_flow(order):
+    """However weak the waves become, and whatever shuts."""
+    for seed in range(1000 * order, 1000 * order + 4):
+        assert fade(random_chains(seed, order), seed) < 1e-12
+
+
+ROW = {
+    "medium": "electrical",
+    "t_end": 8.0,
+    "solver": {"order": 4, "slab": 0.1},
+    "lines": {
+        "first": {"nodes": ["source", "a"], "z0": 50.0, "delay": 1.0},
+        "second": {"nodes": ["b", "end"], "z0": 70.0, "delay": 1.0},
+    },
+    "sources": {
+        "s": {"at": "source", "kind": "voltage", "value": {"shape": "ramp", "to": 1, "duration": 0.5}, "resistance": 20}
+    },
+    "probes": {"a": {"at": "a"}, "b": {"at": "b"}},
+}
+ALIKE = {
+    "a gyrator before a capacitor, and an inductor": (
+        {"g": {"kind": "gyrator", "nodes": ["a", "b", "m", "earth"], "resistance": 30}},
+        {"c": {"at": "m", "kind": "capacitor", "capacitance": 0.05}, "earth": {"at": "earth", "kind": "short"}},
+        {"l": {"kind": "inductor", "nodes": ["a", "b"], "inductance": 30**2 * 0.05}},
+        {},
+    ),
+    "two capacitors in a row, and one": (
+        {
+            "one": {"kind": "capacitor", "nodes": ["a", "m"], "capacitance": 0.04},
+            "two": {"kind": "capacitor", "nodes": ["b", "m"], "capacitance": 0.12},
+        },
+        {},
+        {"c": {"kind": "capacitor", "nodes": ["a", "b"], "capacitance": 0.03}},
+        {},
+    ),
+    "two inductors side by side, and one": (
+        {
+            "one": {"kind": "inductor", "nodes": ["a", "b"], "inductance": 30},
+            "two": {"kind": "inductor", "nodes": ["b", "a"], "inductance": 60},
+        },
+        {},
+        {"l": {"kind": "inductor", "nodes": ["a", "b"], "inductance": 20}},
+        {},
+    ),
+}
+
+
+@pytest.mark.parametrize("pair", ALIKE)
+def test_circuits_that_are_alike_do_the_same(pair):
+    links, loads, others, other_loads = ALIKE[pair]
+    end = {"end": {"at": "end", "kind": "resistor", "resistance": 30}}
+    one = simulate(Scene(**ROW, links=links, loads=loads | end)).probes
+    other = simulate(Scene(**ROW, links=others, loads=other_loads | end)).probes
+    for name in one:
+        assert np.abs(one[name].u - other[name].u).max() <= SAME
+        assert np.abs(one[name].u).max() > 0.1
+
+
+@pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
+def test_active_links_are_refused_or_told():
+    negative = {"x": {"kind": "impedance", "nodes": ["a", "b"], "expression": "s - 30"}}
+    end = {"end": {"at": "end", "kind": "resistor", "resistance": 30}}
+    scene = Scene(**ROW, links=negative, loads=end)
+    with pytest.raises(ActiveError, match=r"links\.x"):
+        simulate(scene)
+    assert any("links.x" in note for note in simulate(scene, active=True, ledger=True).notes)
+    amplifier = {"x": {"kind": "controlled source", "nodes": ["a", "b"], "gain": 3, "resistance": 40}}
+    scene = Scene(**ROW, links=amplifier, loads=end)
+    with pytest.raises(ActiveError, match=r"links\.x may feed waves"):
+        simulate(scene)
+    assert any("links.x" in note for note in simulate(scene, active=True, ledger=True).notes)
