@@ -178,11 +178,13 @@ def _reduced(
     where = " and ".join(dict.fromkeys(branch.where for branch in branches))
     together = bound @ G
     together[np.abs(together) < SMALL * (np.abs(bound) @ np.abs(G))] = 0.0  # rounding of what cancels
-    if np.abs(bound @ H).max(initial=0.0) > SMALL:
+    given = np.abs(bound @ H).max(axis=0, initial=0.0) > SMALL
+    if given.any():
         problem = "no efforts and flows follow from what is at its nodes"
-        if np.abs(together).max(initial=0.0) > SMALL:
-            problem = "an ideal source prescribes what it holds itself"
-        raise InputError(where, problem, "a resistance in between")
+        at = [node.name for node, share in zip(nodes, given, strict=False) if share]
+        if np.abs(together).max(initial=0.0) > SMALL and at:
+            problem = f"what an ideal source prescribes at node '{at[0]}' is held by it, and cannot jump"
+        raise InputError(where, problem, "a resistance in between, or beside it")
     follow = together @ L
     scale = np.abs(follow).max(axis=1, keepdims=True, initial=0.0)
     scale[scale == 0.0] = 1.0
