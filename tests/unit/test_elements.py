@@ -26,7 +26,7 @@ LAWS = {
 
 
 def through(kind: str, v: float, z: float, factor: float = 1.0) -> tuple[float, float]:
-    laws = laws_of([[]], [[]], [], 0, 0)[0]._replace(
+    laws = laws_of([], [], 0, 0)[0]._replace(
         kind=np.array([KINDS.index(kind)]), at=np.zeros(1, int), constants=np.array(LAWS[kind][0]),
         control=np.array([factor]), source_impedance=np.array([z]),
     )  # fmt: skip

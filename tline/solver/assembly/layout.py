@@ -127,9 +127,7 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         systems = systems_of(groups, h, before, segmented)
         driven = np.array([bool(parts) for parts in excitations])
         excitations = list(filter(None, excitations))
-        elements = [group.elements for group in groups]
-        members, rows = [group.nodes for group in groups], len(excitations)
-        laws, controls = laws_of(elements, members, systems.impedances, rows, len(systems.states))
+        laws, controls = laws_of(groups, systems.impedances, len(excitations), len(systems.states))
         bar.update()
     return Layout(
         h,
@@ -155,7 +153,7 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         excitation_row=np.where(driven, np.cumsum(driven) - 1, -1),
         systems=systems,
         laws=laws,
-        states=states_of([e for group in elements for e in group], effort),
+        states=states_of([e for group in groups for e in group.elements], effort),
         blocks=blocks_of(delay, first, ends, group, losses),
     )
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import Shape, just_before, varies
-from tline.solver.description.nodes import Node
+from tline.solver.description.groups import Group
 from tline.solver.description.tools import tools_of
 from tline.solver.kernel.network import Laws
 from tline.solver.radau import Basis, basis
@@ -18,18 +18,13 @@ KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", *STA
 
 
 def laws_of(
-    elements: Sequence[Sequence[PlacedLaw]],
-    members: Sequence[Sequence[Node]],
-    impedances: Sequence[float],
-    first_row: int,
-    first_state: int,
+    groups: Sequence[Group], impedances: Sequence[float], first_row: int, first_state: int
 ) -> tuple[Laws, list[Shape]]:
-    """Elements by group as arrays, without the slabs' order and width; and what scales them over time.
+    """Elements of groups as arrays, without the slabs' order and width; and what scales them over time.
 
     Parameters
     ----------
-    members : sequence of sequence of Node
-        Nodes of each group.
+    groups : sequence of Group
     impedances : sequence of float
         Of all elements, of the sources that they see.
     first_row, first_state : int
@@ -37,9 +32,9 @@ def laws_of(
     """
     excitations: list[Shape] = []
     rows, controls, states = [], [], []
-    place_of: dict[str | None, int] = {node.name: k for group in members for k, node in enumerate(group)}
+    place_of: dict[str | None, int] = {node.name: k for group in groups for k, node in enumerate(group.nodes)}
     place_of[None] = -1
-    flat = [element for group in elements for element in group]
+    flat = [element for group in groups for element in group.elements]
     for element in flat:
         factor = element.law.factor
         rows.append(first_row + len(excitations) if varies(factor) else -1)
@@ -49,7 +44,7 @@ def laws_of(
         first_state += STATES.get(element.law.kind, 0)
     constants = [element.constants for element in flat]
     laws = Laws(
-        first=np.cumsum([0, *map(len, elements)]),
+        first=np.cumsum([0, *(len(group.elements) for group in groups)]),
         kind=np.array([KINDS.index(element.law.kind) for element in flat], int),
         from_node=np.array([place_of[e.from_node] for e in flat], int),
         to_node=np.array([place_of[e.to_node] for e in flat], int),
@@ -60,7 +55,7 @@ def laws_of(
         state_at=np.array(states, int),
         source_impedance=np.array(impedances, float),
         record_row=np.full(len(flat), -1),
-        impedance=np.array([0.0 if n.held is not None else 1 / n.total for group in members for n in group]),
+        impedance=np.array([0.0 if n.held is not None else 1 / n.total for group in groups for n in group.nodes]),
         tools=tools_of(basis(1)),
         step=0.0,
     )

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
+from tline.solver.description.groups import Group
 from tline.solver.description.laws import KINDS, laws_of
 from tline.solver.kernel.network import Laws as Elements
 from tline.solver.steady.balance import EdgeLaws
@@ -46,7 +47,7 @@ class Edges:
         self.from_node, self.to_node = np.array(ends, int).reshape(-1, 2).T
         nodes = description.nodes
         impedances = [element.seen(nodes) for element in self.elements]
-        self.packed, _ = laws_of([self.elements], [[*nodes.values()]], impedances, 0, 0)
+        self.packed, _ = laws_of([Group([*nodes.values()], [], self.elements, [])], impedances, 0, 0)
 
     @property
     def count(self) -> int:

@@ -139,7 +139,7 @@ def solved(run, g, q, h, step, at, k, search):
     stride, share_of, power = SEARCHES[search]
     before, share, close, enough = 0.0, 0.0, False, False  # share of a Newton step that is tried; 0 for none
     steps, free, worst, scale = 0, False, np.inf, 0.0
-    for _ in range(TRIES):
+    for _ in range(TRIES // q):  # stores are asked q times each
         now, worst, scale = unbalance(run, g, q, h, step, at, k)
         if enough or ((free or share == 0.0) and not np.isfinite(now)):
             return enough
