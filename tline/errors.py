@@ -53,5 +53,9 @@ class ActiveError(InputError):
     """The scene has an active load, and nobody asked to run it all the same."""
 
 
+class NoFlowError(InputError):
+    """No flow was found through elements that see each other; narrower slabs may help."""
+
+
 class NotKeptWarning(UserWarning):
     """Compiled code cannot be kept on disk, so every process compiles for itself."""

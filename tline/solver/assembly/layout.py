@@ -18,7 +18,7 @@ from tline.solver.description.circuits import Circuits, circuits_of, fit_of
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import Shape, just_before
 from tline.solver.description.groups import Group
-from tline.solver.description.laws import laws_of, states_of
+from tline.solver.description.laws import laws_of, started, states_of
 from tline.solver.description.lines import Line
 from tline.solver.description.nodes import NONE, Node
 from tline.solver.description.resolution import WHOLE, Resolution
@@ -128,6 +128,7 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         driven = np.array([bool(parts) for parts in excitations])
         excitations = list(filter(None, excitations))
         laws, controls = laws_of(groups, systems.impedances, len(excitations), len(systems.states))
+        elements = [element for group in groups for element in group.elements]
         bar.update()
     return Layout(
         h,
@@ -152,8 +153,8 @@ def _laid_out(description: Description, chosen: Resolution, progress: bool) -> L
         excitations + [[(factor, 1.0)] for factor in controls],
         excitation_row=np.where(driven, np.cumsum(driven) - 1, -1),
         systems=systems,
-        laws=laws,
-        states=states_of([e for group in groups for e in group.elements], effort),
+        laws=started(laws, elements, effort, through),
+        states=states_of(elements, effort),
         blocks=blocks_of(delay, first, ends, group, losses),
     )
 

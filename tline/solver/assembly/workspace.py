@@ -78,7 +78,7 @@ def _of_elements(laws: Laws, state: State, elements: int, tile: int) -> tuple[Cr
         system=np.zeros((elements * s, elements * s + 1)),
         control=np.zeros((elements, s)),
         kept=np.zeros((elements, 2)),
-        waves=np.zeros(len(laws.kind) * s),
+        waves=np.repeat(laws.before, s),
         width=np.zeros(1, np.int64),
     )
     return Crossing(laws.constants, *np.empty((4, tile * s))), store, circuit

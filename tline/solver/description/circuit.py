@@ -22,7 +22,7 @@ from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node
 
 ILL, SINGULAR = 1e11, 1e-12  # condition from which on singular values are looked at, and which of these count as none
-SMALL = 1e-9  # what rounding leaves of coefficients
+SMALL, BOUND = 1e-9, 1e-6  # what rounding leaves of coefficients, and what a state has at least that is bound
 
 
 class LawPort(NamedTuple):
@@ -195,23 +195,25 @@ def _reduced(
         if not loose:
             raise InputError(where, "no efforts and flows follow from what is at its nodes", "a resistance in between")
         raise InputError(f"node '{loose[0]}'", "nothing ties its effort to the reference", "a load, or a line")
-    others, of_others = _eliminated(together, np.array(Q.any(axis=1) | L.any(axis=1)))
+    size = np.abs(G).max(axis=0, initial=0.0)
+    size[size == 0.0] = 1.0
+    others, of_others = _eliminated(together, size, np.array(Q.any(axis=1) | L.any(axis=1)))
     x = np.linalg.lstsq(whole, np.vstack([G, -together @ Q / scale]) @ of_others)[0]
     w = np.linalg.lstsq(whole, np.vstack([H, np.zeros((len(bound), H.shape[1]))]))[0]
     return x, w, Q[others] @ of_others, L[others], others
 
 
-def _eliminated(together: NDArray, moving: NDArray) -> tuple[NDArray, NDArray]:
-    """States that are left where combinations of all vanish, and all in terms of these; by Gauss with full pivots."""
-    size = np.abs(together).max(axis=0, initial=0.0)
-    size[size == 0.0] = 1.0
+def _eliminated(together: NDArray, size: NDArray, moving: NDArray) -> tuple[NDArray, NDArray]:
+    """States that are left where combinations of all vanish, and all in terms of these.
+
+    The first ones that are bound go: so it is the same ones wherever switches stand, and whatever laws see.
+    """
     rest, gone = together / size * moving, []
-    for _ in range(len(together)):
-        row, column = np.unravel_index(np.argmax(np.abs(rest)), rest.shape)
-        if abs(rest[row, column]) < SMALL:
-            break
-        gone.append(column)
-        rest = rest - np.outer(rest[:, column] / rest[row, column], rest[row])
+    for column in range(together.shape[1]):
+        row = int(np.argmax(np.abs(rest[:, column])))
+        if abs(rest[row, column]) > BOUND:
+            gone.append(column)
+            rest = rest - np.outer(rest[:, column] / rest[row, column], rest[row])
     others = np.setdiff1d(np.arange(together.shape[1]), gone)
     of_others = np.zeros((together.shape[1], len(others)))
     of_others[others, np.arange(len(others))] = 1.0

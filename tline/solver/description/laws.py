@@ -1,6 +1,6 @@
 """Non-linear elements as arrays for the kernel."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,11 +55,21 @@ def laws_of(
         state_at=np.array(states, int),
         source_impedance=np.array(impedances, float),
         record_row=np.full(len(flat), -1),
+        before=np.zeros(len(flat)),
         impedance=np.array([0.0 if n.held is not None else 1 / n.total for group in groups for n in group.nodes]),
         tools=tools_of(basis(1)),
         step=0.0,
     )
     return laws, excitations
+
+
+def started(
+    laws: Laws, elements: Sequence[PlacedLaw], effort: Mapping[str, float], through: Mapping[str, float]
+) -> Laws:
+    """The same with the waves into elements that efforts at their nodes and flows through them make before t = 0."""
+    across = [effort.get(e.from_node or "", 0.0) - effort.get(e.to_node or "", 0.0) for e in elements]
+    flows = [through.get(e.where, 0.0) for e in elements]
+    return laws._replace(before=np.array(across) + laws.source_impedance * np.array(flows))
 
 
 def with_basis(laws: Laws, order: Basis, h: float, record_row: NDArray) -> Laws:

@@ -55,6 +55,7 @@ class Node:
     switches: list[Switch] = field(default_factory=list)
     alone: float = 1.0  # reference where nothing conducts
     height: Height = SEA_LEVEL
+    hidden: bool = False  # whether it is nothing but what a source between two other nodes prescribes
 
     @property
     def total(self) -> float:
@@ -239,7 +240,7 @@ def nodes_of(
         for at in joined:
             nodes.setdefault(at, Node(at))
     floating = {place("sources", name): source for name, source in scene.sources.items() if source.nodes is not None}
-    nodes |= {where: Node(where) for where, source in floating.items() if source.is_effort}
+    nodes |= {where: Node(where, hidden=True) for where, source in floating.items() if source.is_effort}
     usual = float(1 / np.mean([line.z0 for line in lines.values()]))
     for node in nodes.values():
         node.alone = usual

@@ -45,6 +45,7 @@ class Laws(NamedTuple):
     constants: Floats
     state_at: Integers  # (E,) place of its state, -1 for none
     source_impedance: Floats  # (E,) behind which each is seen, > 0
+    before: Floats  # (E,) wave e + ρ i into it before t = 0
     impedance: Floats  # (N,) Thévenin impedance of each node beside branches, 0 if its effort is held
     record_row: Integers  # (E,) row in the record of the wave e + ρ i into it, or of what drives a store; -1 for none
     tools: Tools

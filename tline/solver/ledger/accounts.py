@@ -118,7 +118,7 @@ def accounts_of(nodes: Sequence[Node], inventory: Inventory, z0: NDArray) -> Acc
     at = np.repeat(np.arange(len(nodes)), [len(node.ends) for node in nodes])
     heads = {int(k): int(e) for k, e in zip(*np.unique(at, return_index=True), strict=True)}
     gathers = (at == np.arange(len(nodes))[:, None]) / (2 * z0[ends // 2])
-    held = {k: node.held for k, node in enumerate(nodes) if node.held is not None and not node.ends}
+    held = {k: n.held for k, n in enumerate(nodes) if n.held is not None and not n.ends and not n.hidden}
     ports: list[Port] = []
     for e, member in enumerate(inventory.members):
         first = len(ports)

@@ -11,7 +11,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.errors import InputError
+from tline.errors import InputError, NoFlowError
 from tline.progress import Progress
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import LULL, Tally, fronts_of, sources_of, tally
@@ -218,6 +218,6 @@ def _refuse(assembly: Assembly, node: int) -> None:
     group = int(np.searchsorted(assembly.network.group, node, side="right")) - 1
     if group < len(assembly.groups) and assembly.groups[group].elements:
         where = " and ".join(element.where for element in assembly.groups[group].elements)
-        raise InputError(where, "no flow was found that fits the waves", "narrower slabs, or a line between elements")
+        raise NoFlowError(where, "no flow was found that fits the waves", "narrower slabs, or a line between elements")
     where = " and ".join(assembly.description.active) or "lines"
     raise InputError(where, "the waves grow beyond all bounds", "passive loads", "active ones")

@@ -77,6 +77,7 @@ def above_level(description: Description, tables: Mapping[str, FrictionTable] = 
     given, conductance, driven, tie = _balances(nodes)
     conductance += np.bincount(first, leak, n) + np.bincount(second, leak, n)
     _check_held(description, part, given)
+    _check_between(description, part, number)
     edges = Edges(description, number, lossy, tables)
     if edges.count:
         level, flow = _between_parts(description, number, part, given, conductance, driven, edges)
@@ -196,6 +197,18 @@ def _check_held(description: Description, part: NDArray, given: NDArray) -> None
             "no steady state: lossless lines join different ideal efforts",
             got=f"{low[k] + level[k]:g} and {high[k] + level[k]:g} {units['effort']}",
         )
+
+
+def _check_between(description: Description, part: NDArray, number: dict[str, int]) -> None:
+    """Refuse ideal efforts between two nodes of one part."""
+    for name, source in description.scene.sources.items():
+        if source.nodes is not None and source.conductance == np.inf:
+            one, other = (part[number[node]] for node in source.nodes)
+            value = just_before(source.value)
+            if one == other and value:
+                got = f"{value:g} {description.medium.units['effort']}"
+                problem = "no steady state: lossless lines join its two nodes"
+                raise InputError(place("sources", name), problem, "a resistance", got)
 
 
 def _efforts(

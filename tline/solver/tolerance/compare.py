@@ -13,6 +13,7 @@ from tline.solver.result.result import Result
 from tline.solver.tolerance.difference import difference
 
 ROUNDING = 2e-15  # relative to the amplitude; no estimate is smaller
+NOTHING = 1e-13  # of the largest amplitude of all probes; what is below is rounding
 SILENT = 1e-9  # of the larger of u and z0·y; an amplitude below it is not weighed
 BETWEEN = 1.5  # times the largest difference at the places that are compared: what lies between them
 BY_ORDER, BY_SLAB = 0.2, 0.5  # shares of the difference before: a step that leaves less follows every decay
@@ -66,9 +67,10 @@ def compare(
 def differences(coarse: Result, fine: Result) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
     """Largest differences to a finer run by probe, for `estimates`, `inside` and `blurred` of `Accuracy`."""
     told: tuple[dict[str, Estimate], ...] = {}, {}, {}
-    for name, probe in fine.probes.items():
-        found = difference(coarse.probes[name], probe, fine.resolution.settle)
-        heard = found.amplitude > SILENT * found.amplitude.max()
+    all_ = {name: difference(coarse.probes[name], probe, fine.resolution.settle) for name, probe in fine.probes.items()}
+    largest = max(float(found.amplitude.max()) for found in all_.values())
+    for name, found in all_.items():
+        heard = found.amplitude > max(SILENT * found.amplitude.max(), NOTHING * largest)
         for each, size in zip(told, found[:3], strict=True):
             relative = np.where(heard, size / np.where(heard, found.amplitude, 1.0), 0.0)
             each[name] = Estimate(*(max(float(e), ROUNDING) if e > 0 else 0.0 for e in relative))

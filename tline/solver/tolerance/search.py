@@ -6,7 +6,7 @@ from itertools import pairwise
 from math import inf, log2, log10
 from typing import NamedTuple
 
-from tline.errors import InputError
+from tline.errors import InputError, NoFlowError
 from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import FIT, Resolution, resolution
@@ -24,6 +24,7 @@ MOST_INSIDE = 2e6  # line-end samples in all runs together, for the sake of inst
 WORTH = 64  # or so many times those of the first run, if that is more
 TRIED = 2  # halvings of the slab, from which the next ones are foretold
 HELPS = 0.5  # a step that leaves more of the difference than this does not converge
+HALVED = 4  # times that a slab is halved at most to find a flow
 STALE = 2  # halvings of the slab in a row that may bring nothing
 MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
 MOST_SECTIONS = 8  # of a lumped line
@@ -53,6 +54,7 @@ class Search(NamedTuple):
     envelope: bool = False
     start: Start | None = None
     laws: Sequence[str] = ()  # elements whose waves are recorded
+    halved: int = 0  # how often the first slab is, beside what suits the scene
 
     def run(self, chosen: Resolution, end: float | None = None, kinks: Kinks = NO_KINKS) -> Result:
         """One run, to the scene's end time or to another."""
@@ -105,13 +107,19 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
 
     From where that is so on, lumped lines have twice as many in each finer run: the last must have. Slab ends come
     first; what is left inside slabs is worked on while that promises to be enough. Where laws kink, slabs are cut in
-    pieces where they did in the run before. Two comparisons tell how fast runs converge; one is enough if it leaves
+    pieces where they did in the run before. Where no flow is found on the first slabs, the search begins with narrower
+    ones. Two comparisons tell how fast runs converge; one is enough if it leaves
     some room, or that is known of the scene with other values, and no law kinks.
     """
     steps, limit, stale, helps = _finer(search, sections), "", 0, True
-    kinked = kinking(search.description)
+    kinked, missed = kinking(search.description), 0
     search = search._replace(laws=[element.where for element in kinked])
-    result = best = search.run(next(steps))
+    try:
+        result = best = search.run(next(steps))
+    except NoFlowError:
+        if search.halved >= HALVED or search.description.scene.solver.slab is not None or sections:
+            raise
+        return refined(search._replace(halved=search.halved + 2), sections)
     attempts, accuracy = [Attempt.of(result)], Accuracy(search.tol)
     told, found, left = accuracy, [accuracy], search.start.left if search.start else SLOWEST
     while not limit:
@@ -121,6 +129,10 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
         except StopIteration:
             limit = "order and slab are as fine as they may be"
             break
+        except NoFlowError as error:
+            missed, helps = missed + 1, False
+            limit = f"{error.where}: {error.problem}" if missed > HALVED else ""
+            continue
         except InputError as error:
             limit = f"{error.where}: {error.problem}"
             break
@@ -223,6 +235,8 @@ def _finer(search: Search, sections: Mapping[str, int]) -> Generator[Resolution,
     description, given = search.description, search.description.scene.solver
     s = given.order or (search.start.order if search.start else first_order(search.tol))
     chosen = resolution(description, s, sections=sections, settle=search.settle)
+    if search.halved:
+        chosen = resolution(description, s, chosen.h / 2**search.halved, sections, search.settle)
     h, fixed, enough = chosen.h, given.slab is not None or bool(sections), False
     while True:
         helped, met = yield chosen._replace(fit=search.fit)

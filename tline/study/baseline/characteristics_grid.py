@@ -34,7 +34,7 @@ def moc_grid(scene: Scene, n: float) -> Trace:
         impedances_of(scene),
         friction / reaches,
     )
-    efforts, flows = (steady_state if description.steady else rest)(description)
+    efforts, flows = steady_state(description) if description.steady else rest(description)[:2]
     ends = np.array([[efforts[node] for node in line.nodes] for line in scene.lines.values()])
     parts = [[(node.held, 1.0)] if node.held else node.flows for node in each]
     return stepped(scene, partial(advance_grid, net, ends, flows[:, 0]), dt, steps, parts)
