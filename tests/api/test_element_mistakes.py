@@ -73,7 +73,8 @@ def test_a_load(load, message):
     ("link", "message"),
     [
         ({"kind": "pump", "curve": [[0, 3e5], [0.02, 4e5]]}, "links.x.curve: the rise does not fall with the flow"),
-        ({"kind": "pump", "curve": [[0, 3e5], [1, 2.9e5], [2, 1], [3, 0]]}, "links.x.curve: .*at most 3"),
+        ({"kind": "pump", "curve": [[0, 3e5], [1, 2.9e5], [2, 1], [3, 1]]}, "links.x.curve: the rise does not fall"),
+        ({"kind": "pump", "curve": [[0.02, 3e5]], "efficiency": 0.8}, "links.x.efficiency: is for curves of four"),
         ({"kind": "pump", "curve": [[0.02, 3e5]], "trip": 1}, "links.x.inertia: is missing"),
         ({"kind": "pump", "curve": [[0.02, 3e5]], "inertia": 1, "rated_speed": 1}, "links.x.trip: is missing"),
         ({"kind": "pump", "curve": [[0.02, 3e5]], "speed": -1}, "links.x.speed: out of range, expected zero or more"),

@@ -14,9 +14,10 @@ from tline.solver.kernel.stores.gas import expanded
 from tline.solver.kernel.units import OF_KIND
 from tline.solver.steady.flows import flows_through
 
+PUMP = Pump(nodes=("a", "b"), curve=[(0.0, 2.0), (0.5, 1.9), (1.0, 1.2), (1.5, 0.3)], efficiency=0.8)
 LAWS = {
     "quadratic": ((0.1, 0.7, 0.0), lambda u: 0.7 * np.sign(u) * np.sqrt(abs(u))),
-    "pump": ((0.0, 2.0, 0.3, 0.5, 0.0), None),
+    "pump": (PUMP.law().constants, None),
     "relief": ((0.0, 0.7, 0.5, 0.25), lambda u: 0.7 * np.clip((u - 0.5) / 0.25, 0, 1) * np.sqrt(max(u, 0))),
     "leak": ((0.0, 0.8, 1.3, 1.2), lambda u: 0.8 * (max(u, 0) / 1.3) ** 1.2),
     "demand": ((0.2, 0.8, 1.3, 0.5), lambda u: 0.8 * np.clip(u / 1.3, 0, 1) ** 0.5),
@@ -53,11 +54,23 @@ def test_a_slope_is_the_derivative(kind):
         assert through(kind, v, 2.0)[1] == pytest.approx(difference, rel=1e-4, abs=1e-9)
 
 
-def test_the_pumps_parabola_is_met_at_any_speed():
-    _, h0, b, c, _ = LAWS["pump"][0]
-    for speed in (0.0, 0.4, 1.0):
-        flow, _ = through("pump", -0.5, 0.3, speed)
-        assert -0.5 - 0.3 * flow == pytest.approx(-h0 * speed**2 + b * speed * flow + c * flow * abs(flow), abs=1e-14)
+@pytest.mark.parametrize("speed", [0.4, 1.0])
+@pytest.mark.parametrize(("flow", "rise"), [(0.0, 2.0), (0.5, 1.9), (1.0, 1.2), (1.5, 0.3)])
+def test_a_pump_meets_its_points_at_any_speed(speed, flow, rise):
+    """By affinity: the flow goes with the speed, the rise with its square."""
+    z = 0.3
+    v = z * speed * flow - speed**2 * rise
+    assert through("pump", v, z, speed)[0] == pytest.approx(speed * flow, abs=1e-14)
+
+
+def test_a_pumps_curve_falls_smoothly_through_its_points():
+    z = 0.01
+    drops = np.linspace(-2.4, 1.0, 4001)
+    flows, slopes = np.array([through("pump", drop, z) for drop in drops]).T
+    assert (np.diff(flows) > 0).all()
+    assert np.abs(np.diff(1 / slopes)).max() < 0.02 * (1 / slopes).max()
+    turned = flows[flows * (z * flows - drops) > 0]  # where it gives power
+    assert (turned.min(), turned.max()) == (pytest.approx(0.0, abs=0.01), pytest.approx(1.6, abs=0.1))
 
 
 @pytest.mark.parametrize("capacity", [0.0, 1e-200, 1e-9, 1.0, 1e9, 1e150, np.inf])
@@ -105,7 +118,13 @@ def test_kinds_are_numbered_alike():
 )
 def test_a_curve_goes_through_its_points(curve, parabola):
     pump = Pump(nodes=("a", "b"), curve=curve)
-    assert pump.law().constants[1:4] == pytest.approx(parabola, abs=1e-12)
+    at_rest, b, c = parabola
+    z, rise = 0.7, at_rest - 1.5 * b - 1.5**2 * c
+    laws = laws_of([], [], 0, 0)[0]._replace(
+        kind=np.array([KINDS.index("pump")]), at=np.zeros(1, int), constants=np.array(pump.law().constants),
+        control=np.ones(1), source_impedance=np.array([z]),
+    )  # fmt: skip
+    assert flows_through(laws, np.array([1.5 * z - rise]))[0][0] == pytest.approx(1.5, abs=1e-12)
 
 
 def test_a_characteristic_breaks_where_the_opening_passes_its_points():

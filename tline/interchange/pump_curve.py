@@ -9,6 +9,10 @@ import numpy as np
 
 from tline.errors import InputError
 
+SQUARE, STEPS = 2.0, 10  # parts of other power laws
+NEAR = 0.25  # of a step: closer to the operating point than that no other is needed
+Points = list[tuple[float, float]]
+
 
 @dataclass(frozen=True)
 class PowerLaw:
@@ -17,8 +21,8 @@ class PowerLaw:
     Examples
     --------
     >>> law = PowerLaw(40.0, 1000.0, 2.0)
-    >>> law.head(0.1), law.slope(0.1), law.last
-    (30.0, -200.0, 0.2)
+    >>> law.head(0.1), law.last
+    (30.0, 0.2)
     """
 
     a: float
@@ -29,14 +33,18 @@ class PowerLaw:
         """Head, m."""
         return self.a - self.b * flow**self.c
 
-    def slope(self, flow: float) -> float:
-        """Change of the head with the flow, s/m²."""
-        return -self.b * self.c * flow ** (self.c - 1)
-
     @property
     def last(self) -> float:
         """Flow without head, m³/s."""
         return (self.a / self.b) ** (1 / self.c)
+
+    def points(self, at: float) -> Points:
+        """Points (flow, head), the one at a flow among them; two of a square law."""
+        if self.c == SQUARE:
+            return [(0.0, self.a), (self.last, 0.0)]
+        step = max(self.last, 1.2 * at) / STEPS
+        flows = {k * step for k in range(STEPS + 1) if abs(k * step - at) > NEAR * step} | {at}
+        return [(flow, self.head(flow)) for flow in sorted(flows)]
 
 
 @dataclass(frozen=True)
@@ -46,8 +54,8 @@ class Polyline:
     Examples
     --------
     >>> line = Polyline((0.0, 0.1, 0.2), (40.0, 35.0, 10.0))
-    >>> round(line.head(0.15), 9), line.slope(0.15)
-    (22.5, -250.0)
+    >>> round(line.head(0.15), 9)
+    22.5
     """
 
     flows: tuple[float, ...]
@@ -55,21 +63,22 @@ class Polyline:
 
     def head(self, flow: float) -> float:
         """Head, m."""
-        k = self._piece(flow)
-        return self.heads[k] + self.slope(flow) * (flow - self.flows[k])
-
-    def slope(self, flow: float) -> float:
-        """Change of the head with the flow, s/m²."""
-        k = self._piece(flow)
-        return (self.heads[k + 1] - self.heads[k]) / (self.flows[k + 1] - self.flows[k])
-
-    def _piece(self, flow: float) -> int:
-        return int(np.clip(np.searchsorted(self.flows, flow) - 1, 0, len(self.flows) - 2))
+        k = int(np.clip(np.searchsorted(self.flows, flow) - 1, 0, len(self.flows) - 2))
+        slope = (self.heads[k + 1] - self.heads[k]) / (self.flows[k + 1] - self.flows[k])
+        return self.heads[k] + slope * (flow - self.flows[k])
 
     @property
     def last(self) -> float:
         """Largest flow, m³/s."""
         return self.flows[-1]
+
+    def points(self, at: float) -> Points:
+        """Its own points (flow, head), rest, middles between them, and the one at a flow."""
+        own = sorted({0.0, *self.flows, max(self.last, 1.2 * at)})
+        inner = [(one + two) / 2 for one, two in pairwise(own)]
+        least = NEAR * min(two - one for one, two in pairwise(own))
+        flows = {flow for flow in (*own, *inner) if abs(flow - at) > least} | {at}
+        return [(flow, self.head(flow)) for flow in sorted(flows)]
 
 
 def pump_curve(points: Sequence[tuple[float, float]]) -> PowerLaw | Polyline:
@@ -100,7 +109,7 @@ def pump_curve(points: Sequence[tuple[float, float]]) -> PowerLaw | Polyline:
         raise InputError("", "its curve does not fall", "heads that fall as the flow rises", got)
     if len(points) == 1:
         q, h = points[0]
-        return PowerLaw(4 / 3 * h, h / 3 / q**2, 2.0)
+        return PowerLaw(4 / 3 * h, h / 3 / q**2, SQUARE)
     if len(points) == 3 and flows[0] == 0:
         a, one, two = heads
         c = log((a - two) / (a - one)) / log(flows[2] / flows[1])

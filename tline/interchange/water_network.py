@@ -9,6 +9,7 @@ Position = tuple[float, float]
 STILL = 1e-9  # m³/s; a demand below it is none
 TRICKLE = 1e-6  # m³/s; what EPANET lets pass a valve that holds tight, or into a part that takes nothing
 LEAST_DROP = 1e-3  # m; less is none
+WIDE_OPEN = 1e-7  # m, lost in a valve of which a file says that it loses nothing
 LISTED = 6
 
 

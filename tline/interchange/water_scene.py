@@ -23,6 +23,7 @@ from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
 
+AROUND = (1 / 3, 1 / 2, 2 / 3, 5 / 6, 1.0, 7 / 6, 3 / 2, 2.0, 3.0)  # flows of a pump of constant power
 T_END, TOL = "10 s", 1e-3  # of the scene, for the user to change
 
 
@@ -53,7 +54,7 @@ def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, 
     Pressures of reservoirs are piezometric, density·g·head. The friction factor of a pipe is the one that the operating
     point has. Reservoirs and tanks hold their level, valves the opening that loses what they lose there; a demand is
     what an opening to the air at its node's height lets out that gives the demand at the operating point. A pump has
-    the parabola through its shut-off head with head and slope at the operating point.
+    points of its curve, that of the operating point among them.
 
     Raises
     ------
@@ -137,27 +138,17 @@ def _pockets(network: WaterNetwork, shut: set[str]) -> list[str]:
 
 
 def _pump(network: WaterNetwork, name: str, pump: WaterPump, notes: list[str]) -> dict[str, Any]:
-    """A pump whose parabola has head and slope of the curve at the operating point, and its shut-off head if it can."""
-    weight, flow = network.density * GRAVITY, pump.flow / pump.speed
+    """A pump with points of its curve, that of the operating point among them."""
+    weight = network.density * GRAVITY
+    at = max(pump.flow, 0.0) / pump.speed if pump.flow > TRICKLE else 0.0
     if pump.curve is None:  # constant power: head·flow is constant
         one, two = (network.nodes[node].head for node in pump.nodes)
-        head = (two - one) / pump.speed**2
-        slope, shut_off = -head / flow, None
+        power = (two - one) / pump.speed**2 * at
+        points = [(at * share, power / (at * share)) for share in AROUND]
+        given = f"it gives that from {points[0][0] * pump.speed:.4g} to {points[-1][0] * pump.speed:.4g} m³/s"
+        notes.append(f"pump '{name}': constant power: {given}, and beyond that goes on like other pumps")
     else:
-        flow = flow if pump.flow > TRICKLE else pump.curve.last / 2
-        head, slope, shut_off = pump.curve.head(flow), pump.curve.slope(flow), pump.curve.head(0.0)
-    if head < 0:
-        where, problem = f"pump '{name}'", f"works beyond its curve, at a head of {head:.4g} m"
-        raise InputError(where, problem, "a head above zero")
-    fall = -slope * flow
-    if shut_off is not None and shut_off - head <= fall <= 2 * (shut_off - head) * (1 + 1e-12):
-        bend = fall - (shut_off - head)
-        half = shut_off - (2 * (shut_off - head) - fall) / 2 - bend / 4
-        points = [[0.0, shut_off], [flow / 2, half], [flow, head]]
-    else:
-        points = [[0.0, head + fall / 2], [flow, head]]
-        given = "constant power" if shut_off is None else f"{shut_off:.4g} m in the file"
-        notes.append(f"pump '{name}': no flow at a head of {head + fall / 2:.4g} m ({given})")
+        points = pump.curve.points(at)
     speed = {} if pump.speed == 1 else {"speed": pump.speed}
     curve = [[q, weight * h] for q, h in points]
     return {"kind": "pump", "nodes": list(pump.nodes), "curve": curve, "check_valve": True} | speed
@@ -183,14 +174,12 @@ def _add_node(
         tables["sources"][name] = {"at": name, "kind": "flow", "value": -node.demand}
         if node.demand > 0:
             notes.append(f"junction '{name}': no pressure, so its demand is a constant flow")
-    if node.emitter and network.exponent != 0.5:
-        problem = f"the exponent of emitters is {network.exponent:g}, and a scene has square roots"
-        raise InputError(f"junction '{name}'", problem, "0.5")
     if node.emitter and f"{name}:emitter" in network.nodes:
         problem = "its emitter needs a name that a node has"
         raise InputError(f"junction '{name}'", problem, f"no node '{name}:emitter'")
     if node.emitter:
-        tables["loads"][f"{name}:emitter"] = outside | {"flow": node.emitter, "pressure_drop": weight}
+        leak = {"at": name, "kind": "leak", "flow": node.emitter, "pressure": weight, "exponent": network.exponent}
+        tables["loads"][f"{name}:emitter"] = leak
 
 
 def _probe(network: WaterNetwork) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from math import pi, sqrt
 from typing import Any
 
-from tline.interchange.water_network import LEAST_DROP, TRICKLE, Valve, WaterNetwork, listed
+from tline.interchange.water_network import LEAST_DROP, TRICKLE, WIDE_OPEN, Valve, WaterNetwork, listed
 from tline.scene.site import GRAVITY
 from tline.scene.travel import open_loss, opening_of, shares
 
@@ -51,7 +51,7 @@ def valve_link(name: str, valve: Valve, density: float, notes: list[str]) -> dic
     opening, loss = 0.0 if is_shut(valve) else 1.0, usual
     if abs(valve.flow) > TRICKLE:
         per_head = 2 * GRAVITY / speed**2
-        lost = max(abs(valve.drop), LEAST_DROP) * per_head
+        lost = max(abs(valve.drop), WIDE_OPEN) * per_head
         loss = min(lost, usual)
         opening = opening_of(shares(kind, loss), sqrt(loss / lost))
     return {

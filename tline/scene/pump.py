@@ -10,14 +10,17 @@ from tline.errors import InputError
 from tline.scene.between import Between
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.law import ElementLaw, OfLiquids
+from tline.scene.pump_pieces import Pieces, backward, parabola, smooth
 from tline.scene.quantity import Quantity, Role
 from tline.scene.shape import Step
 from tline.wording import shown
 
+MOST_OF_A_PARABOLA = 3  # points
+EFFICIENCY = 0.75  # of which nothing is said
 ONE_POINT = 4 / 3  # shut-off rise over that of the single point of a curve (L. A. Rossman, EPANET 2 manual, 2000)
 Flow = Annotated[Quantity, Role("flow", "m^3/s", at_least=0)]
 Instant = Annotated[Quantity, Role("time", "s", at_least=0)]
-Rise = Annotated[Quantity, Role("pressure", "Pa", at_least=0)]
+Rise = Annotated[Quantity, Role("pressure", "Pa")]
 
 
 def _pair(point: Any) -> Any:
@@ -27,15 +30,21 @@ def _pair(point: Any) -> Any:
 
 
 class Pump(Between, OfLiquids):
-    """A pump from the first node to the second: rise = N²·h0 - N·b·Q - c·Q·|Q|, N the speed over the rated one.
+    """A pump from the first node to the second: rise = N²·h(Q/N), N the speed over the rated one.
 
-    The parabola goes through the points of its curve; of a single point it makes one that shuts off at 4/3 of its rise
-    and has its summit there.
+    The curve h is a parabola through up to three points: of a single point one that shuts off at 4/3 of its rise and
+    has its summit there. From four points on it is a smooth curve that falls through them, which beyond them goes on as
+    a parabola with its summit at rest.
     """
 
     kind: Literal["pump"] = "pump"
     curve: list[Annotated[tuple[Flow, Rise], BeforeValidator(_pair)]] = Field(
-        min_length=1, max_length=3, description="one to three points [flow, pressure rise] at rated speed"
+        min_length=1, max_length=100, description="points [flow, pressure rise] at rated speed"
+    )
+    efficiency: Annotated[Quantity, Role("share", "", above=0, at_most=1)] | None = Field(
+        default=None,
+        description="of the run-down: power of the water over that of the shaft, for curves of four points or more; "
+        "the rotor of a parabola b, c loses what c takes",
     )
     speed: Factor = Field(default=ALWAYS, description="over the rated speed, constant or over time")
     trip: Instant | None = Field(default=None, description="when the motor fails and it begins to run down")
@@ -46,11 +55,11 @@ class Pump(Between, OfLiquids):
         default=None, description="turns per second; needed with trip"
     )
     check_valve: bool = Field(default=False, description="whether a check valve behind it lets nothing back")
-    _parabola: tuple[float, float, float] = PrivateAttr()
+    _pieces: tuple[Pieces, Pieces] = PrivateAttr()
 
     @model_validator(mode="after")
     def _runs(self):
-        self._parabola = _parabola([(float(q), float(h)) for q, h in self.curve])
+        self._pieces = self._of_curve()
         needed = {"inertia": self.inertia, "rated_speed": self.rated_speed}
         missing = [key for key, value in needed.items() if value is None]
         if self.trip is not None and missing:
@@ -61,13 +70,36 @@ class Pump(Between, OfLiquids):
             raise InputError("speed", "cannot be prescribed beside a trip", "one of speed and trip")
         return self
 
+    def _of_curve(self) -> tuple[Pieces, Pieces]:
+        """Pieces of the curve for a rotor that turns forward, and backward."""
+        points = sorted((float(q), float(h)) for q, h in self.curve)
+        if len(points) > MOST_OF_A_PARABOLA:
+            _check_falls(points)
+            forward = smooth(points, float(self.efficiency or EFFICIENCY))
+            return forward, backward(forward)
+        if self.efficiency is not None:
+            raise InputError("efficiency", "is for curves of four points or more", "none", f"{self.efficiency:g}")
+        form = _parabola(points)
+        return parabola(*form), parabola(*form, sign=-1.0)
+
     def law(self) -> ElementLaw:  # noqa: D102
-        constants = (0.0, *self._parabola, float(self.check_valve))
         if self.trip is None or self.inertia is None or self.rated_speed is None:
-            return ElementLaw("pump", constants, self.speed)
+            return ElementLaw("pump", self._constants(0.0), self.speed)
         twice_the_energy = self.inertia * (2 * pi * self.rated_speed) ** 2  # J, at rated speed
         motor = Step.model_validate({"from": 1, "to": 0, "at": self.trip})
-        return ElementLaw("rotor", (*constants, float(twice_the_energy)), motor)
+        return ElementLaw("rotor", self._constants(float(twice_the_energy)), motor)
+
+    def _constants(self, energy: float) -> tuple[float, ...]:
+        forward, back = self._pieces
+        pieces = float(len(forward.rises)), float(len(back.rises))
+        check = float(self.check_valve)
+        return 0.0, forward.at_rest, check, energy, back.at_rest, *pieces, *forward.flat(), *back.flat()
+
+
+def _check_falls(points: list[tuple[float, float]]) -> None:
+    flows, rises = zip(*points, strict=True)
+    if len(set(flows)) < len(flows) or any(np.diff(rises) >= 0):
+        raise InputError("curve", "the rise does not fall with the flow", "a falling curve", shown(points))
 
 
 def _parabola(points: list[tuple[float, float]]) -> tuple[float, float, float]:
@@ -78,13 +110,12 @@ def _parabola(points: list[tuple[float, float]]) -> tuple[float, float, float]:
     InputError
         The points do not fall with the flow, or their parabola does not.
     """
-    flows, rises = zip(*sorted(points), strict=True)
+    flows, rises = zip(*points, strict=True)
     if len(points) == 1:
         if flows[0] == 0 or rises[0] == 0:
             raise InputError("curve", "its one point is no working point", "flow and rise above zero")
         return ONE_POINT * rises[0], 0.0, (ONE_POINT - 1) * rises[0] / flows[0] ** 2
-    if len(set(flows)) < len(flows) or any(np.diff(rises) >= 0):
-        raise InputError("curve", "the rise does not fall with the flow", "a falling curve", shown(points))
+    _check_falls(points)
     q, h = np.array(flows), np.array(rises)
     powers = q[:, None] ** (np.array([0, 2]) if len(points) == 2 else np.arange(3))
     solved = np.linalg.solve(powers, h)

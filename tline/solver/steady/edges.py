@@ -110,4 +110,4 @@ def _running(element: PlacedLaw) -> PlacedLaw:
     """A pump that will run down still runs."""
     if element.law.kind != "rotor":
         return element
-    return element._replace(law=element.law._replace(kind="pump", constants=element.law.constants[:5]))
+    return element._replace(law=element.law._replace(kind="pump"))

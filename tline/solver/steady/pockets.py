@@ -44,7 +44,7 @@ def held_drops(elements: Elements) -> tuple[NDArray, NDArray]:
             low[e], high[e] = -np.inf, np.inf
         elif name == "quadratic" and c[2]:
             low[e], high[e] = -np.inf, c[0]
-        elif name == "pump" and c[4]:
+        elif name == "pump" and c[2]:
             low[e], high[e] = -np.inf, c[0] - factor**2 * c[1]
         elif name in ("relief", "leak", "demand"):
             least = c[2] if name == "relief" else 0.0

@@ -76,9 +76,9 @@ def _bends(element: PlacedLaw, rho: float) -> Iterator[Bend]:
     if kind == "relief":
         yield Bend(c[0] + c[2])
         yield Bend(c[0] + c[2] + c[3], rho * c[1] * sqrt(c[2] + c[3]))
-    if kind == "pump" and c[4] > 0:
+    if kind == "pump" and c[2] > 0:
         yield Bend(c[0], -c[1], 2)
-    if (kind == "rotor" and c[4] > 0) or (kind in ("gas", "tank") and c[1] < inf):  # where its flow turns, or stops
+    if (kind == "rotor" and c[2] > 0) or (kind in ("gas", "tank") and c[1] < inf):  # where its flow turns, or stops
         yield Bend(0.0)
 
 

@@ -1,8 +1,8 @@
 """One Radau IIA step of an element whose state y is one number.
 
 The state is seen through X(y), the root of twice the energy stored, so that the step cannot add energy (Hairer, Wanner:
-Solving Ordinary Differential Equations II, 1996, theorem IV.12.9). A store tells of y: X, dX/dy, and e, l, r, q where
-v = e + l i + loss and dX/dt = (r + q i) i.
+Solving Ordinary Differential Equations II, 1996, theorem IV.12.9). A store tells of y: X, dX/dy, its effort, and r
+where dX/dt = r i, of a rotor about; and behind an effort and an impedance the flow i, and dX/dt.
 """
 
 import numpy as np
@@ -18,9 +18,9 @@ NARROWEST = 1e-6  # part of a slab
 @function
 def filling(stored, entering, c, at, y, v, z):
     """Flow i into an element with a state y, X, dX/dy, dX/dt, and r."""
-    x, slope, effort, more, rate, bend = stored(c, at, y)
-    i = entering(c, at, v - c[at] - effort, z + more)
-    return i, x, slope, (rate + bend * i) * i, rate
+    x, slope, effort, share = stored(c, at, y)
+    i, rate = entering(c, at, y, share, v - c[at] - effort, z)
+    return i, x, slope, rate, share
 
 
 @function

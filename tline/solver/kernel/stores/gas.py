@@ -37,15 +37,16 @@ def expanded(low, n):
 
 @function
 def stored(c, at, y):
-    """X, dX/dy, effort, no loss of its own, and dX/dt over the flow."""
+    """X, dX/dy, effort, and dX/dt over the flow."""
     effort, x, ratio = expanded(y, c[at + 4])
-    return x, -ratio * np.exp(y), c[at + 2] * effort, 0.0, ratio / c[at + 3], 0.0
+    return x, -ratio * np.exp(y), c[at + 2] * effort, ratio / c[at + 3]
 
 
 @function
-def entering(c, at, d, z):
-    """Flow through the orifice."""
-    return rooted(d, z, c[at + 1], 0.0)[0]
+def entering(c, at, y, share, d, z):
+    """Flow through the orifice, and dX/dt."""
+    i = rooted(d, z, c[at + 1], 0.0)[0]
+    return i, share * i
 
 
 @function

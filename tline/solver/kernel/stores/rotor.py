@@ -1,11 +1,11 @@
 """Pump with a rotor that runs down once its control signal falls to zero; its state is speed over rated speed.
 
-Constants: those of a pump (`laws.pump`), then the inertia's share.
+Constants: those of a pump (`laws.pump`).
 """
 
 import numpy as np
 
-from tline.solver.kernel.laws.pump import parabolic
+from tline.solver.kernel.laws.pump import pumped, resting, torque
 from tline.solver.kernel.network import Store
 from tline.solver.kernel.stores.fill import fill, filling
 from tline.unit import function, unit
@@ -13,16 +13,15 @@ from tline.unit import function, unit
 
 @function
 def stored(c, at, y):
-    """X, dX/dy, effort, loss over the flow, and dX/dt = (r + q i) i."""
-    sign = 1.0 if y > 0.0 else -1.0
-    rate, bend = -c[at + 1] * abs(y) / c[at + 5], c[at + 2] * sign / c[at + 5]
-    return y, 1.0, -c[at + 1] * y * abs(y), c[at + 2] * abs(y), rate, bend
+    """X, dX/dy, effort, and dX/dt over the flow, about."""
+    return y, 1.0, -resting(c, at, y), -abs(c[at + 1] * y) / c[at + 3]
 
 
 @function
-def entering(c, at, d, z):
-    """Flow through the pump."""
-    return parabolic(d, z, c[at + 3], c[at + 4])[0]
+def entering(c, at, y, share, d, z):
+    """Flow through the pump, and dX/dt."""
+    i = pumped(c, at, y, d, z)[0]
+    return i, -torque(c, at, y, i) / c[at + 3]
 
 
 @unit

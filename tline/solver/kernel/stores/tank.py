@@ -13,14 +13,15 @@ from tline.unit import function, unit
 
 @function
 def stored(c, at, y):
-    """X, dX/dy, effort, no loss of its own, and dX/dt over the flow."""
-    return y, 1.0, y, 0.0, 1.0 / c[at + 2], 0.0
+    """X, dX/dy, effort, and dX/dt over the flow."""
+    return y, 1.0, y, 1.0 / c[at + 2]
 
 
 @function
-def entering(c, at, d, z):
-    """Flow through the orifice."""
-    return rooted(d, z, c[at + 1], 0.0)[0]
+def entering(c, at, y, share, d, z):
+    """Flow through the orifice, and dX/dt."""
+    i = rooted(d, z, c[at + 1], 0.0)[0]
+    return i, share * i
 
 
 @unit
