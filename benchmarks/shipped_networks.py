@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from tline.interchange.epanet import read_epanet
+from tline.interchange.pipe_walls import wave_speeds
 from tline.interchange.water_scene import water_scene
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
@@ -28,6 +29,7 @@ from tline.solver.steady.steady_state import steady_state
 ROOT = Path(__file__).parent.parent
 NETWORKS = ("Net1", "Net2", "Net3", "ky4", "ky10")
 SPEED = "1000 m/s"
+WALLS = wave_speeds(SPEED, None)
 STILL, DISTURBED = 10, 5  # s
 SOON = {"at": 0.5, "duration": 0.5}  # when what is operated changes, s
 REPEATED, FEW = 5, 5.0  # times that a run is repeated if one takes less than so many seconds
@@ -83,13 +85,13 @@ def disturbed(tables: dict[str, Any]) -> dict[str, dict[str, Any]]:
 
 def measured(name: str) -> dict[str, Any]:
     """All figures of a network."""
-    small = fixed(water_scene(read_epanet(path_of("Net1")), SPEED)[0], STILL)
+    small = fixed(water_scene(read_epanet(path_of("Net1")), WALLS)[0], STILL)
     for table in disturbed(small).values():
         simulate(Scene(**table), envelope=True)
     begun = time.perf_counter()
     network = read_epanet(path_of(name))
     read = time.perf_counter()
-    scene, _ = water_scene(network, SPEED)
+    scene, _ = water_scene(network, WALLS)
     built = time.perf_counter()
     effort, _ = steady_state(describe(scene))
     steady = time.perf_counter()

@@ -28,7 +28,7 @@ def run(line: str):
 
 def test_the_example_of_the_help_and_of_the_docs() -> None:
     pytest.importorskip("wntr")
-    (example,) = re.findall(r"^ +tline (import .*[.]inp.*)$", run("import --help").stdout, re.MULTILINE)
+    example, _ = re.findall(r"^ +tline (import .*[.]inp.*)$", run("import --help").stdout, re.MULTILINE)
     done = run(example)
     assert (done.exit_code, done.stdout) == (0, "wrote town.toml\n")
     assert done.stderr.splitlines()[0] == "note: left out, closed or without flow: 'spare'"
@@ -53,9 +53,12 @@ def test_the_scene_that_is_shipped_is_the_network_that_is_shipped() -> None:
 @pytest.mark.parametrize(
     ("line", "sentence"),
     [
-        ("import town.inp", "--wave-speed: is missing, for an .inp file has none"),
-        ("import town.inp --wave-speed fast", "wave_speed: there is no number in front"),
-        ("import town.inp --wave-speed 3kg", "wave_speed: this unit measures something else"),
+        ("import town.inp --at-hour noon", "--at-hour: not a number of hours, expected such as 17 or 17.5, got noon"),
+        ("import town.inp --at-hour -1", "--at-hour: out of range, expected 0 to 8784, got -1"),
+        ("import town.inp --material none.csv", "none.csv: cannot be read"),
+        ("import town.cir --at-hour 3", "--at-hour: is for .inp files"),
+        ("import town.inp --wave-speed fast", "--wave-speed: there is no number in front"),
+        ("import town.inp --wave-speed 3kg", "--wave-speed: this unit measures something else"),
         ("import none.inp --wave-speed 1000", "none.inp: cannot be read, got No such file"),
         ("import town.cir --wave-speed 1000", "--wave-speed: is for .inp files"),
         ("import town.inp --wave-speed -3", "lines.intake.wave_speed"),

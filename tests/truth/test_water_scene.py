@@ -9,6 +9,7 @@ from random_inp import random_inp
 
 from tline.errors import InputError
 from tline.interchange.epanet import read_epanet
+from tline.interchange.pipe_walls import wave_speeds
 from tline.interchange.water_scene import read_inp, water_scene
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
@@ -28,10 +29,10 @@ CURVES = {
 }
 
 
-def heads_agree(path: Path) -> None:
+def heads_agree(path: Path, hour: float = 0.0) -> None:
     """EPANET's heads are floats of 32 bits, and its flows are found to 1e-5: 1 mm in all."""
-    network = read_epanet(path)
-    scene, _ = water_scene(network, SPEED)
+    network = read_epanet(path, hour)
+    scene, _ = water_scene(network, wave_speeds(SPEED, None))
     effort, _ = steady_state(describe(scene))
     for name, node in network.nodes.items():
         assert effort[name] / (network.density * GRAVITY) == pytest.approx(node.head, abs=1e-3), name
@@ -56,6 +57,55 @@ def test_valves(tmp_path, valve):
 @pytest.mark.parametrize("exponent", [0.5, 0.8, 1.5])
 def test_emitters(tmp_path, exponent):
     heads_agree(ring(tmp_path, changes={"EXPONENT 0.5": f"EXPONENT {exponent}"}))
+
+
+def test_an_hour_later_levels_patterns_controls_and_rules_count(tmp_path):
+    """The tower fills through the ring; the demand at b doubles at 2 h, a control opens and a rule shuts a pipe."""
+    changes = {
+        " b 25 40": " b 25 40 day",
+        "[COORDINATES]": "[PATTERNS]\n day 0.5 0.5 1\n[CONTROLS]\n LINK spare OPEN AT TIME 1\n"
+        "[RULES]\nRULE 1\nIF SYSTEM TIME >= 2\nTHEN LINK ca STATUS IS CLOSED\n[COORDINATES]",
+    }
+    path = ring(tmp_path, changes=changes)
+    begun, later = read_epanet(path), read_epanet(path, 2.5)
+    assert later.basins["tower"].head > begun.basins["tower"].head + 0.1
+    assert later.junctions["b"].demand == pytest.approx(2 * begun.junctions["b"].demand, rel=1e-5)
+    assert ("spare" in later.pipes, "ca" in later.pipes) == (True, False)
+    assert "patterns, controls and rules: held as they stand after 2.5 h" in later.notes
+    heads_agree(path, 2.5)
+
+
+def test_walls_set_the_wave_speed(tmp_path):
+    """Korteweg's formula for a thin elastic wall, of water with 2.19 GPa."""
+    table = tmp_path / "walls.csv"
+    table.write_text("pipe, wall, thickness\nmain, steel, 6 mm\nab, 1234 m/s\n*, 2.76 GPa, 10 mm\nold, pvc, 1 cm\n")
+    scene, notes = read_inp(str(ring(tmp_path)), material=str(table))
+    assert "material: no pipe in use has these names: 'old'" in notes
+    rho, d = scene.lines["main"].parameters.density, scene.lines["main"].parameters.diameter
+    speed = (2.19e9 / rho / (1 + 2.19e9 / 206e9 * d / 6e-3)) ** 0.5
+    assert scene.lines["main"].parameters.wave_speed == pytest.approx(speed)
+    assert scene.lines["ab"].parameters.wave_speed == 1234
+    d = scene.lines["bc"].parameters.diameter
+    speed = (2.19e9 / rho / (1 + 2.19e9 / 2.76e9 * d / 1e-2)) ** 0.5
+    assert scene.lines["bc"].parameters.wave_speed == pytest.approx(speed)
+    _, notes = read_inp(str(ring(tmp_path)))
+    assert "wave speed: 1000 m/s in all pipes, for nothing says what they are made of" in notes
+
+
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        ("main, wood, 6 mm", "line 1: .*'wood'"),
+        ("main, steel, -6 mm", "line 1: out of range, expected above zero, got -6 mm"),
+        ("main, steel, 6 mm, 3", "line 1: not a row, expected pipe, wall, thickness; or pipe, wave speed"),
+        ("main, 900 m/s\nmain, 900 m/s", "line 2: pipe 'main' has a row already"),
+    ],
+)
+def test_mistakes_in_a_table_of_walls(tmp_path, row, said):
+    table = tmp_path / "walls.csv"
+    table.write_text(row)
+    with pytest.raises(InputError, match=said):
+        read_inp(str(ring(tmp_path)), material=str(table))
 
 
 def test_power_pump_and_inflow(tmp_path):

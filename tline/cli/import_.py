@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from tline.cli.options import check_readable
+from tline.cli.options import check_readable, hours, options_named
 from tline.errors import InputError
 
 SPICE, EPANET = "tline.interchange.spice:read_spice", "tline.interchange.water_scene:read_inp"
@@ -17,14 +17,17 @@ Examples:
   tline import cable.cir -o cable.toml
   tline import cable.cir | head
   tline import town.inp --wave-speed "1000 m/s" -o town.toml
+  tline import town.inp --material walls.csv --at-hour 17 -o evening.toml
 """
 
 
 @click.command("import", epilog=EXAMPLES)
 @click.argument("file")
 @click.option("-o", "--output", metavar="SCENE.toml", help="Write the scene to a file instead of printing it.")
-@click.option("--wave-speed", metavar="SPEED", help="In the pipes of an .inp file, such as '1000 m/s'.")
-def import_(file: str, output: str | None, wave_speed: str | None) -> None:
+@click.option("--wave-speed", metavar="SPEED", help="In the pipes of an .inp file; 1000 m/s if nothing is said.")
+@click.option("--material", metavar="FILE.csv", help="Rows pipe, wall, thickness or pipe, wave speed; * is all others.")
+@click.option("--at-hour", metavar="HOURS", help="Flows, levels and controls so long after an .inp file's start.")
+def import_(file: str, output: str | None, wave_speed: str | None, material: str | None, at_hour: str | None) -> None:
     """Turn another program's file into a scene.
 
     FILE is a SPICE netlist (.cir, .ckt, .net, .sp) or a network of EPANET (.inp). What no scene has is refused, and the
@@ -36,14 +39,18 @@ def import_(file: str, output: str | None, wave_speed: str | None) -> None:
     suffix = Path(file).suffix.lower()
     if suffix not in READERS:
         raise InputError(file, "unknown kind of file", " or ".join(READERS), suffix or "no suffix")
-    if (wave_speed is None) == (READERS[suffix] == EPANET):
-        if wave_speed is None:
-            raise InputError("--wave-speed", "is missing, for an .inp file has none", "such as --wave-speed '1000 m/s'")
-        raise InputError("--wave-speed", "is for .inp files", "none", wave_speed)
-    check_readable(file)
     module, _, reader = READERS[suffix].partition(":")
     read = getattr(import_module(module), reader)
-    scene, notes = (read(file), ()) if wave_speed is None else read(file, wave_speed)
+    water = {"--wave-speed": wave_speed, "--material": material, "--at-hour": at_hour}
+    foreign = next(((option, value) for option, value in water.items() if value is not None), None)
+    if foreign and READERS[suffix] != EPANET:
+        raise InputError(foreign[0], "is for .inp files", "none", foreign[1])
+    check_readable(file)
+    if READERS[suffix] == EPANET:
+        with options_named({"hour": "--at-hour", "wave_speed": "--wave-speed"}):
+            scene, notes = read(file, wave_speed, material=material, hour=hours(at_hour))
+    else:
+        scene, notes = read(file), ()
     text = scene_text(scene)
     for note in notes:
         click.echo(f"note: {note}", err=True)

@@ -51,6 +51,20 @@ def check_readable(file: str) -> None:
         raise InputError(file, "cannot be read", got=reason or "no file") from None
 
 
+def hours(text: str | None) -> float:
+    """Hours that an option `--at-hour` says, 0 without one.
+
+    Raises
+    ------
+    InputError
+        It is no number.
+    """
+    try:
+        return 0.0 if text is None else float(text)
+    except ValueError:
+        raise InputError("--at-hour", "not a number of hours", "such as 17 or 17.5", text) from None
+
+
 @contextmanager
 def options_named(options: Mapping[str, str]) -> Iterator[None]:
     """Let errors name the option where the library names its argument."""

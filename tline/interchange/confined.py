@@ -18,7 +18,7 @@ MOST, WAITING = 300.0, 3.0  # seconds, and those of the clock for each one of th
 MEMORY, WRITTEN = 4 << 30, 1 << 30  # bytes; the latter of a file
 
 
-def solved(path: str, text: str) -> dict[str, Any]:
+def solved(path: str, text: str, instant: int = 0) -> dict[str, Any]:
     """What EPANET answers to a text, as `epanet_run` writes it.
 
     Parameters
@@ -27,6 +27,8 @@ def solved(path: str, text: str) -> dict[str, Any]:
         The file that messages name.
     text : str
         The network; it is to name no files.
+    instant : int
+        After the start of time, s.
 
     Raises
     ------
@@ -38,7 +40,7 @@ def solved(path: str, text: str) -> dict[str, Any]:
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         (Path(folder) / epanet_run.NETWORK).write_text(text, encoding="utf-8", newline="\n")
         command = [sys.executable, "-I", "-S", epanet_run.__file__, str(library)]
-        limits = [str(seconds), str(MEMORY), str(WRITTEN)]
+        limits = [str(seconds), str(MEMORY), str(WRITTEN), str(instant)]
         try:
             ended = subprocess.run(
                 [*command, *limits],

@@ -25,6 +25,7 @@ from tline.interchange.water_network import (
 )
 
 WATER, VISCOSITY = 1000.0, 1.1e-5 * FOOT**2  # kg/m³ and m²/s, EPANET's
+LAST_HOUR = 8784.0  # of a year
 HIGHEST = 1e5  # m, of a head that is no accident of an unsolved network
 UNEVEN = 1e-4  # of the largest flow
 SLOWEST = 0.01  # m/s; friction at slower flow is taken at this speed
@@ -58,32 +59,36 @@ class FileUnits(NamedTuple):
     rough: float  # by Darcy and Weisbach
 
 
-def read_epanet(path: str | Path) -> WaterNetwork:
-    """Read an EPANET file and its operating point: the steady flow at the file's start of time.
+def read_epanet(path: str | Path, hour: float = 0.0) -> WaterNetwork:
+    """Read an EPANET file and its operating point: the steady flow at an hour after the file's start of time.
 
-    Demand patterns and controls count as they stand at that instant. What is closed then is left out, but for check
-    valves and regulating valves, and the notes name it. EPANET works in a process of its own, on a copy of the lines
-    that bear on the flow: no file but this one is read, and none is written.
+    Levels of tanks, demand patterns, controls and rules count as they stand then. What is closed then is left out, but
+    for check valves and regulating valves, and the notes name it. EPANET works in a process of its own, on a copy of
+    the lines that bear on the flow: no file but this one is read, and none is written.
 
     Parameters
     ----------
     path : str or Path
         An ``.inp`` file of EPANET 2.0 or 2.2.
+    hour : float
+        After the start of time, 0 to 8784.
 
     Raises
     ------
     InputError
-        EPANET is not installed, cannot read the file, or finds no steady flow; or the file holds what cannot be
-        represented.
+        EPANET is not installed, cannot read the file, or finds no steady flow; the file holds what cannot be
+        represented; or the hour is out of range.
     """
+    if not 0 <= hour <= LAST_HOUR:
+        raise InputError("hour", "out of range", f"0 to {LAST_HOUR:g}", f"{hour:g}")
     text = parse(read_text(str(path)), str(path))
-    answer = solved(str(path), text.network)
-    network = _network(answer, text, str(path))
+    answer = solved(str(path), text.network, round(hour * HOUR))
+    network = _network(answer, text, str(path), hour)
     _check_finite(network, str(path))
     return network
 
 
-def _network(answer: Mapping[str, Any], text: EpanetText, path: str) -> WaterNetwork:
+def _network(answer: Mapping[str, Any], text: EpanetText, path: str, hour: float) -> WaterNetwork:
     nodes = {node["name"]: node for node in answer["nodes"]}
     links = {link["name"]: link for link in answer["links"]}
     units = _units(answer["units"])
@@ -132,7 +137,7 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str) -> WaterNet
         },
         valves={name: _valve(link, units) for name, link in used.items() if link["type"] > PUMP},
         sound=not (abs(lost) > STILL or torn),
-        notes=tuple(_notes(answer["warning"], text.held, closed - kept, cut_off, dry, lost, torn)),
+        notes=tuple(_notes(answer["warning"], hour if text.held else None, closed - kept, cut_off, dry, lost, torn)),
     )
 
 
@@ -281,7 +286,7 @@ def _unbalanced(nodes: Mapping[str, Any], links: Mapping[str, Any], unit: float,
 
 
 def _notes(
-    warning: int, held: bool, closed: set[str], cut_off: set[str], dry: set[str], lost: float, torn: set[str]
+    warning: int, hour: float | None, closed: set[str], cut_off: set[str], dry: set[str], lost: float, torn: set[str]
 ) -> Iterator[str]:
     for names, why in (
         (closed, "closed or without flow"),
@@ -294,7 +299,8 @@ def _notes(
         yield f"left out, a demand of {lost:.3g} m³/s there: EPANET takes it out of the network through what is closed"
     if torn:
         yield f"EPANET's flows do not balance at {listed(torn)}: its solution is none there"
-    if held:
-        yield "patterns, controls and rules: held as they stand at the start of time"
+    if hour is not None:
+        when = f"after {hour:g} h" if hour else "at the start of time"
+        yield f"patterns, controls and rules: held as they stand {when}"
     if warning in WARNED:
         yield f"EPANET warns: {WARNED[warning]}"

@@ -1,4 +1,4 @@
-"""EPANET's own answer at the start of time: a program of its own, which reads and writes in the current folder alone.
+"""EPANET's own answer at an instant: a program of its own, which reads and writes in the current folder alone.
 
 It is started by its path, and needs nothing but Python and EPANET's library, whose path is its argument. It reads
 ``network.inp`` and writes ``answer.json``.
@@ -20,6 +20,7 @@ NODE_VALUES = {"elevation": 0, "emitter": 3, "demand": 9, "head": 10, "pressure"
 LINK_VALUES = {"diameter": 0, "length": 1, "roughness": 2, "minor": 3, "flow": 8, "status": 11, "setting": 12}
 OPTIONS = {"exponent": 3, "law": 7, "gravity": 12, "viscosity": 13}
 PUMP, PUMP_POWER, PUMP_CURVE = 2, 18, 19
+DURATION, STEP = 0, 1  # of times
 TRIALS, RELATIVE, ABSOLUTE = 0, 1, 6  # options: how often, and to which change of flows in the last step
 ATTEMPTS = (  # the last with what EPANET takes by default
     {TRIALS: 100, RELATIVE: 1e-5, ABSOLUTE: 1e-6},  # of the file's unit of flow
@@ -68,13 +69,14 @@ class Toolkit:
         return found.value.decode("utf-8", "replace")
 
 
-def main(library: str) -> dict:
-    """All that EPANET knows of the network, in the units of the file; or the mistake that it found."""
+def main(library: str, seconds: int) -> dict:
+    """All that EPANET knows of the network so late, in the units of the file; or the mistake that it found."""
     toolkit = Toolkit(library)
     code = toolkit.call("open", NETWORK.encode(), REPORT.encode(), b"")
     if code > WARNINGS:
         toolkit.call("close")
         return {"mistake": _reported() or f"error {code}"}
+    toolkit.call("settimeparam", DURATION, ctypes.c_long(seconds))
     code = toolkit.call("openH")
     if code > WARNINGS:
         return {"unsolved": f"error {code}"}
@@ -82,12 +84,26 @@ def main(library: str) -> dict:
         for option, value in options.items():
             toolkit.call("setoption", option, ctypes.c_double(value))
         toolkit.call("initH", INITIAL_FLOWS)
-        code = toolkit.call("runH", ctypes.byref(ctypes.c_long()))
+        code = _run_until(toolkit, seconds)
         if code not in (UNBALANCED, UNSTABLE):
             break
     if code == UNBALANCED or code > WARNINGS:
         return {"unsolved": "trials without end" if code == UNBALANCED else f"error {code}"}
     return _found(toolkit) | {"warning": code}
+
+
+def _run_until(toolkit: Toolkit, seconds: int) -> int:
+    """Solve from the start to that instant, as patterns and controls have it; the code of the last solution."""
+    now, step, longest = ctypes.c_long(), ctypes.c_long(), ctypes.c_long()
+    toolkit.call("gettimeparam", STEP, ctypes.byref(longest))
+    while True:
+        code = toolkit.call("runH", ctypes.byref(now))
+        if code > WARNINGS or now.value >= seconds:
+            return code
+        toolkit.call("settimeparam", STEP, ctypes.c_long(min(longest.value, seconds - now.value)))
+        code = toolkit.call("nextH", ctypes.byref(step))
+        if code > WARNINGS or step.value <= 0:
+            return code
 
 
 def _found(toolkit: Toolkit) -> dict:
@@ -150,5 +166,5 @@ def limit(seconds: float, memory: int, written: int) -> None:
 
 if __name__ == "__main__":
     limit(float(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]))
-    Path(ANSWER).write_text(json.dumps(main(sys.argv[1])), encoding="utf-8")
+    Path(ANSWER).write_text(json.dumps(main(sys.argv[1], int(sys.argv[5]))), encoding="utf-8")
     os._exit(0)  # whatever the library left behind

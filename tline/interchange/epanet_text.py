@@ -17,10 +17,10 @@ END_OF_LINE, SEPARATORS = re.compile(r"\r\n|\r|\n"), re.compile(r"[ \t,]+")
 NO_NUMBER = re.compile(r"[+-]?(nan(\(.*\))?|inf|infinity)", re.IGNORECASE)
 GIVEN = (
     "JUNCTIONS", "RESERVOIRS", "TANKS", "PIPES", "PUMPS", "VALVES", "EMITTERS", "CURVES", "PATTERNS", "STATUS",
-    "DEMANDS", "CONTROLS",
+    "DEMANDS", "CONTROLS", "RULES",
 )  # fmt: skip
 HELD = {"PATTERNS", "CONTROLS", "RULES"}
-LEFT = ("RULES", "ROUGHNESS", "ENERGY", "QUALITY", "REACTIONS", "SOURCES", "MIXING", "REPORT", "LABELS", "BACKDROP",
+LEFT = ("ROUGHNESS", "ENERGY", "QUALITY", "REACTIONS", "SOURCES", "MIXING", "REPORT", "LABELS", "BACKDROP",
         "TAGS")  # fmt: skip
 OWN = ("TITLE", "COORDINATES", "VERTICES", "OPTIONS", "TIMES", "END")
 SECTIONS = {name.rstrip("S"): name for name in (*GIVEN, *LEFT, *OWN)}
@@ -28,7 +28,7 @@ SECTIONS = {name.rstrip("S"): name for name in (*GIVEN, *LEFT, *OWN)}
 OPTIONS = ("UNIT", "PRES", "HEADL", "VISC", "SPEC", "CHECKF", "MAXCH", "DAMP", "PATT", "DEMA", "EMIT", "MINI", "REQU")
 OTHER_OPTIONS = ("HYDR", "QUAL", "MAP", "VERI", "SEGM", "DIFF", "TOLE", "TRIA", "ACCU", "UNBA", "HEADE", "FLOWC",
                  "BACKF")  # fmt: skip
-TIMES = ("PATT", "HYDR", "START")
+TIMES = ("PATT", "HYDR", "RULE", "START")
 Position = tuple[float, float]
 
 

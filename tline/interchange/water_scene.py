@@ -1,12 +1,14 @@
 """From a water network at its operating point to a scene that starts there."""
 
 from collections import Counter
+from collections.abc import Mapping
 from typing import Any
 
 from tline.errors import InputError
 from tline.interchange.compare_heads import differences
 from tline.interchange.epanet import read_epanet
 from tline.interchange.head_loss import GRAVITY as EPANETS
+from tline.interchange.pipe_walls import Keys, keys_of, notes_on, wave_speeds
 from tline.interchange.water_network import (
     LEAST_DROP,
     STILL,
@@ -19,7 +21,6 @@ from tline.interchange.water_network import (
 )
 from tline.interchange.water_valves import guesses, is_shut, valve_link, with_bores
 from tline.scene.file import scene_from
-from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
 
@@ -27,29 +28,36 @@ AROUND = (1 / 3, 1 / 2, 2 / 3, 5 / 6, 1.0, 7 / 6, 3 / 2, 2.0, 3.0)  # flows of a
 T_END, TOL = "10 s", 1e-3  # of the scene, for the user to change
 
 
-def read_inp(path: str, wave_speed: float | str) -> tuple[Scene, tuple[str, ...]]:
+def read_inp(
+    path: str, wave_speed: float | str | None = None, *, material: str | None = None, hour: float = 0.0
+) -> tuple[Scene, tuple[str, ...]]:
     """Scene of an EPANET file, and notes on what is left out or held.
 
     Parameters
     ----------
     path : str
         An ``.inp`` file.
-    wave_speed : number or text
-        In all pipes, such as ``"1000 m/s"``.
+    wave_speed : number or text, optional
+        In all pipes of which the material is not told, such as ``"1000 m/s"``, which it is if nothing is said.
+    material : str, optional
+        A CSV file with rows ``pipe, wall, thickness`` or ``pipe, wave speed``; the pipe ``*`` is all others.
+    hour : float
+        After the file's start of time, h.
 
     Raises
     ------
     InputError
-        The file cannot be read, or holds what no scene has.
+        A file cannot be read, or holds what no scene has.
     """
-    Quantity(wave_speed, "m/s", "wave_speed")
-    network = read_epanet(path)
-    scene, notes = water_scene(network, wave_speed)
-    return scene, (*notes, *differences(network, scene))
+    walls = wave_speeds(wave_speed, material)
+    network = read_epanet(path, hour)
+    scene, notes = water_scene(network, walls)
+    told = notes_on(walls, network.pipes, given=wave_speed is not None)
+    return scene, (*told, *notes, *differences(network, scene))
 
 
-def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, tuple[str, ...]]:
-    """The scene of a network, and notes.
+def water_scene(network: WaterNetwork, walls: Mapping[str, Keys]) -> tuple[Scene, tuple[str, ...]]:
+    """The scene of a network whose pipes have these keys by their names, and notes.
 
     Pressures of reservoirs are piezometric, density·g·head. The friction factor of a pipe is the one that the operating
     point has. Reservoirs and tanks hold their level, valves the opening that loses what they lose there; a demand is
@@ -64,7 +72,7 @@ def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, 
     weight, notes = network.density * GRAVITY, list(network.notes)
     tables: dict[str, Any] = {key: {} for key in ("lines", "links", "loads", "sources", "nodes")}
     for name, pipe in network.pipes.items():
-        _add_pipe(tables, network, name, pipe, wave_speed)
+        _add_pipe(tables, network, name, pipe, keys_of(name, walls))
     for name, pump in network.pumps.items():
         tables["links"][name] = _pump(network, name, pump, notes)
     shut = set()
@@ -86,7 +94,7 @@ def water_scene(network: WaterNetwork, wave_speed: float | str) -> tuple[Scene, 
     return scene_from(head | {key: table for key, table in tables.items() if table} | _probe(network)), tuple(notes)
 
 
-def _add_pipe(tables: dict[str, Any], network: WaterNetwork, name: str, pipe: Pipe, wave_speed: float | str) -> None:
+def _add_pipe(tables: dict[str, Any], network: WaterNetwork, name: str, pipe: Pipe, keys: Keys) -> None:
     one, two = pipe.nodes
     if pipe.one_way:
         valve = f"{name}:valve"
@@ -100,8 +108,8 @@ def _add_pipe(tables: dict[str, Any], network: WaterNetwork, name: str, pipe: Pi
         "nodes": [one, two],
         "length": pipe.length,
         "diameter": pipe.diameter,
-        "wave_speed": wave_speed,
         "density": network.density,
+        **keys,
         "friction": {"kind": "darcy", "factor": pipe.factor * (GRAVITY / EPANETS)},  # of the same head
     } | ({"vertices": [list(vertex) for vertex in pipe.vertices]} if pipe.vertices else {})
 
