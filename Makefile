@@ -7,9 +7,7 @@ BIN = $(VENV)/bin
 
 demo: $(VENV)/ready-run
 	$(BIN)/tline line hydraulic --radius "10 cm" --wave-speed 1500 --density 980
-	mkdir -p out
-	$(BIN)/tline run scenes/water_pipe.toml --plot out/pressure.png --space-time out/space_time.png \
-	  --lattice out/lattice.png --animate out/wave.html --csv out/pressure.csv
+	$(BIN)/tline demo -o out
 
 test: $(VENV)/ready-test
 	$(BIN)/python -m pytest -n auto

@@ -149,7 +149,7 @@ def pictures() -> None:
 
     from passivity import RationalFunction, check_positive_real
     from passivity.one_port.picture import draw_verdict
-    from tline.frequency.resonances import resonances
+    from tline.frequency.oscillations import resonances
     from tline.frequency.response import respond
     from tline.pictures.bode import plot_bode
     from tline.pictures.lattice import plot_lattice
@@ -188,7 +188,7 @@ def _signals() -> None:
     from tline.pictures.reflections import plot_reflections
     from tline.pictures.style import save_figure
     from tline.pictures.traces import plot_probes
-    from tline.signal.eye import eye
+    from tline.signal.eye_diagram import eye
     from tline.signal.load_line import bergeron
     from tline.signal.tdr import reflectometry
     from tline.solver.simulate import simulate

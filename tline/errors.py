@@ -59,3 +59,7 @@ class NoFlowError(InputError):
 
 class NotKeptWarning(UserWarning):
     """Compiled code cannot be kept on disk, so every process compiles for itself."""
+
+
+class LeftOutWarning(UserWarning):
+    """A file of another program holds something that its scene does not, or holds otherwise."""

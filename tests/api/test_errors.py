@@ -45,4 +45,4 @@ def test_the_four_packages_have_one_base():
 def test_the_ground_floor_loads_nothing_else():
     code = "import sys, tline.errors, tline.units; print(*sorted(m for m in sys.modules if m.startswith('tline')))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["tline", "tline.errors", "tline.units"]
+    assert done.stdout.split() == ["tline", "tline.errors", "tline.lazy", "tline.units"]

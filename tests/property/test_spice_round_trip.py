@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tline.interchange.netlist_text import spice_text
 from tline.interchange.spice import read_spice
-from tline.interchange.spice_text import spice_text
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
 

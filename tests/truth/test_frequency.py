@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tline.errors import InputError
+from tline.frequency.oscillations import resonances
 from tline.frequency.ports import impedance, scattering_parameters
-from tline.frequency.resonances import resonances
 from tline.frequency.response import respond
 from tline.scene.scene import Scene
 

@@ -8,7 +8,7 @@ import pytest
 from tline.errors import InputError
 from tline.scene.file import read_scene
 from tline.scene.scene import Scene
-from tline.signal.eye import eye, prbs7
+from tline.signal.eye_diagram import eye, prbs7
 from tline.signal.load_line import bergeron
 from tline.signal.tdr import reflectometry
 from tline.solver.simulate import simulate

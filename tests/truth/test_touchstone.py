@@ -6,7 +6,7 @@ from touchstone_files import ANTENNA, SHIPPED, behind_cable, frequencies, write,
 
 from passivity import RationalFunction
 from tline.frequency.delay_system import DelaySystem
-from tline.frequency.resonances import resonances
+from tline.frequency.oscillations import resonances
 from tline.frequency.response import respond
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tline.frequency.resonances import Resonance
+from tline.frequency.oscillations import Resonance
 from tline.pictures.bode import plot_bode
 
 F = np.geomspace(1e6, 1e9, 2001)

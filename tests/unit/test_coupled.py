@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tline.errors import InputError, SceneError
-from tline.interchange.spice_text import spice_text
+from tline.interchange.netlist_text import spice_text
 from tline.line.modes import even_and_odd, modes
 from tline.pictures.fronts import only_line
 from tline.pictures.path import route

@@ -7,7 +7,7 @@ import pytest
 from lossy_scenes import cable, pipe
 
 from tline.errors import InputError, SceneError
-from tline.frequency.resonances import resonances
+from tline.frequency.oscillations import resonances
 from tline.frequency.response import respond
 from tline.loss import Foster
 from tline.scene.scene import Scene

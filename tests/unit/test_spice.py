@@ -6,9 +6,9 @@ import pytest
 from passivity import RationalFunction
 from tline.errors import InputError
 from tline.interchange.branches import Branch, as_load, element, reduced
+from tline.interchange.netlist_text import spice_text
 from tline.interchange.spice import read_spice
 from tline.interchange.spice_number import number, parse_value
-from tline.interchange.spice_text import spice_text
 from tline.scene.scene import Scene
 
 CABLE = ["a cable", "V1 s 0 1", "R1 s a 25", "T1 a 0 b 0 Z0=50 TD=1n", "R2 b 0 100", ".tran 1p 9n uic", ".end"]

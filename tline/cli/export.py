@@ -25,7 +25,7 @@ def export(scene: str, output: str | None, rise: str | None, confined: bool) -> 
     from pathlib import Path
 
     from tline.errors import InputError
-    from tline.interchange.spice_text import spice_text
+    from tline.interchange.netlist_text import spice_text
     from tline.scene.file import read_scene
     from tline.solver.result.atomic import replacing
     from tline.units import to_si

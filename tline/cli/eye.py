@@ -44,7 +44,7 @@ def eye(
     check_files({"--plot": (plot, PICTURE)})
     from tline.scene.file import read_scene
     from tline.scene.medium import MEDIA
-    from tline.signal.eye import eye as measure
+    from tline.signal.eye_diagram import eye as measure
 
     read = read_scene(scene, confined=confined)
     levels = {key: float(value) if _is_number(value) else value for key, value in given.items() if key != "source"}

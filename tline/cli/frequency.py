@@ -14,7 +14,7 @@ from tline.scene.medium import MEDIA
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from tline.frequency.resonances import Resonance
+    from tline.frequency.oscillations import Resonance
     from tline.scene.scene import Scene
 
 PICTURE = (".png", ".svg", ".pdf")
@@ -152,7 +152,7 @@ def _parameters(scene: "Scene", f: "NDArray", given: dict[str, str | None]) -> "
 
 def _modes(scene: "Scene", f: "NDArray") -> "list[Resonance]":
     """Natural oscillations in the range, and those that grow below it; none, and a note, if they are not found."""
-    from tline.frequency.resonances import resonances
+    from tline.frequency.oscillations import resonances
 
     try:
         return [mode for mode in resonances(scene, float(f[-1])) if mode.frequency >= f[0] or mode.decay_time < 0]

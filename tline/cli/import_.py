@@ -1,17 +1,7 @@
 """`tline import`: a scene from another program's file."""
 
-from importlib import import_module
-from pathlib import Path
-
 import click
 
-from tline.cli.options import check_readable, hours, options_named
-from tline.errors import InputError
-
-SPICE, EPANET = "tline.interchange.spice:read_spice", "tline.interchange.water_scene:read_inp"
-READERS = {  # by suffix
-    ".cir": SPICE, ".ckt": SPICE, ".net": SPICE, ".sp": SPICE, ".inp": EPANET,
-}  # fmt: skip
 EXAMPLES = """\b
 Examples:
   tline import cable.cir -o cable.toml
@@ -33,24 +23,16 @@ def import_(file: str, output: str | None, wave_speed: str | None, material: str
     FILE is a SPICE netlist (.cir, .ckt, .net, .sp) or a network of EPANET (.inp). What no scene has is refused, and the
     line or the element is named. Nothing is left out but what is closed in a network, and you are told.
     """
+    from pathlib import Path
+
+    from tline.cli.options import hours, options_named
+    from tline.interchange.any_file import read_foreign
     from tline.scene.file import scene_text
     from tline.solver.result.atomic import replacing
 
-    suffix = Path(file).suffix.lower()
-    if suffix not in READERS:
-        raise InputError(file, "unknown kind of file", " or ".join(READERS), suffix or "no suffix")
-    module, _, reader = READERS[suffix].partition(":")
-    read = getattr(import_module(module), reader)
-    water = {"--wave-speed": wave_speed, "--material": material, "--at-hour": at_hour}
-    foreign = next(((option, value) for option, value in water.items() if value is not None), None)
-    if foreign and READERS[suffix] != EPANET:
-        raise InputError(foreign[0], "is for .inp files", "none", foreign[1])
-    check_readable(file)
-    if READERS[suffix] == EPANET:
-        with options_named({"hour": "--at-hour", "wave_speed": "--wave-speed"}):
-            scene, notes = read(file, wave_speed, material=material, hour=hours(at_hour))
-    else:
-        scene, notes = read(file), ()
+    with options_named({"hour": "--at-hour", "wave_speed": "--wave-speed", "material": "--material"}):
+        hour = None if at_hour is None else hours(at_hour)
+        scene, notes = read_foreign(Path(file), wave_speed=wave_speed, material=material, hour=hour)
     text = scene_text(scene)
     for note in notes:
         click.echo(f"note: {note}", err=True)

@@ -21,6 +21,8 @@ COMMANDS = {
         "z0, wave speed and the rest of a pipe or a cable, from what is known of it.",
     ),
     "run": ("tline.cli.run:run", "Simulate a scene."),
+    "demo": ("tline.cli.demo:demo", "A valve shuts on a water pipe: numbers, pictures and an animation."),
+    "examples": ("tline.cli.examples:examples", "The scenes that come with tline, to look at or to start from."),
     "many": ("tline.cli.many:many", "A scene in thousands of runs with numbers that vary: what parts' tolerances do."),
     "frequency": ("tline.cli.frequency:frequency", "A scene over frequency: transfer functions, S-parameters."),
     "tdr": ("tline.cli.tdr:tdr", "Time-domain reflectometry: a step into a node, and what comes back."),

@@ -1,1 +1,5 @@
-"""A scene in the frequency domain: transfer functions, impedances, resonances and S-parameters."""
+"""Linear scenes in the frequency domain: transfer functions, impedances, S-parameters, natural oscillations."""
+
+from tline.lazy import lazy
+
+__getattr__, __dir__ = lazy(__name__)

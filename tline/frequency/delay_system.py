@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
-from tline.frequency.resonances import Resonance, resonances
+from tline.frequency.oscillations import Resonance, resonances
 from tline.frequency.response import respond, source_named
 from tline.scene.load import Reservoir
 from tline.scene.scene import Scene

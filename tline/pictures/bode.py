@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from tline.frequency.resonances import Resonance
+from tline.frequency.oscillations import Resonance
 from tline.pictures.handy import handy
 from tline.pictures.style import COLOURS, DASHES, DOWN, UP, figure, styled
 

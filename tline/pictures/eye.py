@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from tline.pictures.handy import handy
 from tline.pictures.style import COLOURS, DOWN, UP, figure, styled
 from tline.scene.medium import Medium
-from tline.signal.eye import Eye
+from tline.signal.eye_diagram import Eye
 
 
 @styled

@@ -1,12 +1,15 @@
 """Scenes in TOML files, and the JSON schema that editors check them with."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from tline.errors import InputError
 from tline.scene.named_file import Folder
 from tline.scene.scene import Scene
 from tline.scene.text_file import read_toml
 from tline.scene.user_defined import user_elements
+from tline.wording import shown
 
 PLAIN = bool, int, float, str, list, tuple, dict  # what TOML knows
 
@@ -30,6 +33,24 @@ def read_scene(path: str | Path, progress: bool = False, *, confined: bool = Fal
     """
     path = Path(path)
     return Scene(Folder(path.parent, confined), progress, **read_toml(path, "a scene in TOML"))
+
+
+def as_scene(given: Scene | str | Path | Mapping[str, Any]) -> Scene:
+    """A scene as it is, the path of its file, or its tables.
+
+    Raises
+    ------
+    InputError
+        It is none of these; SceneError with all mistakes of the scene.
+    """
+    match given:
+        case Scene():
+            return given
+        case str() | Path():
+            return read_scene(given)
+        case Mapping():
+            return Scene(**given)
+    raise InputError("scene", "not a scene", "a Scene, the path of a TOML file, or a dict", shown(given))
 
 
 def scene_from(data: dict[str, Any], folder: str | Folder = ".") -> Scene:

@@ -2,8 +2,10 @@
 
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
+from tline.scene.file import as_scene
 from tline.solver.description.description import describe
 from tline.solver.description.given import Scene
 from tline.solver.result.accuracy import SLOWEST, Accuracy
@@ -93,12 +95,13 @@ class Prepared:
         self._starts[tol] = Start(order - 1 if spare else order, left)
 
 
-def prepare(scene: Scene) -> Prepared:
+def prepare(scene: Scene | str | Path | Mapping[str, Any]) -> Prepared:
     """Make a scene ready to be run again and again with other values.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or dict
+        A scene, the path of its TOML file, or its tables.
 
     Returns
     -------
@@ -120,4 +123,4 @@ def prepare(scene: Scene) -> Prepared:
     0.6667
     0.1728
     """
-    return Prepared(scene)
+    return Prepared(as_scene(scene))

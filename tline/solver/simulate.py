@@ -1,11 +1,14 @@
 """Simulate a scene: to a tolerance, by runs of rising order or on narrower slabs, or once as fixed by hand."""
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 from tline.errors import ActiveError, InputError
 from tline.scene.expanded import expanded
+from tline.scene.file import as_scene
 from tline.scene.quantity import TOLERANCE
 from tline.scene.user_defined import user_elements, user_mistakes
 from tline.solver.description.description import Description, describe
@@ -28,7 +31,7 @@ class UnresolvedWarning(UserWarning):
 
 
 def simulate(
-    scene: Scene,
+    scene: Scene | str | Path | Mapping[str, Any],
     *,
     tol: float | None = None,
     record: Iterable[str] = (),
@@ -52,8 +55,8 @@ def simulate(
 
     Parameters
     ----------
-    scene : Scene
-        What to simulate.
+    scene : Scene, path or dict
+        What to simulate: a scene, the path of its TOML file, or its tables.
     tol : float, 1e-13 to 0.1
         Largest error of effort and flow at any instant, relative to their amplitudes at each probe, instead of the
         scene's ``solver.tol``; 1e-6 where there is neither.
@@ -107,7 +110,13 @@ def simulate(
     (True, True)
     """
     return simulated(
-        describe(scene), tol=tol, record=record, envelope=envelope, ledger=ledger, active=active, progress=progress
+        describe(as_scene(scene)),
+        tol=tol,
+        record=record,
+        envelope=envelope,
+        ledger=ledger,
+        active=active,
+        progress=progress,
     )
 
 

@@ -1,1 +1,5 @@
 """Study of the methods, beside the solver: charts, baseline methods, reference solutions, other programs."""
+
+from tline.lazy import lazy
+
+__getattr__, __dir__ = lazy(__name__)

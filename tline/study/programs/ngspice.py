@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.interchange.spice_text import spice_text
+from tline.interchange.netlist_text import spice_text
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
 from tline.study.charts.clock import TimedRun

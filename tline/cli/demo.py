@@ -1,0 +1,34 @@
+"""`tline demo`: a valve shuts at the end of a water pipe; numbers, pictures and an animation."""
+
+from pathlib import Path
+
+import click
+
+FILES = {
+    "plot": "pressure.png",
+    "space-time": "space_time.png",
+    "lattice": "lattice.png",
+    "animate": "wave.html",
+    "csv": "pressure.csv",
+}
+
+
+@click.command("demo")
+@click.option("-o", "--output", metavar="FOLDER", default="tline-demo", show_default=True, help="Made if missing.")
+@click.pass_context
+def demo(context: click.Context, output: str) -> None:
+    """Run the scene water_pipe of `tline examples`, with all that can be drawn of it.
+
+    The first time, what it needs is compiled, which takes some seconds.
+    """
+    from tline.cli.run import run
+    from tline.errors import InputError
+    from tline.shipped import examples
+
+    try:
+        Path(output).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(output, "cannot be made", "a folder", (error.strerror or str(error)).lower()) from None
+    scene = examples.path("water_pipe")
+    options = [word for option, file in FILES.items() for word in (f"--{option}", str(Path(output, file)))]
+    run.main([str(scene), *options], prog_name="tline run", standalone_mode=False, parent=context)

@@ -1,0 +1,9 @@
+from tline.frequency.delay_system import DelaySystem as DelaySystem
+from tline.frequency.oscillations import Resonance as Resonance
+from tline.frequency.oscillations import resonances as resonances
+from tline.frequency.ports import impedance as impedance
+from tline.frequency.ports import scattering_parameters as scattering_parameters
+from tline.frequency.response import Response as Response
+from tline.frequency.response import respond as respond
+from tline.frequency.save import save_parameters as save_parameters
+from tline.frequency.save import save_response as save_response

@@ -1,0 +1,92 @@
+"""A scene from whatever file it is in: a scene in TOML, a SPICE netlist, a water network of EPANET."""
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+from tline.errors import InputError, LeftOutWarning
+from tline.scene.file import read_scene
+from tline.scene.scene import Scene
+from tline.scene.text_file import check_ordinary
+
+SPICE, EPANET = (".cir", ".ckt", ".net", ".sp"), (".inp",)  # suffixes
+
+
+def read(
+    path: str | Path,
+    *,
+    wave_speed: float | str | None = None,
+    material: str | None = None,
+    hour: float | None = None,
+    progress: bool = False,
+    confined: bool = False,
+) -> Scene:
+    """Read a scene from a file.
+
+    Parameters
+    ----------
+    path : str or Path
+        A scene in TOML; or a SPICE netlist (.cir, .ckt, .net, .sp) or a water network of EPANET (.inp).
+    wave_speed, material, hour
+        Of an .inp file, as of `tline.interchange.read_inp`.
+    progress : bool
+        Show a progress bar on stderr if reading the lines of a TOML file takes more than two seconds.
+    confined : bool
+        Refuse tables and Touchstone files outside of the folder of a TOML file.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or holds what no scene has; SceneError with all mistakes of a scene.
+
+    Warns
+    -----
+    LeftOutWarning
+        For each thing that is left out of a water network, or taken otherwise.
+    """
+    path, water = Path(path), {"wave_speed": wave_speed, "material": material, "hour": hour}
+    if path.suffix.lower() not in (*SPICE, *EPANET):
+        _refuse(water)
+        return read_scene(path, progress, confined=confined)
+    scene, notes = read_foreign(path, **water)
+    for note in notes:
+        warnings.warn(note, LeftOutWarning, stacklevel=2)
+    return scene
+
+
+def read_foreign(path: Path, **water: Any) -> tuple[Scene, tuple[str, ...]]:
+    """Scene of another program's file, and notes on what is left out or taken otherwise.
+
+    Raises
+    ------
+    InputError
+        As of `read`, or the suffix is unknown.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in (*SPICE, *EPANET):
+        raise InputError(str(path), "unknown kind of file", " or ".join((*SPICE, *EPANET)), suffix or "no suffix")
+    if suffix in SPICE:
+        _refuse(water)
+    try:
+        check_ordinary(path)
+    except (OSError, ValueError) as error:  # a ValueError for a name with a null character
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise InputError(str(path), "cannot be read", got=reason or "no file") from None
+    if suffix in SPICE:
+        from tline.interchange.spice import read_spice
+
+        return read_spice(path), ()
+    from tline.interchange.water_scene import read_inp
+
+    return read_inp(str(path), water["wave_speed"], material=water["material"], hour=water["hour"] or 0.0)
+
+
+def _refuse(water: dict[str, Any]) -> None:
+    """Refuse what only water networks take."""
+    for name, value in water.items():
+        if value is not None:
+            raise InputError(name, "is for .inp files", "none", str(value))

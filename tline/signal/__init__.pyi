@@ -1,0 +1,9 @@
+from tline.signal.eye_diagram import Eye as Eye
+from tline.signal.eye_diagram import eye as eye
+from tline.signal.eye_diagram import prbs7 as prbs7
+from tline.signal.load_line import Bergeron as Bergeron
+from tline.signal.load_line import LoadLine as LoadLine
+from tline.signal.load_line import bergeron as bergeron
+from tline.signal.tdr import Reflections as Reflections
+from tline.signal.tdr import reflectometry as reflectometry
+from tline.signal.tdr import save_reflections as save_reflections
