@@ -6,6 +6,7 @@ from tline.pictures.lattice import plot_lattice as plot_lattice
 from tline.pictures.load_lines import plot_load_lines as plot_load_lines
 from tline.pictures.map import plot_map as plot_map
 from tline.pictures.misfit import plot_misfit as plot_misfit
+from tline.pictures.network import plot_network as plot_network
 from tline.pictures.path import Route as Route
 from tline.pictures.path import route as route
 from tline.pictures.profile import plot_profile as plot_profile

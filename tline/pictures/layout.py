@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.coupled import Coupled
+from tline.scene.line import SceneLine
 from tline.scene.link import linked_pairs
 from tline.scene.scene import Scene
 
@@ -76,6 +78,19 @@ def course(scene: Scene, line: str, places: Places, shares: NDArray) -> NDArray:
     return np.stack([np.interp(shares * along[-1], along, column) for column in points.T], axis=1)
 
 
+def conductors(scene: Scene, line: str) -> list[tuple[str, str]]:
+    """Both nodes of each conductor of a line."""
+    found = scene.lines[line]
+    if isinstance(found, Coupled):
+        return [*zip(found.nodes1, found.nodes2, strict=True)]
+    return [(found.nodes[0], found.nodes[1])]
+
+
+def delay_of(line: SceneLine | Coupled) -> float:
+    """Delay of a line, or of the fastest mode of coupled conductors, s."""
+    return line.shortest if isinstance(line, Coupled) else line.parameters.delay or 0.0
+
+
 def _nodes(scene: Scene) -> list[str]:
     pairs = [*(line.nodes for line in scene.lines.values()), *(nodes for _, nodes in scene.between)]
     return list(dict.fromkeys(node for pair in pairs for node in pair))
@@ -87,12 +102,15 @@ def _distances(scene: Scene, nodes: list[str]) -> NDArray:
     from scipy.sparse.csgraph import shortest_path
 
     number = {node: k for k, node in enumerate(nodes)}
-    lines: dict[tuple[str, ...], float] = {}
-    for line in scene.lines.values():
-        lines[line.nodes] = min(lines.get(line.nodes, np.inf), line.parameters.delay or 0.0)
+    lines: dict[tuple[str, str], float] = {}
+    for name, line in scene.lines.items():
+        for pair in conductors(scene, name):
+            lines[pair] = min(lines.get(pair, np.inf), delay_of(line))
     median = float(np.median([*lines.values()]))
     edges = {pair: min(max(delay / median, SHORTEST), LONGEST) for pair, delay in lines.items()}
-    edges = dict.fromkeys(linked_pairs(scene), SHORTEST) | edges
+    coupled = [line for line in scene.lines.values() if isinstance(line, Coupled)]
+    beside = [pair for line in coupled for end in (line.nodes1, line.nodes2) for pair in pairwise(end)]
+    edges = dict.fromkeys([*linked_pairs(scene), *beside], SHORTEST) | edges
     at = [[number[node] for node in pair] for pair in edges if pair[0] != pair[1]]
     size = [edge for pair, edge in edges.items() if pair[0] != pair[1]]
     graph = coo_array((size, tuple(zip(*at, strict=True)) or ([], [])), shape=(len(nodes), len(nodes)))

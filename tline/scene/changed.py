@@ -10,6 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from tline.errors import InputError, SceneError
 from tline.scene.check import conflicts
+from tline.scene.element import Element
 from tline.scene.medium import MEDIA
 from tline.scene.scene import Scene
 from tline.scene.user_defined import user_elements
@@ -27,8 +28,7 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
     ----------
     scene : Scene
     values : mapping of str to anything that a scene file may hold
-        By dotted path, as TOML has it: ``"loads.receiver.capacitance"``, ``"t_end"``, ``"sources.s.value.duration"``.
-        Numbers are in SI; a text has its unit.
+        By dotted path: see `Scene.change`.
 
     Raises
     ------
@@ -48,6 +48,8 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
     Traceback (most recent call last):
     tline.errors.InputError: loads.d.capacitance: no such element, expected 'c', got 'd'
     """
+    if not isinstance(values, Mapping):
+        raise InputError("", "not values by path", "a dict such as {'lines.cable.z0': 60}", shown(values))
     if not values:
         return scene
     if scene.measured or user_elements(scene):
@@ -111,8 +113,11 @@ def _read_anew(scene: Scene, values: Mapping[str, Any]) -> Scene:
     for path, value in values.items():
         section, *names = parts_of(path)
         if section in SECTIONS:
-            if len(names) < SINGLE:
+            if not names:
                 raise InputError(path, "not a value", "a path such as loads.receiver.capacitance")
+            if len(names) == 1:
+                _put_element(table, path, section, names[0], value)
+                continue
             _element(scene, path, section, names[0])
         elif section not in type(scene).model_fields:
             raise InputError(path, "no such key", nearest(section, [*type(scene).model_fields]), shown(section))
@@ -138,6 +143,19 @@ def _put(table: dict[str, Any], path: str, keys: list[str], value: Any) -> None:
         if not isinstance(table, dict):
             raise InputError(path, "not a table", "a path that ends earlier", shown(key))
     table[last] = value
+
+
+def _put_element(table: dict[str, Any], path: str, section: str, name: str, value: Any) -> None:
+    """Put a whole element in its place, or remove it."""
+    elements = table.setdefault(section, {})
+    if isinstance(value, Mapping | Element):
+        elements[name] = value
+    elif value is None and name in elements:
+        del elements[name]
+    elif value is None:
+        raise InputError(path, "no such element", nearest(name, [*elements]), shown(name))
+    else:
+        raise InputError(path, "not an element", "a table, an element, or None to remove it", shown(value))
 
 
 def _at(mistake: InputError, values: Mapping[str, Any]) -> InputError:

@@ -75,6 +75,25 @@ class Element(BaseModel):
         fields = type(self).model_fields
         return type(self) is type(other) and all(getattr(self, name) == getattr(other, name) for name in fields)
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_"):
+            raise InputError(name, "scenes and elements do not change", "scene.change({path: value}), a new scene")
+        super().__setattr__(name, value)
+
+    def __delattr__(self, name: str) -> None:
+        self.__setattr__(name, None)
+
+    def __repr__(self) -> str:
+        given = ", ".join(f"{key}={value!r}" for key, value in self.table().items())
+        return f"{type(self).__name__}({given})"
+
+    def __str__(self) -> str:
+        return repr(self)
+
+    def __dir__(self) -> list[str]:
+        """What belongs to scenes: without what all of pydantic's models have."""
+        return [name for name in super().__dir__() if name.startswith("_") or not hasattr(BaseModel, name)]
+
     def table(self) -> dict[str, Any]:
         """The element as it stands in a scene file: what was given, as it was typed."""
         return self.model_dump(by_alias=True, exclude_unset=True)

@@ -5,7 +5,7 @@ from functools import cached_property
 from math import nan
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import (
     AfterValidator,
@@ -26,6 +26,7 @@ from tline.scene.cavities import refuse_cavities
 from tline.scene.check import conflicts, misplaced
 from tline.scene.choice import Read, validator
 from tline.scene.coupled import Coupled, single_lines
+from tline.scene.display import as_html, as_text, drawn
 from tline.scene.element import Element, Name
 from tline.scene.heights import Height, heights_of
 from tline.scene.law import FACTORS, ElementLaw, NonLinear
@@ -43,7 +44,10 @@ from tline.scene.site import GRAVITY, Site
 from tline.scene.source import Source
 from tline.scene.touchstone import Touchstone
 from tline.scene.user_defined import user_elements
-from tline.wording import place
+from tline.wording import place, shown
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SHORT = 1e-30  # s, an end time in place of a bad one, so short that no waveform has too many breaks
 
@@ -147,6 +151,8 @@ class Scene(Element):
 
     def __init__(self, folder: str | Folder = ".", progress: bool = False, /, **data: Any) -> None:
         """Validate everything and collect all mistakes."""
+        if not isinstance(folder, str | Path | Folder):
+            raise InputError("", "not a folder", "keywords, such as Scene(**tables)", shown(folder))
         folder = folder if isinstance(folder, Folder) else Folder(Path(folder))
         medium = data.get("medium")
         known = MEDIA.get(medium) if isinstance(medium, str) else None
@@ -204,6 +210,62 @@ class Scene(Element):
         for (part, name), element in user_elements(self).items():
             table[part][name] = element
         return table
+
+    def change(self, values: Mapping[str, Any]) -> "Scene":
+        """The scene with other values.
+
+        Parameters
+        ----------
+        values : mapping of str to anything that a scene file may hold
+            By dotted path, as TOML has it: ``"loads.receiver.capacitance"``, ``"t_end"``, ``"solver.tol"``. Numbers are
+            in SI; a text has its unit. The path of a whole element, ``"loads.receiver"``, takes a table or an
+            element, new or in place of the one there, or None, which removes it.
+
+        Returns
+        -------
+        Scene
+            A new one; this one stays as it is.
+
+        Raises
+        ------
+        InputError
+            There is nothing at a path, or a value does not fit there; names the path.
+
+        Examples
+        --------
+        >>> import tline as tl
+        >>> scene = tl.examples["cable_rc"].change({"lines.cable.z0": 60, "loads.receiver.capacitance": "5 pF"})
+        >>> scene.lines["cable"].parameters.z0, scene.loads["receiver"].capacitance
+        (60.0, 5e-12)
+        >>> scene.change({"loads.receiver": {"at": "far", "kind": "open"}}).loads["receiver"]
+        NoFlow(at='far', kind='open')
+        >>> scene.change({"loads.reciever.capacitance": "5 pF"})
+        Traceback (most recent call last):
+        tline.errors.InputError: loads.reciever.capacitance: no such element, expected 'receiver', got 'reciever'
+        """
+        from tline.scene.changed import changed
+
+        return changed(self, values)
+
+    def to_toml(self) -> str:
+        """The scene as the text of a TOML file, with every value as it was typed.
+
+        Reading the text gives an equal scene, where the files that it names lie. User-defined elements appear under the
+        names of their classes, which a file cannot give back.
+        """
+        from tline.scene.file import scene_text
+
+        return scene_text(self)
+
+    def plot(self) -> "Figure":
+        """A drawing of the network; see `tline.pictures.plot_network`."""
+        return drawn(self)
+
+    def __repr__(self) -> str:
+        return as_text(self)
+
+    def _repr_html_(self) -> str:
+        return as_html(self)
 
     def with_changes(self, **tables: Any) -> "Scene":
         """The scene with other tables in place of some, and files looked for where they were."""

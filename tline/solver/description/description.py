@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from numpy.typing import NDArray
 
 from tline.scene.cavities import places_of, stretches_of, with_cavities
-from tline.scene.changed import changed, parts_of
+from tline.scene.changed import SINGLE, changed, parts_of
 from tline.scene.coupled import Coupled, ends_of, refuse_coupled
 from tline.scene.load import Switch
 from tline.scene.multiport import Multiport
@@ -71,7 +71,8 @@ class Description:
             There is nothing at a path, or a value does not fit there.
         """
         scene = changed(self.scene, values)
-        if not {parts_of(path)[0] for path in values} <= {"loads", "sources"} or scene.measured:
+        paths = [parts_of(path) for path in values]
+        if not all(path[0] in ("loads", "sources") and len(path) > SINGLE for path in paths) or scene.measured:
             return describe(scene)
         found = replace(self, scene=scene)
         found.__dict__["probes"] = self.probes
