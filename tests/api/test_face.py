@@ -75,8 +75,6 @@ def test_a_scene_may_be_a_path_or_tables(tmp_path, monkeypatch):
 def test_reads_whatever_a_scene_is_in(monkeypatch):
     scenes = Path(__file__).parents[2] / "scenes"
     assert tl.read(scenes / "cable_rc.cir").medium == "electrical"
-    with pytest.raises(tl.InputError, match=r"wave_speed: is missing"):
-        tl.read(scenes / "town.inp")
     with pytest.raises(tl.InputError, match=r"wave_speed: is for \.inp files"):
         tl.read(scenes / "loop.toml", wave_speed=1000)
 
