@@ -156,14 +156,14 @@ def pictures() -> None:
     from tline.pictures.path import route
     from tline.pictures.space_time import plot_space_time
     from tline.pictures.style import save_figure, styled
-    from tline.pictures.traces import plot_probes
+    from tline.pictures.traces import plot
     from tline.solver.simulate import UnresolvedWarning, simulate
 
     warnings.simplefilter("ignore", UnresolvedWarning)
     scene = read_scene(DOCS.parent / "scenes" / "water_pipe.toml")
     result, way = simulate(scene), route(scene)
     (DOCS / "pictures").mkdir(exist_ok=True)
-    save_figure(plot_probes(result), str(DOCS / "pictures" / "pressure.png"))
+    save_figure(plot(result), str(DOCS / "pictures" / "pressure.png"))
     save_figure(plot_space_time(result, way), str(DOCS / "pictures" / "space_time.png"))
     save_figure(plot_lattice(result), str(DOCS / "pictures" / "lattice.png"))
     cable, f = read_scene(DOCS.parent / "scenes" / "cable_rlc.toml"), np.geomspace(1e6, 1e9, 1001)
@@ -187,7 +187,7 @@ def _signals() -> None:
     from tline.pictures.misfit import plot_misfit
     from tline.pictures.reflections import plot_reflections
     from tline.pictures.style import save_figure
-    from tline.pictures.traces import plot_probes
+    from tline.pictures.traces import plot
     from tline.signal.eye_diagram import eye
     from tline.signal.load_line import bergeron
     from tline.signal.tdr import reflectometry
@@ -199,7 +199,7 @@ def _signals() -> None:
     seen = reflectometry(cascade, "near", "100 ps")
     opened = eye(cascade, "far", "0.8 ns", "0.2 ns")
     for name, picture in (
-        ("crosstalk", plot_probes(simulate(pair))),
+        ("crosstalk", plot(simulate(pair))),
         ("tdr", plot_reflections(seen, ELECTRICAL, cascade.title)),
         ("eye", plot_eye(opened, ELECTRICAL, cascade.title)),
         ("load_lines", plot_load_lines(bergeron(ringing), ELECTRICAL, ringing.title)),
@@ -225,10 +225,10 @@ def _network() -> None:
 def _cavities() -> None:
     """Column separation in a pipe, with the highest pressure measured: 1015 kPa, absolute."""
     from tline.pictures.style import INK, save_figure
-    from tline.pictures.traces import plot_probes
+    from tline.pictures.traces import plot
     from tline.solver.simulate import simulate
 
-    picture = plot_probes(simulate(read_scene(DOCS.parent / "scenes" / "column_separation.toml")))
+    picture = plot(simulate(read_scene(DOCS.parent / "scenes" / "column_separation.toml")))
     measured = (1015e3 - 101_325) / 1e5
     axes = picture.axes[0]
     axes.axhline(measured, color=INK, linestyle=":", linewidth=1.4)
@@ -239,13 +239,13 @@ def _cavities() -> None:
 def _circuits() -> None:
     """Every scene that docs/circuits.md shows."""
     from tline.pictures.style import save_figure
-    from tline.pictures.traces import plot_probes
+    from tline.pictures.traces import plot
     from tline.solver.simulate import simulate
 
     page = (DOCS / "circuits.md").read_text(encoding="utf-8")
     for name in re.findall(r"\(pictures/circuit_(\w+)\.png\)", page):
         result = simulate(read_scene(DOCS.parent / "scenes" / f"{name}.toml"))
-        save_figure(plot_probes(result), str(DOCS / "pictures" / f"circuit_{name}.png"))
+        save_figure(plot(result), str(DOCS / "pictures" / f"circuit_{name}.png"))
 
 
 if __name__ == "__main__":

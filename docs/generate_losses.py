@@ -22,7 +22,7 @@ from tline.loss import (
 )
 from tline.loss.arithmetic import Arithmetic
 from tline.pictures.style import COLOURS, DASHES, figure, save_figure, styled
-from tline.pictures.traces import plot_probes
+from tline.pictures.traces import plot
 from tline.scene.file import read_scene
 from tline.solver.simulate import simulate
 from tline.study.reference.lossy import lossy_response
@@ -151,4 +151,4 @@ if __name__ == "__main__":
     PAGE.write_text(page(), encoding="utf-8")
     save_figure(ripples(), PICTURES / "losses_ripples.png")
     save_figure(closing(), PICTURES / "losses_step.png")
-    save_figure(plot_probes(simulate(read_scene(SCENE))), PICTURES / "losses_pipe.png")
+    save_figure(plot(simulate(read_scene(SCENE))), PICTURES / "losses_pipe.png")

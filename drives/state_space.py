@@ -9,6 +9,7 @@ from flint import fmpq_mat, fmpq_poly
 from numpy.typing import NDArray
 
 from drives.roots import roots
+from tline.errors import import_extra
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +127,7 @@ class StateSpace:
 
     def to_control(self) -> Any:
         """The same as `control.StateSpace`, which needs the package control."""
-        import control
+        control = import_extra("control", "python-control", "control", "to_control")
 
         names = {"states": list(self.states), "inputs": list(self.inputs), "outputs": list(self.outputs)}
         return control.StateSpace(self.A, self.B, self.C, self.D, remove_useless_states=False, **names)

@@ -12,7 +12,7 @@ from flint import acb, ctx, fmpq_poly
 from numpy.typing import ArrayLike, NDArray
 
 from drives.roots import roots
-from tline.errors import InputError
+from tline.errors import InputError, import_extra
 
 
 class TransferFunction:
@@ -131,7 +131,7 @@ class TransferFunction:
 
     def to_control(self) -> Any:
         """The same as `control.TransferFunction`, which needs the package control."""
-        import control
+        control = import_extra("control", "python-control", "control", "to_control")
 
         return control.TransferFunction(*self.to_floats())
 

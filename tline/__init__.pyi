@@ -3,11 +3,13 @@ import friction as friction
 import passivity as passivity
 from tline.errors import ActiveError as ActiveError
 from tline.errors import InputError as InputError
+from tline.errors import MissingExtraError as MissingExtraError
 from tline.errors import NoFlowError as NoFlowError
 from tline.errors import SceneError as SceneError
 from tline.interchange.any_file import read as read
 from tline.line import ElectricalLine as ElectricalLine
 from tline.line import HydraulicLine as HydraulicLine
+from tline.pictures.traces import plot as plot
 from tline.scene.scene import Scene as Scene
 from tline.shipped import examples as examples
 from tline.solver.prepared import Prepared as Prepared

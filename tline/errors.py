@@ -4,6 +4,8 @@ All four packages say it with these classes, which survive pickle and copies. Wh
 surprise is a warning.
 """
 
+from typing import Any
+
 
 class InputError(ValueError):
     """One mistake in what the user gave.
@@ -55,6 +57,46 @@ class ActiveError(InputError):
 
 class NoFlowError(InputError):
     """No flow was found through elements that see each other; narrower slabs may help."""
+
+
+class MissingExtraError(InputError):
+    """A package that this needs, and tline does without, is not installed.
+
+    Parameters
+    ----------
+    where, problem : str
+        As of `InputError`.
+    extra : str
+        Name of the extra of tline that brings the package.
+
+    Examples
+    --------
+    >>> print(MissingExtraError("line.s2p", "Touchstone files need scikit-rf", "rf"))  # doctest: +ELLIPSIS
+    line.s2p: Touchstone files need scikit-rf, expected pip install ...[rf]'
+    """
+
+    def __init__(self, where: str, problem: str, extra: str):
+        from pathlib import Path
+
+        clone = (Path(__file__).parents[1] / "pyproject.toml").is_file()
+        super().__init__(where, problem, f"pip install {'-e ' * clone}'{'.' if clone else 'tline'}[{extra}]'")
+        self.args = (where, problem, extra)  # what a copy is made of
+
+
+def import_extra(module: str, package: str, extra: str, where: str = "") -> Any:
+    """Import a module of a package that an extra brings.
+
+    Raises
+    ------
+    MissingExtraError
+        The package is not installed.
+    """
+    from importlib import import_module
+
+    try:
+        return import_module(module)
+    except ImportError:
+        raise MissingExtraError(where, f"{package} is missing", extra) from None
 
 
 class NotKeptWarning(UserWarning):

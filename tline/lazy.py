@@ -28,7 +28,7 @@ def lazy(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     (True, True)
     >>> tline.simulat
     Traceback (most recent call last):
-    AttributeError: module 'tline' has no attribute 'simulat'. Did you mean: 'simulate'?
+    AttributeError: module 'tline' has no attribute 'simulat'
     """
 
     @cache
@@ -41,7 +41,7 @@ def lazy(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
         for statement in ast.parse(get_data(package, "__init__.pyi") or b"").body:
             if isinstance(statement, ast.ImportFrom):
                 home = resolve_name("." * statement.level + (statement.module or ""), package)
-                found |= {alias.name: (home, alias.name) for alias in statement.names}
+                found |= {alias.asname or alias.name: (home, alias.name) for alias in statement.names}
             elif isinstance(statement, ast.Import):
                 found |= {alias.name: (alias.name, "") for alias in statement.names}
         return found

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from passivity.errors import ExpressionError
 from passivity.sampled.digits import Rounding, of_tokens
 from passivity.sampled.response import MAX_PORTS, Parameter, SampledResponse
+from tline.errors import MissingExtraError
 
 MAX_BYTES = 10_000_000
 MAX_LINE = 4_000
@@ -107,7 +108,7 @@ def read_touchstone(path: str | Path) -> SampledResponse:
     try:
         from skrf.io.touchstone import Touchstone
     except ImportError:
-        raise ExpressionError(f"{path}", "Touchstone files need scikit-rf", "pip install tline[rf]") from None
+        raise MissingExtraError(f"{path}", "Touchstone files need scikit-rf", "rf") from None
     file = io.StringIO("\n".join(lines))
     file.name = f"samples{Path(path).suffix.lower()}"  # its suffix is where scikit-rf looks for the number of ports
     try:

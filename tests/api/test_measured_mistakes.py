@@ -123,7 +123,7 @@ def test_without_scikit_rf_it_is_said_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "skrf.io.touchstone", None)
     done = run(f"fit {SHIPPED}")
     assert done.exit_code == 2
-    assert done.output == f"{SHIPPED}: Touchstone files need scikit-rf, expected pip install tline[rf]\n"
+    assert done.output == f"{SHIPPED}: Touchstone files need scikit-rf, expected pip install -e '.[rf]'\n"
 
 
 def test_a_scene_is_written_as_it_was_read():

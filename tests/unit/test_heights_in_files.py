@@ -11,7 +11,7 @@ from tline.cli.report import as_table, judgement, summary
 from tline.pictures.histograms import plot_extremes
 from tline.pictures.path import route
 from tline.pictures.space_time import plot_space_time
-from tline.pictures.traces import plot_probes
+from tline.pictures.traces import plot
 from tline.scene.heights import words
 from tline.scene.scene import Scene
 from tline.solver.many import many
@@ -72,7 +72,7 @@ def test_files_name_both(high, tmp_path):
 
 
 def test_pictures_name_them(high):
-    labels = [axes.get_ylabel() for axes in plot_probes(high).axes]
+    labels = [axes.get_ylabel() for axes in plot(high).axes]
     assert labels == ["gauge pressure [bar]", "head [m]", "flow [L/s]"]
     picture = plot_space_time(high, route(high.scene, "a", "d"))
     assert "head [m]" in [axes.get_ylabel() for axes in picture.axes]

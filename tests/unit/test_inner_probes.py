@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tline.cli.report import as_table, summary
-from tline.pictures.traces import plot_probes
+from tline.pictures.traces import plot
 from tline.scene.scene import Scene
 from tline.solver.result.save import save_csv, save_npz
 from tline.solver.simulate import simulate
@@ -51,10 +51,10 @@ def test_tables(result, tmp_path):
 
 
 def test_pictures(result):
-    effort, flow = plot_probes(result).axes
+    effort, flow = plot(result).axes
     assert (len(effort.lines), len(flow.lines)) == (2, 1)
     assert flow.lines[0].get_color() == effort.lines[1].get_color()
-    (alone,) = plot_probes(result_of("inner")).axes
+    (alone,) = plot(result_of("inner")).axes
     assert alone.get_ylabel().startswith("voltage at inner")
 
 

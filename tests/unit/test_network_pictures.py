@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from tline.errors import InputError
 from tline.pictures import layout as laying
 from tline.pictures.along import extremes_along
-from tline.pictures.animation import animate
+from tline.pictures.animation import animated
 from tline.pictures.bounds import bounds
 from tline.pictures.layout import course, layout
 from tline.pictures.map import plot_map
@@ -147,7 +147,7 @@ def test_a_cables_bounds_are_on_both_sides() -> None:
 
 
 def test_an_animation_draws_bounds(town: Result, way: Route, tmp_path: Path) -> None:
-    animate(town, way, tmp_path / "x.html")
+    animated(town, way).save(tmp_path / "x.html")
     found = re.search(r"^const data = (.*);$", (tmp_path / "x.html").read_text(encoding="utf-8"), re.MULTILINE)
     assert found
     data = json.loads(found[1])

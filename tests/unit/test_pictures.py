@@ -15,14 +15,14 @@ from PIL import Image
 
 from tline.errors import InputError
 from tline.pictures.along import effort_along
-from tline.pictures.animation import FRAMES, PLACES, STEPS, animate
+from tline.pictures.animation import FRAMES, PLACES, STEPS, animated
 from tline.pictures.fronts import MOST_LEGS, bounces
 from tline.pictures.handy import handy
 from tline.pictures.lattice import plot_lattice
 from tline.pictures.path import Route, route
 from tline.pictures.space_time import plot_space_time
 from tline.pictures.style import save_figure
-from tline.pictures.traces import plot_probes
+from tline.pictures.traces import plot
 from tline.scene.scene import Scene
 from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning, simulate
@@ -186,7 +186,7 @@ def test_a_line_that_was_not_recorded_is_named() -> None:
 
 
 def test_traces_show_the_water_hammer(surge: Result) -> None:
-    picture = plot_probes(surge)
+    picture = plot(surge)
     above, below = picture.axes
     assert (above.get_ylabel(), below.get_ylabel(), below.get_xlabel()) == ("pressure [bar]", "flow [L/s]", "time [s]")
     assert picture.get_suptitle() == "Closing valve"
@@ -200,20 +200,20 @@ def test_traces_show_the_water_hammer(surge: Result) -> None:
 
 
 def test_one_probe_needs_no_legend() -> None:
-    picture = plot_probes(quietly(water_hammer(probes={"valve": {"at": "valve"}})))
+    picture = plot(quietly(water_hammer(probes={"valve": {"at": "valve"}})))
     assert picture.legends == []
     assert picture.axes[0].get_ylabel() == "pressure at valve [bar]"
 
 
 def test_small_electrical_values_get_prefixes() -> None:
-    above, below = plot_probes(quietly(cables({"c": ("near", "far", "5 ns")}))).axes
+    above, below = plot(quietly(cables({"c": ("near", "far", "5 ns")}))).axes
     assert (above.get_ylabel(), below.get_ylabel()) == ("voltage at in [V]", "current at in [mA]")
     assert below.get_xlabel() == "time [ns]"
     assert above.get_xlim() == pytest.approx((0, 50))
 
 
 def test_curves_differ_in_more_than_colour(surge: Result) -> None:
-    lines = plot_probes(surge).axes[0].lines
+    lines = plot(surge).axes[0].lines
     assert len({line.get_linestyle() for line in lines}) == len({line.get_color() for line in lines}) == 2
 
 
@@ -347,7 +347,7 @@ def data_of(page: str) -> dict[str, Any]:
 
 def test_page_needs_nothing_else_and_holds_the_efforts(surge: Result, tmp_path: Path) -> None:
     way = route(surge.scene)
-    animate(surge, way, tmp_path / "surge.html")
+    animated(surge, way).save(tmp_path / "surge.html")
     page = (tmp_path / "surge.html").read_text(encoding="utf-8")
     assert len(page) < 1_000_000
     assert not re.search(r"https?:|src=|@import|url\(|\blink\b", page)
@@ -369,7 +369,7 @@ def test_page_needs_nothing_else_and_holds_the_efforts(surge: Result, tmp_path: 
 def test_names_cannot_break_out_of_the_page(tmp_path: Path) -> None:
     title = "</script><b>DATA & TITLE"
     scene = cables({"c": ("near", "<far>", "5 ns")}, title=title)
-    animate(quietly(scene), route(scene), tmp_path / "x.html")
+    animated(quietly(scene), route(scene)).save(tmp_path / "x.html")
     page = (tmp_path / "x.html").read_text(encoding="utf-8")
     assert page.count("</script>") == 1
     assert "<title>&lt;/script&gt;&lt;b&gt;DATA &amp; TITLE</title>" in page
@@ -379,7 +379,7 @@ def test_names_cannot_break_out_of_the_page(tmp_path: Path) -> None:
 
 
 def test_gif_plays_all_frames(surge: Result, tmp_path: Path) -> None:
-    animate(surge, route(surge.scene), tmp_path / "surge.gif")
+    animated(surge, route(surge.scene)).save(tmp_path / "surge.gif")
     with Image.open(tmp_path / "surge.gif") as movie:
         assert getattr(movie, "n_frames", 1) == FRAMES
         assert movie.info["loop"] == 0
@@ -390,7 +390,7 @@ def test_gif_plays_all_frames(surge: Result, tmp_path: Path) -> None:
 
 def test_unknown_animations_are_refused(surge: Result, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"unknown kind of animation, expected \.html or \.gif, got '\.mp4'"):
-        animate(surge, route(surge.scene), tmp_path / "surge.mp4")
+        animated(surge, route(surge.scene)).save(tmp_path / "surge.mp4")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -402,7 +402,7 @@ def test_figures_become_files_that_do_not_depend_on_the_day(
     suffix: str, begins: bytes, surge: Result, tmp_path: Path
 ) -> None:
     for name in ("one", "two"):
-        save_figure(plot_probes(surge), tmp_path / f"{name}{suffix}")
+        save_figure(plot(surge), tmp_path / f"{name}{suffix}")
     one = (tmp_path / f"one{suffix}").read_bytes()
     assert one.startswith(begins)
     assert one == (tmp_path / f"two{suffix}").read_bytes()
@@ -410,7 +410,7 @@ def test_figures_become_files_that_do_not_depend_on_the_day(
 
 def test_a_figure_that_cannot_be_written_leaves_nothing(surge: Result, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be written, got no such file or directory"):
-        save_figure(plot_probes(surge), tmp_path / "none" / "x.png")
+        save_figure(plot(surge), tmp_path / "none" / "x.png")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -418,14 +418,14 @@ def test_settings_of_the_user_stay_as_they_are(surge: Result, tmp_path: Path) ->
     with matplotlib.rc_context({"font.size": 17.0}):
         before = dict(matplotlib.rcParams)
         save_figure(plot_lattice(surge), tmp_path / "x.png")
-        assert plot_probes(surge).axes[0].yaxis.label.get_fontsize() == 10
+        assert plot(surge).axes[0].yaxis.label.get_fontsize() == 10
         assert dict(matplotlib.rcParams) == before
 
 
 def test_a_scene_in_which_nothing_happens_can_be_drawn(tmp_path: Path) -> None:
     scene = cables({"c": ("near", "far", "5 ns")}, sources={})
     result = quietly(scene)
-    for picture in (plot_probes(result), plot_lattice(result), plot_space_time(result, route(scene))):
+    for picture in (plot(result), plot_lattice(result), plot_space_time(result, route(scene))):
         save_figure(picture, tmp_path / "x.png")
-    animate(result, route(scene), tmp_path / "x.html")
+    animated(result, route(scene)).save(tmp_path / "x.html")
     assert len(data_of((tmp_path / "x.html").read_text(encoding="utf-8"))["frames"]) == FRAMES

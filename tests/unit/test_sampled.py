@@ -18,6 +18,7 @@ from passivity.sampled.picture import draw_samples
 from passivity.sampled.read import MAX_BYTES, MAX_LINE, read_csv, read_touchstone
 from passivity.sampled.report import samples_as_dict
 from passivity.sampled.response import MAX_PORTS, MAX_SAMPLES, SampledResponse
+from tline.errors import MissingExtraError
 
 W = np.linspace(0, 5, 60)
 ACTIVE = PoleResidueModel([-0.3 + 1j, -2], [0.5, -0.4], 0.0, 0, "Z")
@@ -204,7 +205,7 @@ def test_without_scikit_rf_the_extra_is_named(tmp_path, monkeypatch):
         monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.setitem(sys.modules, "skrf", None)
     (tmp_path / "a.s1p").write_text("# Hz S RI R 50\n1 0.5 0\n")
-    with pytest.raises(ExpressionError, match=r"pip install tline\[rf\]"):
+    with pytest.raises(MissingExtraError, match=r"pip install -e '\.\[rf\]'"):
         read_touchstone(tmp_path / "a.s1p")
 
 

@@ -221,9 +221,9 @@ def _write(result: "Result", way: "Route | None", kind: str, file: str) -> None:
         tables = {"csv": save_csv, "npz": save_npz, "envelope": save_envelope, "ledger_csv": save_ledger}
         tables[kind](result, file)
     elif kind == "animate" and way:
-        from tline.pictures.animation import animate
+        from tline.pictures.animation import animated
 
-        animate(result, way, file)
+        animated(result, way).save(file)
     else:
         from tline.pictures.style import save_figure
 
@@ -253,6 +253,6 @@ def _picture(result: "Result", way: "Route | None", kind: str) -> "Figure":
         from tline.signal.load_line import bergeron
 
         return plot_load_lines(bergeron(result.scene), words(result.scene), result.scene.title)
-    from tline.pictures.traces import plot_probes
+    from tline.pictures.traces import plot
 
-    return plot_probes(result)
+    return plot(result)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.errors import InputError
+from tline.errors import InputError, import_extra
 from tline.scene.lossless import refuse_losses
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
@@ -25,7 +25,7 @@ def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "St
     InputError
         The order is out of range, or the scene has no state space with Padé delays.
     """
-    import control
+    control = import_extra("control", "python-control", "control", "state space")
     from scipy.linalg import block_diag
 
     if type(order) is not int or not 1 <= order <= HIGHEST:
@@ -78,7 +78,7 @@ def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "St
 
 def _delay(t: float, order: int) -> tuple[NDArray, NDArray, NDArray, NDArray]:
     """A, b, c, d of the Padé approximation of exp(-ts) with a numerator of one degree less; of no delay at all."""
-    import control
+    control = import_extra("control", "python-control", "control", "state space")
 
     if t == 0:
         return np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1))

@@ -10,7 +10,7 @@ from pathlib import Path
 from platform import machine
 from typing import Any
 
-from tline.errors import InputError
+from tline.errors import InputError, MissingExtraError
 from tline.interchange import epanet_run
 
 SECONDS, EACH = 20.0, 10.0  # of the processor: for any file, and for each megabyte more
@@ -78,8 +78,7 @@ def _library() -> Path:
     """EPANET's library, as wntr brings it; wntr itself is not imported."""
     found = find_spec("wntr")
     if found is None or found.origin is None:
-        raise InputError("EPANET files", "are read by EPANET as wntr brings it, and wntr is missing",
-                         "pip install 'tline[epanet]'") from None  # fmt: skip
+        raise MissingExtraError("EPANET files", "are read by EPANET as wntr brings it, and wntr is missing", "epanet")
     folder = Path(found.origin).parent / "epanet" / "libepanet"
     if sys.platform == "win32":
         return folder / "windows-x64" / "epanet22.dll"

@@ -1,4 +1,5 @@
-from tline.pictures.animation import animate as animate
+from tline.pictures.animation import Animation as Animation
+from tline.pictures.animation import animated as animated
 from tline.pictures.bode import plot_bode as plot_bode
 from tline.pictures.eye import plot_eye as plot_eye
 from tline.pictures.histograms import plot_extremes as plot_extremes
@@ -15,4 +16,7 @@ from tline.pictures.space_time import plot_space_time as plot_space_time
 from tline.pictures.style import save_figure as save_figure
 from tline.pictures.surge import lines_to_map as lines_to_map
 from tline.pictures.surge import surges as surges
-from tline.pictures.traces import plot_probes as plot_probes
+from tline.pictures.traces import draw_probes as draw_probes
+from tline.pictures.traces import plot as plot
+from tline.pictures.waves import plot_line_waves as plot_line_waves
+from tline.pictures.waves import plot_waves as plot_waves

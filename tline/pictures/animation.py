@@ -21,6 +21,7 @@ from tline.solver.result.result import Result
 FRAMES, PLACES = 180, 361
 STEPS = 9999  # levels from smallest to largest effort in the page
 SUFFIXES = (".html", ".gif")
+FRAME = 480  # pixels, height in a notebook
 
 
 class MovingQuantities(NamedTuple):
@@ -50,8 +51,52 @@ class MovingQuantities(NamedTuple):
         return max(ceil(-log10(self.t[1])), 0) + 1
 
 
-def animate(result: Result, path: Route, filename: str | Path) -> None:
-    """Write an animation of the effort along a route, with the range it passes through shaded.
+class Animation:
+    """Effort along a route, moving, with the range it passes through shaded; notebooks play it.
+
+    Parameters
+    ----------
+    motion : MovingQuantities
+    """
+
+    def __init__(self, motion: MovingQuantities):
+        self.motion = motion
+
+    @property
+    def html(self) -> str:
+        """A page that needs nothing else, with a play button and a slider."""
+        return _page(self.motion)
+
+    def _repr_html_(self) -> str:
+        return f'<iframe srcdoc="{html.escape(self.html)}" width="100%" height="{FRAME}" style="border: 0"></iframe>'
+
+    def save(self, filename: str | Path) -> None:
+        """Write it.
+
+        Parameters
+        ----------
+        filename : str or Path
+            ``.html`` for a page; ``.gif`` for a picture that plays for ever.
+
+        Raises
+        ------
+        InputError
+            Another suffix, or the file cannot be written.
+        """
+        suffix = Path(filename).suffix.lower()
+        if suffix not in SUFFIXES:
+            raise InputError(str(filename), "unknown kind of animation", " or ".join(SUFFIXES), f"'{suffix}'")
+        with replacing(filename) as temporary:
+            if suffix == ".html":
+                temporary.write_text(self.html, encoding="utf-8")
+            else:
+                from tline.pictures.gif import write_gif
+
+                write_gif(self.motion, temporary)
+
+
+def animated(result: Result, path: Route) -> Animation:
+    """The effort along a route, moving.
 
     Parameters
     ----------
@@ -59,26 +104,13 @@ def animate(result: Result, path: Route, filename: str | Path) -> None:
         A finished run in which the route's lines were recorded.
     path : Route
         From `route(scene)`.
-    filename : str or Path
-        ``.html`` for a page that needs nothing else, with a play button and a slider; ``.gif`` for a picture that plays
-        for ever.
 
     Raises
     ------
     InputError
-        Another suffix, a line of the route was not recorded, or the file cannot be written.
+        A line of the route was not recorded.
     """
-    suffix = Path(filename).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise InputError(str(filename), "unknown kind of animation", " or ".join(SUFFIXES), f"'{suffix}'")
-    motion = _motion(result, path)
-    with replacing(filename) as temporary:
-        if suffix == ".html":
-            temporary.write_text(_page(motion), encoding="utf-8")
-        else:
-            from tline.pictures.gif import write_gif
-
-            write_gif(motion, temporary)
+    return Animation(_motion(result, path))
 
 
 def _motion(result: Result, path: Route) -> MovingQuantities:

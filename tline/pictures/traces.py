@@ -1,64 +1,181 @@
-"""What the probes saw, over time."""
+"""What the probes of one or several results saw, over time."""
 
-from matplotlib.figure import Figure
+import re
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from tline.errors import InputError
 from tline.pictures.handy import handy, quantities, spread
-from tline.pictures.style import COLOURS, DASHES, figure, styled
+from tline.pictures.style import COLOURS, DASHES, Picture, figure, styled
 from tline.solver.result.dense_output import curve
 from tline.solver.result.result import Result
+from tline.units import to_si
+from tline.wording import nearest, shown
 
 WIDTH, HEIGHT, MORE = 8.0, 5.2, 2.2  # inches; more for a third panel
+ONE = 3.6  # for a single panel
 MARGIN = 0.08  # of the range, above and below
 ENTRY = 0.11  # inches per letter in the legend
+UNIT = re.compile(r"\[(.+)\]$")  # of an axis, in its label
+
+
+class Quantity(NamedTuple):
+    """What a panel shows."""
+
+    word: str
+    letter: str  # attribute of what a probe saw
+    si: str
+    shown: str  # unit
+
+
+class Trace(NamedTuple):
+    """What one probe of one result saw."""
+
+    name: str
+    where: str  # the probe
+    t: NDArray
+    values: Mapping[str, NDArray]  # by letter
 
 
 @styled
-def plot_probes(result: Result) -> Figure:
+def plot(
+    results: Result | Mapping[str, Result], probes: Iterable[str] | None = None, quantity: str | None = None
+) -> Picture:
     """Effort above, or gauge pressure and head in a scene with elevations, flow below; one curve for each probe.
 
     Probes at nodes where no line ends have no flow.
 
     Parameters
     ----------
-    result : Result
-        A finished run.
+    results : Result, or mapping of str to Result
+        A finished run; or several of one medium, by the names that stand in the legend.
+    probes : iterable of str, optional
+        Some of the probes.
+    quantity : str, optional
+        One quantity, such as ``"flow"`` or ``"voltage"``.
 
     Returns
     -------
     matplotlib.figure.Figure
-        With two axes, or three, that share time.
+        With axes that share time.
+
+    Raises
+    ------
+    InputError
+        There is no result, probe or quantity of that name, or the media differ.
     """
-    curves = {name: curve(probe) for name, probe in result.probes.items()}
-    columns = max(int(WIDTH / (0.6 + ENTRY * max(map(len, curves)))), 1)
-    rows = -(-len(curves) // columns) if len(curves) > 1 else 0
-    picture = figure(WIDTH, HEIGHT + 0.22 * rows + MORE * bool(result.scene.heights), result.scene.title)
-    flowing = {name for name, probe in result.probes.items() if probe.has_flow}
-    shown = [each for each in quantities(result.scene) if each[1] != "y" or flowing]
-    ratios = [2 if letter == "y" else 3 for _, letter, _, _ in shown]
-    panels = picture.subplots(len(shown), 1, sharex=True, height_ratios=ratios, squeeze=False)[:, 0]
-    second, time_unit = handy(result.t[-1], "s")
-    handles = {}
-    for axes, (word, letter, _, unit) in zip(panels, shown, strict=True):
-        drawn = {
-            name: (k, samples.t / second, getattr(samples, letter))
-            for k, (name, samples) in enumerate(curves.items())
-            if letter != "y" or name in flowing
-        }
-        values = [v for _, _, v in drawn.values()]
-        size, name = handy(max(abs(v).max() for v in values), unit)
-        handles |= {
-            probe: axes.plot(t, v / size, color=COLOURS[k % len(COLOURS)], linestyle=DASHES[k % len(DASHES)])[0]
-            for probe, (k, t, v) in drawn.items()
-        }
-        where = f" at {next(iter(curves))}" if len(curves) == 1 else ""
-        axes.set_ylabel(f"{word}{where} [{name}]")
-        axes.grid(True)
-        axes.margins(x=0)
-        low, high = spread(min(v.min() for v in values) / size, max(v.max() for v in values) / size)
-        axes.set_ylim(low - MARGIN * (high - low), high + MARGIN * (high - low))
-    panels[-1].set_xlabel(f"time [{time_unit}]")
-    picture.align_ylabels(panels)
-    if len(curves) > 1:
-        names = [f" {name}" for name in curves]  # a name that begins with '_' would be left out
+    named = {"": results} if isinstance(results, Result) else results
+    if not isinstance(named, Mapping) or not named or not all(isinstance(each, Result) for each in named.values()):
+        raise InputError("results", "not results", "a Result, or a dict of several", shown(results))
+    first = next(iter(named.values()))
+    if len({each.scene.medium for each in named.values()}) > 1:
+        raise InputError("results", "of two media", "pipes or cables")
+    panels = _asked(first, quantity)
+    traces = [trace for name, each in named.items() for trace in _traces(each, probes, panels, name)]
+    panels = [panel for panel in panels if any(panel.letter in trace.values for trace in traces)]
+    columns = max(int(WIDTH / (0.6 + ENTRY * max(len(trace.name) for trace in traces))), 1)
+    rows = -(-len(traces) // columns) if len(traces) > 1 else 0
+    height = ONE if len(panels) == 1 else HEIGHT + MORE * (len(panels) > 2)
+    picture = figure(WIDTH, height + 0.22 * rows, first.scene.title if len(named) == 1 else "")
+    ratios = [2 if panel.letter == "y" else 3 for panel in panels]
+    both = picture.subplots(len(panels), 1, sharex=True, height_ratios=ratios, squeeze=False)[:, 0]
+    handles: dict[str, Line2D] = {}
+    for axes, panel in zip(both, panels, strict=True):
+        handles |= _draw(axes, panel, traces)
+        if axes is not both[-1]:
+            axes.set_xlabel("")
+    picture.align_ylabels(both)
+    if len(traces) > 1:
+        names = [f" {name}" for name in handles]  # a name that begins with '_' would be left out
         picture.legend(handles.values(), names, loc="outside lower center", ncols=min(columns, len(names)))
     return picture
+
+
+@styled
+def draw_probes(
+    axes: Axes, result: Result, probes: Iterable[str] | None = None, quantity: str | None = None, label: str = ""
+) -> Axes:
+    """Draw one quantity of a result on axes, beside what is there and in its units.
+
+    Parameters
+    ----------
+    axes : Axes
+    result : Result
+    probes : iterable of str, optional
+        Some of the probes.
+    quantity : str, optional
+        Such as ``"flow"``; the effort if none is given.
+    label : str
+        For the legend: of one probe, or in front of the names of several.
+
+    Raises
+    ------
+    InputError
+        There is no probe or quantity of that name.
+    """
+    panel = _asked(result, quantity)[0]
+    _draw(axes, panel, _traces(result, probes, [panel], label))
+    if len(axes.lines) > 1:
+        axes.legend()
+    return axes
+
+
+def _asked(result: Result, quantity: str | None) -> list[Quantity]:
+    known = [Quantity(*each) for each in quantities(result.scene)]
+    if quantity is None:
+        return known
+    found = [each for each in known if quantity in (each.word, each.letter)]
+    if not found:
+        raise InputError(
+            "quantity", "not known", nearest(str(quantity), [each.word for each in known]), shown(quantity)
+        )
+    return found
+
+
+def _traces(result: Result, probes: Iterable[str] | None, panels: list[Quantity], label: str) -> list[Trace]:
+    names = [*result.probes] if probes is None else [probes] if isinstance(probes, str) else [*probes]
+    for name in names:
+        if name not in result.probes:
+            raise InputError("probes", "no such probe", nearest(str(name), [*result.probes]), shown(name))
+    found = []
+    for name in names:
+        seen, flows = curve(result.probes[name]), result.probes[name].has_flow
+        values = {panel.letter: getattr(seen, panel.letter) for panel in panels if panel.letter != "y" or flows}
+        told = name if not label else label if len(names) == 1 else f"{label}, {name}"
+        found.append(Trace(told, name, seen.t, values))
+    return found
+
+
+def _draw(axes: Axes, panel: Quantity, traces: list[Trace]) -> dict[str, Line2D]:
+    """Curves of one quantity; in the units of axes that have some."""
+    numbered = [(k, trace) for k, trace in enumerate(traces, len(axes.lines)) if panel.letter in trace.values]
+    traces, there = [trace for _, trace in numbered], (axes.get_xlabel(), axes.get_ylabel())
+    second, time_unit = _unit(there[0]) or handy(max((trace.t[-1] for trace in traces), default=1.0), "s")
+    largest = max((float(abs(trace.values[panel.letter]).max()) for trace in traces), default=1.0)
+    size, unit = _unit(there[1]) or handy(largest, panel.shown)
+    drawn = {}
+    for k, trace in numbered:
+        style = {"color": COLOURS[k % len(COLOURS)], "linestyle": DASHES[k % len(DASHES)]}
+        values = trace.values[panel.letter] / size
+        (drawn[trace.name],) = axes.plot(trace.t / second, values, label=f" {trace.name}", **style)
+    where = {trace.where for trace in traces}
+    axes.set_ylabel(there[1] or f"{panel.word}{f' at {where.pop()}' if len(where) == 1 else ''} [{unit}]")
+    axes.set_xlabel(there[0] or f"time [{time_unit}]")
+    axes.grid(True)
+    axes.margins(x=0)
+    if axes.lines:
+        values = [np.asarray(line.get_ydata(), float) for line in axes.lines]
+        low, high = spread(min(each.min() for each in values), max(each.max() for each in values))
+        axes.set_ylim(low - MARGIN * (high - low), high + MARGIN * (high - low))
+    return drawn
+
+
+def _unit(label: str) -> tuple[float, str] | None:
+    """Size and name of the unit of an axis; None if it has none."""
+    found = UNIT.search(label)
+    return (to_si(f"1 {found[1]}", None), found[1]) if found else None

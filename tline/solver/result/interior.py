@@ -27,7 +27,7 @@ CLOSE, MOST_ROUNDS = 1e-6, 200  # of the largest wave, where the iteration ends
 
 @dataclass(frozen=True, eq=False)
 class Inside:
-    """Effort inside a recorded line.
+    """Waves and effort inside a recorded line.
 
     Attributes
     ----------
@@ -35,8 +35,8 @@ class Inside:
         Waves at its ends.
     t : ndarray, shape (instants,)
         Where extremes are looked for, s.
-    lost : ndarray, shape (cells + 1, instants), or None
-        What losses add to the effort at places apart by equal delays; None of a lossless line.
+    lost : ndarray, shape (2, cells + 1, instants), or None
+        What losses take from a and give to b at places apart by equal delays; None of a lossless line.
     cells : int
         How many such stretches the line has.
     """
@@ -46,15 +46,20 @@ class Inside:
     lost: NDArray | None
     cells: int
 
-    def effort(self, t: NDArray, share: float) -> NDArray:
-        """Effort, Pa or V, at instants t and a place given as a share of the delay, from 0 to 1."""
+    def waves(self, t: NDArray, share: float) -> tuple[NDArray, NDArray]:
+        """Waves (a, b) at instants t and a place given as a share of the delay, from 0 to 1."""
         a, b = self.record.waves(t, share)
         if self.lost is None or share in (0.0, 1.0):
-            return (a + b) / 2
+            return a, b
         j = min(int(share * self.cells), self.cells - 1)
         weight = share * self.cells - j
-        lost = (1 - weight) * self.lost[j] + weight * self.lost[j + 1]
-        return (a + b) / 2 + np.interp(t, self.t, lost)
+        A, B = (1 - weight) * self.lost[:, j] + weight * self.lost[:, j + 1]
+        return a - np.interp(t, self.t, A), b + np.interp(t, self.t, B)
+
+    def effort(self, t: NDArray, share: float) -> NDArray:
+        """Effort, Pa or V, at instants t and a place given as a share of the delay, from 0 to 1."""
+        a, b = self.waves(t, share)
+        return (a + b) / 2
 
     def extremes(self, slab_ends: NDArray) -> NDArray:
         """Effort before t = 0, lowest and highest effort, shape (3, cells + 1), at places apart by equal delays."""
@@ -85,10 +90,15 @@ class InStretches:
         """Of all stretches."""
         return sum(each.cells for each in self.stretches)
 
+    def waves(self, t: NDArray, share: float) -> tuple[NDArray, NDArray]:
+        """Waves (a, b) at instants t and a place given as a share of the delay, from 0 to 1."""
+        k = min(int(share * len(self.stretches)), len(self.stretches) - 1)
+        return self.stretches[k].waves(t, share * len(self.stretches) - k)
+
     def effort(self, t: NDArray, share: float) -> NDArray:
         """Effort at instants t and a place given as a share of the delay, from 0 to 1."""
-        k = min(int(share * len(self.stretches)), len(self.stretches) - 1)
-        return self.stretches[k].effort(t, share * len(self.stretches) - k)
+        a, b = self.waves(t, share)
+        return (a + b) / 2
 
     def extremes(self, slab_ends: NDArray) -> NDArray:
         """Effort before t = 0, lowest and highest effort, shape (3, cells + 1), at places apart by equal delays."""
@@ -152,7 +162,7 @@ def _inside(result: Result, line: str, cells: int) -> Inside:
 
 
 def _lost(result: Result, line: str, record: LineRecord, cells: int, t: NDArray) -> NDArray:
-    """What losses add to the effort, (B - A)/2 at places and instants."""
+    """What losses take from a and give to b, A and B at places and instants."""
     circuits, losses = result.circuits[line], result.scene.single_lines[line].losses
     assert losses is not None
     cell = losses.exact.length / cells
@@ -168,7 +178,7 @@ def _lost(result: Result, line: str, record: LineRecord, cells: int, t: NDArray)
         before, A, B = (A, B), _along(drop + leak), _along((drop - leak)[::-1])[::-1]
         change = max(np.abs(new - old).max() for new, old in zip((A, B), before, strict=True))
         if change <= CLOSE * size:
-            return (B - A) / 2
+            return np.stack([A, B])
     raise InputError(place("lines", line), "loses too much for what is inside it to be found", "shorter lines")
 
 

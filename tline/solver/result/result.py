@@ -16,7 +16,9 @@ from tline.solver.description.resolution import Resolution
 from tline.solver.ledger.ledger import Ledger
 from tline.solver.radau import Basis
 from tline.solver.result.accuracy import Accuracy
+from tline.solver.result.display import Display, shortly
 from tline.solver.result.envelope import Envelope
+from tline.solver.result.export import Export
 from tline.wording import place
 
 NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
@@ -30,7 +32,7 @@ class Pieces(NamedTuple):
     values: NDArray  # (pieces, s) at the Radau points of the piece
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Wave:
     """A wave as slab polynomials; constant before t = 0."""
 
@@ -39,6 +41,9 @@ class Wave:
     basis: Basis
     h: float
     pieces: Pieces
+
+    def __repr__(self) -> str:
+        return shortly("Wave", slabs=len(self.values), order=self.basis.s)
 
     def __call__(self, t: ArrayLike) -> NDArray:
         """Value at any instants up to the end of the run, same shape as t; at a jump the value before it."""
@@ -74,7 +79,7 @@ class Wave:
         return seen
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class LineRecord:
     """The waves at both ends of a line: a leaves end 1 and arrives at end 2, b leaves end 2 and arrives at end 1."""
 
@@ -85,6 +90,9 @@ class LineRecord:
     a2: Wave
     b2: Wave
     smeared: bool  # whether fronts were left out
+
+    def __repr__(self) -> str:
+        return shortly("LineRecord", z0=f"{self.z0:.6g}", delay=f"{self.delay:.6g} s")
 
     def waves(self, t: ArrayLike, share: float) -> tuple[NDArray, NDArray]:
         """Waves (a, b) at instants t, at a place given as a share of the delay."""
@@ -103,7 +111,7 @@ class ElementRecord(NamedTuple):
     impedance: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Samples:
     """Effort, flow and waves at instants t, in SI; flow counts positive from end 1 to end 2 of the line."""
 
@@ -113,6 +121,9 @@ class Samples:
     a: NDArray
     b: NDArray
     height: Height = NO_HEIGHT
+
+    def __repr__(self) -> str:
+        return shortly("Samples", instants=self.t.size, of="t, u, y, a, b")
 
     @property
     def gauge_pressure(self) -> NDArray:
@@ -133,7 +144,7 @@ class Samples:
         return self.u / self.height.per_metre
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ProbeResult:
     """What one probe saw."""
 
@@ -143,6 +154,9 @@ class ProbeResult:
     record: LineRecord
     slab_ends: NDArray
     height: Height = NO_HEIGHT
+
+    def __repr__(self) -> str:
+        return shortly(f"Probe {self.name!r}", instants=f"{len(self.t):,}", to=f"{self.t[-1]:.6g} s")
 
     @property
     def has_flow(self) -> bool:
@@ -225,8 +239,8 @@ class ProbeResult:
         return self.samples.b
 
 
-@dataclass(frozen=True, eq=False)
-class Result:
+@dataclass(frozen=True, eq=False, repr=False)
+class Result(Display, Export):
     """A finished run.
 
     Attributes

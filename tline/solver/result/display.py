@@ -1,0 +1,146 @@
+"""How results show themselves: in a screen of text, and in the pictures of `tline.pictures`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, cast, overload
+
+from tline.units import engineering
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    import tline as tl
+    from tline.solver.result.result import Result
+
+SHOWN = 20  # probes
+
+
+class Display:
+    """What a result can show of itself: each method imports what it draws with."""
+
+    def __repr__(self) -> str:
+        return as_text(cast("Result", self))
+
+    @overload
+    def plot(self, *, probes: Iterable[str] | None = None, quantity: str | None = None) -> Figure: ...
+    @overload
+    def plot(
+        self, ax: Axes, *, probes: Iterable[str] | None = None, quantity: str | None = None, label: str = ""
+    ) -> Axes: ...
+    def plot(
+        self,
+        ax: Axes | None = None,
+        *,
+        probes: Iterable[str] | None = None,
+        quantity: str | None = None,
+        label: str = "",
+    ) -> Figure | Axes:
+        """Draw what the probes saw over time.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw one quantity, beside what is there; without it a new figure with all.
+        probes : iterable of str, optional
+            Some of the probes.
+        quantity : str, optional
+            Such as ``"flow"`` or ``"voltage"``; on `ax` the effort if none is given.
+        label : str
+            For the legend of `ax`, instead of the probe's name or in front of it.
+
+        Returns
+        -------
+        Figure or Axes
+            What was drawn on. Several results in one figure: `tline.plot`.
+
+        Raises
+        ------
+        InputError
+            There is no such probe or quantity.
+        """
+        import tline as tl
+
+        result = cast("Result", self)
+        if ax is None:
+            return tl.pictures.plot(result, probes, quantity)
+        return tl.pictures.draw_probes(ax, result, probes, quantity, label)
+
+    def plot_waves(self, probe: str | None = None, *, line: str | None = None) -> Figure:
+        """Draw the waves a = u + z0·y and b = u - z0·y: over time at a probe, or over time and place on a line.
+
+        Parameters
+        ----------
+        probe : str, optional
+            Not needed if there is one only.
+        line : str
+            Instead of a probe, a line that was recorded: each that has a probe, and those of ``record=[…]``.
+        """
+        import tline as tl
+
+        result = cast("Result", self)
+        return tl.pictures.plot_line_waves(result, line) if line else tl.pictures.plot_waves(result, probe)
+
+    def plot_space_time(self, *nodes: str) -> Figure:
+        """Draw the effort over time and place, along a chain of lines or from node to node; see `record` of a run."""
+        import tline as tl
+
+        result = cast("Result", self)
+        return tl.pictures.plot_space_time(result, tl.pictures.route(result.scene, *nodes))
+
+    def plot_profile(self, *nodes: str) -> Figure:
+        """Draw the lowest and the highest effort along a path, with ground and limits; see `record` of a run."""
+        import tline as tl
+
+        result = cast("Result", self)
+        return tl.pictures.plot_profile(result, tl.pictures.route(result.scene, *nodes))
+
+    def plot_map(self) -> Figure:
+        """Draw maps of the network, coloured by how far the effort rose and fell: of a run with ``envelope=True``."""
+        import tline as tl
+
+        return tl.pictures.plot_map(cast("Result", self))
+
+    def plot_lattice(self) -> Figure:
+        """Draw the bounce diagram of a scene with one line."""
+        import tline as tl
+
+        return tl.pictures.plot_lattice(cast("Result", self))
+
+    def animate(self, *nodes: str) -> tl.pictures.Animation:
+        """The effort along a path, moving: shown by notebooks, and written by its method ``save``."""
+        import tline as tl
+
+        result = cast("Result", self)
+        return tl.pictures.animated(result, tl.pictures.route(result.scene, *nodes))
+
+
+def as_text(result: Result) -> str:
+    """What was run, how accurate it is, and the extremes of each probe."""
+    from tline.solver.result.dense_output import extremes
+
+    medium, found, title = result.medium, result.accuracy, result.scene.title
+    name, end = f" {title!r}" if title else "", engineering(float(result.t[-1]), "s")
+    lines = [f"<Result{name}: {end} in {len(result.t) - 1:,} slabs, order {result.resolution.s}"]
+    if found and found.tol is not None:
+        lines.append(f"  error {found.worst:.1g}, {found.tol:.1g} asked and {'met' if found.met else 'NOT met'}")
+    width = max(map(len, result.probes), default=0)
+    quantities = [
+        ("gauge_pressure" if result.scene.heights else "u", medium.shown["effort"]),
+        ("y", medium.shown["flow"]),
+    ]
+    for name in [*result.probes][:SHOWN]:
+        probe, parts = result.probes[name], []
+        for letter, unit in quantities[: 1 + probe.has_flow]:
+            (low, _), (high, _) = extremes(probe, letter)
+            parts.append(f"{engineering(low, unit)} … {engineering(high, unit)}")
+        lines.append(f"  {name:{width}}  {',  '.join(parts)}")
+    more = len(result.probes) - SHOWN
+    return "\n".join([*lines, *([f"  and {more} more probes"] if more > 0 else [])]) + ">"
+
+
+def shortly(kind: str, **parts: Any) -> str:
+    """One line that stands for an object with long arrays."""
+    return f"<{kind}: {', '.join(f'{key} {value}' for key, value in parts.items())}>"
