@@ -153,10 +153,12 @@ def pictures() -> None:
     from tline.frequency.response import respond
     from tline.pictures.bode import plot_bode
     from tline.pictures.lattice import plot_lattice
+    from tline.pictures.network import plot_network
     from tline.pictures.path import route
     from tline.pictures.space_time import plot_space_time
     from tline.pictures.style import save_figure, styled
     from tline.pictures.traces import plot
+    from tline.pictures.waves import plot_line_waves
     from tline.solver.simulate import UnresolvedWarning, simulate
 
     warnings.simplefilter("ignore", UnresolvedWarning)
@@ -166,6 +168,8 @@ def pictures() -> None:
     save_figure(plot(result), str(DOCS / "pictures" / "pressure.png"))
     save_figure(plot_space_time(result, way), str(DOCS / "pictures" / "space_time.png"))
     save_figure(plot_lattice(result), str(DOCS / "pictures" / "lattice.png"))
+    save_figure(plot_line_waves(result, "pipe"), str(DOCS / "pictures" / "waves.png"))
+    save_figure(plot_network(read_scene(DOCS.parent / "scenes" / "town.toml")), str(DOCS / "pictures" / "network.png"))
     cable, f = read_scene(DOCS.parent / "scenes" / "cable_rlc.toml"), np.geomspace(1e6, 1e9, 1001)
     seen = {name: probe.u for name, probe in respond(cable, 2j * np.pi * f).items()}
     save_figure(

@@ -1,5 +1,6 @@
 """What the documents show works: commands, Python snippets, scenes, and the generated pages are up to date."""
 
+import ast
 import re
 import runpy
 import shlex
@@ -57,6 +58,33 @@ def test_python_snippets_run(page, workplace, capsys):
         (workplace / f"snippet{k}.py").write_text(block, encoding="utf-8")
         runpy.run_path(str(workplace / f"snippet{k}.py"))
     assert capsys.readouterr().out
+
+
+OTHERS = {
+    "tline",
+    "passivity",
+    "friction",
+    "drives",
+    "numpy",
+    "scipy",
+}  # what snippets import beside the standard library
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.stem)
+def test_snippets_import_whole_packages(page):
+    """Nobody has to know in which module a name lives."""
+    for block in blocks(page, "python"):
+        for statement in ast.walk(ast.parse(block)):
+            if isinstance(statement, ast.Import):
+                names = [alias.name for alias in statement.names]
+            elif isinstance(statement, ast.ImportFrom):
+                names = [statement.module or ""]
+            else:
+                continue
+            for name in names:
+                package, _, inside = name.partition(".")
+                assert package in OTHERS | sys.stdlib_module_names, name
+                assert not inside or package in ("scipy", *sys.stdlib_module_names), name
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)

@@ -1,6 +1,7 @@
 """One import: what the packages offer is there by name, complete, typed, and costs nothing until it is used."""
 
 import importlib
+import os
 import pkgutil
 import subprocess
 import sys
@@ -91,3 +92,16 @@ def test_examples_are_a_mapping_of_scenes(tmp_path):
         tl.examples.copy("antenna", tmp_path)
     with pytest.raises(tl.InputError, match="cannot be written"):
         tl.examples.copy("antenna", tmp_path / "missing")
+
+
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [("tline exa", "plain,examples"), ("tline run --sp", "plain,--space-time"), ("tline r", "plain,run")],
+)
+def test_shells_complete_commands_and_options(typed, offered):
+    environment = os.environ | {
+        "_TLINE_COMPLETE": "bash_complete", "COMP_WORDS": typed, "COMP_CWORD": str(len(typed.split()) - 1)
+    }  # fmt: skip
+    command = [sys.executable, "-c", "from tline.cli.main import main; main(prog_name='tline')"]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == [offered]

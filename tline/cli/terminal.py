@@ -40,7 +40,8 @@ class Printable(io.TextIOBase):
     def fileno(self) -> int:  # noqa: D102
         return self.stream.fileno()
 
-    def write(self, text: str) -> int:  # noqa: D102
+    def write(self, text: str | bytes) -> int:  # noqa: D102
+        text = text.decode() if isinstance(text, bytes) else text  # as click writes what a shell completes
         front = "\r" if text.startswith("\r") else ""
         with self._tolerant():
             self.stream.write(front + printable(text[len(front) :]))
