@@ -350,7 +350,7 @@ class Scene(Element):
         return given
 
     def probed_line(self, probe: str) -> str | None:
-        """Name of the line that a probe is on, or of the one whose end it sees; None at a node where none or more end."""
+        """Name of the line that a probe is on, or of the only one that ends at it; None where several do, or none."""
         place = self.probes[probe]
         here = [] if place.line else [name for name, line in self.lines.items() if place.at in line.nodes]
         return place.line or (here[0] if len(here) == 1 else None)
