@@ -24,7 +24,7 @@ from tline.errors import InputError
 Dimension = tuple[int, ...]  # exponents of kg, m, s, A, K, angle, cycle
 Factor = tuple[Fraction, Dimension]
 NONE = (0, 0, 0, 0, 0)
-ANGLES, CYCLES = {"rad", "deg", "°"}, {"Hz"}
+ANGLES, CYCLES = {"rad", "deg", "°"}, {"Hz", "rpm"}
 TURN = 2 * Fraction(math.pi)
 LONGEST, LARGEST_POWER, LARGEST_BITS = 200, 12, 4000  # a text beyond these is no quantity
 CELSIUS, CELSIUS_ZERO = {"degC", "°C", "℃"}, Fraction("273.15")
@@ -71,6 +71,7 @@ PLAIN: dict[str, Factor] = {
     "hPa": (Fraction(100), (1, -1, -2, 0, 0)),  # the prefix h alone would make hbar, which is another thing
     "psi": (Fraction("0.45359237") * Fraction("9.80665") / Fraction("0.0254") ** 2, (1, -1, -2, 0, 0)),
     "mH2O": (Fraction("9806.65"), (1, -1, -2, 0, 0)),
+    "rpm": (Fraction(1, 60), (0, 0, -1, 0, 0)),
     "cP": (Fraction(1, 1000), (1, -1, -1, 0, 0)),
     "cSt": (Fraction(1, 1_000_000), (0, 2, -1, 0, 0)),
     "deg": (Fraction(math.pi) / 180, NONE),

@@ -161,8 +161,6 @@ z0 = "50 ohm" | delay = "5 ns" -> z0 = "5 V" | delay = "3 V"
 z0 = "50 ohm" -> Z0 = 50 => lines.cable.Z0: unknown key, expected 'z0'
 z0 = "50 ohm" -> z0 = 50 | radius = 1 => lines.cable.radius: unknown key, expected one of 'nodes', 'vertices'
 [lines.cable] -> [lines] | other = 5 | [lines.cable] => lines.other: not a table, expected keys with values, got 5
-+ [lines.long] | nodes = ["far", "x"] | z0 = 1 | delay = 5 | [probes.a] | at = "near"
-  => probes.seen: 2 lines meet at 'far', and it is not said whose flow is meant, expected line = 'cable' or 'long'
 """
 HYDRAULIC = r"""
 "5 bar" -> "5 V" => sources.pump.value: this unit measures something else, expected a pressure such as '1 Pa'
@@ -415,7 +413,6 @@ JUNCTION = '[lines.other]\nnodes = ["far", "x"]\nz0 = 1\ndelay = 5\n'
 def test_junctions(tmp_path):
     begins = [
         "loads.end: node 'far' is a junction, and only the end of one line can be matched, expected a resistor, got 2",
-        "probes.seen: 2 lines meet at 'far', and it is not said whose flow is meant",
     ]
     agree(mistakes_of(CABLE.replace(END, 'kind = "matched"') + JUNCTION, tmp_path), begins)
 

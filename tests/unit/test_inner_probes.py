@@ -1,9 +1,10 @@
-"""What is told of a probe at a node where no line ends: its effort, and no flow."""
+"""What is told of a probe at a node where no line ends, or several meet: its effort, and no flow."""
 
 import numpy as np
 import pytest
 
 from tline.cli.report import as_table, summary
+from tline.frequency.response import respond
 from tline.pictures.traces import plot
 from tline.scene.scene import Scene
 from tline.solver.result.save import save_csv, save_npz
@@ -64,3 +65,20 @@ def test_in_python(result):
     assert result.probes["far"].has_flow
     assert not inner.y.any()
     assert (inner.a == inner.u).all()
+
+
+def test_a_probe_at_a_junction_sees_the_effort_that_all_lines_have_there():
+    line = {"z0": 50, "delay": 1}
+    scene = Scene(
+        medium="electrical",
+        t_end=7,
+        lines={name: line | {"nodes": ["far", name] if name != "in" else ["near", "far"]} for name in ("in", "a", "b")},
+        sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 25}},
+        probes={"alone": {"at": "far"}, "of a": {"at": "far", "line": "a"}},
+    )
+    result = simulate(scene)
+    alone, beside = result.probes["alone"], result.probes["of a"]
+    assert (alone.has_flow, beside.has_flow) == (False, True)
+    assert alone.u == pytest.approx(beside.u, abs=1e-12)
+    seen = respond(scene, [0.3j])
+    assert seen["alone"].u == pytest.approx(seen["of a"].u, rel=1e-12)

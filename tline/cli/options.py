@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from tline.errors import InputError
+from tline.errors import ActiveError, InputError, SceneError
 
 PICTURE = (".png", ".svg", ".pdf")
 confined_option = click.option("--confined", is_flag=True, help="Read no files outside of the scene's folder.")
@@ -59,18 +59,24 @@ def hours(text: str | None) -> float:
     InputError
         It is no number.
     """
+    if text is None:
+        return 0.0
     try:
-        return 0.0 if text is None else float(text)
+        return float(text)
     except ValueError:
         raise InputError("--at-hour", "not a number of hours", "such as 17 or 17.5", text) from None
 
 
 @contextmanager
 def options_named(options: Mapping[str, str]) -> Iterator[None]:
-    """Let errors name the option where the library names its argument."""
+    """Let errors name the option where the library names its argument or the scene's key."""
     try:
         yield
+    except ActiveError as error:
+        raise ActiveError(error.where, error.problem, "passive elements, or --active to run it all the same") from error
     except InputError as error:
-        if error.where not in options:
+        mistakes = error.mistakes if isinstance(error, SceneError) else [error]
+        if not any(mistake.where in options for mistake in mistakes):
             raise
-        raise InputError(options[error.where], error.problem, error.expected, error.got) from error
+        named = [InputError(options.get(m.where, m.where), m.problem, m.expected, m.got) for m in mistakes]
+        raise SceneError(named) if len(named) > 1 else named[0] from error

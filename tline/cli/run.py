@@ -3,15 +3,13 @@
 import json
 import sys
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from tline.cli.options import confined_option
-from tline.errors import ActiveError, InputError, SceneError
+from tline.cli.options import confined_option, options_named
+from tline.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -101,7 +99,7 @@ def run(
     shown = ledger or "ledger_csv" in wanted
     ledger = shown or ledger
     solver = {key: value for key, value in (("tol", tol), ("order", order), ("slab", slab)) if value is not None}
-    with _options_named({f"solver.{key}": f"--{key}" for key in solver} | {"path": "--path", "lattice": "--lattice"}):
+    with options_named({f"solver.{key}": f"--{key}" for key in solver} | {"path": "--path", "lattice": "--lattice"}):
         _check_files(wanted)
         read = _read(scene, solver, confined)
         way = _route(read, path, wanted)
@@ -126,19 +124,6 @@ def run(
             click.echo(f"wrote {file}")
     if accuracy and not accuracy.met:
         sys.exit(1)
-
-
-@contextmanager
-def _options_named(options: dict[str, str]) -> Iterator[None]:
-    """Let errors name the option where the library names its argument or the scene's key."""
-    try:
-        yield
-    except ActiveError as error:
-        raise ActiveError(error.where, error.problem, "passive elements, or --active to run it all the same") from error
-    except InputError as error:
-        mistakes = error.mistakes if isinstance(error, SceneError) else [error]
-        named = [InputError(options.get(m.where, m.where), m.problem, m.expected, m.got) for m in mistakes]
-        raise SceneError(named) if len(named) > 1 else named[0] from error
 
 
 def _check_files(wanted: dict[str, str]) -> None:

@@ -38,8 +38,8 @@ def wave_speeds(wave_speed: float | str | None, material: str | None) -> dict[st
     if material is not None:
         found |= _read(material)
     if wave_speed is not None:
-        Quantity(wave_speed, "m/s", "wave_speed")
-        found[EVERY] = {"wave_speed": wave_speed}
+        speed = Quantity(wave_speed, "m/s", "wave_speed")
+        found[EVERY] = {"wave_speed": float(speed) if _is_plain(wave_speed) else wave_speed}
     return found
 
 
@@ -57,6 +57,11 @@ def notes_on(walls: Mapping[str, Keys], pipes: Mapping[str, Any], *, given: bool
     if rest and not given and walls[EVERY].get("wave_speed") == USUAL:
         pipe = "all pipes" if len(rest) == len(pipes) else f"{len(rest)} pipes"
         yield f"wave speed: {USUAL} in {pipe}, for nothing says what they are made of"
+
+
+def _is_plain(typed: float | str) -> bool:
+    """Whether a number has no unit, and SI was meant."""
+    return not isinstance(typed, str) or not any(c.isalpha() and c not in "eE" for c in typed)
 
 
 def _read(path: str) -> dict[str, Keys]:

@@ -212,9 +212,6 @@ def _probe(scene: Scene, where: str, probe: Probe, ends: Ends) -> Iterator[Input
     elif probe.at is not None:
         here = list(dict.fromkeys(ends.get(probe.at, ())))
         either = " or ".join(map(repr, here[:6]))
-        if probe.line is None and len(here) > 1:
-            problem = f"{len(here)} lines meet at '{probe.at}', and it is not said whose flow is meant"
-            yield InputError(where, problem, f"line = {either}")
         if probe.line is not None and probe.line not in here:
             yield InputError(f"{where}.line", f"does not end at '{probe.at}'", either or "none", repr(probe.line))
     elif probe.line is None:

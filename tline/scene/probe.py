@@ -13,12 +13,12 @@ from tline.wording import shown
 class Probe(Element):
     """Where effort, flow and waves are recorded: at a node, or at a position along a line.
 
-    At a node where no line ends that is the effort alone. Where several lines meet, `line` says whose flow and waves
-    are meant; of a line with both its ends there, end 1. A position is a distance from the line's end 1, or a share of
-    its delay such as "25 %".
+    At a node where no line ends, or several meet and no `line` says whose flow and waves are meant, that is the effort
+    alone; of a line with both its ends there they are those of end 1. A position is a distance from the line's end 1,
+    or a share of its delay such as "25 %".
     """
 
-    at: Name | None = Field(default=None, description="node; where no line ends, its effort alone")
+    at: Name | None = Field(default=None, description="node; without `line`, where not one line ends, its effort alone")
     line: Name | None = Field(default=None, description="line: whose flow at the node, or on which the position is")
     position: Position | None = Field(default=None, description="distance from end 1 in m, or a share such as '25 %'")
 

@@ -350,9 +350,10 @@ class Scene(Element):
         return given
 
     def probed_line(self, probe: str) -> str | None:
-        """Name of the line that a probe is on, or of the first whose end it sees; None at a node where none ends."""
+        """Name of the line that a probe is on, or of the only one that ends at it; None where several do, or none."""
         place = self.probes[probe]
-        return place.line or next((name for name, line in self.lines.items() if place.at in line.nodes), None)
+        here = [] if place.line else [name for name, line in self.lines.items() if place.at in line.nodes]
+        return place.line or (here[0] if len(here) == 1 else None)
 
 
 def _sound_part(data: dict[str, Any], error: ValidationError, context: dict[str, Any]) -> Scene | None:

@@ -106,8 +106,9 @@ class ReferenceNetwork:
         """
         if probe not in self.scene.probes:
             raise InputError("probe", "no such probe", nearest(probe, list(self.scene.probes)), f"'{probe}'")
-        lines, line = self.scene.lines, self.scene.probed_line(probe) or ""
-        return list(lines).index(line), decimal(self.scene.probes[probe].fraction(lines[line]))
+        lines, own = self.scene.lines, self.scene.probes[probe]
+        line = self.scene.probed_line(probe) or next(name for name in lines if own.at in lines[name].nodes)
+        return list(lines).index(line), decimal(own.fraction(lines[line]))
 
     def loaded(self) -> Iterator[str]:
         """Nodes with a load that is no resistance."""

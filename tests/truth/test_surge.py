@@ -1,0 +1,111 @@
+"""What operations on a network do, against closed forms."""
+
+import numpy as np
+import pytest
+
+from tline.errors import InputError
+from tline.scene.scene import Scene
+from tline.scene.site import GRAVITY
+from tline.solver.simulate import simulate
+from tline.surge.event import Event
+from tline.surge.inertia import usual_inertia
+from tline.surge.operate import operated
+from tline.surge.worst import worst
+
+SPEED, DENSITY, DIAMETER, HEAD, DRAWN = 1000.0, 1000.0, 0.2, 60.0, 0.01
+Z0 = DENSITY * SPEED / (np.pi / 4 * DIAMETER**2)
+PIPE = {"length": 500, "diameter": DIAMETER, "wave_speed": SPEED, "density": DENSITY}
+
+
+def network(**more) -> Scene:
+    """A reservoir, two pipes in a row without friction, and a demand at their end, 10 m above the zero of heights."""
+    outlet = {"at": "c", "kind": "check valve", "flow": DRAWN, "pressure_drop": (HEAD - 10) * DENSITY * GRAVITY}
+    return Scene(
+        medium="hydraulic",
+        t_end=3,
+        start="steady",
+        lines={"p1": {"nodes": ["a", "b"], **PIPE}, "p2": {"nodes": ["b", "c"], **PIPE}},
+        loads={"a": {"at": "a", "kind": "reservoir", "pressure": HEAD * DENSITY * GRAVITY}, "c": outlet},
+        nodes={"a": {"elevation": 0}, "b": {"elevation": 5}, "c": {"elevation": 10}},
+        probes={"c": {"at": "c"}},
+        **more,
+    )
+
+
+def run(*events: Event, scene: Scene | None = None):
+    changed, _ = operated(scene or network(), events)
+    return simulate(changed, tol=1e-6, envelope=True)
+
+
+def test_a_pipe_shut_at_once_has_joukowskys_rise_before_its_valve():
+    """The valve that is put into the pipe takes its loss from the flow; it is that flow that stops."""
+    result = run(Event("close", "p2", 0.5))
+    found = worst(result)
+    p0 = (HEAD - 10) * DENSITY * GRAVITY
+    flow = DRAWN * (result.probes["c"].gauge_pressure[0] / p0) ** 0.5
+    assert found.risen[0].rise == pytest.approx(Z0 * flow, rel=1e-6)
+    assert flow == pytest.approx(DRAWN, rel=1e-3)
+    assert found.needed == 1.0e6
+
+
+def test_a_burst_takes_its_flow_at_the_pressure_that_was_there():
+    """q = Q·sqrt(p/p0) and p = p0 - z0·q/2 where two pipes meet, until echoes are back."""
+    flow = 0.02
+    result = run(Event("burst", "b", 0.5, 0.0, flow))
+    p0 = (HEAD - 5) * DENSITY * GRAVITY
+    share = np.roots([1, Z0 / 2 * flow / p0, -1]).max()
+    probed = simulate(result.scene.with_changes(probes={"b": {"at": "b"}}), tol=1e-6).probes["b"]
+    assert probed.gauge_pressure[probed.t < 0.45][-1] == pytest.approx(p0, rel=1e-9)
+    assert probed.at(0.8).u - 5 * DENSITY * GRAVITY == pytest.approx(p0 * share**2, rel=1e-6)
+
+
+@pytest.mark.parametrize(("change", "share"), [(-DRAWN, 0.0), (-DRAWN / 2, 0.5), (DRAWN, 2.0)])
+def test_a_demand_that_changes(change, share):
+    """q = share·Q·sqrt(p/p0) at the end of a pipe into which the wave p0 + z0·Q comes."""
+    result = run(Event("demand", "c", 0.5, 0.0, change))
+    p0 = (HEAD - 10) * DENSITY * GRAVITY
+    root = np.roots([1, Z0 * share * DRAWN / p0, -1 - Z0 * DRAWN / p0]).max()
+    probe = result.probes["c"]
+    assert probe.at(0.8).u - 10 * DENSITY * GRAVITY == pytest.approx(p0 * root**2, rel=1e-6)
+
+
+def test_a_pump_that_trips_has_a_usual_inertia_unless_it_is_given():
+    pump = {"kind": "pump", "nodes": ["s", "a"], "curve": [[DRAWN, HEAD * DENSITY * GRAVITY]], "speed": 0.9}
+    scene = network().with_changes(
+        loads=network().table()["loads"] | {"a": {"at": "s", "kind": "reservoir", "pressure": 2e5}},
+        links={"lift": pump}, nodes=network().table()["nodes"] | {"s": {"elevation": 0}},
+    )  # fmt: skip
+    changed, (note,) = operated(scene, [Event("trip", "lift", 0.5)])
+    tripped = changed.links["lift"]
+    before = simulate(scene, tol=1e-4)
+    result = simulate(changed, tol=1e-4)
+    assert result.probes["c"].u[0] == pytest.approx(before.probes["c"].u[0], rel=1e-9)
+    assert result.probes["c"].u[-1] < 0.9 * result.probes["c"].u[0]
+    flow = abs(before.probes["c"].y[0])
+    power = (before.probes["c"].u[0] - 2e5) * flow / 0.75
+    assert tripped.inertia == pytest.approx(usual_inertia(power, 1450 / 60), rel=5e-3)
+    assert "1450 rpm" in note
+    changed, notes = operated(scene, [Event("trip", "lift", 0.5)], inertia="2 kg m^2", rated_speed="1000 rpm")
+    assert (float(changed.links["lift"].inertia), notes) == (2.0, [])
+
+
+@pytest.mark.parametrize(
+    ("event", "said"),
+    [
+        (Event("trip", "p1", 1), "--trip: not a pump, expected a scene that has one, got 'p1'"),
+        (Event("close", "p3", 1), "--close: not a valve, or a pipe, expected one of 'p1', 'p2', got 'p3'"),
+        (Event("burst", "d", 1, 0, 0.1), "--burst: no such node, expected one of"),
+        (Event("demand", "c", 1, 0, -0.1), "--demand: node 'c' draws less, expected at least 100 L/s, got 10 L/s"),
+        (Event("demand", "b", 1, 0, -0.1), "--demand: node 'b' draws less, expected at least 100 L/s, got 0 L/s"),
+    ],
+)
+def test_what_cannot_be_operated(event, said):
+    with pytest.raises(InputError, match=said):
+        operated(network(), [event])
+
+
+def test_nothing_is_operated_twice():
+    with pytest.raises(InputError, match="'p1' is operated twice"):
+        operated(network(), [Event("close", "p1", 1), Event("open", "p1", 2)])
+    with pytest.raises(InputError, match="nothing to be operated"):
+        operated(network().with_changes(start="rest"), [])

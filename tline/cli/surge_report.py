@@ -1,0 +1,69 @@
+"""What `tline surge` prints of a run."""
+
+from typing import Any
+
+from tline.cli.aligned import aligned
+from tline.solver.result.accuracy import Accuracy
+from tline.solver.result.result import Result
+from tline.surge.worst import Extreme, Worst
+
+BAR, NAMED = 1e5, 5  # Pa; nodes in a sentence
+HEAD = ["node", "before [bar]", "highest", "±", "at [s]", "rise", "lowest", "±", "at [s]", "fall [bar]"]
+
+
+def as_dict(result: Result, found: Worst) -> dict[str, Any]:
+    """The worst nodes in SI, in full precision."""
+    return {
+        "title": result.scene.title,
+        "end_time": float(result.t[-1]),
+        "risen": [extreme._asdict() for extreme in found.risen],
+        "fallen": [extreme._asdict() for extreme in found.fallen],
+        "boiling": [extreme._asdict() for extreme in found.boiling],
+        "highest": found.highest._asdict(),
+        "pressure_class": found.needed,
+        "notes": list(result.notes),
+    }
+
+
+def as_text(result: Result, accuracy: Accuracy | None, found: Worst) -> str:
+    """Two tables of nodes, the class of pressure, and where water boils."""
+    lines = [result.scene.title or "a surge", _accuracy(accuracy)]
+    lines.append(f"worst within {result.t[-1]:.4g} s, gauge pressures")
+    for word, rows in (("rise", found.risen), ("fall", found.fallen)):
+        table = [f"largest {word}s", *aligned([HEAD, *map(_cells, rows)], 1)] if rows else [f"nothing {word}s"]
+        lines += ["", *table]
+    top = found.highest
+    asks = f"asks for PN {found.needed / BAR:g}" if found.needed else "is above all classes up to PN 100"
+    where = f"{top.highest / BAR:.4g} bar at {top.node} after {top.highest_at:.4g} s"
+    lines += ["", f"the highest pressure, {where}, {asks}"]
+    if found.boiling:
+        names = ", ".join(one.node for one in found.boiling[:NAMED])
+        more = f" and {len(found.boiling) - NAMED} more" * (len(found.boiling) > NAMED)
+        lines.append(f"water boils at {names}{more}: what follows is not computed; put cavities or protection there")
+    return "\n".join(lines)
+
+
+def _cells(one: Extreme) -> list[str]:
+    """A row: pressures in bar with their errors, and instants."""
+    high, low = (f"{pressure / BAR:.4g}" for pressure in (one.highest, one.lowest))
+    high_error, low_error = (f"{error / BAR:.1g}" for error in (one.highest_error, one.lowest_error))
+    highest = [high, high_error, f"{one.highest_at:.4g}", f"{one.rise / BAR:.4g}"]
+    return [
+        one.node,
+        f"{one.before / BAR:.4g}",
+        *highest,
+        low,
+        low_error,
+        f"{one.lowest_at:.4g}",
+        f"{one.fall / BAR:.4g}",
+    ]
+
+
+def _accuracy(accuracy: Accuracy | None) -> str:
+    if accuracy is None:
+        return "error not estimated: the run is long, and fixed by hand"
+    words = f"estimated error {accuracy.at_slab_ends:.1g} of the amplitude at slab ends"
+    missed = " and NOT met" * (accuracy.tol is not None and accuracy.at_slab_ends > accuracy.tol)
+    asked = "" if accuracy.tol is None else f", {accuracy.tol:g} asked{missed}"
+    inside = f"; up to {accuracy.worst:.1g} inside the slabs of jumps" * (accuracy.worst > 10 * accuracy.at_slab_ends)
+    return words + asked + inside

@@ -1,0 +1,1 @@
+"""Surges in networks: what is operated, by words, and what comes of it."""

@@ -1,0 +1,198 @@
+"""A scene in which something is operated: valves, pipes, pumps, demands and bursts, by events."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from tline.errors import InputError
+from tline.scene.outflow import Leak
+from tline.scene.pump import EFFICIENCY, Pump
+from tline.scene.quantity import Quantity
+from tline.scene.scene import Scene
+from tline.scene.travel import open_loss
+from tline.scene.valve import CheckValve, Orifice, OrificeLink
+from tline.solver.description.description import describe
+from tline.solver.description.excitation import just_before
+from tline.solver.steady.steady_state import above_level
+from tline.surge.event import FLOWING, Event
+from tline.surge.inertia import RATED_SPEED, usual_inertia
+from tline.units import engineering
+from tline.wording import nearest, place
+
+Table = dict[str, Any]
+LEAST = 1e3  # Pa; an outflow is told by the gauge pressure of its node, and by no less than that
+ROUNDING = 1e-9
+
+
+def operated(
+    scene: Scene,
+    events: Sequence[Event],
+    *,
+    inertia: float | str | None = None,
+    rated_speed: float | str | None = None,
+) -> tuple[Scene, list[str]]:
+    """The scene with events, and notes on what was guessed.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of liquids; it starts in the steady state.
+    events : sequence of Event
+        None of them twice for one element.
+    inertia, rated_speed : number or text, optional
+        Of the pumps that trip, kg m² and turns per second, unless the scene has them; else what is usual.
+
+    Raises
+    ------
+    InputError
+        There is nothing of a name, or it cannot be operated so.
+    """
+    if scene.medium != "hydraulic" or scene.start != "steady":
+        got = f"medium = '{scene.medium}', start = '{scene.start}'"
+        raise InputError("scene", "nothing to be operated", "medium = 'hydraulic' and start = 'steady'", got)
+    work = _Operated(scene, inertia, rated_speed)
+    for event in events:
+        getattr(work, event.kind)(event)
+    return Scene(scene.folder, **work.tables), work.notes
+
+
+class _Operated:
+    """Tables of a scene that events change; each kind of event has the method of its name."""
+
+    def __init__(self, scene: Scene, inertia: float | str | None, rated_speed: float | str | None):
+        self.scene, self.tables, self.notes = scene, scene.table(), list[str]()
+        self._rotor = {"inertia": inertia, "rated_speed": rated_speed}
+        for (key, value), unit in zip(self._rotor.items(), ("kg m^2", "Hz"), strict=True):
+            if value is not None and not Quantity(value, unit, key) > 0:
+                raise InputError(key, "out of range", "above zero", f"{value}")
+        self._description = describe(scene)
+        self._before = above_level(self._description)
+        self._done: set[tuple[str, str]] = set()
+
+    def trip(self, event: Event) -> None:
+        """Let a pump run down."""
+        pump = self._link(event, Pump, "a pump")
+        self._once(event)
+        table = self.tables["links"][event.name]
+        speed = just_before(pump.speed)
+        table.pop("speed", None)
+        if speed != 1:  # rated anew, for the speed that it has
+            table["curve"] = [[speed * q, speed**2 * h] for q, h in pump.curve]
+        given = {key: table.get(key, value) for key, value in self._rotor.items()}
+        if None in given.values():
+            given |= self._usual(event.name, pump, given)
+        table |= given | {"trip": event.at}
+
+    def close(self, event: Event) -> None:
+        """Shut a valve, or one that is put at the end of a pipe."""
+        self._turn(event, 0.0)
+
+    def open(self, event: Event) -> None:
+        """Open a valve wide."""
+        self._turn(event, 1.0)
+
+    def burst(self, event: Event) -> None:
+        """Let a flow out through a hole."""
+        self._let_out(event, event.flow)
+
+    def demand(self, event: Event) -> None:
+        """Draw more at a node, or less of what is drawn there."""
+        if event.flow > 0:
+            self._let_out(event, event.flow)
+        else:
+            self._take_less(event, -event.flow)
+
+    def _usual(self, name: str, pump: Pump, given: Table) -> Table:
+        """Inertia and rated speed that such a pump has, where they are not given."""
+        efforts = [self._gauge(node) + self._description.nodes[node].height.weight for node in pump.nodes]
+        water = (efforts[1] - efforts[0]) * self._before.through[place("links", name)]
+        power = max(water, 0.0) / float(pump.efficiency or EFFICIENCY)
+        told = given["rated_speed"]
+        turns = RATED_SPEED if told is None else float(Quantity(told, "Hz"))
+        guess = float(f"{usual_inertia(power, turns):.3g}")
+        words = [f"{guess:g} kg m^2"] * (given["inertia"] is None) + [f"{60 * turns:.4g} rpm"] * (told is None)
+        why = f"what is usual for {engineering(power, 'W')} at the shaft"
+        self.notes.append(f"pump '{name}': it runs down with {' and '.join(words)}, {why}; give what it has")
+        return {"rated_speed": turns, "inertia": guess if given["inertia"] is None else given["inertia"]}
+
+    def _turn(self, event: Event, after: float) -> None:
+        """Move an opening from where it is."""
+        load = self.scene.loads.get(event.name)
+        self._once(event)
+        if event.name in self.scene.lines:
+            self._put_valve(event.name, event.control(1.0, after))
+            return
+        valve = load if isinstance(load, Orifice) else self._link(event, OrificeLink, "a valve, or a pipe")
+        part = self.tables["loads" if valve is load else "links"]
+        part[event.name]["opening"] = event.control(just_before(valve.opening), after)
+
+    def _put_valve(self, name: str, opening: Table) -> None:
+        """A gate valve at the second end of a pipe."""
+        pipe, node = self.scene.lines[name], f"{name}:gate"
+        diameter, density = (getattr(pipe.parameters, key, None) for key in ("diameter", "density"))
+        if diameter is None or density is None or node in self.tables["nodes"]:
+            raise InputError(f"line '{name}'", "no valve fits it", "its diameter and density, and no node of its name")
+        end, table = pipe.nodes[1], self.tables["lines"][name]
+        table["nodes"] = [pipe.nodes[0], node]
+        if end in self.tables.get("nodes", {}):
+            site = self.tables["nodes"][end]
+            self.tables["nodes"][node] = {key: value for key, value in site.items() if key != "start"}
+        loss = float(f"{open_loss('gate', diameter):.3g}")
+        self.tables.setdefault("links", {})[node] = {
+            "kind": "orifice", "nodes": [node, end], "loss_coefficient": loss, "diameter": diameter,
+            "density": density, "opening": opening, "characteristic": "gate",
+        }  # fmt: skip
+        self.notes.append(f"pipe '{name}': a gate valve is put at '{end}', and loses {loss:g} velocity heads when open")
+
+    def _let_out(self, event: Event, flow: float) -> None:
+        """An outflow to the air, with the square root of the pressure."""
+        self._node(event)
+        pressure = max(self._gauge(event.name), LEAST)
+        name = f"{event.name}:{event.kind}"
+        if name in self.tables.setdefault("loads", {}):
+            raise InputError(f"--{event.kind}", "the scene has a load of that name", "another node", f"'{name}'")
+        self.tables["loads"][name] = {
+            "at": event.name, "kind": "leak", "flow": flow, "pressure": pressure, "opening": event.control(0.0, 1.0),
+        }  # fmt: skip
+
+    def _take_less(self, event: Event, flow: float) -> None:
+        """Shut a part of an outflow that is there."""
+        self._node(event)
+        drawn = {
+            name: float(load.flow)
+            for name, load in self.scene.loads.items()
+            if load.at == event.name and isinstance(load, CheckValve | Leak) and load.flow
+        }
+        name = max(drawn, key=drawn.__getitem__, default="")
+        if flow > drawn.get(name, 0.0) * (1 + ROUNDING):
+            got = f"{1e3 * drawn.get(name, 0.0):.4g} L/s"
+            raise InputError("--demand", f"node '{event.name}' draws less", f"at least {1e3 * flow:.4g} L/s", got)
+        table = self.tables["loads"][name]
+        if table["kind"] == "check valve":
+            table = {"at": table["at"], "kind": "leak", "flow": table["flow"], "pressure": table["pressure_drop"]}
+        share = max(1 - flow / drawn[name], 0.0)
+        self.tables["loads"][name] = table | {"opening": event.control(1.0, share)}
+
+    def _link(self, event: Event, kind: type, what: str) -> Any:
+        link = self.scene.links.get(event.name)
+        if not isinstance(link, kind):
+            known = [name for name, one in self.scene.links.items() if isinstance(one, kind)]
+            known += list(self.scene.lines) if kind is OrificeLink else []
+            expected = nearest(event.name, known) if known else "a scene that has one"
+            raise InputError(f"--{event.kind}", f"not {what}", expected, f"'{event.name}'")
+        return link
+
+    def _node(self, event: Event) -> None:
+        if event.name not in self._description.nodes:
+            known = list(self._description.nodes)
+            raise InputError(f"--{event.kind}", "no such node", nearest(event.name, known), f"'{event.name}'")
+        self._once(event)
+
+    def _once(self, event: Event) -> None:
+        key = event.kind if event.kind in FLOWING else ""
+        if (key, event.name) in self._done:
+            raise InputError(f"--{event.kind}", f"'{event.name}' is operated twice", "once; write a waveform for more")
+        self._done.add((key, event.name))
+
+    def _gauge(self, node: str) -> float:
+        """Gauge pressure at a node before anything is operated, Pa."""
+        return self._before.effort[node] - self._description.nodes[node].height.above_level

@@ -1,0 +1,90 @@
+"""The worst of a run at nodes: how far pressures rose and fell, when, and what that asks of the pipes."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from tline.errors import InputError
+from tline.solver.result.result import Result
+
+CLASSES = (6e5, 1e6, 1.6e6, 2e6, 2.5e6, 4e6, 6.3e6, 1e7)  # Pa, of EN 1333
+BOILS = 2339.0 - 101_325.0  # Pa gauge, of water at 20 °C
+FAINT = 1e-6  # of the largest change: a node that moves by less does not
+
+
+class Extreme(NamedTuple):
+    """What a node saw; pressures are gauge pressures, Pa, and instants s.
+
+    Attributes
+    ----------
+    node : str
+    before, lowest, lowest_at, lowest_error, highest, highest_at, highest_error : float
+        Errors are estimated, and not a number where there is no finer run.
+    """
+
+    node: str
+    before: float
+    lowest: float
+    lowest_at: float
+    lowest_error: float
+    highest: float
+    highest_at: float
+    highest_error: float
+
+    @property
+    def rise(self) -> float:
+        """How far the pressure rose, Pa."""
+        return self.highest - self.before
+
+    @property
+    def fall(self) -> float:
+        """How far it fell, Pa."""
+        return self.before - self.lowest
+
+
+class Worst(NamedTuple):
+    """The nodes that a surge hit hardest.
+
+    Attributes
+    ----------
+    risen, fallen : sequence of Extreme
+        The largest change first; what does not move is not among them.
+    boiling : sequence of Extreme
+        Where water of 20 °C boils, the lowest pressure first.
+    highest : Extreme
+        The highest pressure of all.
+    needed : float or None
+        The class that bears it, Pa; none of EN 1333 if None.
+    """
+
+    risen: Sequence[Extreme]
+    fallen: Sequence[Extreme]
+    boiling: Sequence[Extreme]
+    highest: Extreme
+    needed: float | None
+
+
+def worst(result: Result, most: int = 5) -> Worst:
+    """What is worst, of so many nodes.
+
+    Raises
+    ------
+    InputError
+        The run kept no envelope.
+    """
+    seen = result.envelope
+    if seen is None:
+        raise InputError("envelope", "is missing", "a run with envelope=True")
+    weight = np.nan_to_num(seen.weight)
+    low = seen.lowest - weight, seen.lowest_at, seen.lowest_error
+    high = seen.highest - weight, seen.highest_at, seen.highest_error
+    columns = seen.start - weight, *low, *high
+    nodes = [Extreme(*row) for row in zip(seen.nodes, *(column.tolist() for column in columns), strict=True)]
+    largest = max(max(node.rise, node.fall) for node in nodes)
+    risen = sorted((node for node in nodes if node.rise > FAINT * largest), key=lambda node: -node.rise)
+    fallen = sorted((node for node in nodes if node.fall > FAINT * largest), key=lambda node: -node.fall)
+    boiling = sorted((node for node in nodes if node.lowest < BOILS), key=lambda node: node.lowest)
+    highest = max(nodes, key=lambda node: node.highest)
+    needed = next((one for one in CLASSES if one >= highest.highest), None)
+    return Worst(risen[:most], fallen[:most], boiling, highest, needed)
