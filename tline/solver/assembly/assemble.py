@@ -1,14 +1,14 @@
 """From a scene to arrays: the one place that knows both."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Hashable, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.assembly.layout import Excitation, Layout, layout_of
-from tline.solver.assembly.lossy_segments import SegmentedLine, segments_of
+from tline.solver.assembly.lossy_segments import SegmentedLine
 from tline.solver.assembly.node_maps import maps_of
 from tline.solver.assembly.start import fill_losses, fill_segments
 from tline.solver.description.circuits import Circuits
@@ -19,7 +19,7 @@ from tline.solver.description.lines import Line
 from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node
 from tline.solver.description.resolution import Resolution, resolution
-from tline.solver.kernel.network import Network, Segments, State
+from tline.solver.kernel.network import Network, State
 from tline.solver.radau import Basis, basis
 from tline.solver.steady.lossy_lines import Ends
 
@@ -47,6 +47,7 @@ class Assembly:
     circuits: dict[str, Circuits]  # of lossy lines
     echoes: dict[str, NDArray]  # of lines in segments, what an end sends into itself (s, s)
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
+    spare: dict[Hashable, Any]  # what runs on the same grid leave to the next
 
     def level_of(self, line: str) -> float:
         """Effort of the liquid at rest, from which those of a line count; zero without heights."""
@@ -74,30 +75,28 @@ def assemble(
     """Turn a description into arrays; kept are the end waves of lines, and the waves into laws, that are named."""
     chosen = chosen or resolution(description)
     layout = layout_of(description, chosen, progress=progress)
-    order, groups, segmented, delay = basis(chosen.s), layout.groups, layout.segmented, layout.delay
-    s, q = order.s, layout.z0[:, None] * layout.y
-    echoes = [_echoes(group, layout.z0, segmented) for group in groups]
-    segments, held = segments_of(segmented)
+    grid, order, groups, segmented = layout.grid, basis(chosen.s), layout.groups, layout.grid.segmented
+    s, delay, q = order.s, grid.delay, grid.z0[:, None] * layout.y
     arriving = (layout.u + [-1, 1] * q).ravel()  # b at end 1, a at end 2
-    recorded, record_row = _recorded(list(layout.lines), record)
+    recorded, record_row = _recorded(list(grid.lines), record)
     places = [element.where for group in groups for element in group.elements]
     recorded_laws = {where: 2 * len(recorded) + k for k, where in enumerate(w for w in places if w in laws)}
     law_row = np.array([recorded_laws.get(where, -1) for where in places], int)
     first = 2 * len(recorded) + len(recorded_laws)
     recorded_nodes = {node: k for k, node in enumerate(description.probed_nodes, first)}
     effort_row = np.array([recorded_nodes.get(node, -1) for node in layout.nodes], int)
-    network = _network(layout, order, segments, Rows(record_row, law_row, effort_row), echoes)
+    network = _network(layout, order, Rows(record_row, law_row, effort_row))
     state = State(
         waves=np.repeat(arriving, np.repeat(delay * s, 2)),
         slot=np.zeros(len(delay), np.int64),
         side=np.zeros(len(delay), np.int64),
         before=np.repeat(arriving[:, None], s, axis=1),
         load=np.concatenate([layout.systems.states, layout.states]),
-        segments=np.zeros(held),
-        loss_states=np.zeros(layout.memory),
+        segments=np.zeros(grid.held),
+        loss_states=np.zeros(grid.memory),
     )
-    if description.steady and layout.circuits:
-        ends = zip(layout.lines.values(), layout.u, layout.y, strict=True)
+    if description.steady and grid.circuits:
+        ends = zip(grid.lines.values(), layout.u, layout.y, strict=True)
         flows = {k: Ends(line, u, y) for k, (line, u, y) in enumerate(ends) if line.losses is not None}
         fill_losses(network, state, flows, order)
         fill_segments(network, state, segmented, flows, order)
@@ -111,16 +110,17 @@ def assemble(
         layout.systems.systems,
         layout.systems.changes,
         layout.nodes,
-        layout.lines,
+        grid.lines,
         recorded,
         recorded_laws,
         recorded_nodes,
         layout.start,
         layout.efforts,
         groups,
-        layout.circuits,
-        echoes={list(layout.lines)[k]: line.echo for k, line in segmented.items()},
+        grid.circuits,
+        echoes={list(grid.lines)[k]: line.echo for k, line in segmented.items()},
         settle=np.array([chosen.settle if group.lumped_lines else 0.0 for group in groups]),
+        spare=grid.spare,
     )
 
 
@@ -132,21 +132,22 @@ class Rows(NamedTuple):
     nodes: NDArray
 
 
-def _network(layout: Layout, order: Basis, segments: Segments, rows: Rows, echoes: list) -> Network:
-    """The constant arrays of a layout at an order; `echoes` are of the nodes of groups."""
-    s, delay = order.s, layout.delay
-    pairs = [order.shift(f) for f in layout.rests]
-    step, step_at = maps_of(layout.systems, order, layout.h, echoes)
+def _network(layout: Layout, order: Basis, rows: Rows) -> Network:
+    """The constant arrays of a layout at an order."""
+    grid, s = layout.grid, order.s
+    pairs = [order.shift(f) for f in grid.rests]
+    echoes = [_echoes(group, grid.z0, grid.segmented) for group in layout.groups]
+    step, step_at = maps_of(layout.systems, layout.groups, order, grid.h, echoes)
     return Network(
-        delay,
-        offset=np.concatenate([[0], np.cumsum(2 * delay * s)[:-1]]),
-        shift_row=layout.shift_row,
+        grid.delay,
+        offset=np.concatenate([[0], np.cumsum(2 * grid.delay * s)[:-1]]),
+        shift_row=grid.shift_row,
         shift=np.array(pairs) if pairs else np.zeros((0, 2, s, s)),
-        first=layout.first,
-        ends=layout.ends,
+        first=layout.junctions.first,
+        ends=layout.junctions.ends,
         weight=layout.weight,
         excitation_row=layout.excitation_row,
-        group=layout.group,
+        group=layout.junctions.group,
         load_at=layout.systems.load_at,
         step_row=layout.systems.step_row.copy(),  # which switches rewrite
         step_at=step_at,
@@ -155,10 +156,10 @@ def _network(layout: Layout, order: Basis, segments: Segments, rows: Rows, echoe
         step=step,
         record_row=rows.ends,
         effort_row=rows.nodes,
-        laws=with_basis(layout.laws, order, layout.h, rows.laws),
-        segments=segments,
-        losses=layout.losses,
-        blocks=layout.blocks,
+        laws=with_basis(layout.laws, order, grid.h, rows.laws),
+        segments=grid.segments,
+        losses=grid.losses,
+        blocks=layout.junctions.blocks,
     )
 
 

@@ -1,8 +1,9 @@
 """What of a scene's arrays is the same for slabs of any order: found once for all runs on slabs of one width."""
 
-from collections.abc import Hashable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass, field
 from math import inf
+from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from tline.progress import Progress
 from tline.solver.assembly.blocks import blocks_of
 from tline.solver.assembly.loss_elements import loss_elements_of
-from tline.solver.assembly.lossy_segments import SegmentedLine, segmented_lines
+from tline.solver.assembly.lossy_segments import SegmentedLine, segmented_lines, segments_of
 from tline.solver.assembly.node_maps import GroupSystems, systems_of
 from tline.solver.assembly.start import tables_of
 from tline.solver.description.circuits import Circuits, circuits_of, fit_of
@@ -22,7 +23,7 @@ from tline.solver.description.laws import laws_of, started, states_of
 from tline.solver.description.lines import Line
 from tline.solver.description.nodes import NONE, Node
 from tline.solver.description.resolution import WHOLE, Resolution
-from tline.solver.kernel.network import Blocks, Laws, LossElements
+from tline.solver.kernel.network import Blocks, Laws, LossElements, Segments
 from tline.solver.radau import basis
 from tline.solver.steady.lossy_lines import FrictionTable
 from tline.solver.steady.steady_state import Before, above_level, rest
@@ -33,41 +34,70 @@ STAGES = 3  # lines, state before t = 0, nodes
 Excitation = list[tuple[Shape, float]]  # waveforms and their shares of the Thévenin wave, or what scales an element
 
 
+class Junctions(NamedTuple):
+    """Where the ends of lines meet; N nodes, G groups of nodes."""
+
+    ends: NDArray  # (2 L,) node by node
+    degree: NDArray  # (N,)
+    first: NDArray  # (N + 1,) those at node k are ends[first[k]:first[k + 1]]
+    group: NDArray  # (G + 1,) nodes of group g are group[g] to group[g + 1]
+    blocks: Blocks
+
+
 @dataclass
-class Layout:
-    """A scene cut in slabs of one width; with losses, of one order too. L lines, N nodes, G groups of nodes."""
+class SlabGrid:
+    """The lines of a scene cut in slabs of one width; with losses, of one order too. L lines."""
 
     h: float
     lines: dict[str, Line]  # those that are not lumped
+    z0: NDArray  # (L,)
     delay: NDArray  # (L,) whole slabs
     shift_row: NDArray  # (L,) row of the fractional rest of the delay, -1 if there is none
     rests: list[float]  # those that differ, in slabs
     circuits: dict[str, Circuits]  # of lossy lines
     segmented: dict[int, SegmentedLine]  # lossy lines in segments
+    segments: Segments
+    held: int  # values that segments hold
     losses: LossElements
     memory: int  # states of the loss elements
+    junctions: dict[Hashable, Junctions] = field(default_factory=dict)  # by the order of nodes, and nodes of a group
+    spare: dict[Hashable, Any] = field(default_factory=dict)  # what a run has left for the next, of the loop
+
+    def joined(self, groups: list[Group], nodes: dict[str, Node]) -> Junctions:
+        """Where the ends meet, with the nodes in this order."""
+        key = tuple(nodes), tuple(len(group.nodes) for group in groups)
+        if key not in self.junctions:
+            ends = np.array([end for node in nodes.values() for end in node.ends])
+            degree = np.array([len(node.ends) for node in nodes.values()])
+            first, group = np.cumsum([0, *degree]), np.cumsum([0, *key[1]])
+            blocks = blocks_of(self.delay, first, ends, group, self.losses)
+            self.junctions[key] = Junctions(ends, degree, first, group, blocks)
+        return self.junctions[key]
+
+
+@dataclass
+class Layout:
+    """A scene on a grid: what stands at its nodes, and what there is before t = 0."""
+
+    grid: SlabGrid
+    junctions: Junctions
     groups: list[Group]
     nodes: dict[str, Node]  # group by group
     u: NDArray  # (L, 2) efforts before t = 0 at the ends of lines, counted from the level
     y: NDArray  # (L, 2) flows
     efforts: Mapping[str, float]  # of nodes before t = 0, counted from the level
-    z0: NDArray  # (L,)
-    ends: NDArray  # (2 L,) node by node
-    first: NDArray  # (N + 1,) those at node k are ends[first[k]:first[k + 1]]
     weight: NDArray  # (2 L,) share of an arriving wave in the node's Thévenin wave
-    group: NDArray  # (G + 1,) nodes of group g are group[g] to group[g + 1]
     excitations: list[Excitation]
     excitation_row: NDArray  # (N,)
     systems: GroupSystems
     laws: Laws  # without matrices of an order
     states: NDArray  # of the laws
-    blocks: Blocks
 
     @property
     def start(self) -> dict[str, NDArray]:
         """Line name -> (a1, b1, a2, b2) before t = 0, counted from the level."""
-        q = self.z0[:, None] * self.y
-        return dict(zip(self.lines, np.stack([self.u + q, self.u - q], axis=2).reshape(-1, 4), strict=True))
+        q = self.grid.z0[:, None] * self.y
+        return dict(zip(self.grid.lines, np.stack([self.u + q, self.u - q], axis=2).reshape(-1, 4), strict=True))
 
 
 _kept: WeakKeyDictionary[Description, dict[Hashable, Layout]] = WeakKeyDictionary()
@@ -84,87 +114,98 @@ def layout_of(description: Description, chosen: Resolution, *, progress: bool = 
     progress : bool
         Show a bar on stderr if this takes long.
     """
-    known = _kept.setdefault(description, {})
-    losses = (chosen.s, chosen.fit, chosen.band, chosen.loss_elements) if description.lossy else ()
-    key = chosen.h, tuple(chosen.sections.items()), losses
-    layout = known.get(key)
-    if layout is None:
-        layout = _laid_out(description, chosen, progress)
-        for old in list(known)[: len(known) + 1 - LAYOUTS]:
-            known.pop(old, None)  # which another thread may have done
-        known[key] = layout
-    return layout
+    key = chosen.h, tuple(chosen.sections.items()), _losses(description, chosen)
+
+    def laid_out() -> Layout:
+        with Progress(STAGES, "stage", progress, "assembling") as bar:
+            grid = _of_last(description.grids, key, lambda: _grid(description, chosen))
+            bar.update()
+            return _laid_out(description, chosen, grid, bar)
+
+    return _of_last(_kept.setdefault(description, {}), key, laid_out)
 
 
-def _laid_out(description: Description, chosen: Resolution, progress: bool) -> Layout:
-    order, h, steady = basis(chosen.s), chosen.h, description.steady
-    with Progress(STAGES, "stage", progress, "assembling") as bar:
-        lines = {name: line for name, line in description.lines.items() if name not in chosen.sections}
-        delay, shift_row, rests = _delays(lines, h)
-        circuits = _circuits(description, lines, chosen)
-        segmented = segmented_lines(lines, circuits, order, h)
-        delay[list(segmented)] = 1
-        losses, memory = loss_elements_of(lines, circuits, delay, order, h, chosen.loss_elements, segmented)
-        bar.update()
-        effort, y, through = _before_start(description, tables_of(losses, list(lines)))
-        u = np.array([[effort[at] for at in line.nodes] for line in description.lines.values()])
-        bar.update()
-        begin = dict(zip(description.lines, y[:, 0].tolist(), strict=True))
-        groups, nodes = description.grouped(chosen.sections, begin if chosen.sections else NONE)
-        z0 = np.array([line.z0 for line in lines.values()])
-        if chosen.sections:
-            kept = np.array([name in lines for name in description.lines])
-            u, y = u[kept], y[kept]
-        ends = np.array([end for node in nodes.values() for end in node.ends])
-        degree = [len(node.ends) for node in nodes.values()]
-        first, group = np.cumsum([0, *degree]), np.cumsum([0, *(len(group.nodes) for group in groups)])
-        weight = np.concatenate([node.weights(z0) for node in nodes.values()])
-        excitations = [node.excitations for node in nodes.values()]
-        before = None
-        if steady:
-            waves = _thevenin(u, z0[:, None] * y, ends, degree, weight, excitations)
-            before = dict(zip(nodes, waves.tolist(), strict=True)), effort, through
-        systems = systems_of(groups, h, before, segmented)
-        driven = np.array([bool(parts) for parts in excitations])
-        excitations = list(filter(None, excitations))
-        laws, controls = laws_of(groups, systems.impedances, len(excitations), len(systems.states))
-        elements = [element for group in groups for element in group.elements]
-        bar.update()
+def _losses(description: Description, chosen: Resolution) -> tuple[Any, ...]:
+    """What of a resolution matters to lossy lines: order, fit of their circuits, number of their elements."""
+    if not description.lossy:
+        return ()
+    fastest = min((shape.fastest() for shape in description.waveforms.values()), default=inf)
+    fit = fit_of(description.t_end, chosen.h, chosen.fit, chosen.band, fastest)
+    return chosen.s, fit, chosen.loss_elements
+
+
+def _of_last(kept: dict[Hashable, Any], key: Hashable, make: Callable[[], Any]) -> Any:
+    """One of the last ones made, or a new one."""
+    found = kept.get(key)
+    if found is None:
+        found = make()
+        for old in list(kept)[: len(kept) + 1 - LAYOUTS]:
+            kept.pop(old, None)  # which another thread may have done
+        kept[key] = found
+    return found
+
+
+def _grid(description: Description, chosen: Resolution) -> SlabGrid:
+    order, h = basis(chosen.s), chosen.h
+    lines = {name: line for name, line in description.lines.items() if name not in chosen.sections}
+    delay, shift_row, rests = _delays(lines, h)
+    losses = _losses(description, chosen)
+    circuits = circuits_of(lines, losses[1]) if losses else {}
+    segmented = segmented_lines(lines, circuits, order, h)
+    delay[list(segmented)] = 1
+    elements, memory = loss_elements_of(lines, circuits, delay, order, h, chosen.loss_elements, segmented)
+    z0 = np.array([line.z0 for line in lines.values()])
+    segments, held = segments_of(segmented)
+    return SlabGrid(h, lines, z0, delay, shift_row, rests, circuits, segmented, segments, held, elements, memory)
+
+
+def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar: Progress) -> Layout:
+    lines, z0 = grid.lines, grid.z0
+    effort, y, through = _before_start(description, tables_of(grid.losses, list(lines)))
+    u = np.array([[effort[at] for at in line.nodes] for line in description.lines.values()])
+    bar.update()
+    begin = dict(zip(description.lines, y[:, 0].tolist(), strict=True)) if chosen.sections else NONE
+    groups, nodes = description.grouped(chosen.sections, begin)
+    if chosen.sections:
+        kept = np.array([name in lines for name in description.lines])
+        u, y = u[kept], y[kept]
+    junctions = grid.joined(groups, nodes)
+    weight = np.concatenate([node.weights(z0) for node in nodes.values()])
+    excitations = [node.excitations for node in nodes.values()]
+    before = None
+    if description.steady:
+        waves = _thevenin(u, z0[:, None] * y, junctions, weight, excitations)
+        before = dict(zip(nodes, waves.tolist(), strict=True)), effort, through
+    systems = systems_of(groups, grid.h, before, grid.segmented)
+    driven = np.array([bool(parts) for parts in excitations])
+    excitations = list(filter(None, excitations))
+    laws, controls = laws_of(groups, systems.impedances, len(excitations), len(systems.states))
+    elements = [element for group in groups for element in group.elements]
+    bar.update()
     return Layout(
-        h,
-        lines,
-        delay,
-        shift_row,
-        rests,
-        circuits,
-        segmented,
-        losses,
-        memory,
+        grid,
+        junctions,
         groups,
         nodes,
         u,
         y,
         effort,
-        z0,
-        ends,
-        first,
         weight,
-        group,
         excitations + [[(factor, 1.0)] for factor in controls],
         excitation_row=np.where(driven, np.cumsum(driven) - 1, -1),
         systems=systems,
         laws=started(laws, elements, effort, through),
         states=states_of(elements, effort),
-        blocks=blocks_of(delay, first, ends, group, losses),
     )
 
 
 def _thevenin(
-    u: NDArray, q: NDArray, ends: NDArray, degree: list[int], weight: NDArray, excitations: list[Excitation]
+    u: NDArray, q: NDArray, junctions: Junctions, weight: NDArray, excitations: list[Excitation]
 ) -> NDArray:
     """Thévenin wave of each node just before t = 0."""
     arriving = (u + [-1, 1] * q).ravel()
-    from_lines = np.bincount(np.repeat(np.arange(len(degree)), degree), weight * arriving[ends], len(degree))
+    at = np.repeat(np.arange(len(junctions.degree)), junctions.degree)
+    from_lines = np.bincount(at, weight * arriving[junctions.ends], len(junctions.degree))
     return from_lines + [sum(share * just_before(waveform) for waveform, share in parts) for parts in excitations]
 
 
@@ -188,11 +229,3 @@ def _delays(lines: dict[str, Line], h: float) -> tuple[NDArray, NDArray, list[fl
         return delay, np.full(len(delay), -1), []
     rest, row = np.unique(np.where(whole, -1.0, slabs - delay), return_inverse=True)
     return delay, row - int(rest[0] < 0), rest[rest >= 0].tolist()
-
-
-def _circuits(description: Description, lines: dict[str, Line], chosen: Resolution) -> dict[str, Circuits]:
-    """Circuits of all lines that lose something."""
-    if all(line.losses is None for line in lines.values()):
-        return {}
-    fastest = min((shape.fastest() for shape in description.waveforms.values()), default=inf)
-    return circuits_of(lines, fit_of(description.t_end, chosen.h, chosen.fit, chosen.band, fastest))

@@ -1,7 +1,7 @@
 """A scene as plain data in SI, read once: what a run needs to know of it."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Hashable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -22,10 +22,10 @@ from tline.solver.description.branches import PlacedBranch
 from tline.solver.description.elements import BREAKING, PlacedLaw, elements_of
 from tline.solver.description.excitation import Shape
 from tline.solver.description.given import MEDIA, End, Height, Medium, Scene
-from tline.solver.description.groups import Group, LumpedLine, grouped
+from tline.solver.description.groups import Group, LumpedLine, grouped, regrouped
 from tline.solver.description.lines import Line, lines_of
 from tline.solver.description.links import branches_of, inductive, resistive
-from tline.solver.description.nodes import NONE, Node, nodes_of
+from tline.solver.description.nodes import NONE, Node, nodes_anew, nodes_of
 from tline.solver.description.probes import ProbePlace, probes_of
 from tline.solver.description.scales import filling_times, time_scales
 from tline.wording import place
@@ -52,6 +52,8 @@ class Description:
         Ends of coupled conductors.
     heights : mapping of str to Height
         Of nodes; empty without elevations.
+    grids : dict
+        Lines cut in slabs, which scenes with other values at the nodes share; kept by `tline.solver.assembly`.
     """
 
     scene: Scene
@@ -61,6 +63,7 @@ class Description:
     lines: dict[str, Line]
     coupled: dict[str, tuple[End, End]]
     heights: Mapping[str, Height]
+    grids: dict[Hashable, Any] = field(default_factory=dict, repr=False)
 
     def changed(self, values: Mapping[str, Any]) -> "Description":
         """The description of the scene with other values at dotted paths; lines that stay are not read again.
@@ -71,12 +74,27 @@ class Description:
             There is nothing at a path, or a value does not fit there.
         """
         scene = changed(self.scene, values)
-        paths = [parts_of(path) for path in values]
-        if not all(path[0] in ("loads", "sources") and len(path) > SINGLE for path in paths) or scene.measured:
+        at = self._touched(scene, values)
+        if at is None:
             return describe(scene)
-        found = replace(self, scene=scene)
-        found.__dict__["probes"] = self.probes
+        found, known = replace(self, scene=scene), self.nodes
+        nodes = known | nodes_anew(scene, {node: known[node] for node in at})
+        found.__dict__.update(probes=self.probes, nodes=nodes)
+        if [one.where for one in found.elements] == [one.where for one in self.elements]:
+            groups, order = self._grouped
+            groups = regrouped(groups, nodes, found.elements)
+            found.__dict__.update(branches=self.branches, _grouped=(groups, {name: nodes[name] for name in order}))
         return found
+
+    def _touched(self, scene: Scene, values: Iterable[str]) -> set[str] | None:
+        """Nodes whose loads or sources have other values in a changed scene; None where more than these changes."""
+        paths = [parts_of(path) for path in values]
+        if scene.measured or self.stretches:
+            return None
+        if not all(path[0] in ("loads", "sources") and len(path) > SINGLE for path in paths):
+            return None
+        pairs = [tuple(getattr(each, part)[name].at for each in (self.scene, scene)) for part, name, *_ in paths]
+        return None if any(old is None or old != new for old, new in pairs) else {new for _, new in pairs}
 
     @property
     def ends(self) -> list[End]:

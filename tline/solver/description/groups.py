@@ -1,20 +1,24 @@
 """Nodes that see each other without delay, and the circuit that stands between their line ends."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from operator import is_
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.errors import InputError
 from tline.solver.description.branches import Branch, PlacedBranch, conductors, lc_sections, one_port
 from tline.solver.description.circuit import Circuit, LawPort, circuit, equations
 from tline.solver.description.components import parts
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import End
 from tline.solver.description.lines import Line
+from tline.solver.description.load_step import StateSpace, load_step
 from tline.solver.description.nodes import Node
+from tline.solver.radau import Basis
 from tline.wording import place
 
 
@@ -34,6 +38,7 @@ class LumpedLine(NamedTuple):
 
 FAST = 3.0  # over the slab's width: poles beyond are not resolved
 LONG = 64.0  # delays, so that the steps of that time are too long for what rings in LC sections, but not in lines
+STEPS = 8  # maps that are kept
 ROUNDS = 3  # in which laws find the impedances that they see
 OPEN = 1 - 1e-6  # share of a wave that comes back where a law sees next to nothing
 SLOW = 1e-9  # share of the largest rate in a circuit that counts as steady
@@ -48,6 +53,8 @@ class Group:
     branches: list[Branch]  # beside the loads
     elements: list[PlacedLaw]
     lumped_lines: list[LumpedLine]
+    _circuits: dict[tuple[float, ...], list[Circuit]] = field(default_factory=dict)
+    _steps: dict[tuple[int, int, float], tuple[StateSpace, NDArray]] = field(default_factory=dict)
 
     @cached_property
     def dynamic(self) -> bool:
@@ -90,14 +97,33 @@ class Group:
 
     def circuits(self, impedances: Sequence[float] = ()) -> list[Circuit]:
         """The circuit before the first of its instants, and after each; without impedances it has no laws."""
-        return self._behind(impedances) if impedances else self._linear
+        key = tuple(impedances)
+        if key not in self._circuits:
+            self._circuits[key] = [self.circuit(t, impedances) for t in (*self.instants, np.inf)]
+        return self._circuits[key]
 
-    def _behind(self, impedances: Sequence[float]) -> list[Circuit]:
-        return [self.circuit(t, impedances) for t in (*self.instants, np.inf)]
+    def step(self, system: StateSpace, order: Basis, h: float) -> NDArray:
+        """The map of one of its state spaces over a slab: `load_step`."""
+        key = id(system), order.s, h
+        found = self._steps.get(key)
+        if found is None:
+            for old in list(self._steps)[: len(self._steps) + 1 - STEPS]:
+                self._steps.pop(old, None)
+            found = self._steps[key] = system, load_step(system, order, h)
+        return found[1]
 
     @cached_property
-    def _linear(self) -> list[Circuit]:
-        return self._behind(())
+    def poles(self) -> NDArray | None:
+        """Poles in all positions of its switches while its laws let nothing pass; None without states or efforts."""
+        if not any(len(branch.ports.Q) for branch in (*self.loads, *self.branches)):
+            return None
+        try:
+            systems = [circuit.system for circuit in self.circuits()]
+        except InputError:
+            if not self.elements:
+                raise
+            return None  # only laws tie some efforts
+        return np.concatenate([np.linalg.eigvals(system.A) for system in systems])
 
     @cached_property
     def _alone(self) -> list[float]:
@@ -108,7 +134,7 @@ class Group:
     @cached_property
     def _initial(self) -> Circuit:
         """The circuit at t = 0, its laws behind such impedances."""
-        return self.circuit(0.0, self._alone) if self.elements else self._linear[0]
+        return self.circuit(0.0, self._alone) if self.elements else self.circuits()[0]
 
     def ports(self, impedances: Sequence[float]) -> list[LawPort]:
         """Its laws, seen behind impedances."""
@@ -182,6 +208,17 @@ class Group:
         full = np.append(np.zeros(number), 1.0)
         full[: len(states)] = states
         return full[self._initial.kept]
+
+
+def regrouped(groups: Sequence[Group], nodes: Mapping[str, Node], elements: Sequence[PlacedLaw]) -> list[Group]:
+    """The same groups with these nodes, and with these laws at the places of theirs; those that stay are kept."""
+    at = {element.where: element for element in elements}
+    found = []
+    for group in groups:
+        here, laws = [nodes[node.name] for node in group.nodes], [at[element.where] for element in group.elements]
+        same = all(map(is_, here, group.nodes)) and laws == group.elements
+        found.append(group if same else Group(here, group.branches, laws, []))
+    return found
 
 
 def grouped(

@@ -246,31 +246,62 @@ def nodes_of(
         node.alone = usual
     for name, height in scene.heights.items():
         nodes[name].height = height
-    for name, source in scene.sources.items():
-        if source.at is not None:
-            nodes[source.at].prescribe(source, place("sources", name))
-    for where, source in floating.items():
-        plus, minus = source.terminals
-        if source.is_effort:
-            nodes[where].held = source.value
-        else:
-            nodes[plus].flows.append((source.value, 1.0))
-            nodes[minus or ""].flows.append((source.value, -1.0))
-    for name, load in scene.loads.items():
-        nodes[load.at].attach(load, place("loads", name))
+    _attach_all(scene, nodes)
     for name, n in sections.items():
         from passivity import RationalFunction
 
         half = Fraction(lines[name].delay) / (2 * n * Fraction(lines[name].z0))
         for at in lines[name].nodes:
             nodes[at].respond(RationalFunction.from_coefficients([1], [half, 0]), place("lines", name))
+    _check_waves(nodes)
+    return nodes
+
+
+def nodes_anew(scene: Scene, nodes: Mapping[str, Node]) -> dict[str, Node]:
+    """Some nodes of a scene with what now stands there; they have kept their lines and heights.
+
+    Raises
+    ------
+    InputError
+        A load leaves no wave defined.
+    """
+    fresh = {
+        name: Node(name, node.ends, lines=node.lines, alone=node.alone, height=node.height)
+        for name, node in nodes.items()
+    }
+    _attach_all(scene, fresh)
+    _check_waves(fresh)
+    return fresh
+
+
+def _attach_all(scene: Scene, nodes: Mapping[str, Node]) -> None:
+    """Attach sources and loads to those of a scene's nodes that are given."""
+    floating = []
+    for name, source in scene.sources.items():
+        if source.nodes is not None:
+            floating.append((place("sources", name), source))
+        elif source.at in nodes:
+            nodes[source.at].prescribe(source, place("sources", name))
+    for where, source in floating:
+        if source.is_effort and where in nodes:
+            nodes[where].held = source.value
+        elif not source.is_effort:
+            for at, sign in zip(source.nodes, (1.0, -1.0), strict=True):
+                if at in nodes:
+                    nodes[at].flows.append((source.value, sign))
+    for name, load in scene.loads.items():
+        if load.at in nodes:
+            nodes[load.at].attach(load, place("loads", name))
+
+
+def _check_waves(nodes: Mapping[str, Node]) -> None:
+    """Refuse active loads that leave no wave defined."""
     for name, node in nodes.items():
         if node.held is None and abs(node.total) < CANCELLED * (node.lines + node.lumped):
             at_node = [where for where, load in node.loads.items() if isinstance(load, Rational)]
             if at_node:  # else it is small, not cancelled
                 problem = f"cancels the conductance of the lines at node '{name}': no wave is defined"
                 raise InputError(at_node[0], problem, "another resistance")
-    return nodes
 
 
 def node_of_end(nodes: Collection[Node]) -> NDArray:

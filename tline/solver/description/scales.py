@@ -1,12 +1,11 @@
 """How fast the waveforms and the dynamic loads of a scene are."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.errors import InputError
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import Shape
 from tline.solver.description.groups import Group
@@ -23,9 +22,11 @@ def time_scales(waveforms: Mapping[str, Shape], groups: Iterable[Group]) -> dict
     groups : iterable of Group
     """
     scales = {where: (waveform.fastest(), waveform.fastest()) for where, waveform in waveforms.items()}
-    for where, poles in _poles(groups):
-        ringing = poles[np.abs(np.imag(poles)) > np.abs(np.real(poles))]
-        scales[where] = (_shortest(poles), _shortest(ringing))
+    for group in groups:
+        if group.poles is not None:
+            poles, where = group.poles, next(b.where for b in (*group.loads, *group.branches) if len(b.ports.Q))
+            ringing = poles[np.abs(np.imag(poles)) > np.abs(np.real(poles))]
+            scales[where] = (_shortest(poles), _shortest(ringing))
     return scales
 
 
@@ -47,21 +48,6 @@ def _capacity_of_gas(constants: Sequence[float], pressure: float) -> float:
     back, _, outside, at_zero, n = constants
     compressed = 1 + max(pressure - back, 0.0) / outside
     return at_zero / (n * outside) * compressed ** (-1 / n - 1)
-
-
-def _poles(groups: Iterable[Group]) -> Iterator[tuple[str, NDArray]]:
-    """Of each group with states, in all positions of its switches, while its laws let nothing pass."""
-    for group in groups:
-        held = [branch.where for branch in (*group.loads, *group.branches) if len(branch.ports.Q)]
-        if not held:
-            continue
-        try:
-            systems = [circuit.system for circuit in group.circuits()]
-        except InputError:
-            if not group.elements:
-                raise
-            continue  # only laws tie some efforts
-        yield held[0], np.concatenate([np.linalg.eigvals(system.A) for system in systems])
 
 
 def _shortest(poles: NDArray) -> float:
