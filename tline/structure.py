@@ -4,7 +4,6 @@ A structure is declared as a named tuple whose members are `int`, `float`, array
 structures. `pack` writes it down once; compiled code gets one address, however many arrays there are.
 """
 
-import struct
 from ctypes import addressof, c_char
 from functools import cache
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
@@ -62,13 +61,6 @@ def fields(structure: type) -> tuple[Field, ...]:
     return tuple(found)
 
 
-@cache
-def _format(structure: type) -> struct.Struct:
-    return struct.Struct(
-        "".join("d" if f.kind is float and f.dimensions < 0 else "q" * f.words for f in fields(structure))
-    )
-
-
 class Packed:
     """A structure in memory, and all that its words point to.
 
@@ -82,27 +74,43 @@ class Packed:
         Where its first word is; valid as long as this object.
     """
 
-    __slots__ = ("_inner", "_words", "address", "structure", "values")
+    __slots__ = ("_floats", "_inner", "_words", "address", "structure", "values")
 
     def __init__(self, values: Any):
-        self.structure, self.values, self._inner = type(values), values, []
-        words: list[Any] = []
-        for field, value in zip(fields(self.structure), values, strict=True):
-            _, _, kind, dimensions = field
+        self.structure = type(values)
+        last = fields(self.structure)[-1]
+        words = bytearray(8 * (last.word + last.words))
+        self._words, self._floats = memoryview(words).cast("q"), memoryview(words).cast("d")
+        self._inner: dict[str, Packed] = {}
+        self.values, self.address = (), addressof(c_char.from_buffer(words))
+        self.write(values)
+
+    def write(self, values: Any) -> None:
+        """Put other values of this structure in the place of those that it has; what is the same object stays."""
+        words, before = self._words, self.values or (None,) * len(values)
+        for (name, word, kind, dimensions), value, old in zip(fields(self.structure), values, before, strict=True):
+            if value is old:
+                continue
             if dimensions >= 0:
                 if value.dtype != kind or value.ndim != dimensions or not value.flags.c_contiguous:
                     kind = f"a contiguous array of {dimensions} dimensions of {kind.__name__}"
-                    raise TypeError(f"{self.structure.__name__}.{field.name}: {kind} is needed, not {value!r}")
-                words.append(_address(value))
-                words += value.shape
-            elif kind is int or kind is float:
-                words.append(value)
+                    raise TypeError(f"{self.structure.__name__}.{name}: {kind} is needed, not {value!r}")
+                words[word] = _address(value)
+                for k, size in enumerate(value.shape, word + 1):
+                    words[k] = size
+            elif kind is int:
+                words[word] = value
+            elif kind is float:
+                self._floats[word] = value
+            elif isinstance(value, Packed):
+                words[word] = value.address
             else:
-                inner = value if isinstance(value, Packed) else Packed(value)
-                self._inner.append(inner)
-                words.append(inner.address)
-        self._words = np.frombuffer(bytearray(_format(self.structure).pack(*words)), np.int64)
-        self.address = _address(self._words)
+                if name in self._inner:
+                    self._inner[name].write(value)
+                else:
+                    self._inner[name] = Packed(value)
+                words[word] = self._inner[name].address
+        self.values = values
 
 
 def _address(array: NDArray[Any]) -> int:

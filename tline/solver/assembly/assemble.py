@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.assembly.layout import Excitation, Layout, layout_of
+from tline.solver.assembly.layout import Excitation, Layout, layout_of, of_last
 from tline.solver.assembly.lossy_segments import SegmentedLine
 from tline.solver.assembly.node_maps import maps_of
 from tline.solver.assembly.start import fill_losses, fill_segments
@@ -22,6 +22,8 @@ from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.kernel.network import Network, State
 from tline.solver.radau import Basis, basis
 from tline.solver.steady.lossy_lines import Ends
+
+ORDERS = 4  # whose rows and matrices a grid keeps
 
 
 @dataclass
@@ -76,21 +78,13 @@ def assemble(
     chosen = chosen or resolution(description)
     layout = layout_of(description, chosen, progress=progress)
     grid, order, groups, segmented = layout.grid, basis(chosen.s), layout.groups, layout.grid.segmented
-    s, delay, q = order.s, grid.delay, grid.z0[:, None] * layout.y
-    arriving = (layout.u + [-1, 1] * q).ravel()  # b at end 1, a at end 2
-    recorded, record_row = _recorded(list(grid.lines), record)
-    places = [element.where for group in groups for element in group.elements]
-    recorded_laws = {where: 2 * len(recorded) + k for k, where in enumerate(w for w in places if w in laws)}
-    law_row = np.array([recorded_laws.get(where, -1) for where in places], int)
-    first = 2 * len(recorded) + len(recorded_laws)
-    recorded_nodes = {node: k for k, node in enumerate(description.probed_nodes, first)}
-    effort_row = np.array([recorded_nodes.get(node, -1) for node in layout.nodes], int)
-    network = _network(layout, order, Rows(record_row, law_row, effort_row))
+    rows = _rows_of(layout, order, record, laws, description.probed_nodes)
+    network, s = _network(layout, order, rows), order.s
     state = State(
-        waves=np.repeat(arriving, np.repeat(delay * s, 2)),
-        slot=np.zeros(len(delay), np.int64),
-        side=np.zeros(len(delay), np.int64),
-        before=np.repeat(arriving[:, None], s, axis=1),
+        waves=np.repeat(layout.arriving, np.repeat(grid.delay * s, 2)),
+        slot=np.zeros(len(grid.delay), np.int64),
+        side=np.zeros(len(grid.delay), np.int64),
+        before=np.repeat(layout.arriving[:, None], s, axis=1),
         load=np.concatenate([layout.systems.states, layout.states]),
         segments=np.zeros(grid.held),
         loss_states=np.zeros(grid.memory),
@@ -111,9 +105,9 @@ def assemble(
         layout.systems.changes,
         layout.nodes,
         grid.lines,
-        recorded,
-        recorded_laws,
-        recorded_nodes,
+        rows.recorded,
+        rows.recorded_laws,
+        rows.recorded_nodes,
         layout.start,
         layout.efforts,
         groups,
@@ -125,34 +119,62 @@ def assemble(
 
 
 class Rows(NamedTuple):
-    """Rows in the record, or -1: of line ends, laws and nodes."""
+    """Rows of the record, by name and in arrays of line ends, laws and nodes, or -1; and arrays of an order."""
 
+    recorded: dict[str, int]
+    recorded_laws: dict[str, int]
+    recorded_nodes: dict[str, int]
     ends: NDArray
     laws: NDArray
     nodes: NDArray
+    offset: NDArray
+    shift: NDArray
+
+
+def _rows_of(layout: Layout, order: Basis, record: set[str], laws: Collection[str], probed: Collection[str]) -> Rows:
+    """Rows of a run, kept for others of the same order that record the same."""
+    grid, s = layout.grid, order.s
+    places = tuple(element.where for group in layout.groups for element in group.elements)
+
+    def made() -> Rows:
+        recorded, ends = _recorded(list(grid.lines), record)
+        of_laws = {where: 2 * len(recorded) + k for k, where in enumerate(w for w in places if w in laws)}
+        of_nodes = {node: k for k, node in enumerate(probed, 2 * len(recorded) + len(of_laws))}
+        pairs = [order.shift(f) for f in grid.rests]
+        return Rows(
+            recorded,
+            of_laws,
+            of_nodes,
+            ends,
+            np.array([of_laws.get(where, -1) for where in places], int),
+            np.array([of_nodes.get(node, -1) for node in layout.nodes], int),
+            np.concatenate([[0], np.cumsum(2 * grid.delay * s)[:-1]]),
+            np.array(pairs) if pairs else np.zeros((0, 2, s, s)),
+        )
+
+    return of_last(layout.junctions.rows, (s, frozenset(record), tuple(laws), tuple(probed), places), made, ORDERS)
 
 
 def _network(layout: Layout, order: Basis, rows: Rows) -> Network:
     """The constant arrays of a layout at an order."""
-    grid, s = layout.grid, order.s
-    pairs = [order.shift(f) for f in grid.rests]
+    grid, systems = layout.grid, layout.systems
     echoes = [_echoes(group, grid.z0, grid.segmented) for group in layout.groups]
-    step, step_at = maps_of(layout.systems, layout.groups, order, grid.h, echoes)
+    step, step_at = maps_of(systems, layout.groups, order, grid.h, echoes)
     return Network(
         grid.delay,
-        offset=np.concatenate([[0], np.cumsum(2 * grid.delay * s)[:-1]]),
+        offset=rows.offset,
         shift_row=grid.shift_row,
-        shift=np.array(pairs) if pairs else np.zeros((0, 2, s, s)),
+        shift=rows.shift,
         first=layout.junctions.first,
         ends=layout.junctions.ends,
         weight=layout.weight,
         excitation_row=layout.excitation_row,
         group=layout.junctions.group,
-        load_at=layout.systems.load_at,
-        step_row=layout.systems.step_row.copy(),  # which switches rewrite
+        load_at=systems.load_at,
+        step_row=systems.step_row.copy(),  # which switches rewrite
         step_at=step_at,
-        step_states=layout.systems.step_states,
-        step_whole=np.array(layout.systems.whole, bool),
+        step_states=systems.step_states,
+        step_whole=np.array(systems.whole, bool),
         step=step,
         record_row=rows.ends,
         effort_row=rows.nodes,

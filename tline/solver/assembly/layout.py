@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import inf
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
@@ -42,6 +43,7 @@ class Junctions(NamedTuple):
     first: NDArray  # (N + 1,) those at node k are ends[first[k]:first[k + 1]]
     group: NDArray  # (G + 1,) nodes of group g are group[g] to group[g + 1]
     blocks: Blocks
+    rows: dict[Hashable, Any]  # of the record, which assembly keeps
 
 
 @dataclass
@@ -71,7 +73,7 @@ class SlabGrid:
             degree = np.array([len(node.ends) for node in nodes.values()])
             first, group = np.cumsum([0, *degree]), np.cumsum([0, *key[1]])
             blocks = blocks_of(self.delay, first, ends, group, self.losses)
-            self.junctions[key] = Junctions(ends, degree, first, group, blocks)
+            self.junctions[key] = Junctions(ends, degree, first, group, blocks, {})
         return self.junctions[key]
 
 
@@ -93,7 +95,12 @@ class Layout:
     laws: Laws  # without matrices of an order
     states: NDArray  # of the laws
 
-    @property
+    @cached_property
+    def arriving(self) -> NDArray:
+        """Waves before t = 0 that arrive at line ends, b at end 1 and a at end 2, shape (2 L,)."""
+        return (self.u + [-1, 1] * (self.grid.z0[:, None] * self.y)).ravel()
+
+    @cached_property
     def start(self) -> dict[str, NDArray]:
         """Line name -> (a1, b1, a2, b2) before t = 0, counted from the level."""
         q = self.grid.z0[:, None] * self.y
@@ -118,11 +125,11 @@ def layout_of(description: Description, chosen: Resolution, *, progress: bool = 
 
     def laid_out() -> Layout:
         with Progress(STAGES, "stage", progress, "assembling") as bar:
-            grid = _of_last(description.grids, key, lambda: _grid(description, chosen))
+            grid = of_last(description.grids, key, lambda: _grid(description, chosen))
             bar.update()
             return _laid_out(description, chosen, grid, bar)
 
-    return _of_last(_kept.setdefault(description, {}), key, laid_out)
+    return of_last(_kept.setdefault(description, {}), key, laid_out)
 
 
 def _losses(description: Description, chosen: Resolution) -> tuple[Any, ...]:
@@ -134,12 +141,12 @@ def _losses(description: Description, chosen: Resolution) -> tuple[Any, ...]:
     return chosen.s, fit, chosen.loss_elements
 
 
-def _of_last(kept: dict[Hashable, Any], key: Hashable, make: Callable[[], Any]) -> Any:
+def of_last(kept: dict[Hashable, Any], key: Hashable, make: Callable[[], Any], most: int = LAYOUTS) -> Any:
     """One of the last ones made, or a new one."""
     found = kept.get(key)
     if found is None:
         found = make()
-        for old in list(kept)[: len(kept) + 1 - LAYOUTS]:
+        for old in list(kept)[: len(kept) + 1 - most]:
             kept.pop(old, None)  # which another thread may have done
         kept[key] = found
     return found

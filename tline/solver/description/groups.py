@@ -1,7 +1,7 @@
 """Nodes that see each other without delay, and the circuit that stands between their line ends."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from operator import is_
 from typing import NamedTuple

@@ -1,5 +1,6 @@
 """The kernel at work on one network: its structures are packed once, and then it is called by address."""
 
+from collections.abc import Hashable
 from functools import cached_property
 from typing import Any
 
@@ -14,6 +15,8 @@ from tline.solver.kernel.units import units_of
 from tline.structure import pack
 
 PACKED_NO_LOSSES = pack(NO_LOSSES)
+NOTHING = np.empty((0, 0)), np.empty((0, 2, 0))
+FEW = 1e5  # samples on the lines of a network that is kept
 
 
 class Kernel:
@@ -29,13 +32,25 @@ class Kernel:
     """
 
     def __init__(self, network: Network, state: State, fronts: Fronts | None = None):
-        self.state = state
-        self._fronts: Any = None if fronts is None else pack(fronts)
-        units = units_of(network, fronts=fronts is not None)
-        work = work_for(network, state)
-        if network.losses is NO_LOSSES:
-            network = network._replace(losses=PACKED_NO_LOSSES)
-        self._held = pack(network), pack(state), pack(units), pack(work)
+        self._shape = _shape(network, state, fronts)
+        units, work = units_of(network, fronts=fronts is not None), pack(work_for(network, state))
+        self._run = pack(Run(_packed(network), state, units, work, *NOTHING))
+        self._fronts = None if fronts is None else pack(fronts)
+
+    def takes(self, network: Network, state: State, fronts: Fronts | None) -> bool:
+        """Advance another network from now on, on the same grid, if it has the same shape."""
+        if self._shape != _shape(network, state, fronts):
+            return False
+        run = self._run.values
+        work = work_for(network, state) if len(network.laws.kind) else run.work
+        self._run.write(run._replace(network=_packed(network), state=state, work=work))
+        self._fronts = None if fronts is None else pack(fronts)
+        return True
+
+    def rest(self) -> bool:
+        """Forget what the last run wrote; whether the rest is small enough to be kept."""
+        self.run(*NOTHING)
+        return self.state.waves.size <= FEW
 
     @cached_property
     def _advance_fronts(self) -> Any:
@@ -49,9 +64,15 @@ class Kernel:
         if self._fronts is not None:
             self._advance_fronts.address  # noqa: B018
 
+    @property
+    def state(self) -> State:
+        """The waves under way."""
+        return self._run.values.state
+
     def run(self, excitation: NDArray, record: NDArray) -> Any:
         """What units get, packed."""
-        return pack(Run(*self._held, excitation, record))
+        self._run.write(self._run.values._replace(excitation=excitation, record=record))
+        return self._run
 
     def blocks(self, n_slabs: int, excitation: NDArray, record: NDArray, column: int) -> int:
         """Advance all nodes by n_slabs, writing the record from the given column (in slabs) on.
@@ -61,7 +82,7 @@ class Kernel:
         """
         node = blocks.advance(self.run(excitation, record), 0, n_slabs, column)
         if node < 0 and not np.isfinite(self.state.waves).all():
-            return len(self._held[0].values.first) - 1
+            return len(self._run.values.network.first) - 1
         return node
 
     def fronts(
@@ -75,6 +96,17 @@ class Kernel:
         job = pack(FrontRun(self.run(excitation, record), self._fronts, sources))
         node = self._advance_fronts(job, first_slab, n_slabs)
         return node, int(self._fronts.values.counts[DONE])
+
+
+def _packed(network: Network) -> Network:
+    return network._replace(losses=PACKED_NO_LOSSES) if network.losses is NO_LOSSES else network
+
+
+def _shape(network: Network, state: State, fronts: Fronts | None) -> Hashable:
+    """What units and the size of their workspace depend on, beside the grid."""
+    laws = network.laws
+    arrays = network.group, network.load_at, network.step_states, laws.first, laws.kind
+    return fronts is None, state.before.shape, *(array.tobytes() for array in arrays)
 
 
 def advance(network: Network, state: State, n_slabs: int, excitation: NDArray, record: NDArray, column: int) -> int:

@@ -21,6 +21,7 @@ from tline.solver.loop.kernel import Kernel
 
 CHUNK = 2e7  # line-end samples between two looks at the progress bar
 LOOK = 2e6  # between two looks of observers, who want all pieces too
+FEW = 1e5  # samples of sources that are kept for the next run
 STRETCH = 1024  # slabs advanced in pieces between two looks for fronts
 
 
@@ -106,7 +107,38 @@ def march(
                 steps.noted[seen:] = [pieces.of_rows(kept)]
             bar.update(high - low)
         seconds = time.perf_counter() - started
+    steps.leave()
     return record, steps.run(seconds)
+
+
+class Spare(NamedTuple):
+    """What a run leaves to the next one on the same grid."""
+
+    kernel: Kernel
+    signals: "Signals"
+
+
+class Signals:
+    """The excitations of a run: where they break, and their samples, which are kept if they are few."""
+
+    def __init__(self, assembly: Assembly, n: int):
+        self.of, self.h, self.basis = assembly.excitations, assembly.resolution.h, assembly.basis
+        self.n, self.follows = n, assembly.follows_edges
+        self.places = [_inside(places_of(p, n * self.h, self.h), self.follows) for p in self.of]
+        self._all: NDArray | None = None
+
+    def sampled(self, first: int, n: int) -> NDArray:
+        """Excitations of n slabs, shape (excitations, n * s), but of slabs with breaks."""
+        if self._all is not None and n == self.n:
+            return self._all
+        excitation = np.zeros((len(self.of), n, self.basis.s))
+        for row, parts in zip(excitation, self.of, strict=True):
+            for waveform, share in parts:
+                row += share * sampled(waveform, self.basis, self.h, first, n)
+        found = excitation.reshape(len(self.of), n * self.basis.s)
+        if n == self.n and found.size <= FEW:
+            self._all = found
+        return found
 
 
 class Stepper:
@@ -116,23 +148,33 @@ class Stepper:
         self.assembly, self.record, self.h = assembly, record, assembly.resolution.h
         self.noting = noting  # rows of the record whose pieces are noted
         self.origin = 0  # slab at the record's first column; the kernel of fronts counts from it
-        follows = assembly.follows_edges
-        self.places = [_inside(places_of(p, n * self.h, self.h), follows) for p in assembly.excitations]
+        self._key = assembly.basis.s, n, assembly.follows_edges
+        spare: Spare | None = assembly.spare.pop(self._key, None)
+        again = spare is not None and spare.signals.of == assembly.excitations
+        self.signals = spare.signals if spare and again else Signals(assembly, n)
         moves = [(t, group, row) for t, group, row in _snapped(assembly.changes) if t < n]
-        self.at_edges = [] if follows else [move for move in moves if move[0] % 1 == 0]
-        inside = [move for move in moves if follows or move[0] % 1 != 0]
-        instants = np.concatenate([*self.places, [t for t, _, _ in inside]])
+        self.at_edges = [] if assembly.follows_edges else [move for move in moves if move[0] % 1 == 0]
+        inside = [move for move in moves if assembly.follows_edges or move[0] % 1 != 0]
+        instants = np.concatenate([*self.signals.places, [t for t, _, _ in inside]])
         self.events = np.unique(np.floor(instants).astype(int)) if instants.size else instants
         self.fronts: Fronts | None = None
         if len(self.events):
-            in_slab = [np.unique(np.floor(p), return_counts=True)[1] for p in self.places]
+            in_slab = [np.unique(np.floor(p), return_counts=True)[1] for p in self.signals.places]
             self.fronts = fronts_of(assembly, n, inside, 1 + int(np.concatenate([[0], *in_slab]).max()))
-        self.kernel = Kernel(assembly.network, assembly.state, self.fronts)
+        if spare is not None and spare.kernel.takes(assembly.network, assembly.state, self.fronts):
+            self.kernel = spare.kernel
+        else:
+            self.kernel = Kernel(assembly.network, assembly.state, self.fronts)
         self.noted: list[Noted] = []
 
     def compile(self) -> None:
         """Compile the kernels that will be needed, or load them."""
         self.kernel.load()
+
+    def leave(self) -> None:
+        """Let the next run on the same grid have the workspace."""
+        if self.kernel.rest():
+            self.assembly.spare[self._key] = Spare(self.kernel, self.signals)
 
     def begin_record(self, slab: int) -> None:
         """Let the record's first column be that of a slab, from now on."""
@@ -160,7 +202,7 @@ class Stepper:
             if self.fronts.counts[LIVE] or settling or front_free < LULL:
                 return self._in_pieces(low, min(high - low, STRETCH))
             high = min(high, low + front_free)
-        node = self.kernel.blocks(high - low, self._excitation(low, high - low), self.record, low - self.origin)
+        node = self.kernel.blocks(high - low, self.signals.sampled(low, high - low), self.record, low - self.origin)
         if node >= 0:
             _refuse(self.assembly, node)
         if self.fronts is not None:
@@ -174,12 +216,12 @@ class Stepper:
         sources = sources_of(
             [
                 broken(parts, places, assembly.basis, self.h, first, n)
-                for parts, places in zip(assembly.excitations, self.places, strict=True)
+                for parts, places in zip(assembly.excitations, self.signals.places, strict=True)
             ],
             assembly.basis.s,
         )
         sources.slab[:] -= self.origin
-        excitation, column = self._excitation(first, n), first - self.origin
+        excitation, column = self.signals.sampled(first, n), first - self.origin
         node, done = self.kernel.fronts(sources, excitation, column, n, self.record)
         if node >= 0:
             _refuse(assembly, node)
@@ -188,15 +230,6 @@ class Stepper:
         pieces = Noted(where[:, 0], where[:, 1] + self.origin, span, values)
         self.noted.append(pieces.of_rows(self.noting))
         return int(done)
-
-    def _excitation(self, first: int, n: int) -> NDArray:
-        """Excitations of n slabs, shape (excitations, n * s), but of slabs with breaks."""
-        basis, excitations = self.assembly.basis, self.assembly.excitations
-        excitation = np.zeros((len(excitations), n, basis.s))
-        for row, parts in zip(excitation, excitations, strict=True):
-            for waveform, share in parts:
-                row += share * sampled(waveform, basis, self.h, first, n)
-        return excitation.reshape(len(excitations), n * basis.s)
 
     def run(self, seconds: float) -> March:
         """What there is to say now."""
