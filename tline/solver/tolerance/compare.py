@@ -5,8 +5,6 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
-import numpy as np
-
 from tline.solver.description.description import Description
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Estimate
 from tline.solver.result.result import Result
@@ -70,10 +68,11 @@ def differences(coarse: Result, fine: Result) -> tuple[dict[str, Estimate], dict
     all_ = {name: difference(coarse.probes[name], probe, fine.resolution.settle) for name, probe in fine.probes.items()}
     largest = max(float(found.amplitude.max()) for found in all_.values())
     for name, found in all_.items():
-        heard = found.amplitude > max(SILENT * found.amplitude.max(), NOTHING * largest)
-        for each, size in zip(told, found[:3], strict=True):
-            relative = np.where(heard, size / np.where(heard, found.amplitude, 1.0), 0.0)
-            each[name] = Estimate(*(max(float(e), ROUNDING) if e > 0 else 0.0 for e in relative))
+        amplitude = found.amplitude.tolist()
+        least = max(SILENT * max(amplitude), NOTHING * largest)
+        for each, sizes in zip(told, found[:3], strict=True):
+            pairs = zip(sizes.tolist(), amplitude, strict=True)
+            each[name] = Estimate(*(max(e / a, ROUNDING) if a > least and e > 0 else 0.0 for e, a in pairs))
     return told
 
 
@@ -108,10 +107,12 @@ def unseen(description: Description, result: Result) -> float:
 
     The pressure at vessels is taken to be the highest at the ends of any recorded line.
     """
-    lines = result.lines.values()
-    waves = [pair for line in lines for pair in ((line.a1, line.b1), (line.a2, line.b2))]
-    highest = max((float((a.values + b.values).max()) / 2 for a, b in waves), default=0.0)
-    decays = [*(scale for scale, _ in description.time_scales.values()), *description.filling_times(highest)]
+    decays = [scale for scale, _ in description.time_scales.values()]
+    if description.elements:
+        lines = result.lines.values()
+        waves = [pair for line in lines for pair in ((line.a1, line.b1), (line.a2, line.b2))]
+        highest = max((float((a.values + b.values).max()) / 2 for a, b in waves), default=0.0)
+        decays += description.filling_times(highest)
     resolved = result.resolution._replace(h=_slab(result)).resolved
     return max((resolved / decay for decay in decays if decay > 0), default=0.0)
 

@@ -1,12 +1,14 @@
-"""The largest difference between two runs at a line's end, where no front lies inside a slab: products of matrices."""
+"""The largest difference between two runs at a line's end, where no front lies inside a slab."""
 
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.kernel.difference import BLOCK, Compared, find_difference
 from tline.solver.radau import Matrix, basis
 from tline.solver.result.result import ProbeResult
+from tline.structure import pack
 
 
 def is_smooth(coarse: ProbeResult, fine: ProbeResult) -> bool:
@@ -27,28 +29,16 @@ def smooth_difference(
     are Chebyshev's, and its end.
     """
     count = min(len(fine.record.a1.values) // every, len(coarse.record.a1.values))
-    in_coarse, in_fine = _matrices(coarse.record.a1.basis.s, fine.record.a1.basis.s, every, places)
-    ours = [wave.values[: count * every] @ in_fine for wave in fine.waves]
-    off = [
-        mine - (wave.values[:count] @ in_coarse).reshape(mine.shape)
-        for mine, wave in zip(ours, coarse.waves, strict=True)
-    ]
-    before = [one.before - other.before for one, other in zip(fine.waves, coarse.waves, strict=True)]
-    a, b = ours
-    start = sum(wave.before for wave in fine.waves) / 2 - fine.height.weight
-    weight = 2 * fine.height.weight
-    amplitude = np.array([max(abs(start), _largest(a + b - weight if weight else a + b) / 2), _largest(a - b) / 2])
-    inside, at_ends = np.empty(2), np.empty(2)
-    for k, sign in enumerate((1.0, -1.0)):
-        apart = off[0] + sign * off[1]
-        first = abs(before[0] + sign * before[1]) / 2
-        at_ends[k] = max(_largest(apart[every - 1 :: every, -1]) / 2, first)
-        inside[k] = max(_largest(apart if every == 1 else apart[:, :-1]) / 2, at_ends[k])
-    return at_ends, inside, amplitude
-
-
-def _largest(values: NDArray) -> float:
-    return max(float(values.max(initial=0.0)), -float(values.min(initial=0.0)))
+    s, other = coarse.record.a1.basis.s, fine.record.a1.basis.s
+    weight, most = fine.height.weight, np.zeros((6, BLOCK))
+    points = [np.ascontiguousarray(wave.values[:count]) for wave in coarse.waves]
+    points += [np.ascontiguousarray(wave.values[: count * every]) for wave in fine.waves]
+    work = np.empty((2, s, BLOCK)), np.empty((2, other, BLOCK)), np.empty((4, BLOCK)), most
+    find_difference(pack(Compared(*points, *_matrices(s, other, every, places), 2 * weight, *work)))
+    at_ends, inside, largest = most.max(axis=1).reshape(3, 2) / 2
+    (a, b), (c, d) = ([wave.before for wave in probe.waves] for probe in (fine, coarse))
+    at_ends = np.maximum(at_ends, np.abs([a - c + b - d, a - c - b + d]) / 2)
+    return at_ends, np.maximum(inside, at_ends), np.maximum(largest, [abs(a + b - 2 * weight) / 2, 0.0])
 
 
 @lru_cache
@@ -56,4 +46,4 @@ def _matrices(coarse: int, fine: int, every: int, places: int) -> tuple[Matrix, 
     """From values at the points of a slab of either order to values at the places."""
     x = np.append((1 - np.cos(np.pi * np.arange(places) / places)) / 2, 1.0)
     spread = (np.arange(every)[:, None] + x).ravel() / every
-    return basis(coarse).evaluation(spread).T, basis(fine).evaluation(x).T
+    return basis(coarse).evaluation(spread).reshape(every, len(x), coarse), basis(fine).evaluation(x)
