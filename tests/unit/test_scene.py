@@ -234,7 +234,7 @@ def test_nodes_gather_what_is_attached():
     assert nodes["n1"].flow_before() == pytest.approx(3 / 5 + 2)
     assert nodes["n2"].total == pytest.approx(2 / 50)
     assert [nodes["n2"].switched(t) for t in (0, 3, np.nextafter(3, 4), 9)] == [1 / 4, 1 / 4, 1 / 8, 1 / 8]
-    assert str(nodes["n0"].load) == "(s + 1)/(2*s)"  # what both have in common has gone
+    assert str(nodes["n0"].load.function) == "(s + 1)/(2*s)"  # what both have in common has gone
     assert nodes["n0"].load_name == "loads.b"
 
 

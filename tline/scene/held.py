@@ -102,9 +102,9 @@ def _is_ideal(load: Any) -> bool:
     return (
         isinstance(load, Short | Reservoir)
         or (isinstance(load, Resistor) and load.resistance == 0)
-        or (isinstance(load, Rational) and load.rational().is_zero)
+        or (isinstance(load, Rational) and load.ratio.is_zero)
     )
 
 
 def _is_capacitive(element: RationalImpedance) -> bool:
-    return not element.rational().is_zero and element.rational().at_infinity() == 0
+    return not element.ratio.is_zero and element.ratio.at_infinity() == 0

@@ -3,7 +3,6 @@
 import math
 import numbers
 from fractions import Fraction
-from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
@@ -11,6 +10,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 from tline.errors import InputError
 from tline.scene.element import Element
 from tline.scene.quantity import LARGEST, SMALLEST, Capacitance, Inductance, Parameter, PositiveResistance
+from tline.scene.ratio import Ratio
 from tline.wording import shown
 
 if TYPE_CHECKING:
@@ -22,39 +22,32 @@ MOST_STATES = 20  # degree up to which double precision holds ladders of L and C
 class RationalImpedance(Element):
     """An element that is a rational impedance between its two terminals."""
 
-    _rational: "RationalFunction" = PrivateAttr()
+    _ratio: Ratio = PrivateAttr()
+    _rational: "RationalFunction | None" = PrivateAttr(default=None)
+
+    @property
+    def ratio(self) -> Ratio:
+        """Z(s) without common factors, exact for the decimals typed."""
+        return self._ratio
 
     def rational(self) -> "RationalFunction":
         """Z(s), exact for the decimals typed."""
+        if self._rational is None:
+            self._rational = self._ratio.function
         return self._rational
 
-    def _build(self) -> "RationalFunction":
+    def _find_ratio(self) -> Ratio:
         raise NotImplementedError
 
     @model_validator(mode="after")
     def _readable(self):
-        self._rational = self._build()
+        self._ratio = self._find_ratio()
         return self
 
 
 def _exact(value: float) -> Fraction:
     """The shortest decimal that is this float: what was typed."""
     return Fraction(repr(float(value)))
-
-
-@cache
-def _s() -> "RationalFunction":
-    """The impedance s, of 1 H."""
-    from passivity import RationalFunction
-
-    return RationalFunction.from_coefficients([1, 0], [1])
-
-
-def _constant(value: float) -> "RationalFunction":
-    """The impedance of a resistor."""
-    from passivity import RationalFunction
-
-    return RationalFunction.constant(_exact(value))
 
 
 def _as_typed(value: float | str) -> Fraction | float | str:
@@ -66,8 +59,8 @@ class OneResistance(RationalImpedance):
 
     resistance: PositiveResistance = Field(description="R")
 
-    def _build(self) -> "RationalFunction":
-        return _constant(self.resistance)
+    def _find_ratio(self) -> Ratio:
+        return Ratio.of_fractions([_exact(self.resistance)], [1])
 
 
 class OneInductance(RationalImpedance):
@@ -75,8 +68,8 @@ class OneInductance(RationalImpedance):
 
     inductance: Inductance = Field(description="L")
 
-    def _build(self) -> "RationalFunction":
-        return _constant(self.inductance) * _s()
+    def _find_ratio(self) -> Ratio:
+        return Ratio.of_fractions([_exact(self.inductance), 0], [1])
 
 
 class OneCapacitance(RationalImpedance):
@@ -84,8 +77,8 @@ class OneCapacitance(RationalImpedance):
 
     capacitance: Capacitance = Field(description="C")
 
-    def _build(self) -> "RationalFunction":
-        return (_constant(self.capacitance) * _s()).inverse()
+    def _find_ratio(self) -> Ratio:
+        return Ratio.of_fractions([1], [_exact(self.capacitance), 0])
 
 
 class _RLC(RationalImpedance):
@@ -93,37 +86,32 @@ class _RLC(RationalImpedance):
     inductance: Inductance | None = Field(default=None, description="L")
     capacitance: Capacitance | None = Field(default=None, description="C")
 
-    def _impedances(self) -> "list[RationalFunction]":
-        parts = []
-        if self.resistance is not None:
-            parts.append(_constant(self.resistance))
-        if self.inductance is not None:
-            parts.append(_constant(self.inductance) * _s())
-        if self.capacitance is not None:
-            parts.append((_constant(self.capacitance) * _s()).inverse())
-        if not parts:
+    def _exact_values(self) -> tuple[Fraction | None, Fraction | None, Fraction | None]:
+        r, ind, c = (None if x is None else _exact(x) for x in (self.resistance, self.inductance, self.capacitance))
+        if r is ind is c is None:
             raise InputError("", "no element given", "at least one of resistance, inductance and capacitance")
-        return parts
+        return r, ind, c
 
 
 class SeriesRLC(_RLC):
     """R, L and C one after the other."""
 
-    def _build(self) -> "RationalFunction":
-        first, *rest = self._impedances()
-        for part in rest:
-            first = first + part
-        return first
+    def _find_ratio(self) -> Ratio:
+        r, ind, c = self._exact_values()
+        if c is None:
+            return Ratio.of_fractions([ind or 0, r or 0], [1])
+        return Ratio.of_fractions([c * (ind or 0), c * (r or 0), 1], [c, 0])
 
 
 class ParallelRLC(_RLC):
     """R, L and C side by side."""
 
-    def _build(self) -> "RationalFunction":
-        first, *rest = self._impedances()
-        for part in rest:
-            first = first.parallel(part)
-        return first
+    def _find_ratio(self) -> Ratio:
+        r, ind, c = self._exact_values()
+        conductance = 1 / r if r else 0
+        if ind is None:
+            return Ratio.of_fractions([1], [c or 0, conductance])
+        return Ratio.of_fractions([1, 0], [c or 0, conductance, 1 / ind])
 
 
 def _number_or_text(value: Any) -> Any:
@@ -143,16 +131,22 @@ class AnyImpedance(RationalImpedance):
     numerator: list[Coefficient] | None = Field(default=None, description="coefficients, highest power first, SI")
     denominator: list[Coefficient] | None = Field(default=None, description="coefficients, highest power first, SI")
 
-    def _build(self) -> "RationalFunction":
+    def _find_ratio(self) -> Ratio:
+        self._rational = self._read()
+        ratio = Ratio.of(self._rational)
+        _check_limits(ratio)
+        return ratio
+
+    def _read(self) -> "RationalFunction":
         if self.expression is not None and self.numerator is None and self.denominator is None:
-            return _within_limits(self._from_expression(self.expression))
+            return self._from_expression(self.expression)
         if self.expression is not None or self.numerator is None or self.denominator is None:
             given = [key for key in ("expression", "numerator", "denominator") if getattr(self, key) is not None]
             expected = "either expression, or numerator and denominator"
             raise InputError("", "its Z(s) is not given once", expected, ", ".join(given) or "none")
         if self.parameters:
             raise InputError("parameters", "they belong to an expression, not to coefficients")
-        return _within_limits(self._from_coefficients(self.numerator, self.denominator))
+        return self._from_coefficients(self.numerator, self.denominator)
 
     def _from_expression(self, expression: str) -> "RationalFunction":
         from passivity import ExpressionError, RationalFunction
@@ -184,12 +178,10 @@ def coefficients_of(system: Any) -> dict[str, list[str]]:
     return {"numerator": [str(a) for a in function.numerator], "denominator": [str(a) for a in function.denominator]}
 
 
-def _within_limits(impedance: "RationalFunction") -> "RationalFunction":
+def _check_limits(impedance: Ratio) -> None:
     for limit in (impedance.at_zero(), impedance.at_infinity()):
         if limit not in (0, math.inf) and not SMALLEST <= abs(limit) <= LARGEST:
             problem = "its resistance at low or high frequency is out of range"
             raise InputError("", problem, f"{SMALLEST:g} to {LARGEST:g}")
-    degree = impedance.reduced().degree
-    if degree > MOST_STATES:
-        raise InputError("", "its degree in s is too high", f"at most {MOST_STATES}", f"{degree}")
-    return impedance
+    if impedance.degree > MOST_STATES:
+        raise InputError("", "its degree in s is too high", f"at most {MOST_STATES}", f"{impedance.degree}")

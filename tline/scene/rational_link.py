@@ -65,7 +65,7 @@ class ImpedanceLink(AnyImpedance, RationalLink):
 
     @model_validator(mode="after")
     def _parts(self):
-        if self.rational().is_zero:
+        if self.ratio.is_zero:
             raise InputError("", "its impedance is zero", "one node in place of the two")
         return self
 

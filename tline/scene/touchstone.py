@@ -12,6 +12,7 @@ from tline.errors import InputError
 from tline.scene.line import Cable, SceneLine
 from tline.scene.named_file import beside
 from tline.scene.quantity import Quantity, Role, Tolerance
+from tline.scene.ratio import Ratio
 from tline.scene.rational_load import Rational
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ class Touchstone(Rational):
     def _readable(self, info: ValidationInfo):
         delay = None if self.delay is None else float(self.delay)
         self._model = read_model(model_of, self.file, info, float(self.tolerance), delay, self.nearest)
-        self._rational = _impedance(self._model)
+        self._ratio = Ratio.of(_impedance(self._model))
         return self
 
     @property

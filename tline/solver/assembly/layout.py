@@ -206,9 +206,7 @@ def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar:
     )
 
 
-def _thevenin(
-    u: NDArray, q: NDArray, junctions: Junctions, weight: NDArray, excitations: list[Excitation]
-) -> NDArray:
+def _thevenin(u: NDArray, q: NDArray, junctions: Junctions, weight: NDArray, excitations: list[Excitation]) -> NDArray:
     """Thévenin wave of each node just before t = 0."""
     arriving = (u + [-1, 1] * q).ravel()
     at = np.repeat(np.arange(len(junctions.degree)), junctions.degree)

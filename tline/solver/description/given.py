@@ -5,6 +5,7 @@ from tline.scene.heights import NO_HEIGHT, Height
 from tline.scene.law import ElementLaw
 from tline.scene.medium import MEDIA, Medium
 from tline.scene.multiport import Ports
+from tline.scene.ratio import Ratio
 from tline.scene.scene import Scene
 from tline.scene.shape import Constant, Shape
 from tline.scene.switch import SwitchLink
@@ -19,6 +20,7 @@ __all__ = [
     "Height",
     "Medium",
     "Ports",
+    "Ratio",
     "Scene",
     "Shape",
     "SwitchLink",

@@ -129,7 +129,7 @@ def _linear(where: str, nodes: tuple[str, ...], link: Between | None, may_give: 
         return Member(where, nodes[:2], SUPPLIED, True, through=True, to_air=False)
     if not isinstance(link, RationalLink | SwitchLink):
         return Member(where, nodes, TAKEN, may_give, to_air=to_air)
-    if isinstance(link, SwitchLink) or link.rational().degree == 0:
+    if isinstance(link, SwitchLink) or link.ratio.degree == 0:
         return Member(where, nodes, DISSIPATED, may_give, through=True, to_air=False)
     column = STORED if isinstance(link, SeriesRLC | ParallelRLC | OneInductance | OneCapacitance) else TAKEN
     series, beside = _resistances(link)

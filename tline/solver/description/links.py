@@ -38,9 +38,9 @@ def branches_of(scene: Scene, nodes: Mapping[str, Node]) -> Iterator[PlacedBranc
 
 def _across(link: RationalLink, z: float, where: str) -> Ports:
     """Equations of an impedance between two nodes, realised by its reflection against z."""
-    impedance = link.rational().reduced()
+    impedance = link.ratio
     if impedance.degree == 0:
-        return between(resistance(float(impedance.at_zero())))
+        return between(resistance(impedance.at_zero()))
     return between(one_port(reflection(impedance, z, where), z))
 
 
@@ -60,7 +60,7 @@ def resistive(scene: Scene, nodes: Mapping[str, Node]) -> list[PlacedLaw]:
 def _resistive(scene: Scene) -> Iterator[PlacedLaw]:
     for name, link in scene.links.items():
         if isinstance(link, RationalLink):
-            r = float(link.rational().at_zero())
+            r = link.ratio.at_zero()
             if 0 < abs(r) < float("inf"):
                 yield _straight(place("links", name), link.nodes, 0.0, r)
         elif isinstance(link, SwitchLink):
@@ -82,7 +82,6 @@ def inductive(scene: Scene) -> list[tuple[str, str, float]]:
     """Nodes of links that are shorts to a steady flow, and their inductances."""
     found = []
     for link in scene.links.values():
-        if isinstance(link, RationalLink) and link.rational().at_zero() == 0:
-            impedance = link.rational().reduced()
-            found.append((*link.nodes, float(impedance.numerator[-2] / impedance.denominator[-1])))
+        if isinstance(link, RationalLink) and link.ratio.at_zero() == 0:
+            found.append((*link.nodes, link.ratio.numerator[-2] / link.ratio.denominator[-1]))
     return found

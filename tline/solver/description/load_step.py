@@ -8,15 +8,13 @@ node's effort u at the points and the state at the slab's end.
 
 from fractions import Fraction
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from tline.errors import InputError
+from tline.solver.description.given import Ratio
 from tline.solver.radau import Basis, Matrix
-
-if TYPE_CHECKING:
-    from passivity import RationalFunction
 
 
 class StateSpace(NamedTuple):
@@ -29,12 +27,12 @@ class StateSpace(NamedTuple):
 
 
 @lru_cache
-def reflection(impedance: "RationalFunction", z: float, where: str) -> StateSpace:
+def reflection(impedance: Ratio, z: float, where: str) -> StateSpace:
     """Realise the reflection of a rational impedance against z in balanced companion form.
 
     Parameters
     ----------
-    impedance : RationalFunction
+    impedance : Ratio
         Z(s), at least of degree 1.
     z : float
         Thévenin impedance of the node, > 0 and finite.
@@ -46,7 +44,7 @@ def reflection(impedance: "RationalFunction", z: float, where: str) -> StateSpac
     InputError
         If Z + z falls to a lower degree: Z tends to -z at high frequency, and no wave is defined.
     """
-    p, q = ([int(a) for a in reversed(side.coeffs())] for side in (impedance.p, impedance.q))
+    p, q = ([int(a) for a in side] for side in (impedance.numerator, impedance.denominator))
     n = max(len(p), len(q)) - 1
     p, q = [0] * (n + 1 - len(p)) + p, [0] * (n + 1 - len(q)) + q
     top, bottom = float(z).as_integer_ratio()

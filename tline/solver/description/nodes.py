@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,14 +24,11 @@ from tline.scene.rational_load import Rational
 from tline.scene.shape import Lowered
 from tline.scene.source import Source
 from tline.solver.description.excitation import just_before
-from tline.solver.description.given import Constant, End, Height, Scene, Shape, Touchstone
+from tline.solver.description.given import Constant, End, Height, Ratio, Scene, Shape, Touchstone
 from tline.solver.description.lines import Line
 from tline.solver.description.load_step import StateSpace, reflection
 from tline.solver.description.partial_fractions import reflection_of_poles
 from tline.wording import place
-
-if TYPE_CHECKING:
-    from passivity import RationalFunction
 
 SEA_LEVEL = Height()
 
@@ -49,7 +46,7 @@ class Node:
     conductance: float = 0.0  # of resistors, constant loads and sources
     flows: list[tuple[Shape, float]] = field(default_factory=list)  # waveforms and what turns them into flows
     held: Shape | None = None  # the effort, where it is ideal
-    load: "RationalFunction | None" = None  # all dynamic loads side by side
+    load: Ratio | None = None  # all dynamic loads side by side
     load_name: str = ""
     measured: Touchstone | None = None  # if that is all of the load
     switches: list[Switch] = field(default_factory=list)
@@ -101,7 +98,7 @@ class Node:
         """
         A, b, c, d = self.reflection
         if self.above_level and self.load is not None:
-            if np.isinf(float(self.load.at_zero())):
+            if np.isinf(self.load.at_zero()):
                 return np.linalg.solve(A, b[:, 0]) * self.above_level
             if float(d[0, 0]) == -1.0:
                 return b[:, 0] * (-2 * self.above_level / float((c @ b)[0, 0]))
@@ -143,9 +140,9 @@ class Node:
             case Switch():
                 self.switches.append(load)
             case Touchstone():
-                self.respond(load.rational(), where, load)
+                self.respond(load.ratio, where, load)
             case Rational():
-                self.respond(load.rational().reduced(), where)
+                self.respond(load.ratio, where)
             case NoFlow():
                 pass
 
@@ -173,13 +170,13 @@ class Node:
         if conductance and self.above_level:
             self.flows.append((UNIT, conductance * self.above_level))
 
-    def respond(self, impedance: "RationalFunction", where: str, measured: Touchstone | None = None) -> None:
+    def respond(self, impedance: Ratio, where: str, measured: Touchstone | None = None) -> None:
         """Attach a rational impedance, or a measured one; without dynamics it is a resistance."""
         if impedance.degree == 0:
-            resistance = float(impedance.at_zero())
+            resistance = impedance.at_zero()
             self._conduct(1 / resistance if resistance else np.inf)
             return
-        self.load = impedance if self.load is None else self.load.parallel(impedance).reduced()
+        self.load = impedance if self.load is None else self.load.parallel(impedance)
         self.load_name, self.measured = where, measured
         if measured is None and self.load.degree > MOST_STATES:
             problem = "with the loads beside it, its degree in s is too high"
@@ -248,11 +245,9 @@ def nodes_of(
         nodes[name].height = height
     _attach_all(scene, nodes)
     for name, n in sections.items():
-        from passivity import RationalFunction
-
         half = Fraction(lines[name].delay) / (2 * n * Fraction(lines[name].z0))
         for at in lines[name].nodes:
-            nodes[at].respond(RationalFunction.from_coefficients([1], [half, 0]), place("lines", name))
+            nodes[at].respond(Ratio.of_fractions([1], [half, 0]), place("lines", name))
     _check_waves(nodes)
     return nodes
 

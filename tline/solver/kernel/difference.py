@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from tline.solver.kernel.arithmetic import clear
-from tline.structure import Floats, Floats2, Floats3
+from tline.structure import Floats2, Floats3
 from tline.unit import function, unit
 
 BLOCK = 128  # slabs that are compared side by side

@@ -86,11 +86,11 @@ def _refuse(scene: Scene) -> None:
     for name, load in scene.loads.items():
         if not isinstance(load, NoFlow | Short | Reservoir | Matched | Resistor | Series | Parallel):
             raise InputError(place("loads", name), f"a load of kind '{load.kind}'", what)
-        if isinstance(load, Series | Parallel) and load.rational().degree:
+        if isinstance(load, Series | Parallel) and load.ratio.degree:
             if load.at in states:
                 raise InputError(place("loads", name), f"a second L or C at node '{load.at}'", "one load with a state")
             states.add(load.at)
-            height, path = scene.heights.get(load.at), load.rational().at_zero()
+            height, path = scene.heights.get(load.at), load.ratio.at_zero()
             if height and height.above_level and load.inductance is not None and path != inf:
                 problem = f"lets a steady flow out through an inductance below the highest node, at '{load.at}'"
                 raise InputError(place("loads", name), problem, what)

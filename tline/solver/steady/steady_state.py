@@ -158,7 +158,7 @@ def _balances(nodes: dict[str, Node]) -> tuple[NDArray, NDArray, NDArray, NDArra
     given, conductance, driven, tie = np.full(n, np.nan), np.zeros(n), np.zeros(n), np.zeros(n)
     for k, node in enumerate(nodes.values()):
         switched = node.switched(0.0)
-        resistance = np.inf if node.load is None else float(node.load.at_zero())
+        resistance = np.inf if node.load is None else node.load.at_zero()
         if node.held is not None:
             given[k], tie[k] = just_before(node.held), np.inf
         elif switched == np.inf:
@@ -167,7 +167,7 @@ def _balances(nodes: dict[str, Node]) -> tuple[NDArray, NDArray, NDArray, NDArra
             driven[k], conductance[k] = node.flow_before(), node.conductance + switched
             driven[k] += switched * node.above_level
             if node.load is not None and resistance == 0:  # an inductor: a short, its inertia beside those of the lines
-                inertia = float(node.load.numerator[-2] / node.load.denominator[-1])
+                inertia = node.load.numerator[-2] / node.load.denominator[-1]
                 given[k], tie[k] = node.above_level, 1 / inertia if inertia else np.inf
             else:
                 conductance[k] += 1 / resistance
