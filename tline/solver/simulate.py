@@ -18,7 +18,6 @@ from tline.solver.result.accuracy import Accuracy, Attempt
 from tline.solver.result.merged import merged, recorded
 from tline.solver.result.result import Result
 from tline.solver.run import run, with_ledger
-from tline.solver.stability.growth import growth_sentence
 from tline.solver.tolerance.compare import caution, differences, magnified
 from tline.solver.tolerance.lossy import with_losses
 from tline.solver.tolerance.search import Search, Start, inside_slabs, within
@@ -207,6 +206,8 @@ def _active(description: Description, allowed: bool) -> list[str]:
     """What there is to say of active elements, if they are allowed."""
     if not description.active:
         return []
+    from tline.solver.stability.growth import growth_sentence
+
     problem = growth_sentence(description)
     if not allowed:
         raise ActiveError("", problem, "passive elements, or active=True to run it all the same")

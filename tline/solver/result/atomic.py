@@ -3,13 +3,13 @@
 import csv
 import os
 import re
-import secrets
 import signal
 import threading
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
+from uuid import uuid4
 
 from tline.errors import InputError
 
@@ -94,7 +94,7 @@ def _beside(target: Path) -> Iterator[Path]:
     front = f".{target.stem[:100]}.tline-"
     _remove_stale(target.parent, re.compile(rf"{re.escape(front)}[0-9a-f]{{8}}{re.escape(target.suffix)}"))
     while True:
-        temporary = target.with_name(f"{front}{secrets.token_hex(4)}{target.suffix}")
+        temporary = target.with_name(f"{front}{uuid4().hex[:8]}{target.suffix}")
         with temporary.open("x") as file:
             if not _locked(file, wait=True) or temporary.exists():
                 try:
