@@ -2,15 +2,16 @@
 
 import numpy as np
 
+from tline.solver.kernel.laws.sampled import sampled
 from tline.solver.kernel.network import Crossing
 from tline.solver.kernel.newton import STEPS
 from tline.unit import function, unit
 
 
 @function
-def shockley(d, z, saturation, thermal):
+def shockley(c, at, _, d, z):
     """Flow i and di/dd where d = u + z i and i = saturation (exp(u/thermal) - 1): Newton from the right, monotone."""
-    u = d
+    saturation, thermal, u = c[at + 1], c[at + 2], d
     if d > 0.0 and z > 0.0:
         u = min(d, thermal * np.log1p(d / (z * saturation)))
     elif d < 0.0:
@@ -30,7 +31,4 @@ def shockley(d, z, saturation, thermal):
 @unit
 def diode(crossing: Crossing, at: int, n: int, z: float) -> int:
     """Flows of a diode at n samples, behind the efforts v and the impedance z."""
-    c, v, flow, slope = crossing.constants, crossing.v, crossing.flow, crossing.slope
-    for i in range(n):
-        flow[i], slope[i] = shockley(v[i] - c[at], z, c[at + 1], c[at + 2])
-    return 0
+    return sampled(shockley, crossing, at, n, z)

@@ -7,6 +7,7 @@ import numpy as np
 
 from tline.solver.kernel.laws.bracketed import bracketed
 from tline.solver.kernel.laws.quadratic import rooted
+from tline.solver.kernel.laws.sampled import sampled
 from tline.solver.kernel.network import Crossing
 from tline.unit import function, unit
 
@@ -41,16 +42,10 @@ def demanded(c, at, control, d, z):
 @unit
 def leak(crossing: Crossing, at: int, n: int, z: float) -> int:
     """Flows of a leak at n samples, behind the efforts v and the impedance z."""
-    c, v, control, flow, slope = crossing.constants, crossing.v, crossing.control, crossing.flow, crossing.slope
-    for i in range(n):
-        flow[i], slope[i] = leaking(c, at, control[i], v[i] - c[at], z)
-    return 0
+    return sampled(leaking, crossing, at, n, z)
 
 
 @unit
 def demand(crossing: Crossing, at: int, n: int, z: float) -> int:
     """Flows of a demand at n samples, behind the efforts v and the impedance z."""
-    c, v, control, flow, slope = crossing.constants, crossing.v, crossing.control, crossing.flow, crossing.slope
-    for i in range(n):
-        flow[i], slope[i] = demanded(c, at, control[i], v[i] - c[at], z)
-    return 0
+    return sampled(demanded, crossing, at, n, z)

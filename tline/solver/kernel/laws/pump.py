@@ -8,6 +8,7 @@ The control signal of a pump is its speed over the rated one.
 
 import numpy as np
 
+from tline.solver.kernel.laws.sampled import sampled
 from tline.solver.kernel.network import Crossing
 from tline.unit import function, unit
 
@@ -65,11 +66,14 @@ def torque(c, at, speed, i):
     return c[f] * n * n + c[f + 1] * n * i + c[f + 2] * i * i
 
 
+@function
+def driven(c, at, control, d, z):
+    """Flow i and di/dd of a pump, whose speed is not below zero."""
+    speed = max(control, 0.0)
+    return pumped(c, at, speed, d + resting(c, at, speed), z)
+
+
 @unit
 def pump(crossing: Crossing, at: int, n: int, z: float) -> int:
     """Flows of a pump at n samples, behind the efforts v and the impedance z."""
-    c, v, control, flow, slope = crossing.constants, crossing.v, crossing.control, crossing.flow, crossing.slope
-    for i in range(n):
-        speed = max(control[i], 0.0)
-        flow[i], slope[i] = pumped(c, at, speed, v[i] - c[at] + resting(c, at, speed), z)
-    return 0
+    return sampled(driven, crossing, at, n, z)

@@ -5,6 +5,7 @@ Constants: effort beyond the element, capacity, 1 if it passes flow one way only
 
 import numpy as np
 
+from tline.solver.kernel.laws.sampled import sampled
 from tline.solver.kernel.network import Crossing
 from tline.unit import function, unit
 
@@ -23,10 +24,13 @@ def rooted(d, z, capacity, one_way):
     return i, capacity**2 / (z * capacity**2 + 2.0 * abs(i))
 
 
+@function
+def orifice(c, at, opening, d, z):
+    """Flow i and di/dd at an opening."""
+    return rooted(d, z, c[at + 1] * max(opening, 0.0), c[at + 2])
+
+
 @unit
 def quadratic(crossing: Crossing, at: int, n: int, z: float) -> int:
     """Flows of an orifice at n samples, behind the efforts v and the impedance z."""
-    c, v, control, flow, slope = crossing.constants, crossing.v, crossing.control, crossing.flow, crossing.slope
-    for i in range(n):
-        flow[i], slope[i] = rooted(v[i] - c[at], z, c[at + 1] * max(control[i], 0.0), c[at + 2])
-    return 0
+    return sampled(orifice, crossing, at, n, z)

@@ -7,6 +7,7 @@ import numpy as np
 
 from tline.solver.kernel.laws.bracketed import bracketed
 from tline.solver.kernel.laws.quadratic import rooted
+from tline.solver.kernel.laws.sampled import sampled
 from tline.solver.kernel.network import Crossing
 from tline.unit import function, unit
 
@@ -34,7 +35,4 @@ def relieved(c, at, factor, d, z):
 @unit
 def relief(crossing: Crossing, at: int, n: int, z: float) -> int:
     """Flows of a relief valve at n samples, behind the efforts v and the impedance z."""
-    c, v, control, flow, slope = crossing.constants, crossing.v, crossing.control, crossing.flow, crossing.slope
-    for i in range(n):
-        flow[i], slope[i] = relieved(c, at, control[i], v[i] - c[at], z)
-    return 0
+    return sampled(relieved, crossing, at, n, z)

@@ -1,12 +1,14 @@
 """Table: straight lines through points. Constants: effort beyond the element, number n, n efforts, n flows."""
 
+from tline.solver.kernel.laws.sampled import sampled
 from tline.solver.kernel.network import Crossing
 from tline.unit import function, unit
 
 
 @function
-def tabled(d, z, c, at, n):
-    """Flow i and di/dd where d = u + z i, and (u, i) lies on straight lines through n points, continued beyond."""
+def tabled(c, place, _, d, z):
+    """Flow i and di/dd where d = u + z i, and (u, i) lies on straight lines through points, continued beyond."""
+    at, n = place + 2, int(c[place + 1])
     low, high = 0, n - 1
     while high - low > 1:
         middle = (low + high) // 2
@@ -27,8 +29,4 @@ def tabled(d, z, c, at, n):
 @unit
 def table(crossing: Crossing, at: int, n: int, z: float) -> int:
     """Flows of a table at n samples, behind the efforts v and the impedance z."""
-    c, v, flow, slope = crossing.constants, crossing.v, crossing.flow, crossing.slope
-    points = int(c[at + 1])
-    for i in range(n):
-        flow[i], slope[i] = tabled(v[i] - c[at], z, c, at + 2, points)
-    return 0
+    return sampled(tabled, crossing, at, n, z)

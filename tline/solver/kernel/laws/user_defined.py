@@ -3,6 +3,7 @@
 import numpy as np
 
 from tline.solver.kernel.arithmetic import TINY
+from tline.solver.kernel.laws.sampled import sampled
 from tline.solver.kernel.network import Crossing
 from tline.solver.kernel.newton import STEPS, ULPS
 from tline.unit import callback, function, unit
@@ -51,8 +52,4 @@ def user_flow(address, control, d, z):
 @unit
 def user_defined(crossing: Crossing, at: int, n: int, z: float) -> int:
     """Flows through a user-defined element at n samples, behind the efforts v and the impedance z."""
-    c, v, control, flow, slope = crossing.constants, crossing.v, crossing.control, crossing.flow, crossing.slope
-    address = int(c[at + 1])
-    for i in range(n):
-        flow[i], slope[i] = user_flow(address, control[i], v[i] - c[at], z)
-    return 0
+    return sampled(user_flow, crossing, at, n, z)
