@@ -26,20 +26,23 @@ _said: set[str] = set()
 
 def load(unit: Any) -> tuple[int, Any] | None:
     """The address of a unit's kept code, and what must be held meanwhile; None if there is none, or it is not valid."""
-    path = path_of(unit)
     try:
-        if path is None:
-            return None
-        with path.open("rb") as file:
-            if file.readline() != _versions() or not are_unchanged(unit.sources, pickle.load(file)):
-                return None
-            digest, content = file.read(32), file.read()
-        if hashlib.sha256(content).digest() != digest:
-            return None
-        name, needed, code = pickle.loads(content)
-        return _linked(name, needed, code)
+        found = _read(unit)
+        return None if found is None else _linked(*found)
     except Exception:  # noqa: BLE001 (whatever is wrong with a file, it is compiled anew)
         return None
+
+
+def _read(unit: Any) -> tuple[str, list[str], bytes] | None:
+    """A unit's name, the functions it needs, and its code, if its file is valid."""
+    path = path_of(unit)
+    if path is None:
+        return None
+    with path.open("rb") as file:
+        if file.readline() != _versions() or not are_unchanged(unit.sources, pickle.load(file)):
+            return None
+        digest, content = file.read(32), file.read()
+    return pickle.loads(content) if hashlib.sha256(content).digest() == digest else None
 
 
 def keep(unit: Any, name: str, library: Any) -> None:
@@ -59,7 +62,9 @@ def keep(unit: Any, name: str, library: Any) -> None:
 
 def is_kept(unit: Any) -> bool:
     """Whether a unit has valid code on disk."""
-    return load(unit) is not None
+    with suppress(Exception):
+        return _read(unit) is not None
+    return False
 
 
 def _linked(name: str, needed: list[str], code: bytes) -> tuple[int, Any] | None:
