@@ -146,7 +146,7 @@ def of_last(kept: dict[Hashable, Any], key: Hashable, make: Callable[[], Any], m
     found = kept.get(key)
     if found is None:
         found = make()
-        for old in list(kept)[: len(kept) + 1 - most]:
+        for old in list(kept)[: max(len(kept) + 1 - most, 0)]:
             kept.pop(old, None)  # which another thread may have done
         kept[key] = found
     return found

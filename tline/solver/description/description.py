@@ -30,6 +30,9 @@ from tline.solver.description.probes import ProbePlace, probes_of
 from tline.solver.description.scales import filling_times, time_scales
 from tline.wording import place
 
+BESIDE = "description"  # what it is called among a scene's attributes
+FEW = 1000  # lines of a scene that keeps it
+
 
 class Stretches(NamedTuple):
     """Names of the stretches of a line with cavities, and of the nodes between them."""
@@ -250,8 +253,23 @@ class Description:
         refuse_coupled(self.scene.lines, what)
 
 
+class _Beside:
+    """A description that its scene carries along; copies of the scene, also in other processes, begin without."""
+
+    def __init__(self, description: Description | None = None):
+        self.description = description
+        self.read = None if description is None else _elements(description.scene)
+
+    def __reduce__(self) -> tuple[type, tuple[()]]:
+        return _Beside, ()
+
+
+def _elements(scene: Scene) -> list[dict[str, Any]]:
+    return [dict(part) for part in (scene.lines, scene.sources, scene.loads, scene.links, scene.probes, scene.nodes)]
+
+
 def describe(scene: Scene) -> Description:
-    """Read a scene.
+    """Read a scene, once.
 
     Examples
     --------
@@ -263,6 +281,16 @@ def describe(scene: Scene) -> Description:
     >>> description.lines["cable"].delay, list(description.nodes)
     (5e-09, ['near', 'far'])
     """
+    known: _Beside = vars(scene).get(BESIDE) or _Beside()
+    if known.description is not None and known.description.scene is scene and known.read == _elements(scene):
+        return known.description
+    description = _described(scene)
+    if len(scene.lines) <= FEW:
+        vars(scene)[BESIDE] = _Beside(description)
+    return description
+
+
+def _described(scene: Scene) -> Description:
     ends = ends_of(scene.lines)
     names = [name for name, line in scene.lines.items() if isinstance(line, Coupled)]
     return Description(

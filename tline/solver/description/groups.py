@@ -107,7 +107,7 @@ class Group:
         key = id(system), order.s, h
         found = self._steps.get(key)
         if found is None:
-            for old in list(self._steps)[: len(self._steps) + 1 - STEPS]:
+            for old in list(self._steps)[: max(len(self._steps) + 1 - STEPS, 0)]:
                 self._steps.pop(old, None)
             found = self._steps[key] = system, load_step(system, order, h)
         return found[1]
