@@ -9,6 +9,8 @@ from typing import Any
 import flint
 import numpy as np
 
+from tline.solver.description.description import Beside
+
 PLAIN = (
     str,
     bytes,
@@ -64,7 +66,7 @@ def _members(one: Any, other: Any, at: str) -> Iterator[str]:
         slots = {name for kind in type(each).__mro__ for name in getattr(kind, "__slots__", ())}
         kept |= {name: getattr(each, name) for name in slots if hasattr(each, name) and not name.startswith("__")}
         kept |= getattr(each, "__pydantic_private__", None) or {}
-        parts.append(kept)
+        parts.append({name: value for name, value in kept.items() if not isinstance(value, Beside)})  # found anew
     if not parts[0] and not parts[1]:
         yield f"{at}: {type(one)} holds nothing that can be compared"
     yield from differences(parts[0], parts[1], at)

@@ -253,7 +253,7 @@ class Description:
         refuse_coupled(self.scene.lines, what)
 
 
-class _Beside:
+class Beside:
     """A description that its scene carries along; copies of the scene, also in other processes, begin without."""
 
     def __init__(self, description: Description | None = None):
@@ -261,7 +261,7 @@ class _Beside:
         self.read = None if description is None else _elements(description.scene)
 
     def __reduce__(self) -> tuple[type, tuple[()]]:
-        return _Beside, ()
+        return Beside, ()
 
 
 def _elements(scene: Scene) -> list[dict[str, Any]]:
@@ -281,12 +281,12 @@ def describe(scene: Scene) -> Description:
     >>> description.lines["cable"].delay, list(description.nodes)
     (5e-09, ['near', 'far'])
     """
-    known: _Beside = vars(scene).get(BESIDE) or _Beside()
+    known: Beside = vars(scene).get(BESIDE) or Beside()
     if known.description is not None and known.description.scene is scene and known.read == _elements(scene):
         return known.description
     description = _described(scene)
     if len(scene.lines) <= FEW:
-        vars(scene)[BESIDE] = _Beside(description)
+        vars(scene)[BESIDE] = Beside(description)
     return description
 
 

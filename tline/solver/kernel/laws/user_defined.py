@@ -10,8 +10,9 @@ from tline.unit import callback, function, unit
 
 
 @function
-def user_flow(address, control, d, z):
+def user_flow(c, at, control, d, z):
     """Flow i and di/dd where d = u + z i(u), by Ridders' method, which needs no slope of i(u)."""
+    address = int(c[at + 1])
     low, high, wide = min(d, 0.0), max(d, 0.0), abs(d)
     at_low = low + z * callback(address, low, control) - d
     at_high = high + z * callback(address, high, control) - d
