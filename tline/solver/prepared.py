@@ -31,6 +31,9 @@ class Prepared:
         self._description = describe(scene)
         self._starts: dict[float, Start] = {}  # by tolerance
 
+    def __reduce__(self) -> tuple[Any, tuple[Scene]]:
+        return prepare, (self.scene,)
+
     def run(
         self,
         values: Mapping[str, Any] | None = None,

@@ -275,7 +275,7 @@ def _attach_all(scene: Scene, nodes: Mapping[str, Node]) -> None:
     for name, source in scene.sources.items():
         if source.nodes is not None:
             floating.append((place("sources", name), source))
-        elif source.at in nodes:
+        elif source.at is not None and source.at in nodes:
             nodes[source.at].prescribe(source, place("sources", name))
     for where, source in floating:
         if source.is_effort and where in nodes:

@@ -35,7 +35,7 @@ class Kernel:
         self._shape = _shape(network, state, fronts)
         units, work = units_of(network, fronts=fronts is not None), pack(work_for(network, state))
         self._run = pack(Run(_packed(network), state, units, work, *NOTHING))
-        self._fronts = None if fronts is None else pack(fronts)
+        self._fronts: Any = None if fronts is None else pack(fronts)
 
     def takes(self, network: Network, state: State, fronts: Fronts | None) -> bool:
         """Advance another network from now on, on the same grid, if it has the same shape."""

@@ -31,10 +31,10 @@ def smooth_difference(
     count = min(len(fine.record.a1.values) // every, len(coarse.record.a1.values))
     s, other = coarse.record.a1.basis.s, fine.record.a1.basis.s
     weight, most = fine.height.weight, np.zeros((6, BLOCK))
-    points = [np.ascontiguousarray(wave.values[:count]) for wave in coarse.waves]
-    points += [np.ascontiguousarray(wave.values[: count * every]) for wave in fine.waves]
+    a, b = (np.ascontiguousarray(wave.values[:count]) for wave in coarse.waves)
+    c, d = (np.ascontiguousarray(wave.values[: count * every]) for wave in fine.waves)
     work = np.empty((2, s, BLOCK)), np.empty((2, other, BLOCK)), np.empty((4, BLOCK)), most
-    find_difference(pack(Compared(*points, *_matrices(s, other, every, places), 2 * weight, *work)))
+    find_difference(pack(Compared(a, b, c, d, *_matrices(s, other, every, places), 2 * weight, *work)))
     at_ends, inside, largest = most.max(axis=1).reshape(3, 2) / 2
     (a, b), (c, d) = ([wave.before for wave in probe.waves] for probe in (fine, coarse))
     at_ends = np.maximum(at_ends, np.abs([a - c + b - d, a - c - b + d]) / 2)
