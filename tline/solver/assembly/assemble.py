@@ -19,6 +19,7 @@ from tline.solver.description.lines import Line
 from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node
 from tline.solver.description.resolution import Resolution, resolution
+from tline.solver.description.scales import FILLING
 from tline.solver.kernel.network import Network, Segments, State
 from tline.solver.radau import Basis, basis
 from tline.solver.steady.lossy_lines import Ends
@@ -47,6 +48,7 @@ class Assembly:
     circuits: dict[str, Circuits]  # of lossy lines
     echoes: dict[str, NDArray]  # of lines in segments, what an end sends into itself (s, s)
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
+    graded: NDArray  # (groups,) whether slabs are cut behind fronts, ever farther away
 
     def level_of(self, line: str) -> float:
         """Effort of the liquid at rest, from which those of a line count; zero without heights."""
@@ -60,7 +62,7 @@ class Assembly:
     @property
     def follows_edges(self) -> bool:
         """Whether fronts at slabs' edges need pieces: where delays are whole and nothing is lumped they stay there."""
-        return bool((self.network.shift_row >= 0).any() or self.settle.any())
+        return bool((self.network.shift_row >= 0).any() or self.settle.any() or self.graded.any())
 
 
 def assemble(
@@ -121,6 +123,7 @@ def assemble(
         layout.circuits,
         echoes={list(layout.lines)[k]: line.echo for k, line in segmented.items()},
         settle=np.array([chosen.settle if group.lumped_lines else 0.0 for group in groups]),
+        graded=np.array([bool(chosen.layers) and _has_layers(description, group, chosen) for group in groups]),
     )
 
 
@@ -160,6 +163,15 @@ def _network(layout: Layout, order: Basis, segments: Segments, rows: Rows, echoe
         losses=layout.losses,
         blocks=layout.blocks,
     )
+
+
+def _has_layers(description: Description, group: Group, chosen: Resolution) -> bool:
+    """Whether efforts and flows may change behind a front faster than slabs resolve, as far as is known beforehand."""
+    states = [branch.where for branch in (*group.loads, *group.branches) if len(branch.ports.Q)]
+    fills = any(element.law.kind in FILLING for element in group.elements)
+    scales = description.time_scales
+    fast = any(where in scales and scales[where][0] < chosen.resolved for where in states)
+    return not group.lumped_lines and (fills or fast or bool(states and group.elements))
 
 
 def _echoes(group: Group, z0: NDArray, segmented: Mapping[int, SegmentedLine]) -> list[NDArray | None]:
