@@ -87,7 +87,7 @@ def run(
         ends,
         probes,
         lines,
-        chosen,
+        assembly.resolution,
         (*chosen.notes, *smeared(done.fronts)),
         assembly.start,
         samples,

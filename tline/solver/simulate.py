@@ -171,8 +171,9 @@ def judged(result: Result) -> Accuracy:
 
     def step(coarse: Result) -> tuple[Result, Accuracy]:
         s, h = coarse.resolution.s, coarse.resolution.h
+        chosen = Resolution(s, h / 2) if description.lossy else Resolution(s + 1, h, layers=FOLLOWED)
         with user_mistakes(scene):
-            fine = run(description, Resolution(s, h / 2) if description.lossy else Resolution(s + 1, h, layers=FOLLOWED))
+            fine = run(description, chosen)
         return fine, Accuracy(None, *differences(coarse, fine))
 
     finer, found = step(result)

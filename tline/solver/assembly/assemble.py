@@ -76,6 +76,8 @@ def assemble(
     """Turn a description into arrays; kept are the end waves of lines, and the waves into laws, that are named."""
     chosen = chosen or resolution(description)
     layout = layout_of(description, chosen, progress=progress)
+    graded = np.array([bool(chosen.layers) and _has_layers(description, group, chosen) for group in layout.groups])
+    chosen = chosen if graded.any() else chosen._replace(layers=0.0)
     order, groups, segmented, delay = basis(chosen.s), layout.groups, layout.segmented, layout.delay
     s, q = order.s, layout.z0[:, None] * layout.y
     echoes = [_echoes(group, layout.z0, segmented) for group in groups]
@@ -123,7 +125,7 @@ def assemble(
         layout.circuits,
         echoes={list(layout.lines)[k]: line.echo for k, line in segmented.items()},
         settle=np.array([chosen.settle if group.lumped_lines else 0.0 for group in groups]),
-        graded=np.array([bool(chosen.layers) and _has_layers(description, group, chosen) for group in groups]),
+        graded=graded,
     )
 
 

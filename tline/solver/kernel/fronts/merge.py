@@ -27,8 +27,8 @@ def front_size(fronts, left, right, a, mid, b):
 
     Zero if they continue each other, so that neither would suffer.
     """
-    gauss, whole, part, least = fronts.tools.gauss, fronts.work.whole, fronts.work.part, fronts.same * fronts.sizes[SCALE]
-    jump, sign = 0.0, 1.0
+    gauss, whole, part = fronts.tools.gauss, fronts.work.whole, fronts.work.part
+    least, jump, sign = fronts.same * fronts.sizes[SCALE], 0.0, 1.0
     for k in range(left.size):
         jump += sign * right[k] - left[k]
         sign = -sign
