@@ -13,7 +13,7 @@ from tline.solver.description.groups import Group
 from tline.solver.description.nodes import Node
 
 FILLING = "gas", "tank"
-BENDING = "quadratic", "leak", "demand", "relief"  # whose flows have no Taylor series where they begin
+BENDING = "leak", "demand"  # whose flows, behind an impedance, have no Taylor series where they begin
 
 
 def time_scales(waveforms: Mapping[str, Shape], groups: Iterable[Group]) -> dict[str, tuple[float, float]]:
