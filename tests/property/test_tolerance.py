@@ -240,8 +240,8 @@ STIFF = {
 
 @pytest.mark.parametrize("kind", list(STIFF))
 @pytest.mark.parametrize("fast", [1e-5, 1e-8])
-def test_orders_that_are_blind_alike_to_a_fast_load_are_not_believed(kind, fast):
-    """A step charges it far within a slab: two orders agree on what follows, and none sees how it begins."""
+def test_what_a_fast_load_does_behind_a_front_is_followed(kind, fast):
+    """A step charges it far within a slab: whole slabs of any order agree on what follows; none sees how it begins."""
     medium, load, key = STIFF[kind]
     scene = Scene(
         medium=medium,
@@ -254,10 +254,9 @@ def test_orders_that_are_blind_alike_to_a_fast_load_are_not_believed(kind, fast)
         solver={"slab": 0.25},
     )  # fmt: skip
     result = simulate(scene, tol=1e-3)
-    soon = result.probes["b"].at(1.3337 + 0.1 * fast).u
-    assert soon > 0.3  # it is 0.1 at most
-    assert not result.accuracy.met
-    assert result.accuracy.worst > soon - 0.1
+    soon = result.probes["b"].at(1.3337 + 1e-3 * fast).u
+    assert result.accuracy.met
+    assert 0.0 <= soon + 1e-3 <= 3e-3  # 1e-3 at most
 
 
 @pytest.mark.parametrize("capacitance", [1e-8, 1e-12])
@@ -300,10 +299,11 @@ def charged(fast: float, kind: str, at: float = 0.3337, line: dict | None = None
 @pytest.mark.parametrize("order", [1, 4, 7])
 def test_a_run_by_hand_knows_that_it_does_not_resolve_a_fast_load(kind, fast, order):
     result = simulate(charged(fast, kind, slab=0.25, order=order))
-    soon = result.probes["b"].at(1.3337 + 1e-4 * fast).u  # 1e-4 of the step at most
+    soon = result.probes["b"].at(1.3337 + 1e-2 * fast).u  # 1e-2 of the step at most
     told = judged(result)
-    assert told.inside["b"].u * np.abs(result.probes["b"].u).max() >= soon - 1e-3
-    assert len(told.attempts) == 3
+    size = np.abs(result.probes["b"].u).max()
+    assert soon - 1e-2 <= told.inside["b"].u * size <= 4 * soon
+    assert len(told.attempts) == 2
 
 
 def test_a_run_by_hand_whose_orders_converge_is_not_doubted():

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.errors import InputError
+from tline.errors import InputError, NoFlowError
 from tline.gc_paused import gc_paused
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.description.description import Description, describe
@@ -28,6 +28,7 @@ LARGEST_LEDGER = 1e7  # samples at line ends, of a ledger that is not asked for:
 Kinks = Mapping[str, NDArray]
 NO_KINKS: Kinks = MappingProxyType({})
 NOWHERE = np.empty(0)
+PARTS, MOST_CUTS = 4, 1e6  # of each slab at a group in which no flow is found, and of each of these; cuts in all
 EACH_NODE = 4000  # samples that take a ledger as long as a node
 
 
@@ -47,7 +48,8 @@ def run(
 
     `record` names lines to keep beside those of the probes. Without `ledger` energies are accounted for once they are
     read. Slabs are cut in pieces at the instants of `kinks`, s, where the elements named by its keys stand. `laws` are
-    places of elements whose waves are kept.
+    places of elements whose waves are kept. Where no flow is found through elements that see each other, the run is
+    made again with slabs in 4, then 16 parts there.
 
     Raises
     ------
@@ -67,7 +69,11 @@ def run(
         raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
     recorder = Recorder(assembly, n) if ledger else None
     extremes = watch(assembly) if envelope else None
-    waves, done = march(assembly, n, observers=[each for each in (extremes, recorder) if each], progress=progress)
+    try:
+        waves, done = march(assembly, n, observers=[each for each in (extremes, recorder) if each], progress=progress)
+    except NoFlowError as error:
+        kinks, more = _divided(kinks, error, n, h), {"envelope": envelope, "ledger": ledger, "progress": progress}
+        return run(description, chosen, record, slabs=slabs, kinks=kinks, laws=laws, **more)
     smears = done.fronts.lost > VISIBLE or description.blurred
     lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
     ends = np.arange(n + 1) * h
@@ -87,7 +93,7 @@ def run(
         ends,
         probes,
         lines,
-        chosen,
+        assembly.resolution,
         (*chosen.notes, *smeared(done.fronts)),
         assembly.start,
         samples,
@@ -127,6 +133,16 @@ def with_ledger(result: Result, ledger: bool | None) -> Result:
         again = None
     accounts = result.ledger if ledger else again
     return result if accounts is result.accounts else replace(result, accounts=accounts)
+
+
+def _divided(kinks: Kinks, error: NoFlowError, n: int, h: float) -> Kinks:
+    """The same with slabs in parts, or in smaller ones, where no flow was found; the error if they are so already."""
+    where = error.where.split(" and ")[0]
+    known = kinks.get(where, NOWHERE)
+    parts = PARTS if len(known) < (PARTS - 1) * n else PARTS**2
+    if len(known) >= (PARTS**2 - 1) * n or parts * n > MOST_CUTS:
+        raise error
+    return {**kinks, where: np.union1d(known, np.arange(1, parts * n) * (h / parts))}
 
 
 def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[tuple[float, int, int]]:

@@ -23,6 +23,7 @@ from tline.solver.tolerance.lossy import with_losses
 from tline.solver.tolerance.search import Search, Start, inside_slabs, within
 
 TOL = 1e-6  # where nothing is asked or fixed
+FOLLOWED = 1e-10  # of the largest wave: what is left of what decays behind a front, where a run by hand is judged
 
 
 class UnresolvedWarning(UserWarning):
@@ -169,8 +170,9 @@ def judged(result: Result) -> Accuracy:
 
     def step(coarse: Result) -> tuple[Result, Accuracy]:
         s, h = coarse.resolution.s, coarse.resolution.h
+        chosen = Resolution(s, h / 2) if description.lossy else Resolution(s + 1, h, layers=FOLLOWED)
         with user_mistakes(scene):
-            fine = run(description, Resolution(s, h / 2) if description.lossy else Resolution(s + 1, h))
+            fine = run(description, chosen)
         return fine, Accuracy(None, *differences(coarse, fine))
 
     finer, found = step(result)

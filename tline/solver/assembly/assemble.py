@@ -19,6 +19,7 @@ from tline.solver.description.lines import Line
 from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node
 from tline.solver.description.resolution import Resolution, resolution
+from tline.solver.description.scales import BENDING, FILLING
 from tline.solver.kernel.network import Network, State
 from tline.solver.radau import Basis, basis
 from tline.solver.steady.lossy_lines import Ends
@@ -50,6 +51,7 @@ class Assembly:
     echoes: dict[str, NDArray]  # of lines in segments, what an end sends into itself (s, s)
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
     spare: dict[Hashable, Any]  # what runs on the same grid leave to the next
+    graded: NDArray  # (groups,) whether slabs are cut behind fronts, ever farther away
 
     def level_of(self, line: str) -> float:
         """Effort of the liquid at rest, from which those of a line count; zero without heights."""
@@ -63,7 +65,7 @@ class Assembly:
     @property
     def follows_edges(self) -> bool:
         """Whether fronts at slabs' edges need pieces: where delays are whole and nothing is lumped they stay there."""
-        return bool((self.network.shift_row >= 0).any() or self.settle.any())
+        return bool((self.network.shift_row >= 0).any() or self.settle.any() or self.graded.any())
 
 
 def assemble(
@@ -77,6 +79,8 @@ def assemble(
     """Turn a description into arrays; kept are the end waves of lines, and the waves into laws, that are named."""
     chosen = chosen or resolution(description)
     layout = layout_of(description, chosen, progress=progress)
+    graded = np.array([bool(chosen.layers) and _has_layers(description, group, chosen) for group in layout.groups])
+    chosen = chosen if graded.any() else chosen._replace(layers=0.0)
     grid, order, groups, segmented = layout.grid, basis(chosen.s), layout.groups, layout.grid.segmented
     rows = _rows_of(layout, order, record, laws, description.probed_nodes)
     network, s = _network(layout, order, rows), order.s
@@ -115,6 +119,7 @@ def assemble(
         echoes={list(grid.lines)[k]: line.echo for k, line in segmented.items()},
         settle=np.array([chosen.settle if group.lumped_lines else 0.0 for group in groups]),
         spare=grid.spare,
+        graded=graded,
     )
 
 
@@ -183,6 +188,15 @@ def _network(layout: Layout, order: Basis, rows: Rows) -> Network:
         losses=grid.losses,
         blocks=layout.junctions.blocks,
     )
+
+
+def _has_layers(description: Description, group: Group, chosen: Resolution) -> bool:
+    """Whether efforts and flows may change behind a front faster than slabs resolve, as far as is known beforehand."""
+    states = [branch.where for branch in (*group.loads, *group.branches) if len(branch.ports.Q)]
+    fills = any(element.law.kind in (*FILLING, *BENDING) for element in group.elements)
+    scales = description.time_scales
+    fast = any(where in scales and scales[where][0] < chosen.resolved for where in states)
+    return not group.lumped_lines and (fills or fast or bool(states and group.elements))
 
 
 def _echoes(group: Group, z0: NDArray, segmented: Mapping[int, SegmentedLine]) -> list[NDArray | None]:

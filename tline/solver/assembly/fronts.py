@@ -5,6 +5,7 @@ polynomial of degree s - 1 in Legendre coefficients; places are in slab time, 0 
 marked as starting anew: on a line with a fractional rest its start becomes a breakpoint too.
 """
 
+from math import ceil, log
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,8 @@ from tline.solver.kernel.fronts.structures import (
     DROPPED,
     MERGED,
     PEAK,
+    SAME,
+    WIDER,
     ExcitationRows,
     Fronts,
     Log,
@@ -31,7 +34,8 @@ from tline.solver.kernel.fronts.structures import (
 from tline.solver.kernel.network import Network
 
 MOST = 16  # pieces of a slab
-AT_NODE = 2 * MOST  # pieces of a slab on which a node works
+AT_NODE, GRADED = 2 * MOST, 8 * MOST  # pieces of a slab on which a node works, and if cuts are graded
+NEAREST = 2e-11  # slabs from a front to the next cut, at least
 WORK = 4e7  # pieces computed without asking; in runs that could hold more, a slab has fewer
 MEMORY = 2e8  # bytes for slabs in pieces
 LOGGED = 4096  # pieces recorded between two looks
@@ -75,17 +79,21 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], p
     order = np.argsort(group, kind="stable")
     first = np.searchsorted(group[order], np.arange(len(network.group)))
     rows_ = max(int(network.record_row.max(initial=-1)) + 1, assembly.kept)
-    places = max(LOGGED, 2 * rows_ * AT_NODE)
+    at_node = GRADED if assembly.graded.any() else AT_NODE
+    places = max(LOGGED, 2 * rows_ * at_node)
     delays = np.array([line.delay for line in assembly.lines.values()])
     return Fronts(
         LULL,
         most,
-        AT_NODE,
+        at_node,
         h,
         int(assembly.follows_edges),
         _at_segments(network),
         assembly.settle / h,
         np.full(len(assembly.settle), -np.inf),
+        assembly.graded,
+        WIDER ** ceil(log(NEAREST * h, WIDER)) / h,  # at the same instants in slabs of any width
+        max(SAME, assembly.resolution.layers),
         np.where(network.shift_row >= 0, delays / h - network.delay, 0.0),
         tools_of(basis),
         _packed(assembly),
@@ -108,7 +116,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], p
             np.empty((rows, most, s)),
             np.arange(rows),
         ),
-        workspace_for(network, s, AT_NODE, parts),
+        workspace_for(network, s, at_node, parts),
         Log(np.empty((places, 2), int), np.empty((places, 2)), np.empty((places, 2, s))),
         np.zeros(7, int),
         np.zeros(2),

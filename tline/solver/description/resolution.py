@@ -43,6 +43,7 @@ class Resolution(NamedTuple):
     settle: float = 0.0  # time in which these settle after a front, s
     fit: float = FIT  # tolerance of the circuits of lossy lines, relative
     band: float = HELD  # of these, cycles per slab at which it ends, at least
+    layers: float = 0.0  # of the largest wave: what is followed of what decays behind fronts; 0 for nothing
     loss_elements: int = ALL_LOSS_ELEMENTS  # of one law in the longest line, at most, and in others by their delay
 
     @property

@@ -11,6 +11,9 @@ from tline.solver.description.excitation import Shape
 from tline.solver.description.groups import Group
 from tline.solver.description.nodes import Node
 
+FILLING = "gas", "tank"
+BENDING = "leak", "demand"  # whose flows, behind an impedance, have no Taylor series where they begin
+
 
 def time_scales(waveforms: Mapping[str, Shape], groups: Iterable[Group]) -> dict[str, tuple[float, float]]:
     """Of each curved waveform and dynamic circuit the shortest time scale, and that of its oscillations, s.
@@ -35,7 +38,7 @@ def filling_times(elements: Iterable[PlacedLaw], nodes: Mapping[str, Node], pres
     times = []
     for element in elements:
         kind, constants = element.law.kind, element.law.constants
-        if kind not in ("gas", "tank"):
+        if kind not in FILLING:
             continue
         capacity = constants[2] if kind == "tank" else _capacity_of_gas(element.constants, pressure)
         ends = [nodes[name] for name in element.nodes]

@@ -23,9 +23,9 @@ def project(coef, a, b, p, q, gauss, out):
     if high <= low:
         return
     for i in range(gauss.shape[1]):
-        t = low + (high - low) * gauss[0, i]
-        value = gauss[1, i] * (high - low) / (q - p) * series(coef, 2.0 * (t - a) / (b - a) - 1.0)
-        y = 2.0 * (t - p) / (q - p) - 1.0
+        since = (high - low) * gauss[0, i]  # low: places in narrow intervals are known better than instants
+        value = gauss[1, i] * (high - low) / (q - p) * series(coef, 2.0 * (low - a + since) / (b - a) - 1.0)
+        y = 2.0 * (low - p + since) / (q - p) - 1.0
         out[0] += value
         last, here = 1.0, y
         for k in range(1, out.size):

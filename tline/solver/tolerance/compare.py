@@ -65,7 +65,8 @@ def compare(
 def differences(coarse: Result, fine: Result) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
     """Largest differences to a finer run by probe, for `estimates`, `inside` and `blurred` of `Accuracy`."""
     told: tuple[dict[str, Estimate], ...] = {}, {}, {}
-    all_ = {name: difference(coarse.probes[name], probe, fine.resolution.settle) for name, probe in fine.probes.items()}
+    settle, followed = fine.resolution.settle, bool(coarse.resolution.layers and fine.resolution.layers)
+    all_ = {name: difference(coarse.probes[name], probe, settle, followed) for name, probe in fine.probes.items()}
     largest = max(float(found.amplitude.max()) for found in all_.values())
     for name, found in all_.items():
         amplitude = found.amplitude.tolist()
@@ -98,21 +99,29 @@ def magnified(description: Description, coarse: Result, fine: Result, steps: Seq
     last = steps[-STEPS - 1 :]
     if len(last) > 1 and all(after <= most * before for before, after in pairwise(last)):
         return 1.0
-    by = unseen(description, coarse)
+    by = unseen(description, coarse, bool(fine.resolution.layers))
     return by * max(most * max(last[:-1], default=0.0) / last[-1], 1.0) if by > 1.0 else 1.0
 
 
-def unseen(description: Description, result: Result) -> float:
+def unseen(description: Description, result: Result, followed: bool) -> float:
     """Times that the fastest load, vessel or waveform is as fast as what a run resolves.
 
-    The pressure at vessels is taken to be the highest at the ends of any recorded line.
+    The pressure at vessels is taken to be the highest at the ends of any recorded line. Loads and vessels do not count
+    where the other run follows what decays behind fronts; beside lossy lines fronts are not followed.
     """
+    if followed and not description.lossy:
+        return _over(result, [waveform.fastest() for waveform in description.waveforms.values()])
     decays = [scale for scale, _ in description.time_scales.values()]
     if description.elements:
         lines = result.lines.values()
         waves = [pair for line in lines for pair in ((line.a1, line.b1), (line.a2, line.b2))]
         highest = max((float((a.values + b.values).max()) / 2 for a, b in waves), default=0.0)
         decays += description.filling_times(highest)
+    return _over(result, decays)
+
+
+def _over(result: Result, decays: Sequence[float]) -> float:
+    """What a run resolves over the fastest of some decays."""
     resolved = result.resolution._replace(h=_slab(result)).resolved
     return max((resolved / decay for decay in decays if decay > 0), default=0.0)
 

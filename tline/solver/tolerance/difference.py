@@ -31,10 +31,11 @@ class Difference(NamedTuple):
     amplitude: NDArray  # largest value of the finer run
 
 
-def difference(coarse: ProbeResult, fine: ProbeResult, settle: float = 0.0) -> Difference:
+def difference(coarse: ProbeResult, fine: ProbeResult, settle: float = 0.0, followed: bool = False) -> Difference:
     """Compare what one probe saw in two runs; a slab of the coarser run is a whole number of slabs of the finer one.
 
-    `settle` is the time that lumped lines take after a front, s.
+    `settle` is the time that lumped lines take after a front, s; `followed` tells whether both runs follow what decays
+    behind fronts, so that what rises there in pieces too narrow to be compared is known by its height.
     """
     apart, every = (round(x / y) for x, y in (
         (coarse.slab_ends[1], fine.slab_ends[1]), (coarse.record.a1.h, fine.record.a1.h)
@@ -51,11 +52,11 @@ def difference(coarse: ProbeResult, fine: ProbeResult, settle: float = 0.0) -> D
     inside, blurred, amplitude = at_ends, np.zeros(2), np.abs(ends).max(axis=1)
     narrow = SETTLES * settle
     if every * (n // every):
-        pieces = _in_pieces(coarse, fine, n, narrow, np.inf)
+        pieces = _in_pieces(coarse, fine, n, narrow, np.inf, followed)
         for off, most in (*_in_one_piece(coarse, fine, every, n), pieces):
             inside, amplitude = np.maximum(inside, off), np.maximum(amplitude, most)
         if settle:
-            blurred, _ = _in_pieces(coarse, fine, n, 0.0, narrow)
+            blurred, _ = _in_pieces(coarse, fine, n, 0.0, narrow, followed)
     return Difference(at_ends, inside, np.maximum(inside, blurred), amplitude)
 
 
@@ -101,7 +102,7 @@ def _wave_on_slabs(wave: Wave, late: float, x: NDArray, first: int, n: int) -> N
 
 
 def _in_pieces(
-    coarse: ProbeResult, fine: ProbeResult, n: int, narrowest: float, widest: float
+    coarse: ProbeResult, fine: ProbeResult, n: int, narrowest: float, widest: float, followed: bool
 ) -> tuple[NDArray, NDArray]:
     """The same at places of the pieces, so wide, of slabs that hold fronts.
 
@@ -128,7 +129,8 @@ def _in_pieces(
     rounding = np.ptp(ours, axis=2) * (EPS * stop / width)
     off = _largest(np.abs(theirs - ours) + rounding[:, :, None])
     if not narrowest:
-        off = np.maximum(off, _overlooked(fine, SAME * coarse.record.a1.h))
+        risen, before = (_overlooked(probe, SAME * coarse.record.a1.h) for probe in (fine, coarse))
+        off = np.maximum(off, abs(risen - before) if followed else risen)
     return off, _largest(ours)
 
 

@@ -19,6 +19,7 @@ from tline.solver.tolerance.kinks import kinking, kinks_of
 
 FIRST, LAST = 2, 12  # orders
 DIGITS = 3  # of the tolerance beyond three, for which the first order is one higher
+FOLLOWED = 1e-3  # of the tolerance: what is left of what decays behind a front, where it is no longer followed
 CLEAR = 1 / 3  # of the tolerance: an error told by the first two runs alone is to be below
 MOST_INSIDE = 2e6  # line-end samples in all runs together, for the sake of instants inside slabs alone,
 WORTH = 64  # or so many times those of the first run, if that is more
@@ -125,7 +126,7 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
     while not limit:
         try:
             kinks = kinks_of(result, kinked)
-            finer = search.run(steps.send((helps, told.met)), kinks=kinks)
+            finer = search.run(steps.send((helps, told.met))._replace(layers=FOLLOWED * search.tol), kinks=kinks)
         except StopIteration:
             limit = "order and slab are as fine as they may be"
             break

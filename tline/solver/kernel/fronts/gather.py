@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from tline.solver.kernel.arithmetic import clear, copy, times, weakest
-from tline.solver.kernel.fronts.structures import DROPPED, LOST, MERGE, MERGED
+from tline.solver.kernel.arithmetic import TINY, clear, copy, times, weakest
+from tline.solver.kernel.fronts.structures import DROPPED, LOST, MERGE, MERGED, WIDER
 from tline.solver.kernel.polynomials import project
 from tline.unit import function
 
@@ -106,6 +106,21 @@ def fronts_at(run, fronts, sources, g, slab):
         i, n = i + 1, n + 1
     for i in range(fronts.excitations.first[g], fronts.excitations.first[g + 1]):
         n = fronts_of_source(sources, fronts.excitations.row[i], slab, place, size, n)
+    return cut_behind(fronts, g, slab, place, size, n) if fronts.graded[g] else n
+
+
+@function
+def cut_behind(fronts, g, slab, place, size, n):
+    """Append cuts behind each of n fronts, and behind one in the slab before, each farther away by the same factor."""
+    last, known = fronts.settled[g] - 1.0 - slab, n
+    for i in range(-1, known):
+        t, behind = (last if i < 0 else place[i]), fronts.nearest
+        while -1.0 < t < 1.0 - behind:
+            if t + behind > MERGE and n < place.size:
+                place[n], size[n] = t + behind, behind * TINY
+                n += 1
+            behind *= WIDER
+        fronts.settled[g] = max(fronts.settled[g], slab + t + 1.0)
     return n
 
 

@@ -1,7 +1,7 @@
 """Which breakpoints a wave needs: pieces that continue each other are one."""
 
 from tline.solver.kernel.arithmetic import TINY, clear, copy, distance, weakest
-from tline.solver.kernel.fronts.structures import DISSOLVED, DROPPED, LOST, SAME, SCALE
+from tline.solver.kernel.fronts.structures import DISSOLVED, DROPPED, LOST, SCALE
 from tline.solver.kernel.polynomials import project
 from tline.unit import function
 
@@ -27,8 +27,8 @@ def front_size(fronts, left, right, a, mid, b):
 
     Zero if they continue each other, so that neither would suffer.
     """
-    gauss, whole, part, least = fronts.tools.gauss, fronts.work.whole, fronts.work.part, SAME * fronts.sizes[SCALE]
-    jump, sign = 0.0, 1.0
+    gauss, whole, part = fronts.tools.gauss, fronts.work.whole, fronts.work.part
+    least, jump, sign = fronts.same * fronts.sizes[SCALE], 0.0, 1.0
     for k in range(left.size):
         jump += sign * right[k] - left[k]
         sign = -sign

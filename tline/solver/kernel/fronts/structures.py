@@ -14,6 +14,7 @@ LIVE, PEAK, MERGED, DISSOLVED, DROPPED, NOTED, DONE = range(7)  # places in the 
 SCALE, LOST = range(2)  # places in the sizes
 MERGE = 1e-11  # slabs; fronts nearer than this to each other are one
 SAME = 1e-13  # of the largest wave; pieces that continue each other so well need no breakpoint
+WIDER = 4.0  # times that each cut behind a front is farther away than the one before
 
 
 class Systems(NamedTuple):
@@ -106,7 +107,10 @@ class Fronts(NamedTuple):
     fractional: int  # whether a front at the start of a slab needs to be followed
     levels: Flags  # (G,) whether a group leaves out fronts inside slabs, for it is at a line in segments
     settle: Floats  # (G,) slabs that a group with lumped lines takes to settle after a front, else 0
-    settled: Floats  # (G,) instant at which it will have, in slabs
+    settled: Floats  # (G,) instant at which it will have, in slabs; one slab after a front where cuts are graded
+    graded: Flags  # (G,) whether slabs are cut behind fronts ever farther away, for what decays there at any rate
+    nearest: float  # slabs from a front to the first of these cuts
+    same: float  # of the largest wave; pieces that continue each other so well need no breakpoint
     rest: Floats  # (L,) fractional rest of each delay
     tools: Tools
     systems: Systems
