@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/bin
 
-.PHONY: demo test lint bench docs charts clean
+.PHONY: demo test lint bench docs charts wheel clean
 
 demo: $(VENV)/ready-run
 	$(BIN)/tline line hydraulic --radius "10 cm" --wave-speed 1500 --density 980
@@ -33,9 +33,13 @@ docs: $(VENV)/ready-dev
 	$(BIN)/python docs/generate_drives.py
 	$(BIN)/python docs/generate_losses.py
 	$(BIN)/python docs/generate_measured.py
+	$(BIN)/python docs/generate_tasks.py
 
 charts: $(VENV)/ready-dev
 	$(BIN)/python docs/generate_charts.py
+
+wheel:
+	PYTHON=$(PYTHON) .ci/wheel
 
 clean:
 	rm -rf $(VENV) out

@@ -11,17 +11,17 @@ from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hi
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = Annotated[NDArray[np.float64], 1]
-Floats2 = Annotated[NDArray[np.float64], 2]
-Floats3 = Annotated[NDArray[np.float64], 3]
-Floats4 = Annotated[NDArray[np.float64], 4]
-Floats5 = Annotated[NDArray[np.float64], 5]
-Complexes = Annotated[NDArray[np.complex128], 1]
-Complexes2 = Annotated[NDArray[np.complex128], 2]
-Complexes3 = Annotated[NDArray[np.complex128], 3]
-Integers = Annotated[NDArray[np.int64], 1]
-Integers2 = Annotated[NDArray[np.int64], 2]
-Flags = Annotated[NDArray[np.bool_], 1]
+Floats = Annotated[NDArray[np.float64], np.float64, 1]
+Floats2 = Annotated[NDArray[np.float64], np.float64, 2]
+Floats3 = Annotated[NDArray[np.float64], np.float64, 3]
+Floats4 = Annotated[NDArray[np.float64], np.float64, 4]
+Floats5 = Annotated[NDArray[np.float64], np.float64, 5]
+Complexes = Annotated[NDArray[np.complex128], np.complex128, 1]
+Complexes2 = Annotated[NDArray[np.complex128], np.complex128, 2]
+Complexes3 = Annotated[NDArray[np.complex128], np.complex128, 3]
+Integers = Annotated[NDArray[np.int64], np.int64, 1]
+Integers2 = Annotated[NDArray[np.int64], np.int64, 2]
+Flags = Annotated[NDArray[np.bool_], np.bool_, 1]
 
 
 class Field(NamedTuple):
@@ -52,8 +52,7 @@ def fields(structure: type) -> tuple[Field, ...]:
     for name, hint in get_type_hints(structure, include_extras=True).items():
         kind, dimensions = hint, -1
         if get_origin(hint) is Annotated:
-            array, dimensions = get_args(hint)
-            kind = get_args(get_args(array)[1])[0]
+            _, kind, dimensions = get_args(hint)
         elif hint not in (int, float) and not hasattr(hint, "_fields"):
             raise TypeError(f"{structure.__name__}.{name}: compiled code cannot read {hint}")
         found.append(Field(name, word, kind, dimensions))

@@ -1,10 +1,13 @@
 """What the documents show works: commands, Python snippets, scenes, and the generated pages are up to date."""
 
 import ast
+import os
 import re
 import runpy
 import shlex
+import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -121,6 +124,26 @@ def test_the_random_network_of_a_thousand_lines_runs(tmp_path):
     assert len(scene.lines) == 1000
     last = simulate(scene).probes["last"]
     assert 0 < np.abs(last.u).max() < 2
+
+
+def test_the_page_of_tasks_is_up_to_date():
+    page = runpy.run_path(str(ROOT / "docs" / "generate_tasks.py"))["page"]()
+    assert (ROOT / "docs" / "tasks.md").read_text(encoding="utf-8") == page, "run: make docs"
+
+
+SESSIONS = {"tline": "tline", "scikit_rf": "skrf", "python_control": "control", "wntr": "wntr", "pybamm": "pybamm"}
+
+
+@pytest.mark.parametrize("name", SESSIONS)
+def test_what_is_counted_runs(name, tmp_path):
+    """Each program's session, where it is installed."""
+    if not find_spec(SESSIONS[name]):
+        pytest.skip(f"pip install {SESSIONS[name]}")
+    file, setting = ROOT / "docs" / "tasks" / f"session_{name}.py", os.environ | {"MPLBACKEND": "agg"}
+    done = subprocess.run(
+        [sys.executable, file], cwd=tmp_path, env=setting, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
 
 
 def test_the_scene_reference_is_up_to_date(monkeypatch):

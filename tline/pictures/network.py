@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -147,10 +148,10 @@ def _links_named(scene: Scene, places: Places) -> Iterator[tuple[str, tuple[floa
 
 def _mark(axes: Axes, word: str, place: tuple[float, float]) -> None:
     marker, colour = MARKS[word]
-    ring = (
-        {"markerfacecolor": "none", "markeredgewidth": 1.8, "markersize": 13} if word == "probe" else {"markersize": 9}
-    )
-    axes.plot(*place, marker, color=colour, zorder=5 if word == "probe" else 4, **ring)
+    look: dict[str, Any] = {"markersize": 9, "zorder": 4}
+    if word == "probe":
+        look = {"markersize": 13, "zorder": 5, "markerfacecolor": "none", "markeredgewidth": 1.8}
+    axes.plot(*place, marker=marker, color=colour, **look)
 
 
 def _write(axes: Axes, below: Mapping[str, tuple[float, float]], above: Mapping[str, tuple[float, float]]) -> None:

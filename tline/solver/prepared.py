@@ -50,9 +50,8 @@ class Prepared:
         Parameters
         ----------
         values : mapping of str to number, text or table, optional
-            By dotted path, as in a scene file: ``"loads.receiver.capacitance"``, ``"sources.s.value.duration"``,
-            ``"t_end"``. Numbers are in SI; a text has its unit. All other values are those of the scene as it was
-            given, whatever earlier runs had.
+            By dotted path, as of `Scene.change`: ``"loads.receiver.capacitance"``, ``"t_end"``, or whole elements. All
+            other values are those of the scene as it was given, whatever earlier runs had.
         tol, record, envelope, ledger, active, progress
             As of `tline.solver.simulate.simulate`.
 
