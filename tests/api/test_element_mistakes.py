@@ -74,6 +74,8 @@ def test_a_load(load, message):
     [
         ({"kind": "pump", "curve": [[0, 3e5], [0.02, 4e5]]}, "links.x.curve: the rise does not fall with the flow"),
         ({"kind": "pump", "curve": [[0, 3e5], [1, 2.9e5], [2, 1], [3, 1]]}, "links.x.curve: the rise does not fall"),
+        ({"kind": "pump", "curve": [[0, 3e5], [0.02, 2e5]], "quadrants": "radial"}, "links.x.curve: is not a rated"),
+        ({"kind": "pump", "curve": [[0.02, 3e5]], "quadrants": "axial"}, "links.x.quadrants: "),
         ({"kind": "pump", "curve": [[0.02, 3e5]], "efficiency": 0.8}, "links.x.efficiency: is for curves of four"),
         ({"kind": "pump", "curve": [[0.02, 3e5]], "trip": 1}, "links.x.inertia: is missing"),
         ({"kind": "pump", "curve": [[0.02, 3e5]], "inertia": 1, "rated_speed": 1}, "links.x.trip: is missing"),
