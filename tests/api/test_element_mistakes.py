@@ -142,3 +142,28 @@ def test_linear_methods_refuse_a_valve_by_name():
         "loads.v: baseline methods know linear elements only" in baseline.incompatibility(valve)
         for baseline in BASELINES.values()
     )
+
+
+@pytest.mark.parametrize(
+    ("tables", "said"),
+    [
+        (
+            {"lines": {"friction": {"kind": "darcy", "fact": 0.02}}},
+            "lines.p.friction.fact: unknown key, expected 'factor'",
+        ),
+        (
+            {"lines": {"friction": {"kind": "darcy", "factor": 0.02, "foo": 1}}},
+            "lines.p.friction.foo: unknown key, expected one of 'kind', 'resistance', 'viscosity', 'factor'",
+        ),
+        (
+            {"loads": {"kind": "orifice", "kv": 3, "opening": {"shape": "step", "from": 0, "to": 1, "foo": 1}}},
+            "loads.p.opening.step.foo: unknown key, expected one of 'shape', 'from', 'to', 'at'",
+        ),
+    ],
+)
+def test_an_unknown_key_lists_those_of_its_own_table(tables, said):
+    line = {"nodes": ["a", "b"], "length": 100, "diameter": 0.1, "wave_speed": 1000, "density": 1000}
+    loads = {"p": {"at": "b"} | tables.get("loads", {"kind": "closed"})}
+    with pytest.raises(InputError) as caught:
+        Scene(medium="hydraulic", t_end=1, lines={"p": line | tables.get("lines", {})}, loads=loads, probes={})
+    assert str(caught.value).startswith(said)
