@@ -74,6 +74,8 @@ def test_a_load(load, message):
     [
         ({"kind": "pump", "curve": [[0, 3e5], [0.02, 4e5]]}, "links.x.curve: the rise does not fall with the flow"),
         ({"kind": "pump", "curve": [[0, 3e5], [1, 2.9e5], [2, 1], [3, 1]]}, "links.x.curve: the rise does not fall"),
+        ({"kind": "pump", "curve": [[0, 3e5], [0.02, 2e5]], "quadrants": "radial"}, "links.x.curve: is not a rated"),
+        ({"kind": "pump", "curve": [[0.02, 3e5]], "quadrants": "axial"}, "links.x.quadrants: "),
         ({"kind": "pump", "curve": [[0.02, 3e5]], "efficiency": 0.8}, "links.x.efficiency: is for curves of four"),
         ({"kind": "pump", "curve": [[0.02, 3e5]], "trip": 1}, "links.x.inertia: is missing"),
         ({"kind": "pump", "curve": [[0.02, 3e5]], "inertia": 1, "rated_speed": 1}, "links.x.trip: is missing"),
@@ -140,3 +142,28 @@ def test_linear_methods_refuse_a_valve_by_name():
         "loads.v: baseline methods know linear elements only" in baseline.incompatibility(valve)
         for baseline in BASELINES.values()
     )
+
+
+@pytest.mark.parametrize(
+    ("tables", "said"),
+    [
+        (
+            {"lines": {"friction": {"kind": "darcy", "fact": 0.02}}},
+            "lines.p.friction.fact: unknown key, expected 'factor'",
+        ),
+        (
+            {"lines": {"friction": {"kind": "darcy", "factor": 0.02, "foo": 1}}},
+            "lines.p.friction.foo: unknown key, expected one of 'kind', 'resistance', 'viscosity', 'factor'",
+        ),
+        (
+            {"loads": {"kind": "orifice", "kv": 3, "opening": {"shape": "step", "from": 0, "to": 1, "foo": 1}}},
+            "loads.p.opening.step.foo: unknown key, expected one of 'shape', 'from', 'to', 'at'",
+        ),
+    ],
+)
+def test_an_unknown_key_lists_those_of_its_own_table(tables, said):
+    line = {"nodes": ["a", "b"], "length": 100, "diameter": 0.1, "wave_speed": 1000, "density": 1000}
+    loads = {"p": {"at": "b"} | tables.get("loads", {"kind": "closed"})}
+    with pytest.raises(InputError) as caught:
+        Scene(medium="hydraulic", t_end=1, lines={"p": line | tables.get("lines", {})}, loads=loads, probes={})
+    assert str(caught.value).startswith(said)

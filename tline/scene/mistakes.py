@@ -1,6 +1,6 @@
 """What the validator found wrong, as sentences that name the element and the nearest valid word."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
@@ -74,8 +74,9 @@ def _sentence(
             return InputError(where, MISSING)
         case "extra_forbidden":
             outer = sections.get(str(location[0]), root) if len(location) > 1 else root
-            model = chosen or _innermost(outer, location[2:-1])
-            return InputError(where, UNKNOWN, nearest(str(location[-1]), keys(model)))
+            models = _innermost(chosen or outer, location[(word_at or 1) + 1 : -1] if chosen else location[2:-1])
+            known = dict.fromkeys(key for model in models for key in keys(model))
+            return InputError(where, UNKNOWN, nearest(str(location[-1]), [*known]))
         case "union_tag_not_found":
             key, own = context["discriminator"].strip("'"), sections.values()
             known = [(word, model) for (part, word), model in MODELS.items() if part == section]
@@ -100,13 +101,28 @@ def _sentence(
             return InputError(where, finding["msg"][0].lower() + finding["msg"][1:], got=got)
 
 
-def _innermost(model: type[BaseModel], parts: tuple[str | int, ...]) -> type[BaseModel]:
-    """The model of a table in a table, as far as keys lead to one."""
-    for part in parts:
-        field = model.model_fields.get(str(part))
-        kinds = (field.annotation, *get_args(field.annotation)) if field else ()
-        model = next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)), model)
-    return model
+def _innermost(model: type[BaseModel], parts: tuple[str | int, ...]) -> list[type[BaseModel]]:
+    """The models that a table in a table may have, as far as keys and words lead to some."""
+    models = [model]
+    for part in map(str, parts):
+        fields = [one.model_fields[part] for one in models if part in one.model_fields]
+        inside = [kind for field in fields for kind in (*_read(field.metadata), *_models_in(field.annotation))]
+        models = inside or ([MODELS["", part]] if ("", part) in MODELS else models)
+    return models
+
+
+def _models_in(annotation: Any) -> list[type[BaseModel]]:
+    """Models that an annotation mentions."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    arguments = get_args(annotation)
+    described = _read(getattr(annotation, "__metadata__", ()))
+    return described or [model for argument in arguments for model in _models_in(argument)]
+
+
+def _read(metadata: Iterable[Any]) -> list[type[BaseModel]]:
+    """Models of what a function reads."""
+    return [model for one in metadata for model in _models_in(getattr(one, "described", None))]
 
 
 def keys(model: type[BaseModel]) -> list[str]:

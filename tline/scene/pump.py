@@ -13,6 +13,7 @@ from tline.scene.law import ElementLaw, OfLiquids
 from tline.scene.pump_pieces import Pieces, backward, parabola, smooth
 from tline.scene.quantity import Quantity, Role
 from tline.scene.shape import Step
+from tline.scene.suter import in_four_quadrants
 from tline.wording import shown
 
 MOST_OF_A_PARABOLA = 3  # points
@@ -34,7 +35,7 @@ class Pump(Between, OfLiquids):
 
     The curve h is a parabola through up to three points: of a single point one that shuts off at 4/3 of its rise and
     has its summit there. From four points on it is a smooth curve that falls through them, which beyond them goes on as
-    a parabola with its summit at rest.
+    a parabola with its summit at rest. With `quadrants` flow and speed may take either sign while it runs down.
     """
 
     kind: Literal["pump"] = "pump"
@@ -43,8 +44,12 @@ class Pump(Between, OfLiquids):
     )
     efficiency: Annotated[Quantity, Role("share", "", above=0, at_most=1)] | None = Field(
         default=None,
-        description="of the run-down: power of the water over that of the shaft, for curves of four points or more; "
-        "the rotor of a parabola b, c loses what c takes",
+        description="of the run-down: power of the water over that of the shaft, for curves of four points or more, "
+        "and at the rated point for quadrants; the rotor of a parabola b, c loses what c takes",
+    )
+    quadrants: Literal["radial"] | None = Field(
+        default=None,
+        description="characteristics in four quadrants: those of a radial pump, with the rated point as the curve",
     )
     speed: Factor = Field(default=ALWAYS, description="over the rated speed, constant or over time")
     trip: Instant | None = Field(default=None, description="when the motor fails and it begins to run down")
@@ -73,12 +78,17 @@ class Pump(Between, OfLiquids):
     def _of_curve(self) -> tuple[Pieces, Pieces]:
         """Pieces of the curve for a rotor that turns forward, and backward."""
         points = sorted((float(q), float(h)) for q, h in self.curve)
+        if self.quadrants is not None:
+            if len(points) != 1 or points[0][0] == 0 or points[0][1] <= 0:
+                raise InputError("curve", "is not a rated point", "one with flow and rise above zero", shown(points))
+            return in_four_quadrants(self.quadrants, *points[0], float(self.efficiency or EFFICIENCY))
         if len(points) > MOST_OF_A_PARABOLA:
             _check_falls(points)
             forward = smooth(points, float(self.efficiency or EFFICIENCY))
             return forward, backward(forward)
         if self.efficiency is not None:
-            raise InputError("efficiency", "is for curves of four points or more", "none", f"{self.efficiency:g}")
+            problem = "is for curves of four points or more, or quadrants"
+            raise InputError("efficiency", problem, "none", f"{self.efficiency:g}")
         form = _parabola(points)
         return parabola(*form), parabola(*form, sign=-1.0)
 
