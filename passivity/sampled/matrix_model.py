@@ -1,5 +1,6 @@
 """Rational models of several ports with common poles."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Self
 
@@ -7,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from passivity.errors import ExpressionError
-from passivity.sampled.fit import poles_of, solve
-from passivity.sampled.model import PoleResidueModel, terms
+from passivity.sampled.fit import up_to
+from passivity.sampled.model import PoleResidueModel
+from passivity.sampled.poles import coefficients, count, poles_of
 from passivity.sampled.response import MAX_SAMPLES, Parameter, SampledResponse
 
 
@@ -39,7 +41,7 @@ class MatrixModel:
     @property
     def order(self) -> int:
         """Number of poles, both of a pair counted."""
-        return int((1 + (self.poles.imag > 0)).sum())
+        return count(self.poles)
 
     def at(self, w: NDArray) -> NDArray[np.complex128]:
         """Values at s = jw, shape (n, p, p); w in rad/s, shape (n,)."""
@@ -109,16 +111,24 @@ def fit_matrix(response: SampledResponse, order: int) -> MatrixModel:
     >>> fit_matrix(SampledResponse(f, S, "S"), 1).poles.round(9)
     array([-1.+0.j])
     """
-    n, p = len(response.f), response.ports
-    if not order + 2 <= n <= MAX_SAMPLES or not response.f[-1]:
-        expected = f"{order + 2} to {MAX_SAMPLES}, not all at f = 0"
-        raise ExpressionError("samples", f"cannot be fitted with {order} poles", expected, f"{n}")
+    *_, model = matrix_fits(response, up_to(order))
+    return model
+
+
+def matrix_fits(response: SampledResponse, orders: Iterable[int]) -> Iterator[MatrixModel]:
+    """Models of S of rising orders, each beginning where the one before ended; see `fit_matrix`."""
+    n, p, orders = len(response.f), response.ports, tuple(orders)
+    if not orders[-1] + 2 <= n <= MAX_SAMPLES or not response.f[-1]:
+        expected = f"{orders[-1] + 2} to {MAX_SAMPLES}, not all at f = 0"
+        raise ExpressionError("samples", f"cannot be fitted with {orders[-1]} poles", expected, f"{n}")
     unit, size = 2 * np.pi * response.f[-1], float(np.abs(response.values).max()) or 1.0
     w, h = 2 * np.pi * response.f / unit, response.values.reshape(n, -1) / size
-    poles = poles_of(w, h, order)
-    x = solve(terms(poles, w)[:, : order + 1], h) * size
-    residues, k = np.zeros((len(poles), p * p), complex), 0
-    for i, a in enumerate(poles):
-        residues[i] = x[k] + (1j * x[k + 1] if a.imag > 0 else 0.0)
-        k += 1 + (a.imag > 0)
-    return MatrixModel(poles * unit, residues.reshape(-1, p, p) * unit, x[-1].reshape(p, p))
+    reciprocal = (response.values == response.values.swapaxes(1, 2)).all()
+    distinct = np.flatnonzero(np.triu(np.ones((p, p)))) if reciprocal else slice(None)
+    for poles in poles_of(w, h[:, distinct], orders):
+        x = coefficients(poles, w, h) * size
+        residues, k = np.zeros((len(poles), p * p), complex), 0
+        for i, a in enumerate(poles):
+            residues[i] = x[k] + (1j * x[k + 1] if a.imag > 0 else 0.0)
+            k += 1 + (a.imag > 0)
+        yield MatrixModel(poles * unit, residues.reshape(-1, p, p) * unit, x[-1].reshape(p, p))
