@@ -57,6 +57,25 @@ class MatrixModel:
         """What goes from port k to port i."""
         return PoleResidueModel(self.poles, self.residues[:, i, k], self.constant[i, k], 0.0, Parameter.S)
 
+    @classmethod
+    def of_coefficients(cls, poles: NDArray[np.complex128], x: NDArray) -> Self:
+        """From the real numbers by which `terms` are multiplied, shape (order + 1, p, p), the constant last."""
+        residues, k = np.zeros((len(poles), *x.shape[1:]), complex), 0
+        for i, a in enumerate(poles):
+            residues[i] = x[k] + (1j * x[k + 1] if a.imag > 0 else 0.0)
+            k += 1 + (a.imag > 0)
+        return cls(poles, residues, x[-1])
+
+    @property
+    def coefficients(self) -> NDArray:
+        """What `of_coefficients` takes."""
+        parts = [
+            part
+            for a, R in zip(self.poles, self.residues, strict=True)
+            for part in ([R.real, R.imag][: 1 + (a.imag > 0)])
+        ]
+        return np.array([*parts, self.constant])
+
     def over(self, size: float) -> Self:
         """S/size, rounded."""
         return type(self)(self.poles, self.residues / size, self.constant / size)
@@ -76,7 +95,7 @@ class MatrixModel:
         p, (parts, inputs, outputs) = len(self.constant), ([], [], [])
         one, none = np.eye(p), np.zeros((p, p))
         for a, R in zip(self.poles, self.residues, strict=True):
-            size = np.sqrt(np.linalg.norm(R)) or 1.0  # of inputs and outputs alike
+            size = 2.0 ** np.round(np.log2(np.linalg.norm(R)) / 2) if R.any() else 1.0  # nothing is rounded
             if a.imag > 0:
                 parts.append(np.kron([[a.real, a.imag], [-a.imag, a.real]], one))
                 inputs += [2 * size * one, none]
@@ -127,8 +146,5 @@ def matrix_fits(response: SampledResponse, orders: Iterable[int]) -> Iterator[Ma
     distinct = np.flatnonzero(np.triu(np.ones((p, p)))) if reciprocal else slice(None)
     for poles in poles_of(w, h[:, distinct], orders):
         x = coefficients(poles, w, h) * size
-        residues, k = np.zeros((len(poles), p * p), complex), 0
-        for i, a in enumerate(poles):
-            residues[i] = x[k] + (1j * x[k + 1] if a.imag > 0 else 0.0)
-            k += 1 + (a.imag > 0)
-        yield MatrixModel(poles * unit, residues.reshape(-1, p, p) * unit, x[-1].reshape(p, p))
+        x[:-1] *= unit
+        yield MatrixModel.of_coefficients(poles * unit, x.reshape(-1, p, p))

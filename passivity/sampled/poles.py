@@ -32,6 +32,7 @@ ROUNDS = 10
 FRESH = 8  # poles up to which each order begins anew
 MORE_ROUNDS = 5  # for orders that begin with the poles of a lower one
 ENOUGH = 6  # samples for each pole, and a hundred, with which the poles of high orders are looked for
+HUNDRED = 100
 EVENLY = 0.05  # part of the new poles that is spread evenly, wherever the misfit is
 LOWEST = 1e-12  # of the band; where samples lie lower, poles start here
 FARTHEST = 1e4  # modulus of a pole, of the highest frequency: beyond, it is like a constant
@@ -61,7 +62,7 @@ def poles_of(w: NDArray, h: NDArray[np.complex128], orders: Iterable[int], grows
                 poles = _relocated(w, h, poles, grows)
         elif more > 0:
             poles = _grown(poles, w, misfit(poles, w, h, grows), more)
-            stride = max(len(w) // (ENOUGH * order + 100), 1)
+            stride = max(len(w) // (ENOUGH * order + HUNDRED), 1)
             poles = _settled(w[::stride], h[::stride], poles, grows)
         yield poles
 

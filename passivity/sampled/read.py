@@ -1,23 +1,22 @@
-"""Samples from files: CSV and Touchstone."""
+"""Samples of a one-port from CSV files, and the text of files of samples."""
 
-import io
-import re
-import warnings
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from passivity.errors import ExpressionError
+<<<<<<< HEAD
 from passivity.sampled.digits import Rounding, of_tokens
 from passivity.sampled.response import MAX_PORTS, Parameter, SampledResponse
 from tline.errors import MissingExtraError
+=======
+from passivity.sampled.digits import of_tokens
+from passivity.sampled.response import Parameter, SampledResponse
+>>>>>>> 6aa3001 (Measured networks have up to 200 poles, and are changed by their residues until they are proved passive; references may be complex, and files of version 2)
 
 MAX_BYTES = 10_000_000
 MAX_LINE = 4_000
 HEADER = ["f", "re", "im"]
-# what HFSS writes of its ports; all other comments are dropped unread
-_PORT_COMMENT = re.compile(r"!\s*(?:gamma|port impedance)?[-+.eE\s\d]*", re.IGNORECASE)
 
 
 def read_csv(path: str | Path, parameter: Parameter | str, z0: float = 50.0) -> SampledResponse:
@@ -47,7 +46,7 @@ def read_csv(path: str | Path, parameter: Parameter | str, z0: float = 50.0) -> 
     ...     read_csv(file.name, "Z").f
     array([1000000., 2000000.])
     """
-    lines = ((n, line) for n, line in enumerate(_text(path).splitlines(), 1) if line.strip() and line[0] != "#")
+    lines = ((n, line) for n, line in enumerate(text_of(path).splitlines(), 1) if line.strip() and line[0] != "#")
     rows = []
     for n, line in lines:
         cells = [cell.strip() for cell in line.split(",")]
@@ -67,6 +66,7 @@ def read_csv(path: str | Path, parameter: Parameter | str, z0: float = 50.0) -> 
     return SampledResponse(f, values, parameter, z0, of_tokens("ri", printed, 1)[0] if finite else None)
 
 
+<<<<<<< HEAD
 def read_touchstone(path: str | Path) -> SampledResponse:
     """Scattering matrices from a Touchstone file of version 1, read by scikit-rf; Z and Y in it are turned into S.
 
@@ -150,6 +150,10 @@ def _printed(lines: list[str], form: str, number: int, ports: int) -> tuple[Roun
 
 
 def _text(path: str | Path) -> str:
+=======
+def text_of(path: str | Path) -> str:
+    """What a file holds, not longer than MAX_BYTES."""
+>>>>>>> 6aa3001 (Measured networks have up to 200 poles, and are changed by their residues until they are proved passive; references may be complex, and files of version 2)
     try:
         with open(path, "rb") as file:
             content = file.read(MAX_BYTES + 1)
