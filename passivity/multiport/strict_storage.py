@@ -18,6 +18,7 @@ A. J. Laub, "A Schur method for solving algebraic Riccati equations", IEEE Trans
 
 from collections.abc import Iterator
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from flint import arb, arb_mat, ctx, fmpq, fmpq_mat
@@ -87,7 +88,8 @@ def _candidates(system: StateSpace) -> Iterator[NDArray]:
     unit = power_of_two(np.linalg.norm(a, 2))
     level = power_of_two(np.sqrt(np.linalg.norm(c) / (np.linalg.norm(b) or 1) * unit))
     a, b, c = a / unit, b * (level / unit), c / level  # A about 1, and B and C alike
-    modes, v = np.linalg.eig(a)
+    found: Any = np.linalg.eig(a)
+    modes, v = found
     back = np.linalg.inv(v)
     inputs = np.maximum(np.linalg.norm(back @ b, axis=1), np.finfo(float).tiny)
     gains = 1 / (1j * np.append(modes.imag, 0.0)[:, None] - modes)  # at each resonance, of each mode
@@ -102,9 +104,10 @@ def _candidates(system: StateSpace) -> Iterator[NDArray]:
     for part in LOSSES:
         given = c.T @ c + c.T @ d @ inner @ d.T @ c + part * room * lost
         try:
-            _, u, stable = schur(np.block([[drift, gain], [-given, -drift.T]]), sort="lhp")
+            found = schur(np.block([[drift, gain], [-given, -drift.T]]), sort="lhp")
         except np.linalg.LinAlgError:  # eigenvalues too near to the axis to be told apart
             return
+        _, u, stable = found
         if stable == len(a):
             p = np.linalg.solve(u[: len(a), : len(a)].T, u[len(a) :, : len(a)].T)
             yield (p + p.T) / 2 * (level**2 / unit)

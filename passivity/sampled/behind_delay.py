@@ -151,7 +151,7 @@ def _candidates(response: SampledResponse, delay: float | None) -> Iterator[tupl
     """Delays and models of ever more poles: without a delay and behind the best one, unless it is known."""
     orders = [k for k in ORDERS if k <= len(response.f) - 2]
     T = rough = _rough_delay(response) if delay is None else delay
-    few = [k for k in orders if k <= MOST_SCOUTS]
+    few, both = [k for k in orders if k <= MOST_SCOUTS], (T,)
     for order in few:
         T = _fine_delay(response, order, rough) if delay is None else delay
         both = (0.0, T) if delay is None and T else (T,)

@@ -17,7 +17,7 @@ def whitening(phi: NDArray[np.complex128]) -> NDArray:
            [0., 2.]])
     """
     own = UNSEEN * np.diag(np.linalg.norm(phi, axis=0))
-    return np.linalg.qr(np.vstack([phi.real, phi.imag, own]), mode="r")
+    return np.asarray(np.linalg.qr(np.vstack([phi.real, phi.imag, own]), mode="r"))
 
 
 def least_change(rows: NDArray, bounds: NDArray) -> NDArray | None:

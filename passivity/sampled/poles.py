@@ -53,7 +53,7 @@ def poles_of(w: NDArray, h: NDArray[np.complex128], orders: Iterable[int], grows
     grows : bool
         Whether responses may grow like s.
     """
-    poles = np.zeros(0, complex)
+    poles: NDArray[np.complex128] = np.zeros(0, complex)
     for order in orders:
         more = order - count(poles)
         if order <= FRESH:
@@ -67,7 +67,7 @@ def poles_of(w: NDArray, h: NDArray[np.complex128], orders: Iterable[int], grows
         yield poles
 
 
-def count(poles: NDArray) -> int:
+def count(poles: NDArray[np.complex128]) -> int:
     """Number of poles, both of a pair counted.
 
     Examples
@@ -78,12 +78,12 @@ def count(poles: NDArray) -> int:
     return int((1 + (poles.imag > 0)).sum())
 
 
-def coefficients(poles: NDArray, w: NDArray, h: NDArray[np.complex128], grows: bool = False) -> NDArray:
+def coefficients(poles: NDArray[np.complex128], w: NDArray, h: NDArray[np.complex128], grows: bool = False) -> NDArray:
     """Of residues and constant, and of s if the responses grow, one column for each response."""
     return solve(terms(poles, w)[:, : count(poles) + 1 + grows], h)
 
 
-def misfit(poles: NDArray, w: NDArray, h: NDArray[np.complex128], grows: bool = False) -> NDArray:
+def misfit(poles: NDArray[np.complex128], w: NDArray, h: NDArray[np.complex128], grows: bool = False) -> NDArray:
     """Largest distance of a response from the best sum of these fractions, at each frequency."""
     x = coefficients(poles, w, h, grows)
     return np.abs(terms(poles, w)[:, : len(x)] @ x - h).max(1)

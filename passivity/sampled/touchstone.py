@@ -22,6 +22,7 @@ from passivity.errors import ExpressionError
 from passivity.sampled.digits import Rounding, of_tokens
 from passivity.sampled.read import text_of
 from passivity.sampled.response import MAX_PORTS, Parameter, SampledResponse
+from tline.errors import MissingExtraError
 
 STEP = 1e-7  # of an entry of S, by which L and R are found
 # what HFSS writes of its ports; all other comments are dropped unread
@@ -66,7 +67,7 @@ def read_touchstone(path: str | Path) -> SampledResponse:
     if read.parameter not in ("s", "z", "y"):
         raise ExpressionError(f"{path}", "hybrid parameters are not read", "S, Z or Y", f"{read.parameter}".upper())
     rounding, values = _printed(lines, read, ports)
-    z0 = np.asarray(read.z0, complex)
+    z0: NDArray[np.complex128] = np.asarray(read.z0, complex)
     if not (z0.real > 0).all():
         raise ExpressionError(f"{path}", "reference impedance", "real parts above 0", f"{z0[z0.real <= 0][0]:g}")
     if read.parameter != "s":
@@ -110,21 +111,22 @@ def _parsed(path: str | Path, lines: list[str], ports: int) -> Any:
     try:
         from skrf.io.touchstone import Touchstone
     except ImportError:
-        raise ExpressionError(f"{path}", "Touchstone files need scikit-rf", "pip install tline[rf]") from None
+        raise MissingExtraError(f"{path}", "Touchstone files need scikit-rf", "rf") from None
     file = io.StringIO("\n".join(lines))
     file.name = f"samples.s{ports}p"  # its suffix is where scikit-rf looks for the number of ports
     try:
         with warnings.catch_warnings(action="error"):
             read = Touchstone(file)
         entries = ports * (ports + 1) // 2 if _form(lines) else ports**2
-        if read.rank == ports and len(read.f) and read.s_flat.shape[1] == entries and read.z0.shape[1:] == (ports,):
+        found: Any = read
+        if read.rank == ports and len(found.f) and found.s_flat.shape[1] == entries and found.z0.shape[1:] == (ports,):
             return read
     except (ArithmeticError, AttributeError, IndexError, KeyError, TypeError, ValueError, Warning):
         pass  # what they say quotes the file, and a scene may name any
     raise ExpressionError(f"{path}", "not a Touchstone file", "samples, Touchstone version 1 or 2")
 
 
-def _printed(lines: list[str], read: Any, ports: int) -> tuple[Rounding, NDArray[np.complex128]]:
+def _printed(lines: list[str], read: Any, ports: int) -> tuple[Rounding, Any]:
     """What the numbers of the first samples are and leave open, as matrices."""
     start = next((k for k, line in enumerate(lines) if line.lower().startswith("[network data]")), 0)
     numbers = [x for line in lines[start:] if line[:1] not in "!#[" for x in line.partition("!")[0].split()]
@@ -143,16 +145,14 @@ def _printed(lines: list[str], read: Any, ports: int) -> tuple[Rounding, NDArray
     return (rounding.transposed(), values.swapaxes(1, 2)) if swapped else (rounding, values)
 
 
-def _scattering(
-    path: str | Path, read: Any, values: NDArray, rounding: Rounding, z0: NDArray
-) -> tuple[NDArray[np.complex128], Rounding]:
+def _scattering(path: str | Path, read: Any, values: NDArray, rounding: Rounding, z0: NDArray) -> tuple[Any, Rounding]:
     """S of impedances or admittances; version 1 has them in units of the reference, version 2 in ohm or siemens."""
     one = np.eye(values.shape[1])
     root = np.sqrt(np.real(z0)) ** (-1 if read.parameter == "z" else 1)
     unit = np.ones_like(root) if read.version.startswith("1") else root
     try:
         left, right = unit[:, :, None] * one, unit[:, None, :] * one
-        normal = left @ values @ right
+        normal: Any = left @ values @ right
         rounding = rounding.through(left, right).through_cayley(normal)
         return (1 if read.parameter == "z" else -1) * (one - 2 * np.linalg.inv(one + normal)), rounding
     except np.linalg.LinAlgError:
@@ -160,8 +160,8 @@ def _scattering(
 
 
 def _renormalised(
-    path: str | Path, values: NDArray, rounding: Rounding, z0: NDArray, new: float, waves: str
-) -> tuple[NDArray[np.complex128], Rounding]:
+    path: str | Path, values: NDArray, rounding: Rounding, z0: NDArray, new: float, waves: Any
+) -> tuple[Any, Rounding]:
     """S against one resistance, and L and R by which it changes, from the changes by entries of one row and column."""
     from skrf.network import renormalize_s
 

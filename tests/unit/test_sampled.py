@@ -18,11 +18,8 @@ from passivity.sampled.picture import draw_samples
 from passivity.sampled.read import MAX_BYTES, MAX_LINE, read_csv
 from passivity.sampled.report import samples_as_dict
 from passivity.sampled.response import MAX_PORTS, MAX_SAMPLES, SampledResponse
-<<<<<<< HEAD
-from tline.errors import MissingExtraError
-=======
 from passivity.sampled.touchstone import read_touchstone
->>>>>>> 6aa3001 (Measured networks have up to 200 poles, and are changed by their residues until they are proved passive; references may be complex, and files of version 2)
+from tline.errors import MissingExtraError
 
 W = np.linspace(0, 5, 60)
 ACTIVE = PoleResidueModel([-0.3 + 1j, -2], [0.5, -0.4], 0.0, 0, "Z")
