@@ -41,8 +41,8 @@ from passivity.sampled.matrix_model import MatrixModel as MatrixModel
 from passivity.sampled.matrix_model import fit_matrix as fit_matrix
 from passivity.sampled.model import PoleResidueModel as PoleResidueModel
 from passivity.sampled.read import read_csv as read_csv
-from passivity.sampled.read import read_touchstone as read_touchstone
 from passivity.sampled.response import SampledResponse as SampledResponse
+from passivity.sampled.touchstone import read_touchstone as read_touchstone
 from passivity.status import Kind as Kind
 from passivity.status import Status as Status
 from passivity.symbolic.assumption import Range as Range

@@ -6,11 +6,11 @@ from passivity.delayed.boxes import BallProof, holds
 from passivity.delayed.proof import ProofStep
 from passivity.delayed.verify import verify_proof
 from passivity.multiport.certificate import verify as verify_matrix
-from passivity.multiport.verdict import MinorCertificate, StorageCertificate
+from passivity.multiport.verdict import MinorCertificate, StorageCertificate, StrictCertificate
 from passivity.one_port.certificate import verify as verify_one_port
 from passivity.one_port.verdict import Certificate
 
-Evidence: TypeAlias = Certificate | MinorCertificate | StorageCertificate | ProofStep | BallProof
+Evidence: TypeAlias = Certificate | MinorCertificate | StorageCertificate | StrictCertificate | ProofStep | BallProof
 
 
 def verify(evidence: Evidence) -> bool:
@@ -18,7 +18,7 @@ def verify(evidence: Evidence) -> bool:
 
     Parameters
     ----------
-    evidence : Certificate, MinorCertificate, StorageCertificate, ProofStep or BallProof
+    evidence : Certificate, MinorCertificate, StorageCertificate, StrictCertificate, ProofStep or BallProof
         ``certificate`` of a verdict on rational functions and matrices, ``proof`` or ``balls`` of one on expressions.
 
     Examples
@@ -29,7 +29,7 @@ def verify(evidence: Evidence) -> bool:
     >>> verify(check_expression("1 + exp(-s)", Kind.PR).proof)
     True
     """
-    if isinstance(evidence, MinorCertificate | StorageCertificate):
+    if isinstance(evidence, MinorCertificate | StorageCertificate | StrictCertificate):
         return verify_matrix(evidence)
     if isinstance(evidence, ProofStep):
         return verify_proof(evidence)

@@ -11,7 +11,8 @@ from passivity.multiport.polynomial_matrix import PolynomialMatrix, degree
 from passivity.multiport.quadratic_form import negative_direction
 from passivity.multiport.state_space import StateSpace
 from passivity.multiport.storage import kyp
-from passivity.multiport.verdict import Certificate, MinorCertificate, StorageCertificate
+from passivity.multiport.strict_storage import proves
+from passivity.multiport.verdict import Certificate, MinorCertificate, StorageCertificate, StrictCertificate
 from passivity.one_port.certificate import is_hurwitz, is_nonnegative
 from passivity.status import Kind
 
@@ -28,6 +29,8 @@ def verify(certificate: Certificate) -> bool:
     """
     if isinstance(certificate, StorageCertificate):
         return _stores(certificate)
+    if isinstance(certificate, StrictCertificate):
+        return proves(certificate.system, certificate.storage)
     network = certificate.network
     if isinstance(network, StateSpace):
         matrix = network.transfer

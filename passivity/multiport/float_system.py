@@ -75,8 +75,8 @@ class FloatSystem:
         t = balanced[1][0][: len(a)]  # powers of two: nothing is rounded
         a, b, c = a / t[:, None] * t, b / t[:, None], c * t
         with np.errstate(over="ignore", invalid="ignore"):
-            unit = _power_of_two(np.linalg.norm(a, 2))
-            level = _power_of_two(np.sqrt(np.linalg.norm(c) / (np.linalg.norm(b) or 1) * unit))
+            unit = power_of_two(np.linalg.norm(a, 2))
+            level = power_of_two(np.sqrt(np.linalg.norm(c) / (np.linalg.norm(b) or 1) * unit))
             a, b, c = a / unit, b * (level / unit), c / level
         if not all(np.isfinite(x).all() for x in (a, b, c)):
             raise OverflowError("entries too large to multiply in doubles")
@@ -150,5 +150,6 @@ def _floats(given: fmpq_mat) -> NDArray[np.float64]:
     return np.array([int(x.p) / int(x.q) for x in given.entries()]).reshape(shape)
 
 
-def _power_of_two(x: Any) -> float:
+def power_of_two(x: Any) -> float:
+    """The one nearest to a size, 1 for zero."""
     return float(2.0 ** np.round(np.log2(x))) if x else 1.0

@@ -1,6 +1,5 @@
-"""Measured networks with several ports: common poles through samples of S, proved passive or scaled until they are."""
+"""Measured networks with several ports: common poles through samples of S, proved passive or changed until they are."""
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,13 +10,21 @@ from passivity.errors import ExpressionError
 from passivity.multiport.axis_analysis import AxisAnalysis, analyse
 from passivity.multiport.matrix import RationalMatrix
 from passivity.multiport.positive_real import check_bounded_real_matrix
-from passivity.multiport.state_space import StateSpace
-from passivity.multiport.verdict import MatrixVerdict
-from passivity.sampled.behind_delay import ORDERS
+from passivity.multiport.refutation import refuted_or_undecided
+from passivity.multiport.state_space import MAX_STATES, StateSpace
+from passivity.multiport.strict_storage import strict_storage
+from passivity.multiport.verdict import MatrixVerdict, StrictCertificate
 from passivity.sampled.check import check_samples
-from passivity.sampled.matrix_model import MatrixModel, fit_matrix
+from passivity.sampled.enforce_matrix import nearest_passive
+from passivity.sampled.matrix_model import MatrixModel, matrix_fits
+from passivity.sampled.orders import ORDERS, Reached
 from passivity.sampled.response import Parameter, SampledResponse
 from passivity.status import Kind, Status
+
+FEW = 4  # ports up to which the exact test takes seconds
+SPARE = 0.1  # of the tolerance, for a storage function
+LOOKS = 4  # at a model for where it is not passive
+BARELY = 1 + 1e-6  # a singular value up to which the whole of S is made smaller
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,17 +37,19 @@ class MeasuredNetwork:
         S of the samples' reference resistances.
     samples : SampledResponse
         Delays taken out.
-    gamma : float
-        By which the fit was divided to be passive, >= 1.
+    original : MatrixModel
+        The fit, if `model` is a passive one near it; else the same.
     """
 
     model: MatrixModel
     samples: SampledResponse
-    gamma: float = 1.0
+    original: MatrixModel
 
     @cached_property
     def verdict(self) -> MatrixVerdict:
         """Exact, of `model`. Passive if and only if it is `PROVED`."""
+        if self.samples.ports > FEW:
+            return _by_storage(StateSpace.from_entries(*(x.tolist() for x in self.model.realised())))
         ports = range(self.samples.ports)
         return check_bounded_real_matrix(
             RationalMatrix(tuple(tuple(self.model.entry(i, k).rational() for k in ports) for i in ports))
@@ -60,6 +69,12 @@ class MeasuredNetwork:
     def error(self) -> float:
         """Largest |dS| of an entry at the samples."""
         return float(np.abs(self.model.at(2 * np.pi * self.samples.f) - self.samples.values).max())
+
+    @property
+    def cost(self) -> float:
+        """How far being passive moved an entry at a sample, at most."""
+        w = 2 * np.pi * self.samples.f
+        return float(np.abs(self.model.at(w) - self.original.at(w)).max())
 
     @property
     def why(self) -> str:
@@ -88,8 +103,8 @@ def fit_scattering(
     tolerance : float
         Largest |dS| of an entry at a sample, above 0.
     nearest : bool
-        Divide a fit that is not passive by its largest singular value over all frequencies, if it meets the samples
-        then. Otherwise the fit comes back as it is, with the verdict that refutes it, or says that it takes too long.
+        Take the nearest passive model in place of a fit that is not passive, if it meets the samples too. Otherwise
+        the fit comes back as it is, with the verdict that refutes it.
     delays : float or array_like, shape (p,)
         Time to each port, one way, s, >= 0, taken out of the samples first.
 
@@ -114,21 +129,43 @@ def fit_scattering(
     turned = np.exp(2j * np.pi * response.f[:, None] * np.broadcast_to(delays, response.ports))
     values = turned[:, :, None] * response.values * turned[:, None, :]
     response = SampledResponse(response.f, values, Parameter.S, response.z0)
-    orders = [k for k in ORDERS if k <= len(response.f) - 2]
-    least, fewest = math.inf, 0
-    for order in orders:
-        found = MeasuredNetwork(fit_matrix(response, order), response)
-        if found.error <= tolerance and nearest and found.verdict.status is Status.REFUTED:
-            found = _scaled(found)
-        if found.error <= tolerance:
+    most = MAX_STATES // response.ports if response.ports > FEW else max(ORDERS)
+    orders = [k for k in ORDERS if k <= min(most, len(response.f) - 2)]
+    reached = Reached()
+    for model in matrix_fits(response, orders):
+        found = MeasuredNetwork(model, response, model)
+        error = found.error
+        if error <= tolerance and nearest and found.verdict.status is not Status.PROVED:
+            found = _nearest(found, tolerance)
+        if found.error <= tolerance and (not nearest or found.verdict.status is Status.PROVED):
             return found
-        if found.error < least:
-            least, fewest = found.error, order
-    problem = f"no {'passive ' * nearest}model of up to {orders[-1]} poles is that near to the samples"
-    raise ExpressionError("tolerance", problem, f"at least {least:.3g}, which {fewest} poles reach", f"{tolerance:g}")
+        if reached.is_enough(error, model.order):
+            break
+    raise reached.refusal(tolerance, nearest)
 
 
-def _scaled(found: MeasuredNetwork) -> MeasuredNetwork:
-    """S/gamma, with gamma just above the largest singular value."""
-    gamma = found.seen.value + found.seen.value_error
-    return MeasuredNetwork(found.model.over(gamma), found.samples, gamma)
+def _by_storage(system: StateSpace) -> MatrixVerdict:
+    """The verdict of a storage function, or of a point where there can be none."""
+    if storage := strict_storage(system):
+        return MatrixVerdict(Kind.BR, system, Status.PROVED, StrictCertificate(system, storage))
+    return refuted_or_undecided(Kind.BR, system, "no storage function was found")
+
+
+def _nearest(found: MeasuredNetwork, tolerance: float) -> MeasuredNetwork:
+    """The nearest passive model; where S is hardly beyond its bound, a little less of it all.
+
+    The exact test needs nothing to spare, a storage function does.
+    """
+    w, seen, near = 2 * np.pi * found.samples.f, np.zeros(0), found
+    spare = SPARE * tolerance if found.samples.ports > FEW else 0.0
+    for _ in range(LOOKS):
+        analysis = near.seen
+        size = analysis.value + analysis.value_error
+        if size < max(BARELY, 1 + spare):
+            return MeasuredNetwork(near.model.over(max(size, 1.0) + spare), found.samples, found.original)
+        edges = np.array([analysis.frequency, *np.ravel(analysis.bands)])
+        seen = np.concatenate([seen, edges[np.isfinite(edges)]])
+        near = MeasuredNetwork(nearest_passive(found.model, w, seen), found.samples, found.original)
+        if near.verdict.status is Status.PROVED:
+            break
+    return near

@@ -7,7 +7,7 @@ from passivity.multiport.bands import bands, in_words
 from passivity.multiport.matrix import RationalMatrix
 from passivity.multiport.polynomial_matrix import degree
 from passivity.multiport.state_space import StateSpace
-from passivity.multiport.verdict import MatrixVerdict, StorageCertificate
+from passivity.multiport.verdict import MatrixVerdict, StorageCertificate, StrictCertificate
 from passivity.one_port.axis import parts
 from passivity.one_port.hurwitz import routh_column
 from passivity.one_port.polynomial_sign import squarefree
@@ -35,6 +35,8 @@ def reason(verdict: MatrixVerdict) -> str:
         return "; ".join(filter(None, (verdict.budget, verdict.analysis and _seen(kind, verdict.analysis))))
     if isinstance(verdict.certificate, StorageCertificate):
         return "all energy that enters is stored: the stored energy is x^T P x/2 >= 0"
+    if isinstance(verdict.certificate, StrictCertificate):
+        return "the stored energy x^T P x grows by less than what enters, P > 0"
     if verdict.status is Status.PROVED:
         axis = (_EQUAL if verdict.lossless else _BOUNDED)[kind]
         return f"{axis} for all ω, and all poles of {_CLOSING[kind]} lie in Re s < 0"

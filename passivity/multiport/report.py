@@ -7,7 +7,7 @@ from passivity.budget import VERDICT, if_affordable
 from passivity.expression.number import written
 from passivity.multiport.certificate import verify
 from passivity.multiport.margin import MatrixMargin
-from passivity.multiport.verdict import Certificate, MatrixVerdict, StorageCertificate
+from passivity.multiport.verdict import Certificate, MatrixVerdict, StorageCertificate, StrictCertificate
 
 
 def as_dict(verdict: MatrixVerdict, margin: MatrixMargin | None) -> dict[str, Any]:
@@ -53,6 +53,8 @@ def _certificate(certificate: Certificate) -> dict[str, Any]:
             "basis": [[str(x) for x in row] for row in certificate.basis.tolist()],
             "storage": [[str(x) for x in row] for row in certificate.storage.tolist()],
         }
+    if isinstance(certificate, StrictCertificate):
+        return {"storage": [[str(x) for x in row] for row in certificate.storage.tolist()]}
     return {
         "minor_sums": [
             {

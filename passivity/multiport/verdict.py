@@ -83,7 +83,23 @@ class StorageCertificate:
     storage: fmpq_mat
 
 
-Certificate: TypeAlias = MinorCertificate | StorageCertificate
+@dataclass(frozen=True)
+class StrictCertificate:
+    """Proof by a storage function x^T P x that S is bounded real with something to spare.
+
+    Parameters
+    ----------
+    system : StateSpace
+        (A, B, C, D) of S.
+    storage : fmpq_mat
+        P > 0 with [[A^T P + P A + C^T C, P B + C^T D], [B^T P + D^T C, D^T D - I]] < 0.
+    """
+
+    system: StateSpace
+    storage: fmpq_mat
+
+
+Certificate: TypeAlias = MinorCertificate | StorageCertificate | StrictCertificate
 
 
 @dataclass(frozen=True)

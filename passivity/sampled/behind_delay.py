@@ -10,7 +10,9 @@ B. Gustavsen, "Optimal time delay extraction for transmission line modeling", IE
 (2017), 45-54 (the best delay is that of the least misfit, which is searched).
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -20,15 +22,16 @@ from passivity.one_port.positive_real import check
 from passivity.one_port.verdict import Verdict
 from passivity.sampled.check import check_samples
 from passivity.sampled.enforce import enforce
-from passivity.sampled.fit import fit
+from passivity.sampled.fit import fit, fits
 from passivity.sampled.forbidden import forbidden_bands, worst_frequencies
 from passivity.sampled.model import PoleResidueModel
+from passivity.sampled.orders import ORDERS, Reached
+from passivity.sampled.poles import count
 from passivity.sampled.response import Parameter, SampledResponse
 from passivity.status import Status
 
-ORDERS = (0, 1, 2, 4, 6, 8, 10, 12, 16, 20, 24)  # numbers of poles, tried in turn
 SCOUT = 6  # poles with which the delay is looked for
-MOST_SCOUTS = 8  # poles up to which it is improved for each order
+MOST_SCOUTS = 8  # poles up to which it is improved for each order; beyond, each order begins with the one before
 SCOUTED = 200  # samples that are enough for both
 STEPS = 64  # delays that are tried, a STEP apart
 STEP = 1 / 8  # of the shortest period; a shorter delay is left to the poles
@@ -66,7 +69,7 @@ class DelayedModel:
     @property
     def order(self) -> int:
         """Number of poles, both of a pair counted."""
-        return int((1 + (self.model.poles.imag > 0)).sum())
+        return count(self.model.poles)
 
     @property
     def error(self) -> float:
@@ -130,26 +133,33 @@ def fit_behind_delay(
     if len(response.f) < 3:
         raise ExpressionError("samples", "too few for a model", "at least 3", f"{len(response.f)}")
     check_samples(response).refuse_beyond(tolerance, "one-port")
+    reached = Reached()
+    for chosen, model in _candidates(response, delay):
+        rest = _without(response, chosen)
+        error = _misfit(model, rest)
+        if error <= tolerance:
+            found = DelayedModel(chosen, enforce(model, rest).model if nearest else model, model, rest)
+            if not nearest or (found.error <= tolerance and found.verdict.status is Status.PROVED):
+                return found
+        if reached.is_enough(error, count(model.poles)):
+            break
+    otherwise = f", or the delay, if it may be over {_longest(response):.3g} s" if delay is None else ""
+    raise reached.refusal(tolerance, nearest, otherwise)
+
+
+def _candidates(response: SampledResponse, delay: float | None) -> Iterator[tuple[float, PoleResidueModel]]:
+    """Delays and models of ever more poles: without a delay and behind the best one, unless it is known."""
     orders = [k for k in ORDERS if k <= len(response.f) - 2]
     T = rough = _rough_delay(response) if delay is None else delay
-    least, fewest = np.inf, 0
-    for order in orders:
-        T = _fine_delay(response, order, rough) if delay is None and order <= MOST_SCOUTS else T
-        for chosen in (0.0, T) if delay is None and T else (T,):
-            rest = _without(response, chosen)
-            model = fit(rest, order)
-            error = _misfit(model, rest)
-            if error <= tolerance:
-                found = DelayedModel(chosen, enforce(model, rest).model if nearest else model, model, rest)
-                if not nearest or (found.error <= tolerance and found.verdict.status is Status.PROVED):
-                    return found
-            if error < least:
-                least, fewest = error, order
-    problem = f"no {'passive ' * nearest}model of up to {orders[-1]} poles is that near to the samples"
-    expected = f"at least {least:.3g}, which {fewest} poles reach"
-    if delay is None:
-        expected += f", or the delay, if it may be over {_longest(response):.3g} s"
-    raise ExpressionError("tolerance", problem, expected, f"{tolerance:g}")
+    few, both = [k for k in orders if k <= MOST_SCOUTS], (T,)
+    for order in few:
+        T = _fine_delay(response, order, rough) if delay is None else delay
+        both = (0.0, T) if delay is None and T else (T,)
+        for chosen in both:
+            yield chosen, fit(_without(response, chosen), order)
+    many = [fits(_without(response, chosen), orders[len(few) - 1 :]) for chosen in both]  # begin with the last of few
+    for models in islice(zip(*many, strict=True), 1, None):
+        yield from zip(both, models, strict=True)
 
 
 def _longest(response: SampledResponse) -> float:

@@ -38,8 +38,8 @@ class Rounding:
         Of modulus 1.
     along, across : ndarray
         Half the sides, along and across the direction.
-    inverse : ndarray of complex, optional
-        (1 + z)^-1 of each matrix z, where this is about their Cayley transforms; see `through_cayley`.
+    left, right : ndarray of complex, optional
+        L and R, where this is about matrices that change by L E R with what is printed; see `through`.
     second : ndarray, shape (n,)
         What is then left to be added.
     """
@@ -47,7 +47,8 @@ class Rounding:
     direction: NDArray[np.complex128]
     along: NDArray
     across: NDArray
-    inverse: NDArray[np.complex128] | None = None
+    left: NDArray[np.complex128] | None = None
+    right: NDArray[np.complex128] | None = None
     second: NDArray | float = 0.0
 
     @classmethod
@@ -66,8 +67,6 @@ class Rounding:
             size = np.minimum(np.abs(first) if form == "ma" else 10 ** (first / 20), LARGEST)
             radial = np.minimum(one if form == "ma" else size * np.expm1(one * np.log(10) / 20), LARGEST)
         direction = np.exp(1j * np.radians(second)) * np.where((form == "ma") & (first < 0), -1, 1)
-        if first.shape[1] == 1:  # of one port the angle does not matter
-            return cls(direction, radial, np.zeros_like(radial))
         turn = np.minimum(np.radians(two), np.pi)
         top = size + radial
         return cls(direction, radial + top * (1 - np.cos(turn)), top * np.sin(np.minimum(turn, np.pi / 2)))
@@ -75,6 +74,13 @@ class Rounding:
     def transposed(self) -> Self:
         """Of the transposed matrices."""
         return type(self)(*(x.swapaxes(1, 2) for x in (self.direction, self.along, self.across)))
+
+    def through(self, left: NDArray, right: NDArray, second: NDArray | float = 0.0) -> Self:
+        """Of matrices that change by L E R, and by no more than `second` beside that, where these change by E."""
+        if self.left is None or self.right is None:
+            return replace(self, left=left, right=right, second=self.second + second)
+        grown = np.linalg.norm(left, axis=(1, 2)) * np.linalg.norm(right, axis=(1, 2))
+        return replace(self, left=left @ self.left, right=self.right @ right, second=self.second * grown + second)
 
     def through_cayley(self, matrices: NDArray[np.complex128]) -> Self:
         """Of S = +-(1 - 2 M), M = (1 + z)^-1, for normalised z of these values.
@@ -84,17 +90,18 @@ class Rounding:
         """
         one = np.eye(matrices.shape[1])
         inverse = np.linalg.inv(one + matrices)
-        grown = np.abs(inverse) @ np.hypot(self.along, self.across)
+        before, after = (one if x is None else x for x in (self.left, self.right))
+        grown = np.abs(inverse @ before) @ np.hypot(self.along, self.across) @ np.abs(after)
         safe = np.linalg.norm(grown, axis=(1, 2)) < 0.5
         grown = np.where(safe[:, None, None], grown, 0.0)
         second = 2 * np.linalg.norm(grown @ grown @ np.linalg.inv(one - grown) @ np.abs(inverse), axis=(1, 2))
-        return replace(self, inverse=inverse, second=np.where(safe, second, LARGEST))
+        return self.through(2 * inverse, inverse, np.where(safe, second, LARGEST))
 
     def reach(self, left: NDArray, right: NDArray) -> NDArray:
         """Bound of |Re u* E v| for vectors u, v at each frequency, shape (n, p); returns shape (n,)."""
-        if self.inverse is not None:
-            left = 2 * np.einsum("nki,nk->ni", self.inverse.conj(), left)
-            right = np.einsum("nik,nk->ni", self.inverse, right)
+        if self.left is not None and self.right is not None:
+            left = np.einsum("nki,nk->ni", self.left.conj(), left)
+            right = np.einsum("nik,nk->ni", self.right, right)
         weights = left.conj()[:, :, None] * right[:, None, :] * self.direction
         first = (np.abs(weights.real) * self.along + np.abs(weights.imag) * self.across).sum((1, 2))
         return first + self.second

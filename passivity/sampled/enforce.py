@@ -11,7 +11,7 @@ from passivity.one_port.polynomial_sign import UndecidedError
 from passivity.one_port.positive_real import check
 from passivity.one_port.verdict import Verdict
 from passivity.sampled.forbidden import worst_frequencies
-from passivity.sampled.least_change import least_change
+from passivity.sampled.least_change import least_change, whitening
 from passivity.sampled.model import PoleResidueModel, terms
 from passivity.sampled.response import MAX_SAMPLES, Parameter, SampledResponse
 from passivity.status import Status
@@ -20,7 +20,6 @@ MAX_ROUNDS = 25
 MAX_SPREAD = 1e16  # of the moduli and real parts of poles: more is lost in rounding
 SPARE = 1e-5  # of the first violation: how far inside the bound is aimed at, so that the limit is reached
 LEAST_SPARE = 2.0**-44  # of the size of the function: rounding
-UNSEEN = 1e-8  # weight of a coefficient itself, for what the samples do not see
 
 
 class Deviation(NamedTuple):
@@ -107,10 +106,12 @@ def enforce(model: PoleResidueModel, samples: SampledResponse, only_constant: bo
 
 def _nearest(model: PoleResidueModel, w: NDArray, free: NDArray) -> tuple[PoleResidueModel, Verdict, int]:
     """The nearest passive model with its proof, or the given one as it is, and the number of rounds."""
+    from scipy.linalg import solve_triangular
+
     x0, kind, limit = model.coefficients, model.parameter.kind, float(model.parameter is Parameter.S)
     first = verdict = check(model.rational(), kind)
     changed, rounds, rows, spare = model, 0, np.empty((0, len(x0))), 0.0
-    measure, sizes = _measure(model, w, free)
+    whiten = whitening(terms(model.poles, w)[:, free])
     while verdict.status is Status.REFUTED and rounds < MAX_ROUNDS:
         try:
             new = _must_grow(changed, worst_frequencies(changed, verdict))
@@ -119,11 +120,11 @@ def _nearest(model: PoleResidueModel, w: NDArray, free: NDArray) -> tuple[PoleRe
         if not rounds:
             spare = max(SPARE * float(-(limit + new @ x0).min()), LEAST_SPARE * float(np.abs(model.at(w)).max()))
         rows = np.vstack([rows, new])
-        step = least_change(measure, rows[:, free] / sizes, spare - limit - rows @ x0)
+        step = least_change(solve_triangular(whiten, rows[:, free].T, trans=1).T, spare - limit - rows @ x0)
         if step is None:
             break
         x = x0.copy()
-        x[free] += step / sizes
+        x[free] += solve_triangular(whiten, step)
         changed, rounds = model.with_coefficients(x), rounds + 1
         verdict = check(changed.rational(), kind)
     return (changed, verdict, rounds) if verdict.status is Status.PROVED else (model, first, rounds)
@@ -169,13 +170,6 @@ def _free(model: PoleResidueModel, samples: SampledResponse, only_constant: bool
         raise ExpressionError("proportional", "no passive model has it", "0" if scattering else ">= 0")
     inner = [pole.real < 0 and not only_constant for pole in a for _ in range(1 + (pole.imag > 0))]
     return np.array([*inner, True, False])
-
-
-def _measure(model: PoleResidueModel, w: NDArray, free: NDArray) -> tuple[NDArray, NDArray]:
-    """Coefficients to values at the samples, real and imaginary parts, each coefficient in a unit of its own."""
-    phi = terms(model.poles, w)[:, free]
-    sizes = np.linalg.norm(phi, axis=0)
-    return np.vstack([phi.real / sizes, phi.imag / sizes, UNSEEN * np.eye(len(sizes))]), sizes
 
 
 def _must_grow(model: PoleResidueModel, w: NDArray) -> NDArray:

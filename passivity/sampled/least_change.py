@@ -1,21 +1,33 @@
-"""The smallest vector that satisfies linear inequalities."""
+"""The smallest change that satisfies linear inequalities."""
 
 import numpy as np
 from numpy.typing import NDArray
 
+UNSEEN = 1e-8  # weight of a coefficient itself, for what the samples do not see
 FARTHEST = 1e6  # times the distance to the farthest half space; where there is no solution it is infinite
 
 
-def least_change(measure: NDArray, rows: NDArray, bounds: NDArray) -> NDArray | None:
-    """The x with the smallest ||measure x|| for which rows x >= bounds; None if there is none.
+def whitening(phi: NDArray[np.complex128]) -> NDArray:
+    """R, upper triangular, with |R x| the size of phi x, and a little of x itself.
 
-    Lawson and Hanson's least distance programming: with y = R x, the residual of a least-squares problem with
-    nonnegative unknowns points to y.
+    Examples
+    --------
+    >>> np.abs(whitening(np.array([[3.0, 0.0], [0.0, 2.0j]]))).round(9)
+    array([[3., 0.],
+           [0., 2.]])
+    """
+    own = UNSEEN * np.diag(np.linalg.norm(phi, axis=0))
+    return np.asarray(np.linalg.qr(np.vstack([phi.real, phi.imag, own]), mode="r"))
+
+
+def least_change(rows: NDArray, bounds: NDArray) -> NDArray | None:
+    """The shortest x for which rows x >= bounds; None if there is none.
+
+    Lawson and Hanson's least distance programming: the residual of a least-squares problem with nonnegative unknowns
+    points to x.
 
     Parameters
     ----------
-    measure : ndarray, shape (n, k)
-        Of rank k.
     rows, bounds : ndarray, shape (c, k) and (c,)
         No row is zero; some bound is above zero.
 
@@ -25,14 +37,12 @@ def least_change(measure: NDArray, rows: NDArray, bounds: NDArray) -> NDArray | 
 
     Examples
     --------
-    >>> least_change(np.diag([1.0, 2.0]), np.array([[1.0, 1.0], [1.0, 0.0]]), np.array([5.0, -1.0])).round(9)
+    >>> least_change(np.array([[1.0, 1.0], [1.0, 0.0]]), np.array([5.0, 4.0])).round(9)
     array([4., 1.])
     """
-    from scipy.linalg import solve_triangular
     from scipy.optimize import nnls
 
-    r = np.linalg.qr(measure, mode="r")
-    g = solve_triangular(r, rows.T, trans=1)  # of y, one column for each row
+    g = rows.T
     sizes = np.linalg.norm(g, axis=0)
     farthest = float((bounds / sizes).max())
     spaces, target = np.vstack([g / sizes, bounds / sizes / farthest]), np.append(np.zeros(len(g)), 1.0)
@@ -42,4 +52,4 @@ def least_change(measure: NDArray, rows: NDArray, bounds: NDArray) -> NDArray | 
         return None
     if -residual[-1] * FARTHEST**2 < 1:
         return None
-    return solve_triangular(r, -residual[:-1] / residual[-1] * farthest)
+    return -residual[:-1] / residual[-1] * farthest

@@ -1,5 +1,6 @@
 """Rational models of several ports with common poles."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Self
 
@@ -7,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from passivity.errors import ExpressionError
-from passivity.sampled.fit import poles_of, solve
-from passivity.sampled.model import PoleResidueModel, terms
+from passivity.sampled.fit import up_to
+from passivity.sampled.model import PoleResidueModel
+from passivity.sampled.poles import coefficients, count, poles_of
 from passivity.sampled.response import MAX_SAMPLES, Parameter, SampledResponse
 
 
@@ -39,7 +41,7 @@ class MatrixModel:
     @property
     def order(self) -> int:
         """Number of poles, both of a pair counted."""
-        return int((1 + (self.poles.imag > 0)).sum())
+        return count(self.poles)
 
     def at(self, w: NDArray) -> NDArray[np.complex128]:
         """Values at s = jw, shape (n, p, p); w in rad/s, shape (n,)."""
@@ -54,6 +56,25 @@ class MatrixModel:
     def entry(self, i: int, k: int) -> PoleResidueModel:
         """What goes from port k to port i."""
         return PoleResidueModel(self.poles, self.residues[:, i, k], self.constant[i, k], 0.0, Parameter.S)
+
+    @classmethod
+    def of_coefficients(cls, poles: NDArray[np.complex128], x: NDArray) -> Self:
+        """From the real numbers by which `terms` are multiplied, shape (order + 1, p, p), the constant last."""
+        residues, k = np.zeros((len(poles), *x.shape[1:]), complex), 0
+        for i, a in enumerate(poles):
+            residues[i] = x[k] + (1j * x[k + 1] if a.imag > 0 else 0.0)
+            k += 1 + (a.imag > 0)
+        return cls(poles, residues, x[-1])
+
+    @property
+    def coefficients(self) -> NDArray:
+        """What `of_coefficients` takes."""
+        parts = [
+            part
+            for a, R in zip(self.poles, self.residues, strict=True)
+            for part in ([R.real, R.imag][: 1 + (a.imag > 0)])
+        ]
+        return np.array([*parts, self.constant])
 
     def over(self, size: float) -> Self:
         """S/size, rounded."""
@@ -74,7 +95,7 @@ class MatrixModel:
         p, (parts, inputs, outputs) = len(self.constant), ([], [], [])
         one, none = np.eye(p), np.zeros((p, p))
         for a, R in zip(self.poles, self.residues, strict=True):
-            size = np.sqrt(np.linalg.norm(R)) or 1.0  # of inputs and outputs alike
+            size = 2.0 ** np.round(np.log2(np.linalg.norm(R)) / 2) if R.any() else 1.0  # nothing is rounded
             if a.imag > 0:
                 parts.append(np.kron([[a.real, a.imag], [-a.imag, a.real]], one))
                 inputs += [2 * size * one, none]
@@ -109,16 +130,21 @@ def fit_matrix(response: SampledResponse, order: int) -> MatrixModel:
     >>> fit_matrix(SampledResponse(f, S, "S"), 1).poles.round(9)
     array([-1.+0.j])
     """
-    n, p = len(response.f), response.ports
-    if not order + 2 <= n <= MAX_SAMPLES or not response.f[-1]:
-        expected = f"{order + 2} to {MAX_SAMPLES}, not all at f = 0"
-        raise ExpressionError("samples", f"cannot be fitted with {order} poles", expected, f"{n}")
+    *_, model = matrix_fits(response, up_to(order))
+    return model
+
+
+def matrix_fits(response: SampledResponse, orders: Iterable[int]) -> Iterator[MatrixModel]:
+    """Models of S of rising orders, each beginning where the one before ended; see `fit_matrix`."""
+    n, p, orders = len(response.f), response.ports, tuple(orders)
+    if not orders[-1] + 2 <= n <= MAX_SAMPLES or not response.f[-1]:
+        expected = f"{orders[-1] + 2} to {MAX_SAMPLES}, not all at f = 0"
+        raise ExpressionError("samples", f"cannot be fitted with {orders[-1]} poles", expected, f"{n}")
     unit, size = 2 * np.pi * response.f[-1], float(np.abs(response.values).max()) or 1.0
     w, h = 2 * np.pi * response.f / unit, response.values.reshape(n, -1) / size
-    poles = poles_of(w, h, order)
-    x = solve(terms(poles, w)[:, : order + 1], h) * size
-    residues, k = np.zeros((len(poles), p * p), complex), 0
-    for i, a in enumerate(poles):
-        residues[i] = x[k] + (1j * x[k + 1] if a.imag > 0 else 0.0)
-        k += 1 + (a.imag > 0)
-    return MatrixModel(poles * unit, residues.reshape(-1, p, p) * unit, x[-1].reshape(p, p))
+    reciprocal = (response.values == response.values.swapaxes(1, 2)).all()
+    distinct = np.flatnonzero(np.triu(np.ones((p, p)))) if reciprocal else slice(None)
+    for poles in poles_of(w, h[:, distinct], orders):
+        x = coefficients(poles, w, h) * size
+        x[:-1] *= unit
+        yield MatrixModel.of_coefficients(poles * unit, x.reshape(-1, p, p))

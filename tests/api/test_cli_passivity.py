@@ -122,7 +122,7 @@ def test_a_mistake_is_one_sentence_and_exit_2(arguments, sentence):
             "--nearest m.json",
             "response: too few samples for a model, expected at ",
         ),
-        ("no.s1p", "", "", "no.s1p: not a Touchstone file, expected samples, Touchstone version 1\n"),
+        ("no.s1p", "", "", "no.s1p: not a Touchstone file, expected samples, Touchstone version 1 or 2\n"),
     ],
 )
 def test_a_mistake_about_samples(file, text, arguments, sentence, tmp_path, monkeypatch):

@@ -62,10 +62,10 @@ def run(line):
 
 MISTAKES = [
     ('file = "gone.s1p"', "file: 'gone.s1p' cannot be read, got No such file or directory"),
-    ('file = "words.s1p"', "file: 'words.s1p': not a Touchstone file, expected samples, Touchstone version 1"),
+    ('file = "words.s1p"', "file: 'words.s1p': not a Touchstone file, expected samples, Touchstone version 1 or 2"),
     ('file = "empty.s1p"', "file: 'empty.s1p': "),
     ('file = "few.s1p"', "file: 'few.s1p': too few for a model, expected at least 3, got 2"),
-    ('file = "data.csv"', "file: 'data.csv': not a Touchstone file, expected .s1p to .s16p, got .csv"),
+    ('file = "data.csv"', "file: 'data.csv': not a Touchstone file, expected .s1p to .s16p, or .ts, got .csv"),
     ('file = "two.s2p"', "file: 'two.s2p': not a reflection, expected S of one port, got S of 2 ports"),
     (
         'file = "active.s1p"',

@@ -157,7 +157,7 @@ def test_a_run_says_how_well_the_model_fits():
     Path("scene.toml").write_text(SCENE.replace(str(FILTER), "line.s2p"), encoding="utf-8")
     done = CliRunner().invoke(main, ["run", "scene.toml"], catch_exceptions=False)
     assert "proved passive" in done.output
-    assert re.search(r", S divided by 1 \+ \d\.\de-06 to be passive \(100 samples", done.output)
+    assert re.search(r", of which being passive cost \d\.\de-\d\d \(100 samples", done.output)
 
 
 def test_fit_prints_the_poles_of_several_ports_and_draws():

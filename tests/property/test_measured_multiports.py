@@ -29,16 +29,16 @@ def random_samples(seed: int, ports: int, pairs: int) -> SampledResponse:
 
 @settings(max_examples=25, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), ports=st.integers(2, 3), pairs=st.integers(1, 3))
-def test_scaled_models_are_passive(seed, ports, pairs):
-    """What is not passive between or beyond the samples is divided until it is, and no further."""
+def test_changed_models_are_passive(seed, ports, pairs):
+    """What is not passive between or beyond the samples is changed until it is, and no further."""
     samples = random_samples(seed, ports, pairs)
     found = fit_scattering(samples, 0.2, nearest=True)
     assert found.verdict.status is Status.PROVED
     assert found.error < 0.2
     w = np.concatenate([[0.0], np.geomspace(1e8, 1e12, 2000)])
     assert np.linalg.norm(found.model.at(w), 2, axis=(1, 2)).max() < 1 + 1e-12
-    if found.gamma > 1:
-        assert found.seen.value == pytest.approx(1, abs=1e-6)
+    if found.cost:
+        assert found.seen.value == pytest.approx(1, abs=1e-4)
 
 
 @cache

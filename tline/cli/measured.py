@@ -38,7 +38,7 @@ def network_as_dict(found: "MeasuredNetwork") -> dict[str, Any]:
         "constant": model.constant.tolist(),
         "order": model.order,
         "error": found.error,
-        "cost": found.gamma - 1,
+        "cost": found.cost,
         "samples": _band(found.samples),
     }
 
@@ -70,8 +70,8 @@ def model_in_words(found: "DelayedModel") -> str:
 
 def network_in_words(found: "MeasuredNetwork") -> str:
     """The same of several ports."""
-    scaled = f", S divided by 1 + {found.gamma - 1:.2g} to be passive" if found.gamma > 1 else ""
+    cost = f", of which being passive cost {found.cost:.2g}" if found.cost else ""
     return (
         f"{found.samples.ports} ports, {_poles(found.model.order)}, {found.verdict.status.value} passive, "
-        f"|ΔS| up to {found.error:.2g}{scaled} {_band_in_words(found.samples)}"
+        f"|ΔS| up to {found.error:.2g}{cost} {_band_in_words(found.samples)}"
     )

@@ -36,7 +36,7 @@ class MeasuredMultiport(Multiport):
 
     kind: Literal["touchstone"] = "touchstone"
     nodes: PortNodes = Field(description=f"one for each port, 2 to {MOST_PORTS}, in the file's order")
-    file: str = Field(description="Touchstone file `.s2p` and the like, version 1, looked for beside the scene file")
+    file: str = Field(description="Touchstone file, `.s2p` and the like or `.ts`, looked for beside the scene file")
     tolerance: Tolerance = Field(
         default=Quantity(1e-3, ""), description="largest distance of an entry of the model's S from the file's"
     )
@@ -44,7 +44,7 @@ class MeasuredMultiport(Multiport):
         default=None, description="time from each node to its port, one way; without them the poles stand for it"
     )
     nearest: bool = Field(
-        default=False, description="whether to scale S until it is passive where the fit is not passive"
+        default=False, description="whether to take the nearest passive model where the fit is not passive"
     )
     _model: "MeasuredNetwork" = PrivateAttr()
     _near: tuple[str, ...] | None = PrivateAttr(default=None)  # nodes at which the delays begin

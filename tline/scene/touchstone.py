@@ -36,7 +36,7 @@ class Touchstone(Rational):
     """
 
     kind: Literal["touchstone"] = "touchstone"
-    file: str = Field(description="Touchstone file `.s1p`, version 1, looked for beside the scene file")
+    file: str = Field(description="Touchstone file, `.s1p` or `.ts`, looked for beside the scene file")
     tolerance: Tolerance = Field(
         default=Quantity(1e-3, ""), description="largest distance of the model's S from the file's"
     )

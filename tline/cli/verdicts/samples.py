@@ -43,7 +43,8 @@ def answer(file: str, asked: Asked) -> Answer:
 def _read(file: str, asked: Asked) -> "SampledResponse":
     from passivity.expression.number import double
     from passivity.rational.evaluate import exact
-    from passivity.sampled.read import read_csv, read_touchstone
+    from passivity.sampled.read import read_csv
+    from passivity.sampled.touchstone import read_touchstone
     from tline.cli.options import check_readable
 
     check_readable(file)

@@ -1,0 +1,153 @@
+"""Vector fitting: poles in Re s < 0 that responses have in common.
+
+In each round the samples h are approximated by sum c_i/(s - a_i) + d + e s over sigma = sum c'_i/(s - a_i) + d', which
+is linear in all c and d once multiplied by sigma; the zeros of sigma are better poles. Unstable ones are reflected.
+Several responses share sigma, and so the poles: a QR of each but the last leaves only what it says about sigma.
+
+Few poles are begun anywhere. Many are not: a fit of 60 from poles spread over the band is still far off after ten
+rounds. They begin with those found for a lower order, and with new ones where the misfit is.
+
+References
+----------
+B. Gustavsen, A. Semlyen, "Rational approximation of frequency domain responses by vector fitting", IEEE Transactions on
+Power Delivery 14 (1999), 1052-1061, DOI 10.1109/61.772353.
+B. Gustavsen, "Improving the pole relocating properties of vector fitting", IEEE Transactions on Power Delivery 21
+(2006), 1587-1592, DOI 10.1109/TPWRD.2005.860281 (sigma is held away from 0 by its sum over all samples).
+D. Deschrijver, M. Mrozowski, T. Dhaene, D. De Zutter, "Macromodeling of multiport systems using a fast implementation
+of the vector fitting method", IEEE Microwave and Wireless Components Letters 18 (2008), 383-385,
+DOI 10.1109/LMWC.2008.922585 (several responses).
+S. Grivet-Talocia, M. Bandinu, "Improving the convergence of vector fitting for equivalent circuit extraction from noisy
+frequency responses", IEEE Transactions on Electromagnetic Compatibility 48 (2006), 104-120,
+DOI 10.1109/TEMC.2006.870814 (poles are added where the misfit is).
+"""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from passivity.sampled.model import terms
+
+ROUNDS = 10
+FRESH = 8  # poles up to which each order begins anew
+MORE_ROUNDS = 5  # for orders that begin with the poles of a lower one
+ENOUGH = 6  # samples for each pole, and a hundred, with which the poles of high orders are looked for
+HUNDRED = 100
+EVENLY = 0.05  # part of the new poles that is spread evenly, wherever the misfit is
+LOWEST = 1e-12  # of the band; where samples lie lower, poles start here
+FARTHEST = 1e4  # modulus of a pole, of the highest frequency: beyond, it is like a constant
+NARROWEST = 1e-9  # -Re a of a pole, of the highest frequency or of the modulus
+
+
+def poles_of(w: NDArray, h: NDArray[np.complex128], orders: Iterable[int], grows: bool = False) -> Iterator[NDArray]:
+    """For each order in turn, poles in Re s < 0 that responses have in common, one of each pair.
+
+    Parameters
+    ----------
+    w : ndarray, shape (n,)
+        Angular frequencies, in units of the highest.
+    h : ndarray, shape (n, k)
+        Samples of k responses, of the size of 1.
+    orders : iterable of int
+        Numbers of poles, both of a pair counted, rising, at most n - 2.
+    grows : bool
+        Whether responses may grow like s.
+    """
+    poles: NDArray[np.complex128] = np.zeros(0, complex)
+    for order in orders:
+        more = order - count(poles)
+        if order <= FRESH:
+            poles = _first_poles(w, order)
+            for _ in range(ROUNDS if order else 0):
+                poles = _relocated(w, h, poles, grows)
+        elif more > 0:
+            poles = _grown(poles, w, misfit(poles, w, h, grows), more)
+            stride = max(len(w) // (ENOUGH * order + HUNDRED), 1)
+            poles = _settled(w[::stride], h[::stride], poles, grows)
+        yield poles
+
+
+def count(poles: NDArray[np.complex128]) -> int:
+    """Number of poles, both of a pair counted.
+
+    Examples
+    --------
+    >>> count(np.array([-1 + 2j, -3]))
+    3
+    """
+    return int((1 + (poles.imag > 0)).sum())
+
+
+def coefficients(poles: NDArray[np.complex128], w: NDArray, h: NDArray[np.complex128], grows: bool = False) -> NDArray:
+    """Of residues and constant, and of s if the responses grow, one column for each response."""
+    return solve(terms(poles, w)[:, : count(poles) + 1 + grows], h)
+
+
+def misfit(poles: NDArray[np.complex128], w: NDArray, h: NDArray[np.complex128], grows: bool = False) -> NDArray:
+    """Largest distance of a response from the best sum of these fractions, at each frequency."""
+    x = coefficients(poles, w, h, grows)
+    return np.abs(terms(poles, w)[:, : len(x)] @ x - h).max(1)
+
+
+def _first_poles(w: NDArray, order: int) -> NDArray:
+    """Narrow pairs over the whole band, and a real pole if the order is odd."""
+    low = max(float(w[w > 0].min()), LOWEST)
+    spread = np.geomspace if low < 1e-2 else np.linspace
+    im = spread(low, 1.0, order // 2)
+    return np.append(-im / 100 + 1j * im, [-1.0] * (order % 2))
+
+
+def _grown(poles: NDArray, w: NDArray, misfit: NDArray, more: int) -> NDArray:
+    """With narrow pairs at equal shares of the squared misfit, and a real pole if the number is odd."""
+    power = misfit**2 + EVENLY * (misfit**2).mean() + np.finfo(float).tiny
+    share = np.cumsum(power / power.sum())
+    im = np.interp((np.arange(more // 2) + 0.5) / max(more // 2, 1), share, np.maximum(w, LOWEST))
+    return np.concatenate([poles, -im / 100 + 1j * im, [-1.0] * (more % 2)])
+
+
+def _settled(w: NDArray, h: NDArray, poles: NDArray, grows: bool) -> NDArray:
+    """The best of some rounds."""
+    least, best = np.inf, poles
+    for _ in range(MORE_ROUNDS):
+        poles = _relocated(w, h, poles, grows)
+        if (off := misfit(poles, w, h, grows).max()) < least:
+            least, best = off, poles
+    return best
+
+
+def _relocated(w: NDArray, h: NDArray, poles: NDArray, grows: bool) -> NDArray:
+    """The zeros of sigma, reflected into the left half plane."""
+    phi = terms(poles, w)
+    order = phi.shape[1] - 2
+    above, below = phi[:, : order + 1 + grows], phi[:, : order + 1]
+    own, weight = above.shape[1], float(np.linalg.norm(h)) / len(h)
+    *others, last = (np.hstack([above, -values[:, None] * below]) for values in h.T)
+    rows = [np.linalg.qr(_real(each), mode="r")[own:] for each in others]  # without what is their own
+    held = np.concatenate([np.zeros(own), below.real.sum(0)]) * weight
+    target = np.append(np.zeros(len(h), complex), weight * len(h))
+    target = np.append(target, np.zeros(sum(map(len, rows))))
+    x = solve(np.vstack([last, held, *rows]).astype(complex), target[:, None])[:, 0]
+    c, d = x[-order - 1 : -1], x[-1]
+    matrix, column, k = np.zeros((order, order)), np.zeros(order), 0
+    for a in poles:
+        width = 1 + (a.imag > 0)
+        matrix[k : k + width, k : k + width] = [[a.real, a.imag], [-a.imag, a.real]] if width == 2 else a.real
+        column[k] = width
+        k += width
+    zeros = np.linalg.eigvals(matrix - np.outer(column, c) / (d if abs(d) > 1e-8 else 1e-8))
+    zeros = zeros[zeros.imag >= 0]
+    zeros /= np.maximum(np.abs(zeros) / FARTHEST, 1)
+    return -np.maximum(np.abs(zeros.real), NARROWEST * np.maximum(np.abs(zeros), 1)) + 1j * zeros.imag
+
+
+def solve(matrix: NDArray[np.complex128], target: NDArray[np.complex128]) -> NDArray:
+    """Real least-squares solutions of complex equations, one for each column of the target; columns of one size."""
+    a, b, n = _real(matrix), _real(target), matrix.shape[1]
+    sizes = np.linalg.norm(a, axis=0)
+    sizes[sizes == 0] = 1.0
+    r = np.asarray(np.linalg.qr(np.column_stack([a / sizes, b]), mode="r"))  # all that matters of many rows
+    return np.linalg.lstsq(r[:, :n], r[:, n:], rcond=None)[0] / sizes[:, None]
+
+
+def _real(matrix: NDArray[np.complex128]) -> NDArray:
+    return np.vstack([matrix.real, matrix.imag])

@@ -1,0 +1,69 @@
+"""Storage functions of large systems prove no more than the exact test does, and hold when they are verified."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from passivity import (
+    RationalMatrix,
+    SampledResponse,
+    StateSpace,
+    Status,
+    check_bounded_real_matrix,
+    fit_scattering,
+    verify,
+)
+from passivity.multiport.strict_storage import proves, strict_storage
+from passivity.sampled.matrix_model import MatrixModel
+
+
+def random_model(seed, ports, pairs, size):
+    """With a largest singular value of about `size` at the resonances."""
+    rng = np.random.default_rng(seed)
+    poles = -(10.0 ** rng.uniform(-3, 0, pairs)) + 1j * rng.uniform(0.1, 10, pairs)
+    R = (rng.normal(size=(2, pairs, ports, ports)) * -poles.real[:, None, None] / ports) @ np.diag(
+        rng.uniform(0.1, 1, ports)
+    )
+    model = MatrixModel(poles, R[0] + 1j * R[1], rng.normal(size=(ports, ports)) / 10)
+    w = np.concatenate([[0.0], poles.imag, np.linspace(0, 20, 4000)])
+    return model.over(float(np.linalg.norm(model.at(w), 2, axis=(1, 2)).max()) / size)
+
+
+def system_of(model):
+    return StateSpace.from_entries(*(x.tolist() for x in model.realised()))
+
+
+@settings(max_examples=15, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), ports=st.integers(1, 3), pairs=st.integers(1, 3), size=st.floats(0.3, 1.1))
+def test_what_is_proved_is_passive(seed, ports, pairs, size):
+    model = random_model(seed, ports, pairs, size)
+    matrix = RationalMatrix(tuple(tuple(model.entry(i, k).rational() for k in range(ports)) for i in range(ports)))
+    exact = check_bounded_real_matrix(matrix).status
+    storage = strict_storage(system_of(model))
+    if size < 0.99 and exact is Status.PROVED:
+        assert storage is not None
+    if storage is not None:
+        assert exact is Status.PROVED
+
+
+def test_another_matrix_proves_nothing():
+    system = system_of(random_model(1, 2, 3, 0.9))
+    storage = strict_storage(system)
+    assert proves(system, storage)
+    assert not proves(system, storage * 100)
+    assert not proves(system, storage * -1)
+
+
+@pytest.mark.parametrize("size", [0.9, 1.5])
+def test_six_ports(size):
+    """More ports than the exact test takes in seconds."""
+    model, w = random_model(6, 6, 4, size), np.linspace(0, 20, 200)
+    samples = SampledResponse(w / (2 * np.pi), model.at(w), "S")
+    if size > 1:
+        worst = np.linalg.norm(samples.values, 2, axis=(1, 2)).max()
+        samples = SampledResponse(samples.f, samples.values / worst, "S")  # passive at the samples, hardly between
+    found = fit_scattering(samples, 1e-2, nearest=True)
+    assert found.verdict.status is Status.PROVED
+    assert verify(found.verdict.certificate)
+    assert found.error <= 1e-2

@@ -1,0 +1,136 @@
+"""What is read from Touchstone files, against matrices of networks that are known."""
+
+import numpy as np
+import pytest
+
+from passivity import Status, check_samples, read_touchstone
+
+F = np.array([1e6, 2e6, 5e6])
+S = 2j * np.pi * F
+# impedances of a tee: 30 ohm, 20 ohm + 2 uH, and 5 nF between
+Z = np.stack([[30 + 1 / (5e-9 * s) * np.array([1, 1]), 1 / (5e-9 * s) * np.array([1, 1])] for s in S])
+Z[:, 0, 0], Z[:, 1, 1] = 30 + 1 / (5e-9 * S), 20 + 2e-6 * S + 1 / (5e-9 * S)
+Z[:, 0, 1] = Z[:, 1, 0] = 1 / (5e-9 * S)
+
+
+def of_power(z0):
+    """Of power waves (Kurokawa 1965) with references z0, shape (2,) or (n, 2)."""
+    z0 = np.broadcast_to(z0, (len(F), 2)).astype(complex)
+    root = np.sqrt(z0.real)
+    Z0 = z0[:, :, None] * np.eye(2)
+    return (Z - Z0.conj()) @ np.linalg.inv(Z + Z0) * root[:, None, :] / root[:, :, None]
+
+
+def text(matrix, digits=12):
+    return [" ".join(f"{x.real:.{digits}g} {x.imag:.{digits}g}" for x in row) for row in matrix]
+
+
+def lines(values, order=((0, 0), (1, 0), (0, 1), (1, 1))):
+    return [f"{f:g} " + " ".join(text([[s[i, k] for i, k in order]])) for f, s in zip(F, values, strict=True)]
+
+
+def read(tmp_path, name, *rows):
+    (tmp_path / name).write_text("\n".join(rows) + "\n")
+    return read_touchstone(tmp_path / name)
+
+
+def test_version_2_is_read_like_version_1(tmp_path):
+    values = of_power(50)
+    one = read(tmp_path, "a.s2p", "# Hz S RI R 50", *lines(values))
+    head = "[Version] 2.0", "# Hz S RI R 50", "[Number of Ports] 2"
+    plain = read(
+        tmp_path,
+        "a.ts",
+        *head,
+        "[Two-Port Data Order] 12_21",
+        "[Network Data]",
+        *lines(values, ((0, 0), (0, 1), (1, 0), (1, 1))),
+        "[End]",
+    )
+    lower = read(
+        tmp_path,
+        "b.ts",
+        *head,
+        "[Two-Port Data Order] 12_21",
+        "[Matrix Format] Lower",
+        "[Network Data]",
+        *lines(values, ((0, 0), (1, 0), (1, 1))),
+        "[End]",
+    )
+    upper = read(
+        tmp_path,
+        "c.ts",
+        *head,
+        "[Two-Port Data Order] 12_21",
+        "[Matrix Format] Upper",
+        "[Network Data]",
+        *lines(values, ((0, 0), (0, 1), (1, 1))),
+        "[End]",
+    )
+    for found in (one, plain, lower, upper):
+        assert found.z0.tolist() == [50, 50]
+        np.testing.assert_allclose(found.values, values, atol=1e-11)
+        np.testing.assert_allclose(found.rounding.along, one.rounding.along, rtol=1e-9)
+
+
+def test_references_of_version_2_are_each_port_s(tmp_path):
+    values = of_power([50, 75])
+    found = read(
+        tmp_path,
+        "a.ts",
+        "[Version] 2.0",
+        "# Hz S RI R 50",
+        "[Number of Ports] 2",
+        "[Two-Port Data Order] 21_12",
+        "[Reference] 50 75",
+        "[Network Data]",
+        *lines(values),
+        "[End]",
+    )
+    assert found.z0.tolist() == [50, 75]
+    np.testing.assert_allclose(found.values, values, atol=1e-11)
+
+
+def test_impedances_of_version_2_are_in_ohm(tmp_path):
+    found = read(
+        tmp_path,
+        "a.ts",
+        "[Version] 2.0",
+        "# Hz Z RI R 50",
+        "[Number of Ports] 2",
+        "[Two-Port Data Order] 21_12",
+        "[Reference] 50 75",
+        "[Network Data]",
+        *lines(Z),
+        "[End]",
+    )
+    np.testing.assert_allclose(found.values, of_power([50, 75]), atol=1e-9)
+
+
+@pytest.mark.parametrize("z0", [[50 - 5j, 50 - 5j], [[40 + 3j, 60], [41 + 2j, 61], [42, 62 - 9j]]])
+def test_complex_and_changing_references_become_one_resistance(tmp_path, z0):
+    z0 = np.broadcast_to(z0, (3, 2)).astype(complex)
+    ports = [" ".join(f"{z.real:g} {z.imag:g}" for z in row) for row in z0]
+    rows = [x for s, port in zip(lines(of_power(z0)), ports, strict=True) for x in (s, f"! Port Impedance {port}")]
+    found = read(tmp_path, "a.s2p", "! S-parameter uses the power definition", "# Hz S RI R 50", *rows)
+    assert found.z0.tolist() == [50, 50]
+    np.testing.assert_allclose(found.values, of_power(50), atol=1e-10)
+
+
+@pytest.mark.parametrize("digits", [2, 3, 5])
+def test_rounded_digits_of_a_lossless_network_refute_nothing(tmp_path, digits):
+    rng, z0 = np.random.default_rng(digits), np.array([35 + 20j, 90 - 10j])
+    x = rng.normal(size=(40, 2, 2)) * 50
+    z, root = 1j * (x + x.swapaxes(1, 2)), np.sqrt(z0.real)
+    s = (z - np.diag(z0.conj())) @ np.linalg.inv(z + np.diag(z0)) * root[None, None, :] / root[None, :, None]
+    order = ((0, 0), (1, 0), (0, 1), (1, 1))
+    rows = [
+        x
+        for k, m in enumerate(s)
+        for x in (f"{k + 1} " + text([[m[i, j] for i, j in order]], digits)[0], "! Port Impedance 35 20 90 -10")
+    ]
+    found = read(tmp_path, "a.s2p", "! S-parameter uses the power definition", "# Hz S RI R 50", *rows)
+    verdict = check_samples(found)
+    assert verdict.status is Status.NO_VIOLATION
+    # most bars are of the size of the digits, so what is truly active is still seen
+    assert np.median(verdict.bars) < 4 * 10.0**-digits
