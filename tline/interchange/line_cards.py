@@ -94,6 +94,8 @@ def _check_begin(card: Card, net: Netlist, *nodes: str) -> None:
 def coupled_line(card: Card, net: Netlist) -> None:
     """A P element by a CPL model: upper triangles of matrices."""
     plain, own = card.assigned(0)
+    if len(plain) < 5:
+        raise card.refuse("is not whole", "N nodes and 0, twice, and a model")
     *nodes, name = plain
     first, second = _conductors(card, net, nodes)
     model = net.model(card, name)

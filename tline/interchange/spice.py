@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from tline.errors import InputError, SceneError
 from tline.interchange.deck import Card, read_deck
 from tline.interchange.elements import merge_shorts, take
@@ -70,11 +72,7 @@ def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
                 skip(card, found, any(each.kind == "D" for each in cards))
     _take(net, [card for card in cards if card.kind != "."], commands[".ic"])
     found.check()
-    if not net.tables["lines"]:
-        note = "a scene needs a line, and none of the netlist's has an inductance: one that joins nothing is added"
-        found.note(str(path), note)
-        net.tables["lines"]["unused"] = {"nodes": ["unused 1", "unused 2"], "z0": 50.0, "delay": net.tran.end}
-    dropped = connected(net)
+    dropped = connected(net) if net.tables["lines"] else set()
     table = {
         "title": deck.title,
         "medium": "electrical",
@@ -84,6 +82,7 @@ def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
     with found.gathered():
         table["probes"] = _probes(net, shown, dropped)
     found.check()
+    _add_unused_line(net, str(path))
     folded(net, {probe["at"] for probe in table["probes"].values()})
     without_idle_capacitors(net)
     with_open_ends(net)
@@ -108,8 +107,23 @@ def _take(net: Netlist, elements: list[Card], begin: list[Card]) -> None:
             if value and not net.tran.uic:
                 raise card.refuse("voltages at t = 0 without UIC in .tran", "UIC, or .nodeset", f"{value:g}")
     for card in sorted(named.values(), key=lambda card: ORDER.get(card.kind, 0)):
-        with net.found.gathered():
-            take(card, net)
+        with net.found.gathered(), np.errstate(all="ignore"):
+            _take_one(card, net)
+
+
+def _take_one(card: Card, net: Netlist) -> None:
+    """An element; what is out of the range of numbers is refused."""
+    try:
+        take(card, net)
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        raise card.refuse("its values are out of range", "moderate ones", str(error)) from None
+
+
+def _add_unused_line(net: Netlist, path: str) -> None:
+    """A line that joins nothing, where the netlist has none, for a scene needs one."""
+    if not net.tables["lines"]:
+        net.found.note(path, "no line has an inductance; a scene needs a line, so one that joins nothing is added")
+        net.tables["lines"]["unused"] = {"nodes": ["unused 1", "unused 2"], "z0": 50.0, "delay": net.tran.end}
 
 
 def _start(net: Netlist, runs: list[Card]) -> str:
@@ -143,7 +157,7 @@ def _probes(net: Netlist, shown: list[tuple[Card, str]], dropped: set[str]) -> d
             net.found.note(card.where, f"v({name}) is skipped, for no waves reach that node")
         else:
             net.found.mistakes.append(card.refuse("no such node", nearest(name, sorted(known)), f"'{name:.40}'"))
-    nodes = nodes or [node for node in ends if not node.startswith("unused ")]
+    nodes = nodes or list(ends) or [node for node in known if node != REFERENCE and "." not in node]
     return {node: {"at": node} | ({"line": ends[node]} if node in ends else {}) for node in nodes}
 
 

@@ -63,6 +63,8 @@ def said_of(card: Card, found: Findings) -> Said:
     shape, numbers = "", []
     while words:
         word, own = words[0].upper(), []
+        if word not in (*SHAPES, "AC", "DC"):
+            raise card.refuse("not known here", "DC, PULSE, PWL, SIN or EXP", f"'{words[0]:.40}'")
         words = words[1:]
         while words and words[0].upper() not in (*SHAPES, "AC", "DC"):
             own, words = [*own, words[0]], words[1:]

@@ -184,7 +184,7 @@ def _renamed(inner: Card, outer: Card, names: Mapping[str, str], opening: _Openi
         own = [f"{outer.name}.{word}" for word in words[:1]]
         return inner._replace(words=own + words[1:], where=where)
     if inner.kind == "K":
-        own = [f"{outer.name}.{word}" for word in words if word[:1] in "lL"]
+        own = [f"{outer.name}.{word}" for word in words[: nodes_of(words) - ("=" not in words)]]
     else:
         count = {"W": nodes_of(words), "P": nodes_of(words) - 1}.get(inner.kind, PORTS.get(inner.kind, 2))
         own = [_outside(node, names, outer.name, opening.shared) for node in words[:count]]

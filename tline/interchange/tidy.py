@@ -18,11 +18,7 @@ def connected(net: Netlist) -> set[str]:
             reached.add(node)
             waiting += neighbours.get(node, ())
     for section, name, nodes in list(net.terminals()):
-        if (
-            len(reached) > 2 - ("unused" not in net.tables["lines"])
-            and not reached.intersection(nodes)
-            and REFERENCE not in nodes[:1]
-        ):
+        if not reached.intersection(nodes) and REFERENCE not in nodes[:1]:
             del net.tables[section][name]
             net.found.note(net.cards[section, name].where, "skipped, for it is connected to no line")
     return neighbours.keys() - reached

@@ -136,7 +136,10 @@ def _insulation(card: Card, net: Netlist, C: float, Gd: float) -> Table:
     """Capacitance and loss tangent of a conductance proportional to frequency: causal, and the same at 1 GHz."""
     tangent = Gd / (2 * np.pi * C)
     said = {"value": tangent, "frequency": HIGH, "low": LOW, "high": TOP}
-    law = LossTangent.model_validate(said).law(C)
+    try:
+        law = LossTangent.model_validate(said).law(C)
+    except ValueError:
+        raise card.refuse("Gd is too large beside C", "a loss tangent below 0.1", f"{tangent:.3g}") from None
     text = (
         f"Gd becomes a loss tangent of {tangent:.3g} from {LOW:g} to {TOP:g} Hz: beside a constant C it is not causal"
     )
