@@ -298,7 +298,7 @@ def test_subcircuits_that_contain_themselves_end(read):
         with pytest.raises(InputError, match=r"line \d, X1: subcircuits in subcircuits"):
             read(*CABLE[:4], ".subckt me a", inside, ".ends", "X1 b me", *CABLE[4:])
     doubling = [f".subckt s{k} a\nX1 a s{k + 1}\nX2 a s{k + 1}\n.ends" for k in range(19)]
-    with pytest.raises(InputError, match="the netlist is too long"):
+    with pytest.raises(InputError, match="its subcircuits make the netlist too long"):
         read(*CABLE[:4], *doubling, ".subckt s19 a\nR1 a 0 1\n.ends", "X1 b s0", *CABLE[4:])
 
 

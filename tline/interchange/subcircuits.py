@@ -15,6 +15,10 @@ PORTS = {"T": 4, "O": 4, "Y": 4, "E": 4, "G": 4, "U": 3, "S": 4, "Q": 3, "J": 3,
 TYPES = ("VCVS", "VCCS", "CCCS", "CCVS")  # of HSPICE, said once more
 
 
+class EndlessError(InputError):
+    """Subcircuits that become too many or too deep, so that no more of them are opened."""
+
+
 @dataclass
 class Subcircuit:
     """A definition: the names of its nodes, default values of its parameters, and its cards."""
@@ -133,15 +137,17 @@ def _opened(cards: list[Card], scope: Parameters, opening: _Opening, depth: int)
     scope = _parameters(cards, scope, opening.found)
     for card in cards:
         if next(opening.counter) > MOST_CARDS:
-            raise card.refuse("with its subcircuits opened, the netlist is too long", f"at most {MOST_CARDS} cards")
+            raise EndlessError(card.where, "its subcircuits make the netlist too long", f"at most {MOST_CARDS} cards")
         if card.kind == "X":
             if depth == DEEPEST:
-                raise card.refuse("subcircuits in subcircuits", f"at most {DEEPEST} deep: does one contain itself?")
-            inner: list[Card] = []
-            with opening.found.gathered():
+                expected = f"at most {DEEPEST} deep: does one contain itself?"
+                raise EndlessError(card.where, "subcircuits in subcircuits", expected)
+            try:
                 inner, names, own = _used(card, opening.subcircuits, scope)
-                inner = list(_inside(card, _opened(inner, own, opening, depth + 1), names, opening))
-            yield from inner
+            except InputError as error:
+                opening.found.mistakes.append(error)
+                continue
+            yield from _inside(card, _opened(inner, own, opening, depth + 1), names, opening)
         elif card.name.lower() not in PARAMETERS:
             yield card._replace(parameters=scope)
 
