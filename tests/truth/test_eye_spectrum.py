@@ -6,14 +6,14 @@ import numpy as np
 
 from tline.frequency.response import respond
 from tline.scene.file import read_scene
-from tline.signal.eye import FINE, eye, prbs7
+from tline.signal.eye_diagram import FINE, eye, prbs7
 
 BIT, RISE, HARMONICS = 200e-12, 50e-12, 20_000
 SCENE = Path(__file__).parents[2] / "scenes" / "stripline_eye.toml"
 
 
 def test_the_second_round_is_nearly_the_periodic_response():
-    """Harmonics of straight edges are sums over their corners; what the first round leaves of the skin effect's tail."""
+    """Harmonics of straight edges are sums over their corners; the tail of the skin effect is not all there yet."""
     scene, bits = read_scene(SCENE), prbs7()
     period = len(bits) * BIT
     w = 2 * np.pi / period * np.arange(1, HARMONICS + 1)
