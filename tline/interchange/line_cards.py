@@ -4,7 +4,7 @@ from math import log, pi
 
 from tline.interchange.deck import Card
 from tline.interchange.netlist import REFERENCE, Netlist
-from tline.interchange.rlgc import rlgc_matrices, symmetric
+from tline.interchange.rlgc import UPPER, rlgc_matrices, symmetric
 from tline.interchange.uniform_line import add_conductors, add_uniform
 
 NUMERICAL = {  # of LTRA: how that program computes, not what the line is
@@ -109,11 +109,7 @@ def coupled_line(card: Card, net: Netlist) -> None:
     for key, words in given.items():
         if key not in ("r", "l", "g", "c"):
             raise model.refuse("not a list of what a line has", "R, L, G, C and length", f"'{key:.40}'")
-        values = [model.value(word) for word in words]
-        if len(values) != k * (k + 1) // 2:
-            problem, expected = f"its {key.upper()} is not an upper triangle", f"{k * (k + 1) // 2} values"
-            raise model.refuse(problem, expected, f"{len(values)}")
-        matrices[key] = symmetric(values, k, lower=False)
+        matrices[key] = symmetric(model, key, words, k, UPPER)
     if len(length) != 1:
         raise model.refuse("its length is not given once", "length=1")
     add_conductors(card, net, (first, second), matrices, model.value(length[0]))

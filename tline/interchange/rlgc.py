@@ -9,15 +9,19 @@ from tline.scene.text_file import read_text
 MATRICES = {"l0": "l", "c0": "c", "r0": "r", "g0": "g", "rs": "rs", "gd": "gd"}
 IN_FILE = ("l", "c", "r", "g", "rs", "gd")  # in this order
 NO_MATTER = {"delayopt", "fgd"}  # the first tells how to compute, the second is a corner of Gd
+LOWER, UPPER = "a lower", "an upper"
 Matrix = list[list[float]]
 
 
-def symmetric(values: list[float], n: int, lower: bool) -> Matrix:
+def symmetric(model: Card, key: str, words: list[str], n: int, side: str) -> Matrix:
     """Rows of a symmetric matrix by its lower or upper triangle, row by row."""
+    if len(words) != n * (n + 1) // 2:
+        problem, expected = f"its {key.capitalize()} is not {side} triangle", f"{n * (n + 1) // 2} values"
+        raise model.refuse(problem, expected, f"{len(words)}")
     rows = [[0.0] * n for _ in range(n)]
-    places = [(i, j) for i in range(n) for j in (range(i + 1) if lower else range(i, n))]
-    for (i, j), value in zip(places, values, strict=True):
-        rows[i][j] = rows[j][i] = value
+    places = [(i, j) for i in range(n) for j in (range(i + 1) if side == LOWER else range(i, n))]
+    for (i, j), word in zip(places, words, strict=True):
+        rows[i][j] = rows[j][i] = model.value(word)
     return rows
 
 
@@ -69,11 +73,7 @@ def _from_model(model: Card, n: int) -> dict[str, Matrix]:
         name = MATRICES.get(key[0] + "0" if key[1:] in ("", "o") else key)
         if name is None or name in found:
             raise model.refuse("not a list of what a line has", "Lo, Co, Ro, Go, Rs and Gd, each once", f"'{key:.40}'")
-        values = [model.value(word) for word in words]
-        if len(values) != n * (n + 1) // 2:
-            problem, expected = f"its {key.capitalize()} is not a lower triangle", f"{n * (n + 1) // 2} values"
-            raise model.refuse(problem, expected, f"{len(values)}")
-        found[name] = symmetric(values, n, lower=True)
+        found[name] = symmetric(model, key, words, n, LOWER)
     return found
 
 
@@ -84,9 +84,10 @@ def _from_file(card: Card, net: Netlist, name: str, n: int) -> dict[str, Matrix]
     except InputError as error:
         raise card.refuse(error.problem.replace("scene's", "netlist's"), error.expected, error.got) from None
     words = [word for line in text.splitlines() for word in line.partition("*")[0].replace(",", " ").split()]
-    numbers, size = [card.value(word) for word in words], n * (n + 1) // 2
-    if not numbers or numbers[0] != n or (len(numbers) - 1) % size or not 2 <= (len(numbers) - 1) // size <= 6:
+    size = n * (n + 1) // 2
+    count, left = divmod(len(words) - 1, size)
+    if not words or card.value(words[0]) != n or left or not 2 <= count <= len(IN_FILE):
         problem = f"'{name:.60}' has not the numbers of {n} conductors"
         raise card.refuse(problem, f"{n}, then {size} numbers for each of L, C, R, G, Rs and Gd, at least L and C")
-    parts = [numbers[1 + k * size : 1 + (k + 1) * size] for k in range((len(numbers) - 1) // size)]
-    return {key: symmetric(part, n, lower=True) for key, part in zip(IN_FILE, parts, strict=False)}
+    parts = [words[1 + k * size : 1 + (k + 1) * size] for k in range(count)]
+    return {key: symmetric(card, key, part, n, LOWER) for key, part in zip(IN_FILE, parts, strict=False)}
