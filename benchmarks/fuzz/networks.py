@@ -26,6 +26,14 @@ CARDS = (
     "+ {v}", "* comment", ".include /etc/passwd", ".lib x", ".print tran V({a})", ".control\nshell touch x\n.endc",
     ".ic V({a})={v}",
     "W{n} {a} 0 {b} 0 N=1 RLGCMODEL=w", "Q{n} {a} {b} 0 m", "R{n} {a} {b} {{{e}}}",
+    "W{n} {a} 0 {b} 0 N=1 L={v} RLGCMODEL=w\n.model w W MODELTYPE=RLGC N=1 Lo={v} Co={v} Ro={v} Gd={v}",
+    "W{n} {a} 0 {b} 0 N=1 L={v} RLGCFILE={a}", "F{n} {a} {b} V1 {v}", "H{n} {a} 0 V1 {v}",
+    "T{n} {a} {b} c 1 Z0={v} TD={v}",
+    "P{n} {a} {b} 0 c 1 0 cpl\n.model cpl CPL R={v} 0 {v} L={v} {v} {v} C={v} {v} {v} G=0 0 0 length={v}",
+    "Y{n} {a} 0 {b} 0 txl\n.model txl TXL R={v} L={v} C={v} G={v} length={v}", "E{n} {a} {b} POLY(1) c 0 {v} {v}",
+    "U{n} {a} {b} 0 urc L={v} N={v}\n.model urc URC K={v} FMAX={v} RPERL={v} CPERL={v}", "C{n} {a} {b} {v} IC={v}",
+    "V{n} {a} {b} 0", ".param a={{b}} b={{a}}", ".param c={{d+1}} d={v}", ".tran 0 {v} 0", ".include net.cir",
+    ".global {a}", ".options x={v}", ".measure tran m MAX v({a})", "I{n} {a} {b} {w} AC 1", "R{n} {a} {b} 0",
 )  # fmt: skip
 EXPRESSIONS = (
     "1+1",
@@ -38,6 +46,12 @@ EXPRESSIONS = (
     "p*q",
     "a b",
     "1e308*1e308",
+    "sqrt(p)",
+    "max(1,",
+    "pow(10,400)",
+    "exp(999)",
+    "log(0)",
+    "(" * 3000,
     "-" * 2000 + "1",
 )
 EPANET = """[TITLE]

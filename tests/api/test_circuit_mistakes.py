@@ -144,25 +144,6 @@ def test_vessels_may_stand_beside_valves():
     assert len(scene(medium="hydraulic", loads=loads, links=links).laws) == 4
 
 
-PAIR = {
-    "nodes1": ["a", "b"], "nodes2": ["c", "d"], "even": {"z0": 60, "delay": 1e-9}, "odd": {"z0": 40, "delay": 1e-9}
-}  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("parts", "message"),
-    [
-        ({"links": {"x": {"kind": "resistor", "resistance": 1, "nodes": ["a", "b"]}}}, "links.x: ends at node 'a' of"),
-        ({"sources": {"x": V | {"nodes": ["a", "b"], "resistance": 1}}}, "sources.x: ends at node 'a' of coupled"),
-        ({"loads": {"x": {"kind": "diode", "saturation": 1e-9, "at": "a"}}}, "loads.x: a diode load at node 'a' of"),
-    ],
-)
-def test_coupled_conductors_know_loads_and_sources_to_the_reference(parts, message):
-    with pytest.raises(SceneError) as found:
-        scene(lines={"pair": PAIR}, **parts)
-    assert str(found.value).startswith(message)
-
-
 @pytest.mark.parametrize("kind", ["resistor", "inductor", "capacitor", "series", "impedance", "switch", "transformer"])
 def test_a_steady_start_knows_links_of_two_terminals(kind):
     given = {

@@ -55,7 +55,7 @@ def test_jumps_take_the_time_that_is_given(folder: Path) -> None:
     [
         ("import none.cir", "none.cir: cannot be read"),
         ("import cable.txt", "cable.txt: unknown kind of file, expected .cir"),
-        ("import bad.cir", "bad.cir, line 3, J1: not known here, expected R, L, C"),
+        ("import bad.cir", "bad.cir, line 3, J1: a transistor, and there are none here"),
         ("export none.toml", "none.toml: cannot be read"),
         ("export cable.toml -o cable.net", "--output: unknown kind of file, expected .cir, got 'cable.net'"),
         ("export cable.toml --rise 3V", "--rise: this unit measures something else"),

@@ -72,6 +72,14 @@ def test_eye(folder: Path) -> None:
     assert told["height"] == pytest.approx(2 / 3, rel=1e-6)
 
 
+def test_an_eye_that_touches_its_mask_exits_with_1() -> None:
+    line = "eye cable.toml --probe far --bit '1 ns' --rise '0.2 ns' --tol 1e-4 --json --mask "
+    free, touched = run(line + "'0.5 ns, 0.5 V'"), run(line + "'0.5 ns, 0.7 V'")
+    assert (free.exit_code, json.loads(free.stdout)["mask_hits"]) == (0, 0)
+    assert (touched.exit_code, json.loads(touched.stdout)["mask_hits"]) == (1, 127)
+    assert json.loads(free.stdout)["jitter"] == pytest.approx(0, abs=1e-15)
+
+
 def test_a_closed_eye_exits_with_1(folder: Path) -> None:
     slow = CABLE.replace('"resistor"', '"parallel"').replace("resistance = 150", 'capacitance = "1 nF"')
     (folder / "cable.toml").write_text(slow, encoding="utf-8")
@@ -105,6 +113,10 @@ def test_load_lines(folder: Path) -> None:
         ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --bits 111", "--bits: not a bit pattern"),
         ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --source x", "--source: no such source"),
         ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --high 3s", "sources.driver.value"),
+        ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --mask 1e-9", "--mask: not a width and a height"),
+        ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --mask '2 ns, 1 V'", "--mask: its width is none within"),
+        ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --tol 2", "--tol: tolerance out of range"),
+        ("tdr cable.toml --port near --rise 1e-10 --tol x", "--tol: "),
     ],
 )
 def test_a_mistake_is_one_sentence(line: str, sentence: str, folder: Path) -> None:

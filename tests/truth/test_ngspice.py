@@ -99,5 +99,5 @@ def test_multiports_read_do_the_same(name, tmp_path):
         "\n".join([*cards, ".options acct", f".tran {NS / steps} 12n 0 {NS / steps} uic", ".end"]) for steps in STEPS
     ]
     runs = [ngspice.transient(text)[0] for text in texts]
-    theirs = distances(read_spice(tmp_path / "net.cir"), runs)
+    theirs = distances(read_spice(tmp_path / "net.cir")[0], runs)
     assert_theirs_is_the_error(theirs, *([2.9e-5] if name == "diodes" else []))

@@ -59,7 +59,7 @@ NETS = {
 @pytest.mark.parametrize("name", NETS)
 def test_a_netlist_read_obeys_its_nodal_equations(name, tmp_path):
     (tmp_path / "c.cir").write_text("\n".join([name, *NETS[name], ".tran 1p 9n"]), encoding="utf-8")
-    scene = read_spice(tmp_path / "c.cir")
+    scene = read_spice(tmp_path / "c.cir")[0]
     for s in (1e8 + 3e9j, 2e8 - 7e8j, 1e9 + 1e7j):
         exact = nodal(NETS[name], s)
         for probe in scene.probes:
@@ -78,7 +78,7 @@ W_NET = [
 def test_a_w_element_is_the_line_of_the_manual(tmp_path):
     """Z = Ro + √f (1+j) Rs + 2πj f Lo, Y = Go + 2πj f Co, and the textbook's chain matrix."""
     (tmp_path / "w.cir").write_text("\n".join(W_NET), encoding="utf-8")
-    scene = read_spice(tmp_path / "w.cir")
+    scene = read_spice(tmp_path / "w.cir")[0]
     for f in (1e3, 1e7, 3e8, 1e10):
         Z, Y = RO + np.sqrt(f) * (1 + 1j) * RS + 2j * np.pi * f * LO, GO + 2j * np.pi * f * CO
         gamma, z0 = np.sqrt(Z * Y) * LENGTH, np.sqrt(Z / Y)
@@ -99,6 +99,6 @@ def test_conductors_of_a_w_element_driven_alike_are_one_w_element(tmp_path):
     found = []
     for cards in (pair, alone):
         (tmp_path / "w.cir").write_text("\n".join(["w", *cards, *ends]), encoding="utf-8")
-        scene = read_spice(tmp_path / "w.cir").with_changes(solver={"order": 6, "slab": "0.25 ns"})
+        scene = read_spice(tmp_path / "w.cir")[0].with_changes(solver={"order": 6, "slab": "0.25 ns"})
         found.append(simulate(scene, active=True).probes["d"].u)
     assert np.abs(found[0] - found[1]).max() < 1e-12

@@ -20,8 +20,8 @@ Examples:
 def import_(file: str, output: str | None, wave_speed: str | None, material: str | None, at_hour: str | None) -> None:
     """Turn another program's file into a scene.
 
-    FILE is a SPICE netlist (.cir, .ckt, .net, .sp) or a network of EPANET (.inp). What no scene has is refused, and the
-    line or the element is named. Nothing is left out but what is closed in a network, and you are told.
+    FILE is a SPICE netlist (.cir, .ckt, .net, .sp, .spi) or a network of EPANET (.inp). What no scene has is refused,
+    all of it at once, and the lines or the elements are named. What is left out without harm is noted.
     """
     from pathlib import Path
 

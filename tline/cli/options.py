@@ -11,6 +11,10 @@ from tline.errors import ActiveError, InputError, SceneError
 PICTURE = (".png", ".svg", ".pdf")
 confined_option = click.option("--confined", is_flag=True, help="Read no files outside of the scene's folder.")
 
+tol_option = click.option(
+    "--tol", metavar="NUMBER", help="Largest error, relative to the amplitude; the scene's, or 1e-6, if not given."
+)
+
 
 def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None:
     """Refuse files that could not be written, by option with its suffixes, before time is spent on them.
@@ -64,7 +68,21 @@ def hours(text: str | None) -> float:
     try:
         return float(text)
     except ValueError:
-        raise InputError("--at-hour", "not a number of hours", "such as 17 or 17.5", text) from None
+        raise InputError("--at-hour", "not a number of hours", "such as 17 or 17.5", text or "") from None
+
+
+def tolerance(text: str) -> float:
+    """The tolerance that an option `--tol` says.
+
+    Raises
+    ------
+    InputError
+        It is no number, or out of range.
+    """
+    from tline.scene.quantity import TOLERANCE
+
+    with options_named({"": "--tol"}):
+        return float(TOLERANCE.parse(text, ""))
 
 
 @contextmanager

@@ -4,7 +4,7 @@ import json
 
 import click
 
-from tline.cli.options import PICTURE, check_files, confined_option, options_named
+from tline.cli.options import PICTURE, check_files, confined_option, options_named, tol_option, tolerance
 
 EXAMPLES = """\b
 Examples:
@@ -21,10 +21,18 @@ Examples:
 @click.option("--to", "t_end", metavar="TIME", help="How long to look; until the scene's end if not given.")
 @click.option("--csv", metavar="FILE.csv", help="Time, incident and reflected wave per step, impedance.")
 @click.option("--plot", metavar="FILE", help="Waves and impedance over time; .png, .svg or .pdf.")
+@tol_option
 @confined_option
 @click.option("--json", "as_json", is_flag=True, help="Print all numbers.")
 def tdr(
-    scene: str, port: str, csv: str | None, plot: str | None, confined: bool, as_json: bool, **given: str | None
+    scene: str,
+    port: str,
+    csv: str | None,
+    plot: str | None,
+    tol: str | None,
+    confined: bool,
+    as_json: bool,
+    **given: str | None,
 ) -> None:
     """Send a step into a node of a scene, and show what comes back.
 
@@ -38,7 +46,8 @@ def tdr(
 
     read = read_scene(scene, confined=confined)
     with options_named({"node": "--port", "rise": "--rise", "z0": "--z0", "t_end": "--to"}):
-        seen = reflectometry(read, port, given["rise"] or "", given["z0"], given["t_end"])
+        chosen = {} if tol is None else {"tol": tolerance(tol)}
+        seen = reflectometry(read, port, given["rise"] or "", given["z0"], given["t_end"], **chosen, progress=True)
     medium = MEDIA[read.medium]
     if csv:
         save_reflections(seen, csv)

@@ -9,7 +9,7 @@ from tline.scene.file import read_scene
 from tline.scene.scene import Scene
 from tline.scene.text_file import check_ordinary
 
-SPICE, EPANET = (".cir", ".ckt", ".net", ".sp"), (".inp",)  # suffixes
+SPICE, EPANET = (".cir", ".ckt", ".net", ".sp", ".spi"), (".inp",)  # suffixes
 
 
 def read(
@@ -26,7 +26,7 @@ def read(
     Parameters
     ----------
     path : str or Path
-        A scene in TOML; or a SPICE netlist (.cir, .ckt, .net, .sp) or a water network of EPANET (.inp).
+        A scene in TOML; or a SPICE netlist (.cir, .ckt, .net, .sp, .spi) or a water network of EPANET (.inp).
     wave_speed, material, hour
         Of an .inp file, as of `tline.interchange.read_inp`.
     progress : bool
@@ -46,7 +46,7 @@ def read(
     Warns
     -----
     LeftOutWarning
-        For each thing that is left out of a water network, or taken otherwise.
+        For each thing that is left out of a netlist or a water network, or taken otherwise.
     """
     path, water = Path(path), {"wave_speed": wave_speed, "material": material, "hour": hour}
     if path.suffix.lower() not in (*SPICE, *EPANET):
@@ -79,7 +79,7 @@ def read_foreign(path: Path, **water: Any) -> tuple[Scene, tuple[str, ...]]:
     if suffix in SPICE:
         from tline.interchange.spice import read_spice
 
-        return read_spice(path), ()
+        return read_spice(path)
     from tline.interchange.water_scene import read_inp
 
     return read_inp(str(path), water["wave_speed"], material=water["material"], hour=water["hour"] or 0.0)

@@ -1,21 +1,28 @@
-"""A SPICE netlist as cards: lines joined, comments cut, subcircuits opened, every card with its line number."""
+"""A SPICE netlist as cards: files included, lines joined, comments cut, every card with its file and line number.
+
+No parser from elsewhere: those that are maintained list devices and leave sources, expressions and models as text.
+"""
 
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from itertools import count
+from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
 from tline.errors import InputError
+from tline.interchange.findings import Findings
 from tline.interchange.spice_number import Parameters, parse_value
+from tline.scene.named_file import Folder
 from tline.scene.text_file import read_text
 
 LONGEST = 400  # characters of what is said of a card
-MOST_CARDS, DEEPEST = 100_000, 20  # after all subcircuits are opened
+MOST_CARDS, MOST_FILES, DEEPEST = 100_000, 100, 20
 COMMENT = re.compile(r";.*|//.*|(?:^|\s)\$.*")
-WORD = re.compile(r"\{[^{}]*\}|'[^']*'|=|[^\s(),={}']+")
-GROUND = {"0", "gnd"}
+WORD = re.compile(r"\{[^{}]*\}|'[^']*'|\"[^\"]*\"|=|[^\s(),={}'\"]+")
+FILE = re.compile(r"\.\w+\s+(?:\"([^\"]*)\"|'([^']*)'|(\S+))\s*(\S*)")
+INCLUDES = (".include", ".inc", ".incl", ".lib")
+OTHER_RUNS = (".alter", ".modify", ".mo", ".fault")  # HSPICE's and gnucap's: change the circuit, and run again
+WITHIN_CONTROL = {"tran": ".tran", "plot": ".plot", "print": ".print", "save": ".save", "write": ".save"}
 
 
 class Card(NamedTuple):
@@ -36,68 +43,42 @@ class Card(NamedTuple):
         """The error to raise, pointing here, whatever long words the card has."""
         return InputError(self.where, *(f"{text:.{LONGEST}}" for text in (problem, expected, got)))
 
-
-@dataclass
-class Subcircuit:
-    """A definition: the names of its nodes, default values of its parameters, and its cards."""
-
-    nodes: list[str]
-    defaults: list[str]
-    cards: list[Card] = field(default_factory=list)
+    def assigned(self, start: int) -> tuple[list[str], dict[str, list[str]]]:
+        """Words from one on: those in front of the first assignment, and names with the words behind their '='."""
+        words = self.words[start:]
+        starts = [k - 1 for k, word in enumerate(words) if word == "="]
+        if not starts:
+            return words, {}
+        if starts[0] < 0 or any(b - a < 2 for a, b in pairwise(starts)):
+            raise self.refuse("not a list of values", "name=value", f"'{' '.join(words):.40}'")
+        ends = [*starts[1:], len(words)]
+        found: dict[str, list[str]] = {}
+        for k, end in zip(starts, ends, strict=True):
+            if words[k].lower() in found:
+                raise self.refuse(f"{words[k]:.40} is given twice", "each value once")
+            found[words[k].lower()] = words[k + 2 : end]
+        return words[: starts[0]], found
 
 
 class Deck(NamedTuple):
-    """A netlist read: its title and all elements and commands, subcircuits opened."""
+    """A netlist read: its title, and all cards as they stand in its files."""
 
     title: str
     cards: list[Card]
 
 
-def read_deck(path: str | Path) -> Deck:
-    """Read a netlist; its first line is the title, whatever it says.
+def read_deck(path: str | Path, found: Findings) -> Deck:
+    """Read a netlist and what it includes from its own folder; its first line is the title, whatever it says.
 
     Raises
     ------
     InputError
-        The file cannot be read, a subcircuit is unknown, never ends or contains itself, a parameter has no value, or
-        there are too many cards.
+        The file cannot be read.
     """
-    title, *lines = read_text(Path(path)).splitlines() or [""]
-    plain, subcircuits = _sorted(_joined(lines, str(path)))
-    return Deck(title.strip().lstrip("*").strip(), list(_opened(plain, subcircuits, {}, count(1))))
-
-
-def _joined(lines: list[str], path: str) -> Iterator[Card]:
-    """Cards up to .end, with continuation lines in their places."""
-    cards: list[tuple[int, str]] = []
-    for number, line in enumerate(lines, 2):
-        text = COMMENT.sub("", line).strip()
-        if not text or text.startswith("*"):
-            continue
-        if cards and cards[-1][1].lower() == ".end":
-            raise InputError(f"{path}, line {number}", "stands behind .end", "nothing", f"'{text:.40}'")
-        if text.startswith("+"):
-            if not cards:
-                raise InputError(f"{path}, line {number}", "continues nothing", "an element in front of it")
-            cards[-1] = cards[-1][0], f"{cards[-1][1]} {text[1:]}"
-        else:
-            cards.append((number, text))
-    if len(cards) > MOST_CARDS:
-        raise InputError(path, "too many cards", f"at most {MOST_CARDS}", f"{len(cards)}")
-    for number, text in cards:
-        name, *words = WORD.findall(text) or [text]
-        if name.lower() != ".end":
-            kind = name[0].upper()
-            words = _nodes_first(words) if kind == "W" else words
-            yield Card(f"{path}, line {number}, {name:.40}", kind, name, words, text, {})
-
-
-def _nodes_first(words: list[str]) -> list[str]:
-    """A card with what is assigned in front of its nodes put behind them."""
-    k = 0
-    while words[k + 1 : k + 2] == ["="]:
-        k += 3
-    return [*words[k:], *words[:k]]
+    title, *lines = _lines(Path(path))
+    reader = _Reader(Folder(Path(path).parent, confined=True), found)
+    cards = list(reader.cards(lines, str(path), 2))
+    return Deck(title.strip().lstrip("*").strip(), _without_control(cards, found))
 
 
 def nodes_of(words: list[str]) -> int:
@@ -105,97 +86,114 @@ def nodes_of(words: list[str]) -> int:
     return max(words.index("=") - 1, 0) if "=" in words else len(words)
 
 
-def _sorted(cards: Iterator[Card]) -> tuple[list[Card], dict[str, Subcircuit]]:
-    """Cards outside subcircuits, and the subcircuits by name."""
-    plain, subcircuits, inside, begun = [], {}, None, None
-    for card in cards:
-        match card.name.lower():
-            case ".subckt":
-                if inside is not None:
-                    raise card.refuse("a subcircuit inside another", ".ends before it")
-                if not card.words:
-                    raise card.refuse("has no name", ".subckt NAME NODE …")
-                nodes, defaults = _assignments(card.words[1:])
-                if card.words[0].lower() in subcircuits:
-                    raise card.refuse("defined twice", "another name", card.words[0])
-                inside, begun = Subcircuit([node.lower() for node in nodes], defaults), card
-                subcircuits[card.words[0].lower()] = inside
-            case ".ends":
-                if inside is None:
-                    raise card.refuse("ends no subcircuit", ".subckt before it")
-                inside = None
-            case _:
-                (plain if inside is None else inside.cards).append(card)
-    if inside is not None and begun is not None:
-        raise begun.refuse("never ends", ".ends behind its elements")
-    return plain, subcircuits
+def _lines(path: Path) -> list[str]:
+    return read_text(path, legacy=True).splitlines() or [""]
 
 
-def _assignments(words: list[str]) -> tuple[list[str], list[str]]:
-    """Words in front of the first name = value, and these, without 'params:'."""
-    words = [word for word in words if word.lower() != "params:"]
-    return words[: nodes_of(words)], words[nodes_of(words) :]
+class _Reader:
+    """Joins lines to cards, and puts those of other files where they are included."""
+
+    def __init__(self, folder: Folder, found: Findings):
+        self.folder, self.found, self.files, self.count = folder, found, 0, 0
+
+    def cards(self, lines: list[str], path: str, first: int, depth: int = 0) -> Iterator[Card]:
+        """Cards up to .end or another run."""
+        sections = _sections(lines)
+        skipped = ended = ""  # the section of a library that is passed over, and whether .end was met
+        for line, text in _joined(lines, path, first, self.found):
+            name, *words = WORD.findall(text) or [text]
+            where, lower = f"{path}, line {line}, {name:.40}", name.lower()
+            self.count += 1
+            if ended:
+                self.found.note(where, "skipped with all that follows, for it stands behind .end")
+                return
+            if self.count > MOST_CARDS:
+                raise InputError(path, "too many cards", f"at most {MOST_CARDS}")
+            if lower == ".endl" or skipped:
+                skipped = "" if lower == ".endl" else skipped
+            elif lower == ".lib" and len(words) == 1 and words[0].lower() in sections:
+                skipped = words[0]
+            elif lower in INCLUDES:
+                with self.found.gathered():
+                    yield from self._included(Card(where, ".", name, words, text, {}), depth)
+            elif lower == ".end":
+                ended = where
+            elif lower in OTHER_RUNS:
+                self.found.note(where, "what follows belongs to another run, and is skipped")
+                return
+            else:
+                yield Card(where, name[0].upper(), name, words, text, {})
+
+    def _included(self, card: Card, depth: int) -> Iterator[Card]:
+        """The cards of a file, or of one section of it."""
+        match = FILE.match(card.text)
+        self.files += 1
+        if match is None or depth == DEEPEST or self.files > MOST_FILES:
+            problem = "names no file" if match is None else "files that include each other"
+            raise card.refuse(problem, "a file" if match is None else f"at most {DEEPEST} deep, {MOST_FILES} in all")
+        name, section = match[1] or match[2] or match[3] or "", match[4].strip("'\"").lower()
+        try:
+            path = self.folder.find(name)
+            lines = _lines(path)
+        except InputError as error:
+            problem, expected = error.problem.replace("scene's", "netlist's"), error.expected
+            raise card.refuse(problem, expected, error.got) from None
+        first = 1
+        if section and card.name.lower() == ".lib":
+            bounds = _sections(lines).get(section)
+            if bounds is None:
+                raise card.refuse("no such section in this library", ".lib NAME … .endl", f"'{section:.40}'")
+            first, lines = bounds[0] + 2, lines[bounds[0] + 1 : bounds[1]]
+        yield from self.cards(lines, str(path), first, depth + 1)
 
 
-def _set(card: Card, words: list[str], scope: Parameters, seen: Parameters) -> dict[str, float]:
-    """The scope with what is assigned, each value as seen from `seen`."""
-    found = dict(scope)
-    if len(words) % 3 or any(word != "=" for word in words[1::3]):
-        raise card.refuse("not a list of parameters", "name = value", " ".join(words)[:60])
-    for name, value in zip(words[::3], words[2::3], strict=True):
-        found[name.lower()] = parse_value(value, found if seen is scope else seen, card.where)
+def _sections(lines: list[str]) -> dict[str, tuple[int, int]]:
+    """Where sections of a library, .lib NAME … .endl, begin and end."""
+    found, name, start = {}, "", 0
+    for k, line in enumerate(lines):
+        words = line.split()
+        if len(words) == 2 and words[0].lower() == ".lib" and not name:
+            name, start = words[1].strip("'\"").lower(), k
+        elif words and words[0].lower() == ".endl" and name:
+            found[name] = (start, k)
+            name = ""
     return found
 
 
-def _opened(
-    cards: list[Card], subcircuits: Mapping[str, Subcircuit], scope: Parameters, counter: Iterator[int], depth: int = 0
-) -> Iterator[Card]:
-    """The cards with their parameters, those of subcircuits in the places where they are used."""
+def _joined(lines: list[str], path: str, first: int, found: Findings) -> Iterator[tuple[int, str]]:
+    """Line numbers and texts of cards, with continuation lines in their places."""
+    number, parts = 0, []
+    for at, line in enumerate(lines, first):
+        text = COMMENT.sub("", line).strip()
+        if not text or text[0] in "*#":
+            continue
+        if text.startswith("+") and not parts:
+            found.mistakes.append(InputError(f"{path}, line {at}", "continues nothing", "an element in front of it"))
+        elif text.startswith("+"):
+            parts.append(text[1:])
+        elif parts and parts[-1].endswith("\\\\"):
+            parts[-1:] = [parts[-1][:-2], text]
+        else:
+            if parts:
+                yield number, " ".join(parts)
+            number, parts = at, [text]
+    if parts:
+        yield number, " ".join(parts)
+
+
+def _without_control(cards: list[Card], found: Findings) -> list[Card]:
+    """Cards with what blocks between .control and .endc ask for, where that is a run or a picture."""
+    plain, asked, inside = [], [], None
     for card in cards:
-        if card.name.lower() == ".param":
-            scope = _set(card, card.words, scope, scope)
-    for card in cards:
-        if next(counter) > MOST_CARDS:
-            raise card.refuse("with its subcircuits opened, the netlist is too long", f"at most {MOST_CARDS} cards")
-        if card.kind == "X":
-            yield from _inside(card, subcircuits, scope, counter, depth)
-        elif card.name.lower() != ".param":
-            yield card._replace(parameters=scope)
-
-
-def _inside(
-    card: Card, subcircuits: Mapping[str, Subcircuit], scope: Parameters, counter: Iterator[int], depth: int
-) -> Iterator[Card]:
-    """The cards of one subcircuit, its nodes and elements renamed."""
-    words, assigned = _assignments(card.words)
-    if not words or words[-1].lower() not in subcircuits:
-        raise card.refuse("no such subcircuit", ", ".join(subcircuits) or ".subckt", words[-1] if words else "")
-    used = subcircuits[words[-1].lower()]
-    if len(used.nodes) != len(words) - 1:
-        raise card.refuse("has another number of nodes", f"{len(used.nodes)}", f"{len(words) - 1}")
-    if depth == DEEPEST:
-        raise card.refuse("subcircuits in subcircuits", f"at most {DEEPEST} deep: does one contain itself?")
-    for name in assigned[::3]:
-        if name.lower() not in map(str.lower, used.defaults[::3]):
-            raise card.refuse("no such parameter", ", ".join(used.defaults[::3]) or "none", name)
-    names = dict(zip(used.nodes, words[:-1], strict=True))
-    own = _set(card, assigned, _set(card, used.defaults, scope, scope), scope)
-    for inner in _opened(used.cards, subcircuits, own, counter, depth + 1):
-        if inner.kind == "." and inner.name.lower() != ".model":
-            raise inner.refuse("a command inside a subcircuit", "elements, .model and .param")
-        own = _names_inside(inner, names, card.name)
-        name = inner.name if inner.kind == "." else f"{card.name}.{inner.name}"
-        where = f"{inner.where} of {card.name}"
-        yield inner._replace(name=name, words=own + inner.words[len(own) :], where=where)
-
-
-def _names_inside(inner: Card, names: Mapping[str, str], inside: str) -> list[str]:
-    """The first words of a card in a subcircuit, as they are called outside: nodes, coupled inductors, or a model."""
-    if inner.kind in ".K":
-        return [f"{inside}.{name}" for name in inner.words[: 1 if inner.kind == "." else 2]]
-    count = nodes_of(inner.words) if inner.kind == "W" else 4 if inner.kind in "TOEG" else 2
-    return [_outside(node, names, inside) for node in inner.words[:count]]
-
-
-def _outside(node: str, names: Mapping[str, str], inside: str) -> str:
-    return node if node.lower() in GROUND else names.get(node.lower(), f"{inside}.{node}")
+        name = card.name.lower()
+        if name == ".control":
+            inside = card
+            found.note(card.where, "of its commands, up to .endc, only the first run and what is plotted count")
+        elif name == ".endc":
+            inside = None
+        elif inside is None:
+            plain.append(card)
+        elif name in WITHIN_CONTROL:
+            asked.append(card._replace(kind=".", name=WITHIN_CONTROL[name]))
+    has_run = any(card.name.lower() == ".tran" for card in plain)
+    return plain + [card for card in asked if card.name != ".tran" or not has_run]

@@ -3,36 +3,54 @@
 from typing import Any
 
 from tline.interchange.deck import Card
+from tline.interchange.findings import Findings
 from tline.interchange.spice_names import Names
 from tline.scene.characteristic import Diode, DiodeLink
 
-KEYS = {"is": "saturation", "n": "emission"}
+KEYS = {"is": "saturation", "n": "emission", "js": "saturation"}
 DEFAULTS = {"saturation": 1e-14, "emission": 1.0}  # of SPICE
 NOMINAL = 300.15  # K
-NEGLECTED = {"rs", "cjo", "cj0", "tt", "ikf", "ibv", "isr"}  # of a real diode; here they must be zero
+ZERO = {"cjo", "cj0", "cj", "tt", "ikf", "ik", "isr", "jsw", "cjp", "cjsw"}  # of a real diode; here they must be zero
+OF_THESE = {  # no matter where those are zero, or at one temperature
+    "vj", "pb", "m", "mj", "fc", "eg", "xti", "tnom", "tref", "kf", "af", "nr", "level", "php", "mjsw", "fcs", "bv",
+    "ibv", "nbv", "trs", "trs1", "trs2", "tcv", "mfg", "type", "iave", "vpk",
+}  # fmt: skip
 
 
-def diode(model: Card) -> dict[str, Any]:
-    """The table of a diode, without its nodes.
+def diode(model: Card, found: Findings) -> tuple[dict[str, Any], float]:
+    """The table of a diode, without its nodes, and the resistance in series with it, ohm.
 
     Raises
     ------
     InputError
-        Naming the model: it is no diode, or more than an exponential.
+        Naming the model: it is no diode, or more than an exponential and a resistance.
     """
-    kind, words = "".join(model.words[1:2]), model.words[2:]
+    kind = "".join(model.words[1:2])
     if kind.lower() != "d":
         raise model.refuse("not a diode", "D", f"'{kind}'")
+    plain, given = model.assigned(2)
     table: dict[str, Any] = {"kind": "diode"} | DEFAULTS
-    for key, equals, value in zip(words[::3], words[1::3], words[2::3], strict=False):
-        name, number = key.lower(), model.value(value) if equals == "=" else 1.0
-        if equals != "=" or (name not in KEYS and (name not in NEGLECTED or number)):
-            raise model.refuse("more than an exponential", "IS and N", f"'{key}'")
+    series = 0.0
+    for key in plain:
+        raise model.refuse("not a list of parameters", "name = value", f"'{key:.40}'")
+    for name, words in given.items():
+        if name in ("mfg", "type"):
+            continue
+        if len(words) != 1:
+            raise model.refuse("not a list of parameters", "name = value", f"'{name:.40}'")
+        number = model.value(words[0])
         if name in KEYS:
             table[KEYS[name]] = number
-    if len(words) % 3:
-        raise model.refuse("not a list of parameters", "name = value", f"'{words[-1]}'")
-    return table
+        elif name == "rs":
+            series = number
+        elif name in ("bv", "vb"):
+            found.note(model.where, f"the breakdown at {number:g} V is left out")
+        elif name not in OF_THESE and (name not in ZERO or number):
+            problem = "more than an exponential and a resistance"
+            raise model.refuse(problem, f"IS, N and RS; {name.upper():.40} zero", f"'{name:.40}'")
+    if series < 0:
+        raise model.refuse("its RS is below zero", "0 or more", f"{series:g}")
+    return table, series
 
 
 def diode_cards(element: Diode | DiodeLink, name: str, nodes: list[str], names: Names) -> list[str]:

@@ -1,134 +1,181 @@
-"""Lines of SPICE netlists: T elements, O elements by an LTRA model, W elements by a static RLGC model."""
+"""Lines of SPICE netlists: T, O by an LTRA model, Y by a TXL model, P by a CPL model, U by a URC model, W by RLGC."""
 
-from math import sqrt
-from typing import Any
+from math import log, pi
 
-from tline.interchange.deck import Card, nodes_of
+from tline.interchange.deck import Card
+from tline.interchange.netlist import REFERENCE, Netlist
+from tline.interchange.rlgc import UPPER, rlgc_matrices, symmetric
+from tline.interchange.uniform_line import add_conductors, add_uniform
 
-PER_METRE = {"r", "l", "c", "len"}
 NUMERICAL = {  # of LTRA: how that program computes, not what the line is
     "rel", "abs", "nosteplimit", "nocontrol", "lininterp", "quadinterp", "mixedinterp", "compactrel", "compactabs",
-    "truncnr", "truncdontcut", "steplimit",
+    "truncnr", "truncdontcut", "steplimit", "fullcontrol", "halfcontrol", "complexsteplimit",
 }  # fmt: skip
-MATRICES = {"l0": "inductance", "c0": "capacitance", "r0": "resistance", "g0": "conductance", "rs": "skin", "gd": ""}
-NO_MATTER = {"delayopt", "fgd"}  # of W: the first tells how to compute, the second is a corner of Gd
-HIGH = 1e9  # Hz, at which the resistance by Rs is said
+RC = {"k": 1.5, "fmax": 1e9, "rperl": 1e3, "cperl": 1e-12}  # of a URC model, with defaults
+FEWEST, MOST_SECTIONS = 3, 100
 
 
-def lossless_line(card: Card) -> dict[str, Any]:
-    """A T element as a scene's line without nodes."""
-    words = card.words[4:]
-    given = {key.lower(): card.value(value) for key, value in zip(words[::3], words[2::3], strict=False)}
+def lossless_line(card: Card, net: Netlist) -> None:
+    """A T element; the numbers of its begin must be zero."""
+    plain, given = card.assigned(4)
     names = "Z0 with TD, or with F (and NL)"
-    if len(words) % 3 or any(word != "=" for word in words[1::3]) or not given.keys() <= {"z0", "td", "f", "nl"}:
-        raise card.refuse("not a list of what a lossless line has", names, " ".join(words)[:60])
-    if "z0" not in given or ("td" in given) == ("f" in given) or given.keys() & {"td", "nl"} == {"td", "nl"}:
+    if "z" in given:
+        given["z0"] = given.pop("z")
+    if plain or not given.keys() <= {"z0", "td", "f", "nl", "ic", "rel", "abs", "l"}:
+        raise card.refuse("not a list of what a lossless line has", names, f"'{' '.join(card.words[4:]):.60}'")
+    if any(card.value(word) for word in given.pop("ic", [])):
+        raise card.refuse("a begin that is not zero", "IC=0,0,0,0")
+    single = {key: words for key, words in given.items() if len(words) == 1}
+    value = {key: card.value(words[0]) for key, words in single.items()}
+    if "z0" not in value or ("td" in value) == ("f" in value) or {"td", "nl"} <= value.keys():
         raise card.refuse("its z0 and delay are not given once", names, ", ".join(given).upper())
-    if given.get("f", 1.0) <= 0:
-        raise card.refuse("its frequency is not above zero", "more than 0", f"{given['f']:g}")
-    delay = given["td"] if "td" in given else given.get("nl", 0.25) / given["f"]
-    return {"z0": given["z0"], "delay": delay}
+    if value.get("f", 1.0) <= 0:
+        raise card.refuse("its frequency is not above zero", "more than 0", f"{value['f']:g}")
+    delay = value["td"] * value.get("l", 1.0) if "td" in value else value.get("nl", 0.25) / value["f"]
+    net.add("lines", card, {"nodes": _ends(card, net), "z0": value["z0"], "delay": delay})
 
 
-def ltra_line(model: Card) -> dict[str, Any]:
-    """R, L and C per metre by an LTRA model, as a scene's line without nodes."""
-    kind, words = "".join(model.words[1:2]), model.words[2:]
-    if kind.lower() != "ltra":
-        raise model.refuse("not known here", "LTRA", f"'{kind}'")
-    given: dict[str, float] = {}
-    while words:
-        key, *words = words
-        valued = words[:1] == ["="] and len(words) > 1
-        if key.lower() not in PER_METRE | NUMERICAL or (key.lower() in PER_METRE and not valued):
-            raise model.refuse("not a list of what a line with resistance has", "R, L, C and LEN", f"'{key}'")
-        if valued:
-            given[key.lower()] = model.value(words[1])
-            words = words[2:]
-    for name in ("l", "c", "len"):
-        if given.get(name, 0.0) <= 0:
-            raise model.refuse(f"its {name.upper()} is not above zero", "more than 0", f"{given.get(name, 0.0):g}")
-    if given.get("r", 0.0) < 0:
-        raise model.refuse("its R is below zero", "0 or more", f"{given['r']:g}")
-    delay = given["len"] * (given["l"] * given["c"]) ** 0.5
-    line = {"z0": (given["l"] / given["c"]) ** 0.5, "delay": delay, "length": given["len"]}
-    return line | ({"resistance": given["r"]} if given.get("r") else {})
+def lossy_line(card: Card, net: Netlist) -> None:
+    """An O element by an LTRA model."""
+    if len(card.words) > 5 and "=" not in card.words:
+        raise card.refuse("has more than a model", "its nodes and a .model", f"'{' '.join(card.words[4:]):.40}'")
+    model = net.model(card, card.words[4])
+    given = _per_length(model, "ltra", card.assigned(5)[1])
+    add_uniform(card, net, _ends(card, net), given)
 
 
-def rlgc_line(card: Card, model: Card, conductors: int) -> dict[str, Any]:
-    """What a W element and its RLGC model say, as a scene's line without nodes.
+def txl_line(card: Card, net: Netlist) -> None:
+    """A Y element by a TXL model."""
+    model = net.model(card, card.words[4])
+    given = _per_length(model, "txl", card.assigned(5)[1])
+    add_uniform(card, net, _ends(card, net), given)
 
-    Z(f) = Ro + √f (1+j) Rs + 2πj f Lo and Y(f) = Go + 2πj f Co per metre, lower triangles of symmetric matrices.
 
-    Raises
-    ------
-    InputError
-        Naming the card that has something else, or the model with a matrix that is not whole, or with Gd.
+def _per_length(model: Card, kind: str, own: dict[str, list[str]]) -> dict[str, float]:
+    """R, L, G and C per length, and the length, by a model and what the element itself says."""
+    found = "".join(model.words[1:2])
+    if found.lower() != kind:
+        raise model.refuse("not known here", kind.upper(), f"'{found}'")
+    plain, given = model.assigned(2)
+    flags = [word for words in given.values() for word in words[1:]]
+    values = {"r": 0.0, "l": 0.0, "g": 0.0, "c": 0.0}
+    for word in [*plain, *flags]:
+        if word.lower() not in NUMERICAL:
+            raise model.refuse("not a list of what a lossy line has", "R, L, G, C and LEN", f"'{word:.40}'")
+    for key, words in (given | own).items():
+        name = "len" if key == "length" else key
+        if name not in (*values, "len"):
+            if key not in NUMERICAL:
+                raise model.refuse("not a list of what a lossy line has", "R, L, G, C and LEN", f"'{key:.40}'")
+            continue
+        if not words:
+            raise model.refuse("not a list of values", f"{name.upper()}=1")
+        values[name] = model.value(words[0])
+        if values[name] < 0:
+            raise model.refuse(f"its {name.upper()} is below zero", "0 or more", f"{values[name]:g}")
+    if values.get("len", 0.0) <= 0:
+        raise model.refuse("its LEN is not above zero", "more than 0", f"{values.get('len', 0.0):g}")
+    return values
+
+
+def _ends(card: Card, net: Netlist) -> list[str]:
+    """Nodes at which a line of two terminals at either end ends."""
+    first, low, second, base = map(net.node, card.words[:4])
+    _check_begin(card, net, first, low, second, base)
+    return [net.end(card, 1, first, low), net.end(card, 2, second, base)]
+
+
+def _check_begin(card: Card, net: Netlist, *nodes: str) -> None:
+    for node in nodes:
+        if net.initial.get(node.lower(), (card, 0.0))[1]:
+            raise net.initial[node.lower()][0].refuse("a voltage on a line at t = 0", f"v({node})=0, or no .ic")
+
+
+def coupled_line(card: Card, net: Netlist) -> None:
+    """A P element by a CPL model: upper triangles of matrices."""
+    plain, own = card.assigned(0)
+    if len(plain) < 5:
+        raise card.refuse("is not whole", "N nodes and 0, twice, and a model")
+    *nodes, name = plain
+    first, second = _conductors(card, net, nodes)
+    model = net.model(card, name)
+    kind = "".join(model.words[1:2])
+    if kind.lower() != "cpl":
+        raise model.refuse("not known here", "CPL", f"'{kind}'")
+    _, given = model.assigned(2)
+    k, length = len(first), given.pop("length", given.pop("len", []))
+    length = own.get("len", own.get("length", length))
+    matrices = {}
+    for key, words in given.items():
+        if key not in ("r", "l", "g", "c"):
+            raise model.refuse("not a list of what a line has", "R, L, G, C and length", f"'{key:.40}'")
+        matrices[key] = symmetric(model, key, words, k, UPPER)
+    if len(length) != 1:
+        raise model.refuse("its length is not given once", "length=1")
+    add_conductors(card, net, (first, second), matrices, model.value(length[0]))
+
+
+def _conductors(card: Card, net: Netlist, names: list[str]) -> tuple[list[str], list[str]]:
+    """Nodes at either end of conductors over a reference."""
+    nodes, half = [net.node(name) for name in names], len(names) // 2
+    if len(nodes) < 4 or len(nodes) % 2:
+        raise card.refuse("its ends have not as many nodes", "N nodes and 0, twice", f"'{' '.join(nodes):.40}'")
+    first, second = nodes[: half - 1], nodes[half:-1]
+    _check_begin(card, net, *nodes)
+    if half == 2:
+        return [net.end(card, 1, first[0], nodes[1])], [net.end(card, 2, second[0], nodes[3])]
+    if {nodes[half - 1], nodes[-1]} != {REFERENCE}:
+        raise card.refuse("conductors that are not against the reference", "0 for the last node of either end")
+    if REFERENCE in (*first, *second):
+        raise card.refuse("an end at the reference", "another node, and a resistor to 0 there")
+    return first, second
+
+
+def w_line(card: Card, net: Netlist) -> None:
+    """A W element by a static RLGC model, inline or in a file; ngspice's W, a switch, is refused."""
+    plain, own = card.assigned(0)
+    if not own:
+        raise card.refuse("a switch that a current commands", "kind = 'switch' in a scene, which changes at an instant")
+    first, second = _conductors(card, net, plain)
+    length, matrices = rlgc_matrices(card, net, own, len(first))
+    add_conductors(card, net, (first, second), matrices, length)
+
+
+def rc_line(card: Card, net: Netlist) -> None:
+    """A U element by a URC model, in the sections that SPICE makes of it: shorter towards the ends.
 
     References
     ----------
-    HSPICE Elements and Device Models Manual, chapter "W element", input model 1; D. B. Kuznetsov, J. E. Schutt-Aine,
-    IEEE Trans. Circuits and Systems I 43 (1996) 110-121.
+    A. Vladimirescu: The SPICE Book, Wiley 1994, on the uniform RC line; L. Gertzberg's thesis of 1974.
     """
-    own = rlgc_settings(card)
-    length = card.value(own["l"])
-    if length <= 0:
-        raise card.refuse("its length is not above zero", "more than 0", f"{length:g}")
-    given = _assigned(model, model.words[2:])
-    if "".join(model.words[1:2]).lower() != "w" or [word.lower() for word in given.pop("modeltype", [])] != ["rlgc"]:
-        raise model.refuse("not known here", ".model NAME W MODELTYPE=RLGC", f"'{' '.join(model.words[1:5])}'")
-    for which, said in ((card, [own["n"]]), (model, given.pop("n", [own["n"]]))):
-        if [which.value(word) for word in said] != [conductors]:
-            raise which.refuse("another number of conductors", f"N={conductors}", f"N={' '.join(said)}")
-    line: dict[str, Any] = {"length": length}
-    for key, words in given.items():
-        name = key[0] + "0" if key[1:] == "o" else key
-        if name not in MATRICES or MATRICES[name] in line:
-            raise model.refuse("not a list of what a line has", "Lo, Co, Ro, Go and Rs, each once", f"'{key:.40}'")
-        line[MATRICES[name]] = _symmetric(model, key, words, conductors)
-    if any(map(any, line.pop("", []))):
-        problem = "Gd, a conductance proportional to frequency, is not causal beside a constant capacitance"
-        raise model.refuse(problem, "Gd=0, and loss_tangent in the scene")
-    for key, name in (("Lo", "inductance"), ("Co", "capacitance")):
-        if name not in line or min(row[k] for k, row in enumerate(line[name])) <= 0:
-            raise model.refuse(f"its {key} is not above zero", "more than 0 for each conductor")
-    line = {name: value for name, value in line.items() if name == "length" or any(map(any, value))}
-    if "skin" in line:
-        high = [[value * sqrt(HIGH) for value in row] for row in line["skin"]]
-        line["skin"] = {"resistance": high, "frequency": HIGH, "added": True}
-    return line if conductors > 1 else _single(line)
-
-
-def rlgc_settings(card: Card) -> dict[str, str]:
-    """N, L and RLGCMODEL of a W element."""
-    given = _assigned(card, card.words[nodes_of(card.words) :])
-    own = {key: words[0] for key, words in given.items() if key not in NO_MATTER and len(words) == 1}
-    if own.keys() != {"n", "l", "rlgcmodel"} or given.keys() - NO_MATTER != own.keys():
-        expected = "N=1 in 0 out 0 RLGCMODEL=name L=length"
-        raise card.refuse("not a line by a static RLGC model", expected, f"'{' '.join(card.words):.60}'")
-    return own
-
-
-def _assigned(card: Card, words: list[str]) -> dict[str, list[str]]:
-    """Names with the words behind their equal signs."""
-    starts = [k - 1 for k, word in enumerate(words) if word == "="]
-    if starts[:1] != [0]:
-        raise card.refuse("not a list of values", "name=value", f"'{' '.join(words):.40}'")
-    ends = [*starts[1:], len(words)]
-    return {words[start].lower(): words[start + 2 : end] for start, end in zip(starts, ends, strict=True)}
-
-
-def _symmetric(model: Card, key: str, words: list[str], n: int) -> list[list[float]]:
-    """Rows of a matrix by its lower triangle."""
-    values, rows = [model.value(word) for word in words], range(n)
-    if len(values) != n * (n + 1) // 2:
-        problem, expected = f"its {key.capitalize()} is not a lower triangle", f"{n * (n + 1) // 2} values"
-        raise model.refuse(problem, expected, f"{len(values)}")
-    return [[values[max(i, j) * (max(i, j) + 1) // 2 + min(i, j)] for j in rows] for i in rows]
-
-
-def _single(line: dict[str, Any]) -> dict[str, Any]:
-    """A line of one conductor, its matrices as numbers."""
-    plain = {name: value[0][0] if isinstance(value, list) else value for name, value in line.items()}
-    if "skin" in plain:
-        plain["skin"] = plain["skin"] | {"resistance": plain["skin"]["resistance"][0][0]}
-    return plain
+    first, second, base = map(net.node, card.words[:3])
+    model = net.model(card, card.words[3])
+    if "".join(model.words[1:2]).lower() != "urc":
+        raise model.refuse("not known here", "URC", f"'{' '.join(model.words[1:2])}'")
+    values, own = dict(RC), {key: card.value(words[0]) for key, words in card.assigned(4)[1].items() if words}
+    for key, words in model.assigned(2)[1].items():
+        if key not in RC or len(words) != 1:
+            raise model.refuse("not a list of what an RC line has", "K, FMAX, RPERL and CPERL", f"'{key:.40}'")
+        values[key] = model.value(words[0])
+    if own.keys() - {"l", "n"} or own.get("l", 0.0) <= 0:
+        raise card.refuse("not a length and perhaps a number of sections", "L=1 N=6")
+    k, R, C = values["k"], own["l"] * values["rperl"], own["l"] * values["cperl"]
+    if k <= 1 or min(R, C, values["fmax"]) <= 0:
+        raise model.refuse("values that no line has", "K above 1, the others above 0")
+    width = 2 * pi * values["fmax"] * R * C
+    lumps = own.get("n", FEWEST if width < 35 else max(FEWEST, log(width * ((k - 1) / k) ** 2) / log(k)))
+    if not 1 <= lumps <= MOST_SECTIONS:
+        raise card.refuse("too few or too many sections", f"N=1 to {MOST_SECTIONS}", f"{lumps:g}")
+    n = int(lumps)
+    r, c = R * (k - 1) / (2 * k**n - 2), C * (k - 1) / (k ** (n - 1) * (k + 1) - 2)
+    low, high = first, second
+    for i in range(1, n + 1):
+        middle = f"{card.name}.m"
+        a, b = (middle, middle) if i == n else (f"{card.name}.lo{i}", f"{card.name}.hi{i}")
+        for side, inner, outer in (("lo", a, low), ("hi", b, high)):
+            table = {"kind": "resistor", "resistance": r * k ** (i - 1)}
+            net.between(card, (outer, inner), table, f"{card.name}.r{side}{i}")
+            if side == "lo" or i < n:
+                table = {"kind": "capacitor", "capacitance": c * k ** (i - 1)}
+                net.between(card, (inner, base), table, f"{card.name}.c{side}{i}")
+        low, high = a, b

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from tline.errors import InputError
-from tline.interchange.branches import as_load
+from tline.interchange.as_load import as_load
 from tline.interchange.diode import diode_cards
 from tline.interchange.multiports_text import multiport_cards
 from tline.interchange.spice_names import Names

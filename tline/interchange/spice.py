@@ -1,37 +1,49 @@
-"""Scenes from SPICE netlists: lines, sources behind resistances, R, L and C, and multiports, to the reference."""
+"""Scenes from SPICE netlists in the dialects of ngspice, LTspice, HSPICE, Xyce and gnucap."""
 
 from pathlib import Path
 from typing import Any
 
-from tline.errors import InputError
-from tline.interchange.branches import Branch, as_load, reduced
-from tline.interchange.elements import Netlist, SourceCard
-from tline.interchange.spice_source import Waveform, waveforms
+import numpy as np
+
+from tline.errors import InputError, SceneError
+from tline.interchange.deck import Card, read_deck
+from tline.interchange.elements import merge_shorts, take
+from tline.interchange.findings import Findings
+from tline.interchange.netlist import REFERENCE, Netlist
+from tline.interchange.spice_commands import SHOWN, nodes_shown, skip, transient, values_at_begin
+from tline.interchange.spice_source import Transient
+from tline.interchange.subcircuits import opened
+from tline.interchange.tidy import connected, folded, with_open_ends, without_idle_capacitors
 from tline.scene.file import scene_from
 from tline.scene.scene import Scene
+from tline.wording import nearest, place
 
-Tables = dict[str, dict[str, Any]]
-KINDS = {"V": "voltage", "I": "current"}
+ORDER = {"L": 1, "K": 2}  # inductors before what couples them, after all others
+ANY = Transient(0.0, 1.0, True)  # in place of a run that is not given, so that other mistakes are found
 
 
-def read_spice(path: str | Path) -> Scene:
-    """Read a scene from a SPICE netlist.
+def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
+    """Scene of a SPICE netlist, and notes on what is left out or read in a certain sense.
 
-    T, O and W elements are lines; R in series with V is the resistance of a source; networks of R, L and C between a
-    line's end and the reference are loads, D a load or a link; K, E and G are links. ``.tran`` says the end time, and
-    the state at its begin: that of rest with UIC, the steady state without. The nodes of ``.print``, ``.plot``,
-    ``.save`` and ``.probe`` are probes; without these all ends of lines are.
+    Each element becomes one of the scene, under its name: T, O, Y, P and W lines, R, L, C and D loads and links, V and
+    I sources, E, F, G, H and K two-ports, U resistors and capacitors. R between a source and one other element is its
+    resistance. ``.tran`` says the end time, and the state at its begin: that of rest with UIC or where all sources are
+    zero, else the steady state. The nodes of ``.print``, ``.plot``, ``.save`` and ``.probe`` are probes; without these
+    all ends of lines are. Files are included from the netlist's own folder only.
 
     Parameters
     ----------
     path : str or Path
-        The netlist, in UTF-8.
+        The netlist, in UTF-8, UTF-16 or Latin-1.
+
+    Returns
+    -------
+    Scene, tuple of str
 
     Raises
     ------
     InputError
-        The file cannot be read; or naming the line and the element that no scene has. SceneError with all mistakes of
-        the scene.
+        The file cannot be read; SceneError with all mistakes, each naming line and element.
 
     Examples
     --------
@@ -39,123 +51,129 @@ def read_spice(path: str | Path) -> Scene:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = pathlib.Path(folder, "cable.cir")
     ...     _ = file.write_text("cable\\nV1 s 0 1\\nR1 s a 25\\nT1 a 0 b 0 Z0=50 TD=1n\\nR2 b 0 100\\n.tran 1p 9n uic")
-    ...     scene = read_spice(file)
-    >>> scene.lines["T1"].parameters.z0, scene.sources["V1"].resistance, scene.loads["R2"].at
-    (50.0, 25.0, 'b')
+    ...     scene, notes = read_spice(file)
+    >>> scene.lines["T1"].parameters.z0, scene.sources["V1"].resistance, scene.loads["R2"].at, notes
+    (50.0, 25.0, 'b', ())
     """
-    return scene_from(_tables(Netlist(path)))
-
-
-def _tables(netlist: Netlist) -> dict[str, Any]:
-    """The scene as a file holds it."""
-    held = _held(netlist)
-    driven: Tables = {}  # sources, and links that are driven elsewhere
-    groups: dict[str, list[Branch]] = {}  # side by side, to the reference
-    for branch in reduced(netlist.branches, {"0", *netlist.joined, *held}):
-        inner = [node for node in branch.nodes if node != "0"]
-        if len(inner) == 1 and inner[0] in netlist.joined:
-            groups.setdefault(inner[0], []).append(branch)
-        else:
-            driven |= _behind(netlist, branch, held)
-    for drive in netlist.drives:
-        driven |= _ideal(netlist, drive, {name.partition(" ")[0] for name in driven})
-    loads = {k: v for node, branches in groups.items() for k, v in _loads(node, branches).items()}
-    links = netlist.links | {name: table for name, table in driven.items() if "nodes" in table}
-    return {
-        "title": netlist.title,
+    found = Findings()
+    deck = read_deck(path, found)
+    cards = opened(deck.cards, found)
+    commands = {name: [card for card in cards if card.name.lower() == name] for name in (".tran", ".model", ".ic")}
+    tran = transient(commands[".tran"], str(path), found)
+    models = {card.words[0].lower(): card for card in commands[".model"] if card.words}
+    net = Netlist(found, tran or ANY, models, Path(path).parent)
+    shown = []
+    for card in cards:
+        name = card.name.lower()
+        if name in SHOWN:
+            shown += nodes_shown(card, found)
+        elif card.kind == "." and name not in commands:
+            with found.gathered():
+                skip(card, found, any(each.kind == "D" for each in cards))
+    _take(net, [card for card in cards if card.kind != "."], commands[".ic"])
+    found.check()
+    dropped = connected(net) if net.tables["lines"] else set()
+    table = {
+        "title": deck.title,
         "medium": "electrical",
-        "t_end": netlist.tran.end,
-        "start": "rest" if netlist.tran.uic else "steady",
-        "lines": netlist.lines,
-        "sources": {name: table for name, table in driven.items() if "at" in table},
-        "loads": loads | netlist.diodes,
-        **({"links": links} if links else {}),
-        "probes": _probes(netlist),
+        "t_end": net.tran.end,
+        "start": _start(net, commands[".tran"]),
     }
+    with found.gathered():
+        table["probes"] = _probes(net, shown, dropped)
+    found.check()
+    _add_unused_line(net, str(path))
+    folded(net, {probe["at"] for probe in table["probes"].values()})
+    without_idle_capacitors(net)
+    with_open_ends(net)
+    table |= {section: tables for section, tables in net.tables.items() if tables}
+    return _scene(table, net), tuple(found.notes)
 
 
-def _held(netlist: Netlist) -> dict[str, SourceCard]:
-    """Voltage sources by node."""
-    held: dict[str, SourceCard] = {}
-    for drive in netlist.drives:
-        if drive.card.kind in "VE" and held.setdefault(drive.node, drive) is not drive:
-            problem = f"node '{drive.node}' is already held by {held[drive.node].card.name}"
-            raise drive.card.refuse(problem, "one voltage source at a node")
-    return held
+def _take(net: Netlist, elements: list[Card], begin: list[Card]) -> None:
+    """All elements, each under a name of its own."""
+    named: dict[str, Card] = {}
+    for card in elements:
+        with net.found.gathered():
+            if named.setdefault(card.name.lower(), card) is not card:
+                raise card.refuse("named twice", "another name")
+    sensed = {card.words[2].lower() for card in elements if card.kind in "FH" and len(card.words) > 2}
+    net.sensed = {key: f"{named[key].name}.i" for key in sensed if key in named and named[key].kind == "V"}
+    net.coupled = {word.lower() for card in elements if card.kind == "K" for word in card.words[:2]}
+    merge_shorts(elements, net)
+    with net.found.gathered():
+        net.initial = {net.node(name).lower(): given for name, given in values_at_begin(begin).items()}
+        for card, value in net.initial.values():
+            if value and not net.tran.uic:
+                raise card.refuse("voltages at t = 0 without UIC in .tran", "UIC, or .nodeset", f"{value:g}")
+    for card in sorted(named.values(), key=lambda card: ORDER.get(card.kind, 0)):
+        with net.found.gathered(), np.errstate(all="ignore"):
+            _take_one(card, net)
 
 
-def _behind(netlist: Netlist, branch: Branch, held: dict[str, SourceCard]) -> Tables:
-    """The source that a resistor between a voltage source and a line's end makes; nothing else may lie there."""
-    first, second = sorted(branch.nodes, key=lambda node: node not in held)
-    if first in held and second in netlist.joined and second not in held and branch.impedance.degree == 0:
-        drive = held[first]
-        name = drive.card.name if _is_only(netlist, first) else f"{drive.card.name} + {branch.name}"
-        return _source(netlist, drive, name, second, float(branch.impedance.at_zero()))
-    raise _no_place(netlist, branch)
+def _take_one(card: Card, net: Netlist) -> None:
+    """An element; what is out of the range of numbers is refused."""
+    try:
+        take(card, net)
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        raise card.refuse("its values are out of range", "moderate ones", str(error)) from None
 
 
-def _no_place(netlist: Netlist, branch: Branch) -> InputError:
-    """What is neither load nor resistance of a source."""
-    card = netlist.cards[branch.names[0].lower()]
-    which = f"with {', '.join(branch.names[1:6])} " if len(branch.names) > 1 else ""
-    problem = f"{which}lies between nodes '{branch.nodes[0]}' and '{branch.nodes[1]}'"
-    expected = "R, L and C from a line's end to 0, or R from a voltage source to a line's end"
-    return card.refuse(problem, expected)
+def _add_unused_line(net: Netlist, path: str) -> None:
+    """A line that joins nothing, where the netlist has none, for a scene needs one."""
+    if not net.tables["lines"]:
+        net.found.note(path, "no line has an inductance; a scene needs a line, so one that joins nothing is added")
+        net.tables["lines"]["unused"] = {"nodes": ["unused 1", "unused 2"], "z0": 50.0, "delay": net.tran.end}
 
 
-def _is_only(netlist: Netlist, node: str) -> bool:
-    """Whether one element alone is at a node beside its source."""
-    return node not in netlist.joined and sum(node in branch.nodes for branch in netlist.branches) == 1
+def _start(net: Netlist, runs: list[Card]) -> str:
+    """From rest with UIC, or where that is the steady state."""
+    if net.tran.uic or net.quiet:
+        return "rest"
+    without = [name for name, line in net.tables["lines"].items() if "nodes1" in line]
+    without += [name for name, link in net.tables["links"].items() if link["kind"] in TWO_PORTS]
+    if without:
+        problem = f"sources are not zero at t = 0, and {without[0]} has no steady state here"
+        net.found.mistakes.append(runs[0].refuse(problem, "UIC in .tran, or sources that begin at 0"))
+    return "steady"
 
 
-def _ideal(netlist: Netlist, drive: SourceCard, used: set[str]) -> Tables:
-    """A source at a line's end itself; one elsewhere must have been used behind its resistors."""
-    if drive.node in netlist.joined:
-        return _source(netlist, drive, drive.card.name, drive.node, None)
-    if drive.card.name not in used:
-        raise drive.card.refuse("drives no line", "a line's end, or a resistor to one, at its node", f"'{drive.node}'")
-    return {}
+TWO_PORTS = ("transformer", "gyrator", "controlled source", "coupled inductors")
 
 
-def _source(netlist: Netlist, drive: SourceCard, name: str, at: str, resistance: float | None) -> Tables:
-    """A source of a scene, or two that add up; or a link, if a voltage commands it."""
-    if drive.control:
-        nodes = [drive.control, at]
-        link = {"kind": "controlled source", "nodes": nodes, "gain": drive.sign, "resistance": resistance or 0.0}
-        return {name: link}
-    words, kind = drive.card.words[2:], KINDS[drive.card.kind]
-    parts = waveforms(drive.card, words, netlist.tran, drive.sign)
-    if len(parts) == 1:
-        return {name: _table(at, kind, parts[0], resistance)}
-    if kind == "voltage":  # each behind twice the resistance, twice as high
-        if resistance is None:
-            raise drive.card.refuse("EXP that falls within the run, and no resistor behind it", "a resistor in series")
-        parts, resistance = waveforms(drive.card, words, netlist.tran, 2 * drive.sign), 2 * resistance
-    names = (name, f"{name} (fall)")
-    return {key: _table(at, kind, part, resistance) for key, part in zip(names, parts, strict=True)}
-
-
-def _table(at: str, kind: str, value: Waveform, resistance: float | None) -> dict[str, Any]:
-    table = {"at": at, "kind": kind, "value": value}
-    return table if resistance is None else table | {"resistance": resistance}
-
-
-def _loads(node: str, branches: list[Branch]) -> Tables:
-    """Loads at a node: its single R, L and C as one, the others each as it is."""
-    single = [branch for branch in branches if len(branch.names) == 1]
-    loads = {b.name: {"at": node} | as_load(b.impedance) for b in branches if len(b.names) > 1}
-    if single:
-        impedance = single[0].impedance
-        for branch in single[1:]:
-            impedance = impedance.parallel(branch.impedance).reduced()
-        loads[" + ".join(branch.name for branch in single)] = {"at": node} | as_load(impedance)
-    return loads
-
-
-def _probes(netlist: Netlist) -> Tables:
+def _probes(net: Netlist, shown: list[tuple[Card, str]], dropped: set[str]) -> dict[str, dict[str, Any]]:
     """Probes at the nodes that are asked for, or at all ends of lines; where lines meet, on the first of them."""
-    for card, name in netlist.shown:
-        if netlist.node(name) not in netlist.ends:
-            raise card.refuse("no line ends at this node", "a node of a T element", f"'{name}'")
-    nodes = [netlist.node(name) for _, name in netlist.shown] or list(netlist.ends)
-    return {node: {"at": node, "line": netlist.ends[node]} for node in nodes}
+    ends: dict[str, str] = {}
+    for name, line in net.tables["lines"].items():
+        for node in line.get("nodes") or [*line["nodes1"], *line["nodes2"]]:
+            ends.setdefault(node, name)
+    known = net.degrees()
+    nodes = []
+    for card, name in shown:
+        node = net.node(name)
+        if node in known and node != REFERENCE:
+            nodes.append(node)
+        elif node == REFERENCE or node in dropped:
+            net.found.note(card.where, f"v({name}) is skipped, for no waves reach that node")
+        else:
+            net.found.mistakes.append(card.refuse("no such node", nearest(name, sorted(known)), f"'{name:.40}'"))
+    nodes = nodes or list(ends) or [node for node in known if node != REFERENCE and "." not in node]
+    return {node: {"at": node} | ({"line": ends[node]} if node in ends else {}) for node in nodes}
+
+
+def _scene(table: dict[str, Any], net: Netlist) -> Scene:
+    """The scene; its mistakes are told with the line of the netlist that each is from."""
+    try:
+        return scene_from(table)
+    except SceneError as error:
+        raise SceneError([_traced(mistake, net) for mistake in error.mistakes]) from None
+
+
+def _traced(mistake: InputError, net: Netlist) -> InputError:
+    for (section, name), card in net.cards.items():
+        inside = place(section, name)
+        if mistake.where == inside or mistake.where.startswith((inside + ".", inside + "[")):
+            rest = mistake.where[len(inside) :].lstrip(".")
+            problem = f"{rest}: {mistake.problem}" if rest else mistake.problem
+            return InputError(card.where, problem, mistake.expected, mistake.got)
+    return mistake

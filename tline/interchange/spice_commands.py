@@ -1,37 +1,96 @@
-"""What a SPICE netlist asks for: the end time by .tran, nodes by .print and the like."""
+"""What a SPICE netlist asks for: the end time by .tran, nodes by .print and the like, values at the begin by .ic."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from tline.errors import InputError
 from tline.interchange.deck import Card
+from tline.interchange.findings import Findings
 from tline.interchange.spice_source import Transient
+from tline.interchange.subcircuits import GROUND
 
-SHOWN = (".print", ".plot", ".save", ".probe")
-VOLTAGE = re.compile(r"v\(\s*([^\s,()]+)\s*\)", re.IGNORECASE)
+SHOWN = (".print", ".plot", ".save", ".probe", ".probe64")
+VOLTAGE = re.compile(r"(?<![\w.])v\(\s*([^\s,()]+)\s*(?:,\s*([^\s,()]+)\s*)?\)", re.IGNORECASE)
+AT_BEGIN = re.compile(r"v\(\s*([^\s,()]+)\s*\)\s*=\s*(\S+)", re.IGNORECASE)
+FORMS = re.compile(r"\w+\s*=\s*\S+|\b(?:tran|dc|ac|all|xlimit\s+\S+\s+\S+|ylimit\s+\S+\s+\S+)\b", re.IGNORECASE)
+HARMLESS = {
+    ".options": "", ".option": "", ".opt": "", ".width": "", ".op": "", ".title": "", ".backanno": "", ".list": "",
+    ".status": "", ".stat": "", ".nodeset": "a guess of the steady state, which is found without", ".preprocess": "",
+    ".meas": "read it off the result", ".measure": "read it off the result",
+    ".step": "make a run for each value", ".data": "make a run for each value", ".sens": "", ".four": "",
+    ".dc": "another analysis", ".ac": "another analysis: tline frequency", ".noise": "another analysis", ".tf": "",
+    ".hb": "another analysis", ".pz": "another analysis", ".disto": "another analysis", ".lin": "another analysis",
+    ".fft": "", ".graph": "", ".protect": "", ".unprotect": "", ".connect": "", ".machine": "",
+    ".wave": "", ".net": "another analysis", ".preset": "", ".result": "", ".dcvolt": "", ".set_subcircuit": "",
+}  # fmt: skip
+TEMPERATURES = (".temp", ".temperature")
 
 
-def transient(cards: list[Card], path: str) -> Transient:
-    """What the one .tran of a netlist says."""
-    if len(cards) != 1:
-        where = cards[1].where if cards else path
-        raise InputError(where, "the end time is not given once", "one .tran STEP END", f"{len(cards)}")
-    (card,) = cards
-    words = [word for word in card.words if word.lower() != "uic"]
-    if not 2 <= len(words) <= 4:
+def transient(cards: list[Card], path: str, found: Findings) -> Transient | None:
+    """What the first .tran of a netlist says."""
+    if not cards:
+        found.mistakes.append(InputError(path, "the end time is not given", ".tran STEP END"))
+        return None
+    for other in cards[1:]:
+        found.note(other.where, "skipped, for the first run counts")
+    with found.gathered():
+        return _times(cards[0], found)
+    return None
+
+
+def _times(card: Card, found: Findings) -> Transient:
+    words = [word for word in card.words if word.lower() not in ("uic", "noop")]
+    numbers: list[float] = []
+    for word in words:
+        if not re.match(r"[\d.+{'-]", word) and word.lower() not in card.parameters:
+            break
+        numbers.append(card.value(word))
+    if words[len(numbers) :]:
+        found.note(card.where, f"'{' '.join(words[len(numbers) :]):.60}' is skipped")
+    if not 1 <= len(numbers) <= 5:
         raise card.refuse("not a time step and an end", ".tran STEP END [0 [LONGEST STEP]] [UIC]")
-    step, end, *more = map(card.value, words)
-    if step <= 0 or end <= 0:
+    step, end = (0.0, numbers[0]) if len(numbers) == 1 else numbers[:2]
+    if step < 0 or end <= 0:
         raise card.refuse("a time that is not above zero", "more than 0")
-    if more and more[0]:
-        raise card.refuse("results that begin later", "0 for the third time", f"{more[0]:g}")
+    if numbers[2:3] not in ([], [0.0]) and step > 0:
+        found.note(card.where, f"results before {numbers[2]:g} s are kept")
     return Transient(step, end, len(words) < len(card.words))
 
 
-def nodes_shown(card: Card) -> Iterator[tuple[Card, str]]:
-    """The nodes that a card asks for, each with the card."""
-    rest = VOLTAGE.sub(" ", card.text).split()[1:]
-    if any(word.lower() not in ("tran", "all") for word in rest):
-        expected = "v(NODE)"
-        raise card.refuse("asks for something else than voltages of nodes", expected, f"'{' '.join(rest):.40}'")
-    return ((card, name) for name in VOLTAGE.findall(card.text))
+def nodes_shown(card: Card, found: Findings) -> Iterator[tuple[Card, str]]:
+    """The nodes that a card asks for, each with the card; what else it asks for is noted."""
+    rest = FORMS.sub(" ", VOLTAGE.sub(" ", card.text)).split()[1:]
+    rest = [word for word in rest if re.search(r"\w\(|@|\[", word)]
+    if rest:
+        found.note(card.where, f"voltages of nodes are recorded, and '{' '.join(rest):.40}' is not")
+    for pair in VOLTAGE.findall(card.text):
+        yield from ((card, name.replace(":", ".")) for name in pair if name and name.lower() not in GROUND)
+
+
+def values_at_begin(cards: Iterable[Card]) -> dict[str, tuple[Card, float]]:
+    """Voltages of nodes by .ic, by name in lower case."""
+    given: dict[str, tuple[Card, float]] = {}
+    for card in cards:
+        pairs = AT_BEGIN.findall(card.text)
+        if not pairs or AT_BEGIN.sub("", card.text).split()[1:]:
+            raise card.refuse("not a list of voltages", ".ic v(NODE)=VALUE", f"'{card.text:.40}'")
+        for name, value in pairs:
+            given[name.replace(":", ".").lower()] = card, card.value(value)
+    return given
+
+
+def skip(card: Card, found: Findings, has_diodes: bool) -> None:
+    """Note a command that changes nothing here.
+
+    Raises
+    ------
+    InputError
+        It is not known, or sets another temperature beside diodes.
+    """
+    name = card.name.lower()
+    if name in TEMPERATURES and has_diodes and card.words and abs(card.value(card.words[0]) - 27) > 1e-9:
+        raise card.refuse("diodes at another temperature", "27 degC", card.words[0])
+    if name not in HARMLESS and name not in TEMPERATURES:
+        raise card.refuse("a command that is not known here", ".tran, .model, .subckt, .param, .include, .ic, .print")
+    advice = HARMLESS.get(name, "")
+    found.note(card.where, f"skipped{f': {advice}' if advice else ''}")

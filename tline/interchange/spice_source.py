@@ -3,6 +3,7 @@
 from typing import Any, NamedTuple
 
 from tline.interchange.deck import Card
+from tline.interchange.findings import Findings
 from tline.interchange.spice_waveform import surge_factor
 
 Waveform = float | dict[str, Any]  # as in a scene file
@@ -18,39 +19,99 @@ class Transient(NamedTuple):
     uic: bool
 
 
-def waveforms(card: Card, words: list[str], tran: Transient, factor: float) -> list[Waveform]:
-    """Waveforms whose sum is the source times a factor, after what its words say.
+class Said(NamedTuple):
+    """What a source's card says: a constant level, a shape with its numbers, an internal resistance."""
+
+    level: float
+    shape: str
+    numbers: list[float]
+    resistance: float
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether nothing is prescribed but zero."""
+        return not self.shape and self.level == 0 and self.resistance == 0
+
+    @property
+    def is_quiet(self) -> bool:
+        """Whether it is zero up to t = 0."""
+        if not self.shape:
+            return self.level == 0
+        if self.shape == "PWL":
+            return self.numbers[1] == 0
+        phase = self.numbers[5] if self.shape == "SIN" and len(self.numbers) > 5 else 0.0
+        return self.numbers[0] == 0 and self.numbers[1] * phase == 0
+
+
+def said_of(card: Card, found: Findings) -> Said:
+    """What the words behind the nodes of a source say.
 
     Raises
     ------
     InputError
         The source is something else, or has numbers that no waveform has.
+    """
+    words, assigned = card.assigned(2)
+    level = 0.0
+    if "dc" in assigned:
+        level, *rest = map(card.value, assigned.pop("dc"))
+        if rest:
+            raise card.refuse("DC with more than a level", "DC 5")
+    resistance = _resistance(card, assigned)
+    if words and words[0].upper() not in (*SHAPES, "AC", "DC"):
+        level, words = card.value(words[0]), words[1:]
+    shape, numbers = "", []
+    while words:
+        word, own = words[0].upper(), []
+        if word not in (*SHAPES, "AC", "DC"):
+            raise card.refuse("not known here", "DC, PULSE, PWL, SIN or EXP", f"'{words[0]:.40}'")
+        words = words[1:]
+        while words and words[0].upper() not in (*SHAPES, "AC", "DC"):
+            own, words = [*own, words[0]], words[1:]
+        if word == "AC":
+            found.note(card.where, "its AC part is skipped")
+        elif word == "DC":
+            if len(own) != 1:
+                raise card.refuse("DC without a level", "DC 5")
+            level = card.value(own[0])
+        elif shape:
+            raise card.refuse("has two waveforms", "one", f"{shape} and {word}")
+        else:
+            shape, numbers = word, [card.value(each) for each in own]
+    if shape and (len(numbers) < 2 or len(numbers) > MOST.get(shape, len(numbers))):
+        expected = f"2 to {MOST[shape]}" if shape in MOST else "pairs of time and level"
+        raise card.refuse(f"{shape} with {len(numbers)} numbers", expected)
+    return Said(level, shape, numbers, resistance)
+
+
+def _resistance(card: Card, assigned: dict[str, list[str]]) -> float:
+    """Of LTspice's sources."""
+    given = assigned.pop("rser", ["0"])
+    if assigned or len(given) != 1:
+        key = next(iter(assigned), "rser")
+        raise card.refuse("has more than a waveform", "DC, PULSE, PWL, SIN or EXP", f"'{key}='")
+    value = card.value(given[0])
+    if value < 0:
+        raise card.refuse("its resistance is below zero", "0 or more", f"{value:g}")
+    return value
+
+
+def waveforms(card: Card, said: Said, tran: Transient, factor: float) -> list[Waveform]:
+    """Waveforms whose sum is the source times a factor.
+
+    Raises
+    ------
+    InputError
+        It has numbers that no waveform has.
 
     References
     ----------
     H. Vogt et al.: Ngspice User's Manual, chapter "Independent sources for voltage or current".
     """
-    level, words = _constant(card, words)
-    if not words:
-        return [factor * (level or 0.0)]
-    shape, numbers = words[0].upper(), [card.value(word) for word in words[1:] if words[0].upper() in SHAPES]
-    if shape not in SHAPES:
-        raise card.refuse("not known here", "DC, PULSE, PWL, SIN or EXP", f"'{words[0]:.40}'")
-    if len(numbers) < 2 or len(numbers) > MOST.get(shape, len(numbers)):
-        expected = f"2 to {MOST[shape]}" if shape in MOST else "pairs of time and level"
-        raise card.refuse(f"{shape} with {len(numbers)} numbers", expected)
-    return {"PULSE": _pulse, "PWL": _points, "SIN": _sine, "EXP": _exponential}[shape](card, numbers, tran, factor)
-
-
-def _constant(card: Card, words: list[str]) -> tuple[float | None, list[str]]:
-    """The level in front, which counts only where no waveform follows, and the other words."""
-    if words and words[0].upper() == "DC":
-        if len(words) < 2:
-            raise card.refuse("DC without a level", "DC 5")
-        return card.value(words[1]), words[2:]
-    if words and words[0].upper() not in (*SHAPES, "AC"):
-        return card.value(words[0]), words[1:]
-    return None, words
+    if not said.shape:
+        return [factor * said.level]
+    make = {"PULSE": _pulse, "PWL": _points, "SIN": _sine, "EXP": _exponential}[said.shape]
+    return make(card, said.numbers, tran, factor)
 
 
 def _given(numbers: list[float], k: int, default: float) -> float:

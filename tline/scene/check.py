@@ -14,7 +14,7 @@ from tline.scene.element import is_name
 from tline.scene.factor import check_range
 from tline.scene.heights import height_mistakes
 from tline.scene.held import conflicting_holds
-from tline.scene.load import Matched, NoFlow, Resistor, Short
+from tline.scene.load import Matched
 from tline.scene.multiport import Multiport
 from tline.scene.rational_load import Rational
 from tline.scene.touchstone import Touchstone
@@ -150,13 +150,9 @@ def _coupled(scene: Scene) -> Iterator[InputError]:
     if coupled and scene.start == "steady":
         yield InputError("start", "coupled conductors have no steady state here", "'rest'", "'steady'")
     for name, load in scene.loads.items():
-        if load.at in coupled and not isinstance(load, NoFlow | Short | Resistor | Rational):
+        if load.at in coupled and isinstance(load, Matched):
             problem = f"a {load.kind} load at node '{load.at}' of coupled conductors"
-            yield InputError(place("loads", name), problem, "R, L, C, an impedance, a short or an open end")
-    for where, nodes in scene.between:
-        node = next((node for node in nodes if node in coupled), None)
-        if node is not None:
-            yield InputError(where, f"ends at node '{node}' of coupled conductors", "a node of single lines")
+            yield InputError(place("loads", name), problem, "a resistor")
 
 
 def _cavities(scene: Scene) -> Iterator[InputError]:

@@ -17,8 +17,10 @@ from tline.line.relations import listed
 from tline.line.walls import WALLS
 from tline.loss import ConstantLoss, Law, LossyLine, Sum, kelvin_voigt_wall
 from tline.loss.losses import Losses
+from tline.scene.attenuation import Attenuation
 from tline.scene.cable_loss import LossTangent, Skin, Wire
 from tline.scene.cable_table import CableTable
+from tline.scene.cable_types import TYPES, cable_type
 from tline.scene.cavities import Cavities
 from tline.scene.element import Element, Name
 from tline.scene.friction import AnyFriction
@@ -180,12 +182,34 @@ class _Cable(SceneLine):
     tabulated: CableTable | None = Field(
         default=None, description="R(f) and L(f), perhaps G(f) and C(f), instead of these"
     )
+    attenuation: Attenuation | None = Field(
+        default=None, description="at some frequencies, as in data sheets, instead of skin and loss_tangent"
+    )
+    cable: str | None = Field(
+        default=None, description=f"gives z0, velocity_factor and attenuation: {', '.join(TYPES)}"
+    )
+    _attenuation: Attenuation | None = PrivateAttr(default=None)
+
+    @property
+    def attenuation_residual(self) -> float:
+        """Largest relative difference of its attenuation from the data sheet's; 0 without one."""
+        table = self._own("_attenuation")
+        return table.residual(*self._front, self.resistance or 0.0) if table else 0.0
+
+    @property
+    def _front(self) -> tuple[float, float]:
+        """z0, ohm, and speed, m/s."""
+        (length,) = self._needed("attenuation", "length")
+        return float(self.parameters.z0), length / float(self.parameters.delay or 0.0)
 
     @model_validator(mode="after")
     def _determine(self):
-        own = ("resistance", "conductance", "skin", "wire", "loss_tangent", "tabulated")
+        own = ("resistance", "conductance", "skin", "wire", "loss_tangent", "tabulated", "attenuation", "cable")
         given = [name for name in own if getattr(self, name) is not None]
-        self._settle(ElectricalLine, own, **self._by_table())
+        self._settle(ElectricalLine, own, **self._by_table(), **self._by_name())
+        if self._attenuation is not None:
+            self._attenuate(self._attenuation, own)
+            return self
         if not given:
             return self
         if self.skin and self.wire:
@@ -199,6 +223,26 @@ class _Cable(SceneLine):
         shunt += [self.tabulated.shunt] if self.tabulated and self.tabulated.shunt else []
         self._lose(given[0], series, shunt)
         return self
+
+    def _by_name(self) -> dict[str, str]:
+        """z0 and velocity factor of a cable that is known by name, which must not be given twice."""
+        self._attenuation = self.attenuation
+        if self.cable is None:
+            return {}
+        for name in ("z0", "velocity_factor", "attenuation"):
+            if getattr(self, name) is not None:
+                raise InputError(name, "follows from the cable's name, too", "one of them")
+        found = cable_type(self.cable)
+        self._attenuation = Attenuation.model_validate({"unit": found.unit, "points": found.points})
+        return {"z0": found.z0, "velocity_factor": found.velocity_factor}
+
+    def _attenuate(self, table: Attenuation, own: tuple[str, ...]) -> None:
+        """What a line loses by its attenuation, beside its resistance to steady current."""
+        for name in own:
+            if name not in ("resistance", "attenuation", "cable") and getattr(self, name) is not None:
+                raise InputError(name, "is a loss that the attenuation has, too", "one of them")
+        series, shunt = table.laws(*self._front, self.resistance or 0.0)
+        self._lose("attenuation", [series], [shunt])
 
     def _by_table(self) -> dict[str, float]:
         """L and C at infinite frequency by the table, which must not be given twice."""

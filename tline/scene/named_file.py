@@ -32,13 +32,15 @@ class Folder(NamedTuple):
             It is confined and lies elsewhere, there is none, or it is a device or a pipe.
         """
         path = self.path / file
-        if self.confined and not Path(path.resolve()).is_relative_to(self.path.resolve()):
-            raise InputError("file", f"{shown(file)} lies outside of the scene's folder", "a file in it")
         try:
-            check_ordinary(path)
+            inside = not self.confined or path.resolve().is_relative_to(self.path.resolve())
+            if inside:
+                check_ordinary(path)
         except (OSError, ValueError) as error:  # a ValueError for a name with a null character
             reason = error.strerror if isinstance(error, OSError) else str(error)
             raise InputError("file", f"{shown(file)} cannot be read", got=reason or "an unreadable file") from None
+        if not inside:
+            raise InputError("file", f"{shown(file)} lies outside of the scene's folder", "a file in it")
         return path
 
 

@@ -44,6 +44,10 @@ def _of_lines(scene: Scene) -> Iterator[str]:
     for name, line in scene.lines.items():
         if isinstance(line, Coupled) and line.faster_than_light:
             lines["L and C are too small: a mode is faster than light"].append(place("lines", name))
+    for name, line in scene.single_lines.items():
+        residual = getattr(line, "attenuation_residual", 0.0)
+        if residual:
+            lines[f"its attenuation is within {100 * residual:.2g} % of the data sheet's"].append(place("lines", name))
     return (f"{_first(names)}: {remark}" for remark, names in lines.items())
 
 

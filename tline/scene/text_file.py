@@ -12,8 +12,8 @@ from tline.printable import one_line
 LARGEST = 100_000_000  # bytes
 
 
-def read_text(path: Path, where: str = "") -> str:
-    """Text of a file in UTF-8, without a byte order mark.
+def read_text(path: Path, where: str = "", legacy: bool = False) -> str:
+    """Text of a file in UTF-8, without a byte order mark; or of an older encoding.
 
     Parameters
     ----------
@@ -21,6 +21,8 @@ def read_text(path: Path, where: str = "") -> str:
         What to read; a pipe will do, but not one with a name, for which a writer may never come.
     where : str
         The key that names the file; without it the error points at the file.
+    legacy : bool
+        Read what is not UTF-8 as UTF-16 if it begins so, or else as Latin-1.
 
     Raises
     ------
@@ -38,8 +40,12 @@ def read_text(path: Path, where: str = "") -> str:
     if len(data) > LARGEST:
         raise InputError(where or str(path), f"{name}is too large", f"at most {LARGEST:,} bytes")
     try:
+        if legacy and data.startswith((b"\xff\xfe", b"\xfe\xff")):
+            return data.decode("utf-16")
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
+        if legacy and b"\0" not in data:
+            return data.decode("latin-1")
         raise InputError(where or str(path), f"{name}is not a text file", "text in UTF-8") from None
 
 

@@ -1,6 +1,10 @@
 from tline.signal.eye_diagram import Eye as Eye
 from tline.signal.eye_diagram import eye as eye
 from tline.signal.eye_diagram import prbs7 as prbs7
+from tline.signal.eye_statistics import Jitter as Jitter
+from tline.signal.eye_statistics import Mask as Mask
+from tline.signal.eye_statistics import jitter as jitter
+from tline.signal.eye_statistics import mask_hits as mask_hits
 from tline.signal.load_line import Bergeron as Bergeron
 from tline.signal.load_line import LoadLine as LoadLine
 from tline.signal.load_line import bergeron as bergeron

@@ -79,6 +79,8 @@ def eye(
     source: str | None = None,
     low: float | str = 0.0,
     high: float | str = 1.0,
+    tol: float | None = None,
+    progress: bool = False,
 ) -> Eye:
     """Drive a source with a bit pattern, and measure the eye at a probe; other sources do what they do.
 
@@ -95,6 +97,10 @@ def eye(
         Name of the source; not needed if there is one only.
     low, high : float or str
         Levels of zero and one, of the source's quantity.
+    tol : float, optional
+        Largest error of the probe, relative to its amplitude, instead of the scene's; 1e-6 where there is neither.
+    progress : bool
+        Show a progress bar on stderr if the run takes more than two seconds.
 
     Raises
     ------
@@ -128,7 +134,8 @@ def eye(
     table = scene.table()
     points = _points(np.tile(pattern, 2), T, edge, low, high)
     table["sources"][name]["value"] = {"shape": "piecewise linear", "points": points}
-    seen = simulate(scene.with_changes(**table | {"t_end": 2 * len(pattern) * T, "start": "rest"})).probes[probe]
+    table |= {"t_end": 2 * len(pattern) * T, "start": "rest", "probes": {probe: table["probes"][probe]}}
+    seen = simulate(scene.with_changes(**table), tol=tol, progress=progress).probes[probe]
     t = T * (len(pattern) + np.arange(len(pattern) * FINE) / FINE)
     return _measured(pattern, T, seen.at(t).u.reshape(-1, FINE))
 

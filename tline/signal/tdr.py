@@ -15,7 +15,7 @@ from tline.solver.simulate import simulate
 from tline.units import to_si
 from tline.wording import nearest, shown
 
-TOL = 1e-11  # at slab ends; between them, where most of the curve lies, the order is lower
+TOL = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,14 @@ class Reflections:
 
 
 def reflectometry(
-    scene: Scene, node: str, rise: float | str, z0: float | str | None = None, t_end: float | str | None = None
+    scene: Scene,
+    node: str,
+    rise: float | str,
+    z0: float | str | None = None,
+    t_end: float | str | None = None,
+    *,
+    tol: float = TOL,
+    progress: bool = False,
 ) -> Reflections:
     """Send a step into a node and see what comes back; sources there are taken away, all others are silent.
 
@@ -61,6 +68,10 @@ def reflectometry(
         Resistance of the instrument, above zero; that of the first line at the node if not given.
     t_end : float or str, optional
         How long to look, s; until the scene's end if not given.
+    tol : float, 1e-13 to 0.1
+        Largest error of the waves, relative to the step.
+    progress : bool
+        Show a progress bar on stderr if the run takes more than two seconds.
 
     Raises
     ------
@@ -98,7 +109,7 @@ def reflectometry(
     line = next(name for name, line in scene.lines.items() if node in line.nodes)
     table |= {"sources": sources, "probes": {"node": {"at": node, "line": line}}, "start": "rest"}
     table |= {} if t_end is None else {"t_end": _above_zero(t_end, "s", "t_end")}
-    seen = curve(simulate(scene.with_changes(**table), tol=TOL).probes["node"])
+    seen = curve(simulate(scene.with_changes(**table), tol=tol, progress=progress).probes["node"])
     incident = np.clip(seen.t / duration, 0.0, 1.0)
     return Reflections(seen.t, incident, seen.u - incident, resistance)
 

@@ -1,0 +1,92 @@
+"""Cables by their attenuation: against lines whose attenuation is known, and against inverse Laplace."""
+
+import numpy as np
+import pytest
+
+from tline.errors import InputError
+from tline.frequency.response import respond
+from tline.scene.attenuation import DECIBEL, Attenuation
+from tline.scene.cable_types import TYPES
+from tline.scene.plausible import plausibility_notes
+from tline.scene.scene import Scene
+from tline.solver.simulate import simulate
+from tline.study.reference.lossy import Drive, lossy_response
+
+RESIDUALS = {"RG-58": 0.031, "RG-213": 0.017, "LMR-400": 0.0012, "Cat 5e": 0.036, "Cat 6": 0.022}
+
+
+def cable(t_end="2 us", **line) -> Scene:
+    return Scene(
+        medium="electrical", t_end=t_end, lines={"line": {"nodes": ["near", "far"], "length": "100 m"} | line},
+        sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 50}},
+        loads={"end": {"at": "far", "kind": "resistor", "resistance": 50}}, probes={"far": {"at": "far"}},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("skin", "tangent"), [(2.0, 4e-4), (2.0, None), (0.1, 4e-3)])
+def test_points_of_a_line_give_that_line(skin, tangent):
+    """Attenuations computed from R, G, L and C at some frequencies; the same law of insulation, with its band."""
+    f = np.array([1e6, 1e7, 1e8, 1e9])
+    band = {"frequency": float(np.sqrt(f[0] * f[-1])), "low": f[0] / 1e3, "high": f[-1] * 1e3}
+    losses = {"skin": {"resistance": skin, "frequency": 1e8}}
+    losses |= {"loss_tangent": {"value": tangent} | band} if tangent else {}
+    known = cable(z0=50, wave_speed=2e8, **losses).lines["line"].losses.exact
+    nepers = [complex(known.gamma(2j * np.pi * x)).real for x in f]
+    points = [[float(x), float(a * DECIBEL * 100)] for x, a in zip(f, nepers, strict=True)]
+    found = cable(z0=50, wave_speed=2e8, attenuation={"unit": "dB/100m", "points": points}).lines["line"]
+    assert found.attenuation_residual < 1e-9
+    for x in (3e5, 3e7, 3e9):
+        one, other = (complex(line.gamma(2j * np.pi * x)) for line in (known, found.losses.exact))
+        assert abs(one - other) < 1e-8 * abs(one)
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_named_cables_have_the_attenuation_of_their_table(name):
+    scene, kind = cable(cable=name), TYPES[name]
+    line = scene.lines["line"]
+    residual = line.attenuation_residual
+    assert 0 < residual < RESIDUALS[name]
+    assert any("of the data sheet's" in note for note in plausibility_notes(scene))
+    table = Attenuation.model_validate({"unit": kind.unit, "points": kind.points})
+    for f, nepers in zip(table.frequencies, table.nepers, strict=True):
+        passed = line.losses.exact.gamma(2j * np.pi * f)
+        assert complex(passed).real == pytest.approx(nepers, rel=1.0001 * residual)
+
+
+def test_a_matched_end_sees_that_attenuation():
+    scene = cable(
+        z0=50, velocity_factor=0.66, attenuation={"unit": "dB/100m", "points": [["100 MHz", 16], ["1 GHz", 61]]}
+    )
+    far = respond(scene, 2j * np.pi * 1e8, "s")["far"].u
+    assert -20 * np.log10(2 * abs(far)) == pytest.approx(16.0, abs=0.02)  # and what the end sends back
+
+
+def test_the_step_response_of_a_hundred_metres():
+    scene = cable(cable="RG-58")
+    line, delay = scene.lines["line"].losses.exact, scene.lines["line"].parameters.delay
+    result = simulate(scene.with_changes(solver={"order": 8, "slab": delay / 100}))
+    t = delay * np.array([1.03, 1.05, 1.1, 1.2, 1.5, 2, 2.9, 3.05, 3.5])
+    exact = lossy_response(
+        line, [repr(float(x)) for x in t], line.length, source=50.0, load=50.0, digits=10, drive=Drive.STEP
+    )
+    assert np.abs(result.probes["far"].at(t).u - [float(u) for u in exact.u]).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ({"cable": "RG58"}, "lines.line.cable: not known here, expected 'RG-58', got 'RG58'"),
+        ({"cable": "RG-58", "z0": 50}, "lines.line.z0: follows from the cable's name, too, expected one of them"),
+        ({"z0": 50, "wave_speed": 2e8, "attenuation": {"points": [[1e6, 1]]}}, "lines.line.attenuation.points: "),
+        ({"z0": 50, "wave_speed": 2e8, "attenuation": {"points": [[1e6, 1], [1e5, 2]]}},
+         "lines.line.attenuation.points[1]: frequencies do not ascend"),
+        ({"z0": 50, "wave_speed": 2e8, "attenuation": {"unit": "dB/mile", "points": [[1e6, 1], [1e7, 2]]}},
+         "lines.line.attenuation.unit: not known here, expected dB/m, dB/100m"),
+        ({"cable": "RG-58", "skin": {"resistance": 1, "frequency": 1e9}},
+         "lines.line.skin: is a loss that the attenuation has, too"),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_one_sentence(line, sentence):
+    with pytest.raises(InputError) as found:
+        cable(**line)
+    assert str(found.value).startswith(sentence)

@@ -1,0 +1,31 @@
+"""The eye of the shipped stripline against the Fourier series of its pattern through its transfer function."""
+
+from pathlib import Path
+
+import numpy as np
+
+from tline.frequency.response import respond
+from tline.scene.file import read_scene
+from tline.signal.eye_diagram import FINE, eye, prbs7
+
+BIT, RISE, HARMONICS = 200e-12, 50e-12, 20_000
+SCENE = Path(__file__).parents[2] / "scenes" / "stripline_eye.toml"
+
+
+def test_the_second_round_is_nearly_the_periodic_response():
+    """Harmonics of straight edges are sums over their corners; the tail of the skin effect is not all there yet."""
+    scene, bits = read_scene(SCENE), prbs7()
+    period = len(bits) * BIT
+    w = 2 * np.pi / period * np.arange(1, HARMONICS + 1)
+    begins = np.flatnonzero(bits != np.roll(bits, 1))
+    slopes = np.where(bits[begins], 1.0, -1.0) / RISE
+    turn = 1 - np.exp(-1j * w * RISE)
+    corners = sum(a * np.exp(-1j * w * k * BIT) * turn for k, a in zip(begins, slopes, strict=True))
+    spectrum = -corners / (w**2 * period)
+    passed = spectrum * np.array([respond(scene, 1j * x, "driver")["receiver"].u for x in w])
+    n = len(bits) * FINE
+    whole = np.zeros(n, complex)
+    np.add.at(whole, np.arange(1, HARMONICS + 1) % n, passed)
+    u = 2 * np.fft.ifft(whole).real * n + bits.mean() * abs(respond(scene, 1e-3, "driver")["receiver"].u)
+    seen = eye(scene, "receiver", BIT, RISE)
+    assert np.abs(seen.u.ravel() - u).max() < 3e-3 * np.abs(u).max()

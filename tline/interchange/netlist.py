@@ -1,0 +1,154 @@
+"""The tables of a scene as the elements of a netlist fill them, in the nodes that are left where some are one."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+from tline.interchange.deck import Card
+from tline.interchange.findings import Findings
+from tline.interchange.spice_source import Transient
+from tline.interchange.subcircuits import GROUND
+
+Table = dict[str, Any]
+REFERENCE = "0"
+AMMETER = 1.0  # ohm, by which a current becomes the voltage that stands for it
+
+
+class Netlist:
+    """Lines, links, loads and sources by name, and the card that each is from.
+
+    Parameters
+    ----------
+    found : Findings
+        Where notes go.
+    tran : Transient
+        The run.
+    models : dict of str to Card
+        Models by name in lower case, behind the names of the subcircuits that they are in.
+    folder : Path
+        The only one from which files are read.
+    """
+
+    def __init__(self, found: Findings, tran: Transient, models: dict[str, Card], folder: Path):
+        self.found, self.tran, self.models, self.folder = found, tran, models, folder
+        self.tables: dict[str, dict[str, Table]] = {"lines": {}, "sources": {}, "links": {}, "loads": {}}
+        self.cards: dict[tuple[str, str], Card] = {}
+        self.initial: dict[str, tuple[Card, float]] = {}  # voltages of nodes at t = 0
+        self.sensed: dict[str, str] = {}  # sources whose current commands others, and the nodes that stand for it
+        self.coupled: set[str] = set()  # inductors, and their values and nodes where they are waiting to be coupled
+        self.windings: dict[str, tuple[float, tuple[str, str]]] = {}
+        self.quiet = True  # whether all sources are zero up to t = 0
+        self._same: dict[str, str] = {}
+        self._spelt = {REFERENCE: REFERENCE}
+
+    def node(self, name: str) -> str:
+        """The node as it was spelt first; the reference is '0'."""
+        root = self._root(name)
+        return self._spelt.setdefault(root, name)
+
+    def _root(self, name: str) -> str:
+        name = REFERENCE if name.lower() in GROUND else name.lower()
+        while name in self._same:
+            name = self._same[name]
+        return name
+
+    def merge(self, first: str, second: str) -> None:
+        """Let two nodes be one, if none of them is the reference."""
+        kept, gone = self._root(first), self._root(second)
+        if kept != gone and REFERENCE not in (kept, gone):
+            self._same[gone] = kept
+            self._spelt.setdefault(kept, first)
+
+    def add(self, section: str, card: Card, table: Table, name: str = "") -> None:
+        """Add a table that a card makes."""
+        name = name or card.name
+        self.tables[section][name] = table
+        self.cards[section, name] = card
+
+    def between(self, card: Card, ends: Iterable[str], table: Table, name: str = "") -> None:
+        """Add what stands between two nodes: a load where one of them is the reference, else a link."""
+        first, second = ends
+        if first == second:
+            self.found.note(card.where, "skipped, for both its ends are at one node")
+        elif second == REFERENCE:
+            self.add("loads", card, {"at": first} | table, name)
+        elif first == REFERENCE:
+            reverse = {"reverse": True} if table["kind"] == "diode" else {}
+            self.add("loads", card, {"at": second} | table | reverse, name)
+        else:
+            self.add("links", card, {"nodes": [first, second]} | table, name)
+
+    def short(self, card: Card, ends: tuple[str, str]) -> None:
+        """Hold a node at zero that a source of no voltage or a resistor of 0 ohm joins to the reference."""
+        at = next((node for node in ends if node != REFERENCE), REFERENCE)
+        shorted = {load["at"] for load in self.tables["loads"].values() if load["kind"] == "short"}
+        if REFERENCE in ends and at not in shorted:
+            self.add("loads", card, {"at": at, "kind": "short"})
+
+    def source(self, card: Card, ends: tuple[str, str], table: Table, name: str = "") -> None:
+        """Add a source from a first node, its plus, to a second."""
+        first, second = ends
+        if second == REFERENCE:
+            self.add("sources", card, {"at": first} | table, name)
+        else:
+            self.add("sources", card, {"nodes": [first, second]} | table, name)
+
+    def two_port(self, card: Card, ports: tuple[tuple[str, str], ...], kind: str, name: str = "", **table: Any) -> None:
+        """Add a linear two-port; the keys of `table` that begin with 'signed_' follow the sense of its ports."""
+        signs, nodes = [], []
+        for first, second in ports:
+            signs.append(-1.0 if first == REFERENCE else 1.0)
+            nodes.append(second if first == REFERENCE else first)
+        grounded = all(REFERENCE in port for port in ports) and len({*nodes}) == 2
+        given = {}
+        for key, value in table.items():
+            plain = key.removeprefix("signed_")
+            given[plain] = value * signs[0] * signs[1] if grounded and plain != key else value
+        if not grounded:
+            nodes = [node for port in ports for node in port]
+            if REFERENCE in nodes:
+                self.tables["loads"]["reference"] = {"at": REFERENCE, "kind": "short"}
+                self.cards["loads", "reference"] = card
+        self.add("links", card, {"nodes": nodes, "kind": kind} | given, name)
+
+    def ammeter(self, card: Card, first: str, second: str) -> None:
+        """Put a gyrator between two nodes, whose second port has the current through its first as voltage."""
+        at = self.sensed[card.name.lower()]
+        self.two_port(card, ((first, second), (at, REFERENCE)), "gyrator", at, resistance=AMMETER)
+
+    def end(self, card: Card, which: int, first: str, second: str) -> str:
+        """The node at which a line ends between two nodes."""
+        if second == REFERENCE != first:
+            return first
+        inner = f"{card.name}.{which}"
+        if first == second:
+            self.add("loads", card, {"at": inner, "kind": "short"}, inner)
+        else:
+            self.two_port(card, ((first, second), (inner, REFERENCE)), "transformer", inner, signed_ratio=1.0)
+        return inner
+
+    def model(self, card: Card, name: str) -> Card:
+        """The model of that name in the innermost subcircuit around a card that has one."""
+        around = card.name.split(".")[:-1]
+        for depth in range(len(around), -1, -1):
+            model = self.models.get(".".join([*around[:depth], name]).lower())
+            if model is not None:
+                return model
+        raise card.refuse("its model is not there", "the name of a .model", f"'{name:.40}'")
+
+    def at_begin(self, ends: tuple[str, str]) -> float:
+        """Voltage between two nodes at t = 0 by .ic."""
+        first, second = (self.initial[end.lower()][1] if end.lower() in self.initial else 0.0 for end in ends)
+        return first - second
+
+    def terminals(self) -> Iterator[tuple[str, str, list[str]]]:
+        """Section, name and nodes of all elements; the reference counts where a link names it."""
+        for section, tables in self.tables.items():
+            for name, table in tables.items():
+                nodes = [*table.get("nodes", ()), *table.get("nodes1", ()), *table.get("nodes2", ())]
+                yield section, name, [*nodes, *([table["at"]] if "at" in table else [])]
+
+    def degrees(self) -> Counter[str]:
+        """How many terminals are at each node."""
+        return Counter(node for _, _, nodes in self.terminals() for node in nodes)
