@@ -14,7 +14,7 @@ from random_scenes import random_scene
 
 from passivity import RationalFunction
 from tline.errors import InputError
-from tline.scene.file import schema
+from tline.scene.file import read_scene, schema
 from tline.scene.line import Cable, Pipe
 from tline.scene.load import Resistor
 from tline.scene.points import Ramp
@@ -360,3 +360,9 @@ def test_large_scenes_are_read_quickly():
     made = Scene(**table)
     chosen(made)
     assert time.process_time() - started < 10.0
+
+
+def test_a_probe_at_a_measured_load_sees_the_flow_of_its_cable():
+    scene = read_scene(Path(__file__).parents[2] / "scenes" / "antenna.toml")
+    assert len(scene.lines) == 2  # the cable, and the delay of the antenna
+    assert scene.probed_line("far") == "cable"

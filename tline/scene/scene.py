@@ -352,7 +352,8 @@ class Scene(Element):
     def probed_line(self, probe: str) -> str | None:
         """Name of the line that a probe is on, or of the only one that ends at it; None where several do, or none."""
         place = self.probes[probe]
-        here = [] if place.line else [name for name, line in self.lines.items() if place.at in line.nodes]
+        ends = [] if place.line else [name for name, line in self.lines.items() if place.at in line.nodes]
+        here = [*{*ends} - self.delay_lines] if len(ends) > 1 else ends
         return place.line or (here[0] if len(here) == 1 else None)
 
 
