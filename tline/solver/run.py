@@ -18,6 +18,7 @@ from tline.solver.description.resolution import Resolution
 from tline.solver.ledger.ledger import Ledger
 from tline.solver.ledger.recorder import Recorder
 from tline.solver.loop.march import March, march
+from tline.solver.loop.superposed import families_of, superposed
 from tline.solver.result.conductor import record_of
 from tline.solver.result.envelope import watch
 from tline.solver.result.notes import VISIBLE, smeared
@@ -61,7 +62,8 @@ def run(
     kept, s, h = {*record, *description.probed}, chosen.s, chosen.h
     with gc_paused():
         assembly = assemble(description, kept, chosen, laws=laws, progress=progress)
-    if kinks:
+    families = [] if ledger else families_of(assembly)
+    if kinks and not families:
         assembly.changes = sorted([*assembly.changes, *_cuts(assembly, kinks)])
     n = slabs or max(ceil(description.t_end / h - 1e-9), 1)
     if 4 * len(kept) * n * s > LARGEST_RECORD:
@@ -70,8 +72,17 @@ def run(
     recorder = Recorder(assembly, n) if ledger else None
     extremes = watch(assembly) if envelope else None
     try:
-        waves, done = march(assembly, n, observers=[each for each in (extremes, recorder) if each], progress=progress)
+        if families:
+            waves, done = superposed(families, n, progress=progress)
+            if extremes:
+                extremes.see(waves, 0, n, done.pieces)
+            waves, done = waves[: assembly.kept], done._replace(pieces=done.pieces.of_rows(assembly.kept))
+        else:
+            watching = [each for each in (extremes, recorder) if each]
+            waves, done = march(assembly, n, observers=watching, progress=progress)
     except NoFlowError as error:
+        if families:
+            raise
         kinks, more = _divided(kinks, error, n, h), {"envelope": envelope, "ledger": ledger, "progress": progress}
         return run(description, chosen, record, slabs=slabs, kinks=kinks, laws=laws, **more)
     smears = done.fronts.lost > VISIBLE or description.blurred
@@ -84,7 +95,7 @@ def run(
             record_of(probe, lines) if probe.node is None else _at_node(assembly, probe.node, waves, done, smears)
         ]
     }
-    samples = len(assembly.network.ends) * n * s
+    samples = len(assembly.network.ends) * n * s * max(len(families), 1)
     again = Again(
         description.scene, chosen, n, dict(kinks), samples + EACH_NODE * len(assembly.nodes), bool(description.coupled)
     )
@@ -177,8 +188,7 @@ def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> Elemen
 
 
 def _record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: bool) -> LineRecord:
-    row, echo = assembly.recorded[name], assembly.echoes.get(name)
-    line = assembly.lines[name]
+    row, line = assembly.recorded[name], assembly.lines[name]
     s, h = assembly.resolution.s, assembly.resolution.h
     level = assembly.level_of(name)
 
@@ -190,9 +200,6 @@ def _record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: 
             here = noted.row == row + end
             pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + level)
         values = waves[row + end, side].reshape(-1, s)
-        if echo is not None:  # arrives as well, and so was not sent
-            both = waves[row + end].sum(axis=0).reshape(-1, s)
-            values = values + (1 - 2 * side) * both @ echo.T
         return Wave(values + level if level else values, before + level, assembly.basis, h, pieces)
 
     sides = (0, 1), (0, 0), (1, 0), (1, 1)

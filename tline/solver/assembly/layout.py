@@ -18,7 +18,7 @@ from tline.solver.assembly.node_maps import GroupSystems, systems_of
 from tline.solver.assembly.start import tables_of
 from tline.solver.description.circuits import Circuits, circuits_of, fit_of
 from tline.solver.description.description import Description
-from tline.solver.description.excitation import Shape, just_before
+from tline.solver.description.excitation import Waveform, just_before
 from tline.solver.description.groups import Group
 from tline.solver.description.laws import laws_of, started, states_of
 from tline.solver.description.lines import Line
@@ -32,7 +32,7 @@ from tline.solver.steady.steady_state import Before, above_level, rest
 LAYOUTS = 2  # of a scene that are kept
 STAGES = 3  # lines, state before t = 0, nodes
 
-Excitation = list[tuple[Shape, float]]  # waveforms and their shares of the Thévenin wave, or what scales an element
+Excitation = list[tuple[Waveform, float]]  # waveforms and their shares of the Thévenin wave, or what scales an element
 
 
 class Junctions(NamedTuple):
@@ -178,7 +178,7 @@ def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar:
         u, y = u[kept], y[kept]
     junctions = grid.joined(groups, nodes)
     weight = np.concatenate([node.weights(z0) for node in nodes.values()])
-    excitations = [node.excitations for node in nodes.values()]
+    excitations: list[Excitation] = [[*node.excitations] for node in nodes.values()]
     before = None
     if description.steady:
         waves = _thevenin(u, z0[:, None] * y, junctions, weight, excitations)

@@ -1,6 +1,6 @@
 """Waveforms on slabs: sampled at the points, piece by piece in slabs that hold a jump or a corner."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,23 @@ from tline.solver.radau import Basis
 EDGE = 1e-9  # slabs; a break nearer than this to a slab's edge counts as on it
 
 
-def sampled(waveform: Shape, basis: Basis, h: float, first: int, n: int) -> NDArray:
+class Waveform(Protocol):
+    """Smooth pieces between breaks: a shape of the scene, or a part of one."""
+
+    def breaks(self, t_end: float) -> NDArray:
+        """Instants of jumps and corners, s."""
+        ...
+
+    def value(self, t: NDArray, inside: NDArray) -> NDArray:
+        """Value at t of the smooth piece that contains `inside`, continued; shapes broadcast."""
+        ...
+
+    def fastest(self) -> float:
+        """Shortest time scale of the smooth pieces, s; infinite if all are straight."""
+        ...
+
+
+def sampled(waveform: Waveform, basis: Basis, h: float, first: int, n: int) -> NDArray:
     """Values at the Radau points of n slabs from number `first` on, shape (n, s); without meaning in broken ones."""
     start = (first + np.arange(n)) * h
     return waveform.value(start + h * basis.c[:, None], start + h / 2).T  # loops over slabs are longer than over points
@@ -28,7 +44,7 @@ class Broken(NamedTuple):
     coef: NDArray  # (pieces, s) Legendre coefficients
 
 
-def places_of(parts: list[tuple[Shape, float]], t_end: float, h: float) -> NDArray:
+def places_of(parts: list[tuple[Waveform, float]], t_end: float, h: float) -> NDArray:
     """Instants in slabs, sorted, at which the waveforms of one excitation row jump or bend; t = 0 is always one."""
     places = np.concatenate([[0.0], *(waveform.breaks(t_end) for waveform, _ in parts)]) / h
     near = np.round(places)
@@ -36,7 +52,7 @@ def places_of(parts: list[tuple[Shape, float]], t_end: float, h: float) -> NDArr
     return np.unique(places[(places >= 0) & (places < t_end / h)])
 
 
-def broken(parts: list[tuple[Shape, float]], places: NDArray, basis: Basis, h: float, first: int, n: int) -> Broken:
+def broken(parts: list[tuple[Waveform, float]], places: NDArray, basis: Basis, h: float, first: int, n: int) -> Broken:
     """Sampled piece by piece in those of n slabs, from number `first` on, that hold one of the places."""
     places = places[(places >= first) & (places < first + n)]
     cut = np.unique(np.floor(places))
@@ -52,7 +68,7 @@ def broken(parts: list[tuple[Shape, float]], places: NDArray, basis: Basis, h: f
     return Broken(numbers, np.isin(cut, places), count, start - slab, stop - slab, values @ basis.to_legendre.T)
 
 
-def just_before(waveform: Shape) -> float:
+def just_before(waveform: Waveform) -> float:
     """Value immediately before t = 0."""
     past = waveform.breaks(0.0)
     past = past[past < 0]

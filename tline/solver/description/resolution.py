@@ -10,6 +10,8 @@ import numpy as np
 
 from tline.errors import InputError
 from tline.solver.description.description import Description
+from tline.solver.description.families import MOST as MOST_FAMILIES
+from tline.solver.description.families import leads
 from tline.solver.description.nodes import NONE
 from tline.wording import place
 
@@ -102,13 +104,34 @@ def _slab(
     least = max(affordable, min(ROOMY * settle, min(shortest, t_end) / SLABS_PER_DELAY))
     many = [] if lossy else [t_end / SLABS_PER_RUN]  # to lines with losses slabs are dear
     wanted = max(min([resolved, *many, *fronts]), least)
+    cheap = _affordable(description, delays, CHEAP if lossy else CHEAP_IN_BLOCKS)
+    if lossy and (h := _slab_for_segments(description, delays, max(resolved, least), cheap)):
+        return h
     marks = [t for t in breaks if t > 0] if few else []
-    cheap = CHEAP if lossy else CHEAP_IN_BLOCKS
-    parts = _dividing(delays, lossy, marks, wanted, _affordable(description, delays, cheap))
+    parts = _dividing(delays, lossy, marks, wanted, cheap)
     if not parts and breaks and few:  # fronts inside slabs, exact in any slab, and slabs with fronts cost
         wanted = max(resolved, least)
     parts = parts or 1
     return shortest / (parts * ceil(shortest / parts / wanted - WHOLE))
+
+
+def _slab_for_segments(description: Description, delays: list[float], wanted: float, affordable: float) -> float:
+    """A slab that divides all delays, where lossy lines are in segments wherever fronts lie; 0 if there is none.
+
+    If waves are sums over fronts, each family of these may have slabs of its own. Else fronts have to lie whole slabs
+    apart.
+    """
+    if not all(line.losses is None or line.losses.linear for line in description.lines.values()):
+        return 0.0
+    at = np.unique(np.concatenate([[*description.switched.values()], *(changes.at for changes in description.changes)]))
+    apart = [] if description.separable else (at[1:] - at[:1]).tolist()
+    if len(apart) > MOST_MARKS:
+        return 0.0
+    shortest = min(delays)
+    most = int(shortest / max(wanted / FINER, affordable)) or 1
+    parts = common_parts((*delays, *apart), shortest, most)
+    h = shortest / (parts * ceil(shortest / parts / wanted - WHOLE)) if parts else 0.0
+    return h if h and len(leads(at / h)) <= MOST_FAMILIES else 0.0
 
 
 def _affordable(description: Description, delays: list[float], cheap: float) -> float:

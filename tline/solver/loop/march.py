@@ -63,11 +63,11 @@ class March(NamedTuple):
 
 
 def march(
-    assembly: Assembly, n: int, *, observers: Sequence[Observer] = (), progress: bool = False
+    assembly: Assembly, n: int, *, observers: Sequence[Observer] = (), every_row: bool = False, progress: bool = False
 ) -> tuple[NDArray, March]:
     """Advance an assembled scene by n slabs.
 
-    For observers the kernel records into a window of one chunk, and only recorded lines are kept.
+    For observers the kernel records into a window of one chunk, and only recorded lines are kept, or every row.
 
     Returns
     -------
@@ -85,8 +85,8 @@ def march(
     windowed = bool(observers)
     samples = LOOK if windowed else CHUNK
     chunk = min(max(int(samples / (len(assembly.network.ends) * s)), 1), n)
-    kept = assembly.kept
-    rows = max(kept, int(assembly.network.record_row.max(initial=-1)) + 1)
+    rows = max(assembly.kept, int(assembly.network.record_row.max(initial=-1)) + 1)
+    kept = rows if every_row else assembly.kept
     record = np.empty((kept, 2, n * s))
     window = np.empty((rows, 2, chunk * s)) if windowed else record
     steps = Stepper(assembly, n, window, rows if windowed else kept)
@@ -107,6 +107,7 @@ def march(
                 steps.noted[seen:] = [pieces.of_rows(kept)]
             bar.update(high - low)
         seconds = time.perf_counter() - started
+    _take_echoes(assembly, record)
     steps.leave()
     return record, steps.run(seconds)
 
@@ -139,6 +140,16 @@ class Signals:
         if n == self.n and found.size <= FEW:
             self._all = found
         return found
+
+
+def _take_echoes(assembly: Assembly, record: NDArray) -> None:
+    """Turn what arrives at ends of lines in segments, and what is sent, into what it is outside the segments."""
+    s = assembly.basis.s
+    for name, echo in assembly.echoes.items():
+        row = assembly.recorded.get(name)
+        for end in record[row : row + 2] if row is not None else ():
+            back = (end.sum(axis=0).reshape(-1, s) @ echo.T).ravel()  # arrives as well, and so was not sent
+            end += [back, -back]
 
 
 class Stepper:
