@@ -1,12 +1,15 @@
-"""Many runs in one call: what they refuse, and what they say of their accuracy."""
+"""Which runs of a sweep are made side by side in compiled code, and which one at a time."""
 
 import numpy as np
 import pytest
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.solver.many import many
-from tline.solver.simulate import UnresolvedWarning
+from tline.solver.description.description import describe
+from tline.solver.many import many_runs
+from tline.solver.result.dense_output import extremes
+from tline.solver.simulate import simulate
+from tline.solver.sweep import sweep
 
 Z0 = {"lines.one.z0": [50.0, 60.0]}
 
@@ -59,42 +62,51 @@ PULSES = {"shape": "pulses", "high": 1.0, "width": 0.1, "rise": 0.01, "fall": 0.
         ({"sources": {"s": {"at": "a", "kind": "voltage", "value": PULSES}}}, "too many jumps and corners"),
     ],
 )
-def test_scenes_that_it_does_not_take(more, where):
+def test_scenes_that_copies_do_not_take(more, where):
     with pytest.raises(InputError, match=where):
-        many(scene(**more), Z0)
-
-
-@pytest.mark.parametrize(
-    ("vary", "more", "where"),
-    [
-        ({}, {}, "vary: not as many numbers of each, .*got none"),
-        ({"lines.one.z": [1.0]}, {}, "lines.one.z: no number of the scene that may vary, expected .*lines.one.z0"),
-        ({"loads.r.capacitance": [1.0]}, {}, "loads.r.capacitance: no number of the scene"),
-        ({**Z0, "lines.two.z0": [1.0]}, {}, "vary: not as many numbers of each, .*got 2 of lines.one.z0, 1 of"),
-        ({"lines.one.z0": [50.0, -1.0]}, {}, "lines.one.z0: out of range in copy 1, .*got -1"),
-        ({"lines.one.z0": [50.0, np.nan]}, {}, "lines.one.z0: out of range in copy 1, .*got nan"),
-        ({"lines.one.z0": [[50.0]]}, {}, "lines.one.z0: not one number for each copy"),
-        ({"lines.one.z0": ["fifty"]}, {}, "lines.one.z0: not numbers"),
-        ({"lines.one.z0": []}, {}, "vary: not a number of copies"),
-        ({"lines.one.delay": [1.0, 1.1]}, {}, "the delays of copy 1 are not in the proportion"),
-        (Z0, {"times": [1.0, 10.0]}, "times: not instants of the run, .*got 10 s"),
-        (Z0, {"times": [np.nan]}, "times: not instants of the run"),
-        (Z0, {"times": ["soon"]}, "times: not numbers"),
-        (Z0, {"tol": 1e-12}, "tol: tolerance out of range, expected at least 1e-09"),
-    ],
-)
-def test_numbers_that_it_does_not_take(vary, more, where):
-    with pytest.raises(InputError, match=where):
-        many(scene(), vary, **more)
+        many_runs(describe(scene(**more)), {"lines.one.z0": np.array([50.0, 60.0])}, 1e-6)
 
 
 def test_without_sources_nothing_happens():
-    runs = many(Scene(**{**scene().table(), "sources": {}}), Z0)
-    assert (runs.order, runs.slabs, runs.probes["p"].highest.tolist()) == (2, 1, [0.0, 0.0])
+    runs = sweep(Scene(**{**scene().table(), "sources": {}}), Z0)
+    assert runs.method == "vectorised"
+    assert runs["highest"].tolist() == [[0.0], [0.0]]
 
 
-def test_a_load_too_fast_is_told():
+def test_a_load_too_fast_side_by_side_is_run_one_at_a_time():
     fast = {"x": {"at": "b", "kind": "series", "resistance": 1.0, "capacitance": 1e-10}}
-    with pytest.warns(UnresolvedWarning, match="too fast for many runs"):
-        runs = many(scene(loads=fast), {"loads.x.capacitance": [1e-10, 2e-10]}, tol=1e-9)
-    assert runs.estimate > 1e-9
+    runs = sweep(scene(loads=fast), {"loads.x.capacitance": [1e-10, 2e-10]}, tol=1e-9)
+    assert runs.method.startswith("one at a time: solver.tol: the estimated error is ")
+
+
+@pytest.mark.parametrize(
+    ("vary", "why"),
+    [
+        ({"lines.one.delay": [1.0, 1.1]}, "the delays of copy 1 are not in the proportion"),
+        ({"t_end": [8.0, 9.0]}, "t_end: is no number of lossless lines"),
+        ({"loads.r.kind": ["resistor"]}, "loads.r.kind: is no number of lossless lines"),
+    ],
+)
+def test_values_that_are_run_one_at_a_time(vary, why):
+    runs = sweep(scene(), vary, tol=1e-3)
+    assert why in runs.method
+    assert (runs.done.all(), runs.errors) == (True, {})
+
+
+def test_values_that_follow_from_others_are_run_one_at_a_time():
+    """A cable of given length and capacitance: z0 changes its delay as well, which copies would not know."""
+    line = {"nodes": ["a", "b"], "z0": 50.0, "length": 1.0, "capacitance": 0.02}
+    runs = sweep(scene(lines={"one": line}), Z0, tol=1e-4)
+    assert runs.method == "one at a time: what varies has an effect on other numbers"
+    for k, z0 in enumerate(Z0["lines.one.z0"]):
+        alone = simulate(scene(lines={"one": line | {"z0": z0}}), tol=1e-4).probes["p"]
+        (_, _), (highest, _) = extremes(alone, "u")
+        assert runs["highest"][k, 0] == pytest.approx(highest, abs=2e-4)
+
+
+def test_numbers_out_of_range_are_rows_beside_vectorised_ones():
+    runs = sweep(scene(), {"lines.one.z0": [50.0, -1.0, 60.0]})
+    assert runs.method == "vectorised"
+    assert runs.errors == {1: "lines.one.z0: z0 out of range, expected more than 0, got -1.0"}
+    np.testing.assert_array_equal(runs["highest"][[0, 2]], sweep(scene(), Z0)["highest"])
+    assert np.isnan(runs["highest"][1]).all()
