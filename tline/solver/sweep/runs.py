@@ -9,6 +9,7 @@ from typing import Any
 
 from tline.errors import InputError
 from tline.progress import Progress
+from tline.scene.file import as_scene
 from tline.solver.description.given import Scene
 from tline.solver.prepared import prepare
 from tline.solver.result.atomic import check_writable
@@ -29,7 +30,7 @@ class InterruptedWarning(UserWarning):
 
 
 def sweep(
-    scene: Scene,
+    scene: Scene | str | Path | Mapping[str, Any],
     vary: Mapping[str, Any],
     *,
     sample: str | None = None,
@@ -46,8 +47,8 @@ def sweep(
 
     Parameters
     ----------
-    scene : Scene
-        Any.
+    scene : Scene, path or dict
+        Any scene, the path of its TOML file, or its tables.
     vary : mapping of str to values or distribution
         By dotted path, as in a scene file: ``"lines.cable.z0"``, ``"sources.s.value.duration"``, ``"t_end"``. A list or
         array of values in SI, of texts with units, or of whatever a scene file may hold there; a range
@@ -114,7 +115,8 @@ def sweep(
     >>> sweep(scene, {"sources.s.resistance": "normal(20 ohm, 1 ohm)"}, sample="latin:8", keep=[30e-9])["u"].shape
     (8, 1, 1)
     """
-    started, chosen = time.perf_counter(), design(scene, vary, sample, seed)
+    started, scene = time.perf_counter(), as_scene(scene)
+    chosen = design(scene, vary, sample, seed)
     kept, tol = kept_of(scene, keep), asked(scene, tol)
     workers = None if workers is None else whole("workers", workers, 1, MOST_WORKERS)
     inputs = {path: chosen.column(path) for path in chosen.levels}
