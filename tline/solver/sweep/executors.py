@@ -61,26 +61,15 @@ Submit = Callable[[Executor, NDArray], "Future[Batch]"]
 
 
 def on_executor(queue: Queue, executor: Executor, workers: int, submit: Submit) -> Iterator[tuple[NDArray, Batch]]:
-    """Run all batches on an executor that somebody else made; batches come as they are finished.
-
-    One that fails as a whole, as Dask's do whose workers die again and again, is divided, down to single runs.
-    """
+    """Run all batches on an executor that somebody else made; batches come as they are finished."""
     waiting: dict[Future[Batch], NDArray] = {}
     try:
         while queue or waiting:
             _fill(waiting, queue, 2 * workers, submit, executor)
             for future in wait(waiting, return_when=FIRST_COMPLETED).done:
-                rows, error = waiting.pop(future), future.exception()
-                if isinstance(error, BrokenExecutor):
-                    raise InputError("executor", "is broken", "one that works", f"{type(error).__name__}: {error}")
-                if error is None:
-                    queue.learn(future.result(), len(rows))
-                    yield rows, future.result()
-                elif len(rows) == 1:
-                    yield rows, Batch([], {}, {0: sentence(error)}, 0.0)
-                else:
-                    for half in np.array_split(rows, 2):
-                        queue.put_back(half)
+                if isinstance(error := future.exception(), BrokenExecutor):
+                    raise InputError("executor", "is broken", "one that works", sentence(error))
+                yield from _outcome(future, waiting.pop(future), queue)
     except KeyboardInterrupt:
         yield from _finished(waiting)
         raise
@@ -108,10 +97,8 @@ def on_processes(queue: Queue, workers: int, submit: Submit) -> Iterator[tuple[N
             finished = wait(waiting, return_when=FIRST_COMPLETED).done
             broken = [future for future in finished if isinstance(future.exception(), BrokenExecutor)]
             for future in finished.difference(broken):
-                rows = waiting.pop(future)
-                batch, worked = future.result(), True
-                queue.learn(batch, len(rows))
-                yield rows, batch
+                worked = True
+                yield from _outcome(future, waiting.pop(future), queue)
             if broken:
                 deaths += 1
                 if deaths > 1 and not worked:
@@ -161,6 +148,19 @@ def _fill(waiting: dict, queue: Queue, most: int, submit: Submit, executor: Exec
             future = Future()
             future.set_exception(error)
         waiting[future] = rows
+
+
+def _outcome(future: "Future[Batch]", rows: NDArray, queue: Queue) -> Iterator[tuple[NDArray, Batch]]:
+    """What became of a batch; one that failed as a whole is divided, down to single runs."""
+    error = future.exception()
+    if error is None:
+        queue.learn(future.result(), len(rows))
+        yield rows, future.result()
+    elif len(rows) == 1:
+        yield rows, Batch([], {}, {0: sentence(error)}, 0.0)
+    else:
+        for half in np.array_split(rows, 2):
+            queue.put_back(half)
 
 
 def _finished(waiting: "dict[Future[Batch], NDArray]") -> Iterator[tuple[NDArray, Batch]]:
