@@ -135,7 +135,7 @@ def overhead() -> list[str]:
     values = [{"lines.cable.z0": value} for value in found["lines.cable.z0"][:ALONE]]
     from tline.solver.prepared import prepare
 
-    task = Task(prepare(found.scene), kept_of(found.scene, last), None, False)
+    task = Task(prepare(found.scene), kept_of(found.scene, last), None, False, {})
     run_batch(task, values[:10])
     begun = time.process_time()
     for each in values:

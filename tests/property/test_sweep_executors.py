@@ -85,7 +85,7 @@ def test_ctrl_c_keeps_what_is_done(workers, tmp_path, monkeypatch):
 
     def interrupting(table, *args):
         put(table, *args)
-        if 5 <= table.done.sum() and not timer.is_alive():
+        if table.done.sum() >= 5 and not timer.is_alive():
             timer.start()
 
     timer = threading.Timer(0.3, os.kill, [os.getpid(), signal.SIGINT])

@@ -26,6 +26,7 @@ class Task(NamedTuple):
     keep: Keep
     tol: float | None
     active: bool
+    shapes: Mapping[str, tuple[int, ...]]  # of what is kept, as far as that is known
 
     def run(self, values: Mapping[str, Any]) -> dict[str, Floats]:
         """What is kept of one run."""
@@ -106,11 +107,15 @@ _received: dict[str, Task] = {}
 def run_batch(task: Task, rows: list[dict[str, Any]]) -> Batch:
     """Run a batch."""
     started, done, kept, errors = time.perf_counter(), [], [], {}
+    expected = task.shapes
     for k, values in enumerate(rows):
         try:
             found = task.run(values)
-            if kept and any(found[name].shape != array.shape for name, array in kept[0].items()):
-                raise InputError("keep", "the result of a function has another shape than in other runs")
+            shapes = {name: array.shape for name, array in found.items()}
+            expected = expected or shapes
+            if shapes != expected:
+                other = next(name for name, shape in shapes.items() if shape != expected[name])
+                raise InputError("keep", f"{other} has another shape than before")
         except Exception as error:  # noqa: BLE001 (of one run among many, whose own functions may raise anything)
             errors[k] = sentence(error)
         else:

@@ -122,7 +122,7 @@ def sweep(
     inputs = {path: chosen.column(path) for path in chosen.levels}
     table = Sweep(scene, inputs, chosen.shape, chosen.sample, kept.t, tol, origin={"keep": kept.names})
     file = _File(table, resume)
-    work = Work(chosen, table, Task(prepare(scene), kept, tol, active), executor, workers)
+    work = Work(chosen, table, Task(prepare(scene), kept, tol, active, {}), executor, workers)
     interrupted = False
     with warnings.catch_warnings(), Progress(chosen.runs, "run", progress) as bar:
         warnings.simplefilter("ignore", UnresolvedWarning)  # `Sweep.unmet` tells

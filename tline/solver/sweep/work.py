@@ -88,6 +88,8 @@ class Work:
                 if batch.done:
                     break
             told["starts"] = [[tol, *start] for tol, start in prepared.starts.items()]
+        shapes = {name: array.shape[1:] for name, array in self._table.kept.items()}
+        self._task = self._task._replace(shapes=shapes)
         prepared.fix({tol: Start(order, left) for tol, order, left in told["starts"]})
 
     def _here(self) -> Batches:
