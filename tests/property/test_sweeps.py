@@ -58,7 +58,7 @@ def test_any_path_may_vary(name):
     assert len(known) > 1
     paths = rng.sample([*known], min(2 if name in SLOW else 10, len(known)))
     vary = {path: [known[path] * (1.02 if path == other else 1.0) for other in paths] for path in paths}
-    found = tl.sweep(scene, vary, sample="list", tol=TOL, active=True)
+    found = tl.sweep(scene, vary, sample="list", tol=None if name in SLOW else TOL, active=True)
     assert found.done.all()
     for sentence in found.errors.values():
         assert sentence.startswith(("lines", "sources", "loads", "links", "probes")), sentence

@@ -137,11 +137,8 @@ class Sweep:
     def unit(self, name: str) -> str:
         """SI unit of what was kept; empty for results of functions."""
         units = words(self.scene).units
-        if name.endswith("_at") and name in EXTREMES:
-            return "s"
-        return {"lowest": units["effort"], "highest": units["effort"], "u": units["effort"], "y": units["flow"]}.get(
-            name, ""
-        )
+        efforts = dict.fromkeys(("lowest", "highest", "u"), units["effort"])
+        return (efforts | {"lowest_at": "s", "highest_at": "s", "y": units["flow"]}).get(name, "")
 
     def to_xarray(self) -> "xr.Dataset":
         """The same as an `xarray.Dataset`, with the scene and all inputs; a grid has an axis for each path.
