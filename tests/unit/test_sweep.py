@@ -92,7 +92,7 @@ def test_a_failed_run_is_a_row_whatever_failed():
 def test_a_grid_is_a_dataset_with_its_axes(tmp_path):
     found = tl.sweep(SCENE, {Z0: [40, 50], R: [50, 100, -1]}, keep=["extremes", [0.5, 1.5]], tol=1e-4)
     there = found.to_xarray()
-    assert dict(there.sizes) == {Z0: 2, R: 3, "probe": 1, "t": 2}
+    assert dict(there.sizes) == {Z0: 2, R: 3, "probe": 1, "time": 2}
     assert float(there.highest.sel({Z0: 50, R: 100, "probe": "far"})) == pytest.approx(2 / 3, abs=1e-4)
     assert there.error.sel({Z0: 40, R: -1}).item().startswith("loads.r.resistance: ")
     assert (there.u.attrs["units"], there.highest_at.attrs["units"]) == ("V", "s")
@@ -157,5 +157,5 @@ def test_mistakes_are_told_in_one_sentence(vary, more, sentence):
 def test_missing_xarray_is_told_with_the_line_that_installs_it(monkeypatch):
     found = tl.sweep(SCENE, {Z0: [50]}, tol=1e-4)
     monkeypatch.setitem(__import__("sys").modules, "xarray", None)
-    with pytest.raises(tl.InputError, match=r"xarray is not installed, expected pip install 'tline\[xarray\]'"):
+    with pytest.raises(tl.InputError, match=r"to_xarray: xarray is missing, expected pip install .*\[data\]'"):
         found.to_xarray()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tline.cli.options import PICTURE, check_files, confined_option, options_named
-from tline.errors import InputError
+from tline.errors import InputError, import_extra
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -124,12 +124,9 @@ def _executor(dask: str | None) -> "Iterator[Executor | None]":
     if dask is None:
         yield None
         return
+    distributed = import_extra("distributed", "Dask's scheduler", "dask", "--dask")
     try:
-        from distributed import Client
-    except ImportError:
-        raise InputError("--dask", "Dask's scheduler is not installed", "pip install 'tline[dask]'") from None
-    try:
-        client = Client(dask, timeout="10 s")
+        client = distributed.Client(dask, timeout="10 s")
     except (OSError, ValueError) as error:
         raise InputError("--dask", "no scheduler answers", "such as tcp://host:8786", f"'{dask}' ({error})") from None
     with client:

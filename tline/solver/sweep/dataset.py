@@ -1,28 +1,25 @@
 """A sweep as an `xarray.Dataset`."""
 
+from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.errors import InputError
-from tline.scene.file import scene_text
+from tline.errors import import_extra
 from tline.solver.sweep.table import NOT_RUN, Sweep
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from xarray import Dataset
 
 
-def dataset(sweep: Sweep) -> "xr.Dataset":
+def dataset(sweep: Sweep) -> "Dataset":
     """See `Sweep.to_xarray`."""
-    try:
-        import xarray as xr
-    except ImportError:
-        raise InputError("", "xarray is not installed", "pip install 'tline[xarray]'") from None
+    xarray = import_extra("xarray", "xarray", "data", "to_xarray")
     grid = sweep.sample == "grid"
     runs = tuple(sweep.inputs) if grid else ("run",)
     coords = {path: (path if grid else "run", values) for path, values in _axes(sweep).items()}
-    more = {"probe": sweep.probes} | ({"t": ("t", sweep.t, {"units": "s"})} if len(sweep.t) else {})
+    more = {"probe": sweep.probes} | ({"time": ("time", sweep.t, {"units": "s"})} if len(sweep.t) else {})
     errors = np.full(len(sweep), "", object)
     errors[~sweep.done] = NOT_RUN
     errors[list(sweep.errors)] = list(sweep.errors.values())
@@ -31,8 +28,9 @@ def dataset(sweep: Sweep) -> "xr.Dataset":
         for name, array in sweep.kept.items()
     }
     variables["error"] = (runs, _shaped(sweep, errors), {})
-    about = {"scene": scene_text(sweep.scene), "sample": sweep.sample, "method": sweep.method}
-    return xr.Dataset(variables, coords | more, about | ({} if sweep.tol is None else {"tol": sweep.tol}))
+    about = {"title": sweep.scene.title, "scene": sweep.scene.to_toml(), "version": version("tline")}
+    about |= {"sample": sweep.sample, "method": sweep.method}
+    return xarray.Dataset(variables, coords | more, about | ({} if sweep.tol is None else {"tol": sweep.tol}))
 
 
 def _shaped(sweep: Sweep, array: NDArray) -> NDArray:

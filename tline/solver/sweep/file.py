@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tline.errors import InputError
-from tline.scene.file import scene_text
+from tline.errors import InputError, import_extra
 from tline.solver.result.atomic import replacing, write_table
 from tline.solver.sweep.table import Sweep
 
@@ -26,6 +25,7 @@ def save(sweep: Sweep, path: str | Path) -> None:
     if suffix == ".csv":
         write_table(path, *sweep.table())
     elif suffix == ".nc":
+        import_extra("h5netcdf", "h5netcdf", "data", str(path))
         found = sweep.to_xarray()
         with replacing(path) as temporary:
             temporary.write_bytes(found.to_netcdf(engine="h5netcdf"))
@@ -46,7 +46,7 @@ def _arrays(sweep: Sweep) -> dict[str, Any]:
         "origin": sweep.origin,
         "version": version("tline"),
     }
-    arrays = {"t": sweep.t, "done": sweep.done, "scene": scene_text(sweep.scene), ABOUT: json.dumps(about)}
+    arrays = {"t": sweep.t, "done": sweep.done, "scene": sweep.scene.to_toml(), ABOUT: json.dumps(about)}
     return {**arrays, **sweep.inputs, **sweep.kept}
 
 

@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 EXTREMES = ("lowest", "lowest_at", "highest", "highest_at")
 SAMPLES = ("u", "y")
 ESTIMATE = "estimate"
-TAKEN = (ESTIMATE, "run", "probe", "t", "error", "done", "scene", "about")  # other names in tables and files
+TAKEN = (ESTIMATE, "run", "probe", "t", "time", "error", "done", "scene", "about")  # other names in tables and files
 EXPECTED = "'extremes', instants in s such as [0, 1, 2] or '0 s:2 s:3', a function of the result, or a list of these"
 
 

@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.errors import InputError
+from tline.errors import InputError, import_extra
 from tline.scene.heights import words
 from tline.solver.description.given import Scene
 from tline.solver.sweep.keep import ESTIMATE, EXTREMES, SAMPLES
 from tline.wording import nearest, shown
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from pandas import DataFrame
+    from xarray import Dataset
 
 NOT_RUN = "not run"
 
@@ -131,7 +132,7 @@ class Sweep:
         if name in EXTREMES:
             return ("probe",)
         if name in SAMPLES:
-            return "probe", "t"
+            return "probe", "time"
         return tuple(f"{name}_{k}" for k in range(self.kept[name].ndim - 1))
 
     def unit(self, name: str) -> str:
@@ -140,17 +141,28 @@ class Sweep:
         efforts = dict.fromkeys(("lowest", "highest", "u"), units["effort"])
         return (efforts | {"lowest_at": "s", "highest_at": "s", "y": units["flow"]}).get(name, "")
 
-    def to_xarray(self) -> "xr.Dataset":
+    def to_xarray(self) -> "Dataset":
         """The same as an `xarray.Dataset`, with the scene and all inputs; a grid has an axis for each path.
 
         Raises
         ------
-        InputError
+        MissingExtraError
             xarray is not installed.
         """
         from tline.solver.sweep.dataset import dataset
 
         return dataset(self)
+
+    def to_dataframe(self) -> "DataFrame":
+        """A row for each run, as in CSV files, as a `pandas.DataFrame`.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
+        head, rows = self.table()
+        return import_extra("pandas", "pandas", "data", "to_dataframe").DataFrame(rows, columns=head)
 
     def save(self, path: str | Path) -> None:
         """Write a file by its suffix: ``.npz``, which a sweep goes on from, ``.nc`` (NetCDF), or ``.csv``.
