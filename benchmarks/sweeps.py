@@ -11,6 +11,7 @@ import threading
 import time
 import tracemalloc
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,7 @@ from tline.solver.sweep.batches import Task, run_batch
 from tline.solver.sweep.keep import kept_of
 
 ROOT = Path(__file__).parent.parent
-CLOSURES, CHEAP, SIDE = 200, 100_000, 6
+CLOSURES, ON_DASK, CHEAP, SIDE = 200, 40, 100_000, 6
 ALONE = 2_000  # cheap runs without a sweep, to compare with
 
 
@@ -52,10 +53,10 @@ def network() -> Scene:
     )
 
 
-def closures(**where) -> Sweep:
-    """Two hundred closures of its valve."""
-    vary = {"loads.valve.opening.duration": "0.4 s:4 s:20", "loads.valve.kv": "50:200:10"}
-    return sweep(network(), vary, **where)
+def closures(count: int, **where) -> Sweep:
+    """Closures of its valve."""
+    vary = {"loads.valve.opening.duration": "uniform(0.4 s, 4 s)", "loads.valve.kv": "uniform(50, 200)"}
+    return sweep(network(), vary, sample=f"latin:{count}", **where)
 
 
 def cheap(count: int, **where) -> Sweep:
@@ -102,28 +103,29 @@ def on_dask(run: Callable[..., Sweep], processes: bool, kill: bool = False) -> S
 
 
 def speedup() -> list[str]:
-    closures(workers=1)
-    one, wall1, own1, _ = measured(lambda: closures(workers=1))
-    two, wall2, own2, others = measured(lambda: closures(workers=2))
+    closures(2, workers=1)  # compiles
+    one, wall1, own1, _ = measured(lambda: closures(CLOSURES, workers=1))
+    two, wall2, own2, others = measured(lambda: closures(CLOSURES, workers=2))
     rows = [
-        f"{CLOSURES} closures of a valve in a network of 61 pipes with friction (tolerance 1e-3):",
+        "Closures of a valve in a network of 61 pipes with friction (tolerance 1e-3):",
         "",
-        "| | wall s | processor s, caller | processor s, workers | as one process, to the last bit |",
-        "|---|---:|---:|---:|---|",
-        f"| one process | {wall1:.1f} | {own1:.1f} | | |",
-        f"| two processes | {wall2:.1f} | {own2:.1f} | {others:.1f} | {same(one, two)} |",
+        "| | closures | wall s | processor s, caller | workers | as one process, to the last bit |",
+        "|---|---:|---:|---:|---:|---|",
+        f"| one process | {CLOSURES} | {wall1:.1f} | {own1:.1f} | | |",
+        f"| two processes | {CLOSURES} | {wall2:.1f} | {own2:.1f} | {others:.1f} | {same(one, two)} |",
     ]
+    few = closures(ON_DASK, workers=1)
     for name, more in (
         ("eight Dask threads", {"processes": False}),
         ("eight Dask processes", {"processes": True}),
         ("eight Dask processes, one killed", {"processes": True, "kill": True}),
     ):
-        found, wall, own, others = measured(lambda more=more: on_dask(closures, **more))
-        rows.append(f"| {name} | {wall:.1f} | {own:.1f} | {others:.1f} | {same(one, found)} |")
+        found, wall, own, others = measured(lambda more=more: on_dask(partial(closures, ON_DASK), **more))
+        rows.append(f"| {name} | {ON_DASK} | {wall:.1f} | {own:.1f} | {others:.1f} | {same(few, found)} |")
     return [
         *rows,
         "",
-        f"Two processes are {wall1 / wall2:.2f} times as fast as one by wall time, on {os.cpu_count()} cores. By",
+        f"Two processes are {wall1 / wall2:.2f} times as fast as one by wall time. By",
         f"processor time, start of the processes included, they are {2 * own1 / (own2 + others):.2f} times as fast",
         "where each has a core of its own.",
         "",
@@ -162,7 +164,9 @@ def overhead() -> list[str]:
 
 
 def main() -> None:
-    head = "Written by `python -m benchmarks.sweeps`."
+    load, cores = os.getloadavg()[0], os.cpu_count()
+    head = f"Written by `python -m benchmarks.sweeps` on {cores} cores, with a load of {load:.0f} as it began; where"
+    head += "\nother work loads them, wall times are longer than they would be."
     parts = ["# Benchmarks of sweeps", "", head, "", "## On several processes", "", *speedup()]
     parts += ["## Overhead", "", *overhead(), "## Side by side", "", *side_by_side.report()]
     text = "\n".join(parts)
