@@ -57,6 +57,7 @@ PULSES = {"shape": "pulses", "high": 1.0, "width": 0.1, "rise": 0.01, "fall": 0.
             "loads.y: a second L or C",
         ),
         ({"probes": {"p": {"line": "one", "position": "50 %"}}}, "probes.p: inside a line"),
+        ({"probes": {"p": {"at": "b"}}}, "probes.p: sees a node's effort alone"),
         ({"t_end": 1e9}, "t_end: a copy takes"),
         ({"lines": {"two": {"nodes": ["b", "c"], "z0": 75.0, "delay": 2**0.5}}}, "no common measure"),
         ({"sources": {"s": {"at": "a", "kind": "voltage", "value": PULSES}}}, "too many jumps and corners"),
