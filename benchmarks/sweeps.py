@@ -10,6 +10,7 @@ import signal
 import threading
 import time
 import tracemalloc
+import warnings
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -19,6 +20,8 @@ import numpy as np
 from benchmarks import side_by_side
 from tline.scene.file import read_scene
 from tline.scene.scene import Scene
+from tline.solver.prepared import prepare
+from tline.solver.simulate import UnresolvedWarning
 from tline.solver.sweep import Sweep, sweep
 from tline.solver.sweep.batches import Task, run_batch
 from tline.solver.sweep.keep import kept_of
@@ -135,8 +138,6 @@ def speedup() -> list[str]:
 def overhead() -> list[str]:
     found, _, own, _ = measured(lambda: cheap(CHEAP, workers=1))
     values = [{"lines.cable.z0": value} for value in found["lines.cable.z0"][:ALONE]]
-    from tline.solver.prepared import prepare
-
     task = Task(prepare(found.scene), kept_of(found.scene, last), None, False, {})
     run_batch(task, values[:10])
     begun = time.process_time()
@@ -164,6 +165,7 @@ def overhead() -> list[str]:
 
 
 def main() -> None:
+    warnings.simplefilter("ignore", UnresolvedWarning)
     load, cores = os.getloadavg()[0], os.cpu_count()
     head = f"Written by `python -m benchmarks.sweeps` on {cores} cores, with a load of {load:.0f} as it began; where"
     head += "\nother work loads them, wall times are longer than they would be."
