@@ -136,6 +136,7 @@ def speedup() -> list[str]:
 
 
 def overhead() -> list[str]:
+    cheap(10, workers=1)  # compiles
     found, _, own, _ = measured(lambda: cheap(CHEAP, workers=1))
     values = [{"lines.cable.z0": value} for value in found["lines.cable.z0"][:ALONE]]
     task = Task(prepare(found.scene), kept_of(found.scene, last), None, False, {})
