@@ -21,7 +21,7 @@ lint: $(VENV)/ready-dev
 bench: $(VENV)/ready-bench
 	$(BIN)/python -m benchmarks.time_to_answer
 	$(BIN)/python -m benchmarks.kernel
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.many
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.sweeps
 	$(BIN)/python -m benchmarks.large_network
 	$(BIN)/python -m benchmarks.circuits
 	$(BIN)/python -m benchmarks.shipped_networks

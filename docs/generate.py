@@ -178,6 +178,7 @@ def pictures() -> None:
     )
     _signals()
     _network()
+    _sweep()
     _cavities()
     _circuits()
     refuted = check_positive_real(RationalFunction.from_expression("(s + 2)/(s^2 + s + 1)"))
@@ -224,6 +225,16 @@ def _network() -> None:
     result = simulate(town, record=town.lines, envelope=True)
     save_figure(plot_profile(result, route(town, "lake", "tower")), str(DOCS / "pictures" / "profile.png"))
     save_figure(plot_map(result), str(DOCS / "pictures" / "map.png"))
+
+
+def _sweep() -> None:
+    from tline.pictures.style import save_figure
+    from tline.pictures.sweep import plot_sweep
+    from tline.solver.sweep import sweep
+
+    closure = read_scene(DOCS.parent / "scenes" / "valve_closure.toml")
+    found = sweep(closure, {"loads.valve.opening.duration": "0.5 s:3 s:26"})
+    save_figure(plot_sweep(found), str(DOCS / "pictures" / "sweep.png"))
 
 
 def _cavities() -> None:

@@ -70,12 +70,13 @@ OTHERS = {
     "drives",
     "numpy",
     "scipy",
+    "distributed",
 }  # what snippets import beside the standard library
 
 
 @pytest.mark.parametrize(
     "page",
-    [page for page in PAGES if blocks(page, "python") and page.stem != "many-runs"],  # which sweeps replace
+    [page for page in PAGES if blocks(page, "python")],
     ids=lambda page: page.stem,
 )
 def test_snippets_import_whole_packages(page):

@@ -26,8 +26,8 @@ from tline.line import ElectricalLine, HydraulicLine
 from tline.scene.file import read_scene, scene_from
 from tline.scene.scene import Scene
 from tline.scene.user_defined import UserLink, UserLoad
-from tline.solver.many import many
 from tline.solver.simulate import simulate
+from tline.solver.sweep import sweep
 
 SCENES = sorted((Path(__file__).parents[2] / "scenes").glob("*.toml"))
 LARGEST = 400_000  # bytes of a short run of a shipped scene
@@ -102,7 +102,7 @@ def test_what_else_is_found_of_lines_and_scenes():
     scene = scene_from(LINE)
     survives(HydraulicLine(radius="10 cm", wave_speed=1500, density=980))
     survives(ElectricalLine(wave_speed=3e8, z0=300))
-    survives(many(scene, {"lines.line.z0": [0.9, 1.1]}, times=[1.0, 2.0]))
+    survives(sweep(scene, {"lines.line.z0": [0.9, 1.1]}, keep=["extremes", [1.0, 2.0]]))
 
 
 def own(kind, **more):

@@ -29,8 +29,8 @@ from tline.scene.pulses import MOST_PULSES
 from tline.scene.quantity import LARGEST as LARGEST_NUMBER
 from tline.scene.text_file import LARGEST
 from tline.solver.description import resolution
-from tline.solver.many.copies import MOST_COPIES
 from tline.solver.result.atomic import check_writable, replacing
+from tline.solver.sweep.design import MOST_RUNS
 from tline.solver.tolerance import search
 
 PAGE = (Path(__file__).parents[2] / "docs" / "trust.md").read_text(encoding="utf-8")
@@ -52,7 +52,7 @@ at = "far"
 """
 HOSTILE = "<script>alert(1)</script></title><!-- $x$ DATA TITLE \\u001b[2J"
 READ_SCENES = {
-    "run": [], "many": ["--vary", "lines.cable.z0=uniform(40, 60)"], "frequency": ["--points", "5"], "export": [],
+    "run": [], "sweep": ["--vary", "lines.cable.z0=40:60:3"], "frequency": ["--points", "5"], "export": [],
     "tdr": ["--port", "near", "--rise", "1 ns"], "eye": ["--probe", "seen", "--bit", "1 ns", "--rise", "0.1 ns"],
     "passivity": [],
 }  # fmt: skip
@@ -384,7 +384,7 @@ def test_the_limits_on_the_page_are_those_of_the_program():
     assert table["slabs of a run"] == f"{int(resolution.MOST_SLABS):,}"
     assert table["samples on the lines at once"] == f"{int(resolution.LARGEST):,}"
     assert table["pulses before the end of a run"] == f"{MOST_PULSES:,}"
-    assert table["runs of `tline many`"] == f"{MOST_COPIES:,}"
+    assert table["runs of a sweep"] == f"{MOST_RUNS:,}"
     assert table["frequencies of `tline frequency`"] == f"{MOST_POINTS:,}"
     assert table["mistakes of a scene that are told"] == f"{MOST}"
     assert f"{int(search.MOST_SAMPLES):,} line-end samples or {search.MOST_SECONDS} s" in PAGE

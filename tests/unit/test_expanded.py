@@ -15,7 +15,8 @@ from tline.pictures.surge import surges
 from tline.scene.expanded import expanded
 from tline.scene.file import scene_from, scene_text
 from tline.scene.scene import Scene
-from tline.solver.many.runs import many
+from tline.solver.description.description import describe
+from tline.solver.many import many_runs
 from tline.solver.result.interior import inside
 from tline.solver.simulate import judged, simulate
 from tline.study.baseline import BASELINES
@@ -154,7 +155,7 @@ def test_what_cannot_be_had_is_refused_by_name():
     linear = {
         "a bounce diagram": lambda: only_line(still),
         "transfer functions": lambda: respond(still, 1j, "out"),
-        "many runs": lambda: many(still, {"lines.pipe.z0": [1e7]}),
+        "many runs": lambda: many_runs(describe(still), {"lines.pipe.z0": np.array([1e7])}, 1e-6),
     }
     for what, asked in linear.items():
         with pytest.raises(

@@ -8,17 +8,15 @@ import pytest
 from random_heights import WEIGHT, sloping
 
 from tline.cli.report import as_table, judgement, summary
-from tline.pictures.histograms import plot_extremes
 from tline.pictures.path import route
 from tline.pictures.space_time import plot_space_time
+from tline.pictures.sweep import plot_sweep
 from tline.pictures.traces import plot
-from tline.scene.heights import words
 from tline.scene.scene import Scene
-from tline.solver.many import many
-from tline.solver.many.save import save_csv as save_many
 from tline.solver.result.result import Result
 from tline.solver.result.save import save_csv, save_envelope, save_npz
 from tline.solver.simulate import simulate
+from tline.solver.sweep import sweep
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 
@@ -85,13 +83,14 @@ def test_many_runs_at_heights_are_the_same_as_one_by_one(tmp_path):
     lines = {k: v | {"length": 200} for k, v in table["lines"].items()}
     scene = Scene(**table | {"loads": loads, "lines": lines, "probes": {"far": {"at": "d"}}})
     times = np.linspace(0, 2.4, 9)
-    runs = many(scene, {"loads.r.resistance": [1e7, 2e7]}, times=times)
+    runs = sweep(scene, {"loads.r.resistance": [1e7, 2e7]}, keep=["extremes", times])
     one = simulate(scene).probes["far"]
-    np.testing.assert_allclose(runs.probes["far"].u[0], one.at(times).u, rtol=0, atol=1e-5 * np.abs(one.u).max())
-    save_many(scene, {"loads.r.resistance": [1e7, 2e7]}, runs, tmp_path / "many.csv")
+    seen = one.at(times).gauge_pressure
+    assert runs.method == "vectorised"
+    np.testing.assert_allclose(runs["u"][0, 0], seen, rtol=0, atol=1e-5 * np.abs(one.u).max())
+    runs.save(tmp_path / "many.csv")
     head, first, _ = rows(tmp_path / "many.csv")
     lowest = float(first[head.index("far lowest gauge pressure [Pa]")])
     assert lowest == pytest.approx(float(one.gauge_pressure.min()), abs=1e-4 * one.gauge_pressure.max())
-    assert float(first[head.index("far lowest head [m]")]) == pytest.approx(one.height.elevation + lowest / WEIGHT)
-    picture = plot_extremes(runs, words(scene, "gauge pressure"))
-    assert picture.axes[0].get_xlabel().startswith("lowest gauge pressure at far")
+    picture = plot_sweep(runs)
+    assert picture.axes[0].get_ylabel().startswith("gauge pressure [")

@@ -2,7 +2,6 @@ from tline.pictures.animation import Animation as Animation
 from tline.pictures.animation import animated as animated
 from tline.pictures.bode import plot_bode as plot_bode
 from tline.pictures.eye import plot_eye as plot_eye
-from tline.pictures.histograms import plot_extremes as plot_extremes
 from tline.pictures.lattice import plot_lattice as plot_lattice
 from tline.pictures.load_lines import plot_load_lines as plot_load_lines
 from tline.pictures.map import plot_map as plot_map
@@ -16,6 +15,7 @@ from tline.pictures.space_time import plot_space_time as plot_space_time
 from tline.pictures.style import save_figure as save_figure
 from tline.pictures.surge import lines_to_map as lines_to_map
 from tline.pictures.surge import surges as surges
+from tline.pictures.sweep import plot_sweep as plot_sweep
 from tline.pictures.traces import draw_probes as draw_probes
 from tline.pictures.traces import plot as plot
 from tline.pictures.waves import plot_line_waves as plot_line_waves

@@ -24,12 +24,24 @@ class Prepared:
     ----------
     scene : Scene
         As it was given.
+    description : Description
+        Of that.
+    starts : dict of float to Start
+        Where searches for order and slab begin, by tolerance.
     """
 
     def __init__(self, scene: Scene):
-        self.scene = scene
-        self._description = describe(scene)
-        self._starts: dict[float, Start] = {}  # by tolerance
+        self.scene, self.description = scene, describe(scene)
+        self.starts: dict[float, Start] = {}
+        self._fixed = False
+
+    def fix(self, starts: Mapping[float, Start] | None = None) -> "Prepared":
+        """Begin all further searches where they begin now, or at `starts`, so that no run depends on those before."""
+        self.starts, self._fixed = dict(self.starts if starts is None else starts), True
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (self.scene, self.starts, self._fixed)
 
     def __reduce__(self) -> tuple[Any, tuple[Scene]]:
         return prepare, (self.scene,)
@@ -66,7 +78,7 @@ class Prepared:
         InputError
             There is nothing at a path, or a value does not fit there; or whatever `simulate` raises.
         """
-        description = self._description.changed(values) if values else self._description
+        description = self.description.changed(values) if values else self.description
         wanted = asked(description.scene, tol)
         result = simulated(
             description,
@@ -76,9 +88,9 @@ class Prepared:
             ledger=ledger,
             active=active,
             progress=progress,
-            start=None if wanted is None else self._starts.get(wanted),
+            start=None if wanted is None else self.starts.get(wanted),
         )
-        if wanted is not None and result.accuracy is not None:
+        if wanted is not None and result.accuracy is not None and not self._fixed:
             self._learn(wanted, result.accuracy)
         return result
 
@@ -87,14 +99,20 @@ class Prepared:
         attempts = accuracy.attempts
         by_order = all(b.order == a.order + 1 and b.slab == a.slab for a, b in pairwise(attempts))
         if not accuracy.met or not by_order or any(attempt.cells for attempt in attempts):
-            self._starts.pop(tol, None)
+            self.starts.pop(tol, None)
             return
-        known, told = self._starts.get(tol), [a.estimate for a in attempts if a.estimate]
+        known, told = self.starts.get(tol), [a.estimate for a in attempts if a.estimate]
         left, order = known.left if known else SLOWEST, attempts[-2].order
         if len(told) > 1:
             left = min(SLOWER * told[-1] / told[-2], SLOWEST)
         spare = known is not None and told and told[-1] <= ROOM * tol * left
-        self._starts[tol] = Start(order - 1 if spare else order, left)
+        self.starts[tol] = Start(order - 1 if spare else order, left)
+
+
+def _restored(scene: Scene, starts: Mapping[float, Start], fixed: bool) -> Prepared:
+    prepared = Prepared(scene).fix(starts)
+    prepared._fixed = fixed
+    return prepared
 
 
 def prepare(scene: Scene | str | Path | Mapping[str, Any]) -> Prepared:

@@ -78,8 +78,9 @@ def _line_ends(description: Description) -> dict[str, int]:
     """Number of the line end that each probe sees."""
     lines, ends = list(description.lines), {}
     for name, probe in description.probes.items():
-        if probe.share not in (0.0, 1.0):
-            raise InputError(place("probes", name), "inside a line", "a probe at a node, for many runs")
+        if probe.share not in (0.0, 1.0) or not probe.line:
+            problem = "inside a line" if probe.line else "sees a node's effort alone"
+            raise InputError(place("probes", name), problem, "a probe at the end of a line, for many runs")
         ends[name] = 2 * lines.index(probe.line) + int(probe.share)
     return ends
 

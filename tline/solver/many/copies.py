@@ -5,25 +5,23 @@ from math import inf
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.cavities import refuse_cavities
 from tline.scene.coupled import Coupled
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
-from tline.scene.quantity import LARGEST, SMALLEST
 from tline.scene.rational_load import Parallel, Series
 from tline.solver.description.description import Description
 from tline.solver.description.given import Scene, Shape
 from tline.solver.description.nodes import UNIT, Node, lowered
 from tline.solver.description.resolution import WHOLE, common_parts
 from tline.solver.many.load import Load, parallel, series
-from tline.wording import nearest, place, shown
+from tline.wording import place
 
 Floats = NDArray[np.float64]
 ELEMENTS = ("resistance", "inductance", "capacitance")
 MOST_UNITS = 1000  # in the shortest delay
-MOST_COPIES = 10_000_000
 
 
 class NodeOfCopies(NamedTuple):
@@ -44,7 +42,7 @@ class Copies(NamedTuple):
     junctions: list[NodeOfCopies]
 
 
-def copies_of(description: Description, vary: Mapping[str, ArrayLike]) -> Copies:
+def copies_of(description: Description, vary: Mapping[str, Floats]) -> Copies:
     """All copies of a scene; for arguments and refusals see `tline.solver.many.runs`."""
     scene = description.scene
     numbers = _numbers(scene, vary)
@@ -110,34 +108,10 @@ def variable(scene: Scene) -> dict[str, float]:
     return found
 
 
-def _numbers(scene: Scene, vary: Mapping[str, ArrayLike]) -> dict[str, Floats]:
+def _numbers(scene: Scene, vary: Mapping[str, Floats]) -> dict[str, Floats]:
     """The same, each in all copies."""
-    found = variable(scene)
-    varied = {where: _values(where, values, found) for where, values in vary.items()}
-    count = {len(values) for values in varied.values()}
-    if len(count) != 1:
-        got = ", ".join(f"{len(values)} of {where}" for where, values in varied.items()) or "none"
-        raise InputError("vary", "not as many numbers of each", "at least one array, all of one length", got)
-    (n,) = count
-    if not 1 <= n <= MOST_COPIES:
-        raise InputError("vary", "not a number of copies", f"1 to {MOST_COPIES:,}", f"{n}")
-    return {where: varied.get(where, np.full(n, value)) for where, value in found.items()}
-
-
-def _values(where: str, values: ArrayLike, known: Mapping[str, float]) -> Floats:
-    if where not in known:
-        raise InputError(where, "no number of the scene that may vary", nearest(where, list(known)))
-    try:
-        array = np.array(values, float)
-    except (TypeError, ValueError):
-        raise InputError(where, "not numbers", "an array of numbers in SI", shown(values)) from None
-    if array.ndim != 1:
-        raise InputError(where, "not one number for each copy", "an array of one axis", f"{array.ndim} axes")
-    bad = np.flatnonzero(~((array >= SMALLEST) & (array <= LARGEST)))
-    if len(bad):
-        expected = f"numbers from {SMALLEST:g} to {LARGEST:g}"
-        raise InputError(where, f"out of range in copy {bad[0]}", expected, f"{array[bad[0]]:g}")
-    return array
+    n = len(next(iter(vary.values())))
+    return {where: vary.get(where, np.full(n, value)) for where, value in variable(scene).items()}
 
 
 def _junction(node: Node, z0: Floats, numbers: Mapping[str, Floats]) -> NodeOfCopies:

@@ -5,7 +5,7 @@ from itertools import repeat
 from math import inf, isfinite
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.special import ive
 
 from tline.solver.description.description import Description
@@ -25,16 +25,15 @@ COMPARED, SPREAD = 16, 211  # copies, beside those with extreme numbers, and ins
 
 
 def resolve(
-    description: Description, vary: Mapping[str, ArrayLike], copies: Copies, breaks: Floats, tol: float
+    description: Description, vary: Mapping[str, Floats], copies: Copies, breaks: Floats, tol: float
 ) -> tuple[Floats, int, float]:
     """Edges of slabs (slabs + 1, copies), order, and estimated error, at least cost.
 
     Those are tried whose polynomials may follow a load's modes from front to front, and where that is not enough,
     those that follow them by so much better.
     """
-    values = [np.asarray(numbers, float) for numbers in vary.values()]
     loads = [junction.load.A for junction in copies.junctions if junction.load is not None]
-    ends = [pick(numbers) for numbers in values for pick in (np.argmin, np.argmax)]
+    ends = [pick(numbers) for numbers in vary.values() for pick in (np.argmin, np.argmax)]
     ends += [np.abs(A).max(axis=(0, 1)).argmax() for A in loads]
     rows = np.unique([*ends, *np.linspace(0, len(copies.unit) - 1, COMPARED).astype(int)])
     t = np.linspace(0.0, description.t_end, SPREAD)

@@ -1,4 +1,4 @@
-"""Many runs in one call against exact solutions, copy by copy."""
+"""Runs side by side against exact solutions, copy by copy."""
 
 import math
 
@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tline.scene.scene import Scene
-from tline.solver.many import many
 from tline.solver.many.kernel.extremes import extremes, find_extremes
 from tline.solver.many.period import slab_edges
 from tline.solver.radau import basis
+from tline.solver.sweep import sweep
 from tline.structure import pack
 from tline.study.reference import Solution
 
@@ -98,28 +98,29 @@ def copy_of(data, numbers, k):
 def test_any_copy_is_exact_at_any_instant(data, numbers):
     rng = np.random.default_rng(2)
     times = np.sort(rng.uniform(0.0, data["t_end"], INSTANTS))
-    runs = many(Scene(**data), numbers, times=times, tol=TOL)
-    assert runs.estimate <= TOL
+    runs = sweep(Scene(**data), numbers, sample="list", keep=["extremes", times], tol=TOL)
+    assert runs.method == "vectorised"
+    assert runs["estimate"].max() <= TOL
     for k in rng.integers(COPIES, size=SHOWN):
         scene = copy_of(data, numbers, k)
-        for name, seen in runs.probes.items():
+        for j, name in enumerate(runs.probes):
             exact = Solution(scene, name).at(times.tolist())
-            amplitude = max(seen.highest[k], -seen.lowest[k])
-            np.testing.assert_allclose(seen.u[k], exact.efforts, rtol=0, atol=BOUND * amplitude)
-            np.testing.assert_allclose(seen.y[k], exact.flows, rtol=0, atol=BOUND * np.abs(exact.flows).max())
+            amplitude = max(runs["highest"][k, j], -runs["lowest"][k, j])
+            np.testing.assert_allclose(runs["u"][k, j], exact.efforts, rtol=0, atol=BOUND * amplitude)
+            np.testing.assert_allclose(runs["y"][k, j], exact.flows, rtol=0, atol=BOUND * np.abs(exact.flows).max())
 
 
 def test_extremes_are_those_of_the_exact_solution():
     numbers = cable_numbers()
-    runs = many(Scene(**CABLE | source(RAMP)), numbers, tol=TOL)
-    seen = runs.probes["far"]
+    runs = sweep(Scene(**CABLE | source(RAMP)), numbers, sample="list", tol=TOL)
+    highest, highest_at, lowest = (runs[name][:, 1] for name in ("highest", "highest_at", "lowest"))
     for k in range(SHOWN):
         solution = Solution(copy_of(CABLE | source(RAMP), numbers, k), "far")
-        top_at = seen.highest_at[k]
+        top_at = highest_at[k]
         around = np.clip(np.concatenate([top_at + np.linspace(-0.05, 0.05, 11), np.linspace(0.0, 20.0, 60)]), 0.0, 20.0)
-        assert solution.at(around.tolist()).efforts.max() <= seen.highest[k] + BOUND
-        assert abs(solution.at([float(top_at)]).efforts[0] - seen.highest[k]) <= BOUND
-        assert abs(seen.lowest[k]) <= BOUND
+        assert solution.at(around.tolist()).efforts.max() <= highest[k] + BOUND
+        assert abs(solution.at([float(top_at)]).efforts[0] - highest[k]) <= BOUND
+        assert abs(lowest[k]) <= BOUND
 
 
 @pytest.mark.parametrize("s", [6, 9])

@@ -1,4 +1,4 @@
-"""Many runs in one call are those of one scene at a time, whatever their order."""
+"""Runs side by side are those of one scene at a time, whatever their order."""
 
 import numpy as np
 from hypothesis import given, settings
@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
-from tline.solver.many import many
 from tline.solver.many.batches import run as run_copies
 from tline.solver.many.copies import copies_of
 from tline.solver.many.period import front_places, slab_edges
 from tline.solver.run import run
+from tline.solver.sweep import sweep
 
 ROUNDING = 7e-11  # of 36 slabs; the sum of modes at s = 9 rounds to 2e-12 in each
 TIMES = np.linspace(0.05, 6.0, 40)
@@ -42,7 +42,7 @@ def scene(load, value=1.0):
 )
 def test_a_copy_alone_is_a_run_with_the_same_slabs(kind, given_, size, s, slabs):
     one = describe(scene({"kind": kind, **dict.fromkeys(sorted(given_), size)}))
-    copies = copies_of(one, {"lines.one.z0": [1.0]})
+    copies = copies_of(one, {"lines.one.z0": np.array([1.0])})
     ours = run_copies(
         one, copies, slab_edges(front_places(np.empty(0), copies.unit), slabs, 1.0), s, np.array([0]), TIMES
     )
@@ -60,9 +60,10 @@ def test_the_order_of_copies_does_not_matter():
     numbers |= {"lines.one.delay": 0.5 * stretch, "lines.two.delay": stretch}
     one = scene({"kind": "series", "capacitance": 1.0}, {"shape": "ramp", "to": 1.0, "at": 0.3, "duration": 0.7})
     mixed = rng.permutation(150)
-    straight = many(one, numbers, times=TIMES)
-    shuffled = many(one, {where: values[mixed] for where, values in numbers.items()}, times=TIMES)
-    for name, seen in straight.probes.items():
-        for key, values in vars(seen).items():
-            bound = 1e-6 if key.endswith("_at") else ROUNDING  # an extreme is flat: its instant is less certain
-            np.testing.assert_allclose(values[mixed], getattr(shuffled.probes[name], key), rtol=0, atol=bound)
+    straight = sweep(one, numbers, sample="list", keep=["extremes", TIMES])
+    assert straight.method == "vectorised"
+    mixed_numbers = {where: values[mixed] for where, values in numbers.items()}
+    shuffled = sweep(one, mixed_numbers, sample="list", keep=["extremes", TIMES])
+    for name in ("lowest", "lowest_at", "highest", "highest_at", "u", "y"):
+        bound = 1e-6 if name.endswith("_at") else ROUNDING  # an extreme is flat: its instant is less certain
+        np.testing.assert_allclose(straight[name][mixed], shuffled[name], rtol=0, atol=bound)

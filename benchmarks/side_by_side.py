@@ -1,22 +1,19 @@
-"""Many runs in one call against one run at a time and against ngspice: python -m benchmarks.many.
+"""Runs side by side against one run at a time and against ngspice; `benchmarks.sweeps` prints the table.
 
-Prints a table and writes it to docs/benchmarks-many.md. Every figure is a median; every claim is a ratio measured in
-the same run.
+Every figure is a median; every claim is a ratio measured in the same run.
 """
 
 import time
-from pathlib import Path
 from statistics import median
 
 import numpy as np
 
 from tline.scene.scene import Scene
-from tline.solver.many import Many, many
 from tline.solver.simulate import simulate
+from tline.solver.sweep import sweep
 from tline.study.programs import ngspice
 from tline.study.reference import Solution
 
-ROOT = Path(__file__).parent.parent
 COPIES, RUNS, ALONE, NETLISTS, JUDGED, INSTANTS = 10_000, 5, 20, 20, 10, 40
 TOLERANCES = (1e-4, 1e-6, 1e-8)
 STEPS = 20  # of ngspice in a delay: what an exported netlist asks for
@@ -62,7 +59,7 @@ def alone_in(one: Scene) -> float:
     return time.perf_counter() - started
 
 
-def report() -> str:
+def report() -> list[str]:
     vary = numbers()
     times = np.linspace(0.0, 20e-9, INSTANTS)
     alone = [scene(*(values[k] for values in vary.values())) for k in range(ALONE)]
@@ -77,30 +74,24 @@ def report() -> str:
         for run, solution in zip(spice, exact, strict=False)
     )
     rows = [
-        "# Benchmarks of many runs",
+        f"{COPIES:,} runs of twenty transits of a cable (50 Ω, 1 ns, a ramp of 0.1 ns behind 25 Ω, 100 Ω with 4 pF",
+        "at its end; z0, delay, R and C each within 10 %), lowest and highest voltage of each. Medians of",
+        f"{RUNS} calls without compiling. *Runs/s* are per second of one core's time, of whole calls with the choice",
+        "of order and slabs on a sample. Errors are against exact solutions at any instants, relative to the step.",
+        "The last three columns are ratios of wall times, of a whole call's share for a run.",
         "",
-        f"Written by `python -m benchmarks.many`: {COPIES:,} copies of twenty transits of a cable (50 Ω, 1 ns, a ramp",
-        "of 0.1 ns behind 25 Ω, 100 Ω with 4 pF at its end; z0, delay, R and C each within 10 %), lowest and highest",
-        f"voltage of each. Medians of {RUNS} calls without compiling. *Runs/s* are per second of one core's time;",
-        "whole calls include the choice of order and slabs on a sample. Errors are against exact solutions at any",
-        "instants, relative to the step. The last three columns are ratios of wall times, of a whole call's share for",
-        "a copy.",
-        "",
-        "| tolerance | order, slabs a transit | estimate | error | runs/s | whole calls "
-        "| faster than `simulate` | than ngspice | than its transient figure |",
-        "|---:|---|---:|---:|---:|---:|---:|---:|---:|",
+        "| tolerance | estimate | error | runs/s | faster than `simulate` | than ngspice | than its transient figure |",
+        "|---:|---:|---:|---:|---:|---:|---:|",
     ]
     for tol in TOLERANCES:
-        seen = many(scene(), vary, times=times, tol=tol)
-        error = np.abs(seen.probes["far"].u[:JUDGED] - truth).max()
-        found, walls, cores = zip(*(called(vary, tol) for _ in range(RUNS)), strict=True)
-        core, whole, share = (median(figures) / COPIES for figures in ([r.processor for r in found], cores, walls))
+        seen = sweep(scene(), vary, sample="list", keep=times, tol=tol)
+        error = np.abs(seen["u"][:JUDGED, 0] - truth).max()
+        walls, cores = zip(*(taken(vary, tol) for _ in range(RUNS)), strict=True)
+        core, share = median(cores) / COPIES, median(walls) / COPIES
         ratios = " | ".join(f"{seconds / share:,.0f}" for seconds in (single, wall, transient))
-        rows.append(
-            f"| {tol:.0e} | {seen.order}, {seen.slabs} | {seen.estimate:.0e} | {error:.0e} "
-            f"| {1 / core:,.0f} | {1 / whole:,.0f} | {ratios} |"
-        )
-    rows += [
+        rows.append(f"| {tol:.0e} | {seen['estimate'].max():.0e} | {error:.0e} | {1 / core:,.0f} | {ratios} |")
+    return [
+        *rows,
         "",
         f"One `simulate(scene, tol=1e-6)` takes {single * 1e3:.1f} ms.",
         f"One ngspice process takes {wall * 1e3:.0f} ms, its figure for the transient analysis",
@@ -108,17 +99,10 @@ def report() -> str:
         f"{STEPS} steps in a delay that an exported netlist asks for.",
         "",
     ]
-    return "\n".join(rows)
 
 
-def called(vary: dict[str, np.ndarray], tol: float) -> tuple[Many, float, float]:
-    """What a call gives back, its wall and its processor seconds."""
+def taken(vary: dict[str, np.ndarray], tol: float) -> tuple[float, float]:
+    """Wall and processor seconds of a sweep."""
     wall, processor = time.perf_counter(), time.process_time()
-    runs = many(scene(), vary, tol=tol)
-    return runs, time.perf_counter() - wall, time.process_time() - processor
-
-
-if __name__ == "__main__":
-    text = report()
-    print(text)
-    (ROOT / "docs" / "benchmarks-many.md").write_text(text, encoding="utf-8")
+    sweep(scene(), vary, sample="list", tol=tol)
+    return time.perf_counter() - wall, time.process_time() - processor

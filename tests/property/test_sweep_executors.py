@@ -1,0 +1,178 @@
+"""Sweeps give the same numbers to the last bit wherever their runs are made, interrupted, killed or not."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sweep_functions import FLAG, kills_at_60, kills_once, last, slow
+
+import tline as tl
+
+CABLE = tl.read(Path(__file__).parents[2] / "scenes" / "cable_rc.toml")
+Z0 = {"lines.cable.z0": np.linspace(30.0, 90.0, 41)}  # 60 among them
+
+
+def same(one: tl.Sweep, other: tl.Sweep) -> None:
+    assert one.kept.keys() == other.kept.keys()
+    for name, array in one.kept.items():
+        np.testing.assert_array_equal(array, other[name])
+    assert one.errors == other.errors
+
+
+@pytest.fixture(scope="module")
+def here() -> tl.Sweep:
+    return tl.sweep(CABLE, Z0, keep=["extremes", last], tol=1e-4, workers=1)
+
+
+class Serial(Executor):
+    """The least that an executor is."""
+
+    def submit(self, fn, /, *args, **kwargs):
+        future = Future()
+        future.set_result(fn(*args, **kwargs))
+        return future
+
+
+@pytest.mark.parametrize("executor", [Serial(), ThreadPoolExecutor(3)], ids=["serial", "threads"])
+def test_on_executors(here, executor):
+    with executor:
+        same(here, tl.sweep(CABLE, Z0, keep=["extremes", last], tol=1e-4, executor=executor))
+
+
+def test_on_processes(here):
+    same(here, tl.sweep(CABLE, Z0, keep=["extremes", last], tol=1e-4, workers=2))
+
+
+def test_on_processes_of_which_one_is_killed(here, tmp_path, monkeypatch):
+    monkeypatch.setenv(FLAG, str(tmp_path / "killed"))
+    (tmp_path / "killed").touch()  # not in this process, where the first run is made
+    first = tl.sweep(CABLE, Z0, keep=kills_once, tol=1e-4, workers=1)
+    np.testing.assert_array_equal(first["kills_once"], here["last"])
+    monkeypatch.setattr("tline.solver.sweep.work.run_batch", _after(tmp_path / "killed"))
+    found = tl.sweep(CABLE, Z0, keep=kills_once, tol=1e-4, workers=2)
+    assert (tmp_path / "killed").exists()
+    same(first, found)
+
+
+def _after(flag: Path):
+    """Make the first run here, and let the next process that looks for the flag be killed."""
+    from tline.solver.sweep.batches import run_batch
+
+    def run(task, rows):
+        batch = run_batch(task, rows)
+        flag.unlink()
+        return batch
+
+    return run
+
+
+def test_a_run_that_kills_its_process_is_a_row(here):
+    vary = {"lines.cable.z0": [30.0, 40.0, 50.0, 60.0, 70.0]}
+    found = tl.sweep(CABLE, vary, keep=kills_at_60, tol=1e-4, workers=2)
+    assert found.errors == {3: "the process died that ran it: out of memory, or killed"}
+    assert np.isfinite(found["kills_at_60"][[0, 1, 2, 4]]).all()
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_ctrl_c_keeps_what_is_done(workers, tmp_path, monkeypatch):
+    put = tl.Sweep.put
+
+    def interrupting(table, *args):
+        put(table, *args)
+        if table.done.sum() >= 5 and not timer.is_alive():
+            timer.start()
+
+    timer = threading.Timer(0.3, os.kill, [os.getpid(), signal.SIGINT])
+    monkeypatch.setattr(tl.Sweep, "put", interrupting)
+    vary = {"lines.cable.z0": np.linspace(30.0, 90.0, 400)}
+    with pytest.warns(tl.InterruptedWarning, match="interrupted: 400 runs, .* not run"):
+        part = tl.sweep(CABLE, vary, keep=slow, tol=1e-4, workers=workers, resume=tmp_path / "part.npz")
+    assert 5 <= part.done.sum() < 400
+    assert np.isfinite(part["slow"][part.done]).all()
+    assert np.isnan(part["slow"][~part.done]).all()
+    with np.load(tmp_path / "part.npz") as file:
+        np.testing.assert_array_equal(file["done"], part.done)
+
+
+def test_what_a_file_goes_on_to_is_the_same(here, tmp_path):
+    calls = []
+
+    def last(result):
+        calls.append(1)
+        if len(calls) == 12:
+            raise KeyboardInterrupt
+        return result.probes["far"].u[-1]
+
+    more = {"keep": ["extremes", last], "tol": 1e-4, "workers": 1, "resume": tmp_path / "part.npz"}
+    with pytest.warns(tl.InterruptedWarning):
+        part = tl.sweep(CABLE, Z0, **more)
+    assert 0 < part.done.sum() < 12
+    same(here, tl.sweep(CABLE, Z0, **more))
+    assert len(calls) == 12 + 41 - part.done.sum()
+    same(here, tl.sweep(CABLE, Z0, **more))
+    assert len(calls) == 12 + 41 - part.done.sum()
+
+
+def test_functions_that_cannot_be_sent_stay_here_or_are_told():
+    lock = threading.Lock()
+
+    def locked(result):
+        with lock:
+            return last(result)
+
+    assert len(tl.sweep(CABLE, {"lines.cable.z0": [40, 50]}, keep=locked, tol=1e-4)["locked"]) == 2
+    with pytest.raises(
+        tl.InputError, match="keep: a function cannot be sent to other processes, expected functions at"
+    ):
+        tl.sweep(CABLE, Z0, keep=locked, tol=1e-4, workers=2)
+
+
+UNGUARDED = """
+import tline as tl
+tl.sweep("scenes/valve_closure.toml", {"loads.valve.kv": "40:60:5"}, tol=1e-3, workers=2)
+"""
+
+
+def test_a_script_without_a_guard_is_told_in_a_sentence(tmp_path):
+    (tmp_path / "script.py").write_text(UNGUARDED)
+    root = Path(__file__).parents[2]
+    command = [sys.executable, str(tmp_path / "script.py")]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=root, env=os.environ | {"PYTHONPATH": str(root)})
+    last_line = done.stderr.strip().splitlines()[-1]
+    assert last_line.endswith(
+        'workers: the processes of the sweep die as they start, expected calls of a script under '
+        'if __name__ == "__main__":, or workers=1'
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("processes", [False, True], ids=["threads", "processes"])
+def test_on_dask(processes):
+    distributed = pytest.importorskip("distributed")
+    here = tl.sweep(CABLE.change({"solver.tol": 1e-4}), VALUES, workers=1)
+    options = {"processes": processes, "n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
+    with distributed.Client(**options) as client:
+        found = tl.sweep(CABLE.change({"solver.tol": 1e-4}), VALUES, executor=client.get_executor())
+    same(here, found)
+
+
+def test_on_dask_when_a_worker_is_killed():
+    distributed = pytest.importorskip("distributed")
+    scene = CABLE.change({"solver.tol": 1e-4})
+    here = tl.sweep(scene, VALUES, workers=1)
+    with distributed.Client(processes=True, n_workers=2, threads_per_worker=1, dashboard_address=None) as client:
+        (pid, *_) = client.run(os.getpid).values()
+        killer = threading.Timer(1.0, os.kill, [pid, signal.SIGKILL])
+        killer.start()
+        found = tl.sweep(scene, VALUES, executor=client.get_executor())
+        killer.join()
+        assert pid not in client.run(os.getpid).values()
+    same(here, found)
+
+
+VALUES = {"loads.receiver.kind": ["parallel"], "lines.cable.z0": np.linspace(30.0, 90.0, 120)}  # not side by side

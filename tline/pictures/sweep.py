@@ -1,0 +1,107 @@
+"""Extremes of a sweep: over one path as curves, over two as maps, else as histograms."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.pictures.handy import handy
+from tline.pictures.histograms import draw_histogram
+from tline.pictures.style import COLOURS, DASHES, figure, styled
+from tline.scene.heights import words
+from tline.solver.sweep import Sweep
+from tline.solver.sweep.values import unit_of
+
+WORDS = ("highest", "lowest")
+
+
+@styled
+def plot_sweep(found: Sweep) -> Figure:
+    """Draw the lowest and the highest effort at every probe.
+
+    Over the values of a grid or a list of one path as curves, over those of a grid of two as maps; of all others, as
+    histograms with 5, 50 and 95 % quantiles. Failed runs are left out.
+
+    Parameters
+    ----------
+    found : Sweep
+        Of which extremes were kept.
+
+    Raises
+    ------
+    InputError
+        They were not, there are no probes, or all runs failed.
+    """
+    if "highest" not in found.kept or not found.probes or not len(found.good):
+        raise InputError("plot", "there are no extremes to draw", "a sweep with probes, and keep='extremes'")
+    numeric = all(values.dtype.kind == "f" for values in found.inputs.values())
+    ordered = numeric and found.sample in ("grid", "list")
+    if ordered and len(found.inputs) == 1:
+        return _curves(found)
+    if ordered and len(found.shape) == 2 and min(found.shape) > 1:
+        return _maps(found)
+    picture, panels = _panels(found, 2.1)
+    for k, row in enumerate(panels):
+        for axes, word, colour in zip(row, WORDS, COLOURS, strict=False):
+            values, name, error = _efforts(found, word, k)
+            draw_histogram(axes, values[found.good], error, colour)
+            axes.set_xlabel(name)
+        row[0].set_ylabel("runs")
+    return picture
+
+
+def _panels(found: Sweep, height: float) -> tuple[Figure, NDArray]:
+    picture = figure(8.0, 0.9 + height * len(found.probes), found.scene.title)
+    return picture, picture.subplots(len(found.probes), 2, squeeze=False)
+
+
+def _curves(found: Sweep) -> Figure:
+    ((path, values),) = found.inputs.items()
+    picture = figure(8.0, 4.2, found.scene.title)
+    axes = picture.subplots()
+    at, label = _along(found, path, values)
+    order = np.argsort(at)
+    largest = max(float(np.nanmax(np.abs(found[word]))) for word in WORDS)
+    size, unit = handy(largest, words(found.scene).shown["effort"])
+    for k, (name, colour) in enumerate(zip(found.probes, COLOURS * len(found.probes), strict=False)):
+        for word, dash in zip(WORDS, DASHES, strict=False):
+            axes.plot(
+                at[order], found[word][order, k] / size, ls=dash, marker=".", color=colour, label=f"{name}, {word}"
+            )
+    axes.set(xlabel=label, ylabel=f"{words(found.scene, 'gauge pressure').effort} [{unit}]")
+    if np.ptp(np.log(at)) > np.log(50) if (at > 0).all() else False:
+        axes.set_xscale("log")
+    axes.grid()
+    axes.legend(handlelength=3)
+    return picture
+
+
+def _maps(found: Sweep) -> Figure:
+    picture, panels = _panels(found, 3.0)
+    (y, y_name), (x, x_name) = (_along(found, path, values) for path, values in found.inputs.items())
+    for k, row in enumerate(panels):
+        for axes, word in zip(row, WORDS, strict=True):
+            values, name, _ = _efforts(found, word, k)
+            x2, y2, shown = (each.reshape(found.shape) for each in (x, y, values))
+            image = axes.pcolormesh(x2, y2, shown, cmap="viridis", shading="nearest")
+            picture.colorbar(image, ax=axes, label=name)
+            axes.set(xlabel=x_name, ylabel=y_name)
+    return picture
+
+
+def _along(found: Sweep, path: str, values: NDArray) -> tuple[NDArray, str]:
+    """Values of a path in the unit in which they are read, and what to write beside them."""
+    unit = unit_of(found.scene, path)
+    size, name = handy(float(np.abs(values).max()), unit) if unit else (1.0, "")
+    return values / size, f"{path} [{name}]" if name else path
+
+
+def _efforts(found: Sweep, word: str, probe: int) -> tuple[NDArray, str, float]:
+    """Extremes at a probe in the unit in which they are read, what to write beside them, and their estimated error."""
+    medium = words(found.scene, "gauge pressure")
+    values = found[word][:, probe]
+    largest = max(float(np.nanmax(np.abs(found[each][:, probe]))) for each in WORDS)
+    size, unit = handy(largest, medium.shown["effort"])
+    estimate = np.nan_to_num(found["estimate"]).max()
+    name = f"{word} {medium.effort} at {found.probes[probe]} [{unit}]"
+    return values / size, name, estimate * largest / size

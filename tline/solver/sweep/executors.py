@@ -1,0 +1,187 @@
+"""Batches on executors: in this process, on processes of our own, or on any executor of `concurrent.futures`."""
+
+import os
+import signal
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
+from multiprocessing import get_context
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.solver.sweep.batches import Batch, sentence
+
+SECONDS = 1.0  # that a batch shall take
+FIRST = 1  # runs in a batch of unknown cost
+FEWEST = 4  # batches for each worker, so that all end at about the same time
+GROWTH = 8  # times that a batch may be larger than the largest before
+DIED = "the process died that ran it: out of memory, or killed"
+
+
+class Queue:
+    """Runs that wait, dealt out in batches sized by what runs have cost."""
+
+    def __init__(self, rows: NDArray, workers: int):
+        self._rows, self._given, self._workers, self._largest = rows, 0, workers, FIRST
+        self._again: list[NDArray] = []
+        self.cost = 0.0  # s, of a run
+
+    def __bool__(self) -> bool:
+        return bool(self._again) or self._given < len(self._rows)
+
+    @property
+    def left(self) -> int:
+        """Runs that wait."""
+        return len(self._rows) - self._given + sum(map(len, self._again))
+
+    def take(self) -> NDArray:
+        """The next batch."""
+        if self._again:
+            return self._again.pop()
+        wanted = int(SECONDS / self.cost) if self.cost else FIRST
+        fair = -(-(len(self._rows) - self._given) // (FEWEST * self._workers)) if self._workers > 1 else wanted
+        size = max(min(wanted, fair, GROWTH * self._largest), 1)
+        self._largest = max(size, self._largest)
+        batch = self._rows[self._given : self._given + size]
+        self._given += len(batch)
+        return batch
+
+    def put_back(self, rows: NDArray) -> None:
+        """Let a batch wait again, before all others."""
+        self._again.append(rows)
+
+    def learn(self, batch: Batch, size: int) -> None:
+        """Measure what a run costs."""
+        self.cost = batch.seconds / size
+
+
+Submit = Callable[[Executor, NDArray], "Future[Batch]"]
+
+
+def on_executor(queue: Queue, executor: Executor, workers: int, submit: Submit) -> Iterator[tuple[NDArray, Batch]]:
+    """Run all batches on an executor that somebody else made; batches come as they are finished."""
+    waiting: dict[Future[Batch], NDArray] = {}
+    try:
+        while queue or waiting:
+            _fill(waiting, queue, 2 * workers, submit, executor)
+            for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+                if isinstance(error := future.exception(), BrokenExecutor):
+                    raise InputError("executor", "is broken", "one that works", sentence(error))
+                yield from _outcome(future, waiting.pop(future), queue)
+    except KeyboardInterrupt:
+        yield from _finished(waiting)
+        raise
+    finally:
+        for future in waiting:
+            future.cancel()
+
+
+def on_processes(queue: Queue, workers: int, submit: Submit) -> Iterator[tuple[NDArray, Batch]]:
+    """The same on processes of our own.
+
+    When one dies, its batches are run again; what kills processes a second time is run alone, and at last run by run:
+    only those that die alone are lost.
+    """
+    waiting: dict[Future[Batch], NDArray] = {}
+    deaths, suspects, worked = 0, [], False
+    pool = _pool(workers)
+    try:
+        while queue or waiting or suspects:
+            if suspects and not waiting:
+                rows = suspects.pop()
+                waiting[submit(pool, rows)] = rows
+            elif not suspects:
+                _fill(waiting, queue, workers + 1, submit, pool)
+            finished = wait(waiting, return_when=FIRST_COMPLETED).done
+            broken = [future for future in finished if isinstance(future.exception(), BrokenExecutor)]
+            for future in finished.difference(broken):
+                worked = True
+                yield from _outcome(future, waiting.pop(future), queue)
+            if broken:
+                deaths += 1
+                if deaths > 1 and not worked:
+                    raise NoWorkers
+                lost, alone = list(waiting.values()), len(waiting) == 1 and deaths > 1
+                waiting.clear()
+                _end(pool)
+                pool = _pool(workers)
+                if alone and len(lost[0]) == 1:
+                    yield lost[0], Batch([], {}, {0: DIED}, 0.0)
+                elif deaths == 1:
+                    for rows in lost:
+                        queue.put_back(rows)
+                else:
+                    suspects += [half for rows in lost for half in np.array_split(rows, 2) if len(half)]
+    except KeyboardInterrupt:
+        yield from _finished(waiting)
+        raise
+    finally:
+        _end(pool)
+
+
+class NoWorkers(InputError):
+    """Processes die before they have done anything."""
+
+    def __init__(self, *_: object):
+        expected = 'calls of a script under if __name__ == "__main__":, or workers=1'
+        super().__init__("workers", "the processes of the sweep die as they start", expected)
+
+
+def workers_of(executor: Executor, asked: int | None) -> int:
+    """How many batches an executor works on at once, as far as it tells."""
+    if asked is not None:
+        return asked
+    client: Any = getattr(executor, "_client", None)  # of Dask
+    if client is not None:
+        return max(sum(client.nthreads().values()), 1)
+    return getattr(executor, "_max_workers", None) or os.cpu_count() or 1
+
+
+def _fill(waiting: dict, queue: Queue, most: int, submit: Submit, executor: Executor) -> None:
+    while queue and len(waiting) < most:
+        rows = queue.take()
+        try:
+            future = submit(executor, rows)
+        except BrokenExecutor as error:
+            future = Future()
+            future.set_exception(error)
+        waiting[future] = rows
+
+
+def _outcome(future: "Future[Batch]", rows: NDArray, queue: Queue) -> Iterator[tuple[NDArray, Batch]]:
+    """What became of a batch; one that failed as a whole is divided, down to single runs."""
+    error = future.exception()
+    if error is None:
+        queue.learn(future.result(), len(rows))
+        yield rows, future.result()
+    elif len(rows) == 1:
+        yield rows, Batch([], {}, {0: sentence(error)}, 0.0)
+    else:
+        for half in np.array_split(rows, 2):
+            queue.put_back(half)
+
+
+def _finished(waiting: "dict[Future[Batch], NDArray]") -> Iterator[tuple[NDArray, Batch]]:
+    """What was finished when somebody interrupted."""
+    for future, rows in list(waiting.items()):
+        if future.done() and not future.cancelled() and future.exception() is None:
+            yield rows, future.result()
+
+
+def _pool(workers: int) -> ProcessPoolExecutor:
+    return ProcessPoolExecutor(workers, get_context("spawn"), _ignore_interrupts)
+
+
+def _ignore_interrupts() -> None:
+    """Leave Ctrl-C to the process that waits for this one."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _end(pool: ProcessPoolExecutor) -> None:
+    """End the processes of a pool, whatever they do."""
+    processes = list((pool._processes or {}).values())
+    pool.shutdown(wait=False, cancel_futures=True)
+    for process in processes:
+        process.terminate()

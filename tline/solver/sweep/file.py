@@ -1,0 +1,87 @@
+"""Sweeps in files: NPZ, from which a sweep goes on, NetCDF and CSV."""
+
+import json
+import zipfile
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tline.errors import InputError, import_extra
+from tline.solver.result.atomic import replacing, write_table
+from tline.solver.sweep.table import Sweep
+
+SUFFIXES = (".npz", ".nc", ".csv")
+ABOUT = "about"
+TAKEN = ("t", "done", "scene", ABOUT)  # names of arrays that are no inputs and were not kept
+
+
+def save(sweep: Sweep, path: str | Path) -> None:
+    """See `Sweep.save`."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in SUFFIXES:
+        raise InputError(str(path), "unknown kind of file", " or ".join(SUFFIXES))
+    if suffix == ".csv":
+        write_table(path, *sweep.table())
+    elif suffix == ".nc":
+        import_extra("h5netcdf", "h5netcdf", "data", str(path))
+        found = sweep.to_xarray()
+        with replacing(path) as temporary:
+            temporary.write_bytes(found.to_netcdf(engine="h5netcdf"))
+    else:
+        with replacing(path) as temporary, temporary.open("wb") as file:
+            np.savez(file, allow_pickle=False, **_arrays(sweep))
+
+
+def _arrays(sweep: Sweep) -> dict[str, Any]:
+    about = {
+        "shape": sweep.shape,
+        "sample": sweep.sample,
+        "probes": sweep.probes,
+        "tol": sweep.tol,
+        "errors": sweep.errors,
+        "method": sweep.method,
+        "seconds": sweep.seconds,
+        "origin": sweep.origin,
+        "version": version("tline"),
+    }
+    arrays = {"t": sweep.t, "done": sweep.done, "scene": sweep.scene.to_toml(), ABOUT: json.dumps(about)}
+    return {**arrays, **sweep.inputs, **sweep.kept}
+
+
+def take_over(sweep: Sweep, path: str | Path) -> None:
+    """Put the runs of a file into a sweep that is the same but for what was run.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or is of another sweep.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+            about = json.loads(str(arrays[ABOUT]))
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
+        raise InputError(str(path), "is no file of a sweep", "one that a sweep wrote", _reason(error)) from None
+    mine = _arrays(sweep)
+    same = all(
+        name in arrays and np.array_equal(arrays[name], mine[name])
+        for name in mine
+        if name in ("t", "scene", *sweep.inputs)
+    )
+    names = {name: array for name, array in arrays.items() if name not in (*TAKEN, *sweep.inputs)}
+    whole = all(len(array) == len(sweep) for array in (arrays.get("done", ()), *names.values()))
+    told = {"tol": sweep.tol, "version": version("tline")}
+    origin = about.get("origin", {})
+    same = same and told.items() <= about.items() and sweep.origin.items() <= origin.items()
+    if not same or not whole:
+        expected = "the same scene, values, sample, seed, keep and tol, and the same version"
+        raise InputError(str(path), "holds another sweep", f"{expected}, or another file")
+    sweep.kept, sweep.done = names, arrays["done"].astype(bool)
+    sweep.errors = {int(k): str(text) for k, text in about["errors"].items()}
+    sweep.origin = origin
+
+
+def _reason(error: Exception) -> str:
+    return (isinstance(error, OSError) and error.strerror) or type(error).__name__

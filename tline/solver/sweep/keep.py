@@ -1,0 +1,125 @@
+"""What is kept of each run of a sweep: extremes, efforts and flows at instants, functions of the result."""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.solver.description.given import Scene
+from tline.solver.many import ProbeOfCopies
+from tline.solver.result.dense_output import extremes
+from tline.solver.result.result import Result
+from tline.solver.sweep.values import values_or_distribution
+from tline.units import to_si
+from tline.wording import shown
+
+Floats = NDArray[np.float64]
+EXTREMES = ("lowest", "lowest_at", "highest", "highest_at")
+SAMPLES = ("u", "y")
+ESTIMATE = "estimate"
+TAKEN = (ESTIMATE, "run", "probe", "t", "time", "error", "done", "scene", "about")  # other names in tables and files
+EXPECTED = "'extremes', instants in s such as [0, 1, 2] or '0 s:2 s:3', a function of the result, or a list of these"
+
+
+class Keep(NamedTuple):
+    """What is kept.
+
+    Attributes
+    ----------
+    extremes : bool
+    t : ndarray, shape (instants,)
+        Instants at which efforts and flows are kept, s.
+    functions : mapping of str to callable
+        By name; each takes a `Result` and gives a number or an array, of one shape in all runs.
+    """
+
+    extremes: bool
+    t: Floats
+    functions: Mapping[str, Callable[[Result], Any]]
+
+    @property
+    def names(self) -> list[str]:
+        """Of what is kept."""
+        return [*(["extremes"] if self.extremes else []), *self.functions]
+
+    def of(self, result: Result) -> dict[str, Floats]:
+        """Arrays by name of one run: those of probes have them as first axis."""
+        kept: dict[str, Floats] = {ESTIMATE: np.array(result.accuracy.worst if result.accuracy else np.nan)}
+        probes = result.probes.values()
+        if self.extremes:
+            found = [sum(extremes(probe, "gauge_pressure"), ()) for probe in probes]
+            kept |= dict(zip(EXTREMES, np.array(found).reshape(-1, len(EXTREMES)).T.copy(), strict=True))
+        if len(self.t):
+            seen = [probe.at(self.t) for probe in probes]
+            kept["u"] = np.array([samples.gauge_pressure for samples in seen])
+            kept["y"] = np.array([samples.y for samples in seen])
+        for name, function in self.functions.items():
+            kept[name] = np.asarray(function(result), float)
+        return kept
+
+    def of_copies(self, probes: Mapping[str, ProbeOfCopies], weights: Floats, estimate: float) -> dict[str, Floats]:
+        """The same of many runs at once, with runs as first axis; `weights` make gauge pressures of efforts."""
+        seen = list(probes.values())
+        kept = {ESTIMATE: np.full(len(seen[0].lowest), estimate)}
+        for name in EXTREMES if self.extremes else ():
+            kept[name] = np.stack([getattr(probe, name) for probe in seen], axis=1)
+            if not name.endswith("_at"):
+                kept[name] -= weights
+        if len(self.t):
+            kept["u"] = np.stack([probe.u for probe in seen], axis=1) - weights[:, None]
+            kept["y"] = np.stack([probe.y for probe in seen], axis=1)
+        return kept
+
+
+def kept_of(scene: Scene, keep: Any) -> Keep:
+    """What the argument `keep` of a sweep asks for."""
+    wanted, times, functions = False, [], {}
+    for item in _items(keep):
+        if isinstance(item, str) and item == "extremes":
+            wanted = True
+        elif isinstance(item, str):
+            times += _instants(scene, _in_seconds(scene, item))
+        elif isinstance(item, Mapping) and all(callable(each) for each in item.values()):
+            functions |= item
+        elif callable(item):
+            functions[getattr(item, "__name__", type(item).__name__).strip("<>")] = item
+        else:
+            times += _instants(scene, item)
+    taken = {*EXTREMES, *SAMPLES, *TAKEN} & functions.keys()
+    taken |= {name for name in functions if not name.isidentifier()}
+    if taken:
+        raise InputError(
+            "keep", f"{shown(min(taken))} cannot name an array", "a dict with another name for the function"
+        )
+    return Keep(wanted, np.unique(np.array(times, float)), functions)
+
+
+def _items(keep: Any) -> Iterable[Any]:
+    """The items of a list; what is no list, or one of instants, is an item."""
+    if not isinstance(keep, list | tuple):
+        return [keep]
+    numbers = [isinstance(each, int | float | np.number) for each in keep]
+    return [keep] if numbers and all(numbers) else keep
+
+
+def _in_seconds(scene: Scene, text: str) -> Any:
+    """Instants that a text lists, or has as a range."""
+    try:
+        values = values_or_distribution(scene, "t_end", text)
+        return [to_si(each, "s") for each in values] if isinstance(values, list) else text
+    except InputError:
+        return text
+
+
+def _instants(scene: Scene, given: Any) -> list[float]:
+    try:
+        t = np.atleast_1d(np.asarray(given, float))
+    except (TypeError, ValueError):
+        raise InputError("keep", "unknown", EXPECTED, shown(given)) from None
+    outside = t[~((t >= 0) & (t <= scene.t_end))]
+    if t.ndim != 1 or len(outside):
+        got = f"{outside.flat[0]:g} s" if outside.size else f"{t.ndim} axes"
+        raise InputError("keep", "not instants of the run", f"0 to {scene.t_end:g} s", got)
+    return t.tolist()

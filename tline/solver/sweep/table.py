@@ -1,0 +1,196 @@
+"""What a sweep gives back: the values that varied and what was kept of every run, as arrays."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError, import_extra
+from tline.scene.heights import words
+from tline.solver.description.given import Scene
+from tline.solver.sweep.keep import ESTIMATE, EXTREMES, SAMPLES
+from tline.wording import nearest, shown
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
+
+NOT_RUN = "not run"
+
+
+@dataclass(eq=False)
+class Sweep:
+    """Finished runs of a sweep; ``sweep["highest"]`` and ``sweep["lines.cable.z0"]`` are arrays over the runs.
+
+    Attributes
+    ----------
+    scene : Scene
+        Whose values vary.
+    inputs : mapping of str to ndarray, shape (runs,)
+        Values by path: in SI, or texts where they are no numbers.
+    shape : tuple of int
+        Of a grid, the number of values along each path; else (runs,).
+    sample : str
+        How runs were chosen.
+    t : ndarray, shape (instants,)
+        Instants at which efforts and flows were kept, s.
+    tol : float or None
+        Tolerance of the runs; None if their order or slab is fixed by the scene and no tolerance asked.
+    kept : mapping of str to ndarray, shape (runs, …)
+        By name: ``lowest``, ``lowest_at``, ``highest`` and ``highest_at``, shape (runs, probes), of efforts, which are
+        gauge pressures in a scene with elevations; ``u`` and ``y``, shape (runs, probes, instants); results of
+        functions; and ``estimate``, the estimated error of a run relative to the amplitude at each probe. Not a number
+        where a run failed.
+    done : ndarray of bool, shape (runs,)
+        Runs that were made.
+    errors : dict of int to str
+        Why a run failed, by its number.
+    method : str
+        ``"vectorised"``, or why runs were made one at a time.
+    seconds : float
+        Time that the sweep took.
+    origin : dict of str to Any
+        What else a file tells to who goes on with it.
+    """
+
+    scene: Scene
+    inputs: Mapping[str, NDArray]
+    shape: tuple[int, ...]
+    sample: str
+    t: NDArray
+    tol: float | None
+    kept: dict[str, NDArray] = field(default_factory=dict)
+    done: NDArray = field(default_factory=lambda: np.zeros(0, bool))
+    errors: dict[int, str] = field(default_factory=dict)
+    method: str = ""
+    seconds: float = 0.0
+    origin: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not len(self.done):
+            self.done = np.zeros(len(self), bool)
+
+    def __len__(self) -> int:
+        return len(next(iter(self.inputs.values())))
+
+    def __getitem__(self, name: str) -> NDArray:
+        arrays = {**self.inputs, **self.kept}
+        if name not in arrays:
+            raise InputError("sweep", "holds no such array", nearest(name, [*arrays]), shown(name))
+        return arrays[name]
+
+    def __repr__(self) -> str:
+        varied = ", ".join(self.inputs)
+        return f"<Sweep of {self.told} over {varied}; kept: {', '.join(self.kept)}>"
+
+    @property
+    def told(self) -> str:
+        """How many runs there are, and what became of them."""
+        left = len(self) - int(self.done.sum())
+        parts = [f"{len(self):,} run{'s' * (len(self) != 1)}"]
+        parts += [f"{len(self.errors):,} failed"] if self.errors else []
+        parts += [f"{left:,} {NOT_RUN}"] if left else []
+        return ", ".join(parts)
+
+    @property
+    def probes(self) -> list[str]:
+        """Names of the probes, in the order of their axis."""
+        return list(self.scene.probes)
+
+    @property
+    def good(self) -> NDArray:
+        """Numbers of the runs that were made and did not fail."""
+        good = self.done.copy()
+        good[list(self.errors)] = False
+        return np.flatnonzero(good)
+
+    @property
+    def unmet(self) -> NDArray:
+        """Numbers of the runs whose estimated error is above the tolerance."""
+        estimate = self.kept.get(ESTIMATE, np.zeros(0))
+        return np.flatnonzero(estimate > self.tol) if self.tol is not None else np.zeros(0, int)
+
+    def put(self, rows: NDArray, kept: Mapping[str, NDArray], errors: Mapping[int, str]) -> None:
+        """Take over finished runs: arrays of those `rows` that did not fail, and sentences by number of the others."""
+        self.errors |= errors
+        self.done[[*errors]] = True
+        for name, array in kept.items():
+            if name not in self.kept:
+                self.kept[name] = np.full((len(self), *array.shape[1:]), np.nan)
+            elif self.kept[name].shape[1:] != array.shape[1:]:
+                self.put(rows[:0], {}, dict.fromkeys(rows.tolist(), f"keep: {name} has another shape than before"))
+                return
+        for name, array in kept.items():
+            self.kept[name][rows] = array
+        self.done[rows] = True
+
+    def dims(self, name: str) -> tuple[str, ...]:
+        """Names of the axes of what was kept, but for that of the runs."""
+        if name in EXTREMES:
+            return ("probe",)
+        if name in SAMPLES:
+            return "probe", "time"
+        return tuple(f"{name}_{k}" for k in range(self.kept[name].ndim - 1))
+
+    def unit(self, name: str) -> str:
+        """SI unit of what was kept; empty for results of functions."""
+        units = words(self.scene).units
+        efforts = dict.fromkeys(("lowest", "highest", "u"), units["effort"])
+        return (efforts | {"lowest_at": "s", "highest_at": "s", "y": units["flow"]}).get(name, "")
+
+    def to_xarray(self) -> "Dataset":
+        """The same as an `xarray.Dataset`, with the scene and all inputs; a grid has an axis for each path.
+
+        Raises
+        ------
+        MissingExtraError
+            xarray is not installed.
+        """
+        from tline.solver.sweep.dataset import dataset
+
+        return dataset(self)
+
+    def to_dataframe(self) -> "DataFrame":
+        """A row for each run, as in CSV files, as a `pandas.DataFrame`.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
+        head, rows = self.table()
+        return import_extra("pandas", "pandas", "data", "to_dataframe").DataFrame(rows, columns=head)
+
+    def save(self, path: str | Path) -> None:
+        """Write a file by its suffix: ``.npz``, which a sweep goes on from, ``.nc`` (NetCDF), or ``.csv``.
+
+        Raises
+        ------
+        InputError
+            The suffix is another, or the file cannot be written.
+        """
+        from tline.solver.sweep.file import save
+
+        save(self, path)
+
+    def table(self) -> tuple[list[str], list[list[Any]]]:
+        """Head and rows, a row for each run: inputs, what was kept but for samples, and the error."""
+        effort = words(self.scene, "gauge pressure").effort
+        head, columns = list(self.inputs), [values.tolist() for values in self.inputs.values()]
+        for name, array in self.kept.items():
+            if name in SAMPLES:
+                continue
+            wide = array.reshape(len(self), -1)
+            if name in EXTREMES:
+                word = name if name.endswith("_at") else f"{name} {effort}"
+                head += [f"{probe} {word} [{self.unit(name)}]" for probe in self.probes]
+            else:
+                head += [name] if array.ndim == 1 else [f"{name} {k}" for k in range(wide.shape[1])]
+            columns += wide.T.tolist()
+        errors = ["" if done else NOT_RUN for done in self.done]
+        for k, text in self.errors.items():
+            errors[k] = text
+        return [*head, "error"], [list(row) for row in zip(*columns, errors, strict=True)]

@@ -1,0 +1,127 @@
+"""How the runs of a sweep are made: side by side in compiled code, here one at a time, or on an executor."""
+
+import os
+import warnings
+from collections.abc import Iterator
+from concurrent.futures import Executor, Future
+from multiprocessing import parent_process
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.changed import changed
+from tline.solver.description.given import Scene
+from tline.solver.sweep import vectorised
+from tline.solver.sweep.batches import Batch, NotSent, Task, run_batch, run_sent, sent
+from tline.solver.sweep.design import Design
+from tline.solver.sweep.executors import NoWorkers, Queue, on_executor, on_processes, workers_of
+from tline.solver.sweep.table import Sweep
+from tline.solver.tolerance.search import Start
+
+LONG = 10.0  # s of work left that are worth starting processes
+Batches = Iterator[tuple[NDArray, Batch]]
+
+
+class Work:
+    """The runs of a sweep that are not in its table yet.
+
+    Raises
+    ------
+    InputError
+        The values of the first, the middle and the last run fit nowhere in the scene.
+    """
+
+    def __init__(self, design: Design, table: Sweep, task: Task, executor: Executor | None, workers: int | None):
+        self._design, self._table, self._task = design, table, task
+        self._executor, self._workers = executor, workers
+        self._samples = self._sampled()
+
+    def batches(self) -> Batches:
+        """Make them."""
+        yield from self._side_by_side()
+        if self._table.done.all():
+            return
+        yield from self._first()
+        if self._executor is not None:
+            key, data = sent(self._task, by_value=True)
+            workers = workers_of(self._executor, self._workers)
+            yield from on_executor(Queue(self._left, workers), self._executor, workers, self._submit(key, data))
+        elif self._workers is not None and self._workers > 1:
+            yield from self._processes(self._workers)
+        else:
+            yield from self._here()
+
+    @property
+    def _left(self) -> NDArray:
+        return np.flatnonzero(~self._table.done)
+
+    def _sampled(self) -> list[tuple[int, Scene]]:
+        """Some runs and their scenes."""
+        found, mistakes = [], []
+        for rows in _middle(np.arange(self._design.runs)):
+            try:
+                found.append((int(rows[0]), changed(self._task.prepared.scene, self._design.rows(rows)[0])))
+            except InputError as error:
+                mistakes.append(error)
+        if not found:
+            raise mistakes[0]
+        return found
+
+    def _side_by_side(self) -> Batches:
+        try:
+            fit, many = vectorised.side_by_side(self._task, self._table, self._samples)
+        except InputError as error:
+            self._table.method = f"one at a time: {error}"
+            return
+        self._table.method = "vectorised"
+        rows = np.flatnonzero(fit & ~self._table.done)
+        yield from vectorised.batches(self._task, many, rows, np.cumsum(fit)[rows] - 1)
+
+    def _first(self) -> Batches:
+        """Make a run from which all others know where their searches begin."""
+        told, prepared = self._table.origin, self._task.prepared
+        if "starts" not in told:
+            for rows in _middle(self._left):
+                batch = run_batch(self._task, self._design.rows(rows))
+                yield rows, batch
+                if batch.done:
+                    break
+            told["starts"] = [[tol, *start] for tol, start in prepared.starts.items()]
+        shapes = {name: array.shape[1:] for name, array in self._table.kept.items()}
+        self._task = self._task._replace(shapes=shapes)
+        prepared.fix({tol: Start(order, left) for tol, order, left in told["starts"]})
+
+    def _here(self) -> Batches:
+        """In this process, until so much is left that others are worth starting."""
+        queue, cores = Queue(self._left, 1), os.cpu_count() or 1
+        alone = self._workers is not None or cores == 1 or parent_process() is not None
+        while queue:
+            rows = queue.take()
+            batch = run_batch(self._task, self._design.rows(rows))
+            queue.learn(batch, len(rows))
+            yield rows, batch
+            if not alone and queue.cost * queue.left > LONG:
+                alone = True
+                try:
+                    yield from self._processes(cores)
+                except NoWorkers as error:
+                    warnings.warn(f"{error}; the sweep goes on in this process alone", stacklevel=2)
+                except NotSent:
+                    continue
+                queue = Queue(self._left, 1)
+
+    def _processes(self, workers: int) -> Batches:
+        key, data = sent(self._task, by_value=False)
+        yield from on_processes(Queue(self._left, workers), workers, self._submit(key, data))
+
+    def _submit(self, key: str, data: bytes):
+        def submit(executor: Executor, rows: NDArray) -> "Future[Batch]":
+            return executor.submit(run_sent, key, data, self._design.rows(rows))
+
+        return submit
+
+
+def _middle(rows: NDArray) -> list[NDArray]:
+    """The middle one, the first and the last, each alone."""
+    return [rows[k : k + 1] for k in dict.fromkeys([len(rows) // 2, 0, len(rows) - 1])]
