@@ -40,7 +40,7 @@ def difference(coarse: ProbeResult, fine: ProbeResult, settle: float = 0.0) -> D
         (coarse.slab_ends[1], fine.slab_ends[1]), (coarse.record.a1.h, fine.record.a1.h)
     ))  # fmt: skip
     if is_smooth(coarse, fine) and apart == every:
-        places = len(chebyshev(max(coarse.record.a1.basis.s, fine.record.a1.basis.s)))
+        places = len(chebyshev(max(*(probe.waves[0].basis.s for probe in (coarse, fine)))))
         at_ends, inside, amplitude = smooth_difference(coarse, fine, every, places)
         return Difference(at_ends, inside, inside, amplitude)
     ends, theirs = (np.stack([probe.gauge_pressure, fine.record.z0 * probe.y]) for probe in (fine, coarse))
@@ -61,7 +61,7 @@ def difference(coarse: ProbeResult, fine: ProbeResult, settle: float = 0.0) -> D
 
 def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, n: int):
     """The largest difference, and value, at places of the fine slabs without a front, chunk by chunk, of shape (2,)."""
-    x = np.array(chebyshev(max(coarse.record.a1.basis.s, fine.record.a1.basis.s)))
+    x = np.array(chebyshev(max(*(probe.waves[0].basis.s for probe in (coarse, fine)))))
     if 0.0 < fine.share < 1.0:
         edges = [
             delay / probe.record.a1.h * k % 1.0 for probe, k in ((fine, 1), (coarse, every)) for delay in _ways(probe)
@@ -81,7 +81,7 @@ def _on_slabs(probe: ProbeResult, x: NDArray, first: int, n: int) -> NDArray:
     """Gauge effort and z0 times flow at places x, in slabs, of n slabs from a first one on, shape (2, n, places)."""
     a, b = (
         _wave_on_slabs(wave, delay / wave.h, x, first, n)
-        for wave, delay in zip(_waves(probe), _ways(probe), strict=True)
+        for wave, delay in zip(probe.waves, _ways(probe), strict=True)
     )
     return np.stack([(a + b) / 2 - probe.height.weight, (a - b) / 2])
 
@@ -123,7 +123,7 @@ def _in_pieces(
     width = stop - start
     kept = (width > narrowest) & (width <= widest) & broken[np.minimum(((start + stop) / 2 / h).astype(int), n - 1)]
     start, stop, width, same = start[kept], stop[kept], width[kept], same[1:][kept]
-    x = np.array([*chebyshev(fine.record.a1.basis.s), 1.0])
+    x = np.array([*chebyshev(fine.waves[0].basis.s), 1.0])
     theirs, ours = (_on_pieces(probe, start, stop, same, x) for probe in (coarse, fine))
     rounding = np.ptp(ours, axis=2) * (EPS * stop / width)
     off = _largest(np.abs(theirs - ours) + rounding[:, :, None])
@@ -135,7 +135,7 @@ def _in_pieces(
 def _overlooked(probe: ProbeResult, narrow: float) -> float:
     """How far a wave rises above both its sides, or falls below them, in pieces too narrow to be looked at."""
     most = 0.0
-    for wave in _waves(probe):
+    for wave in probe.waves:
         start, stop = wave.h * (wave.pieces.slab[:, None] + wave.pieces.span).T
         real = (stop - start <= narrow) & (stop - start > ROUNDINGS * EPS * stop)
         sides = np.stack([wave(start[real] - CLUSTER * narrow), wave(stop[real] + CLUSTER * narrow)])
@@ -150,7 +150,7 @@ def _on_pieces(probe: ProbeResult, start: NDArray, stop: NDArray, same: NDArray,
     """Gauge effort and z0 times flow at places x of pieces, shape (2, pieces, places)."""
     a, b = (
         _wave_on_pieces(wave, start - delay, stop - delay, same, x)
-        for wave, delay in zip(_waves(probe), _ways(probe), strict=True)
+        for wave, delay in zip(probe.waves, _ways(probe), strict=True)
     )
     return np.stack([(a + b) / 2 - probe.height.weight, (a - b) / 2])
 
@@ -185,7 +185,7 @@ def _broken(coarse: ProbeResult, fine: ProbeResult, n: int) -> NDArray:
     broken = np.zeros(n + 1, bool)
     for probe in (coarse, fine):
         ratio = probe.record.a1.h / fine.record.a1.h
-        for wave, delay in zip(_waves(probe), _ways(probe), strict=True):
+        for wave, delay in zip(probe.waves, _ways(probe), strict=True):
             slabs = np.unique(wave.pieces.slab)
             if len(slabs):
                 begin = np.floor((slabs + delay / wave.h) * ratio + BESIDE).astype(int)
@@ -197,14 +197,8 @@ def _broken(coarse: ProbeResult, fine: ProbeResult, n: int) -> NDArray:
 def breakpoints(probe: ProbeResult) -> NDArray:
     """Instants at which fronts inside slabs pass a probe, s."""
     return np.unique(
-        np.concatenate([wave.breakpoints() + delay for wave, delay in zip(_waves(probe), _ways(probe), strict=True)])
+        np.concatenate([wave.breakpoints() + delay for wave, delay in zip(probe.waves, _ways(probe), strict=True)])
     )
-
-
-def _waves(probe: ProbeResult) -> tuple[Wave, Wave]:
-    """The two waves that a probe sees, as they are at an end of its line."""
-    record = probe.record
-    return (record.a2, record.b2) if probe.share == 1.0 else (record.a1, record.b1 if probe.share == 0.0 else record.b2)
 
 
 def _ways(probe: ProbeResult) -> tuple[float, float]:
