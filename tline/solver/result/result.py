@@ -195,7 +195,8 @@ class ProbeResult:
     @cached_property
     def samples(self) -> Samples:
         """At slab ends, t = 0 included."""
-        a, b = self.waves
+        record = self.record
+        a, b = (record.a1, record.b1) if self.share == 0.0 else (record.a2, record.b2)
         if self.share not in (0.0, 1.0) or len(self.slab_ends) != len(a.values) + 1:
             return self.at(self.slab_ends)
         return self._samples(self.slab_ends, a.at_slab_ends(), b.at_slab_ends())

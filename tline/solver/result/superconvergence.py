@@ -1,4 +1,4 @@
-"""Waves between slab ends as accurate as nearly at these, from what of a run is superconvergent.
+"""Waves between slab ends nearly as accurate as at these, from what of a run is superconvergent.
 
 At the end of a slab, and in its low moments, a wave is far more accurate than anywhere inside. Between two fronts three
 polynomials are at hand for a slab, each with its own end and moments:
@@ -22,9 +22,12 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.polynomial.legendre import legvander
 from numpy.typing import NDArray
 
+from tline.solver.kernel.share import Neighbours, share
 from tline.solver.radau import basis, gauss
+from tline.structure import pack
 
 if TYPE_CHECKING:
     from tline.solver.result.result import Wave
@@ -34,7 +37,8 @@ EXPECTED = 4.0  # times what the change of the highest coefficient lets expect, 
 FALLS = 0.1  # of a change of the start, that a shared polynomial may change at most
 FIRST = 10.0  # the same in a slab without a start
 UNEQUAL = 16.0  # widths of neighbours beyond this ratio are not compared
-ROUNDING = 1e-15  # of the largest value
+SAME = 1e-12  # widths that near to each other, relatively, are equal
+ROUNDING = 4e-15  # of the largest value
 
 
 class Cells(NamedTuple):
@@ -46,63 +50,69 @@ class Cells(NamedTuple):
 
 
 def degree(s: int) -> int:
-    """Degree of the polynomials that are made of those of order s."""
-    return s - 1 if s == 1 else (2 * s - 2 if s <= SHARED else s)
+    """Degree of the polynomials that are made of those of order s, from 2 on."""
+    return 2 * s - 2 if s <= SHARED else s
 
 
 def superconvergent(a: "Wave", b: "Wave") -> "tuple[Wave, Wave]":
     """The two waves at an end of a line, of higher degree."""
     s, n, pieces = a.basis.s, len(a.values), a.pieces
-    values, width, order = np.stack([a.values, b.values]), np.ones(n), np.arange(n)
+    if s == 1:
+        return a, b
+    values, width = np.stack([a.values, b.values]), np.ones(n)
+    whole = order = np.arange(n)
     if len(pieces.slab):
-        whole = np.setdiff1d(order, pieces.slab, assume_unique=False)
+        whole = np.setdiff1d(whole, pieces.slab)
         order = np.argsort(np.concatenate([whole, pieces.slab + pieces.span[:, 0]]), kind="stable")
         width = np.concatenate([np.ones(len(whole)), np.diff(pieces.span, axis=1)[:, 0]])[order]
         in_pieces = np.stack([a.pieces.values, b.pieces.values])
-        values = np.concatenate([values[:, whole], in_pieces], axis=1)[:, order]
+        values = np.ascontiguousarray(np.concatenate([values[:, whole], in_pieces], axis=1)[:, order])
     found = improved(Cells(width, values, np.array([a.before, b.before])))
+    if found is None:
+        return a, b
     new = basis(found.shape[2])
     if not len(pieces.slab):
         return replace(a, values=found[0], basis=new), replace(b, values=found[1], basis=new)
-    back = np.empty_like(found)
+    back = np.empty(found.shape)
     back[:, order] = found
-    spread = basis(s).evaluation(new.c)
-    made = []
+    spread, made = _matrices(s)[0], []
     for wave, each in zip((a, b), back, strict=True):
-        held = wave.values @ spread.T
+        held = wave.values @ spread
         held[whole] = each[: len(whole)]
         made.append(replace(wave, values=held, basis=new, pieces=pieces._replace(values=each[len(whole) :])))
     return made[0], made[1]
 
 
-def improved(cells: Cells) -> NDArray:
-    """Values at the Radau points of order ``degree(s) + 1``, shape (2, cells, degree + 1)."""
+def improved(cells: Cells) -> NDArray | None:
+    """Values at the Radau points of order ``degree(s) + 1``, shape (2, cells, degree + 1); None if nothing changes."""
     s = cells.values.shape[2]
-    order, fine = basis(s), basis(degree(s) + 1)
-    values = cells.values @ order.evaluation(fine.c).T
-    if s == 1:
-        return values
-    ends = np.concatenate([cells.before[:, None], cells.values[:, :, -1]], axis=1)
-    off = cells.values @ order.evaluation([0.0])[0] - ends[:, :-1]
-    joined = _joined(cells, off)
+    spread, at_start, start = _matrices(s)
+    ends = np.empty((2, cells.width.size + 1))
+    ends[:, 0], ends[:, 1:] = cells.before, cells.values[:, :, -1]
+    coefficients = cells.values @ basis(s).to_legendre.T
+    off = cells.values @ at_start - ends[:, :-1]
+    joined = _joined(cells, coefficients[:, :, -1], off)
     off = np.where(joined, off, 0.0)
-    values -= off[:, :, None] * _start(s)
-    if s <= SHARED and values.shape[1] > 1:
-        _share(cells, values, ends, np.abs(off).max(axis=0), joined)
+    if np.abs(off).max() <= ROUNDING * np.abs(ends).max():
+        return None
+    values = cells.values @ spread - off[:, :, None] * start
+    if s <= SHARED:
+        _share(cells, coefficients, ends, values, np.abs(off).max(axis=0), joined)
     return values
 
 
-def _joined(cells: Cells, off: NDArray) -> NDArray:
+def _joined(cells: Cells, highest: NDArray, off: NDArray) -> NDArray:
     """Whether each cell goes on where the one before it ends.
 
     The error of one wave may come from the other, so both together tell what is to be expected; behind a far narrower
     cell, the edge after it.
     """
     s = cells.values.shape[2]
-    highest = np.pad(cells.values @ basis(s).to_legendre[-1], ((0, 0), (1, 0)))
     ratio = _ratio(cells)
     near = (ratio < UNEQUAL) & (ratio > 1 / UNEQUAL)
-    bend = np.abs(highest[:, 1:] - highest[:, :-1] * np.where(near, ratio, 1.0) ** (s - 1)).max(axis=0)
+    bends = np.abs(highest)
+    bends[:, 1:] = np.abs(highest[:, 1:] - highest[:, :-1] * np.where(near, ratio, 1.0)[1:] ** (s - 1))
+    bend = bends.max(axis=0)
     bend = np.where(near, bend, np.append(bend[1:], 0.0))
     least = ROUNDING * np.abs(cells.values[:, :, -1]).max()
     expected = np.maximum(EXPECTED / (2 * s - 1) * _about(bend), least)
@@ -116,46 +126,48 @@ def _ratio(cells: Cells) -> NDArray:
 
 def _about(sizes: NDArray) -> NDArray:
     """Each, or the smaller one of its neighbours: one alone may vanish by chance."""
-    more = np.pad(sizes, 1)
-    return np.maximum(sizes, np.minimum(more[2:], more[:-2]))
+    if len(sizes) < 3:
+        return sizes
+    about = sizes.copy()
+    about[1:-1] = np.maximum(sizes[1:-1], np.minimum(sizes[2:], sizes[:-2]))
+    return about
 
 
-def _share(cells: Cells, values: NDArray, ends: NDArray, off: NDArray, joined: NDArray) -> None:
-    """Replace polynomials by those shared with one neighbour, or by the mean of those shared with both.
-
-    Errors of the two waves may cancel in effort or flow, so both are replaced or none.
-    """
-    s = cells.values.shape[2]
-    total, count, off = np.zeros_like(values), np.zeros(values.shape[1]), _about(off)
-    pairs = np.flatnonzero(joined[1:] & (_ratio(cells)[1:] < UNEQUAL))
-    for known in (True, False):
-        here = pairs[joined[pairs] == known]
-        if not len(here) or (known and s == 2):
-            continue
-        change = [_shared(cells, ends, here, known, k) - values[:, here + k] for k in (0, 1)]
-        before, after = (np.abs(each).max(axis=(0, 2)) for each in change)
-        expected = off[here + 1]
-        fits = (after <= FALLS * expected) & (before <= (FALLS if known else FIRST) * expected)
-        for k in (0, 1):
-            total[:, here + k] += change[k] * fits[:, None]
-            count[here + k] += fits
-    values += total / np.maximum(count, 1)[:, None]
-
-
-def _shared(cells: Cells, ends: NDArray, first: NDArray, known: bool, which: int) -> NDArray:
-    """Values that the polynomials shared by cells and the next ones have at the points of one or the other."""
-    s = cells.values.shape[2]
-    legendre = basis(s).to_legendre
-    q = _moments(s, known)
-    data = [cells.values[:, first + k] @ legendre[: q[k]].T for k in (0, 1)]
-    data += [ends[:, first + k, None] for k in ((0, 1, 2) if known else (1, 2))]
-    given = np.concatenate(data, axis=2)
-    ratio = cells.width[first + 1] / cells.width[first]
-    found = given @ _equal(s, known)[which].T
-    unequal = np.flatnonzero(np.abs(ratio - 1) > 1e-12)
-    if len(unequal):
-        found[:, unequal] = np.einsum("pij,wpj->wpi", _pair(s, known, ratio[unequal])[which], given[:, unequal])
-    return found
+def _share(cells: Cells, coefficients: NDArray, ends: NDArray, values: NDArray, off: NDArray, joined: NDArray) -> None:
+    """Change the values of cells to those of polynomials that they share with their neighbours."""
+    s, points = cells.values.shape[2], values.shape[2]
+    ratio, expected = _ratio(cells)[1:], _about(off)[1:]
+    known = joined[:-1]
+    first = np.flatnonzero(joined[1:] & (ratio < UNEQUAL) & (expected > 0.0) & ~(known & (s == 2)))
+    if not len(first):
+        return
+    known, ratio, expected = known[first], ratio[first], expected[first]
+    unequal = np.abs(ratio - 1.0) > SAME
+    matrix = np.where(known, 0, 1)
+    matrix[unequal] = 2 + np.arange(unequal.sum())
+    matrices = np.empty((2 + unequal.sum(), 2 * s + 3, 2 * points))
+    matrices[0], matrices[1] = _equal(s)
+    for kind in (True, False):
+        these = unequal & (known == kind)
+        if these.any():
+            matrices[matrix[these]] = _pair(s, kind, ratio[these])
+    most = np.stack([np.where(known, FALLS, FIRST) * expected, FALLS * expected], axis=1)
+    share(
+        pack(
+            Neighbours(
+                coefficients,
+                ends,
+                values,
+                first,
+                matrix,
+                most,
+                matrices,
+                np.empty((2, 2 * points)),
+                np.empty(values.shape),
+                np.empty(len(joined), np.int64),
+            )
+        )
+    )
 
 
 def _moments(s: int, known: bool) -> tuple[int, int]:
@@ -164,35 +176,40 @@ def _moments(s: int, known: bool) -> tuple[int, int]:
 
 
 @lru_cache
-def _equal(s: int, known: bool) -> NDArray:
-    return _pair(s, known, np.ones(1))[:, 0]
+def _equal(s: int) -> tuple[NDArray, NDArray]:
+    """Matrices of cells of equal width, with a start and without one."""
+    known = _pair(s, True, np.ones(1))[0] if s > 2 else np.zeros((2 * s + 3, 2 * degree(s) + 2))
+    return known, _pair(s, False, np.ones(1))[0]
 
 
 def _pair(s: int, known: bool, ratio: NDArray) -> NDArray:
-    """Matrices from what is kept of two cells, widths 1 and `ratio`, to values at the points of both.
-
-    Shape (2, pairs, points, kept).
-    """
+    """Matrices of cells of widths 1 and `ratio`, see `Neighbours`; shape (pairs, 2 s + 3, 2 p)."""
     q, n = _moments(s, known), len(ratio)
-    kept = sum(q) + 2 + known
-    x, weights = gauss(kept)
+    kept = [*range(q[0]), *range(s, s + q[1]), *range(2 * s + (not known), 2 * s + 3)]
+    x, weights = gauss(len(kept))
     points = basis(degree(s) + 1).c
     start, width = (np.zeros(n), np.ones(n)), (np.ones(n), ratio)
-    test = np.polynomial.legendre.legvander(2 * x - 1, s - 1) * (2 * np.arange(s) + 1) * weights[:, None]
+    test = legvander(2 * x - 1, s - 1) * (2 * np.arange(s) + 1) * weights[:, None]
 
     def at(x: NDArray, k: int) -> NDArray:
         """Legendre polynomials on the pair at places of a cell, shape (pairs, places, kept)."""
         place = (start[k][:, None] + width[k][:, None] * x) / (1 + ratio)[:, None]
-        return np.polynomial.legendre.legvander(2 * place - 1, kept - 1)
+        return legvander(2 * place - 1, len(kept) - 1)
 
     rows = [np.einsum("xq,pxk->pqk", test[:, : q[k]], at(x, k)) for k in (0, 1)]
     rows += [at(np.zeros(1), 0)] * known + [at(np.ones(1), 0), at(np.ones(1), 1)]
-    inverse = np.linalg.inv(np.concatenate(rows, axis=1))
-    return np.stack([at(points, k) @ inverse for k in (0, 1)])
+    matrices = np.zeros((n, 2 * s + 3, 2 * len(points)))
+    shared = np.concatenate([at(points, k) for k in (0, 1)], axis=1)
+    matrices[:, kept] = (shared @ np.linalg.inv(np.concatenate(rows, axis=1))).swapaxes(1, 2)
+    return matrices
 
 
 @lru_cache
-def _start(s: int) -> NDArray:
-    """Values of the polynomial of degree s that is 1 at the start and vanishes at the Radau points of order s."""
-    x, c = basis(degree(s) + 1).c, basis(s).c
-    return np.prod((c[:, None] - x) / c[:, None], axis=0)
+def _matrices(s: int) -> tuple[NDArray, NDArray, NDArray]:
+    """Of order s: from values at its points to those at more points, and to the start of a cell.
+
+    And what the polynomial that is 1 at the start and vanishes at the points of order s is at more points.
+    """
+    order, x = basis(s), basis(degree(s) + 1).c
+    start = np.prod((order.c[:, None] - x) / order.c[:, None], axis=0)
+    return np.ascontiguousarray(order.evaluation(x).T), order.evaluation([0.0])[0], start

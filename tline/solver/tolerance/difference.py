@@ -36,19 +36,14 @@ def difference(coarse: ProbeResult, fine: ProbeResult, settle: float = 0.0) -> D
 
     `settle` is the time that lumped lines take after a front, s.
     """
-    apart, every = (round(x / y) for x, y in (
-        (coarse.slab_ends[1], fine.slab_ends[1]), (coarse.record.a1.h, fine.record.a1.h)
-    ))  # fmt: skip
-    if is_smooth(coarse, fine) and apart == every:
+    every = round(coarse.record.a1.h / fine.record.a1.h)
+    if is_smooth(coarse, fine) and round(coarse.slab_ends[1] / fine.slab_ends[1]) == every:
         places = len(chebyshev(max(*(probe.waves[0].basis.s for probe in (coarse, fine)))))
         at_ends, inside, amplitude = smooth_difference(coarse, fine, every, places)
         return Difference(at_ends, inside, inside, amplitude)
-    ends, theirs = (np.stack([probe.gauge_pressure, fine.record.z0 * probe.y]) for probe in (fine, coarse))
-    ends_there = ends[:, ::apart]
-    common = min(ends_there.shape[1], theirs.shape[1])
-    at_ends = np.abs(ends_there[:, :common] - theirs[:, :common]).max(axis=1)
+    at_ends, amplitude = difference_at_ends(coarse, fine)
     n = min(len(fine.record.a1.values), every * len(coarse.record.a1.values))
-    inside, blurred, amplitude = at_ends, np.zeros(2), np.abs(ends).max(axis=1)
+    inside, blurred = at_ends, np.zeros(2)
     narrow = SETTLES * settle
     if every * (n // every):
         pieces = _in_pieces(coarse, fine, n, narrow, np.inf)
@@ -57,6 +52,14 @@ def difference(coarse: ProbeResult, fine: ProbeResult, settle: float = 0.0) -> D
         if settle:
             blurred, _ = _in_pieces(coarse, fine, n, 0.0, narrow)
     return Difference(at_ends, inside, np.maximum(inside, blurred), amplitude)
+
+
+def difference_at_ends(coarse: ProbeResult, fine: ProbeResult) -> tuple[NDArray, NDArray]:
+    """Largest differences at slab ends alone, and largest values there, of gauge effort and z0 times flow."""
+    ends, theirs = (np.stack([probe.gauge_pressure, fine.record.z0 * probe.y]) for probe in (fine, coarse))
+    there = ends[:, :: round(coarse.slab_ends[1] / fine.slab_ends[1])]
+    common = min(there.shape[1], theirs.shape[1])
+    return np.abs(there[:, :common] - theirs[:, :common]).max(axis=1), np.abs(ends).max(axis=1)
 
 
 def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, n: int):
@@ -80,8 +83,7 @@ def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, n: int):
 def _on_slabs(probe: ProbeResult, x: NDArray, first: int, n: int) -> NDArray:
     """Gauge effort and z0 times flow at places x, in slabs, of n slabs from a first one on, shape (2, n, places)."""
     a, b = (
-        _wave_on_slabs(wave, delay / wave.h, x, first, n)
-        for wave, delay in zip(probe.waves, _ways(probe), strict=True)
+        _wave_on_slabs(wave, delay / wave.h, x, first, n) for wave, delay in zip(probe.waves, _ways(probe), strict=True)
     )
     return np.stack([(a + b) / 2 - probe.height.weight, (a - b) / 2])
 

@@ -36,12 +36,10 @@ def seen_at_ends(coarse: Result, fine: Result) -> Result:
 
 
 def _record(coarse: LineRecord, fine: LineRecord, weight: float) -> LineRecord:
-    pairs = zip((*coarse.at_end1, *coarse.at_end2), (*fine.at_end1, *fine.at_end2), strict=True)
-    waves = [_wave(getattr(coarse, name), *pair, weight) for name, pair in zip(WAVES, pairs, strict=True)]
-    return replace(coarse, **dict(zip(WAVES, waves, strict=True)))
+    return replace(coarse, **{wave: _wave(getattr(coarse, wave), getattr(fine, wave), weight) for wave in WAVES})
 
 
-def _wave(wave: Wave, coarse: Wave, fine: Wave, weight: float) -> Wave:
-    t = (np.arange(len(wave.values))[:, None] + wave.basis.c) * wave.h
+def _wave(coarse: Wave, fine: Wave, weight: float) -> Wave:
+    t = (np.arange(len(coarse.values))[:, None] + coarse.basis.c) * coarse.h
     seen = fine(t)
-    return replace(wave, values=seen + weight * (seen - coarse(t)))
+    return replace(coarse, values=seen + weight * (seen - coarse.values))

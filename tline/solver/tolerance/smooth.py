@@ -16,7 +16,7 @@ def is_smooth(coarse: ProbeResult, fine: ProbeResult) -> bool:
     return fine.share in (0.0, 1.0) and all(
         len(wave.values) + 1 == len(probe.slab_ends) and not len(wave.pieces.slab)
         for probe in (coarse, fine)
-        for wave in probe.waves
+        for wave in (probe.record.a1, probe.record.a2)
     )
 
 
