@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from tline.solver.description.description import Description
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Estimate
-from tline.solver.result.result import Result
+from tline.solver.result.result import ProbeResult, Result
 from tline.solver.tolerance.difference import Difference, difference, difference_at_ends
 
 ROUNDING = 2e-15  # relative to the amplitude; no estimate is smaller
@@ -72,13 +72,20 @@ def differences(
 
     Where slab ends alone are beyond a tolerance, nothing else is looked at.
     """
+    pairs = {name: (coarse.probes[name], probe) for name, probe in fine.probes.items()}
     if tol is not None:
-        at_ends = {name: difference_at_ends(coarse.probes[name], probe) for name, probe in fine.probes.items()}
+        at_ends = {name: difference_at_ends(*pair) for name, pair in pairs.items()}
         told = _relative({name: Difference(off, off, off, most) for name, (off, most) in at_ends.items()})
         if max(estimate.worst for estimate in told[0].values()) > tol:
             return told
-    settle = fine.resolution.settle
-    return _relative({name: difference(coarse.probes[name], probe, settle) for name, probe in fine.probes.items()})
+    if coarse.envelope is not None:
+        pairs = {name: (_as_computed(one), _as_computed(other)) for name, (one, other) in pairs.items()}
+    return _relative({name: difference(*pair, fine.resolution.settle) for name, pair in pairs.items()})
+
+
+def _as_computed(probe: ProbeResult) -> ProbeResult:
+    """The same with the polynomials that slabs were computed with, of which envelopes are taken."""
+    return replace(probe, record=replace(probe.record, smeared=True))
 
 
 def _relative(all_: Mapping[str, Difference]) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
