@@ -69,7 +69,7 @@ def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, n: int):
         edges = [
             delay / probe.record.a1.h * k % 1.0 for probe, k in ((fine, 1), (coarse, every)) for delay in _ways(probe)
         ]
-        x = np.unique(np.clip(np.concatenate([x, *(np.array([edge - BESIDE, edge + BESIDE]) for edge in edges)]), 0, 1))
+        x = np.unique(np.clip([*x, *(edge + d for edge in edges for d in (-BESIDE, BESIDE))], 0.0, 1.0 - BESIDE))
     whole = ~_broken(coarse, fine, n)
     in_coarse = (np.arange(every)[:, None] + x).ravel() / every
     for first in range(0, n // every, CHUNK):
