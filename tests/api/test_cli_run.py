@@ -416,7 +416,7 @@ def test_instants_of_the_users_own(tmp_path):
     assert samples["probes"]["middle"]["pressure"] == expected.u.tolist()
     with (tmp_path / "out.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert [float(row["middle flow [m³/s]"]) for row in rows] == expected.y.tolist()
+    assert [float(row["middle flow [m^3/s]"]) for row in rows] == expected.y.tolist()
     assert np.load(tmp_path / "out.npz")["middle/u"].tolist() == expected.u.tolist()
 
 
