@@ -12,7 +12,7 @@ AFTER = 1e-8  # slabs behind an edge where the value just after it is taken
 ROUGH = 1e-2  # of the wave's range: larger in the highest degrees, and at a slab's edge, means a front inside it
 NOISE = 1e-13  # of the largest wave; a smaller effort, or flow times z0, is zero
 PLACES = 5  # in a slab, at least, where extremes are looked for
-CANDIDATES, AROUND, ZOOMS = 16, 17, 5  # samples from which polynomials are searched, places round each, and how often
+CANDIDATES, AROUND, ZOOMS = 16, 17, 7  # samples from which polynomials are searched, places round each, and how often
 WIDEST = 4  # slabs over which a front may have spread
 
 
