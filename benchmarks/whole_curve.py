@@ -42,7 +42,7 @@ def main(seeds: int = 5, first: int = 0, *, kinds: str = "") -> None:
                 except InputError as error:
                     counts[f"refused: {error.problem}"] += 1
                     continue
-                counts.update({"pairs": 1, "met": seen.met, f"beyond {FACTOR:g}": seen.outside})
+                counts.update({"pairs": 1, "met": int(seen.met), f"beyond {FACTOR:g}": int(seen.outside)})
                 if seen.outside:
                     print(f"{which}: {seen}", flush=True)
                 worst = {key: _larger(worst[key], seen, key, which) for key in worst}
