@@ -40,7 +40,9 @@ def windowed_as_whole(scene, chosen, window):
     for node in windowed.envelope.nodes:
         name, line = next((name, line) for name, line in lines.items() if node in line.nodes)
         share = float(line.nodes[0] != node)
-        probe = ProbeResult(node, name, share, replace(whole.lines[name], smeared=False), whole.t)
+        record = replace(whole.lines[name], smeared=False)
+        vars(record).update(at_end1=(record.a1, record.b1), at_end2=(record.a2, record.b2))  # as slabs were computed
+        probe = ProbeResult(node, name, share, record, whole.t)
         seen, close = windowed.envelope.of(node), CLOSE * np.abs(probe.u).max()
         assert seen["start"] == pytest.approx(probe.u[0], abs=close)
         for extreme, (level, _) in zip(("lowest", "highest"), extremes(probe, "u"), strict=True):

@@ -3,6 +3,8 @@
 from dataclasses import asdict
 from typing import Any
 
+from numpy.typing import NDArray
+
 from tline.cli.aligned import aligned
 from tline.cli.energies import ledger_as_dict
 from tline.cli.measured import model_as_dict, model_in_words, network_as_dict, network_in_words
@@ -28,8 +30,11 @@ def judgement(result: Result) -> Accuracy | None:
     return result.accuracy
 
 
-def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
-    """Resolution, and smallest, largest and last value of every probe and its estimated error, in SI."""
+def summary(result: Result, accuracy: Accuracy | None, times: NDArray | None = None) -> dict[str, Any]:
+    """Resolution, and smallest, largest and last value of every probe and its estimated error, in SI.
+
+    With instants, s, also what the probes saw then.
+    """
     probes: dict[str, Any] = {}
     for name, probe in result.probes.items():
         probes[name] = {}
@@ -75,9 +80,20 @@ def summary(result: Result, accuracy: Accuracy | None) -> dict[str, Any]:
         "seconds": result.seconds,
         "accuracy": accuracy and _told(accuracy),
         "probes": probes,
+        **({} if times is None else {"samples": _samples(result, times)}),
         "ledger": result.ledger and ledger_as_dict(result.ledger),
         "notes": list(result.notes),
     }
+
+
+def _samples(result: Result, times: NDArray) -> dict[str, Any]:
+    """What the probes saw at these instants, in SI."""
+    found: dict[str, Any] = {}
+    for name, probe in result.probes.items():
+        seen = probe.at(times)
+        shown = [each for each in quantities(result.scene) if each[1] != "y" or probe.has_flow]
+        found[name] = {word: getattr(seen, letter).tolist() for word, letter, *_ in shown}
+    return {"time": times.tolist(), "probes": found}
 
 
 def _measured_in_words(result: Result) -> list[str]:

@@ -13,6 +13,7 @@ from tline.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
     from tline.pictures.path import Route
     from tline.scene.scene import Scene
@@ -39,6 +40,7 @@ Examples:
   tline run valve.toml --tol 1e-8 --plot valve.png
   tline run network.toml --order 8 --slab "10 us" --csv probes.csv \\
       --path tank,valve --animate surge.html
+  tline run valve.toml --csv out.csv --at "0:2 s:2001"
   tline run valve.toml --ledger
   tline run town.toml --map surge.png --profile main.png --path lake,b,tower
 """
@@ -49,6 +51,7 @@ Examples:
 @click.option("--tol", metavar="NUMBER", help="Largest error, relative to a probe's amplitude; 1e-6 if not given.")
 @click.option("--order", metavar="1…16", help="Order of the method, instead of the scene's.")
 @click.option("--slab", metavar="TIME", help="Width of a time slab, such as '1 us', instead of the scene's.")
+@click.option("--at", metavar="FROM:TO:COUNT", help="Instants of table, arrays, plot and --json, as '0:1 us:1001'.")
 @click.option("--csv", metavar="FILE.csv", help="Table of what the probes saw, SI, full precision.")
 @click.option("--npz", metavar="FILE.npz", help="The same as NumPy arrays, with the scene.")
 @click.option("--envelope", metavar="FILE.csv", help="Table of the extremes at every node, and when.")
@@ -78,6 +81,7 @@ def run(
     tol: str | None,
     order: str | None,
     slab: str | None,
+    at: str | None,
     path: str | None,
     active: bool,
     ledger: bool | None,
@@ -102,10 +106,11 @@ def run(
     with options_named({f"solver.{key}": f"--{key}" for key in solver} | {"path": "--path", "lattice": "--lattice"}):
         _check_files(wanted)
         read = _read(scene, solver, confined)
+        times = _instants(at, read)
         way = _route(read, path, wanted)
         result = _simulate(read, _recorded(read, way, wanted), active, ledger, wanted)
         for kind, file in wanted.items():
-            _write(result, way, kind, file)
+            _write(result, way, kind, file, times)
     from tline.cli.energies import ledger_as_table
     from tline.cli.report import as_table, judgement, summary
 
@@ -114,7 +119,9 @@ def run(
         click.echo(f"note: {note}", err=True)
     if as_json:
         click.echo(
-            json.dumps(summary(result, accuracy) | {"files": list(wanted.values())}, indent=2, ensure_ascii=False)
+            json.dumps(
+                summary(result, accuracy, times) | {"files": list(wanted.values())}, indent=2, ensure_ascii=False
+            )
         )
     else:
         click.echo(as_table(result, accuracy))
@@ -148,6 +155,18 @@ def _read(scene: str, given: dict[str, str], confined: bool) -> "Scene":
 
     read = read_scene(scene, progress=sys.stderr.isatty(), confined=confined)
     return read.with_changes(solver=read.table().get("solver", {}) | given) if given else read
+
+
+def _instants(at: str | None, scene: "Scene") -> "NDArray | None":
+    if at is None:
+        return None
+    from tline.cli.instants import instants
+    from tline.units import engineering
+
+    times, end = instants(at, "--at"), float(scene.t_end)
+    if times[-1] > end * (1 + 1e-12):
+        raise InputError("--at", "ends after the run", f"at most {engineering(end, 's')}", f"'{at}'")
+    return times
 
 
 def _route(scene: "Scene", path: str | None, wanted: dict[str, str]) -> "Route | None":
@@ -199,12 +218,15 @@ def _simulate(scene: "Scene", record: list[str], active: bool, ledger: bool | No
         )
 
 
-def _write(result: "Result", way: "Route | None", kind: str, file: str) -> None:
-    if kind in ("csv", "npz", "envelope", "ledger_csv"):
-        from tline.solver.result.save import save_csv, save_envelope, save_ledger, save_npz
+def _write(result: "Result", way: "Route | None", kind: str, file: str, times: "NDArray | None") -> None:
+    if kind in ("csv", "npz"):
+        from tline.solver.result.save import save_csv, save_npz
 
-        tables = {"csv": save_csv, "npz": save_npz, "envelope": save_envelope, "ledger_csv": save_ledger}
-        tables[kind](result, file)
+        (save_csv if kind == "csv" else save_npz)(result, file, times)
+    elif kind in ("envelope", "ledger_csv"):
+        from tline.solver.result.save import save_envelope, save_ledger
+
+        (save_envelope if kind == "envelope" else save_ledger)(result, file)
     elif kind == "animate" and way:
         from tline.pictures.animation import animated
 
@@ -212,10 +234,10 @@ def _write(result: "Result", way: "Route | None", kind: str, file: str) -> None:
     else:
         from tline.pictures.style import save_figure
 
-        save_figure(_picture(result, way, kind), file)
+        save_figure(_picture(result, way, kind, times), file)
 
 
-def _picture(result: "Result", way: "Route | None", kind: str) -> "Figure":
+def _picture(result: "Result", way: "Route | None", kind: str, times: "NDArray | None") -> "Figure":
     if kind == "map":
         from tline.pictures.map import plot_map
 
@@ -240,4 +262,4 @@ def _picture(result: "Result", way: "Route | None", kind: str) -> "Figure":
         return plot_load_lines(bergeron(result.scene), words(result.scene), result.scene.title)
     from tline.pictures.traces import plot
 
-    return plot(result)
+    return plot(result, t=times)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
 from tline.pictures.handy import handy, quantities, spread
@@ -44,7 +44,10 @@ class Trace(NamedTuple):
 
 @styled
 def plot(
-    results: Result | Mapping[str, Result], probes: Iterable[str] | None = None, quantity: str | None = None
+    results: Result | Mapping[str, Result],
+    probes: Iterable[str] | None = None,
+    quantity: str | None = None,
+    t: ArrayLike | None = None,
 ) -> Picture:
     """Effort above, or gauge pressure and head in a scene with elevations, flow below; one curve for each probe.
 
@@ -58,6 +61,8 @@ def plot(
         Some of the probes.
     quantity : str, optional
         One quantity, such as ``"flow"`` or ``"voltage"``.
+    t : array_like, s, optional
+        Instants to be drawn; the whole run if not given.
 
     Returns
     -------
@@ -76,7 +81,7 @@ def plot(
     if len({each.scene.medium for each in named.values()}) > 1:
         raise InputError("results", "of two media", "pipes or cables")
     panels = _asked(first, quantity)
-    traces = [trace for name, each in named.items() for trace in _traces(each, probes, panels, name)]
+    traces = [trace for name, each in named.items() for trace in _traces(each, probes, panels, name, t)]
     panels = [panel for panel in panels if any(panel.letter in trace.values for trace in traces)]
     columns = max(int(WIDTH / (0.6 + ENTRY * max(len(trace.name) for trace in traces))), 1)
     rows = -(-len(traces) // columns) if len(traces) > 1 else 0
@@ -137,14 +142,17 @@ def _asked(result: Result, quantity: str | None) -> list[Quantity]:
     return found
 
 
-def _traces(result: Result, probes: Iterable[str] | None, panels: list[Quantity], label: str) -> list[Trace]:
+def _traces(
+    result: Result, probes: Iterable[str] | None, panels: list[Quantity], label: str, t: ArrayLike | None = None
+) -> list[Trace]:
     names = [*result.probes] if probes is None else [probes] if isinstance(probes, str) else [*probes]
     for name in names:
         if name not in result.probes:
             raise InputError("probes", "no such probe", nearest(str(name), [*result.probes]), shown(name))
     found = []
     for name in names:
-        seen, flows = curve(result.probes[name]), result.probes[name].has_flow
+        probe = result.probes[name]
+        seen, flows = curve(probe) if t is None else probe.at(t), probe.has_flow
         values = {panel.letter: getattr(seen, panel.letter) for panel in panels if panel.letter != "y" or flows}
         told = name if not label else label if len(names) == 1 else f"{label}, {name}"
         found.append(Trace(told, name, seen.t, values))

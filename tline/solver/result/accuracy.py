@@ -41,7 +41,8 @@ class Attempt:
     slab : float
         Width of a slab, s.
     estimate : float or None
-        The worst of all probes, at any instant; None where there is nothing to compare with yet.
+        The worst of all probes, at any instant, or at slab ends alone where that is beyond the tolerance; None where
+        there is nothing to compare with yet.
     samples : int
         Line-end samples computed.
     seconds : float
@@ -75,8 +76,8 @@ class Accuracy:
     estimates : dict of str to Estimate
         By probe, at slab ends.
     inside : dict of str to Estimate
-        By probe, at any instant of the run. Between slab ends the order is lower, and laws and fronts may bend waves
-        there: this is never smaller than at slab ends, and it is what the tolerance is about.
+        By probe, at any instant of the run. Laws and fronts may bend waves between slab ends: this is never smaller
+        than at slab ends, and it is what the tolerance is about.
     blurred : dict of str to Estimate
         The same with the time in which lumped lines settle after a front; what they do there is not resolved, and no
         tolerance is asked of it.

@@ -12,7 +12,7 @@ AFTER = 1e-8  # slabs behind an edge where the value just after it is taken
 ROUGH = 1e-2  # of the wave's range: larger in the highest degrees, and at a slab's edge, means a front inside it
 NOISE = 1e-13  # of the largest wave; a smaller effort, or flow times z0, is zero
 PLACES = 5  # in a slab, at least, where extremes are looked for
-CANDIDATES, AROUND, ZOOMS = 16, 17, 5  # samples from which polynomials are searched, places round each, and how often
+CANDIDATES, AROUND, ZOOMS = 16, 17, 7  # samples from which polynomials are searched, places round each, and how often
 WIDEST = 4  # slabs over which a front may have spread
 
 
@@ -37,20 +37,36 @@ def curve(probe: ProbeResult, least: int = 2) -> Samples:
     shown = replace(probe, record=drawable(probe.record))
     n, h = len(probe.slab_ends) - 1, float(probe.slab_ends[1])
     local = np.linspace(0.0, 1.0, max(DENSE // n, least))
-    after = np.where(local == 0.0, AFTER, local)
+    behind = local == 0.0
+    after = np.where(behind, AFTER, local)
     offsets = np.array([probe.share, 1.0 - probe.share]) * probe.record.delay / h % 1.0
     edges = offsets[(offsets > AFTER) & (offsets < 1.0 - 2 * AFTER) & (0.0 < probe.share < 1.0)]
     local = np.concatenate([local, edges, edges])
     after = np.concatenate([after, edges, edges + AFTER])
+    behind = np.concatenate([behind, edges < 0.0, edges > 0.0])
     start, fronts = np.arange(n)[:, None], _fronts(probe) / h
     instants = np.concatenate([[0.0], (start + after).ravel(), fronts, fronts + AFTER])
     order = np.argsort(instants)
-    seen = shown.at(np.minimum(instants[order], n) * h)
+    behind = np.concatenate([[False], np.tile(behind, n), fronts < 0.0, fronts > 0.0])
+    seen = _seen(shown, np.minimum(instants[order], n) * h, behind[order], AFTER * h)
     noise, zero = NOISE * max(abs(seen.a).max(), abs(seen.b).max()), seen.height.weight
     u = np.where(abs(seen.gauge_pressure) > noise, seen.u, zero)
     y = np.where(abs(seen.y) > noise / probe.record.z0, seen.y, 0.0)
     drawn = np.concatenate([[0.0], (start + local).ravel(), fronts, fronts])
     return Samples(drawn[order] * h, u, y, seen.a, seen.b, seen.height)
+
+
+def _seen(probe: ProbeResult, t: NDArray, behind: NDArray, late: float) -> Samples:
+    """What a probe sees at rising instants; at those marked, so late behind an edge, straight on from there back to it.
+
+    Unless another one is as near.
+    """
+    seen, marked = probe.at(t), np.flatnonzero(behind & (np.diff(t, append=np.inf) > 2 * late))
+    more = probe.at(t[marked] + late)
+    for letter in "uyab":
+        values = getattr(seen, letter)
+        values[marked] = 2 * values[marked] - getattr(more, letter)
+    return seen
 
 
 def _fronts(probe: ProbeResult) -> NDArray:

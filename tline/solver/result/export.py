@@ -44,7 +44,7 @@ class Export:
             pandas is not installed.
         """
         pandas = import_extra("pandas", "pandas", "data", "to_dataframe")
-        instants, columns = _columns(cast("Result", self), t)
+        instants, columns = columns_of(cast("Result", self), t)
         index = pandas.Index(instants, name="time")
         return pandas.DataFrame(columns, index=index).rename_axis(columns=["probe", "quantity"])
 
@@ -69,7 +69,7 @@ class Export:
         """
         xarray = import_extra("xarray", "xarray", "data", "to_xarray")
         result = cast("Result", self)
-        instants, columns = _columns(result, t)
+        instants, columns = columns_of(result, t)
         nothing = np.full(len(instants), np.nan)
         units = result.medium.units
         found = {}
@@ -89,7 +89,7 @@ class Export:
         places = {"probe": np.array([*result.probes], object), "time": ("time", instants, {"units": "s"})}
         return xarray.Dataset(found, places, about)
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: str | Path, t: ArrayLike | None = None) -> None:
         """Write what the probes saw to a file that other programs read.
 
         Parameters
@@ -97,6 +97,8 @@ class Export:
         path : str or Path
             By its suffix: ``.csv``, a table; ``.npz``, arrays of NumPy; ``.nc`` or ``.h5``, HDF5 as netCDF has it, and
             ``.zarr``, through xarray. All of a result, waves at any instant included, keeps ``pickle``.
+        t : array_like, s, optional
+            Instants; slab ends if not given.
 
         Raises
         ------
@@ -110,22 +112,22 @@ class Export:
         if suffix not in SUFFIXES:
             raise InputError(str(path), "unknown kind of file", " or ".join(SUFFIXES), f"'{suffix}'")
         if suffix in (".csv", ".npz"):
-            (save_csv if suffix == ".csv" else save_npz)(cast("Result", self), path)
+            (save_csv if suffix == ".csv" else save_npz)(cast("Result", self), path, t)
         elif suffix == ".zarr":
             import_extra("zarr", "zarr", "data", str(path))
             try:
-                self.to_xarray().to_zarr(path, mode="w", consolidated=False)
+                self.to_xarray(t).to_zarr(path, mode="w", consolidated=False)
             except OSError as error:
                 raise InputError(str(path), "cannot be written", got=error.strerror or str(error)) from None
         else:
             import_extra("h5netcdf", "h5netcdf", "data", str(path))
             with TemporaryDirectory() as folder, replacing(path) as temporary:
                 file = Path(folder, "result.nc")  # HDF5 locks what it writes, and `temporary` is locked already
-                self.to_xarray().to_netcdf(file, engine="h5netcdf")
+                self.to_xarray(t).to_netcdf(file, engine="h5netcdf")
                 temporary.write_bytes(file.read_bytes())
 
 
-def _columns(result: Result, t: ArrayLike | None) -> tuple[NDArray, dict[tuple[str, str], NDArray]]:
+def columns_of(result: Result, t: ArrayLike | None) -> tuple[NDArray, dict[tuple[str, str], NDArray]]:
     """Instants, and values by probe and quantity."""
     instants = result.t if t is None else np.atleast_1d(np.asarray(t, float))
     found = {}

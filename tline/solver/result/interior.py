@@ -166,8 +166,9 @@ def _lost(result: Result, line: str, record: LineRecord, cells: int, t: NDArray)
     circuits, losses = result.circuits[line], result.scene.single_lines[line].losses
     assert losses is not None
     cell = losses.exact.length / cells
-    a0 = np.stack([record.a1(t - j * t[1]) for j in range(cells + 1)])
-    b0 = np.stack([record.b2(t - (cells - j) * t[1]) for j in range(cells + 1)])
+    (entered1, _), (_, entered2) = record.at_end1, record.at_end2
+    a0 = np.stack([entered1(t - j * t[1]) for j in range(cells + 1)])
+    b0 = np.stack([entered2(t - (cells - j) * t[1]) for j in range(cells + 1)])
     size = max(np.abs(a0).max(), np.abs(b0).max())
     A = B = np.zeros_like(a0)
     for _ in range(MOST_ROUNDS):

@@ -19,6 +19,7 @@ from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.display import Display, shortly
 from tline.solver.result.envelope import Envelope
 from tline.solver.result.export import Export
+from tline.solver.result.superconvergence import superconvergent
 from tline.wording import place
 
 NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
@@ -94,14 +95,25 @@ class LineRecord:
     def __repr__(self) -> str:
         return shortly("LineRecord", z0=f"{self.z0:.6g}", delay=f"{self.delay:.6g} s")
 
+    @cached_property
+    def at_end1(self) -> tuple[Wave, Wave]:
+        """The waves (a, b) at end 1, at any instant nearly as accurate as at slab ends."""
+        return (self.a1, self.b1) if self.smeared else superconvergent(self.a1, self.b1)
+
+    @cached_property
+    def at_end2(self) -> tuple[Wave, Wave]:
+        """The same at end 2."""
+        return (self.a2, self.b2) if self.smeared else superconvergent(self.a2, self.b2)
+
+    def seen(self, share: float) -> tuple[Wave, Wave]:
+        """The waves (a, b) that pass a place given as a share of the delay, as they are at an end."""
+        return (self.at_end1 if share < 1.0 else self.at_end2)[0], (self.at_end1 if share == 0.0 else self.at_end2)[1]
+
     def waves(self, t: ArrayLike, share: float) -> tuple[NDArray, NDArray]:
         """Waves (a, b) at instants t, at a place given as a share of the delay."""
-        t = np.asarray(t, float)
-        if share == 0.0:
-            return self.a1(t), self.b1(t)
-        if share == 1.0:
-            return self.a2(t), self.b2(t)
-        return self.a1(t - share * self.delay), self.b2(t - (1.0 - share) * self.delay)
+        t, (a, b) = np.asarray(t, float), self.seen(share)
+        late = (share * self.delay, (1.0 - share) * self.delay) if 0.0 < share < 1.0 else (0.0, 0.0)
+        return a(t - late[0]), b(t - late[1])
 
 
 class ElementRecord(NamedTuple):
@@ -183,7 +195,8 @@ class ProbeResult:
     @cached_property
     def samples(self) -> Samples:
         """At slab ends, t = 0 included."""
-        a, b = self.waves
+        record = self.record
+        a, b = (record.a1, record.b1) if self.share == 0.0 else (record.a2, record.b2)
         if self.share not in (0.0, 1.0) or len(self.slab_ends) != len(a.values) + 1:
             return self.at(self.slab_ends)
         return self._samples(self.slab_ends, a.at_slab_ends(), b.at_slab_ends())
@@ -191,8 +204,7 @@ class ProbeResult:
     @property
     def waves(self) -> tuple[Wave, Wave]:
         """The waves that it sees, as they are at an end of its line."""
-        record = self.record
-        return (record.a1 if self.share < 1.0 else record.a2), (record.b1 if self.share == 0.0 else record.b2)
+        return self.record.seen(self.share)
 
     def _samples(self, t: NDArray, a: NDArray, b: NDArray) -> Samples:
         return Samples(t, (a + b) / 2, (a - b) / (2 * self.record.z0), a, b, self.height)

@@ -6,24 +6,25 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tline.errors import InputError
 from tline.scene.file import scene_text
 from tline.solver.ledger.ledger import Entry
 from tline.solver.result.atomic import replacing, write_table
 from tline.solver.result.envelope import COLUMNS
+from tline.solver.result.export import columns_of
 from tline.solver.result.result import Result
 
 ROWS = 10_000  # turned into text at a time
 
 
-def save_csv(result: Result, path: str | Path) -> None:
+def save_csv(result: Result, path: str | Path, t: ArrayLike | None = None) -> None:
     """Write what the probes saw as a table: time, then effort, flow and both waves of each probe on a line.
 
     One header line names quantity and SI unit, such as ``valve pressure [Pa]``, in a scene with elevations
-    ``valve gauge pressure [Pa]`` and ``valve head [m]``; a and b are waves in the unit of the effort. The rows are slab
-    ends; where the value jumps just then, it is the one before the jump. Numbers are written so that reading them gives
-    the same floats.
+    ``valve gauge pressure [Pa]`` and ``valve head [m]``; a and b are waves in the unit of the effort. Where a value
+    jumps just then, it is the one before the jump. Numbers are written so that reading them gives the same floats.
 
     Parameters
     ----------
@@ -31,23 +32,26 @@ def save_csv(result: Result, path: str | Path) -> None:
         A finished run.
     path : str or Path
         The file; one that exists is replaced.
+    t : array_like, s, optional
+        Instants of the rows, up to the end of the run; slab ends if not given.
 
     Raises
     ------
     InputError
-        The file cannot be written.
+        The file cannot be written, or an instant lies behind the run.
     """
     medium, heights = result.medium, bool(result.scene.heights)
     effort, flow = medium.units["effort"], medium.units["flow"]
     efforts = [("gauge pressure", effort, "gauge_pressure"), ("head", "m", "head")]
     efforts = efforts if heights else [(medium.effort, effort, "u")]
     seen = [*efforts, (medium.flow, flow, "y"), ("a", effort, "a"), ("b", effort, "b")]
-    head, columns = ["time [s]"], [result.t]
+    instants = result.t if t is None else np.atleast_1d(np.asarray(t, float))
+    head, columns = ["time [s]"], [instants]
     for name, probe in result.probes.items():
-        here = seen if probe.has_flow else efforts
+        here, samples = seen if probe.has_flow else efforts, probe.samples if t is None else probe.at(instants)
         head += [f"{name} {what} [{unit}]" for what, unit, _ in here]
-        columns += [getattr(probe, key) for _, _, key in here]
-    parts = (np.stack([column[k : k + ROWS] for column in columns], axis=1) for k in range(0, len(result.t), ROWS))
+        columns += [getattr(samples, key) for _, _, key in here]
+    parts = (np.stack([column[k : k + ROWS] for column in columns], axis=1) for k in range(0, len(instants), ROWS))
     write_table(path, head, (row for part in parts for row in part.tolist()))
 
 
@@ -103,13 +107,13 @@ def save_ledger(result: Result, path: str | Path) -> None:
     write_table(path, ["where", *(f"{column} [J]" for column in Entry._fields[1:])], result.ledger.entries)
 
 
-def save_npz(result: Result, path: str | Path) -> None:
+def save_npz(result: Result, path: str | Path, t: ArrayLike | None = None) -> None:
     """Write what the probes saw as NumPy arrays, with the scene that led to it.
 
-    The arrays are ``t``; ``NAME/u``, ``NAME/y``, ``NAME/a`` and ``NAME/b`` of each probe, in SI at slab ends, of one at
-    a node where no line ends ``NAME/u`` alone; in a scene with elevations also ``NAME/gauge_pressure`` and
-    ``NAME/head``, and u is the piezometric pressure; ``scene``, the scene as TOML text; ``version`` of this package;
-    ``order`` and ``slab`` of the run.
+    The arrays are ``t``; ``NAME/u``, ``NAME/y``, ``NAME/a`` and ``NAME/b`` of each probe, in SI, of one at a node where
+    no line ends ``NAME/u`` alone; in a scene with elevations also ``NAME/gauge_pressure`` and ``NAME/head``, and u is
+    the piezometric pressure; ``scene``, the scene as TOML text; ``version`` of this package; ``order`` and ``slab`` of
+    the run.
 
     Parameters
     ----------
@@ -117,21 +121,22 @@ def save_npz(result: Result, path: str | Path) -> None:
         A finished run.
     path : str or Path
         The file; one that exists is replaced.
+    t : array_like, s, optional
+        Instants, up to the end of the run; slab ends if not given.
 
     Raises
     ------
     InputError
-        The file cannot be written.
+        The file cannot be written, or an instant lies behind the run.
     """
     with replacing(path) as temporary, temporary.open("wb") as file:
-        np.savez(file, **dict(_arrays(result)))
+        np.savez(file, **dict(_arrays(result, t)))
 
 
-def _arrays(result: Result) -> Iterator[tuple[str, Any]]:
-    yield "t", result.t
-    for name, probe in result.probes.items():
-        keys = [*("uyab" if probe.has_flow else "u"), *(["gauge_pressure", "head"] if result.scene.heights else [])]
-        yield from ((f"{name}/{key}", getattr(probe, key)) for key in keys)
+def _arrays(result: Result, t: ArrayLike | None) -> Iterator[tuple[str, Any]]:
+    instants, columns = columns_of(result, t)
+    yield "t", instants
+    yield from ((f"{name}/{key}", values) for (name, key), values in columns.items())
     yield "scene", np.array(scene_text(result.scene))
     yield "version", np.array(version("tline"))
     yield "order", np.array(result.resolution.s)

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 from tline.solver.description.description import Description
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Estimate
-from tline.solver.result.result import Result
-from tline.solver.tolerance.difference import difference
+from tline.solver.result.result import ProbeResult, Result
+from tline.solver.tolerance.difference import Difference, difference, difference_at_ends
 
 ROUNDING = 2e-15  # relative to the amplitude; no estimate is smaller
 NOTHING = 1e-13  # of the largest amplitude of all probes; what is below is rounding
@@ -38,6 +38,7 @@ def compare(
     tol: float | None = None,
     before: Sequence[Accuracy] = (),
     unknown: float = SLOWEST,
+    whole: bool = False,
 ) -> Comparison:
     """Estimate the errors of a run by its differences to a finer one.
 
@@ -52,21 +53,45 @@ def compare(
         Differences of each earlier run to the next, up to the coarse one.
     unknown : float
         Share of a difference that a step leaves, if there is no earlier run.
+    whole : bool
+        Look inside slabs even if their ends are beyond the tolerance.
 
     Returns
     -------
     Comparison
     """
-    found = Accuracy(tol, *differences(coarse, fine))
+    found = Accuracy(tol, *differences(coarse, fine, None if whole else tol))
     by = caution(found, before[-1] if before else None, unknown)
     return Comparison(found, by * magnified(description, coarse, fine, [*(each.worst for each in before), found.worst]))
 
 
-def differences(coarse: Result, fine: Result) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
-    """Largest differences to a finer run by probe, for `estimates`, `inside` and `blurred` of `Accuracy`."""
-    told: tuple[dict[str, Estimate], ...] = {}, {}, {}
+def differences(
+    coarse: Result, fine: Result, tol: float | None = None
+) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
+    """Largest differences to a finer run by probe, for `estimates`, `inside` and `blurred` of `Accuracy`.
+
+    Where slab ends alone are beyond a tolerance, nothing else is looked at.
+    """
+    pairs = {name: (coarse.probes[name], probe) for name, probe in fine.probes.items()}
+    if tol is not None:
+        at_ends = {name: difference_at_ends(*pair) for name, pair in pairs.items()}
+        told = _relative({name: Difference(off, off, off, most) for name, (off, most) in at_ends.items()})
+        if max(estimate.worst for estimate in told[0].values()) > tol:
+            return told
+    if coarse.envelope is not None:
+        pairs = {name: (_as_computed(one), _as_computed(other)) for name, (one, other) in pairs.items()}
     settle, followed = fine.resolution.settle, bool(coarse.resolution.layers and fine.resolution.layers)
-    all_ = {name: difference(coarse.probes[name], probe, settle, followed) for name, probe in fine.probes.items()}
+    return _relative({name: difference(*pair, settle, followed) for name, pair in pairs.items()})
+
+
+def _as_computed(probe: ProbeResult) -> ProbeResult:
+    """The same with the polynomials that slabs were computed with, of which envelopes are taken."""
+    return replace(probe, record=replace(probe.record, smeared=True))
+
+
+def _relative(all_: Mapping[str, Difference]) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
+    """Differences over the amplitudes of their probes."""
+    told: tuple[dict[str, Estimate], ...] = {}, {}, {}
     largest = max(float(found.amplitude.max()) for found in all_.values())
     for name, found in all_.items():
         amplitude = found.amplitude.tolist()

@@ -37,19 +37,14 @@ def difference(coarse: ProbeResult, fine: ProbeResult, settle: float = 0.0, foll
     `settle` is the time that lumped lines take after a front, s; `followed` tells whether both runs follow what decays
     behind fronts, so that what rises there in pieces too narrow to be compared is known by its height.
     """
-    apart, every = (round(x / y) for x, y in (
-        (coarse.slab_ends[1], fine.slab_ends[1]), (coarse.record.a1.h, fine.record.a1.h)
-    ))  # fmt: skip
-    if is_smooth(coarse, fine) and apart == every:
-        places = len(chebyshev(max(coarse.record.a1.basis.s, fine.record.a1.basis.s)))
+    every = round(coarse.record.a1.h / fine.record.a1.h)
+    if is_smooth(coarse, fine) and round(coarse.slab_ends[1] / fine.slab_ends[1]) == every:
+        places = len(chebyshev(max(*(probe.waves[0].basis.s for probe in (coarse, fine)))))
         at_ends, inside, amplitude = smooth_difference(coarse, fine, every, places)
         return Difference(at_ends, inside, inside, amplitude)
-    ends, theirs = (np.stack([probe.gauge_pressure, fine.record.z0 * probe.y]) for probe in (fine, coarse))
-    ends_there = ends[:, ::apart]
-    common = min(ends_there.shape[1], theirs.shape[1])
-    at_ends = np.abs(ends_there[:, :common] - theirs[:, :common]).max(axis=1)
+    at_ends, amplitude = difference_at_ends(coarse, fine)
     n = min(len(fine.record.a1.values), every * len(coarse.record.a1.values))
-    inside, blurred, amplitude = at_ends, np.zeros(2), np.abs(ends).max(axis=1)
+    inside, blurred = at_ends, np.zeros(2)
     narrow = SETTLES * settle
     if every * (n // every):
         pieces = _in_pieces(coarse, fine, n, narrow, np.inf, followed)
@@ -60,14 +55,22 @@ def difference(coarse: ProbeResult, fine: ProbeResult, settle: float = 0.0, foll
     return Difference(at_ends, inside, np.maximum(inside, blurred), amplitude)
 
 
+def difference_at_ends(coarse: ProbeResult, fine: ProbeResult) -> tuple[NDArray, NDArray]:
+    """Largest differences at slab ends alone, and largest values there, of gauge effort and z0 times flow."""
+    ends, theirs = (np.stack([probe.gauge_pressure, fine.record.z0 * probe.y]) for probe in (fine, coarse))
+    there = ends[:, :: round(coarse.slab_ends[1] / fine.slab_ends[1])]
+    common = min(there.shape[1], theirs.shape[1])
+    return np.abs(there[:, :common] - theirs[:, :common]).max(axis=1), np.abs(ends).max(axis=1)
+
+
 def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, n: int):
     """The largest difference, and value, at places of the fine slabs without a front, chunk by chunk, of shape (2,)."""
-    x = np.array(chebyshev(max(coarse.record.a1.basis.s, fine.record.a1.basis.s)))
+    x = np.array(chebyshev(max(*(probe.waves[0].basis.s for probe in (coarse, fine)))))
     if 0.0 < fine.share < 1.0:
         edges = [
             delay / probe.record.a1.h * k % 1.0 for probe, k in ((fine, 1), (coarse, every)) for delay in _ways(probe)
         ]
-        x = np.unique(np.clip(np.concatenate([x, *(np.array([edge - BESIDE, edge + BESIDE]) for edge in edges)]), 0, 1))
+        x = np.unique(np.clip([*x, *(edge + d for edge in edges for d in (-BESIDE, BESIDE))], 0.0, 1.0 - BESIDE))
     whole = ~_broken(coarse, fine, n)
     in_coarse = (np.arange(every)[:, None] + x).ravel() / every
     for first in range(0, n // every, CHUNK):
@@ -81,8 +84,7 @@ def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, n: int):
 def _on_slabs(probe: ProbeResult, x: NDArray, first: int, n: int) -> NDArray:
     """Gauge effort and z0 times flow at places x, in slabs, of n slabs from a first one on, shape (2, n, places)."""
     a, b = (
-        _wave_on_slabs(wave, delay / wave.h, x, first, n)
-        for wave, delay in zip(_waves(probe), _ways(probe), strict=True)
+        _wave_on_slabs(wave, delay / wave.h, x, first, n) for wave, delay in zip(probe.waves, _ways(probe), strict=True)
     )
     return np.stack([(a + b) / 2 - probe.height.weight, (a - b) / 2])
 
@@ -124,7 +126,7 @@ def _in_pieces(
     width = stop - start
     kept = (width > narrowest) & (width <= widest) & broken[np.minimum(((start + stop) / 2 / h).astype(int), n - 1)]
     start, stop, width, same = start[kept], stop[kept], width[kept], same[1:][kept]
-    x = np.array([*chebyshev(fine.record.a1.basis.s), 1.0])
+    x = np.array([*chebyshev(fine.waves[0].basis.s), 1.0])
     theirs, ours = (_on_pieces(probe, start, stop, same, x) for probe in (coarse, fine))
     rounding = np.ptp(ours, axis=2) * (EPS * stop / width)
     off = _largest(np.abs(theirs - ours) + rounding[:, :, None])
@@ -137,7 +139,7 @@ def _in_pieces(
 def _overlooked(probe: ProbeResult, narrow: float) -> float:
     """How far a wave rises above both its sides, or falls below them, in pieces too narrow to be looked at."""
     most = 0.0
-    for wave in _waves(probe):
+    for wave in probe.waves:
         start, stop = wave.h * (wave.pieces.slab[:, None] + wave.pieces.span).T
         real = (stop - start <= narrow) & (stop - start > ROUNDINGS * EPS * stop)
         sides = np.stack([wave(start[real] - CLUSTER * narrow), wave(stop[real] + CLUSTER * narrow)])
@@ -152,7 +154,7 @@ def _on_pieces(probe: ProbeResult, start: NDArray, stop: NDArray, same: NDArray,
     """Gauge effort and z0 times flow at places x of pieces, shape (2, pieces, places)."""
     a, b = (
         _wave_on_pieces(wave, start - delay, stop - delay, same, x)
-        for wave, delay in zip(_waves(probe), _ways(probe), strict=True)
+        for wave, delay in zip(probe.waves, _ways(probe), strict=True)
     )
     return np.stack([(a + b) / 2 - probe.height.weight, (a - b) / 2])
 
@@ -187,7 +189,7 @@ def _broken(coarse: ProbeResult, fine: ProbeResult, n: int) -> NDArray:
     broken = np.zeros(n + 1, bool)
     for probe in (coarse, fine):
         ratio = probe.record.a1.h / fine.record.a1.h
-        for wave, delay in zip(_waves(probe), _ways(probe), strict=True):
+        for wave, delay in zip(probe.waves, _ways(probe), strict=True):
             slabs = np.unique(wave.pieces.slab)
             if len(slabs):
                 begin = np.floor((slabs + delay / wave.h) * ratio + BESIDE).astype(int)
@@ -199,14 +201,8 @@ def _broken(coarse: ProbeResult, fine: ProbeResult, n: int) -> NDArray:
 def breakpoints(probe: ProbeResult) -> NDArray:
     """Instants at which fronts inside slabs pass a probe, s."""
     return np.unique(
-        np.concatenate([wave.breakpoints() + delay for wave, delay in zip(_waves(probe), _ways(probe), strict=True)])
+        np.concatenate([wave.breakpoints() + delay for wave, delay in zip(probe.waves, _ways(probe), strict=True)])
     )
-
-
-def _waves(probe: ProbeResult) -> tuple[Wave, Wave]:
-    """The two waves that a probe sees, as they are at an end of its line."""
-    record = probe.record
-    return (record.a2, record.b2) if probe.share == 1.0 else (record.a1, record.b1 if probe.share == 0.0 else record.b2)
 
 
 def _ways(probe: ProbeResult) -> tuple[float, float]:

@@ -121,7 +121,7 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
         if search.halved >= HALVED or search.description.scene.solver.slab is not None or sections:
             raise
         return refined(search._replace(halved=search.halved + 2), sections)
-    attempts, accuracy = [Attempt.of(result)], Accuracy(search.tol)
+    attempts, accuracy, judged = [Attempt.of(result)], Accuracy(search.tol), None
     told, found, left = accuracy, [accuracy], search.start.left if search.start else SLOWEST
     while not limit:
         try:
@@ -137,12 +137,13 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
         except InputError as error:
             limit = f"{error.where}: {error.problem}"
             break
-        comparison = compare(search.description, result, finer, search.tol, found[1:], left)
+        pair = search.description, result, finer, search.tol, found[1:], left
+        comparison = compare(*pair)
         told, by, found = comparison.errors, comparison.by, [*found, comparison.differences]
         attempts[-1] = replace(attempts[-1], estimate=told.worst)
         attempts.append(Attempt.of(finer))
         if better(told, accuracy):
-            best, accuracy = with_errors(result, finer, by), told
+            best, accuracy, judged = with_errors(result, finer, by), told, pair
         blind = finer.resolution.blind
         doubled = finer.resolution.sections != result.resolution.sections or not sections
         first = CLEAR if search.start is None else 1.0
@@ -154,6 +155,8 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
         stale = stale + 1 if narrowed and not blind and gained(*found[-2:]) >= 1.0 else 0
         limit = limit_of(attempts, stale, search) or (not blind and inside_limit(attempts, told))
         result = finer
+    if judged and accuracy.at_slab_ends > search.tol:
+        accuracy = compare(*judged, whole=True).errors
     damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
     unresolved = tuple(note for note in best.unresolved if note not in damped)
     limit = limit and (inside_slabs(accuracy) or limit)

@@ -16,7 +16,7 @@ def is_smooth(coarse: ProbeResult, fine: ProbeResult) -> bool:
     return fine.share in (0.0, 1.0) and all(
         len(wave.values) + 1 == len(probe.slab_ends) and not len(wave.pieces.slab)
         for probe in (coarse, fine)
-        for wave in probe.waves
+        for wave in (probe.record.a1, probe.record.a2)
     )
 
 
@@ -29,7 +29,7 @@ def smooth_difference(
     are Chebyshev's, and its end.
     """
     count = min(len(fine.record.a1.values) // every, len(coarse.record.a1.values))
-    s, other = coarse.record.a1.basis.s, fine.record.a1.basis.s
+    s, other = coarse.waves[0].basis.s, fine.waves[0].basis.s
     weight, most = fine.height.weight, np.zeros((6, BLOCK))
     a, b = (np.ascontiguousarray(wave.values[:count]) for wave in coarse.waves)
     c, d = (np.ascontiguousarray(wave.values[: count * every]) for wave in fine.waves)
