@@ -43,9 +43,6 @@ class Prepared:
     def __reduce__(self) -> tuple[Any, ...]:
         return _restored, (self.scene, self.starts, self._fixed)
 
-    def __reduce__(self) -> tuple[Any, tuple[Scene]]:
-        return prepare, (self.scene,)
-
     def run(
         self,
         values: Mapping[str, Any] | None = None,

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.scene import Scene, Solver
-from tline.scene.waveform import Shape
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 from tline.solver.description.excitation import EDGE, sampled
@@ -23,7 +22,7 @@ def pointwise(basis: Any, f: float) -> tuple[NDArray, NDArray]:
     return np.where(late, 0.0, basis.evaluation(basis.c - f)), np.where(late, basis.evaluation(basis.c - f + 1), 0.0)
 
 
-def projected(waveform: Shape, breaks: NDArray, basis: Basis, h: float, first: int, n: int) -> NDArray:
+def projected(waveform: Waveform, breaks: NDArray, basis: Basis, h: float, first: int, n: int) -> NDArray:
     """A waveform at the Radau points of n slabs from number `first` on, shape (n, s).
 
     Without breakpoints that travel a slab with a jump is L2-projected: that keeps the moments across it, so that what
