@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tline.scene.scene import Scene, Solver
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
-from tline.solver.description.excitation import EDGE, sampled
+from tline.solver.description.excitation import EDGE, Waveform, sampled
 from tline.solver.loop.kernel import advance
 from tline.solver.radau import Basis, gauss
 from tline.study.baseline.method import Trace
