@@ -70,6 +70,7 @@ def test_the_same_comes_out_as_slab_by_slab(monkeypatch, seed, order, friction):
     at_once = run(describe(scene), resolution).probes["p"].u
     assert np.abs(at_once).max() > 0
     monkeypatch.setattr(blocks, "_stride", lambda *_: LONGEST)
+    scene = mixed(seed, friction)  # one that keeps no grid
     assert not assemble(describe(scene), set(), resolution).network.blocks.far_groups.size
     apart = np.abs(at_once - run(describe(scene), resolution).probes["p"].u).max() / np.abs(at_once).max()
     assert apart <= (1e-13 if friction else 0.0)  # loss elements that are met one by one round otherwise than abreast

@@ -60,7 +60,10 @@ def test_waves_below_the_smallest_that_count_become_zero():
 def test_no_access_outside_any_array(tmp_path):
     """Property tests that run the kernels with numba's bounds check on, in a cache of its own."""
     root = Path(__file__).parents[2]
-    names = ("symmetry.py::test_the_kernel_is_its_plain_twin", "many_runs.py::test_the_order_of_copies_does_not_matter")
+    names = (
+        "symmetry.py::test_the_kernel_is_its_plain_twin",
+        "side_by_side.py::test_the_order_of_copies_does_not_matter",
+    )
     tests = [str(root / "tests" / "property" / f"test_{name}") for name in names]
     environment = os.environ | {"NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": str(tmp_path), "NUMBA_OPT": "1"}
     call = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *tests]

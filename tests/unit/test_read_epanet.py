@@ -11,7 +11,7 @@ from tline.interchange.pump_curve import pump_curve
 
 def test_without_wntr_it_says_what_to_install(monkeypatch, tmp_path):
     monkeypatch.setattr(confined, "find_spec", lambda name: None)
-    with pytest.raises(InputError, match=r"wntr is missing.*tline\[epanet\]"):
+    with pytest.raises(InputError, match=r"wntr is missing.*'\.\[epanet\]'"):
         read_epanet(ring(tmp_path))
 
 

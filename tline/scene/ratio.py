@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from fractions import Fraction
 from math import inf, lcm
+from sys import float_info
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
@@ -53,15 +54,25 @@ class Ratio(NamedTuple):
 
     def at_zero(self) -> float:
         """The resistance to a steady flow."""
-        return self.numerator[-1] / self.denominator[-1] if self.denominator[-1] else inf
+        return _quotient(self.numerator[-1], self.denominator[-1]) if self.denominator[-1] else inf
 
     def at_infinity(self) -> float:
         """The limit at high frequency."""
         more = len(self.numerator) - len(self.denominator)
         if more or not self.denominator[0]:
             return inf if more >= 0 else 0.0
-        return self.numerator[0] / self.denominator[0]
+        return _quotient(self.numerator[0], self.denominator[0])
 
     def parallel(self, other: "Ratio") -> "Ratio":
         """The impedance of this beside another."""
         return Ratio.of(self.function.parallel(other.function))
+
+
+def _quotient(a: int, b: int) -> float:
+    """a/b, the largest or smallest float where it is beyond floats and yet neither infinite nor zero."""
+    try:
+        value = a / b
+    except OverflowError:
+        value = inf
+    size = min(max(abs(value), float_info.min), float_info.max) if a else 0.0
+    return size if (a < 0) == (b < 0) else -size

@@ -15,6 +15,7 @@ from tline.errors import InputError, NoFlowError
 from tline.progress import Progress
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import LULL, Tally, fronts_of, sources_of, tally
+from tline.solver.assembly.layout import Excitation
 from tline.solver.description.excitation import EDGE, broken, places_of, sampled
 from tline.solver.kernel.fronts.structures import LIVE, NOTED, Fronts
 from tline.solver.loop.kernel import Kernel
@@ -142,6 +143,15 @@ class Signals:
         return found
 
 
+def _are_same(some: list[Excitation], others: list[Excitation]) -> bool:
+    """Whether excitations are made of the same waveforms; parts of waveforms, which hold arrays, are not compared."""
+    pairs = [pair for parts in zip(some, others, strict=False) for pair in zip(*parts, strict=False)]
+    return [*map(len, some)] == [*map(len, others)] and all(
+        share == other and (one is two or (not isinstance(one, tuple) and one == two))
+        for (one, share), (two, other) in pairs
+    )
+
+
 def _take_echoes(assembly: Assembly, record: NDArray) -> None:
     """Turn what arrives at ends of lines in segments, and what is sent, into what it is outside the segments."""
     s = assembly.basis.s
@@ -161,7 +171,7 @@ class Stepper:
         self.origin = 0  # slab at the record's first column; the kernel of fronts counts from it
         self._key = assembly.basis.s, n, assembly.follows_edges
         spare: Spare | None = assembly.spare.pop(self._key, None)
-        again = spare is not None and spare.signals.of == assembly.excitations
+        again = spare is not None and _are_same(spare.signals.of, assembly.excitations)
         self.signals = spare.signals if spare and again else Signals(assembly, n)
         moves = [(t, group, row) for t, group, row in _snapped(assembly.changes) if t < n]
         self.at_edges = [] if assembly.follows_edges else [move for move in moves if move[0] % 1 == 0]

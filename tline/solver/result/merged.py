@@ -76,6 +76,7 @@ def _record(names: Sequence[str], stretches: tuple[LineRecord, ...]) -> CutRecor
         first.smeared,
         tuple(names),
         stretches,
+        blurred=first.blurred,
     )
 
 

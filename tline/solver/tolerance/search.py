@@ -126,7 +126,8 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
     while not limit:
         try:
             kinks = kinks_of(result, kinked)
-            finer = search.run(steps.send((helps, told.met))._replace(layers=FOLLOWED * search.tol), kinks=kinks)
+            raising = helps or result.resolution.layers > 0  # runs of one order err alike in the same pieces
+            finer = search.run(steps.send((raising, told.met))._replace(layers=FOLLOWED * search.tol), kinks=kinks)
         except StopIteration:
             limit = "order and slab are as fine as they may be"
             break
