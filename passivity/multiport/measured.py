@@ -139,7 +139,7 @@ def fit_scattering(
             found = _nearest(found, tolerance)
         if found.error <= tolerance and (not nearest or found.verdict.status is Status.PROVED):
             return found
-        if reached.is_enough(error, model.order):
+        if reached.is_enough(found.error, model.order, fits=error <= tolerance):
             break
     raise reached.refusal(tolerance, nearest)
 

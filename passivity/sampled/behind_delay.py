@@ -141,6 +141,7 @@ def fit_behind_delay(
             found = DelayedModel(chosen, enforce(model, rest).model if nearest else model, model, rest)
             if not nearest or (found.error <= tolerance and found.verdict.status is Status.PROVED):
                 return found
+            error = found.error
         if reached.is_enough(error, count(model.poles)):
             break
     otherwise = f", or the delay, if it may be over {_longest(response):.3g} s" if delay is None else ""

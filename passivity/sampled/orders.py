@@ -23,13 +23,13 @@ class Reached:
     def __init__(self):
         self.error, self.fewest, self.most, self.in_vain = math.inf, 0, 0, 0
 
-    def is_enough(self, error: float, order: int) -> bool:
-        """Take note of a model; whether no more poles are worth trying."""
+    def is_enough(self, error: float, order: int, fits: bool = False) -> bool:
+        """Take note of a model, or of the passive one near one that fits; whether no more poles are worth trying."""
         pays = error < PAYS * self.error
         self.most = max(self.most, order)
         if error < self.error:
             self.error, self.fewest = error, order
-        self.in_vain = 0 if pays else self.in_vain + (order >= MANY)
+        self.in_vain = 0 if pays else self.in_vain + (fits or order >= MANY)
         return self.in_vain == IN_VAIN
 
     def refusal(self, tolerance: float, passive: bool, otherwise: str = "") -> ExpressionError:

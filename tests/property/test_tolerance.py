@@ -322,7 +322,7 @@ def test_a_run_by_hand_whose_orders_converge_is_not_doubted():
     )
     result, t = simulate(scene), np.linspace(1.0, 3.0, 400)
     off = np.abs(result.probes["b"].at(t).u - 0.5 * np.cos(np.pi * (t - 1.0))).max()
-    assert off <= 0.5 * judged(result).worst <= 20 * off
+    assert off <= 0.5 * judged(result).worst <= 100 * off  # the capacitance counts as one that no slab resolves
 
 
 @pytest.mark.parametrize(
