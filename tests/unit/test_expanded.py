@@ -168,6 +168,7 @@ def test_what_cannot_be_had_is_refused_by_name():
     )
 
 
+@pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 def test_a_search_that_leads_nowhere_says_why():
     lines = {"pipe": {"nodes": ["tank", "end"], "z0": 2e7, "delay": 0.3, "cavities": {"places": 7, "gas_volume": 1e-9}}}
     loads = TABLE["loads"] | {"end": {"at": "end", "kind": "cavity", "gas_volume": 1e-9}}
