@@ -20,6 +20,9 @@ result.plot()""",
     """\
 prepared = tl.prepare(scene)
 tl.plot({c: prepared.run({"loads.receiver.capacitance": c}) for c in ("2 pF", "4 pF", "8 pF")}, probes=["far"])""",
+    """\
+swept = tl.sweep(scene, {"lines.cable.z0": "normal(50 ohm, 2 ohm)"}, sample="latin:100")
+swept.plot()""",
     "result",
 ]
 
@@ -46,7 +49,7 @@ def test_the_scene_is_drawn(outputs):
     assert picture(html.split("base64,")[1].split('"')[0]).size[0] > 600
 
 
-@pytest.mark.parametrize("cell", [1, 2, 3])
+@pytest.mark.parametrize("cell", [1, 2, 3, 4])
 def test_figures_appear_as_png(cell, outputs):
     (shown,) = outputs[cell]
     seen = picture(shown.data["image/png"])
@@ -56,7 +59,7 @@ def test_figures_appear_as_png(cell, outputs):
 
 
 def test_a_result_is_a_screen_of_text(outputs):
-    (shown,) = outputs[4]
+    (shown,) = outputs[5]
     text = shown.data["text/plain"]
     assert "1e-06 asked and met" in text
     assert len(text.splitlines()) < 25

@@ -15,6 +15,7 @@ from tline.solver.sweep.keep import ESTIMATE, EXTREMES, SAMPLES
 from tline.wording import nearest, shown
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from pandas import DataFrame
     from xarray import Dataset
 
@@ -163,6 +164,18 @@ class Sweep:
         """
         head, rows = self.table()
         return import_extra("pandas", "pandas", "data", "to_dataframe").DataFrame(rows, columns=head)
+
+    def plot(self) -> "Figure":
+        """Draw the extremes: over one path as curves, over two as maps, drawn at random as histograms.
+
+        Raises
+        ------
+        InputError
+            No extremes were kept, there are no probes, or all runs failed.
+        """
+        import tline as tl
+
+        return tl.pictures.plot_sweep(self)
 
     def save(self, path: str | Path) -> None:
         """Write a file by its suffix: ``.npz``, which a sweep goes on from, ``.nc`` (NetCDF), or ``.csv``.
