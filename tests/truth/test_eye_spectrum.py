@@ -8,7 +8,7 @@ from tline.frequency.response import respond
 from tline.scene.file import read_scene
 from tline.signal.eye_diagram import FINE, eye, prbs7
 
-BIT, RISE, HARMONICS = 200e-12, 50e-12, 20_000
+BIT, RISE, HARMONICS = 200e-12, 50e-12, 5_000
 SCENE = Path(__file__).parents[2] / "scenes" / "stripline_eye.toml"
 
 
