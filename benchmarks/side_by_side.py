@@ -10,9 +10,9 @@ import numpy as np
 
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
-from tline.solver.sweep import sweep
 from tline.study.programs import ngspice
 from tline.study.reference import Solution
+from tline.sweeps import sweep
 
 COPIES, RUNS, ALONE, NETLISTS, JUDGED, INSTANTS = 10_000, 5, 20, 20, 10, 40
 TOLERANCES = (1e-4, 1e-6, 1e-8)

@@ -22,9 +22,9 @@ from tline.scene.file import read_scene
 from tline.scene.scene import Scene
 from tline.solver.prepared import prepare
 from tline.solver.simulate import UnresolvedWarning
-from tline.solver.sweep import Sweep, sweep
-from tline.solver.sweep.batches import Task, run_batch
-from tline.solver.sweep.keep import kept_of
+from tline.sweeps import Sweep, sweep
+from tline.sweeps.batches import Task, run_batch
+from tline.sweeps.keep import kept_of
 
 ROOT = Path(__file__).parent.parent
 CLOSURES, ON_DASK, CHEAP, SIDE = 200, 40, 100_000, 6

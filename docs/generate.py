@@ -230,7 +230,7 @@ def _network() -> None:
 def _sweep() -> None:
     from tline.pictures.style import save_figure
     from tline.pictures.sweep import plot_sweep
-    from tline.solver.sweep import sweep
+    from tline.sweeps import sweep
 
     closure = read_scene(DOCS.parent / "scenes" / "valve_closure.toml")
     found = sweep(closure, {"loads.valve.opening.duration": "0.5 s:3 s:26"})

@@ -16,9 +16,9 @@ from tline.solver.prepared import Prepared as Prepared
 from tline.solver.prepared import prepare as prepare
 from tline.solver.result.result import Result as Result
 from tline.solver.simulate import simulate as simulate
-from tline.solver.sweep import InterruptedWarning as InterruptedWarning
-from tline.solver.sweep import Sweep as Sweep
-from tline.solver.sweep import sweep as sweep
+from tline.sweeps import InterruptedWarning as InterruptedWarning
+from tline.sweeps import Sweep as Sweep
+from tline.sweeps import sweep as sweep
 
 from . import frequency as frequency
 from . import interchange as interchange

@@ -27,7 +27,7 @@ from tline.scene.file import read_scene, scene_from
 from tline.scene.scene import Scene
 from tline.scene.user_defined import UserLink, UserLoad
 from tline.solver.simulate import simulate
-from tline.solver.sweep import sweep
+from tline.sweeps import sweep
 
 SCENES = sorted((Path(__file__).parents[2] / "scenes").glob("*.toml"))
 LARGEST = 400_000  # bytes of a short run of a shipped scene

@@ -30,8 +30,8 @@ from tline.scene.quantity import LARGEST as LARGEST_NUMBER
 from tline.scene.text_file import LARGEST
 from tline.solver.description import resolution
 from tline.solver.result.atomic import check_writable, replacing
-from tline.solver.sweep.design import MOST_RUNS
 from tline.solver.tolerance import search
+from tline.sweeps.design import MOST_RUNS
 
 PAGE = (Path(__file__).parents[2] / "docs" / "trust.md").read_text(encoding="utf-8")
 CABLE = """

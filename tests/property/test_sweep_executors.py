@@ -54,7 +54,7 @@ def test_on_processes_of_which_one_is_killed(here, tmp_path, monkeypatch):
     (tmp_path / "killed").touch()  # not in this process, where the first run is made
     first = tl.sweep(CABLE, Z0, keep=kills_once, tol=1e-4, workers=1)
     np.testing.assert_array_equal(first["kills_once"], here["last"])
-    monkeypatch.setattr("tline.solver.sweep.work.run_batch", _after(tmp_path / "killed"))
+    monkeypatch.setattr("tline.sweeps.work.run_batch", _after(tmp_path / "killed"))
     found = tl.sweep(CABLE, Z0, keep=kills_once, tol=1e-4, workers=2)
     assert (tmp_path / "killed").exists()
     same(first, found)
@@ -62,7 +62,7 @@ def test_on_processes_of_which_one_is_killed(here, tmp_path, monkeypatch):
 
 def _after(flag: Path):
     """Make the first run here, and let the next process that looks for the flag be killed."""
-    from tline.solver.sweep.batches import run_batch
+    from tline.sweeps.batches import run_batch
 
     def run(task, rows):
         batch = run_batch(task, rows)

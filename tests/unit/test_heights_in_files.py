@@ -16,7 +16,7 @@ from tline.scene.scene import Scene
 from tline.solver.result.result import Result
 from tline.solver.result.save import save_csv, save_envelope, save_npz
 from tline.solver.simulate import simulate
-from tline.solver.sweep import sweep
+from tline.sweeps import sweep
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 

@@ -9,7 +9,7 @@ from tline.solver.description.description import describe
 from tline.solver.many import many_runs
 from tline.solver.result.dense_output import extremes
 from tline.solver.simulate import simulate
-from tline.solver.sweep import sweep
+from tline.sweeps import sweep
 
 Z0 = {"lines.one.z0": [50.0, 60.0]}
 

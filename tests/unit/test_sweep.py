@@ -6,7 +6,7 @@ import xarray
 from scipy import stats
 
 import tline as tl
-from tline.solver.sweep.design import design
+from tline.sweeps.design import design
 
 LINE = {
     "medium": "electrical",

@@ -15,7 +15,7 @@ from tline.errors import InputError, import_extra
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from tline.solver.sweep import Sweep
+    from tline.sweeps import Sweep
 
 OPTIONS = ("sample", "seed", "keep", "tol", "workers", "resume")
 EXAMPLES = """\b
@@ -74,15 +74,15 @@ def sweep(
     suffixes = ((".npz",), (".nc",), (".csv",), PICTURE)
     check_files({f"--{name}": (file, kind) for (name, file), kind in zip(files.items(), suffixes, strict=True)})
     wanted, written = _wanted(vary), [file for file in files.values() if file]
+    from tline import sweeps
     from tline.cli.sweep_report import as_text, notes, summary
     from tline.scene.file import read_scene
-    from tline.solver import sweep as room
 
     read = read_scene(scene, confined=confined)
     with _executor(dask) as executor, options_named({name: f"--{name}" for name in OPTIONS}):
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", room.InterruptedWarning)  # notes tell
-            found = room.sweep(
+            warnings.simplefilter("ignore", sweeps.InterruptedWarning)  # notes tell
+            found = sweeps.sweep(
                 read,
                 wanted,
                 keep=list(keep) or "extremes",

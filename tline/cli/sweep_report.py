@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tline.cli.aligned import aligned
 from tline.pictures.handy import handy
 from tline.scene.heights import words
-from tline.solver.sweep import Sweep
+from tline.sweeps import Sweep
 
 QUANTILES = (0.05, 0.5, 0.95)
 FEW = 24  # runs that are told one by one

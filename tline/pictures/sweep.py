@@ -9,8 +9,8 @@ from tline.pictures.handy import handy
 from tline.pictures.histograms import draw_histogram
 from tline.pictures.style import COLOURS, DASHES, figure, styled
 from tline.scene.heights import words
-from tline.solver.sweep import Sweep
-from tline.solver.sweep.values import unit_of
+from tline.sweeps import Sweep
+from tline.sweeps.values import unit_of
 
 WORDS = ("highest", "lowest")
 

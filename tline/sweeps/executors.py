@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.solver.sweep.batches import Batch, sentence
+from tline.sweeps.batches import Batch, sentence
 
 SECONDS = 1.0  # that a batch shall take
 FIRST = 1  # runs in a batch of unknown cost

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.solver.prepared import Prepared
 from tline.solver.simulate import UnresolvedWarning
-from tline.solver.sweep.keep import Keep
+from tline.sweeps.keep import Keep
 
 Floats = NDArray[np.float64]
 LONGEST = 500  # characters of a sentence

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError, import_extra
 from tline.scene.heights import words
 from tline.solver.description.given import Scene
-from tline.solver.sweep.keep import ESTIMATE, EXTREMES, SAMPLES
+from tline.sweeps.keep import ESTIMATE, EXTREMES, SAMPLES
 from tline.wording import nearest, shown
 
 if TYPE_CHECKING:
@@ -150,7 +150,7 @@ class Sweep:
         MissingExtraError
             xarray is not installed.
         """
-        from tline.solver.sweep.dataset import dataset
+        from tline.sweeps.dataset import dataset
 
         return dataset(self)
 
@@ -185,7 +185,7 @@ class Sweep:
         InputError
             The suffix is another, or the file cannot be written.
         """
-        from tline.solver.sweep.file import save
+        from tline.sweeps.file import save
 
         save(self, path)
 

@@ -11,8 +11,8 @@ from tline.scene.quantity import LARGEST, SMALLEST
 from tline.solver.description.given import Scene
 from tline.solver.many import ManyRuns, many_runs
 from tline.solver.many.copies import variable
-from tline.solver.sweep.batches import Batch, Task
-from tline.solver.sweep.table import Sweep
+from tline.sweeps.batches import Batch, Task
+from tline.sweeps.table import Sweep
 
 CHUNK = 20_000  # runs at once
 

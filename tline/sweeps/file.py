@@ -10,7 +10,7 @@ import numpy as np
 
 from tline.errors import InputError, import_extra
 from tline.solver.result.atomic import replacing, write_table
-from tline.solver.sweep.table import Sweep
+from tline.sweeps.table import Sweep
 
 SUFFIXES = (".npz", ".nc", ".csv")
 ABOUT = "about"

@@ -14,12 +14,12 @@ from tline.solver.description.given import Scene
 from tline.solver.prepared import prepare
 from tline.solver.result.atomic import check_writable
 from tline.solver.simulate import UnresolvedWarning, asked
-from tline.solver.sweep.batches import Task
-from tline.solver.sweep.design import design, whole
-from tline.solver.sweep.file import save, take_over
-from tline.solver.sweep.keep import kept_of
-from tline.solver.sweep.table import Sweep
-from tline.solver.sweep.work import Work
+from tline.sweeps.batches import Task
+from tline.sweeps.design import design, whole
+from tline.sweeps.file import save, take_over
+from tline.sweeps.keep import kept_of
+from tline.sweeps.table import Sweep
+from tline.sweeps.work import Work
 
 SAVED, SHARE = 10.0, 20  # s between writing the file, and times that writing took
 MOST_WORKERS = 4096

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import import_extra
-from tline.solver.sweep.table import NOT_RUN, Sweep
+from tline.sweeps.table import NOT_RUN, Sweep
 
 if TYPE_CHECKING:
     from xarray import Dataset

@@ -11,7 +11,7 @@ from tline.errors import InputError
 from tline.scene.changed import parts_of
 from tline.scene.quantity import Whole
 from tline.solver.description.given import Scene
-from tline.solver.sweep.values import Distribution, values_or_distribution
+from tline.sweeps.values import Distribution, values_or_distribution
 from tline.wording import listed, place, shown
 
 Floats = NDArray[np.float64]
@@ -66,7 +66,7 @@ class Design(NamedTuple):
 
 
 def design(scene: Scene, vary: Mapping[str, Any], sample: str | None, seed: int | str) -> Design:
-    """Choose the runs of a sweep; arguments are those of `tline.solver.sweep.sweep`."""
+    """Choose the runs of a sweep; arguments are those of `tline.sweeps.sweep`."""
     if not vary:
         raise InputError("vary", "nothing varies", 'such as {"lines.cable.z0": [40, 50, 60]}')
     given: dict[str, list[Any] | Distribution] = {}

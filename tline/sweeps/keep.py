@@ -11,7 +11,7 @@ from tline.solver.description.given import Scene
 from tline.solver.many import ProbeOfCopies
 from tline.solver.result.dense_output import extremes
 from tline.solver.result.result import Result
-from tline.solver.sweep.values import values_or_distribution
+from tline.sweeps.values import values_or_distribution
 from tline.units import to_si
 from tline.wording import shown
 

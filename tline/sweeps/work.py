@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.scene.changed import changed
 from tline.solver.description.given import Scene
-from tline.solver.sweep import vectorised
-from tline.solver.sweep.batches import Batch, NotSent, Task, run_batch, run_sent, sent
-from tline.solver.sweep.design import Design
-from tline.solver.sweep.executors import NoWorkers, Queue, on_executor, on_processes, workers_of
-from tline.solver.sweep.table import Sweep
 from tline.solver.tolerance.search import Start
+from tline.sweeps import vectorised
+from tline.sweeps.batches import Batch, NotSent, Task, run_batch, run_sent, sent
+from tline.sweeps.design import Design
+from tline.sweeps.executors import NoWorkers, Queue, on_executor, on_processes, workers_of
+from tline.sweeps.table import Sweep
 
 LONG = 10.0  # s of work left that are worth starting processes
 Batches = Iterator[tuple[NDArray, Batch]]
