@@ -11,7 +11,7 @@ import time
 from collections import Counter
 from pathlib import Path
 
-from tline.errors import InputError
+from tline.errors import InputError, NoFlowError
 
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "tests"))
@@ -21,49 +21,62 @@ from random_chains import fade, random_chains  # noqa: E402
 from random_circuits import random_circuit  # noqa: E402
 
 PAGE, SLABS, EVERY = ROOT / "docs" / "circuits.md", 40, 1000
+DIVIDED = {1: "run", 4: "in 4", 16: "in 16"}  # parts of the slab
 
 
-def of_circuit(seed: int) -> float:
-    """Largest growth of the energy in one with linear elements and laws."""
-    return largest_growth(random_circuit(seed, 1 + seed % 8), seed, SLABS)
+def growth(table: dict, seed: int) -> float:
+    """Largest growth of the energy in a slab."""
+    return largest_growth(table, seed, SLABS)
 
 
-def with_vessels(seed: int) -> float:
-    """The same with vessels, tanks and vapour cavities."""
-    return largest_growth(random_circuit(seed, 1 + seed % 8, vessels=True), seed, SLABS)
-
-
-def of_chains(seed: int) -> float:
-    """What is left of the waves in a network with rows of laws."""
-    return fade(random_chains(seed, 1 + seed % 16), seed)
-
-
-KINDS = {  # and how many of each, in shares of the count
-    "linear elements and laws: largest growth of the energy in a slab": (of_circuit, 1.0),
-    "with vessels, tanks and vapour: the same": (with_vessels, 0.05),
-    "rows of laws: what is left of the waves, at most": (of_chains, 0.1),
+KINDS = {  # circuits, what is measured, and how many, in shares of the count
+    "linear elements and laws: largest growth of the energy in a slab": (
+        lambda seed: random_circuit(seed, 1 + seed % 8),
+        growth,
+        1.0,
+    ),
+    "with vessels, tanks and vapour: the same": (
+        lambda seed: random_circuit(seed, 1 + seed % 8, vessels=True),
+        growth,
+        0.05,
+    ),
+    "rows of laws: what is left of the waves, at most": (lambda seed: random_chains(seed, 1 + seed % 16), fade, 0.1),
 }
+
+
+def measured(name: str, seed: int) -> tuple[str, float]:
+    """What became of a circuit, whose slab is divided where no flow is found, as runs do it; and what is measured."""
+    make, measure, _ = KINDS[name]
+    for parts, told in DIVIDED.items():
+        table = make(seed)
+        table["solver"]["slab"] /= parts
+        try:
+            return told, measure(table, seed)
+        except NoFlowError as error:
+            print(f"{seed}, slab in {parts}: {error}", flush=True)
+        except InputError as error:
+            print(f"{seed}: {error}", flush=True)
+            return "refused", 0.0
+    return "no flow", 0.0
 
 
 def row(name: str, first: int, count: int) -> str:
     """A line of the table."""
     found, largest, started = Counter(), 0.0, time.perf_counter()
     for seed in range(first, first + count):
-        try:
-            largest = max(largest, KINDS[name][0](seed))
-            found["run"] += 1
-        except InputError as error:
-            found["no flow" if "no flow" in str(error) or "grow" in str(error) else "refused"] += 1
-            print(f"{seed}: {error}", flush=True)
+        told, value = measured(name, seed)
+        found[told] += 1
+        largest = max(largest, value)
         if (seed - first + 1) % EVERY == 0:
             print(
                 f"{seed - first + 1} in {time.perf_counter() - started:.0f} s: {dict(found)}, {largest:.1e}", flush=True
             )
-    return f"| {name} | {found['run']} | {found['refused']} | {found['no flow']} | {largest:.0e} |"
+    counts = " | ".join(f"{found[told]}" for told in (*DIVIDED.values(), "refused", "no flow"))
+    return f"| {name} | {counts} | {largest:.0e} |"
 
 
-HEAD = """| random circuits | run | refused | without a flow | |
-|---|---:|---:|---:|---:|"""
+HEAD = """| random circuits | run | slab in 4 | in 16 | refused | without a flow | |
+|---|---:|---:|---:|---:|---:|---:|"""
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
@@ -73,7 +86,7 @@ if __name__ == "__main__":
     given = parser.parse_args()
     rows = [HEAD]
     for name in KINDS:
-        rows.append(row(name, given.first, max(int(given.count * KINDS[name][1]), 1)))
+        rows.append(row(name, given.first, max(int(given.count * KINDS[name][2]), 1)))
         print(rows[-1], flush=True)
     if given.write:
         page = PAGE.read_text(encoding="utf-8")
