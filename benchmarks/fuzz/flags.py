@@ -82,6 +82,8 @@ def case(rng: Random, first: str | None = None) -> Case:
             0.03 if parameter.name == "plot" else min(0.3, 2.5 / len(command.params))
         ):
             args += _option(rng, parameter, asked)
+        elif parameter.name == "output" and parameter.default:
+            asked.add(parameter.default)
     if words[0] == "chart":  # with all that a chart needs it would be measured, for minutes
         args += rng.choice((["nothing"], ["--csv", "out.txt"], ["--plot", "none/out.png"], ["--points"]))
     if rng.random() < 0.03:
