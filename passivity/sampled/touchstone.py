@@ -68,8 +68,9 @@ def read_touchstone(path: str | Path) -> SampledResponse:
         raise ExpressionError(f"{path}", "hybrid parameters are not read", "S, Z or Y", f"{read.parameter}".upper())
     rounding, values = _printed(lines, read, ports)
     z0: NDArray[np.complex128] = np.asarray(read.z0, complex)
-    if not (z0.real > 0).all():
-        raise ExpressionError(f"{path}", "reference impedance", "real parts above 0", f"{z0[z0.real <= 0][0]:g}")
+    sound = np.isfinite(z0) & (z0.real > 0)
+    if not sound.all():
+        raise ExpressionError(f"{path}", "reference impedance", "finite, real parts above 0", f"{z0[~sound][0]:g}")
     if read.parameter != "s":
         values, rounding = _scattering(path, read, values, rounding, z0)
     if (z0 == z0[0]).all() and not z0.imag.any():

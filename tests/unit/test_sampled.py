@@ -189,6 +189,8 @@ def test_files_that_cannot_be_read(tmp_path):
         ("a.s1p", "# Hz S RI R 50\n1 hello 0\n", "not a Touchstone file"),
         ("a.s2p", "# Hz S RI R 50\n1 0.5 0\n", "not a Touchstone file"),
         ("a.s1p", "# Hz S RI R -5\n1 0.5 0\n", "reference impedance"),
+        ("a.s1p", "# Hz S RI R nan\n1 0.5 0\n", "reference impedance"),
+        ("a.s1p", "# Hz S RI R inf\n1 0.5 0\n", "reference impedance"),
         ("a.s1p", "# Hz S RI R 50\n2 0.5 0\n1 0.5 0\n", "out of order"),
         ("a.s1p", "[Version] 2.0\n# Hz S RI R 50\n[Number of Ports] 1\n[Reference]\n", "not a Touchstone file"),
         ("a.ts", "[Version] 2.0\n# Hz S RI R 50\n1 0.5 0\n", "Number of Ports.*expected 1 to 16, got nothing"),
