@@ -11,7 +11,7 @@ LINES = {
     "hydraulic": {"pipe": {"nodes": ["near", "far"], "z0": 1e7, "delay": 1}},
     "electrical": {"cable": {"nodes": ["near", "far"], "z0": 50, "delay": 1}},
 }
-MEASURED = [Path(__file__).parents[1] / "scenes" / name for name in ("antenna.s1p", "filter.s2p")]
+MEASURED = [Path(__file__).parents[1] / "scenes" / name for name in ("antenna.s1p", "filter.s2p", "memory.ibs")]
 HYDRAULIC = {
     "Pipe": """\
 [lines.pipe]
@@ -253,6 +253,16 @@ at = "far"
 kind = "impedance"
 expression = "R + s*L + 1/(s*C)"
 parameters = { R = "30 ohm", L = "20 nH", C = "5 pF" }
+""",
+    "Ibis": """\
+[loads.memory]
+at = "far"
+kind = "ibis"
+file = "memory.ibs"
+pin = "A1"
+corner = "min"
+bits = "0110100"           # without bits it receives
+bit = "1 ns"
 """,
     "Touchstone": """\
 [loads.antenna]

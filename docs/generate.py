@@ -252,12 +252,12 @@ def _cavities() -> None:
 
 
 def _circuits() -> None:
-    """Every scene that docs/circuits.md shows."""
+    """Every scene of which a page shows a picture named circuit_NAME."""
     from tline.pictures.style import save_figure
     from tline.pictures.traces import plot
     from tline.solver.simulate import simulate
 
-    page = (DOCS / "circuits.md").read_text(encoding="utf-8")
+    page = "".join(path.read_text(encoding="utf-8") for path in sorted(DOCS.glob("*.md")))
     for name in re.findall(r"\(pictures/circuit_(\w+)\.png\)", page):
         result = simulate(read_scene(DOCS.parent / "scenes" / f"{name}.toml"))
         save_figure(plot(result), str(DOCS / "pictures" / f"circuit_{name}.png"))

@@ -94,7 +94,7 @@ def test_one_sentence_for_each_mistake(given, told):
 
 BESIDE = [
     ('[loads.c]\nat = "far"\nkind = "series"\ncapacitance = "1 pF"', None),
-    ('[lines."loads.antenna"]\nnodes = ["far", "end"]\nz0 = 50\ndelay = 1', "a name that the delay of loads"),
+    ('[lines."loads.antenna"]\nnodes = ["far", "end"]\nz0 = 50\ndelay = 1', "a name that a part of loads"),
     ('[loads.m]\nat = "far"\nkind = "matched"', "node 'far' is a junction"),
 ]
 

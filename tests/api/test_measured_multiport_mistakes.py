@@ -121,7 +121,7 @@ def test_more_ports_than_proofs_take():
 def test_a_line_that_has_the_name_of_a_delay_is_refused():
     more = '[lines."links.filter.1"]\nnodes = ["far", "end"]\nz0 = 50\ndelay = 1\n'
     text = SCENE.replace(GIVEN, DELAYED) + more
-    assert "a name that the delay of links.filter takes" in mistake(text)
+    assert "a name that a part of links.filter takes" in mistake(text)
 
 
 def test_not_in_hydraulic_scenes():

@@ -16,6 +16,7 @@ EXAMPLES = """\b
 Examples:
   tline eye cable.toml --probe far --bit "1 ns" --rise "0.2 ns" --plot eye.png
   tline eye cable.toml --probe far --bit "1 ns" --rise "0.2 ns" --bits 00101110 --high "3.3 V" --json
+  tline eye scenes/ddr_ibis.toml --probe die --bit "1 ns" --plot eye.png
 """
 
 
@@ -23,9 +24,9 @@ Examples:
 @click.argument("scene")
 @click.option("--probe", metavar="NAME", required=True, help="Probe at which the eye is measured.")
 @click.option("--bit", metavar="TIME", required=True, help="Time of a bit.")
-@click.option("--rise", metavar="TIME", required=True, help="Time of a change from level to level.")
+@click.option("--rise", metavar="TIME", help="Time of a change from level to level; a driver has edges of its own.")
 @click.option("--bits", default="prbs7", show_default=True, help="Zeros and ones, or 'prbs7'.")
-@click.option("--source", metavar="NAME", help="Source that sends them; not needed if there is one only.")
+@click.option("--source", metavar="NAME", help="Source or driver that sends them; not needed if there is one only.")
 @click.option("--low", default="0", show_default=True, metavar="LEVEL", help="Level of a zero.")
 @click.option("--high", default="1", show_default=True, metavar="LEVEL", help="Level of a one.")
 @click.option("--plot", metavar="FILE", help="Eye diagram; .png, .svg or .pdf.")
@@ -37,7 +38,7 @@ def eye(
     scene: str,
     probe: str,
     bit: str,
-    rise: str,
+    rise: str | None,
     bits: str,
     plot: str | None,
     mask: str | None,

@@ -9,6 +9,7 @@ from tline.cli.aligned import aligned
 from tline.cli.energies import ledger_as_dict
 from tline.cli.measured import model_as_dict, model_in_words, network_as_dict, network_in_words
 from tline.pictures.handy import handy, quantities
+from tline.scene.ibis.element import Ibis
 from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.touchstone import Touchstone
 from tline.solver.assembly.loss_elements import loss_elements_in
@@ -98,7 +99,8 @@ def _samples(result: Result, times: NDArray) -> dict[str, Any]:
 
 def _measured_in_words(result: Result) -> list[str]:
     """Of each element from a Touchstone file a line of text."""
-    return [
+    drivers = [f"{place(*where)}: {x.summary}" for where, x in result.scene.composed.items() if isinstance(x, Ibis)]
+    return drivers + [
         f"{place(*where)}: {x.file}, "
         + (model_in_words(x.model) if isinstance(x, Touchstone) else network_in_words(x.model))
         for where, x in result.scene.measured.items()

@@ -1,6 +1,5 @@
 """Transfer functions from a source to all probes of a scene, at any complex s."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -137,7 +136,7 @@ def source_named(scene: Scene, name: str | None) -> str:
     InputError
         There is no such source, or several and none is named.
     """
-    sources: Mapping[str, object] = scene.sources
+    sources = {key: each for key, each in scene.sources.items() if ("sources", key) not in scene.parts}
     if name is None:
         if len(sources) != 1:
             problem = "there is no source" if not sources else "there are several, and none is named"

@@ -52,7 +52,7 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
         raise InputError("", "not values by path", "a dict such as {'lines.cable.z0': 60}", shown(values))
     if not values:
         return scene
-    if scene.measured or user_elements(scene):
+    if scene.composed or user_elements(scene):
         return _read_anew(scene, values)
     tables: dict[str, dict[str, Any]] = {}
     for path, value in values.items():
@@ -130,7 +130,7 @@ def _read_anew(scene: Scene, values: Mapping[str, Any]) -> Scene:
 
 def _element(scene: Scene, path: str, section: str, name: str) -> Any:
     elements = getattr(scene, section)
-    if name not in elements or name in scene.delay_lines:
+    if name not in elements or (section, name) in scene.parts:
         raise InputError(path, "no such element", nearest(name, [*elements]), shown(name))
     return elements[name]
 

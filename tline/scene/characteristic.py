@@ -3,18 +3,22 @@
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
 from tline.scene.between import Between
+from tline.scene.csv_rows import read_rows
 from tline.scene.element import AtNode
+from tline.scene.factor import ALWAYS, Factor
 from tline.scene.law import ElementLaw, NonLinear
+from tline.scene.named_file import beside
 from tline.scene.quantity import Quantity, Role
 from tline.wording import shown
 
 BOLTZMANN, CHARGE = 1.380649e-23, 1.602176634e-19  # J/K, C; exact in the SI
 Saturation = Annotated[Quantity, Role("flow", at_least=1e-30, at_most=1e3)]
 Emission = Annotated[Quantity, Role("emission", "", at_least=0.1, at_most=100)]
+MOST = 1000  # points of a curve
 COLDEST, HOTTEST = 1.0, 5000.0  # K
 
 
@@ -55,21 +59,39 @@ Point = Annotated[tuple[Annotated[Quantity, Role("effort")], Annotated[Quantity,
 
 
 class _Curve(NonLinear):
-    points: list[Point] = Field(
-        min_length=2, max_length=1000, description="pairs [effort, flow], neither of which may fall"
+    points: list[Point] | None = Field(
+        default=None, min_length=2, max_length=MOST, description="pairs [effort, flow], neither of which may fall"
     )
+    file: str | None = Field(
+        default=None, description="instead of `points`, a CSV file of two columns, effort and flow, in SI"
+    )
+    scale: Factor = Field(default=ALWAYS, description="what all flows are multiplied by, constant or over time")
+
+    _curve: tuple[tuple[float, ...], ...] = PrivateAttr()
 
     @model_validator(mode="after")
-    def _rises(self):
-        for k, ((u, i), (v, j)) in enumerate(pairwise(self.points), 2):
+    def _rises(self, info: ValidationInfo):
+        if (self.points is None) == (self.file is None):
+            raise InputError("", "its curve is not given once", "either points or file")
+        self._curve = tuple((float(u), float(i)) for u, i in self.points or ()) or _read(self.file or "", info)
+        for k, ((u, i), (v, j)) in enumerate(pairwise(self._curve), 2):
             if v < u or j < i or (u, i) == (v, j):
+                where = f"points[{k - 1}]" if self.points else "file"
                 got = f"({v:g}, {j:g}) after ({u:g}, {i:g})"
-                raise InputError(f"points[{k - 1}]", "the curve falls or stands still", "points that rise", got)
+                raise InputError(where, "the curve falls or stands still", "points that rise", got)
         return self
 
     def law(self) -> ElementLaw:
-        efforts, flows = zip(*self.points, strict=True)
-        return ElementLaw("table", (0.0, float(len(efforts)), *map(float, efforts), *map(float, flows)))
+        efforts, flows = zip(*self._curve, strict=True)
+        return ElementLaw("table", (0.0, float(len(efforts)), *map(float, efforts), *map(float, flows)), self.scale)
+
+
+def _read(file: str, info: ValidationInfo) -> tuple[tuple[float, ...], ...]:
+    """Points of a CSV file."""
+    rows = read_rows(beside(file, info), "file", "a point", {2: "two finite numbers with a comma between"})
+    if not 2 <= len(rows) <= MOST:
+        raise InputError("file", f"not the points of a curve in '{file}'", f"2 to {MOST} lines", str(len(rows)))
+    return tuple(rows)
 
 
 class Curve(_Curve, AtNode):

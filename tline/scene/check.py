@@ -14,6 +14,7 @@ from tline.scene.element import is_name
 from tline.scene.factor import check_range
 from tline.scene.heights import height_mistakes
 from tline.scene.held import conflicting_holds
+from tline.scene.ibis.element import die_of
 from tline.scene.load import Matched
 from tline.scene.multiport import Multiport
 from tline.scene.rational_load import Rational
@@ -39,7 +40,7 @@ def misplaced(data: Mapping[str, Any]) -> list[InputError]:
     known = bool(lines) and all(ends)
     nodes = sorted({node for pair in ends for node in pair}) if known else []
     there, linked = set(nodes), Counter(node for _, _, _, node in _joined(data))
-    anywhere = there | linked.keys()
+    anywhere = there | linked.keys() | _dies(data)
     if known:
         found += _loose_ends(data, nodes, linked)
     for section in ("sources", "loads", "probes"):
@@ -91,6 +92,11 @@ def _loose_ends(data: Mapping[str, Any], nodes: list[str], linked: Counter[str])
             yield InputError(where, "nothing else is at this node", nearest(node, nodes), shown(node))
 
 
+def _dies(data: Mapping[str, Any]) -> set[str]:
+    """Nodes of the dies of IBIS models, which packages part from their pins."""
+    return {die_of(name) for name, table in _tables(data, "loads").items() if table.get("kind") == "ibis"}
+
+
 def _tables(data: Mapping[str, Any], section: str) -> dict[str, dict[str, Any]]:
     tables = data.get(section)
     tables = tables if isinstance(tables, dict) else {}
@@ -127,6 +133,8 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
     for name, probe in scene.probes.items():
         if probe.at in {None, *ends, *linked} and probe.line in {None, *scene.lines}:
             yield from _probe(scene, place("probes", name), probe, ends)
+        elif probe.at in {die_of(own) for own in scene.loads}:
+            yield InputError(place("probes", name, "at"), "no package parts this die from its pin", "the pin's node")
 
 
 def _slab(scene: Scene) -> Iterator[InputError]:

@@ -15,6 +15,7 @@ FACTORS = {
     "demand": "pattern",
     "pump": "speed",
     "rotor": "trip",
+    "table": "scale",
     "user_defined": "opening",
 }
 

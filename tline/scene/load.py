@@ -9,6 +9,7 @@ from tline.scene.air_valve import AirValve
 from tline.scene.characteristic import Curve, Diode
 from tline.scene.choice import OneOf
 from tline.scene.element import AtNode
+from tline.scene.ibis.element import Ibis
 from tline.scene.medium import check_word
 from tline.scene.outflow import Demand, Leak
 from tline.scene.quantity import LoadResistance, Pressure
@@ -68,7 +69,7 @@ class Resistor(AtNode):
 
 _Any = (
     NoFlow | Short | Reservoir | Matched | Resistor | Inductor | Capacitor | Series | Parallel
-    | Impedance | Touchstone | Switch
+    | Impedance | Touchstone | Ibis | Switch
     | Orifice | CheckValve | ReliefValve | Leak | Demand | Diode | Curve
     | AirVessel | SurgeTank | Cavity | VapourCavity | AirValve
 )  # fmt: skip

@@ -80,7 +80,7 @@ class MeasuredMultiport(Multiport):
         """Names of the lines of its delays, and of the nodes behind them."""
         return set(self.nodes) - set(self.near)
 
-    def taken_apart(self, own: str) -> tuple[dict[str, SceneLine], "MeasuredMultiport"]:
+    def taken_apart(self, own: str) -> tuple[dict[str, dict[str, SceneLine]], "MeasuredMultiport"]:
         """The lines of its delays, named after its own place, and what is behind them."""
         lines, nodes = {}, list(self.near)
         for k, delay in enumerate(self.delays or ()):
@@ -89,7 +89,7 @@ class MeasuredMultiport(Multiport):
                 lines[nodes[k]] = Cable(**{"nodes": (self.near[k], nodes[k]), "z0": z0, "delay": delay})
         moved = self.model_copy(update={"nodes": tuple(nodes)})
         moved._near = self.near
-        return lines, moved
+        return {"lines": lines}, moved
 
     def ports(self) -> Ports:
         """Its equations: S between waves (u + z0·i)/√z0 and (u - z0·i)/√z0."""

@@ -45,13 +45,13 @@ class RationalImpedance(Element):
         return self
 
 
-def _exact(value: float) -> Fraction:
+def exact(value: float) -> Fraction:
     """The shortest decimal that is this float: what was typed."""
     return Fraction(repr(float(value)))
 
 
 def _as_typed(value: float | str) -> Fraction | float | str:
-    return _exact(value) if isinstance(value, float) and math.isfinite(value) else value
+    return exact(value) if isinstance(value, float) and math.isfinite(value) else value
 
 
 class OneResistance(RationalImpedance):
@@ -60,7 +60,7 @@ class OneResistance(RationalImpedance):
     resistance: PositiveResistance = Field(description="R")
 
     def _find_ratio(self) -> Ratio:
-        return Ratio.of_fractions([_exact(self.resistance)], [1])
+        return Ratio.of_fractions([exact(self.resistance)], [1])
 
 
 class OneInductance(RationalImpedance):
@@ -69,7 +69,7 @@ class OneInductance(RationalImpedance):
     inductance: Inductance = Field(description="L")
 
     def _find_ratio(self) -> Ratio:
-        return Ratio.of_fractions([_exact(self.inductance), 0], [1])
+        return Ratio.of_fractions([exact(self.inductance), 0], [1])
 
 
 class OneCapacitance(RationalImpedance):
@@ -78,7 +78,7 @@ class OneCapacitance(RationalImpedance):
     capacitance: Capacitance = Field(description="C")
 
     def _find_ratio(self) -> Ratio:
-        return Ratio.of_fractions([1], [_exact(self.capacitance), 0])
+        return Ratio.of_fractions([1], [exact(self.capacitance), 0])
 
 
 class _RLC(RationalImpedance):
@@ -87,7 +87,7 @@ class _RLC(RationalImpedance):
     capacitance: Capacitance | None = Field(default=None, description="C")
 
     def _exact_values(self) -> tuple[Fraction | None, Fraction | None, Fraction | None]:
-        r, ind, c = (None if x is None else _exact(x) for x in (self.resistance, self.inductance, self.capacitance))
+        r, ind, c = (None if x is None else exact(x) for x in (self.resistance, self.inductance, self.capacitance))
         if r is ind is c is None:
             raise InputError("", "no element given", "at least one of resistance, inductance and capacitance")
         return r, ind, c
@@ -152,7 +152,7 @@ class AnyImpedance(RationalImpedance):
         from passivity import ExpressionError, RationalFunction
 
         try:
-            values = {name: _exact(value) for name, value in self.parameters.items()}
+            values = {name: exact(value) for name, value in self.parameters.items()}
             return RationalFunction.from_expression(expression, values)
         except ExpressionError as error:
             at, _, name = error.where.partition("parameter ")

@@ -29,6 +29,7 @@ from tline.scene.coupled import Coupled, single_lines
 from tline.scene.display import as_html, as_text, drawn
 from tline.scene.element import Element, Name
 from tline.scene.heights import Height, heights_of
+from tline.scene.ibis.element import Ibis
 from tline.scene.law import FACTORS, ElementLaw, NonLinear
 from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.link import Link
@@ -148,6 +149,7 @@ class Scene(Element):
     rating: Effort | None = Field(default=None, description="largest pressure or voltage that all lines are made for")
 
     _folder: Folder = PrivateAttr(default=Folder())
+    _parts: set[tuple[str, str]] = PrivateAttr(default_factory=set)  # of elements from files, by section and name
 
     def __init__(self, folder: str | Folder = ".", progress: bool = False, /, **data: Any) -> None:
         """Validate everything and collect all mistakes."""
@@ -182,25 +184,31 @@ class Scene(Element):
         self._folder = folder
 
     @model_validator(mode="after")
-    def _put_delays_in_front(self):
-        """Make each delay of measured loads and multiports a line between their node and one of its own."""
-        for (part, name), element in self.measured.items():
+    def _take_apart(self):
+        """Put what elements from files are made of beside them: lines of delays, tables and packages of drivers."""
+        for (part, name), element in self.composed.items():
             own = place(part, name)
             elements: dict[str, Any] = self.loads if part == "loads" else self.links
-            lines, elements[name] = element.taken_apart(own)
-            taken = {*self.lines, *(node for line in self.lines.values() for node in line.nodes)}
-            for line in lines.keys() & taken:
-                raise InputError("lines", f"a name that the delay of {own} takes", "another name", f"'{line}'")
-            self.lines.update(lines)
+            taken = {node for line in self.lines.values() for node in line.nodes}
+            parts, elements[name] = element.taken_apart(own)
+            for section, made in parts.items():
+                there: dict[str, Any] = getattr(self, section)
+                for other in made.keys() & (there.keys() | taken):
+                    raise InputError(section, f"a name that a part of {own} takes", "another name", f"'{other}'")
+                there.update(made)
+                self._parts.update((section, other) for other in made)
         return self
 
     @model_serializer(mode="wrap")
     def _as_given(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Without the lines of delays, which follow from the files."""
+        """Without the parts of elements from files."""
         table = handler(self)
-        for line in self.delay_lines:
-            table.get("lines", {}).pop(line, None)
-        for (part, name), element in self.measured.items():
+        for section, name in self._parts:
+            table.get(section, {}).pop(name, None)
+        for section in {section for section, _ in self._parts}:
+            if not table.get(section, True):
+                del table[section]
+        for (part, name), element in self.composed.items():
             table.get(part, {}).get(name, {})["at" if part == "loads" else "nodes"] = element.near
         return table
 
@@ -314,6 +322,16 @@ class Scene(Element):
     def measured(self) -> dict[tuple[str, str], Touchstone | MeasuredMultiport]:
         """Each load and multiport from a Touchstone file, by section and name."""
         return {at: x for at, x in self.placed if isinstance(x, Touchstone | MeasuredMultiport)}
+
+    @property
+    def composed(self) -> dict[tuple[str, str], Touchstone | MeasuredMultiport | Ibis]:
+        """Each element that a file makes of several others, by section and name."""
+        return {at: x for at, x in self.placed if isinstance(x, Touchstone | MeasuredMultiport | Ibis)}
+
+    @property
+    def parts(self) -> set[tuple[str, str]]:
+        """Those others, by section and name."""
+        return self._parts
 
     @property
     def delay_lines(self) -> set[str]:

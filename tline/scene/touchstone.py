@@ -79,14 +79,14 @@ class Touchstone(Rational):
         """Name of the line of its delay, and of the node behind it."""
         return {self.at} - {self.near}
 
-    def taken_apart(self, own: str) -> tuple[dict[str, SceneLine], "Touchstone"]:
+    def taken_apart(self, own: str) -> tuple[dict[str, dict[str, SceneLine]], "Touchstone"]:
         """The line of its delay, named after its own place, and what is behind it."""
         if not self._model.delay:
             return {}, self
         line = Cable(**{"nodes": (self.near, own), "z0": self.z0, "delay": self._model.delay})
         moved = self.model_copy(update={"at": own})
         moved._near = self.near
-        return {own: line}, moved
+        return {"lines": {own: line}}, moved
 
 
 @lru_cache(maxsize=64)

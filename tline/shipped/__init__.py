@@ -84,7 +84,9 @@ class Examples(Mapping[str, Scene]):
             There is no scene of that name, or a file that would be overwritten, or the folder cannot be written.
         """
         text = self.path(name).read_text(encoding="utf-8")
-        named = [path for path in FOLDER.iterdir() if path.suffix in (".csv", ".s1p", ".s2p") and path.name in text]
+        named = [
+            path for path in FOLDER.iterdir() if path.suffix in (".csv", ".ibs", ".s1p", ".s2p") and path.name in text
+        ]
         written = [Path(folder, path.name) for path in (self.path(name), *named)]
         for path in written:
             if path.exists():

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.frequency.response import source_named
+from tline.scene.ibis.element import Ibis
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
 from tline.units import to_si
@@ -73,7 +74,7 @@ def eye(
     scene: Scene,
     probe: str,
     period: float | str,
-    rise: float | str,
+    rise: float | str | None = None,
     bits: str = "prbs7",
     *,
     source: str | None = None,
@@ -82,19 +83,21 @@ def eye(
     tol: float | None = None,
     progress: bool = False,
 ) -> Eye:
-    """Drive a source with a bit pattern, and measure the eye at a probe; other sources do what they do.
+    """Drive a source, or a driver of an IBIS file, with a bit pattern, and measure the eye at a probe.
 
     Parameters
     ----------
     scene : Scene
     probe : str
         Name of the probe.
-    period, rise : float or str
-        Time of a bit, and of a change from level to level, straight, which begins with the bit; s.
+    period : float or str
+        Time of a bit, s.
+    rise : float or str, optional
+        Time of a change from level to level, straight, which begins with the bit, s; a driver has edges of its own.
     bits : str
         Zeros and ones, at least one of each, at most 4096; or "prbs7".
     source : str, optional
-        Name of the source; not needed if there is one only.
+        Name of the source, or of the load that is a driver; not needed if there is one only.
     low, high : float or str
         Levels of zero and one, of the source's quantity.
     tol : float, optional
@@ -125,19 +128,40 @@ def eye(
     """
     if probe not in scene.probes:
         raise InputError("probe", "no such probe", nearest(probe, list(scene.probes)), shown(probe))
-    name, pattern = source_named(scene, source), _pattern(bits)
-    T, edge = to_si(period, "s", "period"), to_si(rise, "s", "rise")
+    pattern, T = _pattern(bits), to_si(period, "s", "period")
     if not 0 < T < np.inf:
         raise InputError("period", "not above zero", "a time", shown(period))
-    if not 0 < edge <= T:
-        raise InputError("rise", "not a time within a bit", f"above zero, at most {T:g} s", shown(rise))
-    table = scene.table()
-    points = _points(np.tile(pattern, 2), T, edge, low, high)
-    table["sources"][name]["value"] = {"shape": "piecewise linear", "points": points}
-    table |= {"t_end": 2 * len(pattern) * T, "start": "rest", "probes": {probe: table["probes"][probe]}}
+    table, driver = scene.table(), _driver(scene, source)
+    if driver is None:
+        if rise is None:
+            raise InputError("rise", "is missing", "the time of a change from level to level")
+        points = _points(np.tile(pattern, 2), T, _edge(rise, T), low, high)
+        table["sources"][source_named(scene, source)]["value"] = {"shape": "piecewise linear", "points": points}
+    else:
+        if rise is not None:
+            raise InputError("rise", f"'{driver}' has edges of its own", "none")
+        table["loads"][driver] |= {"bits": 2 * "".join("1" if bit else "0" for bit in pattern), "bit": T, "begin": 0.0}
+    start = "rest" if driver is None else scene.start
+    table |= {"t_end": 2 * len(pattern) * T, "start": start, "probes": {probe: table["probes"][probe]}}
     seen = simulate(scene.with_changes(**table), tol=tol, progress=progress).probes[probe]
     t = T * (len(pattern) + np.arange(len(pattern) * FINE) / FINE)
     return _measured(pattern, T, seen.at(t).u.reshape(-1, FINE))
+
+
+def _driver(scene: Scene, name: str | None) -> str | None:
+    """The driver of that name, or the only one where there is no source beside it; None if a source is meant."""
+    drivers = [own for own, load in scene.loads.items() if isinstance(load, Ibis) and load.bits is not None]
+    if name is None and len(drivers) == 1 and all(("sources", own) in scene.parts for own in scene.sources):
+        return drivers[0]
+    return name if name in drivers else None
+
+
+def _edge(rise: float | str, T: float) -> float:
+    """Time of a change, within a bit."""
+    edge = to_si(rise, "s", "rise")
+    if not 0 < edge <= T:
+        raise InputError("rise", "not a time within a bit", f"above zero, at most {T:g} s", shown(rise))
+    return edge
 
 
 def _pattern(bits: str) -> NDArray:

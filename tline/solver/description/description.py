@@ -93,7 +93,7 @@ class Description:
     def _touched(self, scene: Scene, values: Iterable[str]) -> set[str] | None:
         """Nodes whose loads or sources have other values in a changed scene; None where more than these changes."""
         paths = [parts_of(path) for path in values]
-        if scene.measured or self.stretches:
+        if scene.composed or self.stretches:
             return None
         if not all(path[0] in ("loads", "sources") and len(path) > SINGLE for path in paths):
             return None

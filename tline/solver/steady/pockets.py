@@ -49,6 +49,8 @@ def held_drops(elements: Elements) -> tuple[NDArray, NDArray]:
         elif name in ("relief", "leak", "demand"):
             least = c[2] if name == "relief" else 0.0
             low[e], high[e] = -np.inf, c[0] + least if factor else np.inf
+        elif name == "table" and not factor:
+            low[e], high[e] = -np.inf, np.inf
         elif name == "table":
             drops, flows = np.split(c[2 : 2 + 2 * int(c[1])], 2)
             still = drops[flows == 0]

@@ -18,6 +18,7 @@ from tline.solver.radau import Basis, basis
 from tline.solver.result.result import Result, Wave
 from tline.solver.run import Kinks
 
+CURVED = 16  # points from which on a table is taken as a curve: narrower slabs cost less than fronts at all corners
 MOST = 2000  # instants of an element; where there are more, none is followed
 STEPS, STEP = 8, 1e-4  # of Newton's method, and for its slopes, in pieces
 OVER = 1.5  # pieces, to which a neighbour is continued
@@ -69,10 +70,10 @@ def _bends(element: PlacedLaw, rho: float) -> Iterator[Bend]:
         yield Bend(c[0])
     if kind == "demand":
         yield Bend(c[0] + c[2], rho * c[1])
-    if kind == "table":
+    if kind == "table" and c[1] < CURVED:
         n = int(c[1])
         for e, i in list(zip(c[2 : 2 + n], c[2 + n : 2 + 2 * n], strict=True))[1:-1]:
-            yield Bend(c[0] + e + rho * i)
+            yield Bend(c[0] + e, rho * i)
     if kind == "relief":
         yield Bend(c[0] + c[2])
         yield Bend(c[0] + c[2] + c[3], rho * c[1] * sqrt(c[2] + c[3]))

@@ -1,4 +1,7 @@
-"""Table: straight lines through points. Constants: effort beyond the element, number n, n efforts, n flows."""
+"""Table: straight lines through points, all flows scaled by the control signal.
+
+Constants: effort beyond the element, number n, n efforts, n flows.
+"""
 
 from tline.solver.kernel.laws.sampled import sampled
 from tline.solver.kernel.network import Crossing
@@ -6,24 +9,24 @@ from tline.unit import function, unit
 
 
 @function
-def tabled(c, place, _, d, z):
-    """Flow i and di/dd where d = u + z i, and (u, i) lies on straight lines through points, continued beyond."""
-    at, n = place + 2, int(c[place + 1])
+def tabled(c, place, scale, d, z):
+    """Flow i and di/dd where d = u + z i, and (u, i/scale) lies on straight lines through points, continued beyond."""
+    at, n, k = place + 2, int(c[place + 1]), max(scale, 0.0)
     low, high = 0, n - 1
     while high - low > 1:
         middle = (low + high) // 2
-        if c[at + middle] + z * c[at + n + middle] <= d:
+        if c[at + middle] + z * k * c[at + n + middle] <= d:
             low = middle
         else:
             high = middle
-    start, stop = c[at + low] + z * c[at + n + low], c[at + high] + z * c[at + n + high]
-    rise = c[at + n + high] - c[at + n + low]
+    first, last = k * c[at + n + low], k * c[at + n + high]
+    start, stop = c[at + low] + z * first, c[at + high] + z * last
     if stop <= start:
-        return c[at + n + low], 0.0
-    slope = rise / (stop - start)
+        return first, 0.0
+    slope = (last - first) / (stop - start)
     if d - start < stop - d:
-        return c[at + n + low] + slope * (d - start), slope
-    return c[at + n + high] - slope * (stop - d), slope
+        return first + slope * (d - start), slope
+    return last - slope * (stop - d), slope
 
 
 @unit

@@ -1,0 +1,243 @@
+"""A model of an IBIS file at one corner, as numbers: tables of voltage and current, capacitance, edges, package."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.ibis.text import Section, at_corner, number_of, sections_of, table_of
+from tline.scene.text_file import read_text
+from tline.wording import nearest, shown
+
+TABLES = ("pullup", "pulldown", "power clamp", "gnd clamp")
+FIXTURE = ("r_fixture", "v_fixture", "c_fixture", "l_fixture", "r_dut", "l_dut", "c_dut")
+WORDS = frozenset((*FIXTURE, "v_fixture_min", "v_fixture_max"))
+OPEN = {"open_drain", "open_sink", "open_source"}
+DRIVING = {"output", "3-state", "i/o", *OPEN, *(f"i/o_{word}" for word in OPEN)}
+ALWAYS = {"output", *OPEN}  # types that cannot be switched off
+LEFT_OUT = ("submodel", "add submodel", "driver schedule", "external model", "algorithmic model", "series current")
+
+
+class Table(NamedTuple):
+    """Current into the component over a voltage that counts from a reference, upwards or downwards."""
+
+    reference: float  # V
+    downwards: bool  # whether the voltage is the reference's less the die's, as of what leads to a supply
+    volts: NDArray
+    amps: NDArray
+
+    def current(self, u: NDArray) -> NDArray:
+        """Current at a voltage of the die, the outer straight lines continued."""
+        v = self.reference - u if self.downwards else u - self.reference
+        k = np.clip(np.searchsorted(self.volts, v) - 1, 0, len(self.volts) - 2)
+        slope = (self.amps[k + 1] - self.amps[k]) / (self.volts[k + 1] - self.volts[k])
+        return self.amps[k] + slope * (v - self.volts[k])
+
+
+class Waveform(NamedTuple):
+    """Voltage of the die over time after an edge, into a resistance toward a voltage."""
+
+    rises: bool
+    resistance: float
+    toward: float
+    capacitance: float
+    t: NDArray
+    u: NDArray
+
+
+class Buffer(NamedTuple):
+    """One model at one corner."""
+
+    name: str
+    kind: str  # type, in small letters
+    capacitance: float  # of the die
+    supply: float
+    tables: dict[str, Table]
+    ramps: dict[bool, float]  # time of a whole swing, of rises and falls
+    waveforms: list[Waveform]
+    package: tuple[float, float, float]  # R, L, C
+    notes: list[str]
+
+
+def read_buffer(path: Path, model: str | None, pin: str | None, component: str | None, corner: str) -> Buffer:
+    """A model by its name, or that of a pin, at a corner.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, has no such model or pin, or the model is of a type that is not known here.
+    """
+    sections = sections_of(read_text(path, "file", legacy=True))
+    package = _package(_component(sections, component), corner, pin)
+    name = model or _model_of(sections, component, pin)
+    return _buffer(_own(sections, "model", name, "model"), corner, package)
+
+
+def _own(sections: Sequence[Section], keyword: str, name: str | None, key: str) -> list[Section]:
+    """A keyword of that name, and those up to the next of its kind."""
+    ends = ("component", "model", "model selector", "submodel", "define package model", "external circuit", "end")
+    begins = [k for k, each in enumerate(sections) if each.keyword == keyword]
+    names = [" ".join(sections[k].words[:1]) for k in begins]
+    if name is None and len(begins) > 1:
+        raise InputError(key, "is missing", " or ".join(map(repr, names[:6])))
+    if not begins or (name is not None and name not in names):
+        raise InputError(key, f"no such [{keyword.title()}] in the file", nearest(name or "", names), shown(name))
+    first = begins[0 if name is None else names.index(name)]
+    last = next((k for k in range(first + 1, len(sections)) if sections[k].keyword in ends), len(sections))
+    return list(sections[first:last])
+
+
+def _component(sections: Sequence[Section], component: str | None) -> list[Section]:
+    if component is None and not any(each.keyword == "component" for each in sections):
+        return []
+    several = sum(each.keyword == "component" for each in sections) > 1
+    return [] if component is None and several else _own(sections, "component", component, "component")
+
+
+def _rows_of_pins(own: Sequence[Section]) -> dict[str, tuple[int, list[str], list[str]]]:
+    """Line, words and columns of each pin."""
+    for each in own:
+        if each.keyword == "pin":
+            return {row[0]: (line, row, [word.lower() for word in each.words]) for line, row in each.rows}
+    return {}
+
+
+def _model_of(sections: Sequence[Section], component: str | None, pin: str | None) -> str | None:
+    """Name of the model at a pin; None if no pin is named."""
+    if pin is None:
+        return None
+    pins = _rows_of_pins(_own(sections, "component", component, "component"))
+    if pin not in pins:
+        raise InputError("pin", "no such pin in the file", nearest(pin, list(pins)), shown(pin))
+    _, row, _ = pins[pin]
+    name = row[2] if len(row) > 2 else ""
+    for each in sections:
+        if each.keyword == "model selector" and each.words[:1] == [name]:
+            names = [words[0] for _, words in each.rows]
+            raise InputError("model", f"pin {shown(pin)} has several", " or ".join(map(repr, names[:6])), "none chosen")
+    return name
+
+
+def _package(own: Sequence[Section], corner: str, pin: str | None) -> tuple[float, float, float]:
+    """R, L and C of a pin, or of the package where they are not known of the pin."""
+    found = [0.0, 0.0, 0.0]
+    for each in own:
+        if each.keyword == "package":
+            for k, name in enumerate(("R_pkg", "L_pkg", "C_pkg")):
+                if row := each.find(name):
+                    found[k] = at_corner(row[1], corner, row[0])
+    if pin is not None and pin in (pins := _rows_of_pins(own)):
+        line, row, columns = pins[pin]
+        for k, name in enumerate(("r_pin", "l_pin", "c_pin")):
+            at = columns.index(name) + 1 if name in columns else len(row)
+            if at < len(row) and row[at].upper() != "NA":
+                found[k] = number_of(row[at], line)
+    if min(found) < 0:
+        raise InputError("file", "R, L or C of the package is negative", "zero or more", f"{min(found):g}")
+    return found[0], found[1], found[2]
+
+
+def _buffer(own: Sequence[Section], corner: str, package: tuple[float, float, float]) -> Buffer:
+    """A model from its keywords."""
+    head, notes = own[0], [f"[{each.keyword.title()}] is left out" for each in own if each.keyword in LEFT_OUT]
+    kind = head.find("Model_type")
+    kind = kind[1][0].lower() if kind and kind[1] else ""
+    if kind not in DRIVING | {"input"}:
+        raise InputError("model", "a type that is not known here", ", ".join(sorted(DRIVING | {"input"})), shown(kind))
+    row = head.find("C_comp")
+    if row is None:
+        raise InputError("file", f"line {head.line}: the model has no C_comp", "C_comp and its capacitance")
+    capacitance = at_corner(row[1], corner, row[0])
+    if capacitance <= 0:
+        raise InputError("file", f"line {row[0]}: C_comp is not above zero", "a capacitance", " ".join(row[1]))
+    volts = {each.keyword: at_corner(each.words, corner, each.line) for each in own if _is_voltage(each)}
+    supply = volts.get("voltage range", volts.get("pullup reference"))
+    if supply is None:
+        raise InputError("file", f"line {head.line}: the model has no supply", "[Voltage Range]")
+    references = {
+        "pullup": volts.get("pullup reference", supply),
+        "pulldown": volts.get("pulldown reference", 0.0),
+        "power clamp": volts.get("power clamp reference", supply),
+        "gnd clamp": volts.get("gnd clamp reference", 0.0),
+    }
+    tables = {
+        each.keyword: _table(each, corner, references[each.keyword], notes) for each in own if each.keyword in TABLES
+    }
+    ramps = next((_ramps(each, corner) for each in own if each.keyword == "ramp"), {})
+    edges = ("rising waveform", "falling waveform")
+    waveforms = [_waveform(each, corner, notes) for each in own if each.keyword in edges]
+    name = head.words[0] if head.words else ""
+    return Buffer(name, kind, capacitance, supply, tables, ramps, waveforms, package, list(dict.fromkeys(notes)))
+
+
+def _is_voltage(section: Section) -> bool:
+    return section.keyword == "voltage range" or section.keyword in {f"{name} reference" for name in TABLES}
+
+
+def _table(section: Section, corner: str, reference: float, notes: list[str]) -> Table:
+    """A table whose current grows with the voltage toward its reference: the nearest such one."""
+    rows = sorted(dict(table_of(section, corner)).items())
+    volts, amps = np.array(rows).T
+    if len(rows) < 2:
+        raise InputError("file", f"line {section.line}: [{section.keyword}] has one voltage only", "two or more")
+    downwards = section.keyword in ("pullup", "power clamp")
+    sign = -1.0 if downwards else 1.0
+    rising = sign * _monotone(sign * amps)
+    off = float(np.abs(rising - amps).max())
+    if off > 0:
+        notes.append(
+            f"[{section.keyword.title()}] does not rise throughout: taken as the nearest that does, within {off:.2g} A"
+        )
+    return Table(reference, downwards, volts, rising)
+
+
+def _monotone(y: NDArray) -> NDArray:
+    """The nearest values that do not fall, by pooling neighbours that do (least squares).
+
+    Examples
+    --------
+    >>> _monotone(np.array([0.0, 2.0, 1.0, 3.0])).tolist()
+    [0.0, 1.5, 1.5, 3.0]
+    """
+    pools: list[tuple[float, int]] = []
+    for value in y.tolist():
+        pools.append((value, 1))
+        while len(pools) > 1 and pools[-2][0] > pools[-1][0]:
+            (a, m), (b, n) = pools[-2:]
+            pools[-2:] = [((a * m + b * n) / (m + n), m + n)]
+    return np.repeat([value for value, _ in pools], [count for _, count in pools])
+
+
+def _ramps(section: Section, corner: str) -> dict[bool, float]:
+    """Times of whole swings from those between 20 and 80 percent."""
+    found = {}
+    for name, rises in (("dV/dt_r", True), ("dV/dt_f", False)):
+        if row := section.find(name):
+            line, words = row
+            k = ("typ", "min", "max").index(corner)
+            word = words[k] if k < len(words) and words[k].upper() != "NA" else words[0] if words else ""
+            _, _, duration = word.partition("/")
+            time = number_of(duration, line)
+            if time <= 0:
+                raise InputError("file", f"line {line}: an edge takes no time", "volts over seconds", shown(word))
+            found[rises] = time / 0.6
+    return found
+
+
+def _waveform(section: Section, corner: str, notes: list[str]) -> Waveform:
+    """A table of voltage over time with its fixture."""
+    known = {name: section.find(name) for name in FIXTURE}
+    value = {name: number_of(row[1][0], row[0]) if row and row[1] else 0.0 for name, row in known.items()}
+    if (row := section.find(f"v_fixture_{corner}")) and row[1] and row[1][0].upper() != "NA":
+        value["v_fixture"] = number_of(row[1][0], row[0])
+    if value["r_fixture"] <= 0:
+        raise InputError("file", f"line {section.line}: a waveform without R_fixture", "R_fixture = and a resistance")
+    notes += [f"{name} of a waveform is left out" for name in FIXTURE[3:] if value[name]]
+    t, u = np.array(table_of(section, corner, WORDS)).T
+    if (np.diff(t) <= 0).any():
+        raise InputError("file", f"line {section.line}: times of the waveform do not rise", "instants in order")
+    rises = section.keyword == "rising waveform"
+    return Waveform(rises, value["r_fixture"], value["v_fixture"], value["c_fixture"], t, u)

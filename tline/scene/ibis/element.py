@@ -1,0 +1,216 @@
+"""Loads of kind "ibis": the driver or receiver of an IBIS file, made of elements that a scene has."""
+
+import re
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
+
+from tline.errors import InputError
+from tline.scene.characteristic import Curve, CurveLink
+from tline.scene.ibis.buffer import ALWAYS, Buffer, Table, read_buffer
+from tline.scene.ibis.switching import Edge, edge_of, over_time
+from tline.scene.named_file import beside
+from tline.scene.quantity import ZERO, Duration, Time
+from tline.scene.ratio import Ratio
+from tline.scene.rational import exact
+from tline.scene.rational_link import SeriesLink
+from tline.scene.rational_load import Capacitor, Rational
+from tline.scene.shape import Shape
+from tline.scene.source import Source
+from tline.scene.touchstone import electrical
+from tline.wording import shown
+
+LONGEST = 8192  # bits
+Parts = dict[str, dict[str, Any]]  # elements by section and name
+
+
+class Shares(Shape):
+    """Levels at instants, and between them cubics that neither overshoot nor have corners; made, not read from files.
+
+    The slopes at instants are those of F. N. Fritsch and J. Butland (1984).
+    """
+
+    t: tuple[float, ...]
+    level: tuple[float, ...]
+
+    _curve: Callable[[NDArray], NDArray] | None = PrivateAttr(default=None)
+
+    def breaks(self, t_end):  # noqa: D102
+        return np.empty(0)
+
+    def value(self, t, inside):  # noqa: D102
+        if self._curve is None:
+            from scipy.interpolate import PchipInterpolator
+
+            self._curve = PchipInterpolator(self.t, self.level)
+        return self._curve(np.clip(t + 0.0 * inside, self.t[0], self.t[-1]))
+
+    def fastest(self):  # noqa: D102
+        return min(np.diff(self.t))
+
+
+class Ibis(Rational):
+    """A driver or a receiver as its maker publishes it: a model of an IBIS file at one of its corners.
+
+    It becomes the capacitance of the die with tables of current over voltage, to ideal supplies, behind the package.
+    With `bits` the pull-up and pull-down tables are weighed over time, so that the waveforms of the file come out at
+    its fixtures; or in proportion to the ramp where it has no waveforms.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or has no such model, pin or corner; the model cannot drive, or must.
+
+    References
+    ----------
+    ANSI/EIA-656-B, I/O Buffer Information Specification 4.2 and later; IBIS Modeling Cookbook (2005).
+    """
+
+    kind: Literal["ibis"] = "ibis"
+    file: str = Field(description="IBIS file, looked for beside the scene file")
+    model: str | None = Field(default=None, description="name of the model, if the file has several")
+    pin: str | None = Field(default=None, description="pin of the component: its model and its package")
+    component: str | None = Field(default=None, description="name of the component, if the file has several")
+    corner: Literal["typ", "min", "max"] = Field(default="typ", description="column of the file's values")
+    package: bool = Field(default=True, description="whether R, L and C of the package stand in front of the die")
+    bits: str | None = Field(default=None, description="what a driver sends, zeros and ones; without it, it receives")
+    bit: Duration | None = Field(default=None, description="time of a bit")
+    begin: Time = Field(default=ZERO, description="begin of the first bit, which also stands before it")
+    _buffer: Buffer = PrivateAttr()
+    _edges: dict[bool, Edge] = PrivateAttr()
+    _near: str | None = PrivateAttr(default=None)  # node of the pin
+
+    @field_validator("kind")
+    @classmethod
+    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
+        return electrical(kind, info, "kind = 'table'")
+
+    @model_validator(mode="after")
+    def _readable(self, info: ValidationInfo):
+        path = beside(self.file, info)
+        try:
+            stamp = path.stat().st_mtime_ns if path.is_file() else 0
+            self._buffer = _read(path, stamp, self.model, self.pin, self.component, self.corner)
+        except InputError as error:
+            told = f"'{self.file}': {error.problem}" if error.where == "file" else error.problem
+            raise InputError(error.where, told, error.expected, error.got) from None
+        self._edges = self._checked()
+        self._ratio = Ratio.of_fractions([1], [exact(self._buffer.capacitance), 0])
+        return self
+
+    def _checked(self) -> dict[bool, Edge]:
+        """The edges of a driver; none of a receiver."""
+        kind, buffer = self._buffer.kind, self._buffer
+        if self.bits is None:
+            if kind in ALWAYS:
+                raise InputError("bits", f"is missing, for the model is of type '{kind}' and drives", "zeros and ones")
+            if self.bit is not None:
+                raise InputError("bit", "is the time of bits", "bits beside it")
+            return {}
+        if kind == "input":
+            raise InputError("bits", "the model is of type 'input' and cannot drive", "none")
+        if not re.fullmatch(f"[01]{{1,{LONGEST}}}", self.bits):
+            raise InputError("bits", "not a bit pattern", f"zeros and ones, at most {LONGEST:,}", shown(self.bits))
+        if self.bit is None:
+            raise InputError("bit", "is missing", "the time of a bit, such as '1 ns'")
+        if not {"pullup", "pulldown"} & buffer.tables.keys():
+            raise InputError("file", f"model '{buffer.name}' has no table to drive with", "[Pullup] or [Pulldown]")
+        edges = {}
+        for rises in sorted(
+            {after == "1" for before, after in zip(self.bits, self.bits[1:], strict=False) if before != after}
+        ):
+            if not buffer.ramps.get(rises) and not any(each.rises == rises for each in buffer.waveforms):
+                word = "rising" if rises else "falling"
+                raise InputError(
+                    "file", f"model '{buffer.name}' has no {word} edge", f"[Ramp], or a [{word.title()} Waveform]"
+                )
+            edges[rises] = edge_of(buffer, rises)
+        return edges
+
+    @property
+    def near(self) -> str:
+        """The node that the scene names, whatever the package."""
+        return self._near or self.at
+
+    @property
+    def summary(self) -> str:
+        """What the file's model is, and what was left out of it, in one line."""
+        buffer = self._buffer
+        told = [f"{self.file}, model {buffer.name} ({buffer.kind}, {self.corner})"]
+        if self._edges:
+            longest = max(float(edge.t[-1]) for edge in self._edges.values())
+            told.append(
+                f"edges end within {longest:.3g} s, " + ("with" if buffer.waveforms else "ramps without") + " waveforms"
+            )
+            worst = max(edge.misfit for edge in self._edges.values())
+            if worst > 0.02:
+                told.append(f"waveforms and tables differ at their ends by {worst:.0%} of a table")
+        return "; ".join([*told, *buffer.notes])
+
+    def taken_apart(self, own: str) -> tuple[Parts, "Ibis"]:
+        """What else it is made of, named after its own place, and the capacitance of its die."""
+        name = own.partition(".")[2].strip('"')
+        R, L, C = self._buffer.package if self.package else (0.0, 0.0, 0.0)
+        die = die_of(name) if R or L else self.at
+        parts: Parts = {"sources": {}, "loads": {}, "links": {}}
+        if R or L:
+            values = {key: value for key, value in (("resistance", R), ("inductance", L)) if value}
+            parts["links"][f"{name}, package"] = SeriesLink(**{"nodes": (self.at, die), **values})
+        if C:
+            parts["loads"][f"{name}, package"] = Capacitor(**{"at": self.at, "capacitance": C})
+        scales = self._scales()
+        for key, table in self._buffer.tables.items():
+            if key in ("pullup", "pulldown") and key not in scales:
+                continue
+            _place(parts, f"{name}, {key}", table, die, scales.get(key))
+        moved = self.model_copy(update={"at": die})
+        moved._near = self.at
+        return parts, moved
+
+    def _scales(self) -> dict[str, Shares]:
+        """Shares of the driving tables over time; none of a receiver."""
+        if self.bits is None or self.bit is None:
+            return {}
+        bits = [bit == "1" for bit in self.bits]
+        begin = float(self.begin)
+        instants = [(begin + k * float(self.bit), bits[k]) for k in range(1, len(bits)) if bits[k] != bits[k - 1]]
+        shares = over_time(bits[0], self._edges, instants)
+        return {
+            key: _corners(*shares[short], bits[0] == (short == "up"))
+            for key, short in (("pullup", "up"), ("pulldown", "down"))
+        }
+
+
+def die_of(name: str) -> str:
+    """The node between the package of a load and its die."""
+    return f"{name}, die"
+
+
+def _corners(t: np.ndarray, level: np.ndarray, high: bool) -> Shares:
+    if not len(t):
+        t, level = np.arange(2.0), np.full(2, float(high))
+    return Shares(t=tuple(t.tolist()), level=tuple(level.tolist()))
+
+
+def _place(parts: Parts, name: str, table: Table, die: str, scale: Shares | None) -> None:
+    """A table between the die and its reference: a load if that is earth, else a link from a source of its own."""
+    scaled = {} if scale is None else {"scale": scale}
+    if not table.downwards and table.reference == 0:
+        points = list(zip(table.volts.tolist(), table.amps.tolist(), strict=True))
+        parts["loads"][name] = Curve(**{"at": die, "points": points}).model_copy(update=scaled)
+        return
+    parts["sources"][name] = Source(**{"at": name, "kind": "voltage", "value": table.reference})
+    ends, sign = ((name, die), -1.0) if table.downwards else ((die, name), 1.0)
+    points = list(zip(table.volts.tolist(), (sign * table.amps).tolist(), strict=True))
+    parts["links"][name] = CurveLink(**{"nodes": ends, "points": points}).model_copy(update=scaled)
+
+
+@lru_cache(maxsize=64)
+def _read(path: Path, stamp: int, *asked: Any) -> Buffer:
+    """A model; `stamp` is when the file was written, for a scene is read several times."""
+    return read_buffer(path, *asked)

@@ -1,0 +1,124 @@
+"""The keywords of an IBIS file, with the words of the lines below each."""
+
+import re
+from collections.abc import Sequence
+from math import inf, isfinite
+from typing import NamedTuple
+
+from tline.errors import InputError
+from tline.wording import shown
+
+SCALES = {"T": 1e12, "G": 1e9, "M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12, "f": 1e-15, "": 1.0}
+NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)([TGMkmunpf]?)[A-Za-z]*", re.ASCII)
+KEYWORD = re.compile(r"\[([^\[\]]*)\](.*)")
+MISSING = "NA"  # in place of a number
+CORNERS = ("typ", "min", "max")
+LARGEST = 1e30
+MOST_ROWS = 100_000  # below one keyword
+
+
+class Section(NamedTuple):
+    """A keyword, the words behind it, and the lines below it: their numbers in the file and their words."""
+
+    keyword: str  # in small letters, words apart by one space
+    line: int
+    words: list[str]
+    rows: list[tuple[int, list[str]]]
+
+    def find(self, name: str) -> tuple[int, list[str]] | None:
+        """Line and words behind a name that begins a line, as `C_comp 1pF` or `R_load = 50`."""
+        for line, words in self.rows:
+            if words and words[0].lower() == name.lower():
+                return line, words[1:]
+        return None
+
+
+def sections_of(text: str) -> list[Section]:
+    """The keywords of a file in their order.
+
+    Raises
+    ------
+    InputError
+        There are none, or one has too many lines.
+
+    Examples
+    --------
+    >>> sections_of("[Model] DQ | of memory\\nModel_type I/O\\nC_comp = 1pF NA 2pF")[0].rows
+    [(2, ['Model_type', 'I/O']), (3, ['C_comp', '1pF', 'NA', '2pF'])]
+    """
+    found: list[Section] = []
+    comment = "|"
+    for number, raw in enumerate(text.splitlines(), 1):
+        line = raw.partition(comment)[0].strip()
+        if matched := KEYWORD.fullmatch(line):
+            keyword = " ".join(matched[1].replace("_", " ").lower().split())
+            if keyword == "comment char":
+                comment = raw.partition("]")[2].strip()[:1] or comment
+            found.append(Section(keyword, number, matched[2].split(), []))
+        elif line and found:
+            found[-1].rows.append((number, line.replace("=", " ").split()))
+            if len(found[-1].rows) > MOST_ROWS:
+                raise InputError(
+                    "file", f"line {number}: too many lines below [{found[-1].keyword}]", f"at most {MOST_ROWS:,}"
+                )
+    if not any(section.keyword == "ibis ver" for section in found):
+        raise InputError("file", "is no IBIS file", "one that begins with [IBIS Ver]")
+    return found
+
+
+def number_of(word: str, line: int) -> float:
+    """A number with a letter for its scale and perhaps a unit.
+
+    Raises
+    ------
+    InputError
+        It is none, or too large.
+
+    Examples
+    --------
+    >>> number_of("2.5pF", 1), number_of("-40mA", 1), number_of("1.8V", 1)
+    (2.5e-12, -0.04, 1.8)
+    """
+    matched = NUMBER.fullmatch(word)
+    value = float(matched[1]) * SCALES[matched[2]] if matched else inf
+    if not (isfinite(value) and abs(value) < LARGEST):
+        raise InputError("file", f"line {line}: not a number", "such as 2.5pF", shown(word))
+    return value
+
+
+def at_corner(words: Sequence[str], corner: str, line: int) -> float:
+    """That of typical, smallest and largest value; the typical one where the other is not known.
+
+    Raises
+    ------
+    InputError
+        There is no typical value.
+
+    Examples
+    --------
+    >>> at_corner(["1pF", "NA", "2pF"], "min", 1), at_corner(["1pF"], "max", 1)
+    (1e-12, 1e-12)
+    """
+    k = CORNERS.index(corner)
+    chosen = words[k] if k < len(words) and words[k].upper() != MISSING else words[0] if words else MISSING
+    if chosen.upper() == MISSING:
+        raise InputError("file", f"line {line}: there is no typical value", "a number", " ".join(words) or "none")
+    return number_of(chosen, line)
+
+
+def table_of(section: Section, corner: str, words: frozenset[str] = frozenset()) -> list[tuple[float, float]]:
+    """Rows of a table: what stands in its first column, and the value at a corner; rows that name values are skipped.
+
+    Raises
+    ------
+    InputError
+        A row is no such one, or there are fewer than two.
+    """
+    rows = []
+    for line, row in section.rows:
+        if row[0].lower() in words:
+            continue
+        rows.append((number_of(row[0], line), at_corner(row[1:], corner, line)))
+    if len(rows) < 2:
+        raise InputError("file", f"line {section.line}: [{section.keyword}] has too few rows", "two or more")
+    return rows
