@@ -33,10 +33,11 @@ def carried(line: LossyLine, z0: float, s: NDArray) -> tuple[NDArray, NDArray]:
     ----------
     D. M. Pozar, Microwave Engineering, 4th ed., Wiley 2012, table 4.2.
     """
-    total = line.gamma(s) * line.length
+    series, shunt = line.series.at(s), line.shunt.at(s)
+    total = np.sqrt(series) * np.sqrt(shunt) * line.length
     fallen = np.exp(-total)
     shape = _shape(total) * line.length  # sinh(Γl)/Γ exp(-Γl)
-    b, c = line.series.at(s) * shape / z0, line.shunt.at(s) * shape * z0
+    b, c = series * shape / z0, shunt * shape * z0
     whole = 1 + fallen**2 + b + c
     return 2 * fallen / whole, (b - c) / whole
 

@@ -140,12 +140,11 @@ class Scattering:
 
     def returned(self, s: NDArray) -> NDArray:
         """What comes back of the waves that arrive, P S, shape (n, ends, ends) for s of shape (n,)."""
-        return self.sent_back(s, self.answered(self.balances(s)))
+        return self.sent_back(*self.carried(s), self.answered(self.balances(s)))
 
-    def sent_back(self, s: NDArray, answers: Iterable[Parts]) -> NDArray:
-        """The same from the nodes' answers."""
-        matrix = np.zeros((len(s), self.size, self.size), complex)
-        across, back = self.carried(s)
+    def sent_back(self, across: NDArray, back: NDArray, answers: Iterable[Parts]) -> NDArray:
+        """The same from what lines carry and the nodes' answers."""
+        matrix = np.zeros((len(across), self.size, self.size), complex)
         for nodes, p, W in answers:
             ends = np.concatenate([self.ends[node] for node in nodes])
             at = np.repeat(np.arange(len(nodes)), [len(self.ends[node]) for node in nodes])
