@@ -22,6 +22,12 @@ EPS = float(np.finfo(float).eps)
 ROUNDING = 1e3 * EPS ** (PADDED / (PADDED + 1))  # of the largest value: what wraps around, and rounding
 
 
+def derivative(basis: Basis, zeta: NDArray) -> tuple[NDArray, NDArray]:
+    """Eigenvalues of D, shape (n, s), and its eigenvectors, at n places ζ."""
+    inverse, last = np.linalg.inv(basis.A), np.eye(basis.s)[-1]
+    return np.linalg.eig(inverse - zeta[:, None, None] * np.outer(inverse.sum(axis=1), last))
+
+
 class Quadrature:
     """Transforms of values at the Radau points of n slabs of width h.
 
@@ -47,10 +53,9 @@ class Quadrature:
         radius = EPS ** (1 / (n * (PADDED + 1)))  # what wraps around is then as small as rounding makes the last slabs
         self.decay = radius ** np.arange(n)
         zeta = radius * np.exp(-2j * np.pi * np.arange(self.length // 2 + 1) / self.length)
-        inverse, last = np.linalg.inv(basis.A), np.eye(basis.s)[-1]
-        derivative = inverse - zeta[:, None, None] * np.outer(inverse.sum(axis=1), last)
-        rates, self._from_eigen = np.linalg.eig(derivative)
+        rates, self._from_eigen = derivative(basis, zeta)
         self.points: NDArray = rates.ravel() / h  # where transfer functions are needed, 1/s
+        self.late: NDArray = (-np.log(zeta)[:, None] - rates).ravel()  # of a slab, what its delay is beyond sh
 
     @cached_property
     def _to_eigen(self) -> NDArray:

@@ -5,19 +5,19 @@ with what its sources add to theirs, and laws of lines are what they are in s: n
 """
 
 import time
-from functools import cached_property
 from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.assembly.fronts import Tally
+from tline.solver.convolution.passive import gain
 from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import Waveform
 from tline.solver.description.families import Changes, changes_of, family_of, leads
 from tline.solver.description.given import Shape
-from tline.solver.description.resolution import Resolution
+from tline.solver.description.resolution import WHOLE, Resolution
 from tline.solver.loop.march import Noted
 from tline.solver.loop.superposed import summed
 from tline.solver.radau import Basis, basis
@@ -26,6 +26,8 @@ from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, 
 from tline.solver.stability.answers import answers
 from tline.solver.stability.scattering import Scattering
 from tline.solver.steady.steady_state import Before, above_level, rest
+
+MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
 
 
 class Convolved:
@@ -46,11 +48,6 @@ class Convolved:
     def changes(self) -> list[Changes]:
         """Of all waveforms at nodes."""
         return [changes for parts in (*self.held, *self.flows) for changes, _ in parts]
-
-    @cached_property
-    def jumps(self) -> bool:
-        """Whether a source does."""
-        return any(bool(changes.jump.any()) for changes in self.changes)
 
     def leads(self, h: float) -> NDArray:
         """By how many slabs of width h slabs have to begin earlier, so that each front is once at an edge."""
@@ -111,9 +108,8 @@ class Convolved:
                     values[:, :, row] += share * part(changes).value(t, inside)
             return rule.forward(values)
 
-        arriving, efforts = answers(
-            self.network, rule.points * self.network.second, driven(self.held), driven(self.flows)
-        )
+        s, late = rule.points * self.network.second, np.outer(rule.late, self._whole(order, h))
+        arriving, efforts = answers(self.network, s, driven(self.held), driven(self.flows), late)
         numbers = {name: j for j, name in enumerate(self.description.lines)}
         ends = np.array([2 * numbers[name] + side for name in self.lines for side in (0, 1)], int)
         at = {int(end): node for node, each in enumerate(self.network.ends) for end in each}
@@ -121,6 +117,14 @@ class Convolved:
         arrives = rule.backward(np.hstack([arriving[:, ends], efforts[:, probed]]))
         u = rule.backward(efforts[:, [*(at[end] for end in ends.tolist()), *probed]])
         return np.stack([arrives, 2 * u - arrives]).transpose(3, 0, 1, 2).reshape(-1, 2, rule.n * order.s)
+
+    def _whole(self, order: Basis, h: float) -> NDArray:
+        """Whole slabs of each line's delay by which waves are moved as they are, where that cannot create energy."""
+        slabs = np.floor([line.delay / h * (1 + WHOLE) for line in self.description.lines.values()])
+        for k, line in self.network.lossy.items():
+            if gain(line, self.network.z0[k], order, h, slabs[k]) > MOST_GAIN:
+                slabs[k] = 0.0
+        return slabs
 
     def _start(self, line: int) -> NDArray:
         """Waves (a1, b1, a2, b2) of a line before t = 0, counted from the level."""
@@ -138,13 +142,13 @@ class Convolved:
             _wave(row + end, side, waves, noted, float(value), order, h)
             for (end, side), value in zip(sides, before, strict=True)
         )
-        return LineRecord(line.z0, line.delay, a1, b1, a2, b2, self.jumps, blurred=True)
+        return LineRecord(line.z0, line.delay, a1, b1, a2, b2, smeared=True, blurred=True)
 
     def _effort(self, node: str, row: int, waves: NDArray, noted: Noted | None, order: Basis, h: float) -> LineRecord:
         """The effort at a node where no line ends, as on a line that carries no flow."""
         before = self.before.effort[node] + self.description.nodes[node].height.level
         u = _wave(row, 0, waves, noted, before, order, h)
-        return LineRecord(1.0, 0.0, u, u, u, u, self.jumps, blurred=True)
+        return LineRecord(1.0, 0.0, u, u, u, u, smeared=True, blurred=True)
 
 
 def _wave(row: int, side: int, waves: NDArray, noted: Noted | None, before: float, order: Basis, h: float) -> Wave:

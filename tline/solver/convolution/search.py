@@ -23,7 +23,7 @@ ORDER = 5
 CLOSEST = 1e-8  # tolerance; transforms are as good as some 1e-10
 ROUNDED = 1e-12  # slabs, by which the end of one lies in it
 LEAST_SHARE = 0.1  # of a difference, that a step is taken to leave
-FIRST = 64  # slabs, at least, in the shortest delay
+FIRST = 16  # slabs, at least, in the shortest delay
 BLURRED = 0.01  # of the shortest delay of a lossy line: so near to a jump nothing is asked
 MOST_BLURRED = 0.25  # of a run
 DEAR = 10  # samples of line ends that one of a lossy line takes as long as
@@ -56,7 +56,8 @@ def convolved(search: Search) -> Result | None:
         found = _errors(before, result, jumps, settle)
         share, last = min(max(found.worst / last, LEAST_SHARE) if last < inf else share, SLOWEST), found.worst
         by = BETWEEN * share / (1 - share)
-        accuracy = replace(found.times(by, by), tol=search.tol)
+        blurred = found.times(BETWEEN / (1 - SLOWEST)).blurred  # does not converge like the rest
+        accuracy = replace(found.times(by, by), tol=search.tol, blurred=blurred)
         attempts.append(Attempt.of(result, accuracy.worst))
         if not _affordable(scene, s, chosen.h / 2):
             limit = "narrower slabs would take too long"

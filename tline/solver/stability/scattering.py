@@ -130,12 +130,16 @@ class Scattering:
             k = len(nodes)
             yield nodes, p, 1 / matrix if matrix.shape[1] == 1 else np.linalg.inv(matrix)[:, :k, :k]
 
-    def carried(self, s: NDArray) -> tuple[NDArray, NDArray]:
-        """P by the end that sends: what arrives at the other end, and what comes back; two of shape (n, ends)."""
-        across = np.exp(-np.outer(s, self.delays))
+    def carried(self, s: NDArray, late: NDArray | None = None) -> tuple[NDArray, NDArray]:
+        """P by the end that sends: what arrives at the other end, and what comes back; two of shape (n, ends).
+
+        `late`, of shape (n, lines), is what the delay of each line is beyond sT.
+        """
+        late = np.zeros((len(s), len(self.delays))) if late is None else late
+        across = np.exp(-np.outer(s, self.delays) - late)
         back = np.zeros_like(across)
         for k, line in self.lossy.items():
-            across[:, k], back[:, k] = carried(line, self.z0[k], s / self.second)
+            across[:, k], back[:, k] = carried(line, self.z0[k], s / self.second, late[:, k])
         return np.repeat(across, 2, axis=1), np.repeat(back, 2, axis=1)
 
     def returned(self, s: NDArray) -> NDArray:
