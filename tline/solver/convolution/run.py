@@ -54,12 +54,6 @@ class Convolved:
         found = leads(np.concatenate([np.empty(0), *(changes.at / h for changes in self.changes)]))
         return found if len(found) else np.zeros(1)
 
-    def aligned(self, h: float) -> float:
-        """A slab a little narrower, if there is one for which all fronts are at edges."""
-        late = min((t for changes in self.changes for t in changes.at.tolist() if t > 0.0), default=0.0)
-        narrower = late / max(ceil(late / h), 1)
-        return narrower if 2 * narrower > h and not self.leads(narrower).any() else h
-
     def run(self, chosen: Resolution) -> Result:
         """The result on slabs of a given order and width."""
         started = time.perf_counter()

@@ -43,7 +43,6 @@ def convolved(search: Search) -> Result | None:
     scene, s = Convolved(description, search.record), description.scene.solver.order or ORDER
     h = resolution(description, s).h
     h /= 2 ** max(ceil(log2(h * FIRST / min(line.delay for line in description.lines.values()))), 0)
-    h = scene.aligned(h)
     if not _affordable(scene, s, h / 2):
         return None
     settle = BLURRED * min(line.delay for line in description.lines.values() if line.losses is not None)
