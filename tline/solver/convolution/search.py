@@ -6,6 +6,7 @@ from math import ceil, inf, log2
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.errors import InputError
 from tline.solver.convolution.jumps import arrivals
 from tline.solver.convolution.quadrature import ROUNDING
 from tline.solver.convolution.run import Convolved
@@ -27,7 +28,7 @@ FIRST = 16  # slabs, at least, in the shortest delay
 BLURRED = 0.01  # of the shortest delay of a lossy line: so near to a jump nothing is asked
 MOST_BLURRED = 0.25  # of a run
 DEAR = 10  # samples of line ends that one of a lossy line takes as long as
-MOST = 4e6  # points at which the scene answers in one run, times those of its line ends
+MOST, FEW = 4e6, 8  # points at which the scene answers in one run, times its line ends; of more than these a cube
 
 
 def convolved(search: Search) -> Result | None:
@@ -40,9 +41,12 @@ def convolved(search: Search) -> Result | None:
     if not _suits(search):
         return None
     description = search.description
-    scene, s = Convolved(description, search.record), description.scene.solver.order or ORDER
-    h = resolution(description, s).h
-    h /= 2 ** max(ceil(log2(h * FIRST / min(line.delay for line in description.lines.values()))), 0)
+    try:
+        scene, s = Convolved(description, search.record), description.scene.solver.order or ORDER
+    except InputError:  # there is no answer in s
+        return None
+    h, shortest = resolution(description, s).h, min(line.delay for line in description.lines.values())
+    h /= 2 ** max(ceil(log2(h * FIRST / min(shortest, description.t_end))), 0)
     if not _affordable(scene, s, h / 2):
         return None
     settle = BLURRED * min(line.delay for line in description.lines.values() if line.losses is not None)
@@ -79,7 +83,7 @@ def _suits(search: Search) -> bool:
     remembers = [
         line.losses.linear and line.losses.constant is None for line in description.lines.values() if line.losses
     ]
-    varies = description.elements or description.switched or description.active or description.coupled
+    varies = description.elements or description.switched or description.active
     lifted = description.heights and not description.steady
     lasting = all(line.losses is None or line.losses.linear for line in description.lines.values())
     return any(remembers) and lasting and not (varies or lifted or search.envelope) and search.tol >= CLOSEST
@@ -88,8 +92,8 @@ def _suits(search: Search) -> bool:
 def _affordable(scene: Convolved, s: int, h: float) -> bool:
     leads = scene.leads(h)
     several = len(leads) > 1 and any(changes.curved and len(changes.at) > 1 for changes in scene.changes)
-    points = scene.description.t_end / h * s * len(leads) * scene.network.size
-    return not several and len(leads) <= MOST_FAMILIES and points <= MOST
+    points, ends = scene.description.t_end / h * s * len(leads), scene.network.size
+    return not several and len(leads) <= MOST_FAMILIES and points * ends * max(ends / FEW, 1) ** 2 <= MOST
 
 
 def _errors(coarse: Result, fine: Result, jumps: dict[str, NDArray], settle: float) -> Accuracy:
