@@ -111,6 +111,8 @@ def _losses(result: Result) -> dict[str, Any]:
     """Of each lossy line, or of its stretches between cavities, its segments or loss elements, and its circuits."""
     told: dict[str, Any] = {}
     lines = lines_of((result.parts or result).scene)
+    if result.resolution.convolved:
+        return {name: {"convolved": True, "terms": 0, "error": 0.0} for name, line in lines.items() if line.losses}
     segmented = fits(lines, result.resolution.h)
     loss_elements = loss_elements_in(lines, result.resolution.h, result.resolution.loss_elements)
     for name, circuits in result.circuits.items():
@@ -132,7 +134,7 @@ def _losses_in_words(losses: dict[str, Any]) -> list[str]:
     """The same for the eye, one line of text; of many lines only the extremes."""
     if not losses:
         return []
-    parts = [
+    parts = ["convolved with what they answer in s"] * any("convolved" in each for each in losses.values()) + [
         f"up to {most} {name}"
         for kind, name in (("cells", "segments"), ("lumps", "loss elements"))
         if (most := max(each.get(kind, 0) for each in losses.values()))

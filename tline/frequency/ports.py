@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
-from tline.frequency.response import solved
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
+from tline.solver.stability.answers import answers
 from tline.solver.stability.scattering import Scattering
 from tline.units import to_si
 from tline.wording import nearest, shown
@@ -65,7 +65,7 @@ def scattering_parameters(
     for j, node in enumerate(at):
         flows = np.zeros(len(network.names))
         flows[node] = 2 / np.sqrt(R[j])  # a unit power wave: 2 sqrt(R) behind R
-        _, efforts = solved(network, points, np.zeros(len(network.names)), flows)
+        _, efforts = answers(network, points, np.zeros(len(network.names)), flows)
         S[:, :, j] = efforts[:, at] / np.sqrt(R) - np.eye(len(ports))[j]
     return S
 

@@ -8,11 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
+from tline.solver.stability.answers import answers
 from tline.solver.stability.lossy_line import inside
 from tline.solver.stability.scattering import Scattering
 from tline.wording import nearest, place
-
-CHUNK = 2e6  # complex entries held at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,34 +76,8 @@ def respond(scene: Scene, s: ArrayLike, source: str | None = None) -> dict[str, 
         for node, sign in zip(given.terminals, (1.0, -1.0), strict=True):
             if node is not None:
                 flows[network.names.index(node)] = sign * (given.conductance if given.is_effort else 1.0)
-    arriving, efforts = solved(network, s.ravel() * network.second, held, flows)
+    arriving, efforts = answers(network, s.ravel() * network.second, held, flows)
     return {probe: _seen(scene, network, probe, arriving, efforts, s) for probe in scene.probes}
-
-
-def solved(network: Scattering, s: NDArray, held: NDArray, flows: NDArray) -> tuple[NDArray, NDArray]:
-    """Waves that arrive at the ends, (n, ends), and efforts of the nodes, (n, nodes), for s in the network's unit.
-
-    `held` and `flows` are what sources hold and drive at each node, shape (nodes,).
-    """
-    parts = np.array_split(s, int(len(s) * network.size**2 / CHUNK) + 1)
-    done = [_solved(network, part, held, flows) for part in parts]
-    return np.concatenate([w for w, _ in done]), np.concatenate([u for _, u in done])
-
-
-def _solved(network: Scattering, s: NDArray, held: NDArray, flows: NDArray) -> tuple[NDArray, NDArray]:
-    answers = list(network.answered(network.balances(s)))
-    efforts, sent = np.empty((len(s), len(network.names)), complex), np.zeros((len(s), network.size), complex)
-    for nodes, p, W in answers:
-        efforts[:, nodes] = (W @ (held[nodes] + p * flows[nodes])[:, :, None])[:, :, 0]
-        for node in nodes:
-            sent[:, network.ends[node]] = 2 * efforts[:, node, None]
-    across, back = network.carried(s)
-    coming = (across * sent)[:, np.arange(network.size) ^ 1] + back * sent
-    arriving = np.linalg.solve(np.eye(network.size) - network.sent_back(s, answers), coming[:, :, None])[:, :, 0]
-    for nodes, p, W in answers:
-        into = [(arriving[:, ends] / network.z0[ends // 2]).sum(axis=1) for ends in (network.ends[k] for k in nodes)]
-        efforts[:, nodes] += (W @ (p * np.stack(into, axis=1))[:, :, None])[:, :, 0]
-    return arriving, efforts
 
 
 def _seen(scene: Scene, network: Scattering, probe: str, arriving: NDArray, efforts: NDArray, s: NDArray) -> Response:

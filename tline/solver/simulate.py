@@ -11,6 +11,7 @@ from tline.scene.expanded import expanded
 from tline.scene.file import as_scene
 from tline.scene.quantity import TOLERANCE
 from tline.scene.user_defined import user_elements, user_mistakes
+from tline.solver.convolution.search import convolved
 from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
@@ -51,7 +52,8 @@ def simulate(
 
     Losses are lumped inside lines, a loss element every two slabs. With them, slabs are halved and the runs
     extrapolated; the error is the difference to the entry before in Richardson's table
-    (`tline.solver.tolerance.lossy`).
+    (`tline.solver.tolerance.lossy`). Linear scenes with lines that have a memory, such as a skin effect, are
+    convolutions instead (`tline.solver.convolution`).
 
     Parameters
     ----------
@@ -148,7 +150,7 @@ def simulated(
             result = replace(result, accuracy=tol and _by_hand(result, tol))
         else:
             search = Search(description, tol, record, progress, envelope=envelope, start=start)
-            result = (with_losses if description.lossy else within)(search)
+            result = convolved(search) or (with_losses if description.lossy else within)(search)
         result = with_ledger(result, ledger)
     for note in result.unresolved:
         warnings.warn(note, UnresolvedWarning, stacklevel=3)

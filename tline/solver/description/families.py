@@ -72,6 +72,7 @@ def changes_of(waveform: Waveform, steady: bool, t_end: float) -> Changes:
     slope = (pieces[-1] - pieces[0]) / width
     jump, bend = pieces[0] - np.append(before, pieces[-1, :-1]), np.diff(slope, prepend=0.0)
     least = ROUNDING * max(float(np.abs(pieces).max()), abs(before))
+    jump[np.abs(jump) <= least] = 0.0
     curved = bool(np.isfinite(waveform.fastest()))
     real = (np.abs(jump) > least) | (np.abs(bend) * width > least) | curved
     real[0] &= bool((np.abs(pieces[:, 0] - before) > least).any())

@@ -42,11 +42,12 @@ class Resolution(NamedTuple):
     notes: tuple[str, ...] = ()
     blind: bool = False  # whether an oscillation may pass unseen, so that no comparison with another order tells
     sections: Mapping[str, int] = NONE  # of each lumped line
-    settle: float = 0.0  # time in which these settle after a front, s
+    settle: float = 0.0  # time in which these settle after a front, or that a convolution blurs beside a jump, s
     fit: float = FIT  # tolerance of the circuits of lossy lines, relative
     band: float = HELD  # of these, cycles per slab at which it ends, at least
     layers: float = 0.0  # of the largest wave: what is followed of what decays behind fronts; 0 for nothing
     loss_elements: int = ALL_LOSS_ELEMENTS  # of one law in the longest line, at most, and in others by their delay
+    convolved: bool = False  # whether waves are convolutions, and laws of lines what they are
 
     @property
     def resolved(self) -> float:

@@ -5,7 +5,7 @@ earlier that it is an edge. Where they lie at several, and the scene is linear a
 fronts has a run of its own; the waves are their sum, in each slab of the scene in pieces between the fronts.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -68,14 +68,41 @@ def _several(changes: Changes, h: float, ahead: NDArray) -> bool:
 
 def superposed(families: list[Family], n: int, *, progress: bool = False) -> tuple[NDArray, March]:
     """Advance an assembled scene by n slabs, family by family; returned is what `march` returns, with every row."""
-    order = families[0].assembly.basis
-    edges = np.append(np.unique([0.0, *(1.0 - family.ahead for family in families if family.ahead)]), 1.0)
-    values, seconds, done = np.zeros((1, 1, 1, 1, 1)), 0.0, None
-    for family in families:
-        record, done = march(family.assembly, n + (family.ahead > 0.0), every_row=True, progress=progress)
-        seconds += done.seconds
-        values = values + _pieces(record, family.ahead, edges, n, order)
-    assert done is not None
+    done: list[March] = []
+
+    def records() -> Iterator[NDArray]:
+        for family in families:
+            record, run = march(family.assembly, n + (family.ahead > 0.0), every_row=True, progress=progress)
+            done.append(run)
+            yield record
+
+    ahead = np.array([family.ahead for family in families])
+    whole, pieces = summed(records(), ahead, n, families[0].assembly.basis)
+    return whole, done[-1]._replace(seconds=sum(run.seconds for run in done), pieces=pieces)
+
+
+def summed(records: Iterable[NDArray], ahead: NDArray, n: int, order: Basis) -> tuple[NDArray, Noted]:
+    """The sum of records on slabs that begin so many slabs earlier each, on n slabs from t = 0 on.
+
+    Parameters
+    ----------
+    records : iterable of ndarray, shape (rows, 2, slabs * s)
+        One for each of `ahead`.
+    ahead : ndarray
+    n : int
+    order : Basis
+
+    Returns
+    -------
+    ndarray, shape (rows, 2, n * s)
+        In whole slabs.
+    Noted
+        In pieces between the places at which slabs begin.
+    """
+    edges = np.append(np.unique([0.0, *(1.0 - ahead[ahead > 0.0])]), 1.0)
+    values = np.zeros((1, 1, 1, 1, 1))
+    for record, slabs in zip(records, ahead.tolist(), strict=True):
+        values = values + _pieces(record, slabs, edges, n, order)
     rows, _, _, m, s = values.shape
     places = np.minimum(np.searchsorted(edges[1:], order.c), m - 1)
     local = (order.c - edges[places]) / np.diff(edges)[places]
@@ -87,7 +114,7 @@ def superposed(families: list[Family], n: int, *, progress: bool = False) -> tup
         np.tile(span, (rows * n, 1)),
         values.transpose(0, 2, 3, 1, 4).reshape(rows * n * m, 2, s),
     )
-    return np.ascontiguousarray(whole).reshape(rows, 2, n * s), done._replace(seconds=seconds, pieces=pieces)
+    return np.ascontiguousarray(whole).reshape(rows, 2, n * s), pieces
 
 
 def _pieces(record: NDArray, ahead: float, edges: NDArray, n: int, order: Basis) -> NDArray:

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.loss import Foster
+from tline.solver.description.circuits import Circuits, circuits_of, fit_of
+from tline.solver.description.description import describe
 from tline.solver.result.dense_output import drawable
 from tline.solver.result.merged import CutRecord
 from tline.solver.result.result import LineRecord, Result
@@ -22,6 +24,7 @@ from tline.wording import place
 CELLS = 16
 INSTANTS = 2000  # at least, where extremes on a lossless line are looked for; slab ends are among them
 MOST_INSTANTS = 20_000  # of a lattice, if it has more than one cell
+ROUGHLY = 1e-5  # tolerance of circuits where a run had none
 CLOSE, MOST_ROUNDS = 1e-6, 200  # of the largest wave, where the iteration ends
 
 
@@ -152,7 +155,8 @@ def inside(result: Result, line: str, cells: int = CELLS) -> Inside | InStretche
 
 def _inside(result: Result, line: str, cells: int) -> Inside:
     record = drawable(result.lines[line])
-    if line not in result.circuits:
+    single = result.scene.single_lines.get(line)
+    if line not in result.circuits and (single is None or single.losses is None):
         parts = ceil(INSTANTS / (len(result.t) - 1))
         return Inside(record, np.arange((len(result.t) - 1) * parts + 1) * (result.t[1] / parts), None, cells)
     t_end = float(result.t[-1])
@@ -161,11 +165,17 @@ def _inside(result: Result, line: str, cells: int) -> Inside:
     return Inside(record, t, _lost(result, line, record, cells, t), cells)
 
 
+def _circuits(result: Result, line: str, step: float) -> Circuits:
+    """What stands for the laws of a line that was computed with the laws themselves."""
+    return circuits_of({line: describe(result.scene).lines[line]}, fit_of(float(result.t[-1]), step, ROUGHLY))[line]
+
+
 def _lost(result: Result, line: str, record: LineRecord, cells: int, t: NDArray) -> NDArray:
     """What losses take from a and give to b, A and B at places and instants."""
-    circuits, losses = result.circuits[line], result.scene.single_lines[line].losses
+    losses = result.scene.single_lines[line].losses
     assert losses is not None
     cell = losses.exact.length / cells
+    circuits = result.circuits.get(line) or _circuits(result, line, t[1])
     (entered1, _), (_, entered2) = record.at_end1, record.at_end2
     a0 = np.stack([entered1(t - j * t[1]) for j in range(cells + 1)])
     b0 = np.stack([entered2(t - (cells - j) * t[1]) for j in range(cells + 1)])

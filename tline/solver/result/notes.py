@@ -27,6 +27,7 @@ def remarks_of(result: Result) -> tuple[str, ...]:
         *untouched(probes),
         *unconnected(description),
         *lumped(result.resolution),
+        *blurred(result),
         *description.plausibility_notes,
         *beyond_limits(description, _extremes(probes, envelope)),
         *surges(description, result.t, result.start, probes, envelope),
@@ -89,6 +90,20 @@ def lumped(chosen: Resolution) -> list[str]:
         f"lines: {named}{' and more' * (count > LISTED)} {'is' if count == 1 else 'are'} far shorter than a slab and "
         f"lumped: {n} LC {'section' if n == 1 else 'sections'} each"
         + (f"; for {chosen.settle:.3g} s and more behind a front, what they do is blurred" if chosen.settle else "")
+    ]
+
+
+def blurred(result: Result) -> list[str]:
+    """How far off a convolution is beside jumps, where that is beyond the tolerance."""
+    accuracy, chosen = result.accuracy, result.resolution
+    if not chosen.convolved or accuracy is None or accuracy.tol is None:
+        return []
+    name, told = max(accuracy.blurred.items(), key=lambda item: item[1].worst)
+    if told.worst <= accuracy.tol:
+        return []
+    return [
+        f"fronts: nearer than {chosen.settle:.3g} s to where a jump arrives the error is up to {told.worst:.1g}, at "
+        f"{place('probes', name)}; no tolerance is asked there"
     ]
 
 

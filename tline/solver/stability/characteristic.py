@@ -36,7 +36,7 @@ class Characteristic(Scattering):
 
     def _log(self, s: NDArray) -> NDArray:
         balances = list(self.balances(s))
-        total = _log_det(np.eye(self.size) - self.sent_back(s, self.answered(balances)))
+        total = _log_det(np.eye(self.size) - self.sent_back(*self.carried(s), self.answered(balances)))
         for (_, branches), (_, _, matrix) in zip(self.groups, balances, strict=True):
             total = total + _log_det(matrix)
             for branch in branches:

@@ -24,19 +24,21 @@ def losses_of(name: str, line: Line) -> LossyLine:
     return losses.exact
 
 
-def carried(line: LossyLine, z0: float, s: NDArray) -> tuple[NDArray, NDArray]:
+def carried(line: LossyLine, z0: float, s: NDArray, late: NDArray | float = 0.0) -> tuple[NDArray, NDArray]:
     """What of a wave that enters the line arrives at its other end, and what comes back; each of the shape of s.
 
+    `late` is added to Γl where it stands for the way of a wave: what a delay is beyond sT.
     With A, B, C, A the chain matrix these are 2/(2A + B/z0 + C z0) and (B/z0 - C z0)/(2A + B/z0 + C z0).
 
     References
     ----------
     D. M. Pozar, Microwave Engineering, 4th ed., Wiley 2012, table 4.2.
     """
-    total = line.gamma(s) * line.length
-    fallen = np.exp(-total)
-    shape = _shape(total) * line.length  # sinh(Γl)/Γ exp(-Γl)
-    b, c = line.series.at(s) * shape / z0, line.shunt.at(s) * shape * z0
+    series, shunt = line.series.at(s), line.shunt.at(s)
+    total = np.sqrt(series) * np.sqrt(shunt) * line.length
+    fallen = np.exp(-total - late)
+    shape = _shape(total, late) * line.length  # sinh(Γl)/Γ exp(-Γl)
+    b, c = series * shape / z0, shunt * shape * z0
     whole = 1 + fallen**2 + b + c
     return 2 * fallen / whole, (b - c) / whole
 
@@ -52,6 +54,6 @@ def inside(line: LossyLine, s: NDArray, share: float, u1: NDArray, u2: NDArray) 
     return u, slopes / (2 * line.series.at(s) * line.length * whole)
 
 
-def _shape(total: NDArray) -> NDArray:
-    """sinh(x)/x exp(-x)."""
-    return np.where(total == 0, 1, -np.expm1(-2 * total) / (2 * np.where(total == 0, 1, total)))
+def _shape(total: NDArray, late: NDArray | float = 0.0) -> NDArray:
+    """sinh(x)/x exp(-x), with x + `late` for x where it is no divisor."""
+    return np.where(total == 0, 1, -np.expm1(-2 * (total + late)) / (2 * np.where(total == 0, 1, total)))

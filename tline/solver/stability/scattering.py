@@ -130,22 +130,25 @@ class Scattering:
             k = len(nodes)
             yield nodes, p, 1 / matrix if matrix.shape[1] == 1 else np.linalg.inv(matrix)[:, :k, :k]
 
-    def carried(self, s: NDArray) -> tuple[NDArray, NDArray]:
-        """P by the end that sends: what arrives at the other end, and what comes back; two of shape (n, ends)."""
-        across = np.exp(-np.outer(s, self.delays))
+    def carried(self, s: NDArray, late: NDArray | None = None) -> tuple[NDArray, NDArray]:
+        """P by the end that sends: what arrives at the other end, and what comes back; two of shape (n, ends).
+
+        `late`, of shape (n, lines), is what the delay of each line is beyond sT.
+        """
+        late = np.zeros((len(s), len(self.delays))) if late is None else late
+        across = np.exp(-np.outer(s, self.delays) - late)
         back = np.zeros_like(across)
         for k, line in self.lossy.items():
-            across[:, k], back[:, k] = carried(line, self.z0[k], s / self.second)
+            across[:, k], back[:, k] = carried(line, self.z0[k], s / self.second, late[:, k])
         return np.repeat(across, 2, axis=1), np.repeat(back, 2, axis=1)
 
     def returned(self, s: NDArray) -> NDArray:
         """What comes back of the waves that arrive, P S, shape (n, ends, ends) for s of shape (n,)."""
-        return self.sent_back(s, self.answered(self.balances(s)))
+        return self.sent_back(*self.carried(s), self.answered(self.balances(s)))
 
-    def sent_back(self, s: NDArray, answers: Iterable[Parts]) -> NDArray:
-        """The same from the nodes' answers."""
-        matrix = np.zeros((len(s), self.size, self.size), complex)
-        across, back = self.carried(s)
+    def sent_back(self, across: NDArray, back: NDArray, answers: Iterable[Parts]) -> NDArray:
+        """The same from what lines carry and the nodes' answers."""
+        matrix = np.zeros((len(across), self.size, self.size), complex)
         for nodes, p, W in answers:
             ends = np.concatenate([self.ends[node] for node in nodes])
             at = np.repeat(np.arange(len(nodes)), [len(self.ends[node]) for node in nodes])

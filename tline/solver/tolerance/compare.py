@@ -75,13 +75,13 @@ def differences(
     pairs = {name: (coarse.probes[name], probe) for name, probe in fine.probes.items()}
     if tol is not None:
         at_ends = {name: difference_at_ends(*pair) for name, pair in pairs.items()}
-        told = _relative({name: Difference(off, off, off, most) for name, (off, most) in at_ends.items()})
+        told = relative({name: Difference(off, off, off, most) for name, (off, most) in at_ends.items()})
         if max(estimate.worst for estimate in told[0].values()) > tol:
             return told
     if coarse.envelope is not None:
         pairs = {name: (_as_computed(one), _as_computed(other)) for name, (one, other) in pairs.items()}
     settle, followed = fine.resolution.settle, bool(coarse.resolution.layers and fine.resolution.layers)
-    return _relative({name: difference(*pair, settle, followed) for name, pair in pairs.items()})
+    return relative({name: difference(*pair, settle, followed) for name, pair in pairs.items()})
 
 
 def _as_computed(probe: ProbeResult) -> ProbeResult:
@@ -89,7 +89,7 @@ def _as_computed(probe: ProbeResult) -> ProbeResult:
     return replace(probe, record=replace(probe.record, smeared=True))
 
 
-def _relative(all_: Mapping[str, Difference]) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
+def relative(all_: Mapping[str, Difference]) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
     """Differences over the amplitudes of their probes."""
     told: tuple[dict[str, Estimate], ...] = {}, {}, {}
     largest = max(float(found.amplitude.max()) for found in all_.values())

@@ -76,12 +76,12 @@ def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, n: int):
     for first in range(0, n // every, CHUNK):
         count = min(CHUNK, n // every - first)
         kept = whole[first * every : (first + count) * every]
-        ours = _on_slabs(fine, x, first * every, count * every)
-        theirs = _on_slabs(coarse, in_coarse, first, count).reshape(2, count * every, len(x))
+        ours = on_slabs(fine, x, first * every, count * every)
+        theirs = on_slabs(coarse, in_coarse, first, count).reshape(2, count * every, len(x))
         yield tuple(_largest(each[:, kept]) for each in (theirs - ours, ours))
 
 
-def _on_slabs(probe: ProbeResult, x: NDArray, first: int, n: int) -> NDArray:
+def on_slabs(probe: ProbeResult, x: NDArray, first: int, n: int) -> NDArray:
     """Gauge effort and z0 times flow at places x, in slabs, of n slabs from a first one on, shape (2, n, places)."""
     a, b = (
         _wave_on_slabs(wave, delay / wave.h, x, first, n) for wave, delay in zip(probe.waves, _ways(probe), strict=True)

@@ -1,0 +1,88 @@
+"""Which scenes are convolutions, when jumps arrive, and what is kept of results."""
+
+import numpy as np
+import pytest
+from lossy_scenes import cable, pipe
+
+from tline.scene.scene import Scene
+from tline.solver.convolution.jumps import arrivals
+from tline.solver.convolution.run import Convolved
+from tline.solver.convolution.search import convolved
+from tline.solver.description.description import describe
+from tline.solver.description.resolution import Resolution
+from tline.solver.simulate import simulate
+from tline.solver.tolerance.search import Search
+
+SKIN = {"skin": {"resistance": "10 ohm/m", "frequency": "100 MHz"}}
+DIODE = {"d": {"at": "b", "kind": "diode", "saturation": "1 uA"}}
+SWITCH = {"w": {"at": "b", "kind": "switch", "time": "3 ns", "before": "inf", "after": 50}}
+ZIELKE = {"kind": "zielke", "viscosity": "0.0347 Pa s"}
+
+
+def with_loads(loads) -> Scene:
+    table = cable(t_end="4 ns", **SKIN).table()
+    return Scene.model_validate(table | {"loads": table["loads"] | loads})
+
+
+@pytest.mark.parametrize(
+    ("scene", "tol"),
+    [
+        (cable(resistance=20), 1e-4),  # no memory: segments are exact
+        (with_loads(DIODE), 1e-4),
+        (with_loads(SWITCH), 1e-4),
+        (cable(**SKIN), 1e-9),  # finer than transforms are
+        (pipe(friction={"kind": "darcy", "factor": 0.02}), 1e-4),
+    ],
+)
+def test_other_scenes_are_none(scene, tol):
+    assert convolved(Search(describe(scene), tol, [], False)) is None
+
+
+def test_envelopes_are_of_runs_in_segments():
+    result = simulate(cable(t_end="2 ns", **SKIN), tol=1e-2, envelope=True)
+    assert result.envelope is not None
+    assert not result.resolution.convolved
+
+
+def test_a_switch_that_never_moves_in_time_is_no_convolution_but_gives_the_same():
+    still = {"w": {"at": "b", "kind": "switch", "time": "1 s", "before": "inf", "after": 50}}
+    one, other = simulate(with_loads(still), tol=1e-3), simulate(cable(t_end="4 ns", **SKIN), tol=1e-5)
+    assert (one.resolution.convolved, other.resolution.convolved) == (False, True)
+    t = np.array([1.3e-9, 1.9e-9, 3.5e-9])
+    assert one.probes["far"].at(t).u == pytest.approx(other.probes["far"].at(t).u, abs=1e-3)
+
+
+def test_jumps_arrive_after_every_delay():
+    line = {"z0": 50, "length": "0.1 m", **SKIN}
+    source = {"kind": "voltage", "resistance": 25}
+    scene = Scene(
+        medium="electrical", t_end="6 ns",
+        lines={
+            "p": {"nodes": ["a", "m"], "delay": "1 ns"} | line,
+            "q": {"nodes": ["m", "b"], "delay": "1.5 ns"} | line,
+        },
+        sources={
+            "s": source | {"at": "a", "value": {"shape": "step", "to": 1, "at": "0.2 ns"}},
+            "r": source | {"at": "b", "value": {"shape": "ramp", "to": 1, "duration": "1 ns"}},
+        },
+        probes={"m": {"at": "m"}},
+    )  # fmt: skip
+    found = arrivals(Convolved(describe(scene), []))
+    assert found["a"] == pytest.approx([0.2e-9, 2.2e-9, 4.2e-9, 5.2e-9])
+    assert found["m"] == pytest.approx([1.2e-9, 3.2e-9, 4.2e-9, 5.2e-9])
+    assert found["b"] == pytest.approx([2.7e-9, 4.7e-9, 5.7e-9])
+
+
+def test_a_steady_start_stays():
+    scene = pipe(value={"shape": "constant", "level": 3}, t_end=0.1, friction=ZIELKE)
+    steady = Scene.model_validate(scene.table() | {"start": "steady"})
+    result = Convolved(describe(steady), []).run(Resolution(3, 1e-3))
+    assert result.probes["far"].u == pytest.approx(3.0, abs=1e-12)
+
+
+def test_energies_are_accounted_for_in_segments():
+    result = simulate(cable(t_end="4 ns", **SKIN), tol=1e-3, ledger=True)
+    assert result.resolution.convolved
+    source = next(entry for entry in result.ledger.entries if entry.where == "sources.s")
+    u, y = result.probes["near"].at(t := np.linspace(0, 4e-9, 4001)).u, result.probes["near"].at(t).y
+    assert source.supplied - source.dissipated == pytest.approx(np.trapezoid(u * y, t), rel=2e-3)

@@ -1,0 +1,1 @@
+"""Linear scenes whose lines have a memory, by convolution quadrature."""

@@ -1,0 +1,72 @@
+"""Convolution quadrature by Radau IIA: what a transfer function makes of polynomials on slabs.
+
+With stage values g_k on slab k and G(ζ) = sum g_k ζ^k, Radau IIA turns d/dt into D(ζ)/h, D(ζ) = A^-1 (1 - ζ 1 e^T),
+with e^T the last row of the unit matrix. So K(d/dt) g has the stage values whose sum is K(D(ζ)/h) G(ζ). D has s
+eigenvalues; K is needed there alone, and sums over slabs are Fourier transforms on a circle |ζ| = λ.
+
+References
+----------
+C. Lubich, A. Ostermann: Runge-Kutta methods for parabolic equations and convolution quadrature, Math. Comp. 60 (1993)
+105-131, doi:10.1090/S0025-5718-1993-1153166-7.
+"""
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.solver.radau import Basis
+
+PADDED = 3  # times the slabs that a transform has
+EPS = float(np.finfo(float).eps)
+ROUNDING = 1e3 * EPS ** (PADDED / (PADDED + 1))  # of the largest value: what wraps around, and rounding
+
+
+def derivative(basis: Basis, zeta: NDArray) -> tuple[NDArray, NDArray]:
+    """Eigenvalues of D, shape (n, s), and its eigenvectors, at n places ζ."""
+    inverse, last = np.linalg.inv(basis.A), np.eye(basis.s)[-1]
+    return np.linalg.eig(inverse - zeta[:, None, None] * np.outer(inverse.sum(axis=1), last))
+
+
+class Quadrature:
+    """Transforms of values at the Radau points of n slabs of width h.
+
+    Parameters
+    ----------
+    basis : Basis
+        Its order is above 1.
+    h : float
+        s.
+    n : int
+
+    Examples
+    --------
+    >>> from tline.solver.radau import basis
+    >>> rule = Quadrature(basis(3), h=0.1, n=20)
+    >>> decay = rule.backward(rule.forward(np.ones((20, 3, 1))) / (rule.points[:, None] + 1))  # of x' + x = 1
+    >>> bool(abs(decay[-1, -1, 0] - (1 - np.exp(-2))) < 1e-8)
+    True
+    """
+
+    def __init__(self, basis: Basis, h: float, n: int):
+        self.n, self.length = n, PADDED * n
+        radius = EPS ** (1 / (n * (PADDED + 1)))  # what wraps around is then as small as rounding makes the last slabs
+        self.decay = radius ** np.arange(n)
+        zeta = radius * np.exp(-2j * np.pi * np.arange(self.length // 2 + 1) / self.length)
+        rates, self._from_eigen = derivative(basis, zeta)
+        self.points: NDArray = rates.ravel() / h  # where transfer functions are needed, 1/s
+        self.late: NDArray = (-np.log(zeta)[:, None] - rates).ravel()  # of a slab, what its delay is beyond sh
+
+    @cached_property
+    def _to_eigen(self) -> NDArray:
+        return np.linalg.inv(self._from_eigen)
+
+    def forward(self, values: NDArray) -> NDArray:
+        """Transforms at all points, shape (points, k), of values of shape (n, s, k)."""
+        sums = np.fft.rfft(values * self.decay[:, None, None], self.length, axis=0)
+        return (self._to_eigen @ sums).reshape(len(self.points), -1)
+
+    def backward(self, transforms: NDArray) -> NDArray:
+        """Values, shape (n, s, k), of transforms of shape (points, k)."""
+        sums = self._from_eigen @ transforms.reshape(*self._from_eigen.shape[:2], -1)
+        return np.fft.irfft(sums, self.length, axis=0)[: self.n] / self.decay[:, None, None]

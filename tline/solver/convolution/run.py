@@ -1,0 +1,155 @@
+"""One run by convolution quadrature: the waves of a linear scene on slabs, from its answers in s.
+
+All that the scene does is linear and the same at all times. So what it adds to its state before t = 0 is a convolution
+with what its sources add to theirs, and laws of lines are what they are in s: no circuit stands for them.
+"""
+
+import time
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.solver.assembly.fronts import Tally
+from tline.solver.convolution.passive import gain
+from tline.solver.convolution.quadrature import Quadrature
+from tline.solver.description.description import Description
+from tline.solver.description.excitation import Waveform
+from tline.solver.description.families import Changes, changes_of, family_of, leads
+from tline.solver.description.given import Shape
+from tline.solver.description.resolution import WHOLE, Resolution
+from tline.solver.loop.march import Noted
+from tline.solver.loop.superposed import summed
+from tline.solver.radau import Basis, basis
+from tline.solver.result.conductor import record_of
+from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, Wave
+from tline.solver.stability.answers import answers
+from tline.solver.stability.scattering import Scattering
+from tline.solver.steady.steady_state import Before, above_level, rest
+
+MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
+
+
+class Convolved:
+    """A linear scene in s, and what its sources add to what they are before t = 0."""
+
+    def __init__(self, description: Description, record: list[str]):
+        self.description, self.network = description, Scattering(description)
+        self.lines = [name for name in description.lines if name in {*record, *description.probed}]
+        self.before: Before = above_level(description) if description.steady else rest(description)
+        nodes = description.grouped()[1].values()
+        self.held = [[] if node.held is None else [self._changes(node.held, 1.0)] for node in nodes]
+        self.flows = [[self._changes(*flow) for flow in node.flows] for node in nodes]
+
+    def _changes(self, waveform: Shape, share: float) -> tuple[Changes, float]:
+        return changes_of(waveform, self.description.steady, self.description.t_end), share
+
+    @property
+    def changes(self) -> list[Changes]:
+        """Of all waveforms at nodes."""
+        return [changes for parts in (*self.held, *self.flows) for changes, _ in parts]
+
+    def leads(self, h: float) -> NDArray:
+        """By how many slabs of width h slabs have to begin earlier, so that each front is once at an edge."""
+        found = leads(np.concatenate([np.empty(0), *(changes.at / h for changes in self.changes)]))
+        return found if len(found) else np.zeros(1)
+
+    def run(self, chosen: Resolution) -> Result:
+        """The result on slabs of a given order and width."""
+        started = time.perf_counter()
+        description, order, h = self.description, basis(chosen.s), chosen.h
+        n, ahead = ceil(description.t_end / h - 1e-9), self.leads(h)
+        rule = Quadrature(order, h, n + 1 if ahead.any() else n)
+        records = (self._record(rule, order, h, ahead, k) for k in range(len(ahead)))
+        if ahead.any():
+            waves, noted = summed(records, ahead, n, order)
+        else:
+            waves, noted = next(records), None
+        lines = {name: self._line(name, 2 * k, waves, noted, order, h) for k, name in enumerate(self.lines)}
+        at_nodes = {
+            node: self._effort(node, 2 * len(lines) + k, waves, noted, order, h)
+            for k, node in enumerate(description.probed_nodes)
+        }
+        ends = np.arange(n + 1) * h
+        probes = {
+            name: ProbeResult(
+                name, probe.line, probe.share, at_nodes[probe.node] if probe.node else record_of(probe, lines), ends,
+                probe.height,
+            )
+            for name, probe in description.probes.items()
+        }  # fmt: skip
+        samples = self.network.size * n * order.s * len(ahead)
+        seconds = time.perf_counter() - started
+        start = {name: self._start(line) for line, name in enumerate(description.lines)}
+        return Result(description.scene, ends, probes, lines, chosen, chosen.notes, start, samples, seconds, Tally())
+
+    def _record(self, rule: Quadrature, order: Basis, h: float, ahead: NDArray, k: int) -> NDArray:
+        """What fronts of one family add, on slabs that begin earlier: (rows, 2, slabs * s) what arrives, what leaves.
+
+        Rows are ends of recorded lines, and behind them probed nodes without a line.
+        """
+
+        def part(changes: Changes) -> Waveform:
+            return changes.part(family_of(changes.at / h, ahead) == k, float(ahead[k]) * h, first=False)
+
+        start = np.arange(rule.n) * h
+        t, inside = start[:, None] + h * order.c, start[:, None] + h / 2
+
+        def driven(rows: list[list[tuple[Changes, float]]]) -> NDArray:
+            values = np.zeros((rule.n, order.s, len(rows)))
+            for row, parts in enumerate(rows):
+                for changes, share in parts:
+                    values[:, :, row] += share * part(changes).value(t, inside)
+            return rule.forward(values)
+
+        s, late = rule.points * self.network.second, np.outer(rule.late, self._whole(order, h))
+        arriving, efforts = answers(self.network, s, driven(self.held), driven(self.flows), late)
+        numbers = {name: j for j, name in enumerate(self.description.lines)}
+        ends = np.array([2 * numbers[name] + side for name in self.lines for side in (0, 1)], int)
+        at = {int(end): node for node, each in enumerate(self.network.ends) for end in each}
+        probed = [self.network.names.index(node) for node in self.description.probed_nodes]
+        arrives = rule.backward(np.hstack([arriving[:, ends], efforts[:, probed]]))
+        u = rule.backward(efforts[:, [*(at[end] for end in ends.tolist()), *probed]])
+        return np.stack([arrives, 2 * u - arrives]).transpose(3, 0, 1, 2).reshape(-1, 2, rule.n * order.s)
+
+    def _whole(self, order: Basis, h: float) -> NDArray:
+        """Whole slabs of each line's delay by which waves are moved as they are, where that cannot create energy."""
+        slabs = np.floor([line.delay / h * (1 + WHOLE) for line in self.description.lines.values()])
+        for k, line in self.network.lossy.items():
+            if gain(line, self.network.z0[k], order, h, slabs[k]) > MOST_GAIN:
+                slabs[k] = 0.0
+        return slabs
+
+    def _start(self, line: int) -> NDArray:
+        """Waves (a1, b1, a2, b2) of a line before t = 0, counted from the level."""
+        one = list(self.description.lines.values())[line]
+        u = np.array([self.before.effort[at] for at in one.nodes])
+        q = one.z0 * self.before.flows[line]
+        return np.stack([u + q, u - q], axis=1).ravel()
+
+    def _line(self, name: str, row: int, waves: NDArray, noted: Noted | None, order: Basis, h: float) -> LineRecord:
+        line = self.description.lines[name]
+        level = self.description.nodes[line.nodes[0]].height.level
+        before = level + self._start([*self.description.lines].index(name))
+        sides = (0, 1), (0, 0), (1, 0), (1, 1)
+        a1, b1, a2, b2 = (
+            _wave(row + end, side, waves, noted, float(value), order, h)
+            for (end, side), value in zip(sides, before, strict=True)
+        )
+        return LineRecord(line.z0, line.delay, a1, b1, a2, b2, smeared=True, blurred=True)
+
+    def _effort(self, node: str, row: int, waves: NDArray, noted: Noted | None, order: Basis, h: float) -> LineRecord:
+        """The effort at a node where no line ends, as on a line that carries no flow."""
+        before = self.before.effort[node] + self.description.nodes[node].height.level
+        u = _wave(row, 0, waves, noted, before, order, h)
+        return LineRecord(1.0, 0.0, u, u, u, u, smeared=True, blurred=True)
+
+
+def _wave(row: int, side: int, waves: NDArray, noted: Noted | None, before: float, order: Basis, h: float) -> Wave:
+    """What a row of the record holds, beside what was before t = 0."""
+    if noted is None:
+        pieces = Pieces(np.empty(0, int), np.empty((0, 2)), np.empty((0, order.s)))
+    else:
+        here = noted.row == row
+        pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + before)
+    return Wave(waves[row, side].reshape(-1, order.s) + before, before, order, h, pieces)

@@ -1,0 +1,139 @@
+"""Convolutions on ever narrower slabs until a tolerance is met."""
+
+from dataclasses import replace
+from math import ceil, inf, log2
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.solver.convolution.jumps import arrivals
+from tline.solver.convolution.quadrature import ROUNDING
+from tline.solver.convolution.run import Convolved
+from tline.solver.description.description import Description
+from tline.solver.description.families import MOST as MOST_FAMILIES
+from tline.solver.description.resolution import Resolution, resolution
+from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
+from tline.solver.result.result import ProbeResult, Result
+from tline.solver.run import Again
+from tline.solver.tolerance.compare import BETWEEN, relative
+from tline.solver.tolerance.difference import Difference, on_slabs
+from tline.solver.tolerance.search import Search
+
+ORDER = 5
+CLOSEST = 1e-8  # tolerance; transforms are as good as some 1e-10
+ROUNDED = 1e-12  # slabs, by which the end of one lies in it
+LEAST_SHARE = 0.1  # of a difference, that a step is taken to leave
+FIRST = 16  # slabs, at least, in the shortest delay
+BLURRED = 0.01  # of the shortest delay of a lossy line: so near to a jump nothing is asked
+MOST_BLURRED = 0.25  # of a run
+DEAR = 10  # samples of line ends that one of a lossy line takes as long as
+MOST, FEW = 4e6, 8  # points at which the scene answers in one run, times its line ends; of more than these a cube
+
+
+def convolved(search: Search) -> Result | None:
+    """Run a scene by convolution quadrature to a tolerance; None if it is not one for that.
+
+    Slabs are halved. The error of a run is told by its difference to the one before: where each step leaves the share
+    r of the difference, the next ones leave r + r² + …. Beside a jump, nearer than a hundredth of the delay,
+    polynomials cannot follow it; there no tolerance is asked, but what is off is told.
+    """
+    if not _suits(search):
+        return None
+    description = search.description
+    try:
+        scene, s = Convolved(description, search.record), description.scene.solver.order or ORDER
+    except InputError:  # there is no answer in s
+        return None
+    h, shortest = resolution(description, s).h, min(line.delay for line in description.lines.values())
+    h /= 2 ** max(ceil(log2(h * FIRST / min(shortest, description.t_end))), 0)
+    if not _affordable(scene, s, h / 2):
+        return None
+    settle = BLURRED * min(line.delay for line in description.lines.values() if line.losses is not None)
+    chosen, jumps = Resolution(s, h, settle=settle, convolved=True), arrivals(scene)
+    result = scene.run(chosen)
+    attempts, share, last, accuracy, limit = [Attempt.of(result)], SLOWEST, inf, Accuracy(search.tol), ""
+    while accuracy.worst > search.tol and not limit:
+        chosen = chosen._replace(h=chosen.h / 2)
+        before, result = result, scene.run(chosen)
+        found = _errors(before, result, jumps, settle)
+        share, last = min(max(found.worst / last, LEAST_SHARE) if last < inf else share, SLOWEST), found.worst
+        by = BETWEEN * share / (1 - share)
+        blurred = found.times(BETWEEN / (1 - SLOWEST)).blurred  # does not converge like the rest
+        accuracy = replace(found.times(by, by), tol=search.tol, blurred=blurred)
+        attempts.append(Attempt.of(result, accuracy.worst))
+        if not _affordable(scene, s, chosen.h / 2):
+            limit = "narrower slabs would take too long"
+    limit = "" if accuracy.worst <= search.tol else limit
+    accuracy = replace(accuracy, attempts=tuple(attempts), limit=limit)
+    return replace(result, accuracy=accuracy, accounts=_accounts(scene.description))
+
+
+def _accounts(description: Description) -> Again:
+    """A run in segments, or with loss elements, that accounts for energies."""
+    chosen = resolution(description)
+    slabs = ceil(description.t_end / chosen.h - 1e-9)
+    passed = sum(line.delay / chosen.h for line in description.lines.values() if line.losses is not None)
+    return Again(description.scene, chosen, slabs, {}, DEAR * chosen.s * slabs * passed, False)
+
+
+def _suits(search: Search) -> bool:
+    """Whether a scene is linear and the same at all times, and one of its lines remembers."""
+    description = search.description
+    remembers = [
+        line.losses.linear and line.losses.constant is None for line in description.lines.values() if line.losses
+    ]
+    varies = description.elements or description.switched or description.active
+    lifted = description.heights and not description.steady
+    lasting = all(line.losses is None or line.losses.linear for line in description.lines.values())
+    return any(remembers) and lasting and not (varies or lifted or search.envelope) and search.tol >= CLOSEST
+
+
+def _affordable(scene: Convolved, s: int, h: float) -> bool:
+    leads = scene.leads(h)
+    several = len(leads) > 1 and any(changes.curved and len(changes.at) > 1 for changes in scene.changes)
+    points, ends = scene.description.t_end / h * s * len(leads), scene.network.size
+    return not several and len(leads) <= MOST_FAMILIES and points * ends * max(ends / FEW, 1) ** 2 <= MOST
+
+
+def _errors(coarse: Result, fine: Result, jumps: dict[str, NDArray], settle: float) -> Accuracy:
+    """Differences of all probes at slab ends, and at places in all slabs of the finer run."""
+    found = {}
+    for name, probe in fine.probes.items():
+        near = _near(probe, fine, jumps, settle)
+        found[name] = _difference(coarse.probes[name], probe, near, settle)
+    return Accuracy(None, *relative(found))
+
+
+def _near(probe: ProbeResult, result: Result, jumps: dict[str, NDArray], settle: float) -> NDArray:
+    """Instants at which jumps pass a probe; none if what is blurred would be much of the run."""
+    line = result.scene.single_lines.get(probe.line)
+    if line is None:
+        near = jumps[result.scene.probes[probe.name].at or ""]
+    else:
+        ways = (probe.share * probe.record.delay, (1 - probe.share) * probe.record.delay)
+        near = np.sort(np.concatenate([jumps[node] + way for node, way in zip(line.nodes, ways, strict=True)]))
+    return near if 2 * settle * len(near) <= MOST_BLURRED * result.t[-1] else np.empty(0)
+
+
+def _difference(coarse: ProbeResult, fine: ProbeResult, near: NDArray, settle: float) -> Difference:
+    """Of two runs at a probe, at slab ends of the coarser and at places in slabs of the finer."""
+    edges = np.concatenate([[-np.inf], near, [np.inf]])
+
+    def far(t: NDArray) -> NDArray:
+        k = np.searchsorted(near, t)
+        return np.minimum(t - edges[k], edges[k + 1] - t) > settle
+
+    n, every = len(fine.slab_ends) - 1, round(coarse.slab_ends[1] / fine.slab_ends[1])
+    n -= n % every
+    x = np.minimum(fine.waves[0].basis.c, 1 - ROUNDED)
+    t = fine.slab_ends[:n, None] + fine.slab_ends[1] * x
+    if any(len(wave.pieces.slab) for wave in fine.waves):
+        theirs, ours = (np.stack([v.gauge_pressure, fine.record.z0 * v.y]) for v in (coarse.at(t), fine.at(t)))
+    else:
+        in_coarse = (np.arange(every)[:, None] + x).ravel() / every
+        theirs, ours = on_slabs(coarse, in_coarse, 0, n // every), on_slabs(fine, x, 0, n)
+    off = np.abs(theirs.reshape(ours.shape) - ours) + ROUNDING * np.abs(ours).max(axis=(1, 2), keepdims=True)
+    inside = np.where(far(t), off, 0.0)
+    at_ends = inside[:, every - 1 :: every, -1].max(axis=1)
+    return Difference(at_ends, *(each.max(axis=(1, 2)) for each in (inside, off, np.abs(ours))))
