@@ -96,6 +96,20 @@ def test_a_demand_that_changes(change, share):
     assert probe.at(0.8).u - 10 * DENSITY * GRAVITY == pytest.approx(p0 * root**2, rel=1e-6)
 
 
+def test_a_regulating_valve_that_is_shut_regulates_no_more():
+    """It shuts from the opening at which it stood."""
+    keeps = {"kind": "regulating valve", "keeps": "downstream", "set_pressure": 2e5, "loss_coefficient": 2}
+    valve = keeps | {"nodes": ["b", "b2"], "diameter": DIAMETER}
+    nodes = network().table()["nodes"] | {"b2": {"elevation": 5}}
+    pipes = {"p1": {"nodes": ["a", "b"], **PIPE}, "p2": {"nodes": ["b2", "c"], **PIPE}}
+    scene = network().with_changes(lines=pipes, links={"valve": valve}, nodes=nodes, probes={"b2": {"at": "b2"}})
+    changed, (note,) = operated(scene, [Event("close", "valve", 0.5, 0.2)])
+    assert "it regulates no more" in note
+    probe = simulate(changed, tol=1e-6).probes["b2"]
+    assert probe.gauge_pressure[0] == pytest.approx(2e5, rel=1e-9)
+    assert abs(probe.at(0.71).y) < 1e-9
+
+
 def test_a_pump_that_trips_has_a_usual_inertia_unless_it_is_given():
     pump = {"kind": "pump", "nodes": ["s", "a"], "curve": [[DRAWN, HEAD * DENSITY * GRAVITY]], "speed": 0.9}
     scene = network().with_changes(
