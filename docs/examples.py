@@ -123,6 +123,14 @@ diameter = "20 cm"
 nodes = ["near", "far"]
 kind = "check valve"
 """,
+    "RegulatingValve": """\
+[links.reducer]            # a pressure reducing valve
+nodes = ["near", "far"]
+kind = "regulating valve"
+keeps = "downstream"
+set_pressure = "3 bar"
+kv = 100
+""",
     "ReliefValveLink": """\
 [links.bypass]
 nodes = ["near", "far"]

@@ -48,6 +48,33 @@ def test_a_pipe_shut_at_once_has_joukowskys_rise_before_its_valve():
     assert found.needed == 1.0e6
 
 
+@pytest.mark.parametrize("stage", [(), (0.2, 1.5)])
+def test_a_closure_in_one_stage_and_in_two_is_allievis_chain(stage):
+    """At the valve u + z0·q is what arrives, q = C·opening·sqrt(u), and the reservoir sends 2·p0 less what came."""
+    p0, capacity = 6e5, 2e-4
+    valve = {"at": "b", "kind": "orifice", "flow": capacity * p0**0.5, "pressure_drop": p0}
+    scene = Scene(
+        medium="hydraulic", t_end=4, start="steady", lines={"p": {"nodes": ["a", "b"], **PIPE}},
+        loads={"a": {"at": "a", "kind": "reservoir", "pressure": p0}, "v": valve}, probes={"b": {"at": "b"}},
+    )  # fmt: skip
+    event = Event("close", "v", 0.25, 1.0, stage=stage)
+    bends = [0.25, 1.25, *([2.75] if stage else [])], [1.0, *([0.2] if stage else []), 0.0]
+    changed, _ = operated(scene, [event])
+    probe = simulate(changed, tol=1e-9).probes["b"]
+
+    def pressure(t: float) -> float:
+        """By the chain of echoes, each 1 s after the other."""
+        sent = p0 - Z0 * capacity * p0**0.5
+        for k in range(int(t), -1, -1):
+            arrives, share = 2 * p0 - sent, capacity * np.interp(t - k, *bends)
+            root = 2 * arrives / (Z0 * share + np.sqrt((Z0 * share) ** 2 + 4 * abs(arrives)))
+            sent = root * abs(root) - Z0 * share * root
+        return root * abs(root)
+
+    for t in (0.3, 0.7, 1.2, 1.6, 2.3, 2.7, 3.3, 3.9):
+        assert probe.at(t).u == pytest.approx(pressure(t), rel=1e-8)
+
+
 def test_a_burst_takes_its_flow_at_the_pressure_that_was_there():
     """q = Q·sqrt(p/p0) and p = p0 - z0·q/2 where two pipes meet, until echoes are back."""
     flow = 0.02
@@ -67,6 +94,20 @@ def test_a_demand_that_changes(change, share):
     root = np.roots([1, Z0 * share * DRAWN / p0, -1 - Z0 * DRAWN / p0]).max()
     probe = result.probes["c"]
     assert probe.at(0.8).u - 10 * DENSITY * GRAVITY == pytest.approx(p0 * root**2, rel=1e-6)
+
+
+def test_a_regulating_valve_that_is_shut_regulates_no_more():
+    """It shuts from the opening at which it stood."""
+    keeps = {"kind": "regulating valve", "keeps": "downstream", "set_pressure": 2e5, "loss_coefficient": 2}
+    valve = keeps | {"nodes": ["b", "b2"], "diameter": DIAMETER}
+    nodes = network().table()["nodes"] | {"b2": {"elevation": 5}}
+    pipes = {"p1": {"nodes": ["a", "b"], **PIPE}, "p2": {"nodes": ["b2", "c"], **PIPE}}
+    scene = network().with_changes(lines=pipes, links={"valve": valve}, nodes=nodes, probes={"b2": {"at": "b2"}})
+    changed, (note,) = operated(scene, [Event("close", "valve", 0.5, 0.2)])
+    assert "it regulates no more" in note
+    probe = simulate(changed, tol=1e-6).probes["b2"]
+    assert probe.gauge_pressure[0] == pytest.approx(2e5, rel=1e-9)
+    assert abs(probe.at(0.71).y) < 1e-9
 
 
 def test_a_pump_that_trips_has_a_usual_inertia_unless_it_is_given():

@@ -1,5 +1,6 @@
 """Scenes of EPANET networks start at EPANET's operating point, and stay there while nothing is operated."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,9 @@ from random_inp import random_inp
 from tline.errors import InputError
 from tline.interchange.epanet import read_epanet
 from tline.interchange.pipe_walls import wave_speeds
+from tline.interchange.water_network import Valve
 from tline.interchange.water_scene import read_inp, water_scene
+from tline.interchange.water_valves import valve_link
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
 from tline.solver.description.description import describe
@@ -52,6 +55,25 @@ def test_pumps(tmp_path, curve, speed):
 @pytest.mark.parametrize("valve", ["TCV 12", "PRV 20", "PSV 50", "PBV 4", "FCV 20"])
 def test_valves(tmp_path, valve):
     heads_agree(ring(tmp_path, changes={"TCV 12": valve}))
+
+
+def test_a_valve_that_regulates_stands_still_while_nothing_is_operated(tmp_path):
+    scene, notes = read_inp(str(ring(tmp_path, changes={"TCV 12": "PRV 20"})))
+    (regulator,) = (link for link in scene.links.values() if link.kind == "regulating valve")
+    assert regulator.keeps == "downstream"
+    assert any("keep what they keep at the operating point" in note for note in notes)
+    still = scene.with_changes(t_end=60, solver={"order": 2})
+    seen = simulate(still, envelope=True).envelope
+    assert (seen.highest - seen.lowest).max() <= 1e-9 * np.abs(seen.start).max()
+
+
+@pytest.mark.parametrize(("kind", "keeps"), [("PRV", "downstream"), ("PSV", "upstream"), ("FCV", "flow")])
+def test_what_a_valve_keeps(kind, keeps):
+    valve = Valve(("a", "b"), kind, 0.1, 0.01, 13.0, active=True)
+    link = valve_link("v", valve, 1000.0, [])
+    assert (link["kind"], link["keeps"]) == ("regulating valve", keeps)
+    assert 0 < link["opening"] < 1
+    assert valve_link("v", replace(valve, active=False), 1000.0, [])["kind"] == "orifice"
 
 
 @pytest.mark.parametrize("exponent", [0.5, 0.8, 1.5])

@@ -32,7 +32,12 @@ SHOWN, USUAL_TOL = 5, "1e-2"  # nodes in tables; of a scene that states none
 @click.command("surge", epilog=EXAMPLES)
 @click.argument("network")
 @click.option("--trip", multiple=True, metavar="PUMP@TIME", help="A pump's motor fails, and it runs down.")
-@click.option("--close", multiple=True, metavar="LINK@TIME+DURATION", help="Shut a valve, or one put into a pipe.")
+@click.option(
+    "--close",
+    multiple=True,
+    metavar="LINK@TIME+DURATION",
+    help="Shut a valve, or one put into a pipe; :20%+8s behind it is a second stage from there, :FILE.csv a course.",
+)
 @click.option("--open", multiple=True, metavar="LINK@TIME+DURATION", help="Open a valve.")
 @click.option("--burst", multiple=True, metavar="NODE:FLOW@TIME", help="A hole, and its flow at the pressure before.")
 @click.option("--demand", multiple=True, metavar="NODE:±FLOW@TIME", help="Draw more, or less, at a node.")

@@ -3,7 +3,7 @@
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
-from math import inf, isfinite, pi
+from math import inf, isfinite, nan, pi
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -28,6 +28,7 @@ WATER, VISCOSITY = 1000.0, 1.1e-5 * FOOT**2  # kg/m³ and m²/s, EPANET's
 LAST_HOUR = 8784.0  # of a year
 HIGHEST = 1e5  # m, of a head that is no accident of an unsolved network
 UNEVEN = 1e-4  # of the largest flow
+KEPT = 1e-3  # of a setting, or so many of its units; EPANET keeps it so well
 SLOWEST = 0.01  # m/s; friction at slower flow is taken at this speed
 INCH, HORSEPOWER, KILOWATT = FOOT / 12, 745.7, 1e3
 GALLON, IMPERIAL, ACRE_FOOT = 3.785411784e-3, 4.54609e-3, 43560 * FOOT**3
@@ -135,7 +136,7 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str, hour: float
         pumps={
             name: _pump(f"{path}: pump '{name}'", link, units) for name, link in used.items() if link["type"] == PUMP
         },
-        valves={name: _valve(link, units) for name, link in used.items() if link["type"] > PUMP},
+        valves={name: _valve(link, nodes, scale, units) for name, link in used.items() if link["type"] > PUMP},
         sound=not (abs(lost) > STILL or torn),
         notes=tuple(_notes(answer["warning"], hour if text.held else None, closed - kept, cut_off, dry, lost, torn)),
     )
@@ -245,10 +246,13 @@ def _curve(where: str, points: list[tuple[float, float]], units: FileUnits) -> P
         raise InputError(where, error.problem, error.expected, error.got) from None
 
 
-def _valve(link: Mapping[str, Any], units: FileUnits) -> Valve:
+def _valve(link: Mapping[str, Any], nodes: Mapping[str, Any], scale: float, units: FileUnits) -> Valve:
     kind = VALVES[link["type"] - PUMP - 1]
     flow = link["flow"] if link["status"] else 0.0
-    return Valve(_ends(link), kind, link["diameter"] * units.diameter, flow, link["drop"])
+    here, there = (scale * (nodes[end]["head"] - nodes[end]["elevation"]) for end in link["ends"])
+    kept = {"PRV": there, "PSV": here, "FCV": flow / units.flow}.get(kind, nan)
+    active = flow > TRICKLE and abs(kept - link["setting"]) <= KEPT * max(abs(kept), KEPT)
+    return Valve(_ends(link), kind, link["diameter"] * units.diameter, flow, link["drop"], active)
 
 
 def _junction(

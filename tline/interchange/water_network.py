@@ -135,6 +135,8 @@ class Valve:
         m³/s; none where it is shut.
     drop : float
         Head lost from the first node to the second, m.
+    active : bool
+        Whether it keeps the pressure or the flow that it is set to.
     """
 
     nodes: tuple[str, str]
@@ -142,6 +144,7 @@ class Valve:
     diameter: float
     flow: float
     drop: float
+    active: bool = False
 
 
 @dataclass(frozen=True)

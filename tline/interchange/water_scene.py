@@ -18,8 +18,9 @@ from tline.interchange.water_network import (
     WaterJunction,
     WaterNetwork,
     WaterPump,
+    listed,
 )
-from tline.interchange.water_valves import guesses, is_shut, valve_link, with_bores
+from tline.interchange.water_valves import guesses, is_shut, regulators, valve_link, with_bores
 from tline.scene.file import scene_from
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
@@ -87,9 +88,10 @@ def water_scene(network: WaterNetwork, walls: Mapping[str, Keys]) -> tuple[Scene
     tanks = [repr(name) for name, basin in network.basins.items() if basin.kind == "tank"]
     if tanks:
         notes.append(f"tanks: held at their level: {', '.join(tanks)}")
-    if network.valves:
-        notes.append("valves: held at the opening that they have at the operating point")
-        notes += guesses(tables["links"])
+    held = [name for name in network.valves if tables["links"][name]["kind"] != "regulating valve"]
+    if held:
+        notes.append(f"valves: held at the opening that they have at the operating point: {listed(held)}")
+    notes += [*regulators(tables["links"]), *guesses(tables["links"])]
     head = {"title": network.title, "medium": "hydraulic", "t_end": T_END, "start": "steady", "solver": {"tol": TOL}}
     return scene_from(head | {key: table for key, table in tables.items() if table} | _probe(network)), tuple(notes)
 

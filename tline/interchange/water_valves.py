@@ -9,6 +9,7 @@ from tline.interchange.water_network import LEAST_DROP, TRICKLE, WIDE_OPEN, Valv
 from tline.scene.site import GRAVITY
 from tline.scene.travel import open_loss, opening_of, shares
 
+KEEPS = {"PRV": "downstream", "PSV": "upstream", "FCV": "flow"}
 WIDE = 3.0  # times the bore of the pipes beside it: no valve's
 FLAT = 1e-6  # share by which a head that is added falls with the flow
 TRAVELS = {  # globes regulate, and butterflies throttle
@@ -42,7 +43,8 @@ def is_shut(valve: Valve) -> bool:
 def valve_link(name: str, valve: Valve, density: float, notes: list[str]) -> dict[str, Any]:
     """A valve at the opening at which it loses what it loses at the operating point.
 
-    If that is less than such a valve loses wide open, it loses so much less all along its travel.
+    If that is less than such a valve loses wide open, it loses so much less all along its travel. One that keeps a
+    pressure or a flow goes on to keep it, in the time that is usual for whatever it loses.
     """
     if valve.flow * valve.drop < 0 and abs(valve.flow) > TRICKLE and abs(valve.drop) > LEAST_DROP:
         return _adding(name, valve, density * GRAVITY, notes)
@@ -54,8 +56,11 @@ def valve_link(name: str, valve: Valve, density: float, notes: list[str]) -> dic
         lost = max(abs(valve.drop), WIDE_OPEN) * per_head
         loss = min(lost, usual)
         opening = opening_of(shares(kind, loss), sqrt(loss / lost))
-    return {
-        "kind": "orifice",
+    if valve.active and 0 < opening < 1:
+        regulates = _regulates(valve, opening, density * GRAVITY)
+    else:
+        regulates = {"kind": "orifice"}
+    return regulates | {
         "nodes": list(valve.nodes),
         "loss_coefficient": loss,
         "diameter": valve.diameter,
@@ -63,6 +68,21 @@ def valve_link(name: str, valve: Valve, density: float, notes: list[str]) -> dic
         "opening": opening,
         "characteristic": kind,
     }
+
+
+def _regulates(valve: Valve, opening: float, weight: float) -> dict[str, Any]:
+    """What it keeps; pressures at it change by at most twice what it loses for a share of its opening."""
+    keeps, per_opening = KEEPS[valve.kind], 2 / opening
+    band = {"flow_band": valve.flow * per_opening} if keeps == "flow" else {"band": weight * valve.drop * per_opening}
+    return {"kind": "regulating valve", "keeps": keeps} | {key: float(f"{x:.3g}") for key, x in band.items()}
+
+
+def regulators(links: Mapping[str, Any]) -> Iterator[str]:
+    """A note on valves that regulate."""
+    names = [name for name, link in links.items() if link["kind"] == "regulating valve"]
+    if names:
+        keeps = "keep what they keep at the operating point, and are back there in some 10 s after a change"
+        yield f"valves: {keeps}; give them the time_constant, band and stroke_time that they have: {listed(names)}"
 
 
 def _adding(name: str, valve: Valve, weight: float, notes: list[str]) -> dict[str, Any]:

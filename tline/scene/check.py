@@ -18,6 +18,7 @@ from tline.scene.ibis.element import die_of
 from tline.scene.load import Matched
 from tline.scene.multiport import Multiport
 from tline.scene.rational_load import Rational
+from tline.scene.regulating import RegulatingValve
 from tline.scene.touchstone import Touchstone
 from tline.wording import nearest, place, shown
 
@@ -191,6 +192,10 @@ def _waveforms(scene: Scene) -> Iterator[InputError]:
 
 def _steady(scene: Scene) -> Iterator[InputError]:
     """A steady state is not known with multiports."""
+    for name, link in scene.links.items():
+        if isinstance(link, RegulatingValve) and not link.has_set and scene.start != "steady":
+            key = "set_flow" if link.keeps == "flow" else "set_pressure"
+            yield InputError(place("links", name, key), "is missing", "a value, or start = 'steady'")
     multiport = next((name for name, link in scene.links.items() if isinstance(link, Multiport)), None)
     if scene.start == "steady" and multiport is not None:
         where = place("links", multiport)

@@ -1,5 +1,6 @@
 """What an element of a scene tells the solver: the kind of its law, its constants, and what scales it over time."""
 
+from math import inf
 from typing import NamedTuple
 
 from pydantic import ValidationInfo, field_validator
@@ -20,6 +21,47 @@ FACTORS = {
 }
 
 
+class Governor(NamedTuple):
+    """What moves the opening x of an element, from 0 to 1, in a run: by itself, or by the inertia of a disc.
+
+    With u and w the efforts at its nodes and i its flow, the drive d is a (u - u0) + b (w - w0) + c (i - i0) - k x.
+    Then x' = d within the slowest and the fastest rate, or with an inertia M and a damping D, M x'' = d - D x'.
+
+    Attributes
+    ----------
+    here, there, through : pair of float
+        (a, u0), (b, w0) and (c, i0); a value that is not a number is the one at the start.
+    own : float
+        k
+    rates : pair of float
+        Slowest and fastest, 1/s.
+    inertia, damping : float
+    shares : sequence of pair of float
+        Openings and shares of the capacity; none where both are equal.
+    start : float or None
+        Opening at the start; the one that the steady state asks for if None.
+    area : float
+        Of a disc, m².
+    """
+
+    here: tuple[float, float] = (0.0, 0.0)
+    there: tuple[float, float] = (0.0, 0.0)
+    through: tuple[float, float] = (0.0, 0.0)
+    own: float = 0.0
+    rates: tuple[float, float] = (-inf, inf)
+    inertia: float = 0.0
+    damping: float = 0.0
+    shares: tuple[tuple[float, float], ...] = ()
+    start: float | None = None
+    area: float = 0.0
+
+    def flat(self) -> tuple[float, ...]:
+        """Constants, as the kernel has them."""
+        openings, shares = zip(*self.shares, strict=True) if self.shares else ((), ())
+        sums = *self.here, *self.there, *self.through, self.own, *self.rates
+        return (*sums, self.inertia, self.damping, float(len(self.shares)), *openings, *shares)
+
+
 class ElementLaw(NamedTuple):
     """Flow as a function of the effort across an element; the solver knows the kinds and what their constants mean."""
 
@@ -27,6 +69,7 @@ class ElementLaw(NamedTuple):
     constants: tuple[float, ...]
     factor: Shape | None = None  # opening or speed over time, 1 without it
     reverse: bool = False  # whether it looks from the second node, or the reference, to the first
+    governor: Governor | None = None  # of its opening, in place of a factor
 
 
 class NonLinear(Element):

@@ -18,6 +18,7 @@ from tline.scene.rational_link import (
     ResistorLink,
     SeriesLink,
 )
+from tline.scene.regulating import RegulatingValve
 from tline.scene.switch import SwitchLink
 from tline.scene.user_defined import UserLink, or_user_defined
 from tline.scene.valve import CheckValveLink, OrificeLink, ReliefValveLink
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
 _Any = (
     ResistorLink | InductorLink | CapacitorLink | SeriesLink | ParallelLink | ImpedanceLink | SwitchLink
-    | OrificeLink | CheckValveLink | ReliefValveLink | Pump | DiodeLink | CurveLink
+    | OrificeLink | CheckValveLink | ReliefValveLink | RegulatingValve | Pump | DiodeLink | CurveLink
     | Transformer | Gyrator | ControlledSource | CoupledInductors | Junction | MeasuredMultiport
 )  # fmt: skip
 Link = Annotated[_Any, OneOf(_Any, "kind"), *or_user_defined(UserLink)]

@@ -18,7 +18,7 @@ from tline.errors import InputError
 from tline.scene.between import Between
 from tline.scene.element import AtNode, Element
 from tline.scene.factor import ALWAYS, Characterised, Factor
-from tline.scene.law import ElementLaw, OfLiquids
+from tline.scene.law import ElementLaw, Governor, OfLiquids
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.rating import Rated
 from tline.scene.shape import Shape
@@ -53,14 +53,23 @@ Characteristic = Annotated[
 ]
 
 
-class _Orifice(Rated, OfLiquids):
-    opening: Factor = Field(default=ALWAYS, description="0 (shut) to 1 (wide open), constant or over time")
+class CharacterisedValve(Rated, OfLiquids):
+    """A valve with a share of its capacity at each opening."""
+
     characteristic: Characteristic | None = Field(
         default=None,
         description="points [opening, share of the capacity] with straight lines between, or 'gate', 'globe', 'ball' "
         "or 'butterfly' for what such a valve of that diameter loses on its way; without it both are equal",
     )
-    _share: Characterised | None = PrivateAttr(default=None)
+
+    @property
+    def _points(self) -> tuple[tuple[float, float], ...]:
+        """Openings and shares of the capacity; none where both are equal."""
+        if self.characteristic is None:
+            return ()
+        if isinstance(self.characteristic, str):
+            return shares(self.characteristic, self.loss)
+        return tuple((float(x), float(y)) for x, y in self.characteristic)
 
     @property
     def _may_have_a_bore(self) -> bool:
@@ -78,17 +87,18 @@ class _Orifice(Rated, OfLiquids):
             raise InputError("characteristic", "does not cover all openings once", "openings that rise from 0 to 1")
         return self
 
+
+class _Orifice(CharacterisedValve):
+    opening: Factor = Field(default=ALWAYS, description="0 (shut) to 1 (wide open), constant or over time")
+    _share: Characterised | None = PrivateAttr(default=None)
+
     @property
     def share(self) -> Shape:
         """Share of the capacity over time."""
         if self.characteristic is None:
             return self.opening
         if self._share is None:
-            if isinstance(self.characteristic, str):
-                points = shares(self.characteristic, self.loss)
-            else:
-                points = tuple((float(x), float(y)) for x, y in self.characteristic)
-            self._share = Characterised.model_construct(opening=self.opening, shares=points)
+            self._share = Characterised.model_construct(opening=self.opening, shares=self._points)
         return self._share
 
     def law(self) -> ElementLaw:
@@ -148,9 +158,67 @@ class CheckValve(_CheckValve, _Behind):
 
 
 class CheckValveLink(_CheckValve, Between):
-    """A valve that lets flow pass from the first node to the second only; without a capacity it has no loss."""
+    """A valve that lets flow pass from the first node to the second only; without a capacity it has no loss.
+
+    With a disc_mass it shuts late, and slams: disc_mass·travel·x'' = area·(drop - closing pressure) -
+    damping·travel·x', with x from 0 (shut) to 1, to which the capacity is in proportion. The closing pressure rises
+    from the cracking_pressure at x = 0 to the open_pressure at x = 1, by a spring or a weight. Of a disc that swings
+    the mass is its moment of inertia over the square of its arm, that of the liquid that moves with it included.
+
+    References
+    ----------
+    A. R. D. Thorley: Fluid Transients in Pipeline Systems, 2nd edition, Professional Engineering Publishing (2004).
+    """
 
     kind: Literal["check valve"] = "check valve"
+    disc_mass: Annotated[Quantity, Role("mass", "kg", above=0)] | None = Field(
+        default=None, description="of all that moves; without it the valve shuts as soon as the flow turns"
+    )
+    travel: Annotated[Quantity, Role("length", "m", above=0)] | None = Field(
+        default=None, description="of the disc from shut to open; needed with disc_mass"
+    )
+    open_pressure: Annotated[Quantity, Role("pressure", "Pa", at_least=0)] | None = Field(
+        default=None, description="drop that holds the disc wide open; cracking_pressure if not given"
+    )
+    damping: Annotated[Quantity, Role("damping", "N s/m", at_least=0)] | None = Field(
+        default=None, description="force on the disc over its speed; none if not given"
+    )
+
+    @property
+    def _may_have_a_bore(self) -> bool:
+        return self.disc_mass is not None
+
+    @model_validator(mode="after")
+    def _moves(self):
+        of_discs = "travel", "open_pressure", "damping"
+        given = [key for key in of_discs if getattr(self, key) is not None]
+        if self.disc_mass is None:
+            if given:
+                raise InputError(given[0], "is of a disc that moves", "disc_mass beside it")
+            return self
+        if self.travel is None:
+            raise InputError("travel", "is missing", "that of the disc, with disc_mass")
+        if self.capacity is None or self.bore is None:
+            raise InputError("diameter", "is missing", "a capacity and the bore, with disc_mass")
+        if self.open_pressure is not None and self.open_pressure < self.cracking_pressure:
+            got = f"{self.open_pressure:g} Pa"
+            raise InputError("open_pressure", "too low", f"at least the {self.cracking_pressure:g} Pa at the seat", got)
+        return self
+
+    def law(self) -> ElementLaw:  # noqa: D102
+        if self.disc_mass is None or self.travel is None:
+            return super().law()
+        length_over_area = float(self.travel / (self.bore or inf))
+        cracking, opened = float(self.cracking_pressure), float(self.open_pressure or self.cracking_pressure)
+        disc = Governor(
+            here=(1.0, cracking),
+            there=(-1.0, 0.0),
+            own=opened - cracking,
+            inertia=float(self.disc_mass) * length_over_area,
+            damping=float(self.damping or 0.0) * length_over_area,
+            area=float(self.bore or 0.0),
+        )
+        return ElementLaw("quadratic", (0.0, self.capacity or inf, 0.0), governor=disc)
 
 
 class ReliefValve(_ReliefValve, _Behind):

@@ -114,6 +114,7 @@ def run(
         accounts=recorder.ledger(done.final_fronts) if recorder else again,
         circuits=assembly.circuits,
         elements={where: _into(assembly, where, waves, done) for where in assembly.recorded_laws},
+        slams=_slams(assembly),
     )
 
 
@@ -162,6 +163,16 @@ def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[tuple[float, int, int]]:
         for element in group.elements:
             row = int(assembly.network.step_row[g])
             yield from ((float(t), g, row) for t in kinks.get(element.where, NOWHERE) / assembly.resolution.h)
+
+
+def _slams(assembly: Assembly) -> dict[str, float]:
+    """Largest velocity with which liquid has flowed back through check valves whose discs have inertia, m/s."""
+    elements = [element for group in assembly.groups for element in group.elements]
+    found = {}
+    for element, at in zip(elements, assembly.network.laws.governor_state, strict=True):
+        if element.governor is not None and element.governor.area and assembly.state.load[at + 2] < 0:
+            found[element.where] = float(-assembly.state.load[at + 2] / element.governor.area)
+    return found
 
 
 def _alone(assembly: Assembly, row: int, waves: NDArray, done: March, before: float) -> Wave:

@@ -1,8 +1,10 @@
 """What is operated in a network, and when: words such as "VALVE-179@1s+5s" or "J73:20 L/s@2s"."""
 
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from tline.errors import InputError
+from tline.scene.points import read_table
 from tline.scene.quantity import Quantity
 
 OPERATIONS = {
@@ -12,7 +14,7 @@ OPERATIONS = {
     "burst": "NODE:FLOW@TIME+DURATION",
     "demand": "NODE:+FLOW@TIME+DURATION",
 }
-FLOWING = {"burst", "demand"}
+FLOWING, TURNED = {"burst", "demand"}, {"close", "open"}
 
 
 class Event(NamedTuple):
@@ -28,6 +30,10 @@ class Event(NamedTuple):
         When it begins, and how long it takes; s.
     flow : float
         Of a burst, or the change of a demand, m³/s; else 0.
+    stage : tuple of float
+        Share of the way that is left when a second stage begins, and how long that takes, s; or none.
+    course : tuple of pair of float
+        Times after the beginning, s, and openings there, where a file says them; else none.
     """
 
     kind: str
@@ -35,9 +41,19 @@ class Event(NamedTuple):
     at: float
     duration: float = 0.0
     flow: float = 0.0
+    stage: tuple[float, ...] = ()
+    course: tuple[tuple[float, float], ...] = ()
 
     def control(self, before: float, after: float) -> dict[str, Any]:
-        """The waveform that goes from one value to another meanwhile."""
+        """The waveform that goes from one value to another meanwhile; a course of openings says itself where to."""
+        if self.course:
+            points = [(self.at, before), *((self.at + t, x) for t, x in self.course)]
+            return {"shape": "piecewise linear", "points": [list(p) for p in points[points[0] == points[1] :]]}
+        if self.stage:
+            (share, more), middle = self.stage, self.at + self.duration
+            bend = after + share * (before - after)
+            points = [[self.at, before], [middle, bend], [middle + more, after]]
+            return {"shape": "piecewise linear", "points": points}
         shape: dict[str, Any] = {"shape": "ramp", "duration": self.duration} if self.duration else {"shape": "step"}
         return shape | {"from": before, "to": after, "at": self.at}
 
@@ -50,19 +66,23 @@ def read_event(kind: str, text: str) -> Event:
     kind : str
         One of OPERATIONS.
     text : str
-        Name, flow with a unit if it takes one, and time with a duration, which is none if it is not given.
+        Name, flow with a unit if it takes one, and time with a duration, which is none if it is not given. A valve may
+        have a second stage, ``V1@1s+2s:20%+8s``, when 20 % of its way are left, or follow a CSV file of times after
+        the beginning and openings, ``V1@1s:shut.csv``.
 
     Raises
     ------
     InputError
-        It is no such text.
+        It is no such text, or its file cannot be read.
 
     Examples
     --------
-    >>> read_event("close", "VALVE-179@1s+5s")
-    Event(kind='close', name='VALVE-179', at=1.0, duration=5.0, flow=0.0)
+    >>> read_event("close", "VALVE-179@1s+5s")[:4]
+    ('close', 'VALVE-179', 1.0, 5.0)
     >>> read_event("burst", "J73:20 L/s@2s").flow
     0.02
+    >>> read_event("close", "V1@1s+2s:20%+8s").stage
+    (0.2, 8.0)
     """
     where, expected = f"--{kind}", OPERATIONS[kind]
     target, at, when = text.rpartition("@")
@@ -73,15 +93,40 @@ def read_event(kind: str, text: str) -> Event:
             flow = Quantity(typed.removeprefix("+").strip(), "m^3/s", where)
     if not at or not name or (kind in FLOWING and not flow) or (kind == "burst" and flow < 0):
         raise InputError(where, "not an operation", f"{expected}, such as {_example(kind)}", f"'{text}'")
+    when, colon, law = when.partition(":") if kind in TURNED else (when, "", "")
     begin, plus, takes = when.partition("+")
     event = Event(
         kind, name, Quantity(begin.strip(), "s", where), Quantity(takes.strip(), "s", where) if plus else 0.0, flow
     )
+    if colon:
+        event = _with_law(event, law.strip(), where, text)
     if event.at < 0 or event.duration < 0:
         raise InputError(where, "out of range", "times of zero and more", f"'{text}'")
     if kind == "trip" and event.duration:
         raise InputError(where, "a trip takes no time of its own", expected, f"'{text}'")
     return event
+
+
+def _with_law(event: Event, law: str, where: str, text: str) -> Event:
+    """The event with a second stage, or with the course that a file says."""
+    if law.lower().endswith(".csv"):
+        times, openings = read_table(Path(law), where)
+        bad = next((x for x in openings if not 0 <= x <= 1), None)
+        if event.duration or times[0] < 0 or bad is not None:
+            got = f"'{text}'" if event.duration else f"{times[0]:g} s" if times[0] < 0 else f"{bad:g}"
+            raise InputError(where, "no course of an opening", "TIME:FILE.csv, of times >= 0 and openings 0 to 1", got)
+        return event._replace(course=tuple(zip(times, openings, strict=True)))
+    share, plus, takes = (part.strip() for part in law.partition("+"))
+    if not plus or not event.duration:
+        raise InputError(
+            where, "no second stage", f"such as V1@1s+2s:20%+8s, or a file {event.name}@1s:FILE.csv", f"'{text}'"
+        )
+    stage = float(Quantity(share, "", where)), float(Quantity(takes, "s", where))
+    if not 0 < stage[0] < 1 or stage[1] <= 0:
+        raise InputError(
+            where, "a stage out of range", "a share between 0 and 1 that is left, and a duration", f"'{text}'"
+        )
+    return event._replace(stage=stage)
 
 
 def _example(kind: str) -> str:

@@ -1,12 +1,14 @@
 """A scene in which something is operated: valves, pipes, pumps, demands and bursts, by events."""
 
 from collections.abc import Sequence
+from types import UnionType
 from typing import Any
 
 from tline.errors import InputError
 from tline.scene.outflow import Leak
 from tline.scene.pump import EFFICIENCY, Pump
 from tline.scene.quantity import Quantity
+from tline.scene.regulating import RegulatingValve
 from tline.scene.scene import Scene
 from tline.scene.travel import open_loss
 from tline.scene.valve import CheckValve, Orifice, OrificeLink
@@ -21,6 +23,7 @@ from tline.wording import nearest, place
 Table = dict[str, Any]
 LEAST = 1e3  # Pa; an outflow is told by the gauge pressure of its node, and by no less than that
 ROUNDING = 1e-9
+VALVE = "a valve, or a pipe"
 
 
 def operated(
@@ -121,9 +124,16 @@ class _Operated:
         if event.name in self.scene.lines:
             self._put_valve(event.name, event.control(1.0, after))
             return
-        valve = load if isinstance(load, Orifice) else self._link(event, OrificeLink, "a valve, or a pipe")
+        valve = load if isinstance(load, Orifice) else self._link(event, OrificeLink | RegulatingValve, VALVE)
         part = self.tables["loads" if valve is load else "links"]
-        part[event.name]["opening"] = event.control(just_before(valve.opening), after)
+        if isinstance(valve, RegulatingValve):
+            kept = {key: value for key, value in part[event.name].items() if key in OrificeLink.model_fields}
+            part[event.name] = kept | {"kind": "orifice"}
+            before = self._before.openings[place("links", event.name)]
+            self.notes.append(f"valve '{event.name}': it regulates no more, from its opening of {before:.3g} on")
+        else:
+            before = just_before(valve.opening)
+        part[event.name]["opening"] = event.control(before, after)
 
     def _put_valve(self, name: str, opening: Table) -> None:
         """A gate valve at the second end of a pipe."""
@@ -172,11 +182,11 @@ class _Operated:
         share = max(1 - flow / drawn[name], 0.0)
         self.tables["loads"][name] = table | {"opening": event.control(1.0, share)}
 
-    def _link(self, event: Event, kind: type, what: str) -> Any:
+    def _link(self, event: Event, kind: type | UnionType, what: str) -> Any:
         link = self.scene.links.get(event.name)
         if not isinstance(link, kind):
             known = [name for name, one in self.scene.links.items() if isinstance(one, kind)]
-            known += list(self.scene.lines) if kind is OrificeLink else []
+            known += list(self.scene.lines) if what == VALVE else []
             expected = nearest(event.name, known) if known else "a scene that has one"
             raise InputError(f"--{event.kind}", f"not {what}", expected, f"'{event.name}'")
         return link

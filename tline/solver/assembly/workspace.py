@@ -8,7 +8,7 @@ import numpy as np
 from tline.solver.assembly.settling import SUBSTEPS
 from tline.solver.kernel.fronts.structures import Steps, Workspace
 from tline.solver.kernel.losses.passing import ABREAST
-from tline.solver.kernel.network import CircuitWork, Crossing, Laws, Network, State, Store, Tools, Work
+from tline.solver.kernel.network import CircuitWork, Crossing, GovernWork, Laws, Network, State, Store, Tools, Work
 from tline.structure import pack
 
 SAMPLES = 512  # per tile
@@ -56,6 +56,7 @@ def work_for(network: Network, state: State) -> Work:
         crossing=crossing,
         store=store,
         circuit=circuit,
+        govern=_of_governors(elements * s if laws.governed.any() else 0, nodes * s, states, elements),
         map=np.empty((ports * s + states) ** 2 if elements and states else 0),
         pair=np.empty(s * ABREAST),
         out=np.empty(s * ABREAST),
@@ -82,6 +83,13 @@ def _of_elements(laws: Laws, state: State, elements: int, tile: int) -> tuple[Cr
         width=np.zeros(1, np.int64),
     )
     return Crossing(laws.constants, *np.empty((4, tile * s))), store, circuit
+
+
+def _of_governors(points: int, samples: int, states: int, elements: int) -> GovernWork:
+    """Workspace of openings at so many points, in a group of so many samples, states and elements."""
+    each = {name: np.zeros(points) for name in ("rate", "rest", "last", "step", "turned")}
+    kept = np.zeros((elements, 2))
+    return GovernWork(np.empty(samples), np.empty(states), kept, **each, inverse=np.zeros((points, points)))
 
 
 @cache

@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from tline.solver.description.given import ElementLaw, Scene
+import numpy as np
+
+from tline.solver.description.given import ElementLaw, Governor, Scene
 from tline.solver.description.nodes import Node
 from tline.wording import place
 
@@ -18,12 +20,33 @@ class PlacedLaw(NamedTuple):
     from_node: str | None
     to_node: str | None
     above_level: float = 0.0  # of a node that it leads from to the open air; of one that it leads to, less than zero
+    levels: tuple[float, float] = (0.0, 0.0)  # of its nodes, each where its gauge pressure is zero
 
     @property
     def constants(self) -> tuple[float, ...]:
         """Of its law; the first, from which efforts count, at its height."""
         first, *rest = self.law.constants
-        return (first + self.above_level, *rest)
+        return (first + self.above_level, *rest, *(self.governor.flat() if self.governor is not None else ()))
+
+    @property
+    def governor(self) -> Governor | None:
+        """Of its opening, for efforts as they are counted; a difference of efforts has no height."""
+        governor = self.law.governor
+        if governor is None or (governor.here[0] and governor.there[0]):
+            return governor
+        here, there = (
+            (gain, value + level)
+            for (gain, value), level in zip((governor.here, governor.there), self.levels, strict=True)
+        )
+        return governor._replace(here=here, there=there)
+
+    def share(self, opening: float) -> float:
+        """Share of the capacity at an opening that moves by itself."""
+        assert self.governor is not None
+        if not self.governor.shares:
+            return opening
+        openings, shares = np.array(self.governor.shares).T
+        return float(np.interp(opening, openings, shares))
 
     @property
     def nodes(self) -> list[str]:
@@ -42,7 +65,9 @@ def elements_of(scene: Scene, nodes: Mapping[str, Node]) -> list[PlacedLaw]:
         ends = scene.links[name].nodes if part == "links" else (scene.loads[name].at, None)
         if any(node is not None and nodes[node].held is None for node in ends):
             from_node, to_node = reversed(ends) if law.reverse else ends
-            found.append(PlacedLaw(place(part, name), law, from_node, to_node, _height(nodes, from_node, to_node)))
+            levels = [nodes[node].above_level if node is not None else 0.0 for node in (from_node, to_node)]
+            height = _height(nodes, from_node, to_node)
+            found.append(PlacedLaw(place(part, name), law, from_node, to_node, height, (levels[0], levels[1])))
     return found
 
 

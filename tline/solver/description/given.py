@@ -2,7 +2,7 @@
 
 from tline.scene.coupled import End
 from tline.scene.heights import NO_HEIGHT, Height
-from tline.scene.law import ElementLaw
+from tline.scene.law import ElementLaw, Governor
 from tline.scene.medium import MEDIA, Medium
 from tline.scene.multiport import Ports
 from tline.scene.ratio import Ratio
@@ -17,6 +17,7 @@ __all__ = [
     "Constant",
     "ElementLaw",
     "End",
+    "Governor",
     "Height",
     "Medium",
     "Ports",

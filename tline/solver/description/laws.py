@@ -14,6 +14,7 @@ from tline.solver.kernel.network import Laws
 from tline.solver.radau import Basis, basis
 
 STATES = {"gas": 1, "tank": 1, "rotor": 1, "vapour": 1, "air": 2}
+MOVING = 3  # states of an opening that moves
 KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", *STATES, "user_defined")
 
 
@@ -31,7 +32,7 @@ def laws_of(
         Numbers of the first excitation row and of the first state.
     """
     excitations: list[Shape] = []
-    rows, controls, states = [], [], []
+    rows, controls, states, moving = [], [], [], []
     place_of: dict[str | None, int] = {node.name: k for group in groups for k, node in enumerate(group.nodes)}
     place_of[None] = -1
     flat = [element for group in groups for element in group.elements]
@@ -42,7 +43,13 @@ def laws_of(
         excitations += [factor] if factor is not None and varies(factor) else []
         states.append(first_state if element.law.kind in STATES else -1)
         first_state += STATES.get(element.law.kind, 0)
+        moving.append(first_state if element.governor is not None else -1)
+        first_state += MOVING if element.governor is not None else 0
     constants = [element.constants for element in flat]
+    begins = np.cumsum([0, *map(len, constants)])[:-1]
+    places = [
+        begin + len(e.law.constants) if e.governor is not None else -1 for e, begin in zip(flat, begins, strict=True)
+    ]
     laws = Laws(
         first=np.cumsum([0, *(len(group.elements) for group in groups)]),
         kind=np.array([KINDS.index(element.law.kind) for element in flat], int),
@@ -50,9 +57,12 @@ def laws_of(
         to_node=np.array([place_of[e.to_node] for e in flat], int),
         excitation_row=np.array(rows, int),
         control=np.array(controls, float),
-        at=np.cumsum([0, *map(len, constants)])[:-1],
+        at=begins,
         constants=np.concatenate([np.empty(0), *constants]),
         state_at=np.array(states, int),
+        governor=np.array(places, int),
+        governor_state=np.array(moving, int),
+        governed=np.array([any(e.governor is not None for e in group.elements) for group in groups], bool),
         source_impedance=np.array(impedances, float),
         record_row=np.full(len(flat), -1),
         before=np.zeros(len(flat)),
@@ -64,12 +74,35 @@ def laws_of(
 
 
 def started(
-    laws: Laws, elements: Sequence[PlacedLaw], effort: Mapping[str, float], through: Mapping[str, float]
+    laws: Laws,
+    elements: Sequence[PlacedLaw],
+    effort: Mapping[str, float],
+    through: Mapping[str, float],
+    openings: Mapping[str, float],
 ) -> Laws:
-    """The same with the waves into elements that efforts at their nodes and flows through them make before t = 0."""
+    """The same as they are before t = 0.
+
+    That makes the waves into elements, by efforts at their nodes and flows through them, and what those keep that keep
+    what there is.
+    """
+    constants = laws.constants.copy()
+    for element, at in zip(elements, laws.governor, strict=True):
+        there = [effort.get(element.from_node or "", 0.0), effort.get(element.to_node or "", 0.0)]
+        for k, now in enumerate((*there, through.get(element.where, 0.0)) if at >= 0 else ()):
+            if np.isnan(constants[at + 2 * k + 1]):
+                constants[at + 2 * k + 1] = now
+    laws = opened(laws, elements, openings)._replace(constants=constants)
     across = [effort.get(e.from_node or "", 0.0) - effort.get(e.to_node or "", 0.0) for e in elements]
     flows = [through.get(e.where, 0.0) for e in elements]
     return laws._replace(before=np.array(across) + laws.source_impedance * np.array(flows))
+
+
+def opened(laws: Laws, elements: Sequence[PlacedLaw], openings: Mapping[str, float]) -> Laws:
+    """The same with openings, by place, of elements that move them by themselves."""
+    each = zip(elements, laws.control, strict=True)
+    return laws._replace(
+        control=np.array([e.share(openings[e.where]) if e.governor is not None else now for e, now in each], float)
+    )
 
 
 def with_basis(laws: Laws, order: Basis, h: float, record_row: NDArray) -> Laws:
@@ -77,8 +110,8 @@ def with_basis(laws: Laws, order: Basis, h: float, record_row: NDArray) -> Laws:
     return laws._replace(tools=tools_of(order), step=h, record_row=record_row)
 
 
-def states_of(elements: list[PlacedLaw], effort: dict[str, float]) -> NDArray:
-    """States of the elements that have one, in equilibrium with the efforts of their nodes.
+def states_of(elements: list[PlacedLaw], effort: dict[str, float], openings: Mapping[str, float]) -> NDArray:
+    """States of the elements that have one, in equilibrium with the efforts of their nodes; and openings that move.
 
     Raises
     ------
@@ -107,4 +140,6 @@ def states_of(elements: list[PlacedLaw], effort: dict[str, float]) -> NDArray:
             if u < constants[0]:
                 raise InputError(element.where, "no state at rest: it draws air", got=gauge)
             states += [0.0, 0.0]
+        if element.governor is not None:
+            states += [openings[element.where], 0.0, 0.0]
     return np.array(states, float)

@@ -65,7 +65,8 @@ def advance(run: Run, k: int, n_slabs: int, column: int) -> int:
             for g in groups:
                 ahead = np.int64(0)
                 while ahead < count:
-                    m = place_tile(run, g, begun, ahead, min(count - ahead, tile))
+                    most = np.int64(1) if network.laws.governed[g] else tile
+                    m = place_tile(run, g, begun, ahead, min(count - ahead, most))
                     node = scatter_group(run, g, (k + done + begun + ahead) * s, m, column * s)
                     if node >= 0:
                         return node

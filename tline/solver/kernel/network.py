@@ -44,6 +44,9 @@ class Laws(NamedTuple):
     at: Integers  # (E,) place of its first constant
     constants: Floats
     state_at: Integers  # (E,) place of its state, -1 for none
+    governor: Integers  # (E,) place of the constants of what moves its opening, -1 for none
+    governor_state: Integers  # (E,) place of its opening, rate of the opening, and least flow so far
+    governed: Flags  # (G,) whether a group has such elements
     source_impedance: Floats  # (E,) behind which each is seen, > 0
     before: Floats  # (E,) wave e + ρ i into it before t = 0
     impedance: Floats  # (N,) Thévenin impedance of each node beside branches, 0 if its effort is held
@@ -148,6 +151,7 @@ class Units(NamedTuple):
     delay: int  # fractional rests of delays
     crossing: int  # groups with one law and nothing else
     circuit: int  # other groups with laws
+    govern: int  # groups whose elements move their openings themselves
     law: Integers  # (E,) of each element: its law, or its store
     loss: Integers  # (rows,) of each row of loss elements
     segments: int  # lossy lines in segments
@@ -212,6 +216,20 @@ class CircuitWork(NamedTuple):
     width: Integers  # (1,) of the map
 
 
+class GovernWork(NamedTuple):
+    """Workspace of openings that move; M points of a group's elements, law by law."""
+
+    u: Floats  # Thévenin waves of the group
+    states: Floats  # of the group's circuit
+    kept: Floats2  # (elements, 2) states of its stores
+    rate: Floats  # (M,) of openings
+    rest: Floats  # (M,) by how much the rate exceeds that which it leads to
+    last: Floats  # (M,) the same before
+    step: Floats  # (M,)
+    turned: Floats  # (M,)
+    inverse: Floats2  # (M, M) of how the rest answers to rates, about
+
+
 class Work(NamedTuple):
     """Workspace of a loop: made once, it costs no slab anything."""
 
@@ -225,6 +243,7 @@ class Work(NamedTuple):
     crossing: Crossing
     store: Store
     circuit: CircuitWork
+    govern: GovernWork
     map: Floats  # of a circuit over a piece of a slab
     pair: Floats  # (s * ABREAST,) waves at neighbouring loss elements
     out: Floats  # (s * ABREAST,)

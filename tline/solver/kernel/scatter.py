@@ -7,6 +7,7 @@ do not vectorise.
 import numpy as np
 
 from tline.solver.kernel.arithmetic import TINY
+from tline.solver.kernel.laws.passing import pass_laws
 from tline.solver.kernel.load import load
 from tline.unit import function, invoke
 
@@ -94,10 +95,8 @@ def scatter_group(run, g, here, m, column):
     laws = network.laws.first[g] < network.laws.first[g + 1]
     if laws:
         control(run, g, here, n)
-    if laws and network.load_at[g] >= 0:
-        invoke(units.circuit, (run, np.int64(g), n, network.laws.step, np.int64(0)))
-    elif laws:
-        invoke(units.crossing, (run, np.int64(g), n, network.laws.step))
+    if laws:
+        pass_laws(run, np.int64(g), n, network.laws.step, np.int64(0))
     elif network.load_at[g] >= 0:
         load(run, g, n, network.step, network.step_at[network.step_row[g]])
     if laws:

@@ -46,6 +46,7 @@ def units_of(network: Network, *, fronts: bool) -> Units:
         delay=address("delay.delay_rest", (network.shift_row >= 0).any()),
         crossing=address("laws.crossing.crossing", (laws & ~mapped).any()),
         circuit=address("laws.circuit.circuit", (laws & mapped).any()),
+        govern=address("laws.govern.govern", network.laws.governed.any()),
         law=law_addresses(kind) if len(kind) else np.zeros(0, np.int64),
         loss=np.where(losses == REMEMBERED, remembered, constant),
         segments=address("losses.segments.pass_segments", segments),

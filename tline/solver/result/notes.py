@@ -30,6 +30,7 @@ def remarks_of(result: Result) -> tuple[str, ...]:
         *blurred(result),
         *description.plausibility_notes,
         *beyond_limits(description, _extremes(probes, envelope)),
+        *(f"{where}: liquid flows back through it at up to {v:.3g} m/s" for where, v in result.slams.items()),
         *surges(description, result.t, result.start, probes, envelope),
     )
 

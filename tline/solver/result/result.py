@@ -286,6 +286,8 @@ class Result(Display, Export):
         What stands for the laws of lossy lines, by line.
     elements : mapping of str to ElementRecord
         Of elements whose laws kink, by place, in the runs on the way to a tolerance.
+    slams : mapping of str to float
+        Of check valves with a disc, by place, the largest velocity with which liquid flowed back through them, m/s.
     parts : Result or None
         The same of a scene with stretches in place of lines with cavities; None if there are none.
     warned : tuple of str
@@ -307,6 +309,7 @@ class Result(Display, Export):
     accounts: Ledger | Callable[[], Ledger | None] | None = None
     circuits: Mapping[str, Circuits] = field(default_factory=dict)
     elements: Mapping[str, ElementRecord] = field(default_factory=dict)
+    slams: Mapping[str, float] = field(default_factory=dict)
     parts: "Result | None" = None
     warned: tuple[str, ...] = ()
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.groups import Group
-from tline.solver.description.laws import KINDS, laws_of
+from tline.solver.description.laws import KINDS, laws_of, opened
 from tline.solver.kernel.network import Laws as Elements
 from tline.solver.steady.balance import EdgeLaws
 from tline.solver.steady.flows import flows_through
@@ -33,7 +33,12 @@ class Edges:
     """
 
     def __init__(
-        self, description: Description, number: Mapping[str, int], lossy: NDArray, tables: Mapping[str, FrictionTable]
+        self,
+        description: Description,
+        number: Mapping[str, int],
+        lossy: NDArray,
+        tables: Mapping[str, FrictionTable],
+        openings: Mapping[str, float],
     ):
         lines = {name: line for (name, line), falls in zip(description.lines.items(), lossy, strict=True) if falls}
         self.falls = Falls(lines, tables)
@@ -47,7 +52,8 @@ class Edges:
         self.from_node, self.to_node = np.array(ends, int).reshape(-1, 2).T
         nodes = description.nodes
         impedances = [element.seen(nodes) for element in self.elements]
-        self.packed, _ = laws_of([Group([*nodes.values()], [], self.elements, [])], impedances, 0, 0)
+        packed, _ = laws_of([Group([*nodes.values()], [], self.elements, [])], impedances, 0, 0)
+        self.packed = opened(packed, self.elements, openings)
 
     @property
     def count(self) -> int:

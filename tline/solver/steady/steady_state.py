@@ -20,6 +20,7 @@ from tline.solver.description.nodes import NONE, Node
 from tline.solver.steady.balance import CLOSE, balanced
 from tline.solver.steady.edges import Edges
 from tline.solver.steady.lossy_lines import FrictionTable, pi
+from tline.solver.steady.openings import openings_at_rest, still
 from tline.solver.steady.pockets import settled
 from tline.wording import place
 
@@ -36,11 +37,13 @@ class Before(NamedTuple):
     effort: dict[str, float]  # of each node
     flows: NDArray  # (lines, 2) at both ends, from end 1 to end 2
     through: dict[str, float]  # of each element that lets something pass
+    openings: dict[str, float]  # of each element that moves its opening
 
 
 def rest(description: Description) -> Before:
     """While all stands still."""
-    return Before(dict.fromkeys(description.nodes, 0.0), np.zeros((len(description.lines), 2)), {})
+    flows = np.zeros((len(description.lines), 2))
+    return Before(dict.fromkeys(description.nodes, 0.0), flows, {}, openings_at_rest(description.elements))
 
 
 def steady_state(
@@ -58,13 +61,18 @@ def steady_state(
     InputError
         If there is none: different ideal efforts on connected lines, or a flow that nothing takes; or none was found.
     """
-    effort, flows, _ = above_level(description, tables)
+    effort, flows, _, _ = above_level(description, tables)
     return {name: u + description.nodes[name].height.level for name, u in effort.items()}, flows
 
 
 def above_level(description: Description, tables: Mapping[str, FrictionTable] = NONE) -> Before:
-    """The same with efforts that count from the level, and flows through elements."""
+    """The same with efforts that count from the level, flows through elements, and openings that hold still."""
     description.refuse_coupled("a steady state")
+    return still(description.elements, lambda openings: _under(description, tables, openings))
+
+
+def _under(description: Description, tables: Mapping[str, FrictionTable], openings: dict[str, float]) -> Before:
+    """The steady state with these openings of the elements that move them."""
     nodes, lines = description.nodes, description.lines.values()
     number, n = {name: k for k, name in enumerate(nodes)}, len(nodes)
     shorts = description.inductive
@@ -78,7 +86,7 @@ def above_level(description: Description, tables: Mapping[str, FrictionTable] = 
     conductance += np.bincount(first, leak, n) + np.bincount(second, leak, n)
     _check_held(description, part, given)
     _check_between(description, part, number)
-    edges = Edges(description, number, lossy, tables)
+    edges = Edges(description, number, lossy, tables, openings)
     if edges.count:
         level, flow = _between_parts(description, number, part, given, conductance, driven, edges)
         out = edges.out_of_nodes(flow, n)
@@ -95,7 +103,7 @@ def above_level(description: Description, tables: Mapping[str, FrictionTable] = 
     y[:count][lossy] = flow[: lossy.sum()]
     flows = np.stack([y + leak * effort[first], y - leak * effort[second]], axis=1)[:count]
     through = dict(zip(edges.where[lossy.sum() :], flow[lossy.sum() :].tolist(), strict=True))
-    return Before(dict(zip(nodes, effort.tolist(), strict=True)), flows, through)
+    return Before(dict(zip(nodes, effort.tolist(), strict=True)), flows, through, openings)
 
 
 def _between_parts(

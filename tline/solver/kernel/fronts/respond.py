@@ -4,6 +4,7 @@ import numpy as np
 
 from tline.solver.kernel.fronts.settle import collocate, collocate_finely, map_of
 from tline.solver.kernel.fronts.structures import MERGE, FrontRun
+from tline.solver.kernel.laws.passing import pass_laws
 from tline.solver.kernel.load import load
 from tline.unit import function, invoke, unit
 
@@ -46,7 +47,7 @@ def respond_with_laws(job: FrontRun, g: int, piece: int, m: int) -> int:
     own = n > 0 and m > 1
     if own:
         map_of(fronts, fronts.systems.at[r], ports, n, h, run.work.map)
-    invoke(run.units.circuit, (run, g, fronts.tools.c.size, h, np.int64(own)))
+    pass_laws(run, g, fronts.tools.c.size, h, np.int64(own))
     return 0
 
 
@@ -70,7 +71,7 @@ def respond(job, g, slab, m):
                     run.work.control[e, i] = work.control[e, piece, i]
         if network.load_at[g] < 0:
             width = fronts.step * (edges[piece + 1] - edges[piece])
-            invoke(run.units.crossing, (run, np.int64(g), s, width))
+            pass_laws(run, np.int64(g), s, width, np.int64(0))
         elif count > 0:
             invoke(run.units.respond_with_laws, (job, np.int64(g), np.int64(piece), m))
         else:

@@ -1,0 +1,95 @@
+"""Valves that move their openings by themselves, against delay equations by DOP853."""
+
+import numpy as np
+import pytest
+from hydraulic_by_hand import pipe
+from method_of_steps import ByHand, Motion, integrate
+
+from tline.scene.scene import Scene
+from tline.solver.simulate import simulate
+
+LINE = {"length": 500, "diameter": 0.2, "wave_speed": 1000, "density": 1000}
+Z0 = pipe(500, 0.2, 1000).z0
+HEAD, KEPT, DRAWN, T = 8e5, 4e5, 0.03, 2.0
+BORE = np.pi / 4 * 0.2**2
+WIDE = BORE * np.sqrt(2 / (2.0 * 1000))  # capacity of an open valve that loses two velocity heads
+TAP = DRAWN / np.sqrt(KEPT)
+KEEPS = {
+    "downstream": {"set_pressure": KEPT, "band": KEPT},
+    "upstream": {"set_pressure": HEAD - 1e5, "band": KEPT},
+    "flow": {"set_flow": DRAWN},
+}
+
+
+def scene(keeps: str, **more) -> Scene:
+    """A lake, a pipe, the valve, a pipe, and a tap that is turned half way."""
+    turned = {"shape": "ramp", "from": 1, "to": 0.5 if keeps == "downstream" else 0.8, "at": 1, "duration": 1}
+    valve = {"kind": "regulating valve", "nodes": ["a", "b"], "keeps": keeps, "loss_coefficient": 2, "diameter": 0.2}
+    return Scene(
+        medium="hydraulic",
+        t_end=12,
+        start="steady",
+        lines={"up": {"nodes": ["lake", "a"], **LINE}, "down": {"nodes": ["b", "end"], **LINE}},
+        links={"valve": valve | {"time_constant": T} | KEEPS[keeps] | more},
+        loads={
+            "lake": {"at": "lake", "kind": "reservoir", "pressure": HEAD},
+            "tap": {"at": "end", "kind": "orifice", "flow": DRAWN, "pressure_drop": KEPT, "opening": turned},
+        },
+        probes={"a": {"at": "a"}, "b": {"at": "b"}, "end": {"at": "end"}},
+    )
+
+
+def by_hand(keeps: str, start: float, fastest: float = np.inf) -> Motion:
+    """x' = drive; the same flow leaves a and enters b."""
+
+    def flow(x, w):
+        d = w[1] - w[2]
+        return 2 * d * x * WIDE / (2 * Z0 * x * WIDE + np.sqrt((2 * Z0 * x * WIDE) ** 2 + 4 * abs(d)))
+
+    def circuit(t, x, w, mode):
+        q = flow(x[0], w)
+        a, b = w[1] - Z0 * q, w[2] + Z0 * q
+        tap = TAP * np.interp(t, [0, 1], [1, 0.5 if keeps == "downstream" else 0.8])
+        out = 2 * w[3] * tap / (Z0 * tap + np.sqrt((Z0 * tap) ** 2 + 4 * abs(w[3])))
+        drive = (KEPT - b) / KEPT if keeps == "downstream" else 1 - q / DRAWN
+        return np.array([np.clip(drive / T, -fastest, fastest)]), np.array([HEAD, a, b, w[3] - Z0 * out])
+
+    w = [HEAD - Z0 * DRAWN, HEAD + Z0 * DRAWN, KEPT - Z0 * DRAWN, KEPT + Z0 * DRAWN]
+    lines = [pipe(500, 0.2, 1000)] * 2
+    return integrate(
+        circuit, lines, 11.0, scale=[1.0], state=[start], steady=[HEAD, HEAD, KEPT, KEPT, *w], corners=(1.0,),
+        longest=0.05,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("keeps", ["downstream", "flow"])
+def test_a_valve_that_keeps_a_value_obeys_its_equation(keeps):
+    """The tap moves after 1 s; until then nothing does."""
+    result = simulate(scene(keeps), tol=1e-8)
+    start = DRAWN / np.sqrt(HEAD - KEPT) / WIDE
+    found = ByHand(lambda: by_hand(keeps, start), {"a": 1, "b": 2, "end": 3}, 1.0).differences(result.probes)
+    assert max(found.values()) < 1e-9
+
+
+def test_a_valve_is_no_faster_than_its_stroke():
+    """Where the rate bends slabs are not cut: errors are those of a corner."""
+    result = simulate(scene("downstream", stroke_time=20), tol=1e-6)
+    start = DRAWN / np.sqrt(HEAD - KEPT) / WIDE
+    found = ByHand(lambda: by_hand("downstream", start, 1 / 20), {"a": 1, "b": 2, "end": 3}, 1.0)
+    assert max(found.differences(result.probes).values()) < 1e-5
+
+
+@pytest.mark.parametrize("keeps", ["downstream", "upstream", "flow"])
+def test_nothing_operated_nothing_moves(keeps):
+    """Whether the value is given or that of the start, over a minute."""
+    still = scene(keeps).table()
+    still["loads"]["tap"]["opening"] = 1
+    still["lines"]["up"]["friction"] = {"kind": "darcy", "factor": 0.08}
+    given = Scene(**still | {"t_end": 60})
+    kept = {key: value for key, value in still["links"]["valve"].items() if not key.startswith("set_")}
+    kept |= {"opening": 0.11} | ({"flow_band": DRAWN} if keeps == "flow" else {})
+    for each in (given, given.with_changes(links={"valve": kept})):
+        result = simulate(each, tol=1e-4)
+        for probe in result.probes.values():
+            assert np.ptp(probe.u) <= 1e-9 * HEAD
+            assert np.ptp(probe.y) <= 1e-9 * DRAWN

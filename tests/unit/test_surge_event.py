@@ -1,0 +1,33 @@
+"""Words for operations, and their waveforms."""
+
+import pytest
+
+from tline.errors import InputError
+from tline.surge.event import read_event
+
+
+def test_a_second_stage_begins_where_the_first_one_ends():
+    event = read_event("close", "V1@1s+2s:25%+8s")
+    assert event.control(0.8, 0.0)["points"] == [[1.0, 0.8], [3.0, 0.2], [11.0, 0.0]]
+
+
+def test_a_course_follows_its_file(tmp_path):
+    file = tmp_path / "shut.csv"
+    file.write_text("s,opening\n0,1\n2,0.3\n9,0\n")
+    points = read_event("close", f"V1@1s:{file}").control(1.0, 0.0)["points"]
+    assert points == [[1.0, 1.0], [3.0, 0.3], [10.0, 0.0]]
+    assert read_event("close", f"V1@1s:{file}").control(0.5, 0.0)["points"][:2] == [[1.0, 0.5], [1.0, 1.0]]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("V1@1s:20%+8s", "--close: no second stage, expected such as V1@1s"),
+        ("V1@1s+2s:120%+8s", "--close: a stage out of range"),
+        ("V1@1s:nowhere.csv", "--close: 'nowhere.csv' cannot be read"),
+        ("V1@1s+2s:x.csv", "cannot be read"),
+    ],
+)
+def test_a_closure_that_is_none(text, said):
+    with pytest.raises(InputError, match=said):
+        read_event("close", text)

@@ -1,0 +1,87 @@
+"""Regulating valves: they move their opening by themselves, to keep a pressure or a flow."""
+
+from math import inf, nan
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from tline.errors import InputError
+from tline.scene.between import Between
+from tline.scene.law import ElementLaw, Governor
+from tline.scene.quantity import Quantity, Role
+from tline.scene.valve import CharacterisedValve, Share
+
+Gauge = Annotated[Quantity, Role("pressure", "Pa")]
+Positive = Annotated[Quantity, Role("pressure", "Pa", above=0)]
+Flow = Annotated[Quantity, Role("flow", "m^3/s", above=0)]
+Time = Annotated[Quantity, Role("time", "s", above=0)]
+ONE_WAY = {"downstream", "upstream"}
+
+
+class RegulatingValve(CharacterisedValve, Between):
+    """A valve that opens and shuts by itself: pressure reducing, pressure sustaining, flow control, or float valve.
+
+    Its opening x runs at a rate (set - value)/(band·time_constant) for a pressure behind it or a flow, with the
+    opposite sign for a pressure in front of it. That of a float valve, behind which the tank stands, runs to
+    (set - value)/band, within 0 and 1: it is shut at the set pressure, and wide open a band below.
+
+    References
+    ----------
+    S. L. Prescott, B. Ulanicki: Dynamic modeling of pressure reducing valves, J. Hydraul. Eng. 129 (2003) 804-812,
+    doi:10.1061/(ASCE)0733-9429(2003)129:10(804), whose valves move at a rate in proportion to the error.
+    """
+
+    kind: Literal["regulating valve"] = "regulating valve"
+    keeps: Literal["downstream", "upstream", "flow", "level"] = Field(
+        description="the pressure at its second node or at its first one, the flow, or the level behind it as a float"
+    )
+    set_pressure: Gauge | None = Field(
+        default=None, description="gauge pressure that it keeps; that of the steady start if not given"
+    )
+    set_flow: Flow | None = Field(default=None, description="flow that it keeps; that of the steady start if not given")
+    band: Positive = Field(
+        default=Quantity("1 bar", "Pa"),
+        description="error of a pressure at which it would open fully in a time constant; depth of a float's stroke",
+    )
+    flow_band: Flow | None = Field(default=None, description="the same of a flow; set_flow if not given")
+    time_constant: Time = Field(default=Quantity("5 s", "s"), description="of its motion")
+    stroke_time: Time | None = Field(default=None, description="the least time from shut to open")
+    opening: Share | None = Field(
+        default=None, description="at the start; if not given, the one at which nothing moves, or 1 if all is at rest"
+    )
+
+    @property
+    def has_set(self) -> bool:
+        """Whether it is said what it keeps."""
+        return (self.set_flow if self.keeps == "flow" else self.set_pressure) is not None
+
+    @model_validator(mode="after")
+    def _keeps_one(self):
+        other = "set_pressure" if self.keeps == "flow" else "set_flow"
+        if getattr(self, other) is not None:
+            raise InputError(other, "is not what it keeps", f"none with keeps = '{self.keeps}'")
+        if self.keeps != "flow" and self.flow_band is not None:
+            raise InputError("flow_band", "is for a flow", f"band with keeps = '{self.keeps}'")
+        if self.keeps == "flow" and self.set_flow is None and self.flow_band is None:
+            raise InputError("flow_band", "is missing", "it, or set_flow")
+        if not self.has_set and self.opening is None:
+            raise InputError("opening", "is missing", "a set value, or the opening that the start has")
+        if self.keeps == "level" and self.set_pressure is None:
+            raise InputError("set_pressure", "is missing", "the pressure at the tank's node at which it is shut")
+        return self
+
+    def law(self) -> ElementLaw:  # noqa: D102
+        way = float(self.keeps in ONE_WAY)
+        return ElementLaw("quadratic", (0.0, self.capacity or inf, way), governor=self._governor())
+
+    def _governor(self) -> Governor:
+        T, fastest = float(self.time_constant), 1 / self.stroke_time if self.stroke_time is not None else inf
+        start = None if self.opening is None else float(self.opening)
+        governor = Governor(rates=(-fastest, fastest), shares=self._points, start=start)
+        if self.keeps == "flow":
+            flow = nan if self.set_flow is None else float(self.set_flow)
+            return governor._replace(through=(-1 / (float(self.flow_band or flow) * T), flow))
+        pressure, gain = nan if self.set_pressure is None else float(self.set_pressure), 1 / (float(self.band) * T)
+        if self.keeps == "upstream":
+            return governor._replace(here=(gain, pressure))
+        return governor._replace(there=(-gain, pressure), own=1 / T if self.keeps == "level" else 0.0)

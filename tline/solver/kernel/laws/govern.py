@@ -1,0 +1,199 @@
+"""Openings that efforts and flows at their own element move: of regulating valves, and of discs in the flow.
+
+With x the opening, 0 to 1, u and w the efforts at the element's nodes and i its flow, the drive is
+d = a (u - u0) + b (w - w0) + c (i - i0) - k x. A regulator has x' = d within its slowest and fastest rate; a disc with
+inertia M and damping D has M x'' = d - D x'. Both stop at 0 and 1. Radau's stages of x' are found with the flows of the
+group, by Broyden's method on the rates: a group's circuit stays what it is, with openings that are given.
+
+Constants: a, u0, b, w0, c, i0, k, slowest and fastest rate, M, D, number of points of a characteristic; its openings,
+and its shares of the capacity.
+
+References
+----------
+C. G. Broyden: A class of methods for solving nonlinear simultaneous equations, Math. Comp. 19 (1965) 577-593,
+doi:10.1090/S0025-5718-1965-0198670-6.
+"""
+
+import numpy as np
+
+from tline.solver.kernel.laws.quadratic import rooted
+from tline.solver.kernel.network import AIR, Run
+from tline.unit import function, invoke, unit
+
+TRIES = 60
+SPARE, CLOSE = 1e-15, 1e-11  # of an opening: where to stop, and what will do
+SLOWEST, FASTEST, INERTIA, DAMPING, POINTS = 7, 8, 9, 10, 11  # places of constants
+
+
+@function
+def share_of(c, at, x):
+    """Share of the capacity at an opening."""
+    n, k = int(c[at + POINTS]), 1
+    if n == 0:
+        return x
+    openings, shares = at + POINTS + 1, at + POINTS + 1 + n
+    while k < n - 1 and x > c[openings + k]:
+        k += 1
+    low = c[openings + k - 1]
+    return c[shares + k - 1] + (c[shares + k] - c[shares + k - 1]) * (x - low) / (c[openings + k] - low)
+
+
+@function
+def opened(run, e, rate, o, j, h):
+    """Opening of element e at point j, under the rates from place o on."""
+    radau, x = run.network.laws.tools.radau, run.state.load[run.network.laws.governor_state[e]]
+    for i in range(radau.shape[0]):
+        x += h * radau[j, i] * rate[o + i]
+    return min(max(x, 0.0), 1.0)
+
+
+@function
+def driven(run, e, j, x):
+    """Drive of element e at point j, and its flow, with the efforts that its opening x has led to."""
+    laws, u, s = run.network.laws, run.work.u, run.network.laws.tools.c.size
+    c, at = laws.constants, laws.governor[e]
+    here = u[laws.from_node[e] * s + j] if laws.from_node[e] >= 0 else 0.0
+    there = u[laws.to_node[e] * s + j] if laws.to_node[e] >= 0 else 0.0
+    law = laws.at[e]
+    flow = rooted(here - there - c[law], 0.0, c[law + 1] * share_of(c, at, x), c[law + 2])[0]
+    drive = c[at] * (here - c[at + 1]) + c[at + 2] * (there - c[at + 3]) + c[at + 4] * (flow - c[at + 5])
+    return drive - c[at + 6] * x, flow
+
+
+@function
+def exchange(run, g, n, give):
+    """Put waves and states of a group aside, or give them back."""
+    laws, work, u, states = run.network.laws, run.work.govern, run.work.u, run.state.load
+    x, r = run.network.load_at[g], run.network.step_row[g]
+    exchange_part(u, np.int64(0), (run.network.group[g + 1] - run.network.group[g]) * n, work.u, give)
+    if x >= 0:
+        exchange_part(states, x, run.network.step_states[r], work.states, give)
+    for e in range(laws.first[g], laws.first[g + 1]):
+        if laws.state_at[e] >= 0:
+            count = 2 if laws.kind[e] == AIR else 1
+            exchange_part(states, laws.state_at[e], count, work.kept[e - laws.first[g]], give)
+
+
+@function
+def exchange_part(values, at, count, kept, give):
+    """The same of some values from a place on."""
+    for i in range(count):
+        if give:
+            values[at + i] = kept[i]
+        else:
+            kept[i] = values[at + i]
+
+
+@function
+def respond_under(run, g, n, h, own):
+    """Efforts of a group under the openings of the rates that are tried. Returns whether there are any."""
+    laws, rate = run.network.laws, run.work.govern.rate
+    for e in range(laws.first[g], laws.first[g + 1]):
+        a, at = e - laws.first[g], laws.governor[e]
+        for j in range(n if at >= 0 else 0):
+            run.work.control[a, j] = share_of(laws.constants, at, opened(run, e, rate, a * n, j, h))
+    if run.network.load_at[g] >= 0:
+        invoke(run.units.circuit, (run, g, n, h, own))
+    else:
+        invoke(run.units.crossing, (run, g, n, h))
+    return np.isfinite(run.work.u[n - 1])
+
+
+@function
+def unsettled(run, g, n, h):
+    """By how much rates exceed those that they lead to, point by point. Returns the largest."""
+    laws, work, radau = run.network.laws, run.work.govern, run.network.laws.tools.radau
+    c, worst = laws.constants, 0.0
+    for e in range(laws.first[g], laws.first[g + 1]):
+        o, at, place = (e - laws.first[g]) * n, laws.governor[e], laws.governor_state[e]
+        for j in range(n if at >= 0 else 0):
+            work.turned[o + j] = driven(run, e, j, opened(run, e, work.rate, o, j, h))[0]
+        for j in range(n if at >= 0 else 0):
+            if c[at + INERTIA] > 0.0:
+                led = run.state.load[place + 1]
+                for i in range(n):
+                    force = work.turned[o + i] - c[at + DAMPING] * work.rate[o + i]
+                    led += h * radau[j, i] * force / c[at + INERTIA]
+            else:
+                led = min(max(work.turned[o + j], c[at + SLOWEST]), c[at + FASTEST])
+            work.rest[o + j] = work.rate[o + j] - led
+            worst = max(worst, abs(work.rest[o + j]))
+    return worst
+
+
+@function
+def learn(work, size):
+    """Broyden's update of the inverse, after a step."""
+    inverse, step, turned, along = work.inverse, work.step, work.turned, 0.0
+    for a in range(size):
+        turned[a] = 0.0
+        for b in range(size):
+            turned[a] += inverse[a, b] * (work.rest[b] - work.last[b])
+        along += step[a] * turned[a]
+    if along == 0.0:
+        return
+    for b in range(size):
+        seen = 0.0
+        for a in range(size):
+            seen += step[a] * inverse[a, b]
+        work.last[b] = seen / along
+    for a in range(size):
+        for b in range(size):
+            inverse[a, b] += (step[a] - turned[a]) * work.last[b]
+
+
+@function
+def move(work, size):
+    """Take Broyden's step."""
+    for a in range(size):
+        work.step[a] = 0.0
+        for b in range(size):
+            work.step[a] -= work.inverse[a, b] * work.rest[b]
+    for a in range(size):
+        work.rate[a] += work.step[a]
+        work.last[a] = work.rest[a]
+
+
+@function
+def commit(run, g, n, h):
+    """Let the openings move on; what stops at an end has no rate."""
+    laws, work, states = run.network.laws, run.work.govern, run.state.load
+    for e in range(laws.first[g], laws.first[g + 1]):
+        o, at, place = (e - laws.first[g]) * n, laws.governor[e], laws.governor_state[e]
+        if at < 0:
+            continue
+        for j in range(n):
+            flow = driven(run, e, j, opened(run, e, work.rate, o, j, h))[1]
+            states[place + 2] = min(states[place + 2], flow)
+        x, v = opened(run, e, work.rate, o, n - 1, h), work.rate[o + n - 1]
+        stopped = (x <= 0.0 and v < 0.0) or (x >= 1.0 and v > 0.0)
+        states[place], states[place + 1] = x, 0.0 if stopped else v
+
+
+@unit
+def govern(run: Run, g: int, n: int, h: float, own: int) -> int:
+    """Turn the Thévenin waves of one slab, or piece, of width h into efforts, with openings that these move."""
+    laws, work, states = run.network.laws, run.work.govern, run.state.load
+    first, size, before = laws.first[g], (laws.first[g + 1] - laws.first[g]) * n, np.inf
+    exchange(run, g, n, False)
+    for e in range(first, laws.first[g + 1]):
+        for j in range(n):
+            work.rate[(e - first) * n + j] = states[laws.governor_state[e] + 1] if laws.governor[e] >= 0 else 0.0
+            work.rest[(e - first) * n + j] = 0.0
+    for a in range(size):
+        for b in range(size):
+            work.inverse[a, b] = 1.0 if a == b else 0.0
+    for tried in range(TRIES):
+        exchange(run, g, n, True)
+        if not respond_under(run, g, n, h, own):
+            return 0
+        worst = h * unsettled(run, g, n, h)
+        if worst <= SPARE or (worst <= CLOSE and worst >= 0.5 * before):
+            commit(run, g, n, h)
+            return 0
+        before = worst
+        if tried > 0:
+            learn(work, size)
+        move(work, size)
+    run.work.u[n - 1] = np.nan
+    return 0
