@@ -10,8 +10,10 @@ from tline.solver.convolution.run import Convolved
 from tline.solver.convolution.search import convolved
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
+from tline.solver.result.interior import inside
 from tline.solver.simulate import simulate
 from tline.solver.tolerance.search import Search
+from tline.study.reference.lossy import lossy_response
 
 SKIN = {"skin": {"resistance": "10 ohm/m", "frequency": "100 MHz"}}
 DIODE = {"d": {"at": "b", "kind": "diode", "saturation": "1 uA"}}
@@ -78,6 +80,14 @@ def test_a_steady_start_stays():
     steady = Scene.model_validate(scene.table() | {"start": "steady"})
     result = Convolved(describe(steady), []).run(Resolution(3, 1e-3))
     assert result.probes["far"].u == pytest.approx(3.0, abs=1e-12)
+
+
+def test_the_inside_of_a_line_follows_from_its_ends():
+    scene = cable(t_end="4 ns", **SKIN)
+    result, t = simulate(scene, tol=1e-4, record=["line"]), ["1.3e-9", "2.9e-9", "3.7e-9"]
+    exact = lossy_response(scene.lines["line"].losses.exact, t, 0.1, source=25, load=100).u
+    seen = inside(result, "line").effort(np.array(t, float), 0.5)
+    assert seen == pytest.approx([float(u) for u in exact], abs=5e-3)  # of second order in a sixteenth of the line
 
 
 def test_energies_are_accounted_for_in_segments():

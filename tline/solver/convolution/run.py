@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.assembly.fronts import Tally
+from tline.solver.assembly.layout import Excitation
 from tline.solver.convolution.passive import gain
 from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.description.description import Description
-from tline.solver.description.excitation import Waveform
+from tline.solver.description.excitation import Waveform, sampled
 from tline.solver.description.families import Changes, changes_of, family_of, leads
 from tline.solver.description.given import Shape
 from tline.solver.description.resolution import WHOLE, Resolution
@@ -60,7 +61,8 @@ class Convolved:
         description, order, h = self.description, basis(chosen.s), chosen.h
         n, ahead = ceil(description.t_end / h - 1e-9), self.leads(h)
         rule = Quadrature(order, h, n + 1 if ahead.any() else n)
-        records = (self._record(rule, order, h, ahead, k) for k in range(len(ahead)))
+        late = np.outer(rule.late, self._whole(order, h))
+        records = (self._record(rule, order, h, late, self._parts(h, ahead, k)) for k in range(len(ahead)))
         if ahead.any():
             waves, noted = summed(records, ahead, n, order)
         else:
@@ -83,27 +85,32 @@ class Convolved:
         start = {name: self._start(line) for line, name in enumerate(description.lines)}
         return Result(description.scene, ends, probes, lines, chosen, chosen.notes, start, samples, seconds, Tally())
 
-    def _record(self, rule: Quadrature, order: Basis, h: float, ahead: NDArray, k: int) -> NDArray:
-        """What fronts of one family add, on slabs that begin earlier: (rows, 2, slabs * s) what arrives, what leaves.
-
-        Rows are ends of recorded lines, and behind them probed nodes without a line.
-        """
+    def _parts(self, h: float, ahead: NDArray, k: int) -> tuple[list[Excitation], list[Excitation]]:
+        """Of efforts held and flows at each node what is due to fronts of one family, on slabs that begin earlier."""
 
         def part(changes: Changes) -> Waveform:
             return changes.part(family_of(changes.at / h, ahead) == k, float(ahead[k]) * h, first=False)
 
-        start = np.arange(rule.n) * h
-        t, inside = start[:, None] + h * order.c, start[:, None] + h / 2
+        held, flows = ([[(part(c), share) for c, share in each] for each in rows] for rows in (self.held, self.flows))
+        return held, flows
 
-        def driven(rows: list[list[tuple[Changes, float]]]) -> NDArray:
+    def _record(
+        self, rule: Quadrature, order: Basis, h: float, late: NDArray, parts: tuple[list[Excitation], list[Excitation]]
+    ) -> NDArray:
+        """What waveforms add, on as many slabs as the rule has: (rows, 2, slabs * s) what arrives, what leaves.
+
+        Rows are ends of recorded lines, and behind them probed nodes without a line.
+        """
+
+        def driven(rows: list[Excitation]) -> NDArray:
             values = np.zeros((rule.n, order.s, len(rows)))
-            for row, parts in enumerate(rows):
-                for changes, share in parts:
-                    values[:, :, row] += share * part(changes).value(t, inside)
+            for row, waveforms in enumerate(rows):
+                for waveform, share in waveforms:
+                    values[:, :, row] += share * sampled(waveform, order, h, 0, rule.n)
             return rule.forward(values)
 
-        s, late = rule.points * self.network.second, np.outer(rule.late, self._whole(order, h))
-        arriving, efforts = answers(self.network, s, driven(self.held), driven(self.flows), late)
+        held, flows = map(driven, parts)
+        arriving, efforts = answers(self.network, rule.points * self.network.second, held, flows, late)
         numbers = {name: j for j, name in enumerate(self.description.lines)}
         ends = np.array([2 * numbers[name] + side for name in self.lines for side in (0, 1)], int)
         at = {int(end): node for node, each in enumerate(self.network.ends) for end in each}

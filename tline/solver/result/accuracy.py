@@ -79,8 +79,8 @@ class Accuracy:
         By probe, at any instant of the run. Laws and fronts may bend waves between slab ends: this is never smaller
         than at slab ends, and it is what the tolerance is about.
     blurred : dict of str to Estimate
-        The same with the time in which lumped lines settle after a front; what they do there is not resolved, and no
-        tolerance is asked of it.
+        The same with the time in which lumped lines settle after a front, and that beside a jump into lines that
+        remember; what they do there is not resolved, and no tolerance is asked of it.
     attempts : tuple of Attempt
         All runs; that of the result is the one before the finest that it was compared with.
     limit : str
