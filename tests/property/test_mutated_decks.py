@@ -16,3 +16,8 @@ def test_torn_decks_are_read_or_refused_in_a_sentence(tmp_path):
     found = [outcome(mutated(seed)[1], tmp_path) for seed in range(NUMBER)]
     assert {*found} == {"read", "refused"}
     assert found.count("read") > MANY
+
+
+@pytest.mark.parametrize("seed", [74693])
+def test_decks_that_were_faults_once(seed, tmp_path):
+    assert outcome(mutated(seed)[1], tmp_path) == "refused"
