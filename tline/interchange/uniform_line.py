@@ -82,7 +82,7 @@ def add_conductors(
     """Add conductors by matrices per length: r, l, g, c, and rs of skin effect at 1 Hz."""
     if length <= 0:
         raise card.refuse("its length is not above zero", "more than 0", f"{length:g}")
-    largest = max(abs(value) for rows in given.values() for row in rows for value in row)
+    largest = max((abs(value) for rows in given.values() for row in rows for value in row), default=0.0)
     for key, name in (("l", "L"), ("c", "C")):
         if key not in given or min(row[k] for k, row in enumerate(given[key])) <= 0:
             raise card.refuse(f"its {name} is not above zero", "more than 0 for each conductor")
