@@ -187,12 +187,14 @@ def pictures() -> None:
 
 def _signals() -> None:
     """Crosstalk, reflectometry, an eye, load lines and a measured load."""
+    from tline.pictures.crosstalk import plot_crosstalk
     from tline.pictures.eye import plot_eye
     from tline.pictures.load_lines import plot_load_lines
     from tline.pictures.misfit import plot_misfit
     from tline.pictures.reflections import plot_reflections
     from tline.pictures.style import save_figure
     from tline.pictures.traces import plot
+    from tline.signal.crosstalk import crosstalk
     from tline.signal.eye_diagram import eye
     from tline.signal.load_line import bergeron
     from tline.signal.tdr import reflectometry
@@ -200,6 +202,9 @@ def _signals() -> None:
 
     pair, cascade, ringing, antenna = (
         read_scene(DOCS.parent / "scenes" / f"{name}.toml") for name in ("coupled_pair", "tdr", "load_lines", "antenna")
+    )
+    pair_with_skin, coax, net = (
+        read_scene(DOCS.parent / "scenes" / f"{name}.toml") for name in ("skin_pair", "coax_fault", "ddr_ibis")
     )
     seen = reflectometry(cascade, "near", "100 ps")
     opened = eye(cascade, "far", "0.8 ns", "0.2 ns")
@@ -209,6 +214,9 @@ def _signals() -> None:
         ("eye", plot_eye(opened, ELECTRICAL, cascade.title)),
         ("load_lines", plot_load_lines(bergeron(ringing), ELECTRICAL, ringing.title)),
         ("fit", plot_misfit(antenna.loads["antenna"].model, "antenna.s1p")),
+        ("skin_pair", plot_crosstalk(crosstalk(pair_with_skin), pair_with_skin.title)),
+        ("coax_fault", plot_reflections(reflectometry(coax, "near", "5 ns"), ELECTRICAL, coax.title)),
+        ("ddr_eye", plot_eye(eye(net, "die", "1 ns"), ELECTRICAL, net.title)),
     ):
         save_figure(picture, str(DOCS / "pictures" / f"{name}.png"))
 

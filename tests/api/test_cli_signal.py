@@ -135,3 +135,54 @@ def test_every_option_has_a_help_text_and_every_example_runs(command: click.Comm
     for example in examples:
         done = run(example)
         assert done.exit_code == 0, done.output
+
+
+PAIR = """
+medium = "electrical"
+t_end = "6 ns"
+[lines.pair]
+nodes1 = ["a1", "a2"]
+nodes2 = ["b1", "b2"]
+even = { z0 = 60, delay = "1 ns" }
+odd = { z0 = 40, delay = "1 ns" }
+[sources.driver]
+at = "a1"
+kind = "voltage"
+value = { shape = "ramp", to = 1, duration = "0.2 ns" }
+resistance = 50
+[loads]
+a2 = { at = "a2", kind = "resistor", resistance = 50 }
+b1 = { at = "b1", kind = "resistor", resistance = 50 }
+b2 = { at = "b2", kind = "resistor", resistance = 50 }
+[probes.b2]
+at = "b2"
+"""
+
+
+def test_crosstalk_of_modes_as_fast_is_that_of_their_impedances():
+    """Before anything comes back each mode meets its z0 behind 50 ohm: (60/110 - 40/90)/2 at the near end."""
+    Path("pair.toml").write_text(PAIR, encoding="utf-8")
+    done = CliRunner().invoke(main, shlex.split("crosstalk pair.toml --json --plot xt.png --csv xt.csv"))
+    told = json.loads(done.stdout)
+    near = (60 / 110 - 40 / 90) / 2
+    assert told["near"]["a2"] * told["swing"] == pytest.approx(near, rel=1e-6)
+    assert told["modes"]["a1, a2"]["differential"] <= told["swing"]
+    columns = np.genfromtxt("xt.csv", delimiter=",", names=True)
+    a1, a2 = columns["a1_V"], columns["a2_V"]
+    assert np.allclose(columns["a1__a2_V"], a1 - a2)
+    assert Path("xt.png").stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "sentence"),
+    [
+        (CABLE, "", "--line: there are no coupled conductors, expected a line with nodes1 and nodes2"),
+        (PAIR, "--line pear", "--line: not one of the coupled conductors, expected 'pair', got 'pear'"),
+        (PAIR.replace('at = "a1"', 'nodes = ["a1", "b1"]'), "", "lines.pair: not one of its nodes is driven"),
+    ],
+)
+def test_mistakes_with_crosstalk(text, options, sentence):
+    Path("pair.toml").write_text(text, encoding="utf-8")
+    done = CliRunner().invoke(main, ["crosstalk", "pair.toml", *shlex.split(options)])
+    assert done.exit_code == 2
+    assert done.stderr.startswith(sentence)

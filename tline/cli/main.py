@@ -28,6 +28,10 @@ COMMANDS = {
     "frequency": ("tline.cli.frequency:frequency", "A scene over frequency: transfer functions, S-parameters."),
     "tdr": ("tline.cli.tdr:tdr", "Time-domain reflectometry: a step into a node, and what comes back."),
     "eye": ("tline.cli.eye:eye", "Eye diagram of a bit pattern at a probe."),
+    "crosstalk": (
+        "tline.cli.crosstalk:crosstalk",
+        "Near- and far-end crosstalk of coupled conductors.",
+    ),
     "passivity": (
         "tline.cli.passivity:passivity",
         "Prove or refute that an impedance is positive real, or a reflection bounded real.",

@@ -12,6 +12,7 @@ from tline.interchange.netlist import REFERENCE, Netlist, Table
 from tline.line.electrical import LIGHT
 from tline.line.modes import modes
 from tline.scene.cable_loss import LossTangent
+from tline.scene.quantity import LARGEST
 
 USUAL = 2e8  # m/s, taken where the length in SPICE, which has no unit, is no metre
 SECTIONS = 40  # of a line of R and C alone
@@ -81,9 +82,12 @@ def add_conductors(
     """Add conductors by matrices per length: r, l, g, c, and rs of skin effect at 1 Hz."""
     if length <= 0:
         raise card.refuse("its length is not above zero", "more than 0", f"{length:g}")
+    largest = max((abs(value) for rows in given.values() for row in rows for value in row), default=0.0)
     for key, name in (("l", "L"), ("c", "C")):
         if key not in given or min(row[k] for k, row in enumerate(given[key])) <= 0:
             raise card.refuse(f"its {name} is not above zero", "more than 0 for each conductor")
+    if largest > LARGEST:
+        raise card.refuse("its matrices hold a number that is too large", f"at most {LARGEST:g}", f"{largest:g}")
     squares = np.linalg.eigvals(np.array(given["l"]) @ np.array(given["c"])).real
     delay = length * float(np.sqrt(max(squares.min(), 0.0)))
     scale = length / _metres(card, net, length, delay) if delay else 1.0

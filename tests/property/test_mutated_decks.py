@@ -1,0 +1,23 @@
+"""Decks with words and lines torn out, doubled and moved; `python -m benchmarks.mutated_decks` takes 100,000."""
+
+import pytest
+
+from benchmarks.mutated_decks import DECKS, mutated, outcome
+
+NUMBER, MANY = 500, 40
+
+
+@pytest.mark.parametrize("name", DECKS)
+def test_a_whole_deck_is_read(name, tmp_path):
+    assert outcome(DECKS[name], tmp_path) == "read"
+
+
+def test_torn_decks_are_read_or_refused_in_a_sentence(tmp_path):
+    found = [outcome(mutated(seed)[1], tmp_path) for seed in range(NUMBER)]
+    assert {*found} == {"read", "refused"}
+    assert found.count("read") > MANY
+
+
+@pytest.mark.parametrize("seed", [74693])
+def test_decks_that_were_faults_once(seed, tmp_path):
+    assert outcome(mutated(seed)[1], tmp_path) == "refused"

@@ -1,0 +1,146 @@
+"""Crosstalk of coupled conductors: what one that is driven sends into the others, and modes of pairs."""
+
+import csv
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.coupled import Coupled
+from tline.scene.scene import Scene
+from tline.solver.result.atomic import replacing
+from tline.solver.result.dense_output import curve
+from tline.solver.simulate import simulate
+from tline.wording import nearest, place, shown
+
+
+@dataclass(frozen=True, eq=False)
+class Crosstalk:
+    """Voltages at both ends of coupled conductors.
+
+    Attributes
+    ----------
+    line, driven : str
+        The conductors' line, and the node at which one of them is driven.
+    t : ndarray, shape (n,)
+        Instants, s.
+    voltages : dict of str to ndarray
+        Of each node of the conductors, V.
+    swing : float
+        Largest less smallest voltage of the driven end.
+    near, far : dict of str to float
+        Largest change of voltage of each quiet conductor at the driven side and at the other one, over the swing.
+    pairs : tuple of pairs of str
+        Any two nodes at one end.
+    """
+
+    line: str
+    driven: str
+    t: NDArray
+    voltages: dict[str, NDArray]
+    swing: float
+    near: dict[str, float]
+    far: dict[str, float]
+    pairs: tuple[tuple[str, str], ...]
+
+    @property
+    def differential(self) -> dict[tuple[str, str], NDArray]:
+        """Voltage of the first less that of the second node, of each two at one end."""
+        return {(a, b): self.voltages[a] - self.voltages[b] for a, b in self.pairs}
+
+    @property
+    def common(self) -> dict[tuple[str, str], NDArray]:
+        """Mean voltage of both nodes, of each two at one end."""
+        return {(a, b): (self.voltages[a] + self.voltages[b]) / 2 for a, b in self.pairs}
+
+
+def crosstalk(scene: Scene, line: str | None = None, *, tol: float | None = None, progress: bool = False) -> Crosstalk:
+    """Run a scene and compare what coupled conductors carry at both ends.
+
+    Parameters
+    ----------
+    scene : Scene
+    line : str, optional
+        Name of the coupled conductors; not needed if there are no others.
+    tol : float, optional
+        Largest error, relative to the amplitude, instead of the scene's.
+    progress : bool
+        Show a progress bar on stderr if the run takes more than two seconds.
+
+    Raises
+    ------
+    InputError
+        There is no such line, or no source or driver at one of its nodes.
+
+    Examples
+    --------
+    >>> from tline.shipped import examples
+    >>> found = crosstalk(examples["skin_pair"])
+    >>> print({node: f"{100 * share:.1f} %" for node, share in found.near.items()})
+    {'near': '5.7 %'}
+    """
+    name = _line(scene, line)
+    ends: tuple[tuple[str, ...], tuple[str, ...]] = scene.lines[name].nodes1, scene.lines[name].nodes2  # pyright: ignore[reportAttributeAccessIssue]
+    nodes = (*ends[0], *ends[1])
+    table = scene.table() | {"probes": {node: {"at": node, "line": name} for node in nodes}}
+    probes = {
+        node: curve(each)
+        for node, each in simulate(scene.with_changes(**table), tol=tol, progress=progress).probes.items()
+    }
+    t = np.unique(np.concatenate([each.t for each in probes.values()]))
+    voltages = {node: np.interp(t, each.t, each.u) for node, each in probes.items()}
+    driven = _driven(scene, name, nodes)
+    near, far = ends if driven in ends[0] else ends[::-1]
+    swing = float(np.ptp(voltages[driven]))
+    at = near.index(driven)
+    heard = [
+        {node: float(np.abs(voltages[node] - voltages[node][0]).max()) / swing for k, node in enumerate(end) if k != at}
+        for end in (near, far)
+    ]
+    pairs = tuple(pair for end in (near, far) for pair in combinations(end, 2))
+    return Crosstalk(name, driven, t, voltages, swing, heard[0], heard[1], pairs)
+
+
+def save_crosstalk(seen: Crosstalk, path: str | Path) -> None:
+    """Write as CSV: time in s, voltages of all nodes, differences and means of pairs, V.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    columns = {"time [s]": seen.t} | {f"{node} [V]": u for node, u in seen.voltages.items()}
+    columns |= {f"{a} - {b} [V]": u for (a, b), u in seen.differential.items()}
+    columns |= {f"mean of {a} and {b} [V]": u for (a, b), u in seen.common.items()}
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        rows = csv.writer(file)
+        rows.writerow(columns)
+        rows.writerows(np.stack([*columns.values()], axis=1).tolist())
+
+
+def _line(scene: Scene, name: str | None) -> str:
+    coupled = [own for own, line in scene.lines.items() if isinstance(line, Coupled)]
+    if name is None and len(coupled) == 1:
+        return coupled[0]
+    if not coupled:
+        raise InputError("line", "there are no coupled conductors", "a line with nodes1 and nodes2")
+    if name is None:
+        raise InputError("line", "is missing", " or ".join(map(repr, coupled)))
+    if name not in coupled:
+        raise InputError("line", "not one of the coupled conductors", nearest(name, coupled), shown(name))
+    return name
+
+
+def _driven(scene: Scene, name: str, nodes: tuple[str, ...]) -> str:
+    """The node that a source or a driver is at, or reaches by a link."""
+    at = [node for source in scene.sources.values() for node in source.terminals if node is not None]
+    at += [element.near for element in scene.composed.values() if isinstance(element.near, str)]
+    reached = {*at, *(node for link in scene.links.values() for node in link.nodes if {*link.nodes} & {*at})}
+    found = [node for node in nodes if node in at] or [node for node in nodes if node in reached]
+    if len(found) != 1:
+        got = "none" if not found else " and ".join(map(repr, found))
+        raise InputError(place("lines", name), "not one of its nodes is driven", "a source at exactly one of them", got)
+    return found[0]
