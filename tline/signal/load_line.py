@@ -88,7 +88,7 @@ def bergeron(scene: Scene, hops: int = 12) -> Bergeron:
     if near == far:
         raise InputError("lines", "both ends are at one node", "two nodes")
     ends = _load_line(scene, near, nodes[near], 1.0), _load_line(scene, far, nodes[far], -1.0)
-    effort, flow, _ = above_level(description) if description.steady else rest(description)
+    effort, flow, *_ = above_level(description) if description.steady else rest(description)
     u, y = [effort[near]], [float(flow[0, 0])]
     for k in range(hops):
         slope = -z0 if k % 2 == 0 else z0  # of what arrives: u - z0 y at end 1, u + z0 y at end 2
