@@ -1,10 +1,13 @@
 """Valves that move their openings by themselves, against delay equations by DOP853."""
 
+import re
+
 import numpy as np
 import pytest
 from hydraulic_by_hand import pipe
 from method_of_steps import ByHand, Motion, integrate
 
+from tline.errors import SceneError
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
 
@@ -93,3 +96,70 @@ def test_nothing_operated_nothing_moves(keeps):
         for probe in result.probes.values():
             assert np.ptp(probe.u) <= 1e-9 * HEAD
             assert np.ptp(probe.y) <= 1e-9 * DRAWN
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "expected"),
+    [
+        (6e5, 3e5, (6e5, 3e5)),
+        (9e5, 3e5, (None, 3e5)),
+        (6e5, 9e5, (6e5, None)),
+        (3e5, 6e5, (3e5, None)),
+        (6e5, 5e4, (6e5, 5e4)),
+    ],
+)
+def test_reducers_in_a_row_start_where_neither_moves(first, second, expected):
+    """Each at its height; one that cannot reach its pressure is wide open."""
+    reducer = {"kind": "regulating valve", "keeps": "downstream", "loss_coefficient": 5, "diameter": 0.15}
+    reducer |= {"characteristic": "globe", "time_constant": 10}
+    line = {**LINE, "friction": {"kind": "darcy", "factor": 0.02}}
+    pipes = {"up": ["lake", "a"], "middle": ["b", "c"], "down": ["d", "end"]}
+    heights = {"lake": 20, "a": 0, "b": 0, "c": 3, "d": 3, "end": -5}
+    given = Scene(
+        medium="hydraulic",
+        t_end=60,
+        start="steady",
+        lines={name: {"nodes": nodes, **line} for name, nodes in pipes.items()},
+        links={
+            "one": {"nodes": ["a", "b"], "set_pressure": first, **reducer},
+            "two": {"nodes": ["c", "d"], "set_pressure": second, **reducer},
+        },
+        loads={
+            "lake": {"at": "lake", "kind": "reservoir", "pressure": HEAD},
+            "tap": {"at": "end", "kind": "orifice", "flow": 0.02, "pressure_drop": 3e5},
+        },
+        nodes={name: {"elevation": z} for name, z in heights.items()},
+        probes={"b": {"at": "b"}, "d": {"at": "d"}},
+    )
+    result = simulate(given, tol=1e-3)
+    for probe, kept, set_at in zip(result.probes.values(), expected, (first, second), strict=True):
+        assert np.ptp(probe.u) <= 1e-9 * HEAD
+        if kept is None:
+            assert probe.gauge_pressure[0] < set_at
+        else:
+            assert probe.gauge_pressure[0] == pytest.approx(kept, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"keeps": "temperature"}, "links.valve.keeps: "),
+        ({"set_flow": 0.1}, "links.valve.set_flow: is not what it keeps, expected none with keeps = 'downstream'"),
+        ({"flow_band": 0.1}, "links.valve.flow_band: is for a flow, expected band"),
+        ({"set_pressure": None}, "links.valve.opening: is missing, expected a set value, or the opening"),
+        ({"keeps": "flow", "set_pressure": None, "opening": 0.1}, "links.valve.flow_band: is missing"),
+        ({"stroke_time": 0}, "links.valve.stroke_time: "),
+    ],
+)
+def test_a_valve_that_is_not_told_what_to_keep(more, said):
+    table = scene("downstream").table()
+    valve = {key: value for key, value in (table["links"]["valve"] | more).items() if value is not None}
+    with pytest.raises(SceneError, match=re.escape(said)):
+        Scene(**table | {"links": {"valve": valve}})
+
+
+def test_what_the_start_has_needs_a_steady_one():
+    table = scene("downstream").table()
+    valve = {key: value for key, value in table["links"]["valve"].items() if key != "set_pressure"} | {"opening": 0.5}
+    with pytest.raises(SceneError, match="set_pressure: is missing, expected a value, or start = 'steady'"):
+        Scene(**table | {"links": {"valve": valve}, "start": "rest"})

@@ -17,7 +17,10 @@ Examples:
 @click.option("--wave-speed", metavar="SPEED", help="In the pipes of an .inp file; 1000 m/s if nothing is said.")
 @click.option("--material", metavar="FILE.csv", help="Rows pipe, wall, thickness or pipe, wave speed; * is all others.")
 @click.option("--at-hour", metavar="HOURS", help="Flows, levels and controls so long after an .inp file's start.")
-def import_(file: str, output: str | None, wave_speed: str | None, material: str | None, at_hour: str | None) -> None:
+@click.option("--moving-tanks", is_flag=True, help="Tanks of an .inp file fill and empty, instead of holding levels.")
+def import_(
+    file: str, output: str | None, wave_speed: str | None, material: str | None, at_hour: str | None, moving_tanks: bool
+) -> None:
     """Turn another program's file into a scene.
 
     FILE is a SPICE netlist (.cir, .ckt, .net, .sp, .spi) or a network of EPANET (.inp). What no scene has is refused,
@@ -32,7 +35,9 @@ def import_(file: str, output: str | None, wave_speed: str | None, material: str
 
     with options_named({"hour": "--at-hour", "wave_speed": "--wave-speed", "material": "--material"}):
         hour = None if at_hour is None else hours(at_hour)
-        scene, notes = read_foreign(Path(file), wave_speed=wave_speed, material=material, hour=hour)
+        scene, notes = read_foreign(
+            Path(file), wave_speed=wave_speed, material=material, hour=hour, moving_tanks=moving_tanks or None
+        )
     text = scene_text(scene)
     for note in notes:
         click.echo(f"note: {note}", err=True)

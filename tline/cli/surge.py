@@ -41,6 +41,9 @@ SHOWN, USUAL_TOL = 5, "1e-2"  # nodes in tables; of a scene that states none
 @click.option("--open", multiple=True, metavar="LINK@TIME+DURATION", help="Open a valve.")
 @click.option("--burst", multiple=True, metavar="NODE:FLOW@TIME", help="A hole, and its flow at the pressure before.")
 @click.option("--demand", multiple=True, metavar="NODE:±FLOW@TIME", help="Draw more, or less, at a node.")
+@click.option(
+    "--when", multiple=True, metavar='"NODE>PRESSURE:close LINK+DURATION"', help="Operate once a pressure is reached."
+)
 @click.option("--for", "t_end", default="60s", metavar="TIME", help="How long to run; 60 s if not given.")
 @click.option("--tol", metavar="NUMBER", help="Largest error at the nodes that are told, relative to their amplitude.")
 @click.option("--order", metavar="1…16", help="One run of this order, in the slabs that suit it.")
@@ -50,6 +53,7 @@ SHOWN, USUAL_TOL = 5, "1e-2"  # nodes in tables; of a scene that states none
 @click.option("--wave-speed", metavar="SPEED", help="In the pipes of an .inp file; 1000 m/s if nothing is said.")
 @click.option("--material", metavar="FILE.csv", help="Rows pipe, wall, thickness or pipe, wave speed; * is all others.")
 @click.option("--at-hour", metavar="HOURS", help="Begin so long after an .inp file's start.")
+@click.option("--moving-tanks", is_flag=True, help="Tanks of an .inp file fill and empty, instead of holding levels.")
 @click.option("--at", "places", metavar="NODE,…", help="Nodes that --heads shows, instead of those operated.")
 @click.option("--path", metavar="FROM,…,TO", help="Path of --profile.")
 @click.option("--save", metavar="SCENE.toml", help="Write the scene that `tline run` runs just so.")
@@ -65,6 +69,7 @@ def surge(network: str, t_end: str, as_json: bool, path: str | None, places: str
     have units, and an operation without a duration is done at once.
     """
     from tline.cli.report import judgement
+    from tline.surge.control import read_control, triggered
     from tline.surge.event import read_event
 
     files = {key: given[key] for key in SUFFIXES}
@@ -72,8 +77,17 @@ def surge(network: str, t_end: str, as_json: bool, path: str | None, places: str
     events = [read_event(kind, text) for kind in OPERATIONS for text in given[kind]]
     if path is not None and files["profile"] is None:
         raise InputError("--path", "nothing shows it", "--profile beside it")
+    controls = [read_control(text) for text in given["when"]]
     check_readable(network)
     scene, notes = _read(network, given)
+    if controls:
+        events, more = triggered(
+            controls,
+            events,
+            lambda done: _operated(scene, list(done), t_end, places, given)[0],
+            lambda each: _simulated(each, None, False),
+        )
+        notes = (*notes, *more)
     scene, guesses = _operated(scene, events, t_end, places, given)
     if files["save"] is not None:
         _save(scene, files["save"])
@@ -97,12 +111,13 @@ def _read(network: str, given: dict[str, Any]) -> tuple["Scene", tuple[str, ...]
         from tline.interchange.water_scene import read_inp
 
         with options_named({"hour": "--at-hour", "wave_speed": "--wave-speed"}):
-            return read_inp(network, given["wave_speed"], material=given["material"], hour=hours(given["at_hour"]))
+            more = {"hour": hours(given["at_hour"]), "moving_tanks": given["moving_tanks"]}
+            return read_inp(network, given["wave_speed"], material=given["material"], **more)
     if suffix != ".toml":
         raise InputError(network, "unknown kind of file", ".inp or .toml", suffix or "no suffix")
-    for option in ("wave_speed", "material", "at_hour"):
-        if given[option] is not None:
-            raise InputError(f"--{option.replace('_', '-')}", "is for .inp files", "none", given[option])
+    for option in ("wave_speed", "material", "at_hour", "moving_tanks"):
+        if given[option]:
+            raise InputError(f"--{option.replace('_', '-')}", "is for .inp files", "none", str(given[option]))
     from tline.scene.file import read_scene
 
     return read_scene(network), ()

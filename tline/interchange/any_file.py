@@ -82,7 +82,13 @@ def read_foreign(path: Path, **water: Any) -> tuple[Scene, tuple[str, ...]]:
         return read_spice(path)
     from tline.interchange.water_scene import read_inp
 
-    return read_inp(str(path), water["wave_speed"], material=water["material"], hour=water["hour"] or 0.0)
+    return read_inp(
+        str(path),
+        water["wave_speed"],
+        material=water["material"],
+        hour=water["hour"] or 0.0,
+        moving_tanks=bool(water.get("moving_tanks")),
+    )
 
 
 def _refuse(water: dict[str, Any]) -> None:

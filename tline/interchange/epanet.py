@@ -126,7 +126,9 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str, hour: float
             if name in reached and node["type"] == JUNCTION
         },
         basins={
-            name: _basin(node, text) for name, node in nodes.items() if name in reached and node["type"] != JUNCTION
+            name: _basin(node, units, text)
+            for name, node in nodes.items()
+            if name in reached and node["type"] != JUNCTION
         },
         pipes={
             name: _pipe(link, units, *law, text.vertices.get(name, []))
@@ -267,10 +269,12 @@ def _junction(
     return WaterJunction(elevation, head, _position(node, text), node["demand"] * units.flow - leaking, emitter)
 
 
-def _basin(node: Mapping[str, Any], text: EpanetText) -> Basin:
-    tank = node["type"] == TANK
-    bottom = node["elevation"] if tank else node["head"]
-    return Basin("tank" if tank else "reservoir", bottom, node["head"], _position(node, text))
+def _basin(node: Mapping[str, Any], units: FileUnits, text: EpanetText) -> Basin:
+    if node["type"] != TANK:
+        return Basin("reservoir", node["head"], node["head"], _position(node, text))
+    upright = 0.0 if node["curve"] else node["diameter"]
+    sizes = (units.length * size for size in (upright, node["lowest"], node["highest"]))
+    return Basin("tank", node["elevation"], node["head"], _position(node, text), *sizes)
 
 
 def _position(node: Mapping[str, Any], text: EpanetText) -> tuple[float, float]:

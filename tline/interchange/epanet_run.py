@@ -20,6 +20,7 @@ NODE_VALUES = {"elevation": 0, "emitter": 3, "demand": 9, "head": 10, "pressure"
 LINK_VALUES = {"diameter": 0, "length": 1, "roughness": 2, "minor": 3, "flow": 8, "status": 11, "setting": 12}
 OPTIONS = {"exponent": 3, "law": 7, "gravity": 12, "viscosity": 13}
 PUMP, PUMP_POWER, PUMP_CURVE = 2, 18, 19
+TANK, TANK_VALUES = 2, {"diameter": 17, "curve": 19, "lowest": 20, "highest": 21}
 DURATION, STEP = 0, 1  # of times
 TRIALS, RELATIVE, ABSOLUTE = 0, 1, 6  # options: how often, and to which change of flows in the last step
 ATTEMPTS = (  # the last with what EPANET takes by default
@@ -111,7 +112,10 @@ def _found(toolkit: Toolkit) -> dict:
     for k in range(1, toolkit.count("getcount", NODES) + 1):
         values = {key: toolkit.number("getnodevalue", k, code) for key, code in NODE_VALUES.items()}
         values |= {key: typed(values[key]) for key in ("elevation", "emitter")}
-        nodes.append({"name": toolkit.name("getnodeid", k), "type": toolkit.count("getnodetype", k)} | values)
+        kind = toolkit.count("getnodetype", k)
+        if kind == TANK:
+            values |= {key: typed(toolkit.number("getnodevalue", k, code)) for key, code in TANK_VALUES.items()}
+        nodes.append({"name": toolkit.name("getnodeid", k), "type": kind} | values)
     for k in range(1, toolkit.count("getcount", LINKS) + 1):
         values = {key: toolkit.number("getlinkvalue", k, code) for key, code in LINK_VALUES.items()}
         values |= {key: typed(values[key]) for key in ("diameter", "length", "roughness", "minor", "setting")}

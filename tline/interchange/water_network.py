@@ -59,12 +59,19 @@ class Basin:
         Of its bottom, or of the water for a reservoir; and of the water; m.
     position : pair of float
         Coordinates on a map.
+    diameter : float
+        Of a tank with upright walls; else 0; m.
+    lowest, highest : float
+        Levels between which a tank is used, m above its bottom.
     """
 
     kind: str
     elevation: float
     head: float
     position: Position
+    diameter: float = 0.0
+    lowest: float = 0.0
+    highest: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,12 @@ T_END, TOL = "10 s", 1e-3  # of the scene, for the user to change
 
 
 def read_inp(
-    path: str, wave_speed: float | str | None = None, *, material: str | None = None, hour: float = 0.0
+    path: str,
+    wave_speed: float | str | None = None,
+    *,
+    material: str | None = None,
+    hour: float = 0.0,
+    moving_tanks: bool = False,
 ) -> tuple[Scene, tuple[str, ...]]:
     """Scene of an EPANET file, and notes on what is left out or held.
 
@@ -44,6 +49,8 @@ def read_inp(
         A CSV file with rows ``pipe, wall, thickness`` or ``pipe, wave speed``; the pipe ``*`` is all others.
     hour : float
         After the file's start of time, h.
+    moving_tanks : bool
+        Whether tanks fill and empty; else they hold their level.
 
     Raises
     ------
@@ -52,18 +59,21 @@ def read_inp(
     """
     walls = wave_speeds(wave_speed, material)
     network = read_epanet(path, hour)
-    scene, notes = water_scene(network, walls)
+    scene, notes = water_scene(network, walls, moving_tanks=moving_tanks)
     told = notes_on(walls, network.pipes, given=wave_speed is not None)
     return scene, (*told, *notes, *differences(network, scene))
 
 
-def water_scene(network: WaterNetwork, walls: Mapping[str, Keys]) -> tuple[Scene, tuple[str, ...]]:
+def water_scene(
+    network: WaterNetwork, walls: Mapping[str, Keys], *, moving_tanks: bool = False
+) -> tuple[Scene, tuple[str, ...]]:
     """The scene of a network whose pipes have these keys by their names, and notes.
 
     Pressures of reservoirs are piezometric, density·g·head. The friction factor of a pipe is the one that the operating
-    point has. Reservoirs and tanks hold their level, valves the opening that loses what they lose there; a demand is
-    what an opening to the air at its node's height lets out that gives the demand at the operating point. A pump has
-    points of its curve, that of the operating point among them.
+    point has. Reservoirs hold their level, and so do tanks, unless they are to move; valves have the opening that loses
+    what they lose there, and regulate if they do so there. A demand is what an opening to the air at its node's height
+    lets out that gives the demand at the operating point. A pump has points of its curve, that of the operating point
+    among them.
 
     Raises
     ------
@@ -85,9 +95,12 @@ def water_scene(network: WaterNetwork, walls: Mapping[str, Keys]) -> tuple[Scene
     _close_ends(tables)
     for name in _pockets(network, shut) if network.sound else ():
         tables["nodes"][name]["start"] = weight * network.nodes[name].head
-    tanks = [repr(name) for name, basin in network.basins.items() if basin.kind == "tank"]
-    if tanks:
-        notes.append(f"tanks: held at their level: {', '.join(tanks)}")
+    tanks = {name for name, basin in network.basins.items() if basin.kind == "tank"}
+    moving = {name for name in tanks if moving_tanks and network.basins[name].diameter}
+    for name in moving:
+        tables["loads"][name] = _tank(name, network.basins[name], network.density)
+    if tanks - moving:
+        notes.append(f"tanks: held at their level: {listed(tanks - moving)}")
     held = [name for name in network.valves if tables["links"][name]["kind"] != "regulating valve"]
     if held:
         notes.append(f"valves: held at the opening that they have at the operating point: {listed(held)}")
@@ -118,6 +131,13 @@ def _add_pipe(tables: dict[str, Any], network: WaterNetwork, name: str, pipe: Pi
 
 def _site(node: WaterJunction | Basin) -> dict[str, Any]:
     return {"elevation": node.elevation, "position": list(node.position)}
+
+
+def _tank(name: str, tank: Basin, density: float) -> dict[str, Any]:
+    level = tank.head - tank.elevation
+    limits = {"lowest_level": min(tank.lowest, level), "highest_level": max(tank.highest, level)}
+    table = {"at": name, "kind": "surge tank", "tank_diameter": tank.diameter, "density": density, "level": level}
+    return table | {key: value for key, value in limits.items() if tank.highest > tank.lowest}
 
 
 def _close_ends(tables: dict[str, Any]) -> None:

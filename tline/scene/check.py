@@ -20,6 +20,7 @@ from tline.scene.multiport import Multiport
 from tline.scene.rational_load import Rational
 from tline.scene.regulating import RegulatingValve
 from tline.scene.touchstone import Touchstone
+from tline.scene.vessel import SurgeTank
 from tline.wording import nearest, place, shown
 
 if TYPE_CHECKING:
@@ -192,6 +193,9 @@ def _waveforms(scene: Scene) -> Iterator[InputError]:
 
 def _steady(scene: Scene) -> Iterator[InputError]:
     """A steady state is not known with multiports."""
+    for name, load in scene.loads.items():
+        if isinstance(load, SurgeTank) and load.level is not None and scene.start != "steady":
+            yield InputError(place("loads", name, "level"), "is that of a steady start", "start = 'steady'")
     for name, link in scene.links.items():
         if isinstance(link, RegulatingValve) and not link.has_set and scene.start != "steady":
             key = "set_flow" if link.keeps == "flow" else "set_pressure"

@@ -13,6 +13,7 @@ from tline.scene.rating import Rated
 
 ATMOSPHERE = Quantity(101_325, "Pa")
 GRAVITY = Quantity(9.80665, "m/s^2")
+Height = Annotated[Quantity, Role("height", "m")]
 Absolute = Annotated[Quantity, Role("pressure", "Pa", above=0)]
 
 
@@ -102,7 +103,11 @@ class VapourCavity(_BoilingAtNode):
 
 
 class SurgeTank(_Vessel):
-    """A surge tank open to the air; its level above the node is p/(density·gravity), p the gauge pressure there."""
+    """A tank open to the air; its level above the node is p/(density·gravity), p the gauge pressure there.
+
+    It starts at the level of the steady state; with a level of its own it holds that at the start, and then fills or
+    empties. It has no rim and no bottom: a run says where it would overflow or be empty.
+    """
 
     kind: Literal["surge tank"] = "surge tank"
     tank_diameter: Annotated[Quantity, Role("diameter", "m", above=0)] | None = Field(
@@ -114,6 +119,32 @@ class SurgeTank(_Vessel):
     gravity: Annotated[Quantity, Role("acceleration", "m/s^2", above=0)] = Field(
         default=GRAVITY, description="of the earth"
     )
+    level: Height | None = Field(default=None, description="of the surface above the node at a steady start")
+    lowest_level: Height | None = Field(default=None, description="above the node, at which it is empty")
+    highest_level: Height | None = Field(default=None, description="above the node, at which it overflows")
+
+    @property
+    def start(self) -> float | None:
+        """Gauge pressure at the node at the start, Pa; None if that follows from what is at rest."""
+        return None if self.level is None else self.weight * self.level
+
+    @property
+    def weight(self) -> float:
+        """Pressure of a metre, Pa/m."""
+        return float(self.density * self.gravity)
+
+    @model_validator(mode="after")
+    def _is_within(self):
+        low, high = self.lowest_level, self.highest_level
+        if low is not None and high is not None and low >= high:
+            raise InputError("highest_level", "too low", f"more than the lowest, {low:g} m", f"{high:g} m")
+        if self.level is not None and not (-inf if low is None else low) <= self.level <= (
+            inf if high is None else high
+        ):
+            raise InputError("level", "out of range", "from lowest_level to highest_level", f"{self.level:g} m")
+        if self.level is not None and self.capacity is not None:
+            raise InputError("level", "cannot be held behind a loss", "no capacity of an inlet beside it")
+        return self
 
     @model_validator(mode="after")
     def _has_a_surface(self):

@@ -3,6 +3,7 @@
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import inf
 from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from tline.scene.plausible import plausibility_notes
 from tline.scene.rational_link import RationalLink
 from tline.scene.switch import SwitchLink
 from tline.scene.user_defined import user_elements
-from tline.scene.vessel import Boiling
+from tline.scene.vessel import Boiling, SurgeTank
 from tline.solver.description.active import active_parts
 from tline.solver.description.branches import PlacedBranch
 from tline.solver.description.elements import BREAKING, PlacedLaw, elements_of
@@ -40,6 +41,15 @@ class Stretches(NamedTuple):
 
     lines: list[str]
     nodes: list[str]
+
+
+class Levels(NamedTuple):
+    """Levels above its node at which a tank is empty, and overflows, m; and the pressure of a metre, Pa/m."""
+
+    node: str
+    weight: float
+    lowest: float
+    highest: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,6 +213,29 @@ class Description:
         """Piezometric pressure or voltage that nodes are to start with where nothing else determines it."""
         given = {name: site.start for name, site in self.scene.nodes.items() if name in self.nodes}
         return {name: float(start) for name, start in given.items() if start is not None}
+
+    @property
+    def tanks(self) -> dict[str, float]:
+        """Efforts, counted from the level, at nodes of tanks that hold a level of their own at the start."""
+        found = {}
+        for load in self.scene.loads.values():
+            if isinstance(load, SurgeTank) and load.start is not None:
+                found[load.at] = load.start + self.nodes[load.at].height.above_level
+        return found
+
+    @property
+    def levels(self) -> dict[str, Levels]:
+        """Of tanks, by place."""
+        return {
+            place("loads", name): Levels(
+                load.at,
+                load.weight,
+                -inf if load.lowest_level is None else float(load.lowest_level),
+                inf if load.highest_level is None else float(load.highest_level),
+            )
+            for name, load in self.scene.loads.items()
+            if isinstance(load, SurgeTank)
+        }
 
     @property
     def plausibility_notes(self) -> list[str]:

@@ -30,6 +30,7 @@ def remarks_of(result: Result) -> tuple[str, ...]:
         *blurred(result),
         *description.plausibility_notes,
         *beyond_limits(description, _extremes(probes, envelope)),
+        *tank_limits(description, _extremes(probes, envelope)),
         *(f"{where}: liquid flows back through it at up to {v:.3g} m/s" for where, v in result.slams.items()),
         *surges(description, result.t, result.start, probes, envelope),
     )
@@ -54,6 +55,22 @@ def _extremes(probes: Mapping[str, ProbeResult], envelope: Envelope | None) -> d
         low, high = (extreme - envelope.weight for extreme in (envelope.lowest, envelope.highest))
         pairs = zip(low.tolist(), high.tolist(), strict=True)
         found |= {f"node '{node}'": pair for node, pair in zip(envelope.nodes, pairs, strict=True)}
+    return found
+
+
+def tank_limits(description: Description, seen: Mapping[str, tuple[float, float]]) -> list[str]:
+    """Tanks that would overflow or be empty, as far as something saw their nodes."""
+    at = {place("probes", name): probe.at for name, probe in description.scene.probes.items()}
+    found = []
+    for where, tank in description.levels.items():
+        here = [seen[each] for each in seen if at.get(each) == tank.node or each == f"node '{tank.node}'"]
+        if not here:
+            continue
+        low, high = min(low for low, _ in here) / tank.weight, max(high for _, high in here) / tank.weight
+        if high > tank.highest:
+            found.append(f"{where}: it overflows: its level comes to {high:.4g} m, above its {tank.highest:g} m")
+        if low < tank.lowest:
+            found.append(f"{where}: it runs empty: its level comes to {low:.4g} m, below its {tank.lowest:g} m")
     return found
 
 

@@ -83,6 +83,8 @@ def _under(description: Description, tables: Mapping[str, FrictionTable], openin
     count, stiff = len(lossy), np.append(~lossy, np.ones(len(shorts), bool))
     part = parts(first[stiff], second[stiff], n)
     given, conductance, driven, tie = _balances(nodes)
+    for name, effort in description.tanks.items():
+        given[number[name]], tie[number[name]] = effort, np.inf
     conductance += np.bincount(first, leak, n) + np.bincount(second, leak, n)
     _check_held(description, part, given)
     _check_between(description, part, number)

@@ -1,0 +1,135 @@
+"""What is operated once a pressure is reached: words such as "tower>5.2 bar: close V1+5s"."""
+
+import re
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from tline.errors import InputError
+from tline.scene.quantity import Quantity
+from tline.scene.scene import Scene
+from tline.scene.site import GRAVITY
+from tline.solver.result.result import ProbeResult, Result
+from tline.surge.event import TURNED, Event, read_event
+from tline.wording import nearest
+
+WATER = 1000.0  # kg/m³, of levels
+FORM = re.compile(r"(?P<node>[^<>]+)(?P<sign>[<>])(?P<value>[^:]+):\s*(?P<kind>\w+)\s+(?P<what>.+)")
+EXPECTED = "NODE<PRESSURE:KIND LINK+DURATION, such as 'tower>5.2 bar: close V1+5s', with close, open or trip"
+BETWEEN = 8  # looks within a slab
+HALVINGS = 60
+
+
+class Control(NamedTuple):
+    """An operation that waits for a pressure.
+
+    Attributes
+    ----------
+    node : str
+    pressure : float
+        Gauge pressure there, Pa.
+    above : bool
+        Whether it is to exceed that, or to fall below it.
+    event : Event
+        What is done then; its instant counts from there.
+    text : str
+        As it was said.
+    """
+
+    node: str
+    pressure: float
+    above: bool
+    event: Event
+    text: str
+
+
+def read_control(text: str) -> Control:
+    """The control that a text says; a pressure in metres is a level of water above the node.
+
+    Raises
+    ------
+    InputError
+        It is no such text.
+
+    Examples
+    --------
+    >>> control = read_control("tower > 5.2 bar: close V1+5s")
+    >>> control.node, control.above, control.pressure, control.event.name, control.event.duration
+    ('tower', True, 520000.0, 'V1', 5.0)
+    """
+    found = FORM.fullmatch(text.strip())
+    if found is None or found["kind"] not in {*TURNED, "trip"}:
+        raise InputError("--when", "not a control", EXPECTED, f"'{text}'")
+    what, plus, takes = found["what"].partition("+")
+    event = read_event(found["kind"], f"{what.strip()}@0s{plus}{takes.strip()}")
+    value = found["value"].strip()
+    level = re.fullmatch(r".*\d\s*m", value) is not None
+    pressure = (
+        float(Quantity(value, "m", "--when")) * WATER * GRAVITY if level else float(Quantity(value, "Pa", "--when"))
+    )
+    return Control(found["node"].strip(), pressure, found["sign"] == ">", event, text)
+
+
+def triggered(
+    controls: Sequence[Control],
+    events: Sequence[Event],
+    build: Callable[[Sequence[Event]], Scene],
+    run: Callable[[Scene], Result],
+) -> tuple[list[Event], list[str]]:
+    """All events, with those that controls trigger at the instants at which they do, and notes on these.
+
+    What happens before an instant does not depend on what follows: the run is made again with each event that was
+    found, and the next is sought behind it. An instant is found to rounding on the curves of its run.
+
+    Parameters
+    ----------
+    controls, events : sequence
+    build : callable
+        The scene with some events.
+    run : callable
+        Of a scene.
+
+    Raises
+    ------
+    InputError
+        There is no such node; or as `build` and `run` do.
+    """
+    waiting, done, notes, since = list(controls), list(events), list[str](), 0.0
+    whole = build([*events, *(control.event for control in controls)])
+    nodes = {node for line in whole.lines.values() for node in line.nodes}
+    for control in controls:
+        if control.node not in nodes:
+            raise InputError("--when", "no such node", nearest(control.node, sorted(nodes)), f"'{control.node}'")
+    while waiting:
+        probes = {control.node: {"at": control.node} for control in waiting}
+        result = run(build(done).with_changes(probes=probes))
+        instants = [_instant(control, result.probes[control.node], since) for control in waiting]
+        first = int(np.argmin(instants))
+        if instants[first] == np.inf:
+            break
+        control, since = waiting.pop(first), instants[first]
+        done.append(control.event._replace(at=since))
+        notes.append(f"'{control.text}': after {since:.6g} s")
+    return done, [*notes, *(f"'{control.text}': not before the end" for control in waiting)]
+
+
+def _instant(control: Control, probe: ProbeResult, since: float) -> float:
+    """When the pressure of a control is reached, not before an instant, s; infinite if never."""
+    sign = 1.0 if control.above else -1.0
+
+    def beyond(t: np.ndarray) -> np.ndarray:
+        return sign * (probe.at(t).gauge_pressure - control.pressure)
+
+    edges = np.unique(np.append(probe.t[probe.t >= since], since))
+    t = np.unique(np.concatenate([np.linspace(a, b, BETWEEN) for a, b in pairwise(edges)]))
+    over = beyond(t) > 0
+    if not over.any():
+        return np.inf
+    k = int(np.argmax(over))
+    low, high = (t[k - 1], t[k]) if k else (t[0], t[0])
+    for _ in range(HALVINGS if k else 0):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if beyond(np.array([middle]))[0] > 0 else (middle, high)
+    return float(high)
