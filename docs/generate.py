@@ -179,6 +179,7 @@ def pictures() -> None:
     _signals()
     _network()
     _sweep()
+    _design()
     _cavities()
     _circuits()
     refuted = check_positive_real(RationalFunction.from_expression("(s + 2)/(s^2 + s + 1)"))
@@ -235,6 +236,15 @@ def _sweep() -> None:
     closure = read_scene(DOCS.parent / "scenes" / "valve_closure.toml")
     found = sweep(closure, {"loads.valve.opening.duration": "0.5 s:3 s:26"})
     save_figure(plot_sweep(found), str(DOCS / "pictures" / "sweep.png"))
+
+
+def _design() -> None:
+    from tline.design import vessel
+    from tline.pictures.style import save_figure
+
+    scene = read_scene(DOCS.parent / "scenes" / "air_vessel.toml").with_changes(t_end=40)
+    found = vessel(scene, "vessel", path=("pump", "tank"), lowest="2 bar", highest="7 bar")
+    save_figure(found.plot(), str(DOCS / "pictures" / "vessel.png"))
 
 
 def _cavities() -> None:
