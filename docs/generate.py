@@ -179,6 +179,8 @@ def pictures() -> None:
     _signals()
     _network()
     _sweep()
+    _design()
+    _oil()
     _cavities()
     _circuits()
     refuted = check_positive_real(RationalFunction.from_expression("(s + 2)/(s^2 + s + 1)"))
@@ -243,6 +245,26 @@ def _sweep() -> None:
     closure = read_scene(DOCS.parent / "scenes" / "valve_closure.toml")
     found = sweep(closure, {"loads.valve.opening.duration": "0.5 s:3 s:26"})
     save_figure(plot_sweep(found), str(DOCS / "pictures" / "sweep.png"))
+
+
+def _design() -> None:
+    from tline.design import vessel
+    from tline.pictures.style import save_figure
+
+    scene = read_scene(DOCS.parent / "scenes" / "air_vessel.toml").with_changes(t_end=40)
+    found = vessel(scene, "vessel", path=("pump", "tank"), lowest="2 bar", highest="7 bar")
+    save_figure(found.plot(), str(DOCS / "pictures" / "vessel.png"))
+
+
+def _oil() -> None:
+    """The scenes of docs/oil.md."""
+    from tline.pictures.style import save_figure
+    from tline.pictures.traces import plot
+    from tline.solver.simulate import simulate
+
+    for name in ("hydraulic_hose", "brake_line", "injection_pipe"):
+        picture = plot(simulate(read_scene(DOCS.parent / "scenes" / f"{name}.toml")))
+        save_figure(picture, str(DOCS / "pictures" / f"{name}.png"))
 
 
 def _cavities() -> None:

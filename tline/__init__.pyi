@@ -20,6 +20,7 @@ from tline.sweeps import InterruptedWarning as InterruptedWarning
 from tline.sweeps import Sweep as Sweep
 from tline.sweeps import sweep as sweep
 
+from . import design as design
 from . import frequency as frequency
 from . import interchange as interchange
 from . import loss as loss

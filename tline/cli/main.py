@@ -24,6 +24,7 @@ COMMANDS = {
     "demo": ("tline.cli.demo:demo", "A valve shuts on a water pipe: numbers, pictures and an animation."),
     "examples": ("tline.cli.examples:examples", "The scenes that come with tline, to look at or to start from."),
     "surge": ("tline.cli.surge:surge", "Operate a water network without editing a file: the worst of a surge."),
+    "design": ("tline.cli.design:design", "Size an air vessel, a closure, a relief valve or a flywheel."),
     "sweep": ("tline.cli.sweep:sweep", "A scene in many runs with other values: grids, tolerances of parts, clusters."),
     "frequency": ("tline.cli.frequency:frequency", "A scene over frequency: transfer functions, S-parameters."),
     "tdr": ("tline.cli.tdr:tdr", "Time-domain reflectometry: a step into a node, and what comes back."),

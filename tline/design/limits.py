@@ -1,0 +1,147 @@
+"""Limits of gauge pressure or head, at all nodes or along a path, and how far a run stays within them."""
+
+from collections.abc import Sequence
+from math import inf, isfinite
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.design.search import Trial
+from tline.errors import InputError
+from tline.pictures.along import extremes_along
+from tline.pictures.bounds import scale
+from tline.pictures.path import Route, route
+from tline.scene.heights import weight_at
+from tline.scene.scene import Scene
+from tline.solver.result.result import Result
+from tline.units import engineering, to_si
+
+LATE = 0.99  # of the run
+
+
+class Limits(NamedTuple):
+    """Where extremes are looked at, and what they are to keep.
+
+    Attributes
+    ----------
+    scene : Scene
+    way : Route or None
+        The path; all nodes if None.
+    lowest, highest : float
+        Pa; infinite where there is no limit.
+    per_metre : float or None
+        Of heads, Pa/m; None if gauge pressures are limited.
+    """
+
+    scene: Scene
+    way: Route | None
+    lowest: float
+    highest: float
+    per_metre: float | None
+
+    @property
+    def record(self) -> tuple[str, ...]:
+        """Lines whose waves a run is to keep."""
+        return self.way.lines if self.way else ()
+
+    @property
+    def where(self) -> str:
+        """The places, in words."""
+        return f"from {self.way.nodes[0]} to {self.way.nodes[-1]}" if self.way else "at all nodes"
+
+    @property
+    def word(self) -> str:
+        """What is limited."""
+        return "gauge pressure" if self.per_metre is None else "head"
+
+    def shown(self, pressure: float) -> str:
+        """A pressure, or its head, with a unit."""
+        return engineering(pressure, "bar") if self.per_metre is None else f"{pressure / self.per_metre:.4g} m"
+
+    def trial(self, size: float, result: Result) -> Trial:
+        """The extremes of a run, and their margin."""
+        lowest, highest, error = self._extremes(result)
+        return Trial(size, lowest, highest, min(lowest - self.lowest, self.highest - highest), error)
+
+    def at_the_end(self, result: Result) -> bool:
+        """Whether the lowest or highest effort at nodes that is limited comes so late that it may not be the last."""
+        seen = result.envelope
+        assert seen is not None
+        weight = np.nan_to_num(seen.weight) * (self.per_metre is None)
+        low, high = int(np.argmin(seen.lowest - weight)), int(np.argmax(seen.highest - weight))
+        late = (self.lowest, seen.lowest_at[low]), (self.highest, seen.highest_at[high])
+        return any(isfinite(limit) and when > LATE * result.t[-1] for limit, when in late)
+
+    def _extremes(self, result: Result) -> tuple[float, float, float]:
+        seen = result.envelope
+        assert seen is not None
+        error = _largest(np.stack([seen.lowest_error, seen.highest_error]))
+        if self.way is None:
+            weight = np.nan_to_num(seen.weight) * (self.per_metre is None)
+            return float((seen.lowest - weight).min()), float((seen.highest - weight).max()), error
+        along = extremes_along(result, self.way)
+        weight = self._weight(along.x) * (self.per_metre is None)
+        return float(np.nanmin(along.lowest - weight)), float(np.nanmax(along.highest - weight)), error
+
+    def _weight(self, x: NDArray) -> NDArray:
+        """Density·g·elevation at places of the path, where each line begins at the place at which the last one ends."""
+        assert self.way is not None
+        weight = weight_at(self.scene)
+        unknown = np.nan if weight else 0.0
+        parts = np.split(x, np.flatnonzero(np.diff(x) == 0) + 1)
+        found = []
+        for leg, places in zip(self.way.legs, parts, strict=True):
+            nodes = self.scene.single_lines[leg.line].nodes[:: 1 if leg.forward else -1]
+            found.append(np.interp(places, leg.span, [weight.get(node, unknown) for node in nodes]))
+        return np.concatenate(found)
+
+
+def limits(scene: Scene, path: Sequence[str], lowest: float | str | None, highest: float | str | None) -> Limits:
+    """Limits of a scene: gauge pressures, Pa, or texts with units, where metres are a head above the zero of heights.
+
+    Raises
+    ------
+    InputError
+        There is none, they are no such values, or the path is none.
+    """
+    if scene.medium != "hydraulic":
+        raise InputError("medium", "is designed for no surge", "'hydraulic'", f"'{scene.medium}'")
+    if scene.start != "steady":
+        raise InputError("start", "nothing is known of before", "'steady'", f"'{scene.start}'")
+    given = {key: value for key, value in (("lowest", lowest), ("highest", highest)) if value is not None}
+    if not given:
+        raise InputError("highest", "no limit is given", "a lowest pressure or head, a highest, or both")
+    read = {key: _read(key, value) for key, value in given.items()}
+    if len({head for _, head in read.values()}) > 1:
+        raise InputError("highest", "not of the kind of the lowest", "two pressures, or two heads", str(highest))
+    per_metre = None
+    if any(head for _, head in read.values()):
+        shown = scale(scene, scene.single_lines, 1.0)
+        if shown.unit != "m":
+            raise InputError(next(iter(given)), "a head needs heights", "a pressure, or elevations of nodes")
+        per_metre = shown.size
+    low, high = (
+        read[key][0] * (per_metre or 1.0) if key in read else default
+        for key, default in (("lowest", -inf), ("highest", inf))
+    )
+    if low >= high:
+        raise InputError("lowest", "not below the highest", f"below {highest}", f"{lowest}")
+    return Limits(scene, route(scene, *path) if path else None, low, high, per_metre)
+
+
+def _read(key: str, value: float | str) -> tuple[float, bool]:
+    """A value in SI, and whether it is a head."""
+    try:
+        return to_si(value, "Pa", key), False
+    except InputError as error:
+        try:
+            return to_si(value, "m", key), True
+        except InputError:
+            expected = "a pressure such as '2 bar', or a head such as '35 m'"
+            raise InputError(key, error.problem, expected, error.got) from None
+
+
+def _largest(errors: NDArray) -> float:
+    known = errors[np.isfinite(errors)]
+    return float(known.max()) if known.size else float("nan")

@@ -1,0 +1,121 @@
+"""The smallest size whose margin is not negative, of a margin that should grow with the size."""
+
+from collections.abc import Callable
+from math import floor, log, log10
+from typing import NamedTuple
+
+STEP, STEPS = 2.0, 16  # from size to size until the margin changes its sign
+DIGITS = 4  # of a size
+PRECISION, NUDGE = 1.002, 0.001  # of the size
+CURVE = (0.4, 0.65, 1.5, 2.5, 5.0)  # times the size found: what is run for the curve, and to see that nothing turns
+ROUNDS = 4  # of searches above a larger size that fails
+
+
+class Trial(NamedTuple):
+    """What one size leads to, in SI.
+
+    Attributes
+    ----------
+    size : float
+    lowest, highest : float
+        Extremes that are limited, Pa.
+    margin : float
+        To the nearer limit, Pa; negative beyond it.
+    error : float
+        Estimated error of the extremes, Pa; not a number where the run is fixed by hand.
+    """
+
+    size: float
+    lowest: float
+    highest: float
+    margin: float
+    error: float
+
+
+class Search(NamedTuple):
+    """The trials of a search by size, and the smallest size that keeps the limits, None if none does."""
+
+    trials: tuple[Trial, ...]
+    found: Trial | None
+
+    @property
+    def turns(self) -> tuple[Trial, Trial] | None:
+        """Two trials beside each other of which the larger size has less of a margin by more than their errors."""
+        for small, large in zip(self.trials, self.trials[1:], strict=False):
+            slack = sum(trial.error for trial in (small, large) if trial.error == trial.error)
+            if large.margin < small.margin - slack - 1e-6 * abs(small.margin):
+                return small, large
+        return None
+
+
+def smallest(run: Callable[[float], Trial], first: float, largest: float = float("inf")) -> Search:
+    """Search the smallest size that keeps the limits, to 0.2 %.
+
+    A bracket by doubling or halving from `first`, then secants on the logarithm of the size, which bisect where they do
+    not halve the bracket. Sizes around the one found are run as well: if a larger one fails, the search goes on above.
+
+    Parameters
+    ----------
+    run : callable
+        Gives the trial of a size, above zero.
+    first, largest : float
+        Where to begin, and where to end.
+
+    Examples
+    --------
+    >>> found = smallest(lambda size: Trial(size, 0, 0, size - 3, 0), 1).found
+    >>> 3 <= found.size <= 3.01
+    True
+    """
+    tried: dict[float, Trial] = {}
+
+    def at(size: float) -> Trial:
+        size = min(rounded(size), largest)
+        if size not in tried:
+            tried[size] = run(size)
+        return tried[size]
+
+    low = high = at(first)
+    for _ in range(STEPS):
+        if low.margin >= 0:
+            low, high = at(low.size / STEP), low
+        elif high.margin < 0 and high.size < largest:
+            low, high = high, at(high.size * STEP)
+    if low.margin >= 0:
+        high = low
+    for _ in range(ROUNDS):
+        if high is low or high.margin < 0:
+            break
+        high = _refined(at, low, high)
+        for share in CURVE:
+            if high.size * share <= largest:
+                at(high.size * share)
+        failing = [trial for trial in tried.values() if trial.size > high.size and trial.margin < 0]
+        if not failing:
+            break
+        low = max(failing)
+        high = min((t for t in tried.values() if t.size > low.size), default=at(low.size * STEP))
+    return Search(tuple(sorted(tried.values())), high if high.margin >= 0 else None)
+
+
+def _refined(at: Callable[[float], Trial], low: Trial, high: Trial) -> Trial:
+    """The larger end of a bracket as narrow as wanted."""
+    bisect, nudge = False, 0.0  # beyond the secant, so that the end that stood still moves next
+    while high.size > PRECISION * low.size:
+        width = log(high.size / low.size)
+        share = 0.5 if bisect else low.margin / (low.margin - high.margin) + nudge / width
+        middle = at(low.size * (high.size / low.size) ** min(max(share, 0.02), 0.98))
+        if middle.size in (low.size, high.size):
+            if bisect:
+                break
+            bisect = True
+            continue
+        nudge = NUDGE if middle.margin < 0 else -NUDGE
+        low, high = (middle, high) if middle.margin < 0 else (low, middle)
+        bisect = log(high.size / low.size) > width / 2
+    return high
+
+
+def rounded(size: float) -> float:
+    """A size of four digits."""
+    return round(size, DIGITS - 1 - floor(log10(size)))

@@ -1,0 +1,182 @@
+"""The search of a size by prepared runs, and its result: the size, its margin, its curve, and the scene that has it."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from tline.design.limits import Limits
+from tline.design.search import Search, Trial, smallest
+from tline.errors import InputError
+from tline.progress import Progress
+from tline.scene.scene import Scene
+from tline.solver.prepared import Prepared, prepare
+from tline.solver.result.atomic import write_table
+from tline.solver.result.result import Result
+from tline.units import engineering
+
+USUAL_TOL, USUAL_RUNS = 1e-3, 20
+NO_SEARCH = "even the smallest size that was tried keeps the limits"
+
+
+class Size(NamedTuple):
+    """A value of a design, in SI, and the unit in which it is read."""
+
+    value: float
+    unit: str
+
+    def __str__(self) -> str:
+        return engineering(self.value, self.unit)
+
+
+@dataclass(frozen=True, eq=False)
+class Sizing:
+    """What a design search found.
+
+    Attributes
+    ----------
+    kind : str
+        ``"vessel"``, ``"closure"``, ``"relief"`` or ``"flywheel"``.
+    element : str
+        Place of the element that was sized, such as ``"loads.vessel"``.
+    sizes : dict of str to Size
+        What was found, the size that was searched first.
+    found : Trial
+        Extremes, margin and estimated error at that size.
+    curve : tuple of Trial
+        All sizes that were run, in order.
+    limits : Limits
+        What was asked for.
+    scene : Scene
+        The given scene with the element of that size.
+    notes : tuple of str
+        What one should know of it.
+    """
+
+    kind: str
+    element: str
+    sizes: Mapping[str, Size]
+    found: Trial
+    curve: tuple[Trial, ...]
+    limits: Limits
+    scene: Scene
+    notes: tuple[str, ...]
+
+    @property
+    def searched(self) -> tuple[str, Size]:
+        """Name and value of the size that was searched."""
+        return next(iter(self.sizes.items()))
+
+    def table(self) -> dict[str, Any]:
+        """All of it but the scene as plain data, in SI."""
+        limits = self.limits
+        bound = {"lowest": limits.lowest, "highest": limits.highest}
+        return {
+            "kind": self.kind,
+            "element": self.element,
+            **{name: size.value for name, size in self.sizes.items()},
+            "limited": limits.word,
+            "where": limits.where,
+            "limits": {key: value for key, value in bound.items() if isfinite(value)},
+            "found": self.found._asdict(),
+            "curve": [trial._asdict() for trial in self.curve],
+            "notes": list(self.notes),
+        }
+
+    def save(self, path: str | Path) -> None:
+        """Write the curve as CSV: a row for each size, SI."""
+        write_table(path, [self.searched[0].replace(" ", "_"), *Trial._fields[1:]], self.curve)
+
+    def plot(self) -> Any:
+        """Draw lowest and highest over the size: see `tline.design.plot_sizing`."""
+        from tline.design.picture import plot_sizing
+
+        return plot_sizing(self)
+
+
+class Runs:
+    """Runs of one prepared scene in which one size varies.
+
+    Parameters
+    ----------
+    scene : Scene
+        With an element of any size.
+    values : callable
+        Values by dotted path, of a size.
+    limits : Limits
+    tol : float, optional
+        That of the scene, or 1e-3, if not given.
+    progress : bool
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        values: Callable[[float], Mapping[str, Any]],
+        limits: Limits,
+        tol: float | None,
+        progress: bool,
+    ):
+        self.prepared: Prepared = prepare(scene)
+        self.values, self.limits = values, limits
+        fixed = scene.solver.order is not None or scene.solver.slab is not None
+        self.tol = tol if tol is not None or fixed or scene.solver.tol is not None else USUAL_TOL
+        self.bar = Progress(USUAL_RUNS, "runs", progress, "design")
+        self.results: dict[float, Result] = {}
+
+    def run(self, size: float) -> Trial:
+        """The trial of one size."""
+        result = self.prepared.run(
+            self.values(size), tol=self.tol, record=self.limits.record, envelope=True, ledger=False
+        )
+        self.bar.update()
+        self.results[size] = result
+        return self.limits.trial(size, result)
+
+    def refuse_kept(self, key: str, without: str) -> None:
+        """Refuse to size what is not needed.
+
+        Raises
+        ------
+        InputError
+            The scene keeps the limits as it is.
+        """
+        trial, limits = self.run(1.0), self.limits
+        if trial.margin >= 0:
+            got = f"{limits.shown(trial.lowest)} to {limits.shown(trial.highest)} {limits.where}"
+            raise InputError(key, f"is kept without {without}", "a stricter limit", got)
+
+    def smallest(self, first: float, largest: float = float("inf")) -> tuple[Trial, Search, list[str]]:
+        """Search the smallest size, and say in notes what is odd.
+
+        Raises
+        ------
+        InputError
+            No size keeps the limits.
+        """
+        with self.bar:
+            search = smallest(self.run, first, largest)
+        if search.found is None:
+            raise self._unreachable(search)
+        notes = []
+        if search.found is search.trials[0]:
+            notes.append(NO_SEARCH)
+        if search.turns:
+            small, large = (f"{trial.size:.4g}" for trial in search.turns)
+            notes.append(f"the margin does not grow from size {small} to {large}: look at the curve")
+        result = self.results[search.found.size]
+        if self.limits.at_the_end(result):
+            notes.append("the extreme comes at the end of the run: run longer, for a later one may be worse")
+        return search.found, search, [*notes, *result.notes]
+
+    def _unreachable(self, search: Search) -> InputError:
+        best, limits = max(search.trials, key=lambda trial: trial.margin), self.limits
+        low = best.lowest - limits.lowest < limits.highest - best.highest
+        key, reached = ("lowest", best.lowest) if low else ("highest", best.highest)
+        return InputError(
+            key,
+            f"no size up to {search.trials[-1].size:.4g} keeps this {limits.word} {limits.where}",
+            f"{'at most' if low else 'at least'} {limits.shown(reached)}, the best of what was tried",
+            limits.shown(limits.lowest if low else limits.highest),
+        )
