@@ -21,6 +21,7 @@ lint: $(VENV)/ready-dev
 bench: $(VENV)/ready-bench
 	$(BIN)/python -m benchmarks.time_to_answer
 	$(BIN)/python -m benchmarks.kernel
+	$(BIN)/python -m benchmarks.cheapest_grid
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.sweeps
 	$(BIN)/python -m benchmarks.large_network
 	$(BIN)/python -m benchmarks.circuits

@@ -25,7 +25,8 @@ from tline.scene.scene import Scene
 from tline.scene.shape import Step
 from tline.scene.source import Source
 from tline.solver.description.description import describe
-from tline.solver.description.resolution import CHEAP, MOST_KEPT, resolution
+from tline.solver.description.resolution import resolution
+from tline.solver.description.slab import CHEAP, MOST_KEPT
 from tline.wording import nearest, place, shown
 
 SCENES = sorted((Path(__file__).parents[2] / "scenes").glob("*.toml"))
@@ -318,10 +319,10 @@ def test_a_load_that_can_be_resolved_is_resolved():
         (Step(to=1), 0.02, ""),
         (Step(to=1, at=0.125), 1 / 56, ""),  # 7 slabs to the jump
         (Step(to=1, at=0.123), 0.001, ""),  # 123
-        (Step(to=1, at=np.pi), 0.02, ""),  # no slab divides this and the delay
+        (Step(to=1, at=np.pi), 0.25, ""),  # no slab divides this and the delay: a front in few wide slabs
         (Ramp(to=1, duration=0.01), 0.01, ""),
-        (Ramp(to=1, duration="1 ns"), 5e-4, ""),  # a breakpoint in its slab
-        (Ramp(to=1, duration="1 ns", at=5), 5e-4, ""),
+        (Ramp(to=1, duration="1 ns"), 0.25, ""),  # a piece inside its slab
+        (Ramp(to=1, duration="1 ns", at=5), 0.25, ""),
         (Ramp(to=1, duration="1 ps"), 0.02, ""),  # of 10 s: a jump
         ({"shape": "pulses", "high": 1, "width": 0.5, "period": 0.5}, 0.02, ""),
         ({"shape": "pulses", "high": 1, "width": 0.1, "period": 0.3}, 0.02, ""),

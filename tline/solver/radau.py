@@ -47,6 +47,11 @@ class Basis:
         """Matrix from values at the points to values at x, shape (len(x), s)."""
         return self._legendre(x) @ self.to_legendre
 
+    def values(self, x: NDArray, polynomials: NDArray) -> NDArray:
+        """Values of polynomials, each given at the points, shape (n, s), at places of its own, shape (n, places)."""
+        series = (polynomials @ self.to_legendre.T).T[:, :, None]
+        return legendre.legval(2 * x - 1, series, tensor=False)
+
     @cached_property
     def to_powers(self) -> Matrix:
         """Matrix from values at the points to coefficients of powers of 2 x - 1."""

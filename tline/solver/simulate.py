@@ -24,7 +24,8 @@ from tline.solver.tolerance.lossy import with_losses
 from tline.solver.tolerance.search import Search, Start, inside_slabs, within
 
 TOL = 1e-6  # where nothing is asked or fixed
-FOLLOWED = 1e-10  # of the largest wave: what is left of what decays behind a front, where a run by hand is judged
+FOLLOWED = 1e-5, 1e-10  # of the largest wave: what is left of what decays behind a front, where a run is judged
+CLEAR = 10  # times what is left, from which on a difference is of something else
 
 
 class UnresolvedWarning(UserWarning):
@@ -170,12 +171,15 @@ def judged(result: Result) -> Accuracy:
     scene = (result.parts or result).scene
     description = describe(scene)
 
-    def step(coarse: Result) -> tuple[Result, Accuracy]:
+    def step(coarse: Result, followed: float = FOLLOWED[0]) -> tuple[Result, Accuracy]:
         s, h = coarse.resolution.s, coarse.resolution.h
-        chosen = Resolution(s, h / 2) if description.lossy else Resolution(s + 1, h, layers=FOLLOWED)
+        chosen = Resolution(s, h / 2) if description.lossy else Resolution(s + 1, h, layers=followed)
         with user_mistakes(scene):
             fine = run(description, chosen)
-        return fine, Accuracy(None, *differences(coarse, fine))
+        found = Accuracy(None, *differences(coarse, fine))
+        if not fine.resolution.layers or followed == FOLLOWED[-1] or found.worst >= CLEAR * followed:
+            return fine, found
+        return step(coarse, FOLLOWED[-1])
 
     finer, found = step(result)
     runs, by = [finer], magnified(description, result, finer, [found.worst])

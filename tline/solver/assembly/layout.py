@@ -23,7 +23,8 @@ from tline.solver.description.groups import Group
 from tline.solver.description.laws import laws_of, started, states_of
 from tline.solver.description.lines import Line
 from tline.solver.description.nodes import NONE, Node
-from tline.solver.description.resolution import WHOLE, Resolution
+from tline.solver.description.resolution import Resolution
+from tline.solver.description.slab import WHOLE
 from tline.solver.kernel.network import Blocks, Laws, LossElements, Segments
 from tline.solver.radau import basis
 from tline.solver.steady.lossy_lines import FrictionTable

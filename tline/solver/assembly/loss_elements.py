@@ -19,7 +19,7 @@ from tline.loss import Foster
 from tline.loss.losses import Losses
 from tline.solver.description.circuits import Circuits, one_step
 from tline.solver.description.lines import Line
-from tline.solver.description.resolution import WHOLE
+from tline.solver.description.slab import WHOLE
 from tline.solver.kernel.network import CONSTANT, NO_LOSSES, REMEMBERED, SQUARED, TABLED, LossElements
 from tline.solver.radau import Basis
 

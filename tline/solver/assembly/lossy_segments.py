@@ -16,7 +16,7 @@ from tline.loss import Law
 from tline.loss.foster import Foster
 from tline.solver.description.circuits import Circuits
 from tline.solver.description.lines import Line
-from tline.solver.description.resolution import WHOLE
+from tline.solver.description.slab import WHOLE
 from tline.solver.kernel.network import Segments
 from tline.solver.radau import Basis, Matrix
 

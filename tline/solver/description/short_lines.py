@@ -7,7 +7,8 @@ from math import inf, isfinite
 from tline.errors import InputError
 from tline.solver.description.description import Description
 from tline.solver.description.nodes import Node
-from tline.solver.description.resolution import SLABS_PER_DELAY, resolution
+from tline.solver.description.resolution import resolution
+from tline.solver.description.slab import SLABS_PER_DELAY
 
 SHORT = 1 / 8  # of the slab that suits all other lines
 SETTLED = 1  # slab, within which a group has to settle after a front

@@ -15,7 +15,7 @@ from tline.scene.rational_load import Parallel, Series
 from tline.solver.description.description import Description
 from tline.solver.description.given import Scene, Shape
 from tline.solver.description.nodes import UNIT, Node, lowered
-from tline.solver.description.resolution import WHOLE, common_parts
+from tline.solver.description.slab import WHOLE, common_parts
 from tline.solver.many.load import Load, parallel, series
 from tline.wording import place
 

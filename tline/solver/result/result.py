@@ -23,6 +23,7 @@ from tline.solver.result.superconvergence import superconvergent
 from tline.wording import place
 
 NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
+ROUNDINGS = 1e-14  # of an instant; a front may be told so near to where it is
 
 
 class Pieces(NamedTuple):
@@ -53,7 +54,7 @@ class Wave:
         slab = np.ceil(place - NEAR).astype(int) - 1
         inside = np.clip(slab, 0, len(self.values) - 1)
         local = np.clip(place - inside, 0.0, 1.0)
-        wave = np.einsum("ns,ns->n", self.basis.evaluation(local), self.values[inside])
+        wave = self.basis.values(local[:, None], self.values[inside])[:, 0]
         if len(self.pieces.slab):
             self._in_pieces(place, inside, wave)
         return np.where(slab < 0, self.before, wave).reshape(t.shape)
@@ -62,9 +63,10 @@ class Wave:
         """Put right what lies in slabs in pieces."""
         seen = np.flatnonzero(np.isin(slab, self.pieces.slab))
         start, stop = (self.pieces.slab[:, None] + self.pieces.span).T
-        piece = np.minimum(np.searchsorted(stop, place[seen] - NEAR), len(stop) - 1)
+        near = np.minimum(ROUNDINGS * place[seen], NEAR)  # behind a front pieces may be far narrower than a slab
+        piece = np.minimum(np.searchsorted(stop, place[seen] - near), len(stop) - 1)
         local = np.clip((place[seen] - start[piece]) / (stop[piece] - start[piece]), 0.0, 1.0)
-        wave[seen] = np.einsum("ns,ns->n", self.basis.evaluation(local), self.pieces.values[piece])
+        wave[seen] = self.basis.values(local[:, None], self.pieces.values[piece])[:, 0]
 
     def breakpoints(self) -> NDArray:
         """Instants of the fronts inside slabs."""

@@ -175,8 +175,7 @@ def _wave_on_pieces(wave: Wave, start: NDArray, stop: NDArray, same: NDArray, x:
     begin = np.where(start - first <= same, 0.0, (start - first) / width)
     end = np.where(last - stop <= same, 1.0, (stop - first) / width)
     local = begin[:, None] + (end - begin)[:, None] * x
-    seen = np.einsum("nps,ns->np", wave.basis.evaluation(local.ravel()).reshape(*local.shape, wave.basis.s), values)
-    return np.where(slab[:, None] < 0, wave.before, seen)
+    return np.where(slab[:, None] < 0, wave.before, wave.basis.values(local, values))
 
 
 def _largest(values: NDArray) -> NDArray:

@@ -139,7 +139,7 @@ def _root(seen: PiecewiseQuantity, order: Basis, piece: NDArray, x: NDArray) -> 
     values = seen.values[piece]
     low, high = -OVER - 1, OVER + 2
     for _ in range(STEPS):
-        here, ahead = (np.einsum("ns,ns->n", order.evaluation(x + d), values) for d in (0.0, STEP))
+        here, ahead = order.values(x[:, None] + [0.0, STEP], values).T
         slope = (ahead - here) / STEP
         x = np.clip(x - here / np.where(slope == 0, np.inf, slope), low, high)
     return x

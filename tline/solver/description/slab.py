@@ -1,0 +1,160 @@
+"""Slab width of a scene: the cheapest that is fine enough for what it holds."""
+
+from collections.abc import Mapping
+from fractions import Fraction
+from functools import lru_cache
+from math import ceil, inf, lcm
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.solver.description.description import Description
+from tline.solver.description.families import MOST as MOST_FAMILIES
+from tline.solver.description.families import leads
+
+SLABS_PER_DELAY, SLABS_PER_RUN = 4, 500  # at least, where they cost little
+SLABS_FOR_FRONTS = 20_000  # at most, to give the short pieces of waveforms slabs of their own
+CHEAP = 1e7  # line-end samples computed without asking whether that fine is needed
+CHEAP_IN_BLOCKS = 1e9  # the same where a slab divides all delays: without fronts inside slabs some hundred times faster
+MOST_KEPT = 4e7  # samples on the lines or in the record that are kept without asking
+MOST_MARKS = 100  # jumps, corners and switches that are worth a slab that divides their instants
+FINER = 20  # times, that a slab may be narrower than needed to divide all delays
+ROOMY = 16  # times that a slab is longer than lumped lines take to settle: so often a front may pass them unharmed
+WHOLE = 1e-12  # a delay this near to whole slabs, relatively, is whole
+WITH_FRONTS = 10.0  # times the work of a slab without fronts, for each piece
+MOST_PLACES = 4  # pieces of a slab, as far as is foretold
+WITH_SHIFTS = 20.0  # the same where no front is, but waves are projected
+BESIDE = 2e4  # samples without fronts that take as long as what comes with a run whose slabs are not whole
+PLACES = 9  # digits of an instant's place in its slab
+ORDER = 5
+
+
+def slab_of(
+    description: Description, lines: Mapping[str, float], scales: Mapping[str, tuple[float, float]], settle: float
+) -> float:
+    """A slab that is fine enough for what the scene holds, if that is affordable; lines are given by their delays."""
+    delays = [*lines.values()]
+    lossy = [delay for name, delay in lines.items() if description.lines[name].losses is not None]
+    shortest, breaks = min(delays), _breaks(description)
+    resolved = min([shortest / SLABS_PER_DELAY, *(scale for scale, _ in scales.values())])
+    affordable = min(_affordable(description, delays, CHEAP), shortest)
+    least = max(affordable, min(ROOMY * settle, min(shortest, description.t_end) / SLABS_PER_DELAY))
+    if lossy:
+        return _slab_beside_losses(description, delays, lossy, resolved, least)
+    wanted, often = (max(min(resolved, most), least) for most in (inf, description.t_end / SLABS_PER_RUN))
+    return _cheapest(description, delays, breaks, wanted, often)
+
+
+def _cheapest(description: Description, delays: list[float], breaks: NDArray, wanted: float, often: float) -> float:
+    """The cheapest of the slabs that divide delays and breaks, that divide delays, and that divide the shortest delay.
+
+    Without fronts inside they may be so narrow that samples come often, and low orders do.
+    """
+    shortest, samples = min(delays), 2 * len(delays) * description.t_end
+
+    def cost(parts: int) -> float:
+        h = _divided(shortest, parts, wanted)
+        work = _work(h, delays, breaks)
+        return samples / h * work + (BESIDE if work > 1.0 else 0.0)
+
+    narrowest = max(_affordable(description, delays, CHEAP_IN_BLOCKS), samples / cost(1))
+    most, choices = max(int(shortest / narrowest), 1), [1]
+    for times in (delays, [*delays, *breaks[:MOST_MARKS]]):
+        if parts := common_parts((*times,), shortest, most):
+            choices.append(parts)
+    parts = min(reversed(choices), key=cost)
+    inside = _work(_divided(shortest, parts, wanted), delays, breaks) > 1.0
+    return _divided(shortest, parts, wanted if inside else often)
+
+
+def _work(h: float, delays: list[float], breaks: NDArray) -> float:
+    """Work for a slab of this width, over that for one without fronts inside."""
+    if not all(abs(delay / h - round(delay / h)) <= WHOLE * delay / h for delay in delays):
+        return WITH_FRONTS * MOST_PLACES if len(breaks) else WITH_SHIFTS
+    places = np.unique(np.round(np.append(0.0, breaks) / h % 1.0, PLACES) % 1.0)
+    return 1.0 if len(places) == 1 else WITH_FRONTS * min(len(places), MOST_PLACES)
+
+
+def _divided(shortest: float, parts: int, wanted: float) -> float:
+    """So many parts of the shortest delay, or of each of these as many as it takes."""
+    return shortest / (parts * ceil(shortest / parts / wanted - WHOLE))
+
+
+def _slab_beside_losses(
+    description: Description, delays: list[float], lossy: list[float], resolved: float, least: float
+) -> float:
+    """A slab for segments or loss elements."""
+    cheap, t_end, breaks = _affordable(description, delays, CHEAP), description.t_end, _breaks(description)
+    if h := _slab_for_segments(description, delays, max(resolved, least), cheap):
+        return h
+    few = len(breaks) <= MOST_MARKS
+    fronts = [max(gap, t_end / SLABS_FOR_FRONTS) for gap in _gaps(description)]
+    wanted = max(min([resolved, *fronts]), least)
+    marks = [t for t in breaks.tolist() if t > 0] if few else []
+    parts = _dividing(delays, lossy, marks, wanted, cheap)
+    if not parts and len(breaks) and few:  # fronts inside slabs, exact in any slab, and slabs with fronts cost
+        wanted = max(resolved, least)
+    return _divided(min(delays), parts or 1, wanted)
+
+
+def _slab_for_segments(description: Description, delays: list[float], wanted: float, affordable: float) -> float:
+    """A slab that divides all delays, where lossy lines are in segments wherever fronts lie; 0 if there is none.
+
+    If waves are sums over fronts, each family of these may have slabs of its own. Else fronts have to lie whole slabs
+    apart.
+    """
+    if not all(line.losses is None or line.losses.linear for line in description.lines.values()):
+        return 0.0
+    at = np.unique(np.concatenate([[*description.switched.values()], *(changes.at for changes in description.changes)]))
+    apart = [] if description.separable else (at[1:] - at[:1]).tolist()
+    if len(apart) > MOST_MARKS:
+        return 0.0
+    shortest = min(delays)
+    most = int(shortest / max(wanted / FINER, affordable)) or 1
+    parts = common_parts((*delays, *apart), shortest, most)
+    h = _divided(shortest, parts, wanted) if parts else 0.0
+    return h if h and len(leads(at / h)) <= MOST_FAMILIES else 0.0
+
+
+def _affordable(description: Description, delays: list[float], cheap: float) -> float:
+    """The narrowest slab, s, that neither time nor memory forbids."""
+    probed = min(len(description.scene.probes), len(delays))
+    stepping = 2 * len(delays) * description.t_end / cheap
+    kept = max(4 * probed * description.t_end, 2 * sum(delays)) / MOST_KEPT
+    return ORDER * max(stepping, kept)
+
+
+def _gaps(description: Description) -> list[float]:
+    """The shortest piece between two breaks of each waveform that has one, s; below rounding it is a jump."""
+    pieces = [np.diff(instants) for instants in description.breaks]
+    return [float(p.min()) for p in (p[p > WHOLE * description.t_end] for p in pieces) if p.size]
+
+
+def _breaks(description: Description) -> NDArray:
+    """Instants of the jumps, corners and switches of a run, s."""
+    instants = np.concatenate([[*description.switched.values()], *description.breaks])
+    return instants[(instants >= 0) & (instants < description.t_end)]
+
+
+def _dividing(delays: list[float], lossy: list[float], marks: list[float], wanted: float, affordable: float) -> int:
+    """The fewest parts of the shortest delay that divide all delays and marks, or else some of them; 0 for too many.
+
+    Rather those of lossy lines than others: fronts are not followed past loss elements inside slabs.
+    """
+    shortest = min(delays)
+    most = int(shortest / max(wanted / FINER, affordable)) or 1
+    choices = [[*delays, *marks], delays]
+    choices += [[shortest, *lossy, *marks], [shortest, *lossy]]
+    return next(filter(None, (common_parts(tuple(times), shortest, most) for times in choices)), 0)
+
+
+@lru_cache  # fractions take long, and runs with other values ask the same
+def common_parts(times: tuple[float, ...], unit: float, most: int) -> int:
+    """The fewest parts of the unit that divide all times, 0 if it takes more than `most`."""
+    parts = 1
+    for time in set(times):
+        ratio = Fraction(time / unit).limit_denominator(most)
+        parts = lcm(parts, ratio.denominator)
+        if parts > most or abs(time / unit - ratio) > WHOLE * ratio:
+            return 0
+    return parts
