@@ -14,7 +14,9 @@ from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 from tline.solver.kernel.arithmetic import TINY
+from tline.solver.ledger.recorder import Recorder
 from tline.solver.loop.kernel import advance
+from tline.solver.result.envelope import watch
 from tline.solver.simulate import simulate
 
 SILENT, UNRECORDED = np.zeros((0, 0)), np.zeros((0, 2, 0))
@@ -55,6 +57,14 @@ def test_waves_below_the_smallest_that_count_become_zero():
     assembly.state.waves[:] = 0.5 * TINY
     advance(assembly.network, assembly.state, 100, SILENT, UNRECORDED, 0)
     assert not assembly.state.waves.any()
+
+
+def test_rows_that_ledgers_and_envelopes_record_are_theirs_alone():
+    """The next run of the same scene has no room for them."""
+    description = describe(random_scene(3, loads=False, solver={"order": 3, "slab": 0.1}))
+    Recorder(assemble(description, set()), 10)
+    watch(assemble(description, set()))
+    assert (assemble(description, set()).network.record_row < 0).all()
 
 
 def test_no_access_outside_any_array(tmp_path):

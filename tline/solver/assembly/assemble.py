@@ -181,7 +181,7 @@ def _network(layout: Layout, order: Basis, rows: Rows) -> Network:
         step_states=systems.step_states,
         step_whole=np.array(systems.whole, bool),
         step=step,
-        record_row=rows.ends,
+        record_row=rows.ends.copy(),  # which ledgers and envelopes add to
         effort_row=rows.nodes,
         laws=with_basis(layout.laws, order, grid.h, rows.laws),
         segments=grid.segments,
