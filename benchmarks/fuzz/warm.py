@@ -21,15 +21,15 @@ COMMANDS = (
     ["import", "town.inp", "--wave-speed", "1000 m/s"], ["import", "cable_rc.cir"], ["export", "cable_rc.toml"],
     ["tdr", "cable_rc.toml", "--port", "near", "--rise", "1 ns"], ["frequency", "cable_rc.toml", "--points", "5"],
     ["eye", "cable_rc.toml", "--probe", "far", "--bit", "2 ns", "--rise", "0.2 ns", "--bits", "5"],
-    ["many", "cable_rc.toml", "--vary", "lines.cable.z0=uniform(40, 60)", "--runs", "20"],
+    ["sweep", "cable_rc.toml", "--vary", "lines.cable.z0=uniform(40, 60)", "--sample", "random:20"],
 )  # fmt: skip
 
 LOWER = {
     ("tline.solver.description.resolution", "MOST_SLABS"): 2e4,
     ("tline.solver.description.resolution", "LARGEST"): 1e6,
-    ("tline.solver.description.resolution", "CHEAP"): 1e5,
-    ("tline.solver.description.resolution", "CHEAP_IN_BLOCKS"): 1e6,
-    ("tline.solver.description.resolution", "MOST_KEPT"): 1e5,
+    ("tline.solver.description.slab", "CHEAP"): 1e5,
+    ("tline.solver.description.slab", "CHEAP_IN_BLOCKS"): 1e6,
+    ("tline.solver.description.slab", "MOST_KEPT"): 1e5,
     ("tline.solver.tolerance.search", "MOST_SECONDS"): 0.3,
     ("friction.simulate", "MOST_STEPS"): 20_000,
     ("drives.simulation", "MOST_STEPS"): 5_000,

@@ -54,7 +54,7 @@ HOSTILE = "<script>alert(1)</script></title><!-- $x$ DATA TITLE \\u001b[2J"
 READ_SCENES = {
     "run": [], "sweep": ["--vary", "lines.cable.z0=40:60:3"], "frequency": ["--points", "5"], "export": [],
     "tdr": ["--port", "near", "--rise", "1 ns"], "eye": ["--probe", "seen", "--bit", "1 ns", "--rise", "0.1 ns"],
-    "passivity": [],
+    "passivity": [], "crosstalk": [],
 }  # fmt: skip
 
 

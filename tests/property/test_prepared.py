@@ -21,7 +21,7 @@ from tline.solver.simulate import simulate
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 SCENES = Path(__file__).parents[2] / "scenes"
 ALL = sorted(path.stem for path in SCENES.glob("*.toml"))
-SLOW = {"column_separation", "lossy_cable", "tabulated_cable", "town"}  # seconds each
+SLOW = {"column_separation", "hydraulic_hose", "lossy_cable", "tabulated_cable", "town"}  # seconds each
 ROUNDING = 1e-11
 TOL = 1e-4
 
@@ -32,7 +32,7 @@ def quantities(scene: Scene) -> list[tuple[str, float]]:
         (f'{section}."{name}".{key}', float(value))
         for section in ("lines", "sources", "loads", "links")
         for name, element in getattr(scene, section).items()
-        if section != "lines" or name not in scene.delay_lines
+        if (section, name) not in scene.parts and (section != "lines" or name not in scene.delay_lines)
         for key in element.table()
         if isinstance(value := getattr(element, key, None), Quantity) and 0 < value < np.inf
     ]

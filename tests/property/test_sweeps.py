@@ -15,7 +15,7 @@ from tline.wording import place
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 SCENES = Path(__file__).parents[2] / "scenes"
 ALL = sorted(path.stem for path in SCENES.glob("*.toml"))
-SLOW = {"column_separation", "lossy_cable", "lossy_pair", "tabulated_cable", "town", "street"}  # seconds each
+SLOW = {"coax_fault", "column_separation", "lossy_cable", "lossy_pair", "tabulated_cable", "town", "street"}  # seconds each
 SECTIONS = "lines", "sources", "loads", "links"
 TOL = 1e-3
 
@@ -25,7 +25,7 @@ def quantities(scene: tl.Scene) -> dict[str, float]:
     found = {"t_end": float(scene.t_end)}
     for section in SECTIONS:
         for name, element in getattr(scene, section).items():
-            if section != "lines" or name not in scene.delay_lines:
+            if (section, name) not in scene.parts and (section != "lines" or name not in scene.delay_lines):
                 found |= dict(_numbers(element, element.table(), (section, name)))
     return found
 

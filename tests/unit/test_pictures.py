@@ -295,7 +295,7 @@ def test_lattice_of_a_capacitive_end(at: str) -> None:
     """A capacitor is a short to a front, and 25 ohm at a 50-ohm cable return -1/3 of it; it then charges."""
     step = {"at": "near", "kind": "voltage", "resistance": 25, "value": {"shape": "step", "to": "1 V", "at": at}}
     scene = cables({"c": ("near", "far", "5 ns")}, loads=RC_END, sources={"in": step})
-    fronts, stays = bounces(quietly(Scene(**scene.table() | {"solver": {"order": 5}})))[2:]
+    fronts, stays = bounces(quietly(Scene(**scene.table() | {"solver": {"order": 5, "slab": "0.1 ns"}})))[2:]
     jumps = [2 / 3, -2 / 3, 2 / 9, -2 / 9, 2 / 27]
     # 1e-5: inside slabs the order is s, not 2 s - 1; a slab of 0.1 ns, the time constant is 0.8 ns
     assert [front.jump for front in fronts[:5]] == pytest.approx(jumps, abs=1e-5)

@@ -43,8 +43,8 @@ def sections_of(text: str) -> list[Section]:
 
     Examples
     --------
-    >>> sections_of("[Model] DQ | of memory\\nModel_type I/O\\nC_comp = 1pF NA 2pF")[0].rows
-    [(2, ['Model_type', 'I/O']), (3, ['C_comp', '1pF', 'NA', '2pF'])]
+    >>> sections_of("[IBIS Ver] 5.0\\n[Model] DQ | of memory\\nModel_type I/O\\nC_comp = 1pF NA 2pF")[1].rows
+    [(3, ['Model_type', 'I/O']), (4, ['C_comp', '1pF', 'NA', '2pF'])]
     """
     found: list[Section] = []
     comment = "|"

@@ -25,6 +25,7 @@ CLOSEST = 1e-8  # tolerance; transforms are as good as some 1e-10
 ROUNDED = 1e-12  # slabs, by which the end of one lies in it
 LEAST_SHARE = 0.1  # of a difference, that a step is taken to leave
 FIRST = 16  # slabs, at least, in the shortest delay
+ALIKE = 2  # times that two runs are off at most by more than they differ, so near to a jump that neither follows it
 BLURRED = 0.01  # of the shortest delay of a lossy line: so near to a jump nothing is asked
 MOST_BLURRED = 0.25  # of a run
 DEAR = 10  # samples of line ends that one of a lossy line takes as long as
@@ -59,7 +60,7 @@ def convolved(search: Search) -> Result | None:
         found = _errors(before, result, jumps, settle)
         share, last = min(max(found.worst / last, LEAST_SHARE) if last < inf else share, SLOWEST), found.worst
         by = BETWEEN * share / (1 - share)
-        blurred = found.times(BETWEEN / (1 - SLOWEST)).blurred  # does not converge like the rest
+        blurred = found.times(ALIKE * BETWEEN / (1 - SLOWEST)).blurred
         accuracy = replace(found.times(by, by), tol=search.tol, blurred=blurred)
         attempts.append(Attempt.of(result, accuracy.worst))
         if not _affordable(scene, s, chosen.h / 2):
