@@ -37,12 +37,14 @@ def slab_of(
     lossy = [delay for name, delay in lines.items() if description.lines[name].losses is not None]
     shortest, breaks = min(delays), _breaks(description)
     resolved = min([shortest / SLABS_PER_DELAY, *(scale for scale, _ in scales.values())])
+    if description.elements:  # laws may bend a wave within any of its pieces
+        resolved = min(resolved, max(shortest_piece(description), description.t_end / SLABS_FOR_FRONTS))
     affordable = min(_affordable(description, delays, CHEAP), shortest)
     least = max(affordable, min(ROOMY * settle, min(shortest, description.t_end) / SLABS_PER_DELAY))
     if lossy:
         return _slab_beside_losses(description, delays, lossy, resolved, least)
     wanted, often = (max(min(resolved, most), least) for most in (inf, description.t_end / SLABS_PER_RUN))
-    return _cheapest(description, delays, breaks, wanted, often)
+    return _cheapest(description, delays, breaks, often if description.elements else wanted, often)
 
 
 def _cheapest(description: Description, delays: list[float], breaks: NDArray, wanted: float, often: float) -> float:
@@ -122,6 +124,11 @@ def _affordable(description: Description, delays: list[float], cheap: float) -> 
     stepping = 2 * len(delays) * description.t_end / cheap
     kept = max(4 * probed * description.t_end, 2 * sum(delays)) / MOST_KEPT
     return ORDER * max(stepping, kept)
+
+
+def shortest_piece(description: Description) -> float:
+    """Of all waveforms the shortest piece between two breaks, s: slabs that are wider hold it as one, however wide."""
+    return min(_gaps(description), default=inf)
 
 
 def _gaps(description: Description) -> list[float]:

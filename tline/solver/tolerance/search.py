@@ -11,6 +11,7 @@ from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import FIT, Resolution, resolution
 from tline.solver.description.short_lines import short_lines
+from tline.solver.description.slab import shortest_piece
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import Result
 from tline.solver.run import NO_KINKS, Kinks, run
@@ -126,7 +127,8 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
     while not limit:
         try:
             kinks = kinks_of(result, kinked)
-            raising = helps or result.resolution.layers > 0  # runs of one order err alike in the same pieces
+            short = kinked and shortest_piece(search.description) < result.resolution.h
+            raising = helps or short or result.resolution.layers > 0  # runs of one order err alike in the same pieces
             finer = search.run(steps.send((raising, told.met))._replace(layers=FOLLOWED * search.tol), kinks=kinks)
         except StopIteration:
             limit = "order and slab are as fine as they may be"
