@@ -36,7 +36,9 @@ def slab_of(
     delays = [*lines.values()]
     lossy = [delay for name, delay in lines.items() if description.lines[name].losses is not None]
     shortest, breaks = min(delays), _breaks(description)
-    resolved = min([shortest / SLABS_PER_DELAY, *(scale for scale, _ in scales.values())])
+    layered = description.t_end / SLABS_FOR_FRONTS  # decays beyond are followed behind fronts, not by narrow slabs
+    slower = [scale for scale, period in scales.values() if lossy or period < inf or scale > layered]
+    resolved = min([shortest / SLABS_PER_DELAY, *slower])
     if description.elements:  # laws may bend a wave within any of its pieces
         resolved = min(resolved, max(shortest_piece(description), description.t_end / SLABS_FOR_FRONTS))
     affordable = min(_affordable(description, delays, CHEAP), shortest)

@@ -21,6 +21,7 @@ from tline.solver.tolerance.kinks import kinking, kinks_of
 FIRST, LAST = 2, 12  # orders
 DIGITS = 3  # of the tolerance beyond three, for which the first order is one higher
 FOLLOWED = 1e-3  # of the tolerance: what is left of what decays behind a front, where it is no longer followed
+MOST_FOLLOWED = 1e6  # slabs at line ends; of more, what decays behind fronts is not followed: that takes seconds
 CLEAR = 1 / 3  # of the tolerance: an error told by the first two runs alone is to be below
 MOST_INSIDE = 2e6  # line-end samples in all runs together, for the sake of instants inside slabs alone,
 WORTH = 64  # or so many times those of the first run, if that is more
@@ -129,7 +130,8 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
             kinks = kinks_of(result, kinked)
             short = kinked and shortest_piece(search.description) < result.resolution.h
             raising = helps or short or result.resolution.layers > 0  # runs of one order err alike in the same pieces
-            finer = search.run(steps.send((raising, told.met))._replace(layers=FOLLOWED * search.tol), kinks=kinks)
+            layers = FOLLOWED * search.tol if kinked or result.samples <= MOST_FOLLOWED * result.resolution.s else 0.0
+            finer = search.run(steps.send((raising, told.met))._replace(layers=layers), kinks=kinks)
         except StopIteration:
             limit = "order and slab are as fine as they may be"
             break
