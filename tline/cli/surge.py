@@ -24,7 +24,7 @@ Examples:
   tline surge town.inp --close ease@1s+5s --burst "b:20 L/s@2s" --demand "c:-5 L/s@0s" \\
       --at-hour 8 --save surge.toml --map surge.png
 """
-OPERATIONS = ("trip", "close", "open", "burst", "demand")
+OPERATIONS = ("trip", "stop", "close", "open", "burst", "demand")
 SUFFIXES = {"save": (".toml",), "map": PICTURE, "profile": PICTURE, "heads": PICTURE, "envelope": (".csv",)}
 SHOWN, USUAL_TOL = 5, "1e-2"  # nodes in tables; of a scene that states none
 
@@ -32,6 +32,7 @@ SHOWN, USUAL_TOL = 5, "1e-2"  # nodes in tables; of a scene that states none
 @click.command("surge", epilog=EXAMPLES)
 @click.argument("network")
 @click.option("--trip", multiple=True, metavar="PUMP@TIME", help="A pump's motor fails, and it runs down.")
+@click.option("--stop", multiple=True, metavar="PUMP@TIME+DURATION", help="A pump's speed falls to nothing, linearly.")
 @click.option(
     "--close",
     multiple=True,

@@ -9,6 +9,7 @@ from tline.scene.quantity import Quantity
 
 OPERATIONS = {
     "trip": "PUMP@TIME",
+    "stop": "PUMP@TIME+DURATION",
     "close": "LINK@TIME+DURATION",
     "open": "LINK@TIME+DURATION",
     "burst": "NODE:FLOW@TIME+DURATION",
@@ -130,4 +131,4 @@ def _with_law(event: Event, law: str, where: str, text: str) -> Event:
 
 
 def _example(kind: str) -> str:
-    return {"trip": "P1@1s", "burst": "J73:20L/s@2s", "demand": "J9:+5L/s@0s"}.get(kind, "V1@1s+5s")
+    return {"trip": "P1@1s", "stop": "P1@1s+5s", "burst": "J73:20L/s@2s", "demand": "J9:+5L/s@0s"}.get(kind, "V1@1s+5s")

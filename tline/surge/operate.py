@@ -85,6 +85,12 @@ class _Operated:
             given |= self._usual(event.name, pump, given)
         table |= given | {"trip": event.at}
 
+    def stop(self, event: Event) -> None:
+        """Take a pump's speed down to nothing."""
+        pump = self._link(event, Pump, "a pump")
+        self._once(event)
+        self.tables["links"][event.name]["speed"] = event.control(just_before(pump.speed), 0.0)
+
     def close(self, event: Event) -> None:
         """Shut a valve, or one that is put at the end of a pipe."""
         self._turn(event, 0.0)
