@@ -55,7 +55,7 @@ def touchstone(rng: Random) -> Case:
     data = damaged(rng, text) if rng.random() < 0.6 else text.encode("utf-8", "surrogateescape")
     name = f"m.s{ports}p"
     files = {name: data}
-    commands = [["fit", name], ["fit", name, "--nearest"], ["passivity", name], ["fit", name, "--tolerance", "0.1"]]
+    commands = [["fit", name], ["fit", name, "--nearest"], ["passivity", name], ["fit", name, "--tol", "0.1"]]
     if rng.random() < 0.4:
         return Case(["run", "s.toml"], files | {"s.toml": (ONE if ports == 1 else TWO).encode()})
     return Case(rng.choice(commands), files)

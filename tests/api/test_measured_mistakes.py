@@ -175,12 +175,12 @@ def test_fit_prints_poles_and_draws():
 @pytest.mark.parametrize(
     ("line", "code", "told"),
     [
-        ("fit noise.s1p", 1, "--tolerance: no model of up to 24 poles is that near to the samples"),
+        ("fit noise.s1p", 1, "--tol: no model of up to 24 poles is that near to the samples"),
         ("fit active.s1p", 2, "active.s1p: |S| = 1.2 at 4e+07 Hz: no passive one-port within the tolerance"),
         ("fit two.s2p --delay '1 ns, 2 ns, 3 ns'", 2, "--delay: not one for each port, expected 2, got 3"),
         ("fit two.s2p --delay '1 ns, -2 ns'", 2, "--delay: delay out of range, expected at least 0, got '-2 ns'"),
         ("fit gone.s1p", 2, "gone.s1p: cannot be read"),
-        ("fit series.s1p --tolerance much", 2, "--tolerance: "),
+        ("fit series.s1p --tol much", 2, "--tol: "),
         ("fit series.s1p --delay '3 m'", 2, "--delay: "),
         ("fit series.s1p --plot fit.doc", 2, "--plot: unknown kind of file"),
     ],

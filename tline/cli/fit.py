@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = """\b
 Examples:
-  tline fit antenna.s1p --tolerance 1e-3 --plot fit.png
+  tline fit antenna.s1p --tol 1e-3 --plot fit.png
   tline fit antenna.s1p --delay "1.2 ns" --nearest --json
   tline fit filter.s2p --delay "0.4 ns, 0.6 ns" --nearest --plot fit.png
 Exit status: 0 proved passive, 1 not passive or no model within the tolerance, 2 bad input.
@@ -22,9 +22,7 @@ Exit status: 0 proved passive, 1 not passive or no model within the tolerance, 2
 
 @click.command("fit", epilog=EXAMPLES)
 @click.argument("file")
-@click.option(
-    "--tolerance", default="1e-3", show_default=True, help="Largest distance of the model's S from the file's."
-)
+@click.option("--tol", default="1e-3", show_default=True, help="Largest distance of the model's S from the file's.")
 @click.option(
     "--delay", metavar="T", help="Time to each port, one way, with commas between; of one port found if not given."
 )
@@ -33,7 +31,7 @@ Exit status: 0 proved passive, 1 not passive or no model within the tolerance, 2
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers in SI and full precision.")
 @click.pass_context
 def fit(
-    ctx: click.Context, file: str, tolerance: str, delay: str | None, nearest: bool, plot: str | None, as_json: bool
+    ctx: click.Context, file: str, tol: str, delay: str | None, nearest: bool, plot: str | None, as_json: bool
 ) -> None:
     """Fit a rational model behind delays to a Touchstone file, and prove it passive.
 
@@ -47,9 +45,9 @@ def fit(
     check_files({"--plot": (plot, PICTURE)})
     check_readable(file)
     try:
-        found = _found(file, tolerance, delay, nearest)
+        found = _found(file, tol, delay, nearest)
     except ExpressionError as error:
-        where = {"tolerance": "--tolerance"}.get(error.where, file)
+        where = {"tolerance": "--tol"}.get(error.where, file)
         told = InputError(where, error.problem, error.expected, error.got)
         if error.where != "tolerance":
             raise told from error
@@ -66,13 +64,13 @@ def fit(
     ctx.exit(0 if found.verdict.status.value == "proved" else 1)
 
 
-def _found(file: str, tolerance: str, delay: str | None, nearest: bool) -> "DelayedModel | MeasuredNetwork":
+def _found(file: str, tol: str, delay: str | None, nearest: bool) -> "DelayedModel | MeasuredNetwork":
     from passivity import fit_behind_delay, fit_scattering, read_touchstone
     from tline.cli.options import options_named
     from tline.scene.quantity import TOLERANCE, Role
 
-    with options_named({"": "--tolerance"}):
-        asked = float(TOLERANCE.parse(tolerance, ""))
+    with options_named({"": "--tol"}):
+        asked = float(TOLERANCE.parse(tol, ""))
     with options_named({"": "--delay"}):
         time = Role("delay", "s", at_least=0)
         given = None if delay is None else [float(time.parse(part.strip(), "s")) for part in delay.split(",")]
