@@ -50,6 +50,20 @@ def test_what_does_no_harm_is_skipped_with_a_note(read, card, note):
     assert scene.t_end == 9e-9
 
 
+@pytest.mark.parametrize(
+    ("step", "load", "advice"),
+    [
+        ("param x list 50 75", "{x}", "tline sweep c.toml --vary 'loads.R2.resistance=50.0, 75.0'"),
+        ("param x 50 100 20", "{x}", "tline sweep c.toml --vary loads.R2.resistance=50.0:90.0:3"),
+        ("param x 50 100 20", "{2*x}", "make a run for each value"),
+        ("param x 50 100 0", "{x}", "make a run for each value"),
+    ],
+)
+def test_a_step_of_one_value_is_told_as_a_sweep(read, step, load, advice):
+    _, notes = read(*CABLE[:4], ".param x=100", f"R2 b 0 {load}", f".step {step}", RUN)
+    assert notes == (f"c.cir, line 7, .step: skipped: {advice}",)
+
+
 def test_all_obstacles_are_told_at_once_with_their_lines(read):
     with pytest.raises(SceneError) as caught:
         read(*CABLE, "Q1 b a 0 n", "M1 a b 0 0 n", "R3 b 0 x", ".wibble", "X1 a none", RUN)

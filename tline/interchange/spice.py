@@ -12,6 +12,7 @@ from tline.interchange.findings import Findings
 from tline.interchange.netlist import REFERENCE, Netlist
 from tline.interchange.spice_commands import SHOWN, nodes_shown, skip, transient, values_at_begin
 from tline.interchange.spice_source import Transient
+from tline.interchange.spice_step import note_step
 from tline.interchange.subcircuits import opened
 from tline.interchange.tidy import connected, folded, with_open_ends, without_idle_capacitors
 from tline.scene.file import scene_from
@@ -67,7 +68,7 @@ def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
         name = card.name.lower()
         if name in SHOWN:
             shown += nodes_shown(card, found)
-        elif card.kind == "." and name not in commands:
+        elif card.kind == "." and name not in (*commands, ".step"):
             with found.gathered():
                 skip(card, found, any(each.kind == "D" for each in cards))
     _take(net, [card for card in cards if card.kind != "."], commands[".ic"])
@@ -86,6 +87,9 @@ def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
     folded(net, {probe["at"] for probe in table["probes"].values()})
     without_idle_capacitors(net)
     with_open_ends(net)
+    for card in cards:
+        if card.name.lower() == ".step":
+            note_step(card, deck.cards, net, Path(path).stem + ".toml")
     table |= {section: tables for section, tables in net.tables.items() if tables}
     return _scene(table, net), tuple(found.notes)
 

@@ -17,7 +17,7 @@ HARMLESS = {
     ".options": "", ".option": "", ".opt": "", ".width": "", ".op": "", ".title": "", ".backanno": "", ".list": "",
     ".status": "", ".stat": "", ".nodeset": "a guess of the steady state, which is found without", ".preprocess": "",
     ".meas": "read it off the result", ".measure": "read it off the result",
-    ".step": "make a run for each value", ".data": "make a run for each value", ".sens": "", ".four": "",
+    ".data": "make a run for each value", ".sens": "", ".four": "",
     ".dc": "another analysis", ".ac": "another analysis: tline frequency", ".noise": "another analysis", ".tf": "",
     ".hb": "another analysis", ".pz": "another analysis", ".disto": "another analysis", ".lin": "another analysis",
     ".fft": "", ".graph": "", ".protect": "", ".unprotect": "", ".connect": "", ".machine": "",

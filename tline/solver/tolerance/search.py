@@ -128,7 +128,7 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
     while not limit:
         try:
             kinks = kinks_of(result, kinked)
-            short = kinked and shortest_piece(search.description) < result.resolution.h
+            short = bool(kinked) and shortest_piece(search.description) < result.resolution.h
             raising = helps or short or result.resolution.layers > 0  # runs of one order err alike in the same pieces
             layers = FOLLOWED * search.tol if kinked or result.samples <= MOST_FOLLOWED * result.resolution.s else 0.0
             finer = search.run(steps.send((raising, told.met))._replace(layers=layers), kinks=kinks)
