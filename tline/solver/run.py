@@ -14,6 +14,7 @@ from tline.gc_paused import gc_paused
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene
+from tline.solver.description.probes import ProbePlace
 from tline.solver.description.resolution import Resolution
 from tline.solver.ledger.ledger import Ledger
 from tline.solver.ledger.recorder import Recorder
@@ -66,9 +67,7 @@ def run(
     if kinks and not families:
         assembly.changes = sorted([*assembly.changes, *_cuts(assembly, kinks)])
     n = slabs or max(ceil(description.t_end / h - 1e-9), 1)
-    if 4 * len(kept) * n * s > LARGEST_RECORD:
-        problem = f"recording {len(kept)} lines over {n} slabs of order {s} needs {4 * len(kept) * n * s:.2g} samples"
-        raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
+    _check_record(len(kept), n, s)
     recorder = Recorder(assembly, n) if ledger else None
     extremes = watch(assembly) if envelope else None
     try:
@@ -88,12 +87,13 @@ def run(
     smears = done.fronts.lost > VISIBLE or description.blurred
     lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
     ends = np.arange(n + 1) * h
+
+    def seen(probe: ProbePlace) -> LineRecord:
+        return record_of(probe, lines) if probe.node is None else _at_node(assembly, probe.node, waves, done, smears)
+
     probes = {
-        name: ProbeResult(name, probe.line, probe.share, record, ends, probe.height)
+        name: ProbeResult(name, probe.line, probe.share, seen(probe), ends, probe.height)
         for name, probe in description.probes.items()
-        for record in [
-            record_of(probe, lines) if probe.node is None else _at_node(assembly, probe.node, waves, done, smears)
-        ]
     }
     samples = len(assembly.network.ends) * n * s * max(len(families), 1)
     again = Again(
@@ -116,6 +116,13 @@ def run(
         elements={where: _into(assembly, where, waves, done) for where in assembly.recorded_laws},
         slams=_slams(assembly),
     )
+
+
+def _check_record(lines: int, n: int, s: int) -> None:
+    samples = 4 * lines * n * s
+    if samples > LARGEST_RECORD:
+        problem = f"recording {lines} lines over {n} slabs of order {s} needs {samples:.2g} samples"
+        raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
 
 
 class Again(NamedTuple):
