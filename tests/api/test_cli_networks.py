@@ -33,7 +33,7 @@ def test_the_example_of_the_help_and_of_the_docs() -> None:
     assert (done.exit_code, done.stdout) == (0, "wrote town.toml\n")
     assert done.stderr.splitlines()[0] == "note: left out, closed or without flow: 'spare'"
     page = (ROOT / "docs" / "networks.md").read_text(encoding="utf-8")
-    (shown,) = re.findall(r"```console\ntline (.*)\n", page)
+    (shown,) = re.findall(r"```console\ntline (import .*)\n", page)
     assert run(shown.replace("scenes/", f"{ROOT}/scenes/").replace("town.toml", "shipped.toml")).exit_code == 0
     shipped, own = (read_scene(file).lines for file in ("shipped.toml", "town.toml"))
     assert [(name, line.parameters) for name, line in shipped.items()] == [
