@@ -10,6 +10,7 @@ demo: $(VENV)/ready-run
 	$(BIN)/tline demo -o out
 
 test: $(VENV)/ready-test
+	$(BIN)/tline warm-up  # once, not in each process of the tests
 	$(BIN)/python -m pytest -n auto
 
 lint: $(VENV)/ready-dev

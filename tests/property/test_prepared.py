@@ -21,7 +21,8 @@ from tline.solver.simulate import simulate
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 SCENES = Path(__file__).parents[2] / "scenes"
 ALL = sorted(path.stem for path in SCENES.glob("*.toml"))
-SLOW = {"column_separation", "hydraulic_hose", "lossy_cable", "tabulated_cable", "town"}  # seconds each
+# seconds each
+SLOW = {"coax_fault", "column_separation", "hydraulic_hose", "lossy_cable", "stripline_eye", "tabulated_cable", "town"}
 ROUNDING = 1e-11
 TOL = 1e-4
 

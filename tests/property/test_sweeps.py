@@ -15,7 +15,8 @@ from tline.wording import place
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 SCENES = Path(__file__).parents[2] / "scenes"
 ALL = sorted(path.stem for path in SCENES.glob("*.toml"))
-SLOW = {"coax_fault", "column_separation", "lossy_cable", "lossy_pair", "tabulated_cable", "town"}  # seconds each
+# seconds each
+SLOW = {"coax_fault", "column_separation", "lossy_cable", "lossy_pair", "stripline_eye", "tabulated_cable", "town"}
 SECTIONS = "lines", "sources", "loads", "links"
 TOL = 1e-3
 
