@@ -453,6 +453,31 @@ at = "far"
 line = "cable"
 position = "25 %"
 """,
+    "Extent": """\
+[measures.settled]
+kind = "mean"
+probe = "far"
+start = "8 ns"
+""",
+    "Instant": """\
+[measures.received]
+kind = "crossing"
+probe = "far"
+level = "500 mV"
+edge = "rise"
+""",
+    "Interval": """\
+[measures.passage]
+kind = "delay"
+start = { probe = "near", level = "0.5 V", edge = "rise" }
+stop = { probe = "far", level = "0.5 V", edge = "rise" }
+""",
+    "Value": """\
+[measures.sampled]
+kind = "value"
+probe = "far"
+at = "6 ns"
+""",
     "Constant": """\
 [sources.battery]
 at = "near"
@@ -505,7 +530,12 @@ value = { shape = "double exponential", peak = "10 kA", rise = "0.4 us", decay =
 def example(model: str) -> str:
     """The example of a model, checked: read as part of a scene, without a mistake."""
     medium, text = ("hydraulic", HYDRAULIC[model]) if model in HYDRAULIC else ("electrical", ELECTRICAL[model])
-    scene = {"medium": medium, "t_end": "20 ns", "lines": LINES[medium], "probes": {"far": {"at": "far"}}}
+    scene = {
+        "medium": medium,
+        "t_end": "20 ns",
+        "lines": LINES[medium],
+        "probes": {at: {"at": at} for at in ("near", "far")},
+    }
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "measured.csv").write_text("0, 0\n1e-9, 1\n", encoding="utf-8")
         for file in MEASURED:

@@ -34,6 +34,11 @@ SECTIONS = {
         "Where effort, flow and waves are recorded. Flow counts positive from the line's end 1 to its end 2, wherever "
         "the probe stands: at end 1 it comes out of the node, at end 2 it goes into the node.",
     ),
+    "measures": (
+        "Measures",
+        "Numbers that a run reads off what its probes saw, at any instant and not only at slab ends: printed below the "
+        "probes, and in `--json`. What does not happen is told as such.",
+    ),
     "nodes": (
         "Nodes",
         "Where nodes are, if that matters. With elevations reservoirs and sources prescribe piezometric pressures, "
@@ -70,7 +75,7 @@ def reference() -> str:
     for key, (title, text) in SECTIONS.items():
         parts += ["", f"## {title}: `[{key}.NAME]`", "", text]
         for name in _models_of(whole["properties"][key]["additionalProperties"]):
-            parts += _model(models[name], name, heading=key in ("lines", "loads", "links"))
+            parts += _model(models[name], name, heading=key in ("lines", "loads", "links", "measures"))
         if key == "sources":
             parts += ["", "### Waveforms"]
             for name in SHAPES:

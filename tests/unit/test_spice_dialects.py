@@ -29,7 +29,11 @@ def read(tmp_path, monkeypatch):
     ("card", "note"),
     [
         (".options reltol=1e-4 post", "c.cir, line 6, .options: skipped"),
-        (".measure tran peak MAX v(b)", "c.cir, line 6, .measure: skipped: read it off the result"),
+        (".measure tran peak MAX i(R1)", "c.cir, line 6, .measure: skipped: not of voltages of nodes, got 'i(R1)'"),
+        (".meas tran x PARAM='a+b'", "c.cir, line 6, .meas: skipped: not known here, got 'PARAM'"),
+        (".meas ac x MAX vdb(b)", "c.cir, line 6, .meas: skipped: another analysis"),
+        (".meas tran x MAX v(q)", "c.cir, line 6, .meas: skipped: no waves reach that node, got 'q'"),
+        (".meas tran x TRIG AT=1n TARG v(b) VAL=1", "c.cir, line 6, .meas: skipped: an interval from an instant"),
         (".step param x 1 2 1", "c.cir, line 6, .step: skipped: make a run for each value"),
         (".backanno", "c.cir, line 6, .backanno: skipped"),
         (".ac dec 10 1 1g", "c.cir, line 6, .ac: skipped: another analysis: tline frequency"),
@@ -55,6 +59,8 @@ def test_what_does_no_harm_is_skipped_with_a_note(read, card, note):
     [
         ("param x list 50 75", "{x}", "tline sweep c.toml --vary 'loads.R2.resistance=50.0, 75.0'"),
         ("param x 50 100 20", "{x}", "tline sweep c.toml --vary loads.R2.resistance=50.0:90.0:3"),
+        ("lin R2 50 100 25", "80", "tline sweep c.toml --vary loads.R2.resistance=50.0:100.0:3"),
+        ("oct param x 25 100 1", "{x}", "tline sweep c.toml --vary loads.R2.resistance=25.0:100.0:3:log"),
         ("param x 50 100 20", "{2*x}", "make a run for each value"),
         ("param x 50 100 0", "{x}", "make a run for each value"),
     ],
@@ -62,6 +68,47 @@ def test_what_does_no_harm_is_skipped_with_a_note(read, card, note):
 def test_a_step_of_one_value_is_told_as_a_sweep(read, step, load, advice):
     _, notes = read(*CABLE[:4], ".param x=100", f"R2 b 0 {load}", f".step {step}", RUN)
     assert notes == (f"c.cir, line 7, .step: skipped: {advice}",)
+
+
+def test_several_steps_are_told_as_one_sweep_wherever_the_scene_has_their_values(read):
+    """Of a line, of a source's resistance, of a waveform, inside a subcircuit; parameters that only .step defines."""
+    cards = ["V1 s 0 PULSE(0 {v} 1n 1n 1n)", "R1 s a 25", "T1 a 0 b 0 Z0={z} TD=1n", "X1 b end", ".subckt end p"]
+    steps = [".step param z list 50 60", ".step R1 20 30 5", ".step param v 1 2 1", ".step param q 1 2 1"]
+    scene, notes = read(CABLE[0], *cards, "R2 p 0 {q}", ".ends", *steps, RUN)
+    assert scene.lines["T1"].parameters.z0 == 50
+    assert notes == (
+        "c.cir, line 9, .step: skipped: tline sweep c.toml --vary 'lines.T1.z0=50.0, 60.0'"
+        " --vary sources.V1.resistance=20.0:30.0:3 --vary sources.V1.value.high=1.0:2.0:2"
+        " --vary 'loads.\"X1.R2\".resistance=1.0:2.0:2'",
+    )
+
+
+@pytest.mark.parametrize(
+    ("card", "measure"),
+    [
+        ("MAX v(b) from=1n to=5n", {"kind": "maximum", "probe": "b", "start": 1e-9, "stop": 5e-9}),
+        ("pp v(b,a)", {"kind": "peak to peak", "probe": "b", "minus": "a"}),
+        ("WHEN v(b)=0.5 CROSS=2", {"kind": "crossing", "probe": "b", "level": 0.5, "edge": "any", "count": 2}),
+        ("WHEN v(b)=V(a) TD=1n", {"kind": "crossing", "probe": "b", "minus": "a", "level": 0.0, "after": 1e-9}),
+        ("FIND v(b) AT 3n", {"kind": "value", "probe": "b", "at": 3e-9}),
+        ("FIND v(b) WHEN v(a)={x}", {"kind": "value", "probe": "b", "when": {"probe": "a", "level": 0.5}}),
+        ("TRIG v(a) VAL=0.1 RISE=1 TARG v(b) VAL='2*x' FALL=LAST", {
+            "kind": "delay", "start": {"probe": "a", "level": 0.1, "edge": "rise", "count": 1},
+            "stop": {"probe": "b", "level": 1.0, "edge": "fall", "count": 0},
+        }),
+        ("TRIG AT=0 TARG v(b)=0.5", {"kind": "crossing", "probe": "b", "level": 0.5}),
+    ],
+)  # fmt: skip
+def test_measures_become_those_of_the_scene(read, card, measure):
+    scene, notes = read(*CABLE, ".param x=0.5", ".print v(s)", f".measure tran m {card}", RUN)
+    assert notes == ()
+    assert scene.table()["measures"]["m"] == measure
+    assert {"s", "b"} <= {*scene.probes}
+
+
+def test_a_measure_that_contradicts_itself_is_told_with_its_line(read):
+    with pytest.raises(SceneError, match=r"line 6, .meas: stop: not after the start, expected more than 5e-09 s"):
+        read(*CABLE, ".meas tran m AVG v(b) from=5n to=1n", RUN)
 
 
 def test_all_obstacles_are_told_at_once_with_their_lines(read):

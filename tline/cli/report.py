@@ -1,6 +1,8 @@
 """What `tline run` prints of a result."""
 
+from collections.abc import Iterator
 from dataclasses import asdict
+from math import isfinite
 from typing import Any
 
 from numpy.typing import NDArray
@@ -81,6 +83,10 @@ def summary(result: Result, accuracy: Accuracy | None, times: NDArray | None = N
         "seconds": result.seconds,
         "accuracy": accuracy and _told(accuracy),
         "probes": probes,
+        "measures": {
+            name: {"unit": unit, "value": value if isfinite(value) else None}
+            for name, (value, unit) in result.measures.items()
+        },
         **({} if times is None else {"samples": _samples(result, times)}),
         "ledger": result.ledger and ledger_as_dict(result.ledger),
         "notes": list(result.notes),
@@ -188,7 +194,16 @@ def as_table(result: Result, accuracy: Accuracy | None) -> str:
             texts = [f"{number:.4g}" for number in numbers]
             texts.append(f"{seen['error_inside_slabs'] / size:.1g}" if "error" in seen else "?")
             rows.append(["" if k else name, f"{word} [{unit}]", *texts])
-    return "\n".join([*([result.scene.title] if result.scene.title else []), *head, *aligned(rows, 2)])
+    measured = ["", *aligned([["measure", "value"], *_measured(result)], 1)] if result.measures else []
+    return "\n".join([*([result.scene.title] if result.scene.title else []), *head, *aligned(rows, 2), *measured])
+
+
+def _measured(result: Result) -> Iterator[list[str]]:
+    """Measures in handy units, one a row."""
+    shown = {quantity[2]: quantity[3] for quantity in quantities(result.scene)}
+    for name, (value, unit) in result.measures.items():
+        size, word = handy(abs(value), shown.get(unit, unit)) if isfinite(value) and value else (1.0, unit)
+        yield [name, f"{value / size:.6g} {word}" if isfinite(value) else "does not happen"]
 
 
 def _in_words(accuracy: Accuracy | None) -> str:

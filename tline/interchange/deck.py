@@ -22,7 +22,14 @@ WORD = re.compile(r"\{[^{}]*\}|'[^']*'|\"[^\"]*\"|=|[^\s(),={}'\"]+")
 FILE = re.compile(r"\.\w+\s+(?:\"([^\"]*)\"|'([^']*)'|(\S+))\s*(\S*)")
 INCLUDES = (".include", ".inc", ".incl", ".lib")
 OTHER_RUNS = (".alter", ".modify", ".mo", ".fault")  # HSPICE's and gnucap's: change the circuit, and run again
-WITHIN_CONTROL = {"tran": ".tran", "plot": ".plot", "print": ".print", "save": ".save", "write": ".save"}
+WITHIN_CONTROL = {
+    "tran": ".tran",
+    "plot": ".plot",
+    "print": ".print",
+    "save": ".save",
+    "write": ".save",
+    "meas": ".meas",
+}
 
 
 class Card(NamedTuple):

@@ -18,7 +18,7 @@ from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
 from tline.wording import place
 
-SECTIONS = {"title", "medium", "t_end", "start", "solver", "lines", "sources", "loads", "links", "probes"}
+SECTIONS = {"title", "medium", "t_end", "start", "solver", "lines", "sources", "loads", "links", "probes", "measures"}
 STEPS = 20  # in the shortest delay
 LETTERS = {"resistance": "R", "inductance": "L", "capacitance": "C"}
 
@@ -30,7 +30,7 @@ def spice_text(scene: Scene, rise: float | None = None, step: float | None = Non
     ----------
     scene : Scene
         Electrical; lines without losses or with a resistance, open, matched or shorted ends, R, L and C at
-        nodes and between them, linear multiports, probes at nodes.
+        nodes and between them, linear multiports, probes at nodes; measures are left out.
     rise : float, optional
         Time that a jump takes in the netlist, s; without it jumps are refused, for SPICE has none.
     step : float, optional

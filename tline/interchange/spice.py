@@ -11,8 +11,9 @@ from tline.interchange.elements import merge_shorts, take
 from tline.interchange.findings import Findings
 from tline.interchange.netlist import REFERENCE, Netlist
 from tline.interchange.spice_commands import SHOWN, nodes_shown, skip, transient, values_at_begin
+from tline.interchange.spice_measure import MEASURE, measures, nodes_measured
 from tline.interchange.spice_source import Transient
-from tline.interchange.spice_step import note_step
+from tline.interchange.spice_step import STEP, note_steps, with_first_values
 from tline.interchange.subcircuits import opened
 from tline.interchange.tidy import connected, folded, with_open_ends, without_idle_capacitors
 from tline.scene.file import scene_from
@@ -30,7 +31,7 @@ def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
     I sources, E, F, G, H and K two-ports, U resistors and capacitors. R between a source and one other element is its
     resistance. ``.tran`` says the end time, and the state at its begin: that of rest with UIC or where all sources are
     zero, else the steady state. The nodes of ``.print``, ``.plot``, ``.save`` and ``.probe`` are probes; without these
-    all ends of lines are. Files are included from the netlist's own folder only.
+    all ends of lines are. ``.measure`` becomes a measure. Files are included from the netlist's own folder only.
 
     Parameters
     ----------
@@ -58,40 +59,42 @@ def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
     """
     found = Findings()
     deck = read_deck(path, found)
-    cards = opened(deck.cards, found)
+    cards = with_first_values(deck.cards)
+    table, net = _read(cards, deck.title, Path(path), found)
+    scene = _scene(table, net)
+    file = Path(path).stem + ".toml"
+    note_steps(cards, found, file, lambda changed: _read(changed, deck.title, Path(path), Findings())[0])
+    return scene, tuple(found.notes)
+
+
+def _read(raw: list[Card], title: str, path: Path, found: Findings) -> tuple[dict[str, Any], Netlist]:
+    """The scene's tables, and the netlist that they are from."""
+    cards = opened(raw, found)
     commands = {name: [card for card in cards if card.name.lower() == name] for name in (".tran", ".model", ".ic")}
     tran = transient(commands[".tran"], str(path), found)
     models = {card.words[0].lower(): card for card in commands[".model"] if card.words}
-    net = Netlist(found, tran or ANY, models, Path(path).parent)
+    net = Netlist(found, tran or ANY, models, path.parent)
     shown = []
     for card in cards:
         name = card.name.lower()
         if name in SHOWN:
             shown += nodes_shown(card, found)
-        elif card.kind == "." and name not in (*commands, ".step"):
+        elif card.kind == "." and name not in (*commands, *MEASURE, STEP):
             with found.gathered():
                 skip(card, found, any(each.kind == "D" for each in cards))
     _take(net, [card for card in cards if card.kind != "."], commands[".ic"])
     found.check()
     dropped = connected(net) if net.tables["lines"] else set()
-    table = {
-        "title": deck.title,
-        "medium": "electrical",
-        "t_end": net.tran.end,
-        "start": _start(net, commands[".tran"]),
-    }
+    table = {"title": title, "medium": "electrical", "t_end": net.tran.end, "start": _start(net, commands[".tran"])}
+    table["measures"] = measures((card for card in cards if card.name.lower() in MEASURE), net)
     with found.gathered():
-        table["probes"] = _probes(net, shown, dropped)
+        table["probes"] = _probes(net, shown, nodes_measured(table["measures"]), dropped)
     found.check()
     _add_unused_line(net, str(path))
     folded(net, {probe["at"] for probe in table["probes"].values()})
     without_idle_capacitors(net)
     with_open_ends(net)
-    for card in cards:
-        if card.name.lower() == ".step":
-            note_step(card, deck.cards, net, Path(path).stem + ".toml")
-    table |= {section: tables for section, tables in net.tables.items() if tables}
-    return _scene(table, net), tuple(found.notes)
+    return {key: value for key, value in (table | net.tables).items() if value != {}}, net
 
 
 def _take(net: Netlist, elements: list[Card], begin: list[Card]) -> None:
@@ -145,7 +148,9 @@ def _start(net: Netlist, runs: list[Card]) -> str:
 TWO_PORTS = ("transformer", "gyrator", "controlled source", "coupled inductors")
 
 
-def _probes(net: Netlist, shown: list[tuple[Card, str]], dropped: set[str]) -> dict[str, dict[str, Any]]:
+def _probes(
+    net: Netlist, shown: list[tuple[Card, str]], measured: list[str], dropped: set[str]
+) -> dict[str, dict[str, Any]]:
     """Probes at the nodes that are asked for, or at all ends of lines; where lines meet, on the first of them."""
     ends: dict[str, str] = {}
     for name, line in net.tables["lines"].items():
@@ -162,7 +167,7 @@ def _probes(net: Netlist, shown: list[tuple[Card, str]], dropped: set[str]) -> d
         else:
             net.found.mistakes.append(card.refuse("no such node", nearest(name, sorted(known)), f"'{name:.40}'"))
     nodes = nodes or list(ends) or [node for node in known if node != REFERENCE and "." not in node]
-    return {node: {"at": node} | ({"line": ends[node]} if node in ends else {}) for node in nodes}
+    return {node: {"at": node} | ({"line": ends[node]} if node in ends else {}) for node in [*nodes, *measured]}
 
 
 def _scene(table: dict[str, Any], net: Netlist) -> Scene:

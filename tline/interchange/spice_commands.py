@@ -16,7 +16,6 @@ FORMS = re.compile(r"\w+\s*=\s*\S+|\b(?:tran|dc|ac|all|xlimit\s+\S+\s+\S+|ylimit
 HARMLESS = {
     ".options": "", ".option": "", ".opt": "", ".width": "", ".op": "", ".title": "", ".backanno": "", ".list": "",
     ".status": "", ".stat": "", ".nodeset": "a guess of the steady state, which is found without", ".preprocess": "",
-    ".meas": "read it off the result", ".measure": "read it off the result",
     ".data": "make a run for each value", ".sens": "", ".four": "",
     ".dc": "another analysis", ".ac": "another analysis: tline frequency", ".noise": "another analysis", ".tf": "",
     ".hb": "another analysis", ".pz": "another analysis", ".disto": "another analysis", ".lin": "another analysis",

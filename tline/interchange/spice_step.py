@@ -1,57 +1,120 @@
-"""The sweep that a .step of a SPICE netlist stands for, where it varies the value of one element."""
+"""The sweep that the .step cards of a SPICE netlist stand for, where each varies one value of the scene."""
 
-from collections.abc import Iterable
-from math import floor
+import re
+from collections.abc import Callable, Iterator
+from math import floor, log
 from shlex import quote
+from typing import Any, NamedTuple
 
 from tline.errors import InputError
 from tline.interchange.deck import Card
-from tline.interchange.elements import KINDS
-from tline.interchange.netlist import Netlist
+from tline.interchange.findings import Findings
 from tline.interchange.subcircuits import PARAMETERS
 
-MOST_VALUES = 100_000
+STEP, MOST_VALUES = ".step", 100_000
+RATIOS = {"dec": 10.0, "oct": 2.0}
+BARE = re.compile(r"[\w-]+", re.ASCII)  # a key that needs no quotes
+Tables = dict[str, Any]
 
 
-def note_step(step: Card, cards: Iterable[Card], net: Netlist, path: str) -> None:
-    """Note the command of the sweep that a .step asks for, or that there is none."""
-    words = [word for word in step.words if word.lower() != "lin"]
+class Step(NamedTuple):
+    """What one .step varies, the values as `tline sweep` takes them, and two of them."""
+
+    name: str
+    values: str
+    samples: tuple[str, str]
+
+
+def with_first_values(cards: list[Card]) -> list[Card]:
+    """The cards, and the first value of each parameter that is stepped and defined nowhere."""
+    defined = {name for card in cards for name in _defined(card)}
+    steps = [(card, step) for card in cards if (step := _step(card)) and "param" in map(str.lower, card.words[:2])]
+    missing = {step.name: card._replace(name=".param", words=[step.name, "=", step.samples[0]]) for card, step in steps}
+    return [*cards, *(card for name, card in missing.items() if name not in defined)]
+
+
+def note_steps(cards: list[Card], found: Findings, file: str, tables: Callable[[list[Card]], Tables]) -> None:
+    """Note the command of the sweep that all .step cards ask for together, or that there is none.
+
+    Parameters
+    ----------
+    cards : list of Card
+        Of the whole netlist.
+    found : Findings
+        Where notes go.
+    file : str
+        The scene's, for the command.
+    tables : callable
+        The scene's tables by the cards.
+    """
+    varied = []
+    for card in cards:
+        if card.name.lower() != STEP:
+            continue
+        step = _step(card)
+        path = _path(cards, step, tables) if step else ""
+        if step and path:
+            varied.append((card, f"--vary {quote(f'{path}={step.values}')}"))
+        else:
+            found.note(card.where, "skipped: make a run for each value")
+    if varied:
+        command = " ".join(["tline sweep", quote(file), *(option for _, option in varied)])
+        found.note(varied[0][0].where, f"skipped: {command}")
+
+
+def _step(card: Card) -> Step | None:
+    """What a card varies; nothing where it is no .step, or its values are in no order that a sweep has."""
+    words = [word for word in card.words if word.lower() not in ("lin", "param")] if card.name.lower() == STEP else []
+    ratio = RATIOS.get(words[0].lower()) if words else None
+    name, *given = words[1:] if ratio else words or [""]
     try:
-        values = _values(step, words[2:]) if words[:1] and words[0].lower() == "param" else ""
-    except InputError:
-        values = ""
-    varied = _varied(words[1].lower(), step, cards, net) if values else ""
-    advice = (
-        f"tline sweep {quote(path)} --vary {quote(f'{varied}={values}')}" if varied else "make a run for each value"
-    )
-    net.found.note(step.where, f"skipped: {advice}")
-
-
-def _values(step: Card, words: list[str]) -> str:
-    """The values as `tline sweep` takes them; none where they are not a list or evenly spaced."""
-    if words[:1] and words[0].lower() == "list":
-        return ", ".join(repr(step.value(word)) for word in words[1:])
-    if len(words) != 3:
-        return ""
-    first, last, by = map(step.value, words)
-    steps = (last - first) / by + 1e-9 if by else 0.0
+        if given[:1] and given[0].lower() == "list":
+            values = [repr(card.value(word)) for word in given[1:]]
+            return Step(name.lower(), ", ".join(values), (values[0], values[-1])) if len(values) > 1 else None
+        first, last, by = map(card.value, given)
+        steps = (log(last / first, ratio) if ratio else (last - first)) * (by if ratio else 1 / by) + 1e-9
+    except (InputError, ValueError, ArithmeticError):
+        return None
     if not 1 <= steps < MOST_VALUES:  # nor if it is no number
+        return None
+    count = floor(steps)
+    end = first * ratio ** (count / by) if ratio else first + count * by
+    return Step(name.lower(), f"{first!r}:{end!r}:{count + 1}{':log' * bool(ratio)}", (repr(first), repr(end)))
+
+
+def _path(cards: list[Card], step: Step, tables: Callable[[list[Card]], Tables]) -> str:
+    """Where the scene has the value, nowhere else and as it is; empty if there is no such place."""
+    try:
+        first, second = (tables([_with(card, step.name, value) for card in cards]) for value in step.samples)
+    except InputError:
         return ""
-    return f"{first!r}:{first + floor(steps) * by!r}:{floor(steps) + 1}"
-
-
-def _varied(name: str, step: Card, cards: Iterable[Card], net: Netlist) -> str:
-    """Where the scene has the parameter: as the whole value of one R, L or C, and nowhere else."""
-    using = [card for card in cards if name in card.text.lower() and card.where != step.where]
-    using = [card for card in using if not _defines(card, name)]
-    if len(using) != 1 or using[0].kind not in KINDS or [w.strip("{}'").lower() for w in using[0].words[2:]] != [name]:
+    found = list(_differences(first, second, ()))
+    wanted = tuple(map(float, step.samples))
+    if len(found) != 1 or found[0][1:] != wanted:
         return ""
-    card, (kind, key) = using[0], KINDS[using[0].kind]
-    sections = [s for s in ("loads", "links") if net.tables.get(s, {}).get(card.name, {}).get("kind") == kind]
-    return f"{sections[0]}.{card.name}.{key}" if sections and "." not in card.name else ""
+    return ".".join(key if BARE.fullmatch(key) else f'"{key}"' for key in found[0][0])
 
 
-def _defines(card: Card, name: str) -> bool:
-    """Whether a card gives the parameter its value, and does nothing else."""
-    alone = card.words.count("=") == 1 and card.words[0].lower() == name
-    return alone and card.name.lower() in PARAMETERS
+def _with(card: Card, name: str, value: str) -> Card:
+    """The card with a value in place of what it gives the parameter, or the element of that name."""
+    if name in _defined(card):
+        words = list(card.words)
+        words[[word.lower() for word in words].index(name) + 2] = value
+        return card._replace(words=words)
+    if card.name.lower() == name and card.kind in "RLCVI" and len(card.words) == 3:
+        return card._replace(words=[*card.words[:2], value])
+    return card
+
+
+def _defined(card: Card) -> list[str]:
+    """The parameters that a card gives values."""
+    return [word.lower() for word in card.words[::3]] if card.name.lower() in PARAMETERS else []
+
+
+def _differences(first: Any, second: Any, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Any, Any]]:
+    """Paths in tables of tables at which two differ, and what they have there."""
+    if isinstance(first, dict) and isinstance(second, dict) and first.keys() == second.keys():
+        for key in first:
+            yield from _differences(first[key], second[key], (*path, key))
+    elif first != second:
+        yield path, first, second

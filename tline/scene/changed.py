@@ -16,7 +16,7 @@ from tline.scene.scene import Scene
 from tline.scene.user_defined import user_elements
 from tline.wording import nearest, shown
 
-SECTIONS = "lines", "sources", "loads", "links", "probes", "nodes"
+SECTIONS = "lines", "sources", "loads", "links", "probes", "measures", "nodes"
 SINGLE = 2  # parts of the path of an element
 DERIVED = "heights", "single_lines"  # what a scene has found of itself
 

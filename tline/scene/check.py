@@ -137,6 +137,11 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
             yield from _probe(scene, place("probes", name), probe, ends)
         elif probe.at in {die_of(own) for own in scene.loads}:
             yield InputError(place("probes", name, "at"), "no package parts this die from its pin", "the pin's node")
+    for name, measure in scene.measures.items():
+        for key, probe in measure.probes:
+            if probe not in scene.probes:
+                known = nearest(probe, [*scene.probes])
+                yield InputError(place("measures", name, *key.split(".")), "no such probe", known, shown(probe))
 
 
 def _slab(scene: Scene) -> Iterator[InputError]:

@@ -12,14 +12,14 @@ if TYPE_CHECKING:
     from tline.scene.scene import Scene
 
 WIDTH = 100  # letters of a line of text
-SECTIONS = "lines", "sources", "loads", "links", "probes"
+SECTIONS = "lines", "sources", "loads", "links", "probes", "measures"
 
 
 def as_text(scene: Scene) -> str:
     """A scene in at most six lines: what it is, and the names of its elements."""
     title = f" {scene.title!r}" if scene.title else ""
     head = f"<Scene{title}: {scene.medium}, {engineering(float(scene.t_end), 's')}"
-    rows = [f"  {section:8}{_names([*getattr(scene, section)])}" for section in SECTIONS if getattr(scene, section)]
+    rows = [f"  {section:9}{_names([*getattr(scene, section)])}" for section in SECTIONS if getattr(scene, section)]
     return "\n".join([head, *rows]) + ">"
 
 

@@ -10,8 +10,9 @@ from tline.wording import listed, nearest, place, shown
 
 UNKNOWN, MISSING = "unknown key", "is missing"
 WORDS = {"kind", "shape"}  # keys that tell apart what may stand in one place
-MODELS: dict[tuple[str, str], type[BaseModel]] = {}  # (links or else "", such a value) -> what it chooses
-WORD_AT = {"loads": 2, "links": 2, "sources": 3, "value": 1}  # where in the validator's locations that value stands
+MODELS: dict[tuple[str, str], type[BaseModel]] = {}  # (links, measures or else "", such a value) -> what it chooses
+# where in the validator's locations such a value stands
+WORD_AT = {"loads": 2, "links": 2, "measures": 2, "sources": 3, "value": 1}
 MOST = 100  # sentences; who makes more mistakes than that reads no further
 _WRONG_TYPES = {
     "string_type": ("not a text", "text in quotes"),
@@ -65,7 +66,7 @@ def _sentence(
     location, got, context = finding["loc"], shown(finding["input"]), finding.get("ctx", {})
     word_at = WORD_AT.get(str(location[0])) if location else None
     word = location[word_at] if word_at is not None and len(location) > word_at else None
-    section = "links" if location and location[0] == "links" else ""
+    section = location[0] if location and location[0] in ("links", "measures") else ""
     chosen = MODELS.get((section, word)) if isinstance(word, str) else None
     parts = [part for k, part in enumerate(location) if not (chosen and k == word_at) and part != "[key]"]
     where = place(*within, *parts)

@@ -34,6 +34,7 @@ from tline.scene.law import FACTORS, ElementLaw, NonLinear
 from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.link import Link
 from tline.scene.load import Load
+from tline.scene.measure import Measure
 from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import MOST, limited, mistakes
@@ -98,7 +99,7 @@ class Scene(Element):
         "hydraulic" or "electrical".
     t_end : number or text
         End time, s; a run goes on to the end of its last slab.
-    lines, sources, loads, links, probes : dict
+    lines, sources, loads, links, probes, measures : dict
         Elements by name. Lines meet at the nodes they name, in any topology; a node with nothing else is closed. Nodes
         that only links, loads and sources name are part of the circuits between lines.
     nodes : dict
@@ -145,6 +146,7 @@ class Scene(Element):
     loads: dict[Name, Load] = Field(default_factory=dict, description="loads by name")
     links: dict[Name, Link] = Field(default_factory=dict, description="what stands between nodes, by name")
     probes: dict[Name, Probe] = Field(description="probes by name")
+    measures: dict[Name, Measure] = Field(default_factory=dict, description="numbers read off probes, by name")
     nodes: dict[Name, Site] = Field(default_factory=dict, description="height and place of nodes, by name")
     rating: Effort | None = Field(default=None, description="largest pressure or voltage that all lines are made for")
 
@@ -382,7 +384,7 @@ def _sound_part(data: dict[str, Any], error: ValidationError, context: dict[str,
     if "units" not in context or keys & {"lines", "medium"}:
         return None
     part = {"t_end": SHORT, "probes": {}} | {key: value for key, value in data.items() if key not in keys}
-    for section in keys & {"sources", "loads", "links", "probes", "nodes"}:
+    for section in keys & {"sources", "loads", "links", "probes", "measures", "nodes"}:
         tables = data.get(section)
         if isinstance(tables, dict):
             part[section] = {name: table for name, table in tables.items() if (section, name) not in bad}

@@ -85,7 +85,7 @@ def crosstalk(scene: Scene, line: str | None = None, *, tol: float | None = None
     name = _line(scene, line)
     ends: tuple[tuple[str, ...], tuple[str, ...]] = scene.lines[name].nodes1, scene.lines[name].nodes2  # pyright: ignore[reportAttributeAccessIssue]
     nodes = (*ends[0], *ends[1])
-    table = scene.table() | {"probes": {node: {"at": node, "line": name} for node in nodes}}
+    table = scene.table() | {"probes": {node: {"at": node, "line": name} for node in nodes}, "measures": {}}
     probes = {
         node: curve(each)
         for node, each in simulate(scene.with_changes(**table), tol=tol, progress=progress).probes.items()

@@ -142,7 +142,7 @@ def eye(
             raise InputError("rise", f"'{driver}' has edges of its own", "none")
         table["loads"][driver] |= {"bits": 2 * "".join("1" if bit else "0" for bit in pattern), "bit": T, "begin": 0.0}
     start = "rest" if driver is None else scene.start
-    table |= {"t_end": 2 * len(pattern) * T, "start": start, "probes": {probe: table["probes"][probe]}}
+    table |= {"t_end": 2 * len(pattern) * T, "start": start, "probes": {probe: table["probes"][probe]}, "measures": {}}
     seen = simulate(scene.with_changes(**table), tol=tol, progress=progress).probes[probe]
     t = T * (len(pattern) + np.arange(len(pattern) * FINE) / FINE)
     return _measured(pattern, T, seen.at(t).u.reshape(-1, FINE))

@@ -107,7 +107,7 @@ def reflectometry(
     ramp = {"shape": "ramp", "to": 2, "duration": duration}
     sources["instrument"] = {"at": node, "kind": effort, "value": ramp, "resistance": resistance}
     line = next(name for name, line in scene.lines.items() if node in line.nodes)
-    table |= {"sources": sources, "probes": {"node": {"at": node, "line": line}}, "start": "rest"}
+    table |= {"sources": sources, "probes": {"node": {"at": node, "line": line}}, "measures": {}, "start": "rest"}
     table |= {} if t_end is None else {"t_end": _above_zero(t_end, "s", "t_end")}
     seen = curve(simulate(scene.with_changes(**table), tol=tol, progress=progress).probes["node"])
     incident = np.clip(seen.t / duration, 0.0, 1.0)

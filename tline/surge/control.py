@@ -104,7 +104,7 @@ def triggered(
             raise InputError("--when", "no such node", nearest(control.node, sorted(nodes)), f"'{control.node}'")
     while waiting:
         probes = {control.node: {"at": control.node} for control in waiting}
-        result = run(build(done).with_changes(probes=probes))
+        result = run(build(done).with_changes(probes=probes, measures={}))
         instants = [_instant(control, result.probes[control.node], since) for control in waiting]
         first = int(np.argmin(instants))
         if instants[first] == np.inf:

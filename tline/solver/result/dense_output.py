@@ -1,5 +1,6 @@
 """The waves between slab ends: fit to be drawn, and to be searched for extremes."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -156,28 +157,46 @@ def extremes(probe: ProbeResult, letter: str) -> tuple[tuple[float, float], tupl
         What of it.
     """
     seen, shown = curve(probe, PLACES), replace(probe, record=drawable(probe.record))
-    values = getattr(seen, letter)
     unit = {"y": probe.record.z0, "head": probe.height.per_metre}.get(letter, 1.0)
     noise = NOISE * max(abs(seen.a).max(), abs(seen.b).max()) / unit
-    low, high = (_highest(shown, letter, seen.t, values, sign, noise) for sign in (-1, 1))
+    width = float(shown.slab_ends[1]) / max(DENSE // (len(shown.slab_ends) - 1), PLACES)
+    low, high = (
+        highest(lambda t: getattr(shown.at(t), letter), seen.t, getattr(seen, letter), sign, noise, width)
+        for sign in (-1, 1)
+    )
     return low, high
 
 
-def _highest(
-    shown: ProbeResult, letter: str, t: NDArray, values: NDArray, sign: int, noise: float
+def highest(
+    at: Callable[[NDArray], NDArray], t: NDArray, values: NDArray, sign: int, noise: float, width: float
 ) -> tuple[float, float]:
-    rising, span = sign * values, float(shown.slab_ends[1])
+    """The largest value (sign 1) or the smallest (sign -1) of a signal that is known at samples, and when.
+
+    Parameters
+    ----------
+    at : callable
+        The signal at any instants between the first and the last sample.
+    t, values : ndarray
+        Samples, several in a slab.
+    sign : int
+        1 or -1.
+    noise : float
+        What a value found between samples must exceed theirs by.
+    width : float
+        Time between samples, s.
+    """
+    rising = sign * values
     fall = 2 * rising[1:-1] - rising[2:] - rising[:-2]
     top = (rising[1:-1] >= rising[2:]) & (rising[1:-1] >= rising[:-2]) & (fall > 0)
     gain = np.zeros(len(rising))
     gain[1:-1][top] = (rising[2:] - rising[:-2])[top] ** 2 / (8 * fall[top])
     few = min(CANDIDATES, len(t))
-    at = np.unique(np.concatenate([np.argpartition(-each, few - 1)[:few] for each in (rising, rising + gain)]))
-    found, width = t[at], span / max(DENSE // (len(shown.slab_ends) - 1), PLACES)
-    around, heights = np.linspace(-1.0, 1.0, AROUND), rising[at]
+    best = np.unique(np.concatenate([np.argpartition(-each, few - 1)[:few] for each in (rising, rising + gain)]))
+    found, heights = t[best], rising[best]
+    around = np.linspace(-1.0, 1.0, AROUND)
     for _ in range(ZOOMS):
-        near = np.clip(found[:, None] + width * around, 0.0, shown.slab_ends[-1])
-        height = sign * getattr(shown.at(near.ravel()), letter).reshape(near.shape)
+        near = np.clip(found[:, None] + width * around, t[0], t[-1])
+        height = sign * at(near.ravel()).reshape(near.shape)
         best = height.argmax(axis=1)[:, None]
         found, heights = (np.take_along_axis(each, best, 1)[:, 0] for each in (near, height))
         width *= 4 / AROUND

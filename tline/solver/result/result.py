@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,9 @@ from tline.solver.result.envelope import Envelope
 from tline.solver.result.export import Export
 from tline.solver.result.superconvergence import superconvergent
 from tline.wording import place
+
+if TYPE_CHECKING:
+    from tline.solver.result.measures import Measured
 
 NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
 ROUNDINGS = 1e-14  # of an instant; a front may be told so near to where it is
@@ -319,6 +322,13 @@ class Result(Display, Export):
     def ledger(self) -> Ledger | None:
         """Energy by element, accounted for when it is first read; None if that was not wanted or takes long."""
         return self.accounts() if callable(self.accounts) else self.accounts
+
+    @cached_property
+    def measures(self) -> "Mapping[str, Measured]":
+        """Value and unit of each measure of the scene by name; not a number where it does not happen."""
+        from tline.solver.result.measures import measures_of
+
+        return measures_of(self)
 
     @cached_property
     def remarks(self) -> tuple[str, ...]:

@@ -1,0 +1,95 @@
+"""Measures: numbers that a run reads off what its probes saw."""
+
+from collections.abc import Iterator
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from tline.errors import InputError
+from tline.scene.choice import OneOf
+from tline.scene.element import Element, Name
+from tline.scene.quantity import Delay, Duration, Quantity, Role, Whole
+
+Level = Annotated[Quantity, Role("effort")]
+START = Quantity(0, "s")
+
+
+class Signal(Element):
+    """Effort at a probe, or its difference from that at another one."""
+
+    section: ClassVar[str] = "measures"
+    probe: Name = Field(description="probe whose effort counts: voltage, or gauge pressure")
+    minus: Name | None = Field(default=None, description="another probe, whose effort is subtracted")
+
+    @property
+    def probes(self) -> Iterator[tuple[str, str]]:
+        """Keys and names of the probes that it reads."""
+        return ((key, name) for key, name in (("probe", self.probe), ("minus", self.minus)) if name is not None)
+
+
+class Crossing(Signal):
+    """The instant at which a signal crosses a level."""
+
+    level: Level = Field(description="that is crossed")
+    edge: Literal["rise", "fall", "any"] = Field(default="any", description="crossings that count")
+    count: Annotated[int, Whole(0)] = Field(default=1, description="which of them, from 1 on; 0 is the last")
+    after: Delay = Field(default=START, description="crossings before this instant do not count")
+
+
+class Extent(Signal):
+    """A number of a signal over the run or a part of it."""
+
+    kind: Literal["maximum", "minimum", "peak to peak", "mean", "rms", "integral"]
+    start: Delay = Field(default=START, description="begin of the part")
+    stop: Duration | None = Field(default=None, description="end of the part; that of the run if not given")
+
+    @model_validator(mode="after")
+    def _ascends(self):
+        if self.stop is not None and self.stop <= self.start:
+            raise InputError("stop", "not after the start", f"more than {self.start:g} s", f"{self.stop:g} s")
+        return self
+
+
+class Instant(Crossing):
+    """The instant at which a signal crosses a level."""
+
+    kind: Literal["crossing"] = "crossing"
+
+
+class Interval(Element):
+    """Time from one crossing to another."""
+
+    section: ClassVar[str] = "measures"
+    kind: Literal["delay"] = "delay"
+    start: Crossing = Field(description="the first crossing: keys of a crossing, without kind")
+    stop: Crossing = Field(description="the second one")
+
+    @property
+    def probes(self) -> Iterator[tuple[str, str]]:
+        """Keys and names of the probes that it reads."""
+        for end in ("start", "stop"):
+            yield from ((f"{end}.{key}", name) for key, name in getattr(self, end).probes)
+
+
+class Value(Signal):
+    """A signal at an instant, or when one crosses a level."""
+
+    kind: Literal["value"] = "value"
+    at: Delay | None = Field(default=None, description="instant")
+    when: Crossing | None = Field(default=None, description="instead of it: keys of a crossing, without kind")
+
+    @model_validator(mode="after")
+    def _once(self):
+        if (self.at is None) == (self.when is None):
+            raise InputError("at", "the instant is not given once", "at or when")
+        return self
+
+    @property
+    def probes(self) -> Iterator[tuple[str, str]]:
+        """Keys and names of the probes that it reads."""
+        yield from super().probes
+        yield from ((f"when.{key}", name) for key, name in (self.when.probes if self.when else ()))
+
+
+_Any = Extent | Instant | Interval | Value
+Measure = Annotated[_Any, OneOf(_Any, "kind")]
