@@ -16,6 +16,8 @@ from tline.solver.prepared import Prepared as Prepared
 from tline.solver.prepared import prepare as prepare
 from tline.solver.result.result import Result as Result
 from tline.solver.simulate import simulate as simulate
+from tline.surge.operation import Operation as Operation
+from tline.surge.operation import operate as operate
 from tline.sweeps import InterruptedWarning as InterruptedWarning
 from tline.sweeps import Sweep as Sweep
 from tline.sweeps import sweep as sweep

@@ -58,7 +58,7 @@ def test_what_is_never_reached_and_what_holds_at_the_start():
 
 
 def test_names_are_looked_up_before_anything_runs():
-    for text, said in (("c > 1 bar: close v", "--when: no such node"), ("b > 1 bar: close w", "--close: not a valve")):
+    for text, said in (("c > 1 bar: close v", "when: no such node"), ("b > 1 bar: close w", "close: not a valve")):
         with pytest.raises(InputError, match=said):
             triggered([read_control(text)], [], lambda done: operated(scene(), done)[0], simulate)
 
@@ -70,5 +70,5 @@ def test_a_level_counts_metres_of_water():
 
 @pytest.mark.parametrize("text", ["tower: close V1", "tower>5 bar close V1", "tower>5 bar: explode V1", ""])
 def test_what_is_no_control(text):
-    with pytest.raises(InputError, match="--when: not a control"):
+    with pytest.raises(InputError, match="when: not a control"):
         read_control(text)

@@ -155,11 +155,11 @@ def test_a_pump_that_trips_has_a_usual_inertia_unless_it_is_given():
 @pytest.mark.parametrize(
     ("event", "said"),
     [
-        (Event("trip", "p1", 1), "--trip: not a pump, expected a scene that has one, got 'p1'"),
-        (Event("close", "p3", 1), "--close: not a valve, or a pipe, expected one of 'p1', 'p2', got 'p3'"),
-        (Event("burst", "d", 1, 0, 0.1), "--burst: no such node, expected one of"),
-        (Event("demand", "c", 1, 0, -0.1), "--demand: node 'c' draws less, expected at least 100 L/s, got 10 L/s"),
-        (Event("demand", "b", 1, 0, -0.1), "--demand: node 'b' draws less, expected at least 100 L/s, got 0 L/s"),
+        (Event("trip", "p1", 1), "trip: not a pump, expected a scene that has one, got 'p1'"),
+        (Event("close", "p3", 1), "close: not a valve, or a pipe, expected one of 'p1', 'p2', got 'p3'"),
+        (Event("burst", "d", 1, 0, 0.1), "burst: no such node, expected one of"),
+        (Event("demand", "c", 1, 0, -0.1), "demand: node 'c' draws less, expected at least 100 L/s, got 10 L/s"),
+        (Event("demand", "b", 1, 0, -0.1), "demand: node 'b' draws less, expected at least 100 L/s, got 0 L/s"),
     ],
 )
 def test_what_cannot_be_operated(event, said):

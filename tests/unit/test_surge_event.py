@@ -22,9 +22,9 @@ def test_a_course_follows_its_file(tmp_path):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("V1@1s:20%+8s", "--close: no second stage, expected such as V1@1s"),
-        ("V1@1s+2s:120%+8s", "--close: a stage out of range"),
-        ("V1@1s:nowhere.csv", "--close: 'nowhere.csv' cannot be read"),
+        ("V1@1s:20%+8s", "close: no second stage, expected such as V1@1s"),
+        ("V1@1s+2s:120%+8s", "close: a stage out of range"),
+        ("V1@1s:nowhere.csv", "close: 'nowhere.csv' cannot be read"),
         ("V1@1s+2s:x.csv", "cannot be read"),
     ],
 )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tline.cli.aligned import aligned
+from tline.aligned import aligned
 from tline.errors import InputError
 
 if TYPE_CHECKING:

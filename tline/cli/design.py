@@ -150,7 +150,7 @@ def _write(found: "Sizing", files: dict[str, str | None]) -> None:
 
 
 def _text(found: "Sizing") -> list[str]:
-    from tline.cli.aligned import aligned
+    from tline.aligned import aligned
 
     limits, trial = found.limits, found.found
     per, unit = (BAR, "bar") if limits.per_metre is None else (limits.per_metre, "m")

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from tline.cli.aligned import aligned
+from tline.aligned import aligned
 from tline.pictures.handy import handy
 from tline.solver.ledger.ledger import COLUMNS, TOLERANCE, Entry, Ledger
 

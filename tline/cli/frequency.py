@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tline.cli.aligned import aligned
+from tline.aligned import aligned
 from tline.cli.options import confined_option
 from tline.errors import InputError
 from tline.scene.medium import MEDIA

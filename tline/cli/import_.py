@@ -34,9 +34,8 @@ def import_(
     from tline.solver.result.atomic import replacing
 
     with options_named({"hour": "--at-hour", "wave_speed": "--wave-speed", "material": "--material"}):
-        hour = None if at_hour is None else hours(at_hour)
         scene, notes = read_foreign(
-            Path(file), wave_speed=wave_speed, material=material, hour=hour, moving_tanks=moving_tanks or None
+            Path(file), wave_speed=wave_speed, material=material, hour=hours(at_hour), moving_tanks=moving_tanks or None
         )
     text = scene_text(scene)
     for note in notes:

@@ -55,8 +55,8 @@ def check_readable(file: str) -> None:
         raise InputError(file, "cannot be read", got=reason or "no file") from None
 
 
-def hours(text: str | None) -> float:
-    """Hours that an option `--at-hour` says, 0 without one.
+def hours(text: str | None) -> float | None:
+    """Hours that an option `--at-hour` says, if it is given.
 
     Raises
     ------
@@ -64,11 +64,11 @@ def hours(text: str | None) -> float:
         It is no number.
     """
     if text is None:
-        return 0.0
+        return None
     try:
         return float(text)
     except ValueError:
-        raise InputError("--at-hour", "not a number of hours", "such as 17 or 17.5", text or "") from None
+        raise InputError("--at-hour", "not a number of hours", "such as 17 or 17.5", text) from None
 
 
 def tolerance(text: str) -> float:

@@ -7,7 +7,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from tline.cli.aligned import aligned
+from tline.aligned import aligned
 from tline.cli.energies import ledger_as_dict
 from tline.cli.measured import model_as_dict, model_in_words, network_as_dict, network_in_words
 from tline.pictures.handy import handy, quantities

@@ -2,8 +2,6 @@
 
 import json
 import sys
-import warnings
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -16,7 +14,6 @@ if TYPE_CHECKING:
     from tline.scene.scene import Scene
     from tline.solver.result.accuracy import Accuracy
     from tline.solver.result.result import Result
-    from tline.surge.event import Event
 
 EXAMPLES = """\b
 Examples:
@@ -26,7 +23,13 @@ Examples:
 """
 OPERATIONS = ("trip", "stop", "close", "open", "burst", "demand")
 SUFFIXES = {"save": (".toml",), "map": PICTURE, "profile": PICTURE, "heads": PICTURE, "envelope": (".csv",)}
-SHOWN, USUAL_TOL = 5, "1e-2"  # nodes in tables; of a scene that states none
+READING = {key: f"--{key.replace('_', '-')}" for key in ("wave_speed", "material", "moving_tanks")}
+NAMED = {key: f"--{key}" for key in (*OPERATIONS, "when", "at", "inertia", "rating")} | {
+    "rated_speed": "--rated-speed",
+    "t_end": "--for",
+    "solver.order": "--order",
+    "solver.tol": "--tol",
+}
 
 
 @click.command("surge", epilog=EXAMPLES)
@@ -70,32 +73,27 @@ def surge(network: str, t_end: str, as_json: bool, path: str | None, places: str
     have units, and an operation without a duration is done at once.
     """
     from tline.cli.report import judgement
-    from tline.surge.control import read_control, triggered
-    from tline.surge.event import read_event
+    from tline.surge.operation import plan, read_network, run
 
-    files = {key: given[key] for key in SUFFIXES}
+    files = {key: given.pop(key) for key in SUFFIXES}
     check_files({f"--{key}": (file, SUFFIXES[key]) for key, file in files.items()})
-    events = [read_event(kind, text) for kind in OPERATIONS for text in given[kind]]
     if path is not None and files["profile"] is None:
         raise InputError("--path", "nothing shows it", "--profile beside it")
-    controls = [read_control(text) for text in given["when"]]
     check_readable(network)
-    scene, notes = _read(network, given)
-    if controls:
-        events, more = triggered(
-            controls,
-            events,
-            lambda done: _operated(scene, list(done), t_end, places, given)[0],
-            lambda each: _simulated(each, None, False),
-        )
-        notes = (*notes, *more)
-    scene, guesses = _operated(scene, events, t_end, places, given)
+    hour = hours(given.pop("at_hour"))
+    operations = {kind: given.pop(kind) for kind in OPERATIONS}
+    reading = {key: given.pop(key) for key in READING}
+    with options_named(READING | {"hour": "--at-hour"}):
+        scene, read = read_network(network, hour=hour, **reading)
+    at, progress = [place.strip() for place in places.split(",")] if places else (), sys.stderr.isatty()
+    with options_named(NAMED):
+        scene, guesses = plan(scene, operations, t_end=t_end, at=at, progress=progress, **given)
     if files["save"] is not None:
         _save(scene, files["save"])
     way = _route(scene, path) if files["profile"] is not None else None
-    result = _simulated(scene, way, files["map"] is not None)
+    result = run(scene, _shown(scene, way, files["map"] is not None), progress)
     accuracy = judgement(result)
-    for note in (*notes, *guesses, *result.notes):
+    for note in (*read, *guesses, *result.notes):
         click.echo(f"note: {note}", err=True)
     _print(result, accuracy, as_json)
     _draw(result, way, files)
@@ -104,58 +102,6 @@ def surge(network: str, t_end: str, as_json: bool, path: str | None, places: str
             click.echo(f"wrote {file}")
     if accuracy and accuracy.tol and accuracy.at_slab_ends > accuracy.tol:
         sys.exit(1)
-
-
-def _read(network: str, given: dict[str, Any]) -> tuple["Scene", tuple[str, ...]]:
-    suffix = Path(network).suffix.lower()
-    if suffix == ".inp":
-        from tline.interchange.water_scene import read_inp
-
-        with options_named({"hour": "--at-hour", "wave_speed": "--wave-speed"}):
-            more = {"hour": hours(given["at_hour"]), "moving_tanks": given["moving_tanks"]}
-            return read_inp(network, given["wave_speed"], material=given["material"], **more)
-    if suffix != ".toml":
-        raise InputError(network, "unknown kind of file", ".inp or .toml", suffix or "no suffix")
-    for option in ("wave_speed", "material", "at_hour", "moving_tanks"):
-        if given[option]:
-            raise InputError(f"--{option.replace('_', '-')}", "is for .inp files", "none", str(given[option]))
-    from tline.scene.file import read_scene
-
-    return read_scene(network), ()
-
-
-def _operated(
-    scene: "Scene", events: list["Event"], t_end: str, places: str | None, given: dict[str, Any]
-) -> tuple["Scene", list[str]]:
-    """The scene with all that is asked for, and notes."""
-    from tline.surge.operate import operated
-
-    with options_named({"inertia": "--inertia", "rated_speed": "--rated-speed"}):
-        changed, notes = operated(scene, events, inertia=given["inertia"], rated_speed=given["rated_speed"])
-    nodes = {node for line in changed.lines.values() for node in line.nodes}
-    wanted = [place.strip() for place in places.split(",")] if places else _at_events(changed, events)
-    for node in wanted:
-        if node not in nodes:
-            from tline.wording import nearest
-
-            raise InputError("--at", "no such node", nearest(node, sorted(nodes)), f"'{node}'")
-    solver = {"order": given["order"]} if given["order"] else {"tol": given["tol"] or USUAL_TOL}
-    more = {"t_end": t_end, "solver": solver} | ({"rating": given["rating"]} if given["rating"] else {})
-    probes = {node: {"at": node} for node in wanted} or changed.table()["probes"]
-    keys = ("t_end", "--for"), ("rating", "--rating"), ("solver.order", "--order"), ("solver.tol", "--tol")
-    with options_named(dict(keys)):
-        return changed.with_changes(probes=probes, **more), notes
-
-
-def _at_events(scene: "Scene", events: list["Event"]) -> list[str]:
-    """Nodes at which something is operated."""
-    found: list[str] = []
-    for event in events:
-        link = scene.links.get(event.name) or scene.links.get(f"{event.name}:gate")
-        load = scene.loads.get(event.name)
-        found += link.nodes if link else [load.at] if load else [event.name]
-    ends = {node for line in scene.lines.values() for node in line.nodes}
-    return [node for node in dict.fromkeys(found) if node in ends][:SHOWN]
 
 
 def _save(scene: "Scene", file: str) -> None:
@@ -173,14 +119,11 @@ def _route(scene: "Scene", path: str | None) -> "Route":
         return route(scene, *(node.strip() for node in path.split(","))) if path else route(scene)
 
 
-def _simulated(scene: "Scene", way: "Route | None", mapped: bool) -> "Result":
+def _shown(scene: "Scene", way: "Route | None", mapped: bool) -> tuple[str, ...]:
+    """Lines of whose inside a picture is drawn."""
     from tline.pictures.surge import lines_to_map
-    from tline.solver.simulate import UnresolvedWarning, simulate
 
-    record = [*(way.lines if way else ()), *(lines_to_map(scene) if mapped else ())]
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UnresolvedWarning)  # said as notes
-        return simulate(scene, record=record, envelope=True, ledger=False, progress=sys.stderr.isatty())
+    return (*(way.lines if way else ()), *(lines_to_map(scene) if mapped else ()))
 
 
 def _draw(result: "Result", way: "Route | None", files: dict[str, str | None]) -> None:
@@ -205,7 +148,8 @@ def _draw(result: "Result", way: "Route | None", files: dict[str, str | None]) -
 
 
 def _print(result: "Result", accuracy: "Accuracy | None", as_json: bool) -> None:
-    from tline.cli.surge_report import as_dict, as_text
+    from tline.surge.operation import SHOWN
+    from tline.surge.report import as_dict, as_text
     from tline.surge.worst import worst
 
     found = worst(result, SHOWN)

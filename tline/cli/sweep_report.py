@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.cli.aligned import aligned
+from tline.aligned import aligned
 from tline.pictures.handy import handy
 from tline.scene.heights import words
 from tline.sweeps import Sweep

@@ -1,6 +1,7 @@
 """A scene from whatever file it is in: a scene in TOML, a SPICE netlist, a water network of EPANET."""
 
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ def read(
     wave_speed: float | str | None = None,
     material: str | None = None,
     hour: float | None = None,
+    moving_tanks: bool = False,
     progress: bool = False,
     confined: bool = False,
 ) -> Scene:
@@ -27,7 +29,7 @@ def read(
     ----------
     path : str or Path
         A scene in TOML; or a SPICE netlist (.cir, .ckt, .net, .sp, .spi) or a water network of EPANET (.inp).
-    wave_speed, material, hour
+    wave_speed, material, hour, moving_tanks
         Of an .inp file, as of `tline.interchange.read_inp`.
     progress : bool
         Show a progress bar on stderr if reading the lines of a TOML file takes more than two seconds.
@@ -48,9 +50,10 @@ def read(
     LeftOutWarning
         For each thing that is left out of a netlist or a water network, or taken otherwise.
     """
-    path, water = Path(path), {"wave_speed": wave_speed, "material": material, "hour": hour}
+    water = {"wave_speed": wave_speed, "material": material, "hour": hour, "moving_tanks": moving_tanks or None}
+    path = Path(path)
     if path.suffix.lower() not in (*SPICE, *EPANET):
-        _refuse(water)
+        refuse_water(water)
         return read_scene(path, progress, confined=confined)
     scene, notes = read_foreign(path, **water)
     for note in notes:
@@ -70,7 +73,7 @@ def read_foreign(path: Path, **water: Any) -> tuple[Scene, tuple[str, ...]]:
     if suffix not in (*SPICE, *EPANET):
         raise InputError(str(path), "unknown kind of file", " or ".join((*SPICE, *EPANET)), suffix or "no suffix")
     if suffix in SPICE:
-        _refuse(water)
+        refuse_water(water)
     try:
         check_ordinary(path)
     except (OSError, ValueError) as error:  # a ValueError for a name with a null character
@@ -91,8 +94,14 @@ def read_foreign(path: Path, **water: Any) -> tuple[Scene, tuple[str, ...]]:
     )
 
 
-def _refuse(water: dict[str, Any]) -> None:
-    """Refuse what only water networks take."""
-    for name, value in water.items():
+def refuse_water(given: Mapping[str, Any]) -> None:
+    """Refuse what only water networks take, where it is given.
+
+    Raises
+    ------
+    InputError
+        Of the first.
+    """
+    for name, value in given.items():
         if value is not None:
             raise InputError(name, "is for .inp files", "none", str(value))

@@ -61,14 +61,12 @@ def read_control(text: str) -> Control:
     """
     found = FORM.fullmatch(text.strip())
     if found is None or found["kind"] not in {*TURNED, "trip"}:
-        raise InputError("--when", "not a control", EXPECTED, f"'{text}'")
+        raise InputError("when", "not a control", EXPECTED, f"'{text}'")
     what, plus, takes = found["what"].partition("+")
     event = read_event(found["kind"], f"{what.strip()}@0s{plus}{takes.strip()}")
     value = found["value"].strip()
     level = re.fullmatch(r".*\d\s*m", value) is not None
-    pressure = (
-        float(Quantity(value, "m", "--when")) * WATER * GRAVITY if level else float(Quantity(value, "Pa", "--when"))
-    )
+    pressure = float(Quantity(value, "m", "when")) * WATER * GRAVITY if level else float(Quantity(value, "Pa", "when"))
     return Control(found["node"].strip(), pressure, found["sign"] == ">", event, text)
 
 
@@ -101,7 +99,7 @@ def triggered(
     nodes = {node for line in whole.lines.values() for node in line.nodes}
     for control in controls:
         if control.node not in nodes:
-            raise InputError("--when", "no such node", nearest(control.node, sorted(nodes)), f"'{control.node}'")
+            raise InputError("when", "no such node", nearest(control.node, sorted(nodes)), f"'{control.node}'")
     while waiting:
         probes = {control.node: {"at": control.node} for control in waiting}
         result = run(build(done).with_changes(probes=probes, measures={}))

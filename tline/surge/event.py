@@ -85,7 +85,7 @@ def read_event(kind: str, text: str) -> Event:
     >>> read_event("close", "V1@1s+2s:20%+8s").stage
     (0.2, 8.0)
     """
-    where, expected = f"--{kind}", OPERATIONS[kind]
+    where, expected = kind, OPERATIONS[kind]
     target, at, when = text.rpartition("@")
     name, flow = target.strip(), 0.0
     if kind in FLOWING:

@@ -165,7 +165,7 @@ class _Operated:
         pressure = max(self._gauge(event.name), LEAST)
         name = f"{event.name}:{event.kind}"
         if name in self.tables.setdefault("loads", {}):
-            raise InputError(f"--{event.kind}", "the scene has a load of that name", "another node", f"'{name}'")
+            raise InputError(event.kind, "the scene has a load of that name", "another node", f"'{name}'")
         self.tables["loads"][name] = {
             "at": event.name, "kind": "leak", "flow": flow, "pressure": pressure, "opening": event.control(0.0, 1.0),
         }  # fmt: skip
@@ -181,7 +181,7 @@ class _Operated:
         name = max(drawn, key=drawn.__getitem__, default="")
         if flow > drawn.get(name, 0.0) * (1 + ROUNDING):
             got = f"{1e3 * drawn.get(name, 0.0):.4g} L/s"
-            raise InputError("--demand", f"node '{event.name}' draws less", f"at least {1e3 * flow:.4g} L/s", got)
+            raise InputError("demand", f"node '{event.name}' draws less", f"at least {1e3 * flow:.4g} L/s", got)
         table = self.tables["loads"][name]
         if table["kind"] == "check valve":
             table = {"at": table["at"], "kind": "leak", "flow": table["flow"], "pressure": table["pressure_drop"]}
@@ -194,19 +194,19 @@ class _Operated:
             known = [name for name, one in self.scene.links.items() if isinstance(one, kind)]
             known += list(self.scene.lines) if what == VALVE else []
             expected = nearest(event.name, known) if known else "a scene that has one"
-            raise InputError(f"--{event.kind}", f"not {what}", expected, f"'{event.name}'")
+            raise InputError(event.kind, f"not {what}", expected, f"'{event.name}'")
         return link
 
     def _node(self, event: Event) -> None:
         if event.name not in self._description.nodes:
             known = list(self._description.nodes)
-            raise InputError(f"--{event.kind}", "no such node", nearest(event.name, known), f"'{event.name}'")
+            raise InputError(event.kind, "no such node", nearest(event.name, known), f"'{event.name}'")
         self._once(event)
 
     def _once(self, event: Event) -> None:
         key = event.kind if event.kind in FLOWING else ""
         if (key, event.name) in self._done:
-            raise InputError(f"--{event.kind}", f"'{event.name}' is operated twice", "once; write a waveform for more")
+            raise InputError(event.kind, f"'{event.name}' is operated twice", "once; write a waveform for more")
         self._done.add((key, event.name))
 
     def _gauge(self, node: str) -> float:

@@ -65,8 +65,8 @@ class Worst(NamedTuple):
     needed: float | None
 
 
-def worst(result: Result, most: int = 5) -> Worst:
-    """What is worst, of so many nodes.
+def extremes(result: Result) -> list[Extreme]:
+    """What every node saw.
 
     Raises
     ------
@@ -80,7 +80,18 @@ def worst(result: Result, most: int = 5) -> Worst:
     low = seen.lowest - weight, seen.lowest_at, seen.lowest_error
     high = seen.highest - weight, seen.highest_at, seen.highest_error
     columns = seen.start - weight, *low, *high
-    nodes = [Extreme(*row) for row in zip(seen.nodes, *(column.tolist() for column in columns), strict=True)]
+    return [Extreme(*row) for row in zip(seen.nodes, *(column.tolist() for column in columns), strict=True)]
+
+
+def worst(result: Result, most: int = 5) -> Worst:
+    """What is worst, of so many nodes.
+
+    Raises
+    ------
+    InputError
+        The run kept no envelope.
+    """
+    nodes = extremes(result)
     largest = max(max(node.rise, node.fall) for node in nodes)
     risen = sorted((node for node in nodes if node.rise > FAINT * largest), key=lambda node: -node.rise)
     fallen = sorted((node for node in nodes if node.fall > FAINT * largest), key=lambda node: -node.fall)

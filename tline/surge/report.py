@@ -1,8 +1,8 @@
-"""What `tline surge` prints of a run."""
+"""The worst of an operated network as text, and as plain data."""
 
 from typing import Any
 
-from tline.cli.aligned import aligned
+from tline.aligned import aligned
 from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.result import Result
 from tline.surge.worst import Extreme, Worst

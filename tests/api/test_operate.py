@@ -1,0 +1,83 @@
+"""`tl.operate`: what `tline surge` does, in Python."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+
+import tline as tl
+from tline.cli.main import main
+
+TOWN = Path(__file__).parents[2] / "scenes" / "town.toml"
+OPERATIONS = {"burst": "c:5 L/s@2s+1s", "demand": "d:-4 L/s@1s+1s", "when": "lift<4 bar: close ab+1s"}
+
+
+@pytest.fixture(scope="module")
+def surge() -> tl.Operation:
+    return tl.operate(TOWN, t_end="8 s", rating="6 bar", **OPERATIONS)  # pyright: ignore[reportArgumentType]
+
+
+def test_it_tells_what_the_command_prints(surge):
+    options = [part for kind, text in OPERATIONS.items() for part in (f"--{kind}", text)]
+    line = ["surge", str(TOWN), *options, "--for", "8s", "--rating", "6 bar"]
+    assert json.loads(CliRunner().invoke(main, [*line, "--json"]).stdout) == surge.to_dict()
+    printed = CliRunner().invoke(main, line)
+    assert printed.stdout + "\n".join(printed.stderr.splitlines()) == repr(surge)
+    assert "\nnote: 'lift<4 bar: close ab+1s': after 0.5 s\n" in repr(surge)
+
+
+def test_its_scene_does_the_same(surge):
+    again = tl.simulate(surge.scene, envelope=True).envelope
+    assert again is not None
+    assert surge.result.envelope is not None
+    assert again.highest.tolist() == surge.result.envelope.highest.tolist()
+    assert again.lowest_at.tolist() == surge.result.envelope.lowest_at.tolist()
+
+
+def test_every_node_is_in_its_table(surge):
+    table = surge.to_dataframe()
+    assert {*table.index} == {*surge.result.envelope.nodes}
+    assert isinstance(table, pd.DataFrame)
+    assert table.highest.idxmax() == surge.worst.highest.node
+    assert table.highest.max() == surge.worst.highest.highest
+
+
+def test_its_pictures_need_no_preparation(surge):
+    assert len(surge.plot_map().axes) >= 2
+    assert surge.plot_profile("lake", "tower").axes[0].get_ylabel() == "head [m]"
+    assert surge.plot().axes
+
+
+def test_probes_stand_where_something_is_operated_or_where_they_are_wanted(surge):
+    assert {"c", "b"} <= {*surge.result.probes}
+    assert [*tl.operate(TOWN, t_end=1, at="lake").result.probes] == ["lake"]
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"close": "abc@1s"}, "close: not a valve, or a pipe, expected"),
+        ({"close": ["ab@1s", "ab@2s"]}, "close: 'ab' is operated twice"),
+        ({"close": {"ab": 1}.items()}, "close: unknown value, expected a text, or a list of texts, got ('ab', 1)"),
+        ({"burst": None}, "burst: unknown value, expected a text, or a list of texts, got None"),
+        ({"at": ["lakes"]}, "at: no such node, expected 'lake', got 'lakes'"),
+        ({"t_end": "soon"}, "t_end: there is no number in front"),
+        ({"rating": "6 kg"}, "rating: this unit measures something else"),
+        ({"tol": 7}, "solver.tol: tolerance out of range"),
+        ({"order": 99}, "solver.order: not a whole number in range"),
+    ],
+)
+def test_a_mistake_is_one_sentence_that_names_the_argument(given, sentence):
+    with pytest.raises(tl.InputError) as caught:
+        tl.operate(TOWN, **given)
+    assert str(caught.value).startswith(sentence)
+    assert "\n" not in str(caught.value)
+
+
+def test_what_is_no_network():
+    with pytest.raises(tl.InputError, match=r"town.net: unknown kind of file, expected \.inp or \.toml, got \.net"):
+        tl.operate("town.net")
+    with pytest.raises(tl.InputError, match="scene: nothing to be operated, expected medium = 'hydraulic'"):
+        tl.operate(TOWN.with_name("open_line.toml"))

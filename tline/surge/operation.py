@@ -1,0 +1,271 @@
+"""Operate a network by words, run it, and find the worst of it."""
+
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tline.errors import InputError, import_extra
+from tline.interchange.any_file import EPANET, read_foreign, refuse_water
+from tline.scene.file import as_scene
+from tline.scene.scene import Scene
+from tline.solver.result.result import Result
+from tline.solver.simulate import UnresolvedWarning, simulate
+from tline.surge.control import read_control, triggered
+from tline.surge.event import OPERATIONS, Event, read_event
+from tline.surge.operate import operated
+from tline.surge.report import as_dict, as_text
+from tline.surge.worst import Extreme, Worst, extremes, worst
+from tline.wording import nearest, shown
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+
+SHOWN, USUAL_TOL = 5, 1e-2  # nodes in tables; of a scene that states none
+SMALL = 300  # lines of a network all of which are recorded
+
+Texts = str | Iterable[str]
+Planned = tuple[Scene, tuple[str, ...]]  # a scene, and notes on what was guessed for it
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Operation:
+    """An operated network and what came of it; printed, it is the report of ``tline surge``.
+
+    Attributes
+    ----------
+    result : Result
+        With an envelope; its probes are at the nodes that were operated, or those asked for.
+    guesses : tuple of str
+        What was left out of the file, and taken where nothing was given.
+    """
+
+    result: Result
+    guesses: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return "\n".join([as_text(self.result, self.result.accuracy, self.worst), *(f"note: {n}" for n in self.notes)])
+
+    @property
+    def scene(self) -> Scene:
+        """The network with all operations in it: `tline.simulate` runs it just so, and ``to_toml()`` writes it."""
+        return self.result.scene
+
+    @cached_property
+    def worst(self) -> Worst:
+        """The nodes with the largest rise and fall, where water boils, and the pressure class that is needed."""
+        return worst(self.result, SHOWN)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The guesses, and all there is to remark of the run."""
+        return (*self.guesses, *self.result.notes)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The worst nodes as plain data in SI, as ``tline surge --json`` prints them."""
+        return as_dict(self.result, self.worst)
+
+    def to_dataframe(self) -> "DataFrame":
+        """Gauge pressures before the run and at their extremes, Pa, with instants, s, and errors, by node.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
+        pandas = import_extra("pandas", "pandas", "data", "to_dataframe")
+        return pandas.DataFrame(extremes(self.result), columns=Extreme._fields).set_index("node")
+
+    def plot(self) -> "Figure":
+        """Draw pressure and flow over time at the probes."""
+        return self.result.plot()
+
+    def plot_map(self) -> "Figure":
+        """Draw maps of the network, coloured by how far the head rose and fell."""
+        return self.result.plot_map()
+
+    def plot_profile(self, *nodes: str) -> "Figure":
+        """Draw the lowest and the highest head along the path of least delay through some nodes."""
+        return self.result.plot_profile(*nodes)
+
+
+def operate(
+    network: Scene | str | Path | Mapping[str, Any],
+    *,
+    trip: Texts = (),
+    stop: Texts = (),
+    close: Texts = (),
+    open: Texts = (),
+    burst: Texts = (),
+    demand: Texts = (),
+    when: Texts = (),
+    t_end: float | str = "60 s",
+    tol: float | None = None,
+    order: int | None = None,
+    inertia: float | str | None = None,
+    rated_speed: float | str | None = None,
+    rating: float | str | None = None,
+    at: Texts = (),
+    record: Iterable[str] | None = None,
+    progress: bool = False,
+) -> Operation:
+    """Operate a network of pipes in its steady state, and find the worst of it.
+
+    Each operation is a text, or several for different elements.
+
+    Parameters
+    ----------
+    network : Scene, path or dict
+        A hydraulic scene that starts in the steady state, or the path of one (.toml) or of a network of EPANET (.inp),
+        which `tline.read` reads with a wave speed, an hour or walls.
+    trip : str
+        Pumps whose motors fail: ``"PUMP@TIME"``.
+    stop : str
+        Pumps whose speed falls to nothing, linearly: ``"PUMP@TIME+DURATION"``.
+    close, open : str
+        Valves, or pipes that get a gate valve: ``"LINK@TIME+DURATION"``; with a second stage ``"V1@1s+2s:20%+8s"``, or
+        along a file of openings ``"V1@1s:shut.csv"``.
+    burst : str
+        Holes, with their flow at the pressure before: ``"NODE:FLOW@TIME+DURATION"``.
+    demand : str
+        Changes of what nodes draw: ``"NODE:+FLOW@TIME+DURATION"``, or ``-FLOW``.
+    when : str
+        What is operated once a gauge pressure is reached: ``"NODE>5 bar:close LINK+DURATION"``.
+    t_end : number or text
+        End of the run, s.
+    tol : float, 1e-13 to 0.1
+        Largest error at the probes, relative to their amplitudes; 0.01 if neither it nor `order` is given.
+    order : int, 1 to 16
+        One run of this order instead, in the slabs that suit it.
+    inertia, rated_speed : number or text, optional
+        Of the pumps that trip, kg m² and turns per second; what is usual for their power if they have none.
+    rating : number or text, optional
+        Pressure that the pipes bear, Pa.
+    at : str
+        Nodes to probe, instead of those that are operated.
+    record : iterable of str, optional
+        Lines of whose inside maps and profiles are drawn; all of a network of at most 300 lines if not given.
+    progress : bool
+        Show a progress bar on stderr if a run takes more than two seconds.
+
+    Returns
+    -------
+    Operation
+        Its worst nodes, its scene, its result and its pictures.
+
+    Raises
+    ------
+    InputError
+        The network cannot be read, or not be operated so.
+
+    Examples
+    --------
+    >>> import tline as tl
+    >>> pipes = {"length": 500, "diameter": 0.3, "wave_speed": 1000, "density": 1000}
+    >>> network = {
+    ...     "medium": "hydraulic", "t_end": "1 s", "start": "steady",
+    ...     "lines": {"main": {"nodes": ["lake", "b"], **pipes}, "branch": {"nodes": ["b", "c"], **pipes}},
+    ...     "loads": {
+    ...         "lake": {"at": "lake", "kind": "reservoir", "pressure": "6 bar"},
+    ...         "tap": {"at": "c", "kind": "orifice", "flow": "20 L/s", "pressure_drop": "6 bar"},
+    ...     },
+    ...     "probes": {"tap": {"at": "c"}},
+    ... }
+    >>> surge = operate(network, close="tap@0s+2s", t_end="10 s")
+    >>> rise = surge.worst.risen[0]
+    >>> rise.node, round(rise.highest / 1e5, 1), surge.worst.needed / 1e5, surge.worst.boiling
+    ('c', 8.8, 10.0, [])
+    """
+    given = {"trip": trip, "stop": stop, "close": close, "open": open, "burst": burst, "demand": demand}
+    scene, read = read_network(network)
+    rotor = {"inertia": inertia, "rated_speed": rated_speed}
+    planned, guesses = plan(
+        scene, given, when=when, t_end=t_end, tol=tol, order=order, rating=rating, at=at, progress=progress, **rotor
+    )
+    lines = record if record is not None else planned.lines if len(planned.lines) <= SMALL else ()
+    return Operation(run(planned, lines, progress), (*read, *guesses))
+
+
+def read_network(
+    network: Scene | str | Path | Mapping[str, Any],
+    *,
+    wave_speed: float | str | None = None,
+    material: str | None = None,
+    hour: float | None = None,
+    moving_tanks: bool = False,
+) -> Planned:
+    """The scene of a network, and notes on what is left out of its file; see `operate`."""
+    water = {"wave_speed": wave_speed, "material": material, "hour": hour, "moving_tanks": moving_tanks or None}
+    if isinstance(network, str | Path):
+        suffix = Path(network).suffix.lower()
+        if suffix in EPANET:
+            return read_foreign(Path(network), **water)
+        if suffix != ".toml":
+            raise InputError(str(network), "unknown kind of file", ".inp or .toml", suffix or "no suffix")
+    refuse_water(water)
+    return as_scene(network), ()
+
+
+def plan(
+    scene: Scene,
+    operations: Mapping[str, Texts],
+    *,
+    when: Texts = (),
+    t_end: float | str,
+    tol: float | str | None = None,
+    order: int | str | None = None,
+    rating: float | str | None = None,
+    at: Texts = (),
+    progress: bool = False,
+    **rotor: float | str | None,
+) -> Planned:
+    """The scene with operations by kind, and notes on what was guessed and when controls act; see `operate`."""
+    solver = {"order": order} if order else {"tol": tol or USUAL_TOL}
+    more = {"t_end": t_end, "solver": solver} | ({"rating": rating} if rating else {})
+    events = [read_event(kind, text) for kind in OPERATIONS for text in _texts(kind, operations.get(kind, ()))]
+    wanted = _texts("at", at)
+    controls = [read_control(text) for text in _texts("when", when)]
+
+    def build(done: Iterable[Event]) -> Planned:
+        done = list(done)
+        changed, notes = operated(scene, done, **rotor)
+        probes = {node: {"at": node} for node in _probed(changed, done, wanted)} or changed.table()["probes"]
+        return changed.with_changes(probes=probes, **more), tuple(notes)
+
+    notes = []
+    if controls:
+        events, notes = triggered(controls, events, lambda done: build(done)[0], lambda each: run(each, (), progress))
+    planned, guesses = build(events)
+    return planned, (*notes, *guesses)
+
+
+def run(scene: Scene, record: Iterable[str], progress: bool) -> Result:
+    """Simulate with an envelope; what is not resolved is among the notes."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnresolvedWarning)
+        return simulate(scene, record=record, envelope=True, ledger=False, progress=progress)
+
+
+def _texts(where: str, given: Texts) -> tuple[str, ...]:
+    texts = (given,) if isinstance(given, str) else tuple(given) if isinstance(given, Iterable) else (given,)
+    for text in texts:
+        if not isinstance(text, str):
+            raise InputError(where, "unknown value", "a text, or a list of texts", shown(text))
+    return texts
+
+
+def _probed(scene: Scene, events: Iterable[Event], wanted: Sequence[str]) -> Sequence[str]:
+    """Nodes to probe: those that are wanted, or those at which something is operated."""
+    nodes = {node for line in scene.lines.values() for node in line.nodes}
+    for node in wanted:
+        if node not in nodes:
+            raise InputError("at", "no such node", nearest(node, sorted(nodes)), f"'{node}'")
+    found: list[str] = []
+    for event in events:
+        link = scene.links.get(event.name) or scene.links.get(f"{event.name}:gate")
+        load = scene.loads.get(event.name)
+        found += link.nodes if link else [load.at] if load else [event.name]
+    return wanted or [node for node in dict.fromkeys(found) if node in nodes][:SHOWN]
