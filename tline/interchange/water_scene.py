@@ -71,10 +71,10 @@ def water_scene(
     """The scene of a network whose pipes have these keys by their names, and notes.
 
     Pressures of reservoirs are piezometric, density·g·head. The friction factor of a pipe is the one that the operating
-    point has. Reservoirs hold their level, and so do tanks, unless they are to move; valves have the opening that loses
-    what they lose there, and regulate if they do so there. A demand is what an opening to the air at its node's height
-    lets out that gives the demand at the operating point. Pipes far shorter than all others are longer. A pump has points of its curve, that of the operating point
-    among them.
+    point has, and pipes far shorter than all others are longer. Reservoirs hold their level, and so do tanks, unless
+    they are to move; valves have the opening that loses what they lose there, and regulate if they do so there. A
+    demand is what an opening to the air at its node's height lets out that gives the demand at the operating point. A
+    pump has points of its curve, that of the operating point among them.
 
     Raises
     ------

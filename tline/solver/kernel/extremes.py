@@ -1,4 +1,4 @@
-"""Where the effort at ends of lines is highest and lowest: over all slabs of a record, each looked at in some places."""
+"""Where the effort at ends of lines is highest and lowest, over all slabs of a record."""
 
 from typing import NamedTuple
 
