@@ -21,6 +21,7 @@ Complexes2 = Annotated[NDArray[np.complex128], np.complex128, 2]
 Complexes3 = Annotated[NDArray[np.complex128], np.complex128, 3]
 Integers = Annotated[NDArray[np.int64], np.int64, 1]
 Integers2 = Annotated[NDArray[np.int64], np.int64, 2]
+Integers3 = Annotated[NDArray[np.int64], np.int64, 3]
 Flags = Annotated[NDArray[np.bool_], np.bool_, 1]
 
 

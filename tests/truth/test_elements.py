@@ -282,6 +282,38 @@ def test_a_pump_that_trips_is_its_differential_equation(check_valve):
     assert probe.u.min() < 0.9 * HEAD
 
 
+def test_a_pump_that_starts_is_its_differential_equation():
+    """Its motor turns it up from rest between equal tanks; integrated round trip by round trip until it runs.
+
+    Then it holds its speed, and the pipe settles to the flow at which it lifts nothing.
+    """
+    inertia, turns, point, torque = 1.0, 24.0, (0.02, HEAD + 2e5), 400.0
+    h0, bend = 4 / 3 * point[1], point[1] / 3 / point[0] ** 2
+    energy, motor = inertia * (2 * np.pi * turns) ** 2, torque * 2 * np.pi * turns
+    pump = {
+        "kind": "pump", "nodes": ["sump", "end"], "curve": [point], "start": 0.1, "inertia": inertia,
+        "rated_speed": turns, "motor_torque": torque,
+    }  # fmt: skip
+    sump = {"at": "sump", "kind": "reservoir", "pressure": HEAD}
+    probe = simulate(pipe({"sump": sump}, links={"pump": pump}, t_end=9.0, order=6, slab=0.005)).probes["end"]
+
+    def flow(speed, a):
+        d = HEAD - a + h0 * speed**2
+        return 2 * d / (Z0 + np.sqrt(Z0**2 + 4 * bend * np.abs(d)))
+
+    def faster(t, speed, a):
+        return (motor - h0 * speed * flow(speed, a)) / energy
+
+    pieces = in_steps(faster, lambda t, x, a: a + 2 * Z0 * flow(x, a), 0.0, 0.0, HEAD, 2.0)
+    assert np.abs(probe.y[probe.t < 0.1]).max() < 1e-6 * point[0]  # the root of a rounding
+    runs = brentq(lambda t: pieces[int(t // (2 * DELAY)) + 1](t)[0] - 1, 0.05, 0.6)
+    until = (probe.t > 0.1 + 2 * DELAY + 1e-9) & (probe.t < 0.1 + runs)
+    exact = [effort(pieces, t - 0.1) for t in probe.t[until]]
+    assert np.abs(probe.u[until] - exact).max() < 2e-8 * h0
+    assert np.ptp(probe.u[until]) > 0.1 * HEAD
+    assert -probe.y[-1] == pytest.approx((h0 / bend) ** 0.5, rel=1e-3)
+
+
 def test_a_pump_that_runs_backward_is_its_four_quadrants():
     """The liquid comes back and turns the rotor: Suter's tables, straight over the angle, and Heun's steps of 0.5 ms.
 

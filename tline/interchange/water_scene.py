@@ -9,6 +9,7 @@ from tline.interchange.compare_heads import differences
 from tline.interchange.epanet import read_epanet
 from tline.interchange.head_loss import GRAVITY as EPANETS
 from tline.interchange.pipe_walls import Keys, keys_of, notes_on, wave_speeds
+from tline.interchange.short_pipes import without_short_pipes
 from tline.interchange.water_network import (
     LEAST_DROP,
     STILL,
@@ -70,16 +71,17 @@ def water_scene(
     """The scene of a network whose pipes have these keys by their names, and notes.
 
     Pressures of reservoirs are piezometric, density·g·head. The friction factor of a pipe is the one that the operating
-    point has. Reservoirs hold their level, and so do tanks, unless they are to move; valves have the opening that loses
-    what they lose there, and regulate if they do so there. A demand is what an opening to the air at its node's height
-    lets out that gives the demand at the operating point. A pump has points of its curve, that of the operating point
-    among them.
+    point has, and pipes far shorter than all others are longer. Reservoirs hold their level, and so do tanks, unless
+    they are to move; valves have the opening that loses what they lose there, and regulate if they do so there. A
+    demand is what an opening to the air at its node's height lets out that gives the demand at the operating point. A
+    pump has points of its curve, that of the operating point among them.
 
     Raises
     ------
     InputError
         An element that no scene has.
     """
+    network = without_short_pipes(network)
     weight, notes = network.density * GRAVITY, list(network.notes)
     tables: dict[str, Any] = {key: {} for key in ("lines", "links", "loads", "sources", "nodes")}
     for name, pipe in network.pipes.items():

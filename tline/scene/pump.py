@@ -1,4 +1,4 @@
-"""Pumps: a curve at rated speed, affinity laws, a prescribed speed or a run-down with inertia."""
+"""Pumps: a curve at rated speed, affinity laws, a prescribed speed, or a run-down or start with inertia."""
 
 from math import pi
 from typing import Annotated, Any, Literal
@@ -35,7 +35,8 @@ class Pump(Between, OfLiquids):
 
     The curve h is a parabola through up to three points: of a single point one that shuts off at 4/3 of its rise and
     has its summit there. From four points on it is a smooth curve that falls through them, which beyond them goes on as
-    a parabola with its summit at rest. With `quadrants` flow and speed may take either sign while it runs down.
+    a parabola with its summit at rest. With `quadrants` flow and speed may take either sign while it runs down. A pump
+    that starts stands before, and its motor has one torque up to the rated speed, which it then holds.
     """
 
     kind: Literal["pump"] = "pump"
@@ -44,7 +45,7 @@ class Pump(Between, OfLiquids):
     )
     efficiency: Annotated[Quantity, Role("share", "", above=0, at_most=1)] | None = Field(
         default=None,
-        description="of the run-down: power of the water over that of the shaft, for curves of four points or more, "
+        description="of the rotor: power of the water over that of the shaft, for curves of four points or more, "
         "and at the rated point for quadrants; the rotor of a parabola b, c loses what c takes",
     )
     quadrants: Literal["radial"] | None = Field(
@@ -54,10 +55,14 @@ class Pump(Between, OfLiquids):
     speed: Factor = Field(default=ALWAYS, description="over the rated speed, constant or over time")
     trip: Instant | None = Field(default=None, description="when the motor fails and it begins to run down")
     inertia: Annotated[Quantity, Role("inertia", "kg m^2", above=0)] | None = Field(
-        default=None, description="of all that turns, the liquid in it included; needed with trip"
+        default=None, description="of all that turns, the liquid in it included; needed with trip and start"
     )
     rated_speed: Annotated[Quantity, Role("frequency", "Hz", above=0)] | None = Field(
-        default=None, description="turns per second; needed with trip"
+        default=None, description="turns per second; needed with trip and start"
+    )
+    start: Instant | None = Field(default=None, description="when its motor starts it, from rest")
+    motor_torque: Annotated[Quantity, Role("torque", "N m", above=0)] | None = Field(
+        default=None, description="while it starts, up to the rated speed; needed with start"
     )
     check_valve: bool = Field(default=False, description="whether a check valve behind it lets nothing back")
     _pieces: tuple[Pieces, Pieces] = PrivateAttr()
@@ -65,14 +70,19 @@ class Pump(Between, OfLiquids):
     @model_validator(mode="after")
     def _runs(self):
         self._pieces = self._of_curve()
+        moved = [key for key in ("trip", "start") if getattr(self, key) is not None]
+        if len(moved) > 1:
+            raise InputError("start", "cannot be beside a trip", "one of both")
         needed = {"inertia": self.inertia, "rated_speed": self.rated_speed}
         missing = [key for key, value in needed.items() if value is None]
-        if self.trip is not None and missing:
-            raise InputError(missing[0], "is missing", "with trip, both inertia and rated_speed")
-        if self.trip is None and len(missing) < 2:
+        if moved and missing:
+            raise InputError(missing[0], "is missing", f"with {moved[0]}, both inertia and rated_speed")
+        if not moved and len(missing) < 2:
             raise InputError("trip", "is missing", "an instant, for inertia and rated_speed to matter")
-        if self.trip is not None and self.speed.model_dump() != ALWAYS.model_dump():
-            raise InputError("speed", "cannot be prescribed beside a trip", "one of speed and trip")
+        if (self.start is None) != (self.motor_torque is None):
+            raise InputError("motor_torque" if self.start is not None else "start", "is missing", "both, or neither")
+        if moved and self.speed.model_dump() != ALWAYS.model_dump():
+            raise InputError("speed", f"cannot be prescribed beside a {moved[0]}", f"one of speed and {moved[0]}")
         return self
 
     def _of_curve(self) -> tuple[Pieces, Pieces]:
@@ -93,17 +103,20 @@ class Pump(Between, OfLiquids):
         return parabola(*form), parabola(*form, sign=-1.0)
 
     def law(self) -> ElementLaw:  # noqa: D102
-        if self.trip is None or self.inertia is None or self.rated_speed is None:
-            return ElementLaw("pump", self._constants(0.0), self.speed)
-        twice_the_energy = self.inertia * (2 * pi * self.rated_speed) ** 2  # J, at rated speed
-        motor = Step.model_validate({"from": 1, "to": 0, "at": self.trip})
-        return ElementLaw("rotor", self._constants(float(twice_the_energy)), motor)
+        at = self.start if self.trip is None else self.trip
+        if at is None or self.inertia is None or self.rated_speed is None:
+            return ElementLaw("pump", self._constants(), self.speed)
+        turns = 2 * pi * float(self.rated_speed)
+        running = {"from": 1, "to": 0} if self.start is None else {"from": 0, "to": 1}
+        constants = self._constants(self.inertia * turns**2, float(self.motor_torque or 0.0) * turns)
+        return ElementLaw("rotor", constants, Step.model_validate(running | {"at": at}))
 
-    def _constants(self, energy: float) -> tuple[float, ...]:
+    def _constants(self, energy: float = 0.0, motor: float = 0.0) -> tuple[float, ...]:
+        """Those of the law; twice the energy at rated speed, J, and the power of the motor's torque there, W."""
         forward, back = self._pieces
-        pieces = float(len(forward.rises)), float(len(back.rises))
+        pieces = float(len(forward.rises)), float(len(back.rises)), float(motor), 0.0
         check = float(self.check_valve)
-        return 0.0, forward.at_rest, check, energy, back.at_rest, *pieces, *forward.flat(), *back.flat()
+        return 0.0, forward.at_rest, check, float(energy), back.at_rest, *pieces, *forward.flat(), *back.flat()
 
 
 def _check_falls(points: list[tuple[float, float]]) -> None:

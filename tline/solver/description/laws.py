@@ -131,7 +131,7 @@ def states_of(elements: list[PlacedLaw], effort: dict[str, float], openings: Map
         elif kind == "tank":
             states.append(u - constants[0])
         elif kind == "rotor":
-            states.append(1.0)
+            states.append(just_before(element.law.factor) if element.law.factor else 1.0)
         elif kind == "vapour":
             if u < constants[0]:
                 raise InputError(element.where, "no state at rest: the liquid boils", got=gauge)

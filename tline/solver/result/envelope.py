@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.description.given import Height
+from tline.solver.kernel.extremes import CANDIDATES, ROUNDING, Seen, find_extremes
 from tline.solver.loop.march import Noted
 from tline.solver.radau import Basis, chebyshev
+from tline.structure import pack
 
-ROUNDING = 1e-12  # what tops an extreme by less, relatively, is the same one again
-CANDIDATES = 4  # slabs with the highest places, of a block, that are searched
 SEARCHED = np.linspace(0.0, 1.0, 129)  # places of a slab where its extreme is looked for
 
 
@@ -82,30 +82,33 @@ class Extremes:
         self.top = np.stack([-start, start])  # two maxima: of the negative effort, and of the effort
         self.at = np.zeros_like(self.top)
         self.at_ends = at_ends
-        self.places = order.evaluation([1.0] if at_ends else [*chebyshev(order.s), 1.0])
+        self.places = order.evaluation([1.0] if at_ends or order.s == 1 else [*chebyshev(order.s), 1.0])
         self.searched = order.evaluation(SEARCHED)
+        self._heights, self._best = np.empty((2, 0, 0)), np.empty((2, len(rows), CANDIDATES + 1), int)
 
     def see(self, record: NDArray, first: int, n: int, pieces: Noted) -> None:
         """Take note of n slabs from number `first` on, recorded from the first column of the record on."""
         s, h, rows = self.places.shape[1], self.h, np.arange(len(self.rows))
-        u = (record[self.rows, 0, : n * s] + record[self.rows, 1, : n * s]).reshape(len(rows), n, s) / 2
-        seen = u @ self.places.T
         node = np.full(len(record), -1)
         node[self.rows] = rows
         ours = node[pieces.row] >= 0
         of, slab, span = node[pieces.row[ours]], pieces.slab[ours], pieces.span[ours]
+        inside = len(of) > 0 and not self.at_ends
+        left_out = np.column_stack([of, slab - first]) if inside else np.empty((0, 2), int)
+        if self._heights.shape[2] < n:
+            self._heights = np.empty((2, len(rows), n))
+        seen = Seen(record, self.rows, self.places, left_out, self._heights, self._best)
+        find_extremes(pack(seen), n)
         for k, sign in enumerate((-1, 1)):
-            height = (sign * seen).max(axis=2)
-            if not self.at_ends:
-                height[of, slab - first] = -np.inf  # in pieces
-            for best in _candidates(height):
-                if self.at_ends:
-                    found, late = height[rows, best], np.ones(len(rows))
-                else:
-                    found, late = _searched(sign * u[rows, best] @ self.searched.T)
-                    found[np.isinf(height[rows, best])] = -np.inf
+            for best in np.sort(self._best[k], axis=1).T:
+                found, late = self._heights[k, rows, best], np.full(len(rows), float(self.at_ends))
+                if not self.at_ends and s > 1:
+                    points = best[:, None] * s + np.arange(s)
+                    u = (record[self.rows[:, None], 0, points] + record[self.rows[:, None], 1, points]) / 2
+                    higher, late = _searched(sign * u @ self.searched.T)
+                    found = np.where(np.isinf(found), -np.inf, higher)
                 self._note(k, rows, found, (first + best + late) * h)
-            if len(of) and not self.at_ends:
+            if inside:
                 found, late = _searched(sign * pieces.values[ours].sum(axis=1) / 2 @ self.searched.T)
                 order = np.argsort(found)
                 when = (slab + span[:, 0] + late * (span[:, 1] - span[:, 0])) * h
@@ -124,17 +127,6 @@ class Extremes:
         extremes = (level - low, low_at, unknown, high + level, high_at, unknown)
         weight, per_metre = np.array([h.weight for h in at]), np.array([h.per_metre for h in at])
         return Envelope(self.nodes, self.start + level, *extremes, weight, per_metre)
-
-
-def _candidates(height: NDArray) -> NDArray:
-    """Slabs in which the extreme of each row may lie, by rank in order of time; of equal ones the first is among them.
-
-    Shape (candidates, rows).
-    """
-    highest, few = height.max(axis=1, keepdims=True), min(CANDIDATES, height.shape[1]) - 1
-    first = (height >= highest - ROUNDING * np.abs(highest)).argmax(axis=1)
-    others = np.argpartition(-height, few, axis=1)[:, : few + 1]
-    return np.sort(np.column_stack([first, others]), axis=1).T
 
 
 def _searched(values: NDArray) -> tuple[NDArray, NDArray]:

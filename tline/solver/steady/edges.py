@@ -113,7 +113,7 @@ def _steep(elements: Elements, largest: float) -> NDArray:
 
 
 def _running(element: PlacedLaw) -> PlacedLaw:
-    """A pump that will run down still runs."""
+    """A pump that will run down still runs, and one that will start stands."""
     if element.law.kind != "rotor":
         return element
     return element._replace(law=element.law._replace(kind="pump"))

@@ -1,9 +1,10 @@
 """Pump: rise and torque are quadratic forms of speed N and flow q, piece by piece of q/|N|: affinity holds exactly.
 
 Constants: effort beyond the element, rise at rest at N = 1, 1 with a check valve, twice the energy of the rotor at
-N = 1, rise at rest at N = -1, and the numbers of pieces for N >= 0 and for N < 0. Then for each of these two the inner
-borders of q/|N|, forms (a, b, c) of rise less rise at rest = a N² + b |N| q + c q², and forms of the torque at N = 1.
-The control signal of a pump is its speed over the rated one.
+N = 1, rise at rest at N = -1, the numbers of pieces for N >= 0 and for N < 0, the motor's torque times the rated speed
+when it starts, and what it gives now. Then for each of these two the inner borders of q/|N|, forms (a, b, c) of rise less
+rise at rest = a N² + b |N| q + c q², and forms of the torque at N = 1. The control signal of a pump is its speed over
+the rated one.
 """
 
 import numpy as np
@@ -12,7 +13,7 @@ from tline.solver.kernel.laws.sampled import sampled
 from tline.solver.kernel.network import Crossing
 from tline.unit import function, unit
 
-TABLES = 7  # where the pieces begin
+MOTOR, NOW, TABLES = 7, 8, 9  # the last where the pieces begin
 
 
 @function

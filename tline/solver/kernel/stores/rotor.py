@@ -1,11 +1,12 @@
-"""Pump with a rotor that runs down once its control signal falls to zero; its state is speed over rated speed.
+"""Pump with a rotor; its state is speed over rated speed. While its control signal is one, a motor brings it to its
+rated speed with a constant torque, and holds that; while it is zero, the rotor runs down.
 
 Constants: those of a pump (`laws.pump`).
 """
 
 import numpy as np
 
-from tline.solver.kernel.laws.pump import pumped, resting, torque
+from tline.solver.kernel.laws.pump import MOTOR, NOW, pumped, resting, torque
 from tline.solver.kernel.network import Store
 from tline.solver.kernel.stores.fill import fill, filling
 from tline.unit import function, unit
@@ -21,16 +22,19 @@ def stored(c, at, y):
 def entering(c, at, y, share, d, z):
     """Flow through the pump, and dX/dt."""
     i = pumped(c, at, y, d, z)[0]
-    return i, -torque(c, at, y, i) / c[at + 3]
+    return i, (c[at + NOW] - torque(c, at, y, i)) / c[at + 3]
 
 
 @unit
 def rotor(store: Store, at: int, state: int, h: float, z: float) -> int:
     """Flows through the pump at the points of a slab of width h, behind the efforts v and the impedance z."""
-    if store.control[0] > 0.5:
+    runs, c, y = store.control[0] > 0.5, store.constants, store.states
+    if runs and y[state] >= 1.0:
         for j in range(store.flow.size):
-            store.drive[j] = store.v[j] - store.constants[at] - stored(store.constants, at, store.states[state])[2]
-            store.flow[j] = filling(stored, entering, store.constants, at, store.states[state], store.v[j], z)[0]
+            store.drive[j] = store.v[j] - c[at] - stored(c, at, y[state])[2]
+            store.flow[j] = filling(stored, entering, c, at, y[state], store.v[j], z)[0]
     else:
+        c[at + NOW] = c[at + MOTOR] if runs else 0.0
         fill(stored, entering, store, at, state, h, z, np.inf)
+        y[state] = min(y[state], 1.0)
     return 0
