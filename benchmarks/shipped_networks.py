@@ -112,7 +112,7 @@ def measured(name: str) -> dict[str, Any]:
         "drift": moved(result) / largest,
         "delays": [float(np.quantile(delays, q)) for q in (0, 0.01, 0.1, 0.5, 1)],
         "slab": h,
-        "lumps": sum(loss_elements_in(lines, h, result.resolution.loss_elements).values()),
+        "loss elements": sum(loss_elements_in(lines, h, result.resolution.loss_elements).values()),
         "half slabs": int(sum(max(2 * int(delay / h + 1e-9) - 1, 1) for delay in delays)),
         "stride": blocks.stride,
         "far": len(blocks.far_groups) / (len(blocks.far_groups) + len(blocks.near_groups)),
@@ -179,12 +179,15 @@ def report(names: list[str]) -> str:
         still = "< 1e-12" if f["drift"] == 0 else f"{f['drift']:.0e}"
         each = f["steps"] / (STILL / f["slab"]) / f["pipes"] * 1e9
         delays = ", ".join(f"{1e3 * delay:.3g}" for delay in f["delays"])
-        slab, lumps = f"{1e3 * f['slab']:.3g} | {1 / f['slab']:,.0f}", f"{f['lumps']:,} | {f['half slabs']:,}"
+        slab, elements = (
+            f"{1e3 * f['slab']:.3g} | {1 / f['slab']:,.0f}",
+            f"{f['loss elements']:,} | {f['half slabs']:,}",
+        )
         rows = (
             f"| {name} | {f['pipes']:,} | {f['read']:.2g} | {f['build']:.2g} | {f['steady']:.2g} | {f['off']:.1g} "
             f"| {f['hold']:.3g} | {f['steps']:.3g} | {still} |",
             f"| {name} | {told(f, 'closure')} | {told(f, 'trip')} | {told(f, 'leak')} |",
-            f"| {name} | {delays} | {slab} | {lumps} | {f['stride']} | {100 * f['far']:.0f} % | {each:.0f} |",
+            f"| {name} | {delays} | {slab} | {elements} | {f['stride']} | {100 * f['far']:.0f} % | {each:.0f} |",
         )
         for k, row in enumerate(rows):
             parts[k] += row + "\n"

@@ -17,7 +17,10 @@ from tline.solver.run import run
 from tline.solver.simulate import UnresolvedWarning, simulate
 
 CLOSE = 1e-7  # slabs of the finer run; what is nearer to a jump is on either side of it
-LUMPS = 4, 1024  # times as narrow as the finest run's slabs, beside loss elements, and at most as the first ones
+LOSS_ELEMENTS = (
+    4,
+    1024,
+)  # times as narrow as the finest run's slabs, beside loss elements, and at most as the first ones
 JUMP = 1e-4  # of the range, between two neighbours that far apart as a slab: a front
 
 
@@ -45,9 +48,9 @@ def kept(scene: Scene, tol: float, finer: int = 16, order: int = 4) -> Kept:
         report = summary(result, result.accuracy)
         told, slabs = report["probes"], [a.slab for a in result.accuracy.attempts]
         first = max(slabs)
-        if any("lumps" in parts for parts in report["losses"].values()):
-            finer = max(finer, round(LUMPS[0] * first / min(slabs)))
-            if finer > LUMPS[1]:
+        if any("loss_elements" in parts for parts in report["losses"].values()):
+            finer = max(finer, round(LOSS_ELEMENTS[0] * first / min(slabs)))
+            if finer > LOSS_ELEMENTS[1]:
                 return Kept(result.accuracy.met, 0.0, 0.0, 0.0, 0.0, "", 0.0)
         end = result.t[-1] / first
         runs = [run(describe(scene), Resolution(order, first / n), slabs=round(n * end)) for n in (finer // 2, finer)]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tline.design.search import PRECISION, Search, Trial, rounded, smallest
+from tline.design.search import PRECISION, SizeSearch, Trial, rounded, smallest
 
 
 def search(margin, first=1.0, largest=float("inf"), error=0.0):
@@ -15,7 +15,7 @@ def search(margin, first=1.0, largest=float("inf"), error=0.0):
     return smallest(run, first, largest), runs
 
 
-def size_of(search: Search) -> float:
+def size_of(search: SizeSearch) -> float:
     assert search.found is not None
     return search.found.size
 

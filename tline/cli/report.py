@@ -125,11 +125,11 @@ def _losses(result: Result) -> dict[str, Any]:
         line = lines[name]
         slabs = round(line.delay / result.resolution.h)
         parts = (
-            {"lumps": 1}
+            {"loss_elements": 1}
             if line.losses and line.losses.distortionless
-            else {"cells": slabs}
+            else {"segments": slabs}
             if segmented
-            else {"lumps": loss_elements[name]}
+            else {"loss_elements": loss_elements[name]}
         )
         terms = len(circuits.series.rates) + len(circuits.shunt.rates)
         told[name] = parts | {"terms": terms, "error": circuits.error}
@@ -141,8 +141,8 @@ def _losses_in_words(losses: dict[str, Any]) -> list[str]:
     if not losses:
         return []
     parts = ["convolved with what they answer in s"] * any("convolved" in each for each in losses.values()) + [
-        f"up to {most} {name}"
-        for kind, name in (("cells", "segments"), ("lumps", "loss elements"))
+        f"up to {most} {kind.replace('_', ' ')}"
+        for kind in ("segments", "loss_elements")
         if (most := max(each.get(kind, 0) for each in losses.values()))
     ]
     terms, error = (max(each[key] for each in losses.values()) for key in ("terms", "error"))

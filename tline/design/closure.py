@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tline.design.limits import limits
-from tline.design.search import Search, Trial
+from tline.design.search import SizeSearch, Trial
 from tline.design.sizing import Runs, Size, Sizing
 from tline.errors import InputError
 from tline.scene.file import as_scene
@@ -101,8 +101,8 @@ def closure(
 
 
 def _two_stages(
-    scene: Scene, motion: Motion, one: Runs, best: tuple[Trial, Search, list[str]]
-) -> tuple[Trial, Search, list[str], tuple[float, float] | None]:
+    scene: Scene, motion: Motion, one: Runs, best: tuple[Trial, SizeSearch, list[str]]
+) -> tuple[Trial, SizeSearch, list[str], tuple[float, float] | None]:
     """Search in turns the bend with the largest margin for a time, and the shortest time for that bend."""
     bend: tuple[float, float] | None = None
     tried = [(share, left) for share in TIMES for left in LEVELS]

@@ -32,7 +32,7 @@ class Trial(NamedTuple):
     error: float
 
 
-class Search(NamedTuple):
+class SizeSearch(NamedTuple):
     """The trials of a search by size, and the smallest size that keeps the limits, None if none does."""
 
     trials: tuple[Trial, ...]
@@ -48,7 +48,7 @@ class Search(NamedTuple):
         return None
 
 
-def smallest(run: Callable[[float], Trial], first: float, largest: float = float("inf")) -> Search:
+def smallest(run: Callable[[float], Trial], first: float, largest: float = float("inf")) -> SizeSearch:
     """Search the smallest size that keeps the limits, to 0.2 %.
 
     A bracket by doubling or halving from `first`, then secants on the logarithm of the size, which bisect where they do
@@ -95,7 +95,7 @@ def smallest(run: Callable[[float], Trial], first: float, largest: float = float
             break
         low = max(failing)
         high = min((t for t in tried.values() if t.size > low.size), default=at(low.size * STEP))
-    return Search(tuple(sorted(tried.values())), high if high.margin >= 0 else None)
+    return SizeSearch(tuple(sorted(tried.values())), high if high.margin >= 0 else None)
 
 
 def _refined(at: Callable[[float], Trial], low: Trial, high: Trial) -> Trial:

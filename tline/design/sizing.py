@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from tline.design.limits import Limits
-from tline.design.search import Search, Trial, smallest
+from tline.design.search import SizeSearch, Trial, smallest
 from tline.errors import InputError
 from tline.progress import Progress
 from tline.scene.scene import Scene
@@ -147,7 +147,7 @@ class Runs:
             got = f"{limits.shown(trial.lowest)} to {limits.shown(trial.highest)} {limits.where}"
             raise InputError(key, f"is kept without {without}", "a stricter limit", got)
 
-    def smallest(self, first: float, largest: float = float("inf")) -> tuple[Trial, Search, list[str]]:
+    def smallest(self, first: float, largest: float = float("inf")) -> tuple[Trial, SizeSearch, list[str]]:
         """Search the smallest size, and say in notes what is odd.
 
         Raises
@@ -170,7 +170,7 @@ class Runs:
             notes.append("the extreme comes at the end of the run: run longer, for a later one may be worse")
         return search.found, search, [*notes, *result.notes]
 
-    def _unreachable(self, search: Search) -> InputError:
+    def _unreachable(self, search: SizeSearch) -> InputError:
         best, limits = max(search.trials, key=lambda trial: trial.margin), self.limits
         low = best.lowest - limits.lowest < limits.highest - best.highest
         key, reached = ("lowest", best.lowest) if low else ("highest", best.highest)

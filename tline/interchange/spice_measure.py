@@ -24,7 +24,7 @@ def measures(cards: Iterable[Card], net: Netlist) -> dict[str, Table]:
     found: dict[str, Table] = {}
     for card in cards:
         try:
-            reader = _Reader(card, net)
+            reader = _MeasureReader(card, net)
             found[reader.name] = reader.measure()
             net.cards["measures", reader.name] = card
         except InputError as error:
@@ -39,7 +39,7 @@ def nodes_measured(tables: dict[str, Table]) -> list[str]:
     return [part[key] for part in parts for key in ("probe", "minus") if key in part]
 
 
-class _Reader:
+class _MeasureReader:
     """Takes the words of a card from the left; '=' counts for nothing."""
 
     def __init__(self, card: Card, net: Netlist):

@@ -17,7 +17,7 @@ BARE = re.compile(r"[\w-]+", re.ASCII)  # a key that needs no quotes
 Tables = dict[str, Any]
 
 
-class Step(NamedTuple):
+class StepCard(NamedTuple):
     """What one .step varies, the values as `tline sweep` takes them, and two of them."""
 
     name: str
@@ -62,7 +62,7 @@ def note_steps(cards: list[Card], found: Findings, file: str, tables: Callable[[
         found.note(varied[0][0].where, f"skipped: {command}")
 
 
-def _step(card: Card) -> Step | None:
+def _step(card: Card) -> StepCard | None:
     """What a card varies; nothing where it is no .step, or its values are in no order that a sweep has."""
     words = [word for word in card.words if word.lower() not in ("lin", "param")] if card.name.lower() == STEP else []
     ratio = RATIOS.get(words[0].lower()) if words else None
@@ -70,7 +70,7 @@ def _step(card: Card) -> Step | None:
     try:
         if given[:1] and given[0].lower() == "list":
             values = [repr(card.value(word)) for word in given[1:]]
-            return Step(name.lower(), ", ".join(values), (values[0], values[-1])) if len(values) > 1 else None
+            return StepCard(name.lower(), ", ".join(values), (values[0], values[-1])) if len(values) > 1 else None
         first, last, by = map(card.value, given)
         steps = (log(last / first, ratio) if ratio else (last - first)) * (by if ratio else 1 / by) + 1e-9
     except (InputError, ValueError, ArithmeticError):
@@ -79,10 +79,10 @@ def _step(card: Card) -> Step | None:
         return None
     count = floor(steps)
     end = first * ratio ** (count / by) if ratio else first + count * by
-    return Step(name.lower(), f"{first!r}:{end!r}:{count + 1}{':log' * bool(ratio)}", (repr(first), repr(end)))
+    return StepCard(name.lower(), f"{first!r}:{end!r}:{count + 1}{':log' * bool(ratio)}", (repr(first), repr(end)))
 
 
-def _path(cards: list[Card], step: Step, tables: Callable[[list[Card]], Tables]) -> str:
+def _path(cards: list[Card], step: StepCard, tables: Callable[[list[Card]], Tables]) -> str:
     """Where the scene has the value, nowhere else and as it is; empty if there is no such place."""
     try:
         first, second = (tables([_with(card, step.name, value) for card in cards]) for value in step.samples)

@@ -24,7 +24,7 @@ ENTRY = 0.11  # inches per letter in the legend
 UNIT = re.compile(r"\[(.+)\]$")  # of an axis, in its label
 
 
-class Quantity(NamedTuple):
+class Panel(NamedTuple):
     """What a panel shows."""
 
     word: str
@@ -130,8 +130,8 @@ def draw_probes(
     return axes
 
 
-def _asked(result: Result, quantity: str | None) -> list[Quantity]:
-    known = [Quantity(*each) for each in quantities(result.scene)]
+def _asked(result: Result, quantity: str | None) -> list[Panel]:
+    known = [Panel(*each) for each in quantities(result.scene)]
     if quantity is None:
         return known
     found = [each for each in known if quantity in (each.word, each.letter)]
@@ -143,7 +143,7 @@ def _asked(result: Result, quantity: str | None) -> list[Quantity]:
 
 
 def _traces(
-    result: Result, probes: Iterable[str] | None, panels: list[Quantity], label: str, t: ArrayLike | None = None
+    result: Result, probes: Iterable[str] | None, panels: list[Panel], label: str, t: ArrayLike | None = None
 ) -> list[Trace]:
     names = [*result.probes] if probes is None else [probes] if isinstance(probes, str) else [*probes]
     for name in names:
@@ -159,7 +159,7 @@ def _traces(
     return found
 
 
-def _draw(axes: Axes, panel: Quantity, traces: list[Trace]) -> dict[str, Line2D]:
+def _draw(axes: Axes, panel: Panel, traces: list[Trace]) -> dict[str, Line2D]:
     """Curves of one quantity; in the units of axes that have some."""
     numbered = [(k, trace) for k, trace in enumerate(traces, len(axes.lines)) if panel.letter in trace.values]
     traces, there = [trace for _, trace in numbered], (axes.get_xlabel(), axes.get_ylabel())

@@ -27,7 +27,7 @@ class Signal(Element):
         return ((key, name) for key, name in (("probe", self.probe), ("minus", self.minus)) if name is not None)
 
 
-class Crossing(Signal):
+class LevelCrossing(Signal):
     """The instant at which a signal crosses a level."""
 
     level: Level = Field(description="that is crossed")
@@ -50,7 +50,7 @@ class Extent(Signal):
         return self
 
 
-class Instant(Crossing):
+class Instant(LevelCrossing):
     """The instant at which a signal crosses a level."""
 
     kind: Literal["crossing"] = "crossing"
@@ -61,8 +61,8 @@ class Interval(Element):
 
     section: ClassVar[str] = "measures"
     kind: Literal["delay"] = "delay"
-    start: Crossing = Field(description="the first crossing: keys of a crossing, without kind")
-    stop: Crossing = Field(description="the second one")
+    start: LevelCrossing = Field(description="the first crossing: keys of a crossing, without kind")
+    stop: LevelCrossing = Field(description="the second one")
 
     @property
     def probes(self) -> Iterator[tuple[str, str]]:
@@ -76,7 +76,7 @@ class Value(Signal):
 
     kind: Literal["value"] = "value"
     at: Delay | None = Field(default=None, description="instant")
-    when: Crossing | None = Field(default=None, description="instead of it: keys of a crossing, without kind")
+    when: LevelCrossing | None = Field(default=None, description="instead of it: keys of a crossing, without kind")
 
     @model_validator(mode="after")
     def _once(self):

@@ -10,7 +10,7 @@ from tline.errors import InputError
 from tline.scene.between import Between
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.law import ElementLaw, OfLiquids
-from tline.scene.pump_pieces import Pieces, backward, parabola, smooth
+from tline.scene.pump_pieces import PumpPieces, backward, parabola, smooth
 from tline.scene.quantity import Quantity, Role
 from tline.scene.shape import Step
 from tline.scene.suter import in_four_quadrants
@@ -65,7 +65,7 @@ class Pump(Between, OfLiquids):
         default=None, description="while it starts, up to the rated speed; needed with start"
     )
     check_valve: bool = Field(default=False, description="whether a check valve behind it lets nothing back")
-    _pieces: tuple[Pieces, Pieces] = PrivateAttr()
+    _pieces: tuple[PumpPieces, PumpPieces] = PrivateAttr()
 
     @model_validator(mode="after")
     def _runs(self):
@@ -85,7 +85,7 @@ class Pump(Between, OfLiquids):
             raise InputError("speed", f"cannot be prescribed beside a {moved[0]}", f"one of speed and {moved[0]}")
         return self
 
-    def _of_curve(self) -> tuple[Pieces, Pieces]:
+    def _of_curve(self) -> tuple[PumpPieces, PumpPieces]:
         """Pieces of the curve for a rotor that turns forward, and backward."""
         points = sorted((float(q), float(h)) for q, h in self.curve)
         if self.quadrants is not None:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 Form = tuple[float, float, float]  # a + b x + c x², x the flow over the speed
 
 
-class Pieces(NamedTuple):
+class PumpPieces(NamedTuple):
     """Rise at rest, inner borders of the flow at rated speed, and forms between them.
 
     Attributes
@@ -32,21 +32,23 @@ class Pieces(NamedTuple):
         return (*self.borders, *(x for form in (*self.rises, *self.torques) for x in form))
 
 
-def parabola(at_rest: float, b: float, c: float, sign: float = 1.0) -> Pieces:
+def parabola(at_rest: float, b: float, c: float, sign: float = 1.0) -> PumpPieces:
     """rise = ±at_rest - b x - c x|x|; all that is not lost by c x|x| comes from the rotor, or goes to it.
 
     The sign is that of the speed.
     """
     driven = (0.0, at_rest, -sign * b)
-    return Pieces(sign * at_rest, [0.0], [(0.0, -b, c), (0.0, -b, -c)], [driven, driven])
+    return PumpPieces(sign * at_rest, [0.0], [(0.0, -b, c), (0.0, -b, -c)], [driven, driven])
 
 
-def backward(forward: Pieces) -> Pieces:
+def backward(forward: PumpPieces) -> PumpPieces:
     """The same curve of a rotor that turns the other way, by a rise at rest that is as negative; no power."""
-    return Pieces(-forward.at_rest, forward.borders, forward.rises, [(0.0, forward.at_rest, 0.0)] * len(forward.rises))
+    return PumpPieces(
+        -forward.at_rest, forward.borders, forward.rises, [(0.0, forward.at_rest, 0.0)] * len(forward.rises)
+    )
 
 
-def smooth(points: Sequence[tuple[float, float]], efficiency: float) -> Pieces:
+def smooth(points: Sequence[tuple[float, float]], efficiency: float) -> PumpPieces:
     """A smooth curve that falls through points (flow, rise) of rising flow and falling rise.
 
     Parabolas of which two join in the middle between two points, so that the slope has no jump (L. L. Schumaker: On
@@ -67,7 +69,7 @@ def smooth(points: Sequence[tuple[float, float]], efficiency: float) -> Pieces:
     between, forms = _spline(x, [rise - at_rest for rise in h], slopes)
     borders += between
     rises += [*forms, _around(x[-1], h[-1] - at_rest, slopes[-1], last)]
-    return Pieces(at_rest, borders, rises, _torques(borders, at_rest, rises, efficiency))
+    return PumpPieces(at_rest, borders, rises, _torques(borders, at_rest, rises, efficiency))
 
 
 def _torques(borders: Sequence[float], at_rest: float, rises: Sequence[Form], efficiency: float) -> list[Form]:

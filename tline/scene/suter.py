@@ -8,7 +8,7 @@ from itertools import pairwise
 from math import pi, tan
 from typing import NamedTuple
 
-from tline.scene.pump_pieces import Form, Pieces
+from tline.scene.pump_pieces import Form, PumpPieces
 
 
 class Suter(NamedTuple):
@@ -42,7 +42,7 @@ RADIAL = Suter(
 TABLES = {"radial": RADIAL}
 
 
-def in_four_quadrants(kind: str, flow: float, rise: float, efficiency: float) -> tuple[Pieces, Pieces]:
+def in_four_quadrants(kind: str, flow: float, rise: float, efficiency: float) -> tuple[PumpPieces, PumpPieces]:
     """Pieces of a pump for a rotor that turns forward, and backward.
 
     Between two angles of the table F and G are straight lines over the angle, met at both and in the middle.
@@ -78,7 +78,7 @@ def in_four_quadrants(kind: str, flow: float, rise: float, efficiency: float) ->
         rises = [(a - at_rest, b, c) for a, b, c in rises]
         borders = [ratio * flow for ratio in ratios[::2]]
         scaled = _scaled(rises, rise, flow), _scaled(torques, rise * flow / efficiency, flow)
-        found.append(Pieces(rise * at_rest, borders, *scaled))
+        found.append(PumpPieces(rise * at_rest, borders, *scaled))
     return found[0], found[1]
 
 

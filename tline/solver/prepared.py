@@ -95,7 +95,7 @@ class Prepared:
         """Remember the order of a result, and how fast its search converged, if that was by the order alone."""
         attempts = accuracy.attempts
         by_order = all(b.order == a.order + 1 and b.slab == a.slab for a, b in pairwise(attempts))
-        if not accuracy.met or not by_order or any(attempt.cells for attempt in attempts):
+        if not accuracy.met or not by_order or any(attempt.sections for attempt in attempts):
             self.starts.pop(tol, None)
             return
         known, told = self.starts.get(tol), [a.estimate for a in attempts if a.estimate]

@@ -19,7 +19,7 @@ from tline.sweeps.design import design, whole
 from tline.sweeps.file import save, take_over
 from tline.sweeps.keep import kept_of
 from tline.sweeps.table import Sweep
-from tline.sweeps.work import Work
+from tline.sweeps.work import SweepWork
 
 SAVED, SHARE = 10.0, 20  # s between writing the file, and times that writing took
 MOST_WORKERS = 4096
@@ -122,7 +122,7 @@ def sweep(
     inputs = {path: chosen.column(path) for path in chosen.levels}
     table = Sweep(scene, inputs, chosen.shape, chosen.sample, kept.t, tol, origin={"keep": kept.names})
     file = _File(table, resume)
-    work = Work(chosen, table, Task(prepare(scene), kept, tol, active, {}), executor, workers)
+    work = SweepWork(chosen, table, Task(prepare(scene), kept, tol, active, {}), executor, workers)
     interrupted = False
     with warnings.catch_warnings(), Progress(chosen.runs, "run", progress) as bar:
         warnings.simplefilter("ignore", UnresolvedWarning)  # `Sweep.unmet` tells

@@ -23,7 +23,7 @@ LONG = 10.0  # s of work left that are worth starting processes
 Batches = Iterator[tuple[NDArray, Batch]]
 
 
-class Work:
+class SweepWork:
     """The runs of a sweep that are not in its table yet.
 
     Raises

@@ -21,7 +21,7 @@ ALWAYS = {"output", *OPEN}  # types that cannot be switched off
 LEFT_OUT = ("submodel", "add submodel", "driver schedule", "external model", "algorithmic model", "series current")
 
 
-class Table(NamedTuple):
+class CurrentTable(NamedTuple):
     """Current into the component over a voltage that counts from a reference, upwards or downwards."""
 
     reference: float  # V
@@ -37,7 +37,7 @@ class Table(NamedTuple):
         return self.amps[k] + slope * (v - self.volts[k])
 
 
-class Waveform(NamedTuple):
+class EdgeWaveform(NamedTuple):
     """Voltage of the die over time after an edge, into a resistance toward a voltage."""
 
     rises: bool
@@ -55,9 +55,9 @@ class Buffer(NamedTuple):
     kind: str  # type, in small letters
     capacitance: float  # of the die
     supply: float
-    tables: dict[str, Table]
+    tables: dict[str, CurrentTable]
     ramps: dict[bool, float]  # time of a whole swing, of rises and falls
-    waveforms: list[Waveform]
+    waveforms: list[EdgeWaveform]
     package: tuple[float, float, float]  # R, L, C
     notes: list[str]
 
@@ -177,7 +177,7 @@ def _is_voltage(section: Section) -> bool:
     return section.keyword == "voltage range" or section.keyword in {f"{name} reference" for name in TABLES}
 
 
-def _table(section: Section, corner: str, reference: float, notes: list[str]) -> Table:
+def _table(section: Section, corner: str, reference: float, notes: list[str]) -> CurrentTable:
     """A table whose current grows with the voltage toward its reference: the nearest such one."""
     rows = sorted(dict(table_of(section, corner)).items())
     volts, amps = np.array(rows).T
@@ -191,7 +191,7 @@ def _table(section: Section, corner: str, reference: float, notes: list[str]) ->
         notes.append(
             f"[{section.keyword.title()}] does not rise throughout: taken as the nearest that does, within {off:.2g} A"
         )
-    return Table(reference, downwards, volts, rising)
+    return CurrentTable(reference, downwards, volts, rising)
 
 
 def _monotone(y: NDArray) -> NDArray:
@@ -227,7 +227,7 @@ def _ramps(section: Section, corner: str) -> dict[bool, float]:
     return found
 
 
-def _waveform(section: Section, corner: str, notes: list[str]) -> Waveform:
+def _waveform(section: Section, corner: str, notes: list[str]) -> EdgeWaveform:
     """A table of voltage over time with its fixture."""
     known = {name: section.find(name) for name in FIXTURE}
     value = {name: number_of(row[1][0], row[0]) if row and row[1] else 0.0 for name, row in known.items()}
@@ -240,4 +240,4 @@ def _waveform(section: Section, corner: str, notes: list[str]) -> Waveform:
     if (np.diff(t) <= 0).any():
         raise InputError("file", f"line {section.line}: times of the waveform do not rise", "instants in order")
     rises = section.keyword == "rising waveform"
-    return Waveform(rises, value["r_fixture"], value["v_fixture"], value["c_fixture"], t, u)
+    return EdgeWaveform(rises, value["r_fixture"], value["v_fixture"], value["c_fixture"], t, u)

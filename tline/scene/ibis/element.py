@@ -12,7 +12,7 @@ from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_
 
 from tline.errors import InputError
 from tline.scene.characteristic import Curve, CurveLink
-from tline.scene.ibis.buffer import ALWAYS, Buffer, Table, read_buffer
+from tline.scene.ibis.buffer import ALWAYS, Buffer, CurrentTable, read_buffer
 from tline.scene.ibis.switching import Edge, edge_of, over_time
 from tline.scene.named_file import beside
 from tline.scene.quantity import ZERO, Duration, Time
@@ -197,7 +197,7 @@ def _corners(t: np.ndarray, level: np.ndarray, high: bool) -> Shares:
     return Shares(t=tuple(t.tolist()), level=tuple(level.tolist()))
 
 
-def _place(parts: Parts, name: str, table: Table, die: str, scale: Shares | None) -> None:
+def _place(parts: Parts, name: str, table: CurrentTable, die: str, scale: Shares | None) -> None:
     """A table between the die and its reference: a load if that is earth, else a link from a source of its own."""
     scaled = {} if scale is None else {"scale": scale}
     if not table.downwards and table.reference == 0:

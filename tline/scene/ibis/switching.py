@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.ibis.buffer import Buffer, Table, Waveform
+from tline.scene.ibis.buffer import Buffer, CurrentTable, EdgeWaveform
 
 STRAIGHT = 1e-2  # of a share: so far may straight lines between fewer instants be from it; cubics are a tenth of that
 
@@ -32,7 +32,7 @@ def edge_of(buffer: Buffer, rises: bool) -> Edge:
 
     Examples
     --------
-    >>> table = Table(0.0, False, np.array([0.0, 1.0]), np.array([0.0, 0.02]))
+    >>> table = CurrentTable(0.0, False, np.array([0.0, 1.0]), np.array([0.0, 0.02]))
     >>> buffer = Buffer("x", "output", 1e-12, 1.0, {"pulldown": table}, {True: 1e-9}, [], (0, 0, 0), [])
     >>> edge = edge_of(buffer, True)
     >>> edge.t.tolist(), edge.up.tolist(), edge.down.tolist()
@@ -51,7 +51,7 @@ def edge_of(buffer: Buffer, rises: bool) -> Edge:
     return Edge(t[kept] - min(t[0], 0.0), up[kept], down[kept], float(misfit))
 
 
-def _shares(buffer: Buffer, waveforms: list[Waveform], t: NDArray) -> tuple[NDArray, NDArray]:
+def _shares(buffer: Buffer, waveforms: list[EdgeWaveform], t: NDArray) -> tuple[NDArray, NDArray]:
     """Shares of both tables by least squares over all waveforms."""
     u = np.array([np.interp(t, each.t, each.u) for each in waveforms])
     toward, R, C = np.array([(each.toward, each.resistance, each.capacitance) for each in waveforms]).T[:, :, None]
@@ -66,7 +66,7 @@ def _shares(buffer: Buffer, waveforms: list[Waveform], t: NDArray) -> tuple[NDAr
     return _quotient(c * x - b * y, determinant), _quotient(a * y - b * x, determinant)
 
 
-def _current(table: Table | None, u: NDArray) -> NDArray:
+def _current(table: CurrentTable | None, u: NDArray) -> NDArray:
     return np.zeros_like(u) if table is None else table.current(u)
 
 

@@ -3,7 +3,7 @@
 from tline.scene.coupled import End
 from tline.scene.heights import NO_HEIGHT, Height
 from tline.scene.law import ElementLaw, Governor
-from tline.scene.measure import Crossing, Extent, Interval, Measure, Signal
+from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Signal
 from tline.scene.medium import MEDIA, Medium
 from tline.scene.multiport import Ports
 from tline.scene.ratio import Ratio
@@ -16,13 +16,13 @@ __all__ = [
     "MEDIA",
     "NO_HEIGHT",
     "Constant",
-    "Crossing",
     "ElementLaw",
     "End",
     "Extent",
     "Governor",
     "Height",
     "Interval",
+    "LevelCrossing",
     "Measure",
     "Medium",
     "Ports",

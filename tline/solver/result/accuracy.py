@@ -47,7 +47,7 @@ class Attempt:
         Line-end samples computed.
     seconds : float
         Time spent stepping.
-    cells : int
+    sections : int
         LC sections of each lumped line; 0 if no line was lumped.
     """
 
@@ -56,7 +56,7 @@ class Attempt:
     estimate: float | None
     samples: int
     seconds: float
-    cells: int = 0
+    sections: int = 0
 
     @classmethod
     def of(cls, result: "Result", estimate: float | None = None) -> "Attempt":

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.description.given import Crossing, Extent, Interval, Measure, Signal
+from tline.solver.description.given import Extent, Interval, LevelCrossing, Measure, Signal
 from tline.solver.result.dense_output import PLACES, curve, drawable, highest
 from tline.solver.result.result import ProbeResult, Result
 
@@ -72,7 +72,7 @@ def _measured(measure: Measure, probes: Mapping[str, ProbeResult], unit: str) ->
             return Measured(value, f"{unit} s" if measure.kind == "integral" else unit)
         case Interval():
             return Measured(_instant(measure.stop, probes) - _instant(measure.start, probes), "s")
-        case Crossing():
+        case LevelCrossing():
             return Measured(_instant(measure, probes), "s")
         case _:
             track = _track(measure, probes)
@@ -120,7 +120,7 @@ def _extent(kind: str, track: Track) -> float:
     return {"minimum": low, "maximum": high}.get(kind, high - low)
 
 
-def _instant(crossing: Crossing, probes: Mapping[str, ProbeResult]) -> float:
+def _instant(crossing: LevelCrossing, probes: Mapping[str, ProbeResult]) -> float:
     """When the level is crossed, not a number if it never is."""
     track, level = _track(crossing, probes), float(crossing.level)
     if crossing.after >= track.t[-1]:

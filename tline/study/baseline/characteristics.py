@@ -10,7 +10,7 @@ from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.study.baseline.kernel.histories import advance_moc
 from tline.study.baseline.loads import Euler, scattering, trapezoid
-from tline.study.baseline.method import Trace
+from tline.study.baseline.method import BaselineRun
 from tline.study.baseline.steps import MOST_KEPT, count_steps, delays_of, shortest_delay, stepped, within
 
 Weights = Callable[[float], tuple[float, float, float, float]]
@@ -43,7 +43,7 @@ def moc(
     weights: Weights = nearest,
     offset: float = 0.0,
     whole: int | None = None,
-) -> Trace:
+) -> BaselineRun:
     """Characteristics: what arrives is what was sent one delay ago.
 
     Without interpolation the delays are rounded to whole steps: the wave speeds are adjusted. `offset` adds to n; with

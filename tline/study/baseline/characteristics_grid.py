@@ -9,12 +9,12 @@ from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import rest, steady_state
 from tline.study.baseline.kernel.grid import Grid, advance_grid
-from tline.study.baseline.method import Trace
+from tline.study.baseline.method import BaselineRun
 from tline.study.baseline.steps import MOST_WORK, count_steps, delays_of, impedances_of, shortest_delay, stepped, within
 from tline.wording import place
 
 
-def moc_grid(scene: Scene, n: float) -> Trace:
+def moc_grid(scene: Scene, n: float) -> BaselineRun:
     """Characteristics from point to point; friction over a reach counts as K |y before| y after: second order.
 
     Delays are rounded to whole steps.

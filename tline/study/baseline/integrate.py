@@ -11,7 +11,7 @@ from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.nodes import node_of_end
-from tline.study.baseline.method import Trace
+from tline.study.baseline.method import BaselineRun
 from tline.study.baseline.node_systems import NodeSystem
 from tline.study.baseline.steps import MOST_KEPT, count_steps, probed, sampled, shortest_delay, within
 
@@ -30,7 +30,7 @@ class Chain(NamedTuple):
 
 def integrated(
     scene: Scene, n: float, chains: list[Chain], systems: list[NodeSystem], order: int, thevenin: bool = False
-) -> Trace:
+) -> BaselineRun:
     """Join lines and nodes, and integrate to a hundredth of the error that the sections leave."""
     from scipy import sparse
     from scipy.linalg import block_diag
@@ -51,7 +51,7 @@ def integrated(
     return _solved(scene, A, B, efforts, directly, parts, unit / n, 0.01 * n**-order)
 
 
-def _solved(scene: Scene, A, B, efforts, directly, parts: list, dt: float, rtol: float) -> Trace:
+def _solved(scene: Scene, A, B, efforts, directly, parts: list, dt: float, rtol: float) -> BaselineRun:
     """x' = A x + B v from rest with time in shortest delays; efforts x + directly v at every step.
 
     Explicitly (DOP853), or implicitly (Radau) where a load is far faster than the sections.
@@ -95,4 +95,4 @@ def _solved(scene: Scene, A, B, efforts, directly, parts: list, dt: float, rtol:
         u[:, here] += efforts @ run.y[:, : len(here)]
         x = run.y[:, -1]
     seconds = time.perf_counter() - begun
-    return Trace(t, dict(zip(scene.probes, u[probed(scene)], strict=True)), seconds)
+    return BaselineRun(t, dict(zip(scene.probes, u[probed(scene)], strict=True)), seconds)

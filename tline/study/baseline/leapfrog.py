@@ -9,7 +9,7 @@ from tline.solver.description.description import describe
 from tline.solver.description.nodes import node_of_end
 from tline.study.baseline.kernel.staggered import advance_fdtd
 from tline.study.baseline.loads import trapezoid
-from tline.study.baseline.method import Trace
+from tline.study.baseline.method import BaselineRun
 from tline.study.baseline.node_systems import half_sections, on_capacitor
 from tline.study.baseline.steps import (
     COURANT,
@@ -24,7 +24,7 @@ from tline.study.baseline.steps import (
 )
 
 
-def fdtd(scene: Scene, n: float, courant: float = COURANT) -> Trace:
+def fdtd(scene: Scene, n: float, courant: float = COURANT) -> BaselineRun:
     """Effort at cell edges and whole steps, flow between them; half a cell of every line belongs to its node."""
     nodes, dt = describe(scene).nodes, shortest_delay(scene) / n
     steps, cells = count_steps(scene, dt), cells_of(scene, dt, courant)

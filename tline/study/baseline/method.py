@@ -13,7 +13,7 @@ from tline.scene.scene import Scene
 from tline.wording import place
 
 
-class Trace(NamedTuple):
+class BaselineRun(NamedTuple):
     """Instants, effort of each probe at these, and the seconds that time stepping took."""
 
     t: NDArray
@@ -56,7 +56,7 @@ class Baseline:
     label: str
     order: int
     load_order: int
-    solve: Callable[[Scene, float], Trace]
+    solve: Callable[[Scene, float], BaselineRun]
     unfit: Callable[[Scene], str | None] = lambda scene: None
     knows: str = "nothing"
 
@@ -81,7 +81,7 @@ class Baseline:
             return "start: baseline methods start at rest only"
         return self.unfit(scene)
 
-    def run(self, scene: Scene, n: float) -> Trace:
+    def run(self, scene: Scene, n: float) -> BaselineRun:
         """Run a scene with n steps per shortest delay.
 
         Raises

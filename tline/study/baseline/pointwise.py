@@ -12,7 +12,7 @@ from tline.solver.description.description import describe
 from tline.solver.description.excitation import EDGE, Waveform, sampled
 from tline.solver.loop.kernel import advance
 from tline.solver.radau import Basis, gauss
-from tline.study.baseline.method import Trace
+from tline.study.baseline.method import BaselineRun
 from tline.study.baseline.steps import HALF, MOST_KEPT, count_steps, delays_of, shortest_delay, within
 
 
@@ -49,7 +49,7 @@ def projected(waveform: Waveform, breaks: NDArray, basis: Basis, h: float, first
     return values
 
 
-def slabs_pointwise(scene: Scene, n: float, order: int = 4, offset: float = HALF) -> Trace:
+def slabs_pointwise(scene: Scene, n: float, order: int = 4, offset: float = HALF) -> BaselineRun:
     """The slabs of the production method, with interpolation in place of the projection; n slabs per delay."""
 
     h = shortest_delay(scene) / (n + offset)
@@ -76,7 +76,7 @@ def slabs_pointwise(scene: Scene, n: float, order: int = 4, offset: float = HALF
         name: np.append(0.0, at_ends[assembly.recorded[line] + side].sum(axis=0))
         for name, (line, side) in probed.items()
     }
-    return Trace(np.arange(steps + 1) * h, u, seconds)
+    return BaselineRun(np.arange(steps + 1) * h, u, seconds)
 
 
 def _a_line_at(scene: Scene, node: str | None) -> tuple[str, int]:

@@ -10,12 +10,12 @@ from tline.solver.description.description import describe
 from tline.solver.description.groups import Group
 from tline.solver.description.nodes import node_of_end
 from tline.study.baseline.integrate import Chain, integrated
-from tline.study.baseline.method import Trace
+from tline.study.baseline.method import BaselineRun
 from tline.study.baseline.node_systems import HELD, NodeSystem, behind_inductor, half_sections, on_capacitor
 from tline.study.baseline.steps import decays_of, delays_of, impedances_of, sections_of, shortest_delay
 
 
-def lumped_pi(scene: Scene, n: float) -> Trace:
+def lumped_pi(scene: Scene, n: float) -> BaselineRun:
     """Each line a chain of sections, half of their capacitance before and half behind their inductance."""
     nodes, unit, cells = describe(scene).nodes, shortest_delay(scene), sections_of(scene, n)
     chains = []
@@ -30,7 +30,7 @@ def lumped_pi(scene: Scene, n: float) -> Trace:
     return integrated(scene, n, chains, systems, order=2)
 
 
-def lumped_t(scene: Scene, n: float) -> Trace:
+def lumped_t(scene: Scene, n: float) -> BaselineRun:
     """Each line a chain of sections, half of their inductance before and half behind their capacitance."""
     nodes, unit, cells = describe(scene).nodes, shortest_delay(scene), sections_of(scene, n)
     widths = delays_of(scene) / cells / unit
@@ -48,7 +48,7 @@ def lumped_t(scene: Scene, n: float) -> Trace:
     return integrated(scene, n, chains, systems, order=2)
 
 
-def pade(scene: Scene, n: float) -> Trace:
+def pade(scene: Scene, n: float) -> BaselineRun:
     """Each delay a chain of sections (6 - 2s)/(6 + 4s + s²), the Padé approximant [1/2] of exp(-s)."""
     from scipy import sparse
 

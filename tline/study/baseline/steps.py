@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.study.baseline.method import Trace
+from tline.study.baseline.method import BaselineRun
 
 MOST_WORK = 2e9  # cells times steps
 MOST_KEPT = 1e8  # samples
@@ -73,7 +73,7 @@ def sampled(parts: list, t: NDArray, dt: float) -> NDArray:
     return sum((factor * waveform.value(t, t - 1e-9 * dt) for waveform, factor in parts), np.zeros(len(t)))
 
 
-def stepped(scene: Scene, loop: Callable[..., None], dt: float, steps: int, parts: list) -> Trace:
+def stepped(scene: Scene, loop: Callable[..., None], dt: float, steps: int, parts: list) -> BaselineRun:
     """Sample the sources and run a compiled loop, which is compiled before the clock starts."""
     seen, t = np.array(probed(scene)), np.arange(steps + 1) * dt
     within((steps + 1) * (len(parts) + len(seen)), MOST_KEPT)
@@ -82,4 +82,4 @@ def stepped(scene: Scene, loop: Callable[..., None], dt: float, steps: int, part
     begun = time.perf_counter()
     loop(np.array([sampled(row, t, dt) for row in parts]), seen, steps, record)
     seconds = time.perf_counter() - begun
-    return Trace(t, dict(zip(scene.probes, record, strict=True)), seconds)
+    return BaselineRun(t, dict(zip(scene.probes, record, strict=True)), seconds)

@@ -116,10 +116,10 @@ def compare(arrived: NDArray, expected: NDArray) -> tuple[float, float, float, f
 def methods(*, quick: bool = False) -> dict[str, Callable[[Scene], tuple[NDArray, NDArray, float]]]:
     """By label: from a scene to instants, efforts at the far end there, and seconds; quickly without `solve_ivp`."""
     from tline.study.baseline import BASELINES
-    from tline.study.baseline.method import Trace
+    from tline.study.baseline.method import BaselineRun
     from tline.study.baseline.pointwise import slabs_pointwise
 
-    def method(run: Callable[[Scene, float], Trace], scene: Scene) -> tuple[NDArray, NDArray, float]:
+    def method(run: Callable[[Scene, float], BaselineRun], scene: Scene) -> tuple[NDArray, NDArray, float]:
         t, u, seconds = run(scene, STEPS)
         return t, u["far"], seconds
 

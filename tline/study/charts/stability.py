@@ -23,7 +23,7 @@ STILL = "#E3EDF4"
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredStrip:
     """One method of a map.
 
     Attributes
@@ -52,7 +52,7 @@ class Stability:
     """A finished map."""
 
     map: Map
-    strips: list[Measured]
+    strips: list[MeasuredStrip]
 
     def differences(self) -> list[tuple[str, float, float, float]]:
         """Of each method and boundary: predicted, measured, and the difference over the axis; NaN where there is none.
@@ -116,11 +116,11 @@ def stability(name: str, *, quick: bool = False, progress: bool = False) -> Stab
         )
 
 
-def _measured(strip: Strip, x: NDArray, level: float) -> Measured:
+def _measured(strip: Strip, x: NDArray, level: float) -> MeasuredStrip:
     rates, predicted = (
         np.array([tell(float(at)) for at in x]) for tell in (lambda at: rate(*strip.run(at)), strip.predict)
     )
-    return Measured(strip.label, x, rates, predicted, crossings(x, rates, level), crossings(x, predicted, level))
+    return MeasuredStrip(strip.label, x, rates, predicted, crossings(x, rates, level), crossings(x, predicted, level))
 
 
 def save(maps: Iterable[Stability], path: str | Path) -> None:

@@ -52,7 +52,7 @@ def steady(pipes: Pipes, given: NDArray) -> tuple[NDArray, NDArray]:
     return scale * found[lines:], found[:lines]
 
 
-class Motion(NamedTuple):
+class GridState(NamedTuple):
     """Pipes in reaches, and what is at their points."""
 
     pipes: Pipes
@@ -78,27 +78,27 @@ def march(
         u[j, : n + 1] = at_end[2 * j] + (at_end[2 * j + 1] - at_end[2 * j]) / n * np.arange(n + 1)
         y[j, : n + 1] = flow[j]
     record[:, 0] = effort[seen]
-    march_on(pack(Motion(pipes, reaches, given, seen, record, effort.copy(), u, y, plus, minus)))
+    march_on(pack(GridState(pipes, reaches, given, seen, record, effort.copy(), u, y, plus, minus)))
     return record
 
 
 @unit
-def march_on(motion: Motion) -> int:
+def march_on(state: GridState) -> int:
     """Go from point to point, step by step."""
-    pipes, reaches, effort = motion.pipes, motion.reaches, motion.effort
-    u, y, plus, minus = motion.u, motion.y, motion.plus, motion.minus
-    for step in range(1, motion.given.shape[1]):
+    pipes, reaches, effort = state.pipes, state.reaches, state.effort
+    u, y, plus, minus = state.u, state.y, state.plus, state.minus
+    for step in range(1, state.given.shape[1]):
         for j in range(reaches.size):
             inside(u[j], y[j], plus[j], minus[j], reaches[j], pipes.z0[j], pipes.lost[j] / reaches[j])
         for k in range(effort.size):
-            at_node(pipes, reaches, k, effort, motion.given[k, step], plus, minus)
+            at_node(pipes, reaches, k, effort, state.given[k, step], plus, minus)
             for i in range(pipes.first[k], pipes.first[k + 1]):
                 end = pipes.ends[i]
                 into, _, _ = arriving(pipes, reaches, end, effort[k], plus, minus)
                 j, sign = end // 2, 2.0 * (end % 2) - 1.0
                 u[j, reaches[j] * (end % 2)], y[j, reaches[j] * (end % 2)] = effort[k], sign * into
-        for row in range(motion.seen.size):
-            motion.record[row, step] = effort[motion.seen[row]]
+        for row in range(state.seen.size):
+            state.record[row, step] = effort[state.seen[row]]
     return 0
 
 

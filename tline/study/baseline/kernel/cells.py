@@ -5,17 +5,17 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.structure import Floats, Floats2, Integers, pack
-from tline.study.baseline.kernel.nodes import Instant, NodeScattering, at_rest, scatter
-from tline.study.baseline.kernel.signals import Signals
+from tline.study.baseline.kernel.nodes import NodeScattering, NodeState, at_rest, scatter
+from tline.study.baseline.kernel.signals import BaselineSignals
 from tline.unit import unit
 
 
-class Cells(NamedTuple):
+class AdvectedCells(NamedTuple):
     """Lines and nodes."""
 
     net: NodeScattering
-    now: Instant
-    signals: Signals
+    now: NodeState
+    signals: BaselineSignals
     cells: Integers  # (lines,)
     courant: Floats  # (lines,)
     diffusion: Floats  # (lines,)
@@ -25,12 +25,12 @@ class Cells(NamedTuple):
 def advance_cells(net, cells, courant, diffusion, drive, seen, steps, record):
     """Advance a network at rest by so many steps."""
     a = np.zeros((2 * len(cells), cells.max() + 1))
-    signals = Signals(drive, seen, record)
-    advance_advection(pack(Cells(net, at_rest(net), signals, cells, courant, diffusion, a)), steps)
+    signals = BaselineSignals(drive, seen, record)
+    advance_advection(pack(AdvectedCells(net, at_rest(net), signals, cells, courant, diffusion, a)), steps)
 
 
 @unit
-def advance_advection(run: Cells, steps: int) -> int:
+def advance_advection(run: AdvectedCells, steps: int) -> int:
     """Carry waves from cell to cell, and scatter what arrives."""
     a, arriving, sent = run.a, run.now.arriving, run.now.sent
     ends = a.shape[0]

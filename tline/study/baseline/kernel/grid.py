@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.structure import Flags, Floats, Floats3, Integers, pack
-from tline.study.baseline.kernel.signals import Signals, put
+from tline.study.baseline.kernel.signals import BaselineSignals, put
 from tline.unit import function, unit
 
 
@@ -25,7 +25,7 @@ class GridPoints(NamedTuple):
     """A grid and what is on it, at this step and the next by turns."""
 
     net: Grid
-    signals: Signals
+    signals: BaselineSignals
     effort: Floats  # (nodes,)
     u: Floats3  # (2, lines, points)
     y: Floats3  # (2, lines, points)
@@ -39,7 +39,7 @@ def advance_grid(net, ends, flows, drive, seen, steps, record):
         u[0, j, : last + 1] = ends[j, 0] + (ends[j, 1] - ends[j, 0]) / last * np.arange(last + 1)
         y[0, j, : last + 1] = flows[j]
     record[:, 0] = effort[seen]
-    advance_points(pack(GridPoints(net, Signals(drive, seen, record), effort, u, y)), steps)
+    advance_points(pack(GridPoints(net, BaselineSignals(drive, seen, record), effort, u, y)), steps)
 
 
 @unit

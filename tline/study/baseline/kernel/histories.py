@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.structure import Floats2, Integers, pack
-from tline.study.baseline.kernel.nodes import Instant, NodeScattering, at_rest, scatter
-from tline.study.baseline.kernel.signals import Signals
+from tline.study.baseline.kernel.nodes import NodeScattering, NodeState, at_rest, scatter
+from tline.study.baseline.kernel.signals import BaselineSignals
 from tline.unit import unit
 
 
@@ -14,8 +14,8 @@ class Histories(NamedTuple):
     """Lines and nodes."""
 
     net: NodeScattering
-    now: Instant
-    signals: Signals
+    now: NodeState
+    signals: BaselineSignals
     late: Integers  # (lines,) whole steps of the delay
     taps: Floats2  # (lines, 4) weights of the samples 1 step late, on time, 1 and 2 steps early
     history: Floats2  # (ends, zeros + steps + 1)
@@ -24,7 +24,9 @@ class Histories(NamedTuple):
 def advance_moc(net, late, taps, drive, seen, steps, record):
     """Advance a network at rest by so many steps."""
     history = np.zeros((2 * len(late), steps + 1 + late.max() + 2))
-    advance_histories(pack(Histories(net, at_rest(net), Signals(drive, seen, record), late, taps, history)), steps)
+    advance_histories(
+        pack(Histories(net, at_rest(net), BaselineSignals(drive, seen, record), late, taps, history)), steps
+    )
 
 
 @unit

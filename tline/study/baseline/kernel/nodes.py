@@ -25,7 +25,7 @@ class NodeScattering(NamedTuple):
     u_w: Floats  # (loads,)
 
 
-class Instant(NamedTuple):
+class NodeState(NamedTuple):
     """What is known of nodes and line ends at an instant."""
 
     w: Floats  # (nodes,)
@@ -36,10 +36,10 @@ class Instant(NamedTuple):
     sent: Floats  # (ends,)
 
 
-def at_rest(net: NodeScattering) -> Instant:
+def at_rest(net: NodeScattering) -> NodeState:
     """Nothing moves."""
     nodes, ends, m = len(net.row), len(net.ends), net.x_x.shape[1]
-    return Instant(np.zeros(nodes), np.zeros(nodes), np.zeros((len(net.x_x), m)), np.zeros(m), *np.zeros((2, ends)))
+    return NodeState(np.zeros(nodes), np.zeros(nodes), np.zeros((len(net.x_x), m)), np.zeros(m), *np.zeros((2, ends)))
 
 
 @function

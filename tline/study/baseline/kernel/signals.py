@@ -6,7 +6,7 @@ from tline.structure import Floats2, Integers
 from tline.unit import function
 
 
-class Signals(NamedTuple):
+class BaselineSignals(NamedTuple):
     """Arrays over the steps of a loop."""
 
     drive: Floats2  # (nodes, steps + 1) what sources give

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.structure import Flags, Floats, Floats2, Floats3, Integers, pack
-from tline.study.baseline.kernel.signals import Signals, put
+from tline.study.baseline.kernel.signals import BaselineSignals, put
 from tline.unit import unit
 
 
@@ -19,7 +19,7 @@ class Staggered(NamedTuple):
     held: Flags  # (nodes,)
     x_x: Floats3  # (nodes, m, m)
     x_i: Floats2  # (nodes, m)
-    signals: Signals
+    signals: BaselineSignals
     u: Floats2  # (lines, edges)
     y: Floats2  # (lines, cells)
     x: Floats2  # (nodes, m)
@@ -32,7 +32,7 @@ def advance_fdtd(cells, courant, z0, at, held, x_x, x_i, drive, seen, steps, rec
     """Advance a network at rest by so many steps."""
     lines, nodes, m, most = len(cells), len(held), x_x.shape[1], cells.max()
     work = np.zeros((lines, most + 1)), np.zeros((lines, most)), np.zeros((nodes, m)), np.zeros(m)
-    signals, at = Signals(drive, seen, record), np.array(at, np.int64)
+    signals, at = BaselineSignals(drive, seen, record), np.array(at, np.int64)
     run = Staggered(cells, courant, z0, at, held, x_x, x_i, signals, *work, np.zeros(nodes), np.zeros(nodes))
     advance_staggered(pack(run), steps)
 
