@@ -12,7 +12,7 @@ from tline.solver.kernel.network import CircuitWork, Crossing, GovernWork, Laws,
 from tline.structure import pack
 
 SAMPLES = 512  # per tile
-AT_LAWS = "given", "aimed", "start", "turn", "trial", "sent", "flow", "other", "slope", "rest", "drive"  # of a circuit
+AT_LAWS = "given", "aimed", "start", "safe", "trial", "sent", "flow", "other", "slope", "rest", "drive"  # of a circuit
 AT_POINTS = (
     "v",
     "control",

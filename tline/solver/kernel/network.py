@@ -200,7 +200,7 @@ class CircuitWork(NamedTuple):
     given: Floats  # (M,) waves that nodes and states send to laws
     aimed: Floats  # (M,) waves into laws
     start: Floats  # (M,)
-    turn: Floats  # (M,)
+    safe: Floats  # (M,) the last that follow the path
     trial: Floats  # (M,)
     sent: Floats  # (M,) waves out of them
     flow: Floats  # (M,)
