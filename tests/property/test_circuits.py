@@ -58,6 +58,18 @@ def test_energy_in_gas_tanks_and_cavities_never_grows(order):
             assert largest_growth(random_circuit(seed, order, vessels=True), seed, SLABS) <= AT_ONCE, seed
 
 
+@pytest.mark.parametrize(
+    "seed",
+    [
+        187,  # waves that could fill the vessel four times in a slab
+        188,  # searched for more than four minutes
+    ],
+)
+def test_slabs_far_too_long_for_gas_are_divided_for_all_waves_alike(seed):
+    """Flows into gas jumped from wave to wave, as a step was found or not: none fitted."""
+    assert largest_growth(random_circuit(seed, 1 + seed % 8, vessels=True), seed, SLABS) <= AT_ONCE
+
+
 def after(table: Table, seed: int) -> np.ndarray:
     """Waves under way after some slabs, over the largest at the start."""
     assembly = silent(Scene(**table), seed)

@@ -20,7 +20,7 @@ resistor networks, Bell Syst. Tech. J. 44 (1965) 1605-1620, doi:10.1002/j.1538-7
 import numpy as np
 
 from tline.solver.kernel.arithmetic import TINY, eliminate, largest
-from tline.solver.kernel.network import AIR, Run
+from tline.solver.kernel.network import AIR, DIVIDED, MISSES, Run
 from tline.solver.kernel.newton import CLOSE, FAINT, SPARE
 from tline.unit import function, invoke, unit
 
@@ -78,6 +78,7 @@ def unbalance(run, g, q, h, step, at, k, mu):
     first, m = laws.first[g], laws.first[g + 1] - laws.first[g]
     wave, sent, flow, rest, size, width = work.aimed, work.sent, work.flow, work.rest, m * q, work.width[0]
     exchange_states(run, g, True)
+    run.work.store.division[MISSES] = 0
     for law in range(m):
         ask(run, first + law, q, h, wave, law * q, flow)
         for j in range(q):
@@ -195,7 +196,7 @@ def followed(run, g, q, h, step, at, k):
     mu, ratio = 1.0, SMALLER
     for a in range(size):
         work.aimed[a], work.safe[a] = work.given[a], work.given[a]
-    while LEAST < mu and ratio < STEEP:
+    while mu > LEAST and ratio < STEEP:
         found = newton(run, g, q, h, step, at, k, mu)
         if found == SOLVED:
             return True
@@ -209,6 +210,26 @@ def followed(run, g, q, h, step, at, k):
             else:
                 work.aimed[a] = work.safe[a]
         mu *= ratio
+    return False
+
+
+@function
+def found(run, g, q, h, step, at, k):
+    """Find the waves into the laws of a group, from the last ones or along the path. Returns whether it could.
+
+    Where stores miss what flows, or no flow is found for them, it does so once more with their slab divided.
+    """
+    laws, work, division = run.network.laws, run.work.circuit, run.work.store.division
+    first, last, s, stores = laws.first[g], laws.first[g + 1], run.state.before.shape[1], 0
+    for e in range(first, last):
+        stores |= laws.state_at[e] >= 0
+    for divided in range(1 + stores):
+        division[DIVIDED] = divided
+        for a in range((last - first) * q):
+            work.aimed[a] = work.waves[first * s + a]
+        solved = newton(run, g, q, h, step, at, k, 0.0) == SOLVED or followed(run, g, q, h, step, at, k)
+        if solved and not division[MISSES]:
+            return True
     return False
 
 
@@ -245,10 +266,7 @@ def circuit(run: Run, g: int, n: int, h: float, own: int) -> int:
             for i in range(q):
                 work.control[law, i] = run.work.control[law, block * q + i]
         exchange_states(run, g, False)
-        for a in range(size):
-            work.aimed[a] = work.waves[first * s + a]
-        found = newton(run, g, q, h, step, at, k, 0.0) == SOLVED
-        if not found and not followed(run, g, q, h, step, at, k):
+        if not found(run, g, q, h, step, at, k):
             for a in range(size):
                 work.waves[first * s + a] = 0.0
             for p in range(k):
