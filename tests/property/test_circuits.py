@@ -34,6 +34,8 @@ def test_energy_in_lines_and_circuits_never_grows(order):
     "seed",
     [
         1524,
+        4510,  # many points at kinks at once
+        10879,
         3801,  # ideal transformers hold both nodes of a check valve at zero
         6778,
         11323,  # five check valves around a node, all of them shut
@@ -63,10 +65,13 @@ def test_energy_in_gas_tanks_and_cavities_never_grows(order):
     [
         187,  # waves that could fill the vessel four times in a slab
         188,  # searched for more than four minutes
+        68,
+        111,
+        117,
     ],
 )
-def test_slabs_far_too_long_for_gas_are_divided_for_all_waves_alike(seed):
-    """Flows into gas jumped from wave to wave, as a step was found or not: none fitted."""
+def test_slabs_far_too_long_for_stores_are_divided_for_all_waves_alike(seed):
+    """Flows into gas and vapour jumped from wave to wave, as a step or an opening was found or not: none fitted."""
     assert largest_growth(random_circuit(seed, 1 + seed % 8, vessels=True), seed, SLABS) <= AT_ONCE
 
 

@@ -7,8 +7,9 @@ root α(μ), whatever the laws. As μ falls from 1 that root moves, for each fac
 from a solution, and ends at the solution next to c (Tikhonov): a path of finite length, which Newton's method follows
 where it does not find the solution from the last slab's waves at once.
 
-A step that only a small part of helps is stopped by a kink; it is taken to just beyond. Of one kink the same step
-leads on there, since Jacobians on both sides have determinants of one sign (Katzenelson 1965).
+A step that only a small part of helps is stopped by a kink; it is taken to just beyond. From one kink the next step
+leads on, since Jacobians on both sides have determinants of one sign (Katzenelson 1965); where several meet it may lead
+back. So every other time the step is that of a contraction, which no kink stops.
 
 References
 ----------
@@ -151,6 +152,13 @@ def aim(work, size, share):
 
 
 @function
+def relax(work, size, mu):
+    """Go on by the mean of α and c + S R(α), which is nearer to any solution (Krasnoselskii 1955)."""
+    for a in range(size):
+        work.aimed[a] -= work.rest[a] / (2.0 + mu)
+
+
+@function
 def newton(run, g, q, h, step, at, k, mu):
     """Lead F + μ (α - c) to zero from the waves `aimed`, but to no more than what follows the path if μ > 0.
 
@@ -159,14 +167,23 @@ def newton(run, g, q, h, step, at, k, mu):
     """
     laws, work = run.network.laws, run.work.circuit
     size, faint = (laws.first[g + 1] - laws.first[g]) * q, SPARE * largest(run.work.row, k * q)
-    before, share, over, across, close = np.inf, 1.0, False, False, False
+    before, share, over, across, close, stops = np.inf, 1.0, False, False, False, 0
     for _ in range(ALONG if mu > 0.0 else AT_ONCE):
         now, worst, off, scale = unbalance(run, g, q, h, step, at, k, mu)
         free = across or (mu == 0.0 and not close)
         fits = now < np.inf if free else now <= (1.0 - GAIN * share) ** 2 * before
-        if fits and over and share < KINK and not free:
-            across, share = True, share / SHORTER
-        elif fits:
+        if not fits and before < np.inf and share > (ROUNDED if close else SHORTEST):
+            over, share = now <= BEYOND * before, share * SHORTER
+            aim(work, size, share)
+        elif not (fits or (now < np.inf and not close)):
+            break
+        elif share < KINK and not free:
+            across, stops = True, stops + 1
+            if over and stops % 2 == 1:
+                aim(work, size, share / SHORTER)
+            else:
+                relax(work, size, mu)
+        else:
             if worst <= SPARE * scale:
                 return SOLVED
             if off <= NEAR * mu * scale:
@@ -176,11 +193,7 @@ def newton(run, g, q, h, step, at, k, mu):
             for a in range(size):
                 work.start[a] = work.aimed[a]
             before, share, over, across, close = now, 1.0, False, False, worst <= max(CLOSE * scale, faint)
-        elif before < np.inf and share > (ROUNDED if close else SHORTEST):
-            over, share = now <= BEYOND * before, share * SHORTER
-        else:
-            break
-        aim(work, size, share)
+            aim(work, size, share)
     if not close:
         return LOST
     aim(work, size, 0.0)
@@ -227,7 +240,9 @@ def found(run, g, q, h, step, at, k):
         division[DIVIDED] = divided
         for a in range((last - first) * q):
             work.aimed[a] = work.waves[first * s + a]
-        solved = newton(run, g, q, h, step, at, k, 0.0) == SOLVED or followed(run, g, q, h, step, at, k)
+        solved = newton(run, g, q, h, step, at, k, 0.0) == SOLVED
+        if not solved and not division[MISSES]:
+            solved = followed(run, g, q, h, step, at, k)
         if solved and not division[MISSES]:
             return True
     return False

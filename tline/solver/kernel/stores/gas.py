@@ -5,15 +5,14 @@ Constants: effort beyond the element, capacity of the orifice, pressure outside,
 
 import numpy as np
 
-from tline.solver.kernel.arithmetic import clear, times
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import DIVIDED, MISSES, Store
 from tline.solver.kernel.newton import STEPS, ULPS
-from tline.solver.kernel.polynomials import integrated, project, series
 from tline.solver.kernel.stores.fill import fill
+from tline.solver.kernel.stores.parts import in_parts
 from tline.unit import function, unit
 
-MISSED, SQUEEZES = 1e-3, 64  # share of a gas's volume that a step may lose, and steps in a slab that is divided
+MISSED = 1e-3  # share of a gas's volume that a step may lose
 FARTHEST = 2.0  # change of ln V in a step of Newton's method
 
 
@@ -81,31 +80,6 @@ def squeezed(c, at, volume, share, d, z):
 
 
 @function
-def squeeze(store, at, state, start, h, z):
-    """Flows into gas by many steps of Euler's implicit method for its volume.
-
-    Its energy is convex in its volume: a step adds none. Nor does the projection of these flows on the slab, which
-    keeps their integral, the volume.
-    """
-    tools, v, flow, coef, sent = store.tools, store.v, store.flow, store.coef, store.integral
-    constant, whole, c, width = store.constant, store.whole, store.constants, 1.0 / SQUEEZES
-    clear(whole)
-    times(tools.to_legendre, v, 0, coef)
-    integrated(coef, 1.0, sent)
-    volume, last, share = np.exp(start), 0.0, h * width / c[at + 3]
-    for k in range(SQUEEZES):
-        here = series(sent, 2.0 * (k + 1) * width - 1.0)
-        new = squeezed(c, at, volume, share, (here - last) / width - c[at], z)
-        constant[0] = (volume - new) / share
-        project(constant, k * width, (k + 1) * width, 0.0, 1.0, tools.gauss, whole)
-        volume, last = new, here
-    store.states[state] = np.log(volume)
-    times(tools.to_points, whole, 0, flow)
-    for j in range(flow.size):
-        store.drive[j] = z * flow[j] + flow[j] * abs(flow[j]) / c[at + 1] ** 2
-
-
-@function
 def is_missed(store, at, state, start, h):
     """Whether the volume of gas that keeps its temperature is not what flowed: too stiff for the step."""
     c, radau, flow, spent = store.constants, store.tools.radau, store.flow, 0.0
@@ -122,7 +96,10 @@ def gas(store: Store, at: int, state: int, h: float, z: float) -> int:
     """Flows into the gas at the points of a slab of width h, behind the efforts v and the impedance z."""
     start = store.states[state]
     if store.division[DIVIDED]:
-        squeeze(store, at, state, start, h, z)
+        c, flow = store.constants, store.flow
+        store.states[state] = np.log(in_parts(squeezed, store, at, np.exp(start), h / c[at + 3], z))
+        for j in range(flow.size):
+            store.drive[j] = z * flow[j] + flow[j] * abs(flow[j]) / c[at + 1] ** 2
         return 0
     fill(stored, entering, store, at, state, h, z, FARTHEST)
     if is_missed(store, at, state, start, h):
