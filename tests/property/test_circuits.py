@@ -30,11 +30,49 @@ def test_energy_in_lines_and_circuits_never_grows(order):
         assert largest_growth(random_circuit(seed, order), seed, SLABS) <= AT_ONCE, seed
 
 
+@pytest.mark.parametrize(
+    "seed",
+    [
+        1524,
+        4510,  # many points at kinks at once
+        10879,
+        3801,  # ideal transformers hold both nodes of a check valve at zero
+        6778,
+        11323,  # five check valves around a node, all of them shut
+        18910,
+    ],
+)
+def test_kinks_that_stop_a_step_are_crossed(seed):
+    """In these circuits laws found no flow when steps had to make the residual less."""
+    assert largest_growth(random_circuit(seed, 1 + seed % 8), seed, SLABS) <= AT_ONCE
+
+
+@pytest.mark.parametrize("seed", [1357, 1452, 5707, 9387])
+def test_diodes_that_block_against_each_other_find_the_effort_between_them(seed):
+    """In these rows next to nothing flows, and Newton's method leads far away."""
+    assert fade(random_chains(seed, 1 + seed % 16), seed) < 1e-12
+
+
 @pytest.mark.parametrize("order", [1, 2, 3, 5])
 def test_energy_in_gas_tanks_and_cavities_never_grows(order):
     for seed in range(1000 * order, 1000 * order + SCENES):
         with contextlib.suppress(InputError):  # some waves are too large for some vessels
             assert largest_growth(random_circuit(seed, order, vessels=True), seed, SLABS) <= AT_ONCE, seed
+
+
+@pytest.mark.parametrize(
+    "seed",
+    [
+        187,  # waves that could fill the vessel four times in a slab
+        188,  # searched for more than four minutes
+        68,
+        111,
+        117,
+    ],
+)
+def test_slabs_far_too_long_for_stores_are_divided_for_all_waves_alike(seed):
+    """Flows into gas and vapour jumped from wave to wave, as a step or an opening was found or not: none fitted."""
+    assert largest_growth(random_circuit(seed, 1 + seed % 8, vessels=True), seed, SLABS) <= AT_ONCE
 
 
 def after(table: Table, seed: int) -> np.ndarray:

@@ -12,7 +12,7 @@ from tline.solver.kernel.network import CircuitWork, Crossing, GovernWork, Laws,
 from tline.structure import pack
 
 SAMPLES = 512  # per tile
-AT_LAWS = "given", "aimed", "start", "turn", "trial", "sent", "flow", "other", "slope", "rest", "drive"  # of a circuit
+AT_LAWS = "given", "aimed", "start", "safe", "trial", "sent", "flow", "other", "slope", "rest", "drive"  # of a circuit
 AT_POINTS = (
     "v",
     "control",
@@ -71,7 +71,14 @@ def _of_elements(laws: Laws, state: State, elements: int, tile: int) -> tuple[Cr
     at_points = {name: np.empty(s) for name in AT_POINTS}
     system, integral = np.zeros((s, s + 1)), np.empty(s + 1)
     store = Store(
-        laws.constants, state.load, laws.tools, system=system, integral=integral, constant=np.empty(1), **at_points
+        laws.constants,
+        state.load,
+        laws.tools,
+        system=system,
+        integral=integral,
+        constant=np.empty(1),
+        division=np.zeros(2, np.int64),
+        **at_points,
     )
     circuit = CircuitWork(
         **{name: np.zeros(elements * s) for name in AT_LAWS},
@@ -98,9 +105,8 @@ def _without_elements() -> Any:
     nothing = np.empty(0)
     matrix = np.empty((0, 0))
     tools = Tools(nothing, matrix, matrix, matrix, matrix)
-    store = Store(
-        nothing, nothing, tools, **dict.fromkeys(AT_POINTS, nothing), system=matrix, integral=nothing, constant=nothing
-    )
+    others = dict.fromkeys((*AT_POINTS, "integral", "constant"), nothing)
+    store = Store(nothing, nothing, tools, **others, system=matrix, division=np.empty(0, np.int64))
     two = dict.fromkeys(("answer", "system", "control", "kept"), matrix)
     circuit = CircuitWork(**dict.fromkeys(AT_LAWS, nothing), **two, waves=nothing, width=np.zeros(0, np.int64))
     return pack(Crossing(*[nothing] * len(Crossing._fields))), pack(store), pack(circuit)

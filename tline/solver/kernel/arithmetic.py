@@ -59,6 +59,15 @@ def distance(one, other):
 
 
 @function
+def largest(values, size):
+    """Largest of the first absolute values."""
+    found = 0.0
+    for i in range(size):
+        found = max(found, abs(values[i]))
+    return found
+
+
+@function
 def weakest(size, low, high):
     """Index of the least of some values."""
     best = low

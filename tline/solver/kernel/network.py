@@ -171,6 +171,9 @@ class Crossing(NamedTuple):
     slope: Floats  # di/dv
 
 
+DIVIDED, MISSES = 0, 1  # places in the division of a store
+
+
 class Store(NamedTuple):
     """What the store of an element gets, and gives back, at the s points of a slab, and its workspace."""
 
@@ -192,6 +195,7 @@ class Store(NamedTuple):
     whole: Floats
     integral: Floats  # (s + 1,)
     constant: Floats  # (1,)
+    division: Integers  # (2,) whether the slab is divided where a step is too long, and whether one was
 
 
 class CircuitWork(NamedTuple):
@@ -200,7 +204,7 @@ class CircuitWork(NamedTuple):
     given: Floats  # (M,) waves that nodes and states send to laws
     aimed: Floats  # (M,) waves into laws
     start: Floats  # (M,)
-    turn: Floats  # (M,)
+    safe: Floats  # (M,) the last that follow the path
     trial: Floats  # (M,)
     sent: Floats  # (M,) waves out of them
     flow: Floats  # (M,)

@@ -2,24 +2,39 @@
 
 A law is a line end of no length. Into it goes the wave α = e + ρ i, out of it comes β = e - ρ i = R(α); the circuit
 sends α = c + S β, where c is what nodes and states send. S cannot add energy if the circuit is passive, and R cannot
-move two waves apart if the law is monotone. So the mean of α and c + S R(α) comes nearer to a solution, wherever there
-is one (Krasnoselskii 1955); Newton's steps are taken where they do better.
+move two waves apart if the law is monotone. So F(α) = α - c - S R(α) is monotone, and with μ (α - c) added it has one
+root α(μ), whatever the laws. As μ falls from 1 that root moves, for each factor e, by no more than the distance of c
+from a solution, and ends at the solution next to c (Tikhonov): a path of finite length, which Newton's method follows
+where it does not find the solution from the last slab's waves at once.
+
+A step that only a small part of helps is stopped by a kink; it is taken to just beyond. From one kink the next step
+leads on, since Jacobians on both sides have determinants of one sign (Katzenelson 1965); where several meet it may lead
+back. So every other time the step is that of a contraction, which no kink stops.
+
+References
+----------
+A. N. Tikhonov, V. Y. Arsenin: Solutions of Ill-Posed Problems, 1977; H. H. Bauschke, P. L. Combettes: Convex Analysis
+and Monotone Operator Theory in Hilbert Spaces, 2017, section 23.4. J. Katzenelson: An algorithm for solving nonlinear
+resistor networks, Bell Syst. Tech. J. 44 (1965) 1605-1620, doi:10.1002/j.1538-7305.1965.tb04195.x.
 """
 
 import numpy as np
 
-from tline.solver.kernel.arithmetic import TINY, eliminate
-from tline.solver.kernel.network import AIR, Run
+from tline.solver.kernel.arithmetic import TINY, eliminate, largest
+from tline.solver.kernel.network import AIR, DIVIDED, MISSES, Run
 from tline.solver.kernel.newton import CLOSE, FAINT, SPARE
 from tline.unit import function, invoke, unit
 
-TRIES, FREE = 1600, 100  # waves at which laws are asked; steps that need not do better than the last
-# How to search, one after the other: length of every other step, and what restrains steps where waves answer to
-# nothing, as between shut valves: a share of a power of the relative residual. The root of it is the surest.
-SEARCHES = ((1.0, 0.1, 1.0), (0.5, 1.0, 0.7), (1.0, 1.0, 0.5))
-SHORTER, SHORTEST = 0.25, 0.0625  # a part of Newton's step over the part tried before, and the least
+AT_ONCE, ALONG = 40, 200  # waves at which laws are asked: from the last slab's, and for each μ
+RESTRAINT = 0.1  # in units of the relative residual, of steps where waves answer to nothing, as between shut valves
+SHORTER, SHORTEST, ROUNDED = 0.25, 1e-9, 0.1  # a part of a step over the one before, the least, and so near the end
 GAIN = 0.1  # what a step must gain, for each part of it
+KINK, BEYOND = 0.1, 16.0  # part of a step that a kink stops, and most that the square beyond it may grow
+SMALLER, SMALLEST = 1e-2, 1e-3  # a μ over the one before, at first and at least
+STEEP, LEAST = 0.99, 1e-17  # ratio of two μ at which a path is lost, and where it ends
+NEAR = 0.1  # residual over μ, relative to the waves, with which the next μ is tried
 DIFFERENCE = 1e-7  # of waves, for the slopes of stores
+LOST, FOLLOWS, SOLVED = 0, 1, 2
 
 
 @function
@@ -58,27 +73,29 @@ def ask(run, e, q, h, wave, o, flow):
 
 
 @function
-def unbalance(run, g, q, h, step, at, k):
-    """Flows under the waves `aimed`, and what these exceed c + S β by. Returns its square, its largest, and a scale."""
+def unbalance(run, g, q, h, step, at, k, mu):
+    """Flows under the waves `aimed`, and F + μ (α - c). Returns its square, the largest of F and of it, and a scale."""
     laws, work, radau = run.network.laws, run.work.circuit, run.network.laws.tools.radau
     first, m = laws.first[g], laws.first[g + 1] - laws.first[g]
     wave, sent, flow, rest, size, width = work.aimed, work.sent, work.flow, work.rest, m * q, work.width[0]
     exchange_states(run, g, True)
+    run.work.store.division[MISSES] = 0
     for law in range(m):
         ask(run, first + law, q, h, wave, law * q, flow)
         for j in range(q):
             sent[law * q + j] = wave[law * q + j] - 2.0 * laws.source_impedance[first + law] * flow[law * q + j]
-    square, worst, scale = 0.0, 0.0, 0.0
+    square, worst, off, scale = 0.0, 0.0, 0.0, 0.0
     for a in range(size):
         place, z = at + (k * q + a) * width + k * q, laws.source_impedance[first + a // q]
-        total = wave[a] - work.given[a] + sent[a]
+        moved = wave[a] - work.given[a]
+        total = moved + sent[a]
         for b in range(size):
             total -= 2.0 * step[place + b] * sent[b]
-        rest[a] = total
-        square += total * total / z * (radau[q - 1, a % q] if q > 1 else 1.0)
-        worst = max(worst, abs(total))
+        worst, rest[a] = max(worst, abs(total)), total + mu * moved
+        square += rest[a] * rest[a] / z * (radau[q - 1, a % q] if q > 1 else 1.0)
+        off = max(off, abs(rest[a]))
         scale = max(scale, abs(wave[a]), abs(work.given[a]), abs(sent[a]))
-    return square, worst, scale
+    return square, worst, off, scale
 
 
 @function
@@ -128,39 +145,107 @@ def respond_to(run, g, q, step, at, k, restraint):
 
 
 @function
-def solved(run, g, q, h, step, at, k, search):
-    """Find the waves into the laws of a group. Returns whether it could.
+def aim(work, size, share):
+    """Aim at a share of the step from where it starts."""
+    for a in range(size):
+        work.aimed[a] = work.start[a] - share * work.system[a, size]
 
-    The first of Newton's steps are taken whatever they leave, for across kinks residuals rise before they vanish.
+
+@function
+def relax(work, size, mu):
+    """Go on by the mean of α and c + S R(α), which is nearer to any solution (Krasnoselskii 1955)."""
+    for a in range(size):
+        work.aimed[a] -= work.rest[a] / (2.0 + mu)
+
+
+@function
+def newton(run, g, q, h, step, at, k, mu):
+    """Lead F + μ (α - c) to zero from the waves `aimed`, but to no more than what follows the path if μ > 0.
+
+    Without μ all steps are taken that come to nothing worse than infinity: across kinks residuals rise before they
+    vanish.
     """
     laws, work = run.network.laws, run.work.circuit
-    size = (laws.first[g + 1] - laws.first[g]) * q
-    aimed, start, turn = work.aimed, work.start, work.turn
-    stride, share_of, power = SEARCHES[search]
-    before, share, close, enough = 0.0, 0.0, False, False  # share of a Newton step that is tried; 0 for none
-    steps, free, worst, scale = 0, False, np.inf, 0.0
-    for _ in range(TRIES // q):  # stores are asked q times each
-        now, worst, scale = unbalance(run, g, q, h, step, at, k)
-        if enough or ((free or share == 0.0) and not np.isfinite(now)):
-            return enough
-        if free or share == 0.0 or now <= (1.0 - GAIN * share) ** 2 * before:
-            if worst <= SPARE * scale:
-                return True
-            answered(run, g, q, h)
-            respond_to(run, g, q, step, at, k, share_of * min(worst / scale, 1.0) ** power)
-            for a in range(size):
-                start[a], turn[a] = aimed[a], work.rest[a]
-            before, close = now, worst <= CLOSE * scale
-            free = steps < FREE and not close
-            share = stride if free and steps % 2 == 1 else 1.0
-            steps += 1
+    size, faint = (laws.first[g + 1] - laws.first[g]) * q, SPARE * largest(run.work.row, k * q)
+    before, share, over, across, close, stops = np.inf, 1.0, False, False, False, 0
+    for _ in range(ALONG if mu > 0.0 else AT_ONCE):
+        now, worst, off, scale = unbalance(run, g, q, h, step, at, k, mu)
+        free = across or (mu == 0.0 and not close)
+        fits = now < np.inf if free else now <= (1.0 - GAIN * share) ** 2 * before
+        if not fits and before < np.inf and share > (ROUNDED if close else SHORTEST):
+            over, share = now <= BEYOND * before, share * SHORTER
+            aim(work, size, share)
+        elif not (fits or (now < np.inf and not close)):
+            break
+        elif share < KINK and not free:
+            across, stops = True, stops + 1
+            if over and stops % 2 == 1:
+                aim(work, size, share / SHORTER)
+            else:
+                relax(work, size, mu)
         else:
-            share = share * SHORTER if share > SHORTEST else 0.0
-            enough = close and share == 0.0
+            if worst <= SPARE * scale:
+                return SOLVED
+            if off <= NEAR * mu * scale:
+                return FOLLOWS
+            answered(run, g, q, h)
+            respond_to(run, g, q, step, at, k, mu if mu > 0.0 else RESTRAINT * min(worst / scale, 1.0))
+            for a in range(size):
+                work.start[a] = work.aimed[a]
+            before, share, over, across, close = now, 1.0, False, False, worst <= max(CLOSE * scale, faint)
+            aim(work, size, share)
+    if not close:
+        return LOST
+    aim(work, size, 0.0)
+    unbalance(run, g, q, h, step, at, k, mu)
+    return SOLVED
+
+
+@function
+def followed(run, g, q, h, step, at, k):
+    """Follow the path of α(μ) to the solution next to c. Returns whether it came there."""
+    laws, work = run.network.laws, run.work.circuit
+    size = (laws.first[g + 1] - laws.first[g]) * q
+    mu, ratio = 1.0, SMALLER
+    for a in range(size):
+        work.aimed[a], work.safe[a] = work.given[a], work.given[a]
+    while mu > LEAST and ratio < STEEP:
+        found = newton(run, g, q, h, step, at, k, mu)
+        if found == SOLVED:
+            return True
+        if found == FOLLOWS:
+            ratio = max(ratio**1.5, SMALLEST)
+        else:
+            mu, ratio = mu / ratio, np.sqrt(ratio)
         for a in range(size):
-            back = share * work.system[a, size] if share > 0.0 else 0.5 * turn[a]
-            aimed[a] = start[a] - (0.0 if enough else back)
-    return worst <= CLOSE * scale
+            if found == FOLLOWS:
+                work.safe[a] = work.aimed[a]
+            else:
+                work.aimed[a] = work.safe[a]
+        mu *= ratio
+    return False
+
+
+@function
+def found(run, g, q, h, step, at, k):
+    """Find the waves into the laws of a group, from the last ones or along the path. Returns whether it could.
+
+    Where stores miss what flows, or no flow is found for them, it does so once more with their slab divided.
+    """
+    laws, work, division = run.network.laws, run.work.circuit, run.work.store.division
+    first, last, s, stores = laws.first[g], laws.first[g + 1], run.state.before.shape[1], 0
+    for e in range(first, last):
+        stores |= laws.state_at[e] >= 0
+    for divided in range(1 + stores):
+        division[DIVIDED] = divided
+        for a in range((last - first) * q):
+            work.aimed[a] = work.waves[first * s + a]
+        solved = newton(run, g, q, h, step, at, k, 0.0) == SOLVED
+        if not solved and not division[MISSES]:
+            solved = followed(run, g, q, h, step, at, k)
+        if solved and not division[MISSES]:
+            return True
+    return False
 
 
 @unit
@@ -196,13 +281,7 @@ def circuit(run: Run, g: int, n: int, h: float, own: int) -> int:
             for i in range(q):
                 work.control[law, i] = run.work.control[law, block * q + i]
         exchange_states(run, g, False)
-        found = False
-        for search in range(len(SEARCHES)):
-            if not found:
-                for a in range(size):
-                    work.aimed[a] = work.waves[first * s + a] if search == 0 else work.given[a]
-                found = solved(run, g, q, h, step, at, k, search)
-        if not found:
+        if not found(run, g, q, h, step, at, k):
             for a in range(size):
                 work.waves[first * s + a] = 0.0
             for p in range(k):

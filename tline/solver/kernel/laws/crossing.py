@@ -4,7 +4,7 @@ It sees a Thévenin source: the effort v behind the impedance z of its nodes. It
 own, asked once for all samples.
 """
 
-from tline.solver.kernel.network import Run
+from tline.solver.kernel.network import DIVIDED, MISSES, Run
 from tline.unit import invoke, unit
 
 
@@ -35,7 +35,12 @@ def crossing(run: Run, g: int, n: int, h: float) -> int:
             i = slab * s + j
             v[j] = sign_here * u[here + i] - sign_there * u[there + i]
             signal[j] = control[0, i]
-        invoke(law, (store, at, laws.state_at[e], h, z_from + z_to))
+        state = laws.state_at[e]
+        start, store.division[DIVIDED], store.division[MISSES] = store.states[state], 0, 0
+        invoke(law, (store, at, state, h, z_from + z_to))
+        if store.division[MISSES]:
+            store.states[state], store.division[DIVIDED] = start, 1
+            invoke(law, (store, at, state, h, z_from + z_to))
         for j in range(s):
             into[0, slab * s + j] = store.drive[j]
             u[here + slab * s + j] -= z_from * flow[j]

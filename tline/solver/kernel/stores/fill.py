@@ -8,6 +8,7 @@ where dX/dt = r i, of a rotor about; and behind an effort and an impedance the f
 import numpy as np
 
 from tline.solver.kernel.arithmetic import clear, copy, eliminate, left_of, times
+from tline.solver.kernel.network import DIVIDED, MISSES
 from tline.solver.kernel.newton import CLOSE, LEAST_STRIDE, SPARE, TRIES
 from tline.solver.kernel.polynomials import project
 from tline.unit import function
@@ -106,10 +107,14 @@ def filled(stored, entering, store, at, state, h, z, most):
 def fill(stored, entering, store, at, state, h, z, most):
     """Flows at the points of a slab of width h, under the efforts v there; nan at the last if none were found.
 
-    A slab that is far too long for the element is divided; the flow in its parts is projected on the slab, which keeps
-    what has flowed and adds no energy.
+    A slab that is far too long for the element is divided, if it may be: not wave by wave, for flows that jump where
+    waves change a little may fit none. The flow in its parts is projected on the slab, which keeps what has flowed and
+    adds no energy.
     """
-    if filled(stored, entering, store, at, state, h, z, most):
+    if not store.division[DIVIDED]:
+        if not filled(stored, entering, store, at, state, h, z, most):
+            store.division[MISSES] = 1
+            store.flow[store.flow.size - 1] = np.nan
         return
     tools, coef, kept, whole, piece = store.tools, store.coef, store.kept, store.whole, store.piece
     clear(whole)

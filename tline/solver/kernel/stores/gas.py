@@ -5,14 +5,14 @@ Constants: effort beyond the element, capacity of the orifice, pressure outside,
 
 import numpy as np
 
-from tline.solver.kernel.arithmetic import clear, times
 from tline.solver.kernel.laws.quadratic import rooted
-from tline.solver.kernel.network import Store
-from tline.solver.kernel.polynomials import integrated, project, series
+from tline.solver.kernel.network import DIVIDED, MISSES, Store
+from tline.solver.kernel.newton import STEPS, ULPS
 from tline.solver.kernel.stores.fill import fill
+from tline.solver.kernel.stores.parts import in_parts
 from tline.unit import function, unit
 
-MISSED, SQUEEZES = 1e-3, 64  # share of a gas's volume that a step may lose, and steps in a slab where it loses more
+MISSED = 1e-3  # share of a gas's volume that a step may lose
 FARTHEST = 2.0  # change of ln V in a step of Newton's method
 
 
@@ -50,28 +50,33 @@ def entering(c, at, y, share, d, z):
 
 
 @function
-def squeeze(store, at, state, start, h, z):
-    """Flows into gas that keeps its temperature, by many steps of Euler's implicit method for its volume.
+def squeezed(c, at, volume, share, d, z):
+    """Volume after a step of Euler's implicit method behind the effort d and the impedance z; share is the step's time.
 
-    Its energy is convex in its volume: a step adds none. Nor does the projection of these flows on the slab, which
-    keeps their integral, the volume.
+    It lies between the volume before and that at rest, if there is one: Newton, bisection where that fails.
     """
-    tools, v, flow, coef, sent = store.tools, store.v, store.flow, store.coef, store.integral
-    constant, whole, c, width = store.constant, store.whole, store.constants, 1.0 / SQUEEZES
-    clear(whole)
-    times(tools.to_legendre, v, 0, coef)
-    integrated(coef, 1.0, sent)
-    volume, last, share = np.exp(start), 0.0, h * width * c[at + 2] / (z * c[at + 3])
-    for k in range(SQUEEZES):
-        here = series(sent, 2.0 * (k + 1) * width - 1.0)
-        left = volume - share * (((here - last) / width - c[at]) / c[at + 2] + 1.0)
-        root = np.sqrt(left * left + 4.0 * share)
-        new = 0.5 * (left + root) if left > 0.0 else 2.0 * share / (root - left)
-        constant[0] = (volume - new) * c[at + 3] / (h * width)
-        project(constant, k * width, (k + 1) * width, 0.0, 1.0, tools.gauss, whole)
-        volume, last = new, here
-    store.states[state] = np.log(volume)
-    times(tools.to_points, whole, 0, flow)
+    outside, n = c[at + 2], c[at + 4]
+    if n == 1.0 and c[at + 1] == np.inf:
+        weight = share * outside / z
+        left = volume - weight * (d / outside + 1.0)
+        root = np.sqrt(left * left + 4.0 * weight)
+        return 0.5 * (left + root) if left > 0.0 else 2.0 * weight / (root - left)
+    y = np.log(volume)
+    i, slope = rooted(d - outside * expanded(y, n)[0], z, c[at + 1], 0.0)
+    rest = -np.log1p(d / outside) / n if d > -outside else np.inf
+    low, high = (rest, y) if i > 0.0 else (y, min(rest, np.log(volume - share * i)))
+    for _ in range(STEPS):
+        effort = outside * expanded(y, n)[0]
+        i, slope = rooted(d - effort, z, c[at + 1], 0.0)
+        off = np.exp(y) - volume + share * i
+        low, high = (low, min(y, high)) if off > 0.0 else (max(y, low), high)
+        after = y - off / (np.exp(y) + share * slope * n * (effort + outside))
+        if not low <= after <= high:
+            after = 0.5 * (low + high)
+        close, y = abs(after - y) <= ULPS * max(abs(y), 1.0), after
+        if close:
+            break
+    return np.exp(y)
 
 
 @function
@@ -90,7 +95,13 @@ def is_missed(store, at, state, start, h):
 def gas(store: Store, at: int, state: int, h: float, z: float) -> int:
     """Flows into the gas at the points of a slab of width h, behind the efforts v and the impedance z."""
     start = store.states[state]
+    if store.division[DIVIDED]:
+        c, flow = store.constants, store.flow
+        store.states[state] = np.log(in_parts(squeezed, store, at, np.exp(start), h / c[at + 3], z))
+        for j in range(flow.size):
+            store.drive[j] = z * flow[j] + flow[j] * abs(flow[j]) / c[at + 1] ** 2
+        return 0
     fill(stored, entering, store, at, state, h, z, FARTHEST)
     if is_missed(store, at, state, start, h):
-        squeeze(store, at, state, start, h, z)
+        store.division[MISSES] = 1
     return 0

@@ -4,9 +4,16 @@ Constants: effort at which the liquid boils.
 """
 
 from tline.solver.kernel.arithmetic import clear, times
-from tline.solver.kernel.network import Store
+from tline.solver.kernel.network import DIVIDED, Store
 from tline.solver.kernel.polynomials import after, fallen, integrated, project, series
-from tline.unit import unit
+from tline.solver.kernel.stores.parts import in_parts
+from tline.unit import function, unit
+
+
+@function
+def freed(c, at, volume, share, d, z):
+    """Volume after a step of Euler's implicit method, behind the effort d and the impedance z."""
+    return max(volume - share * d / z, 0.0)
 
 
 @unit
@@ -17,22 +24,25 @@ def vapour(store: Store, at: int, state: int, h: float, z: float) -> int:
     between is projected on the slab: that keeps the volume, and adds no energy.
     """
     states, tools, flow, v, gauss, s = store.states, store.tools, store.flow, store.v, store.tools.gauss, store.v.size
-    above, freed, piece, whole = store.coef, store.integral, store.piece, store.whole
+    above, opened, piece, whole = store.coef, store.integral, store.piece, store.whole
+    if store.division[DIVIDED]:
+        states[state] = in_parts(freed, store, at, states[state], h, z)
+        return 0
     clear(whole)
     for j in range(s):
         flow[j] = v[j] - store.constants[at]
     times(tools.to_legendre, flow, 0, above)
-    integrated(above, -h / z, freed)
+    integrated(above, -h / z, opened)
     since, volume = 0.0, states[state]
     while since < 1.0:
         if volume == 0.0:
             since = fallen(above, 0.0, since)
-        floor = series(freed, 2.0 * since - 1.0) - volume
-        until = fallen(freed, floor, since)
+        floor = series(opened, 2.0 * since - 1.0) - volume
+        until = fallen(opened, floor, since)
         clear(piece)
         project(above, 0.0, 1.0, since, until, gauss, piece)
         project(piece, since, until, 0.0, 1.0, gauss, whole)
-        volume = max(series(freed, 1.0) - floor, 0.0) if until == 1.0 else 0.0
+        volume = max(series(opened, 1.0) - floor, 0.0) if until == 1.0 else 0.0
         since = after(until, s)
     states[state] = volume
     times(tools.to_points, whole, 0, flow)
