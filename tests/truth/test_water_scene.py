@@ -9,6 +9,7 @@ from networks import ring
 from random_inp import random_inp
 
 from tline.errors import InputError
+from tline.interchange.compare_heads import differences
 from tline.interchange.epanet import read_epanet
 from tline.interchange.pipe_walls import wave_speeds
 from tline.interchange.water_network import Valve
@@ -343,3 +344,43 @@ def test_check_valves_let_nothing_back(tmp_path):
 def test_what_no_scene_has(tmp_path, changes, said):
     with pytest.raises(InputError, match=said):
         read_inp(str(ring(tmp_path, changes=changes)), SPEED)
+
+
+FULL = """
+[JUNCTIONS]
+a 0 2
+b 0 0
+c 0 0
+[RESERVOIRS]
+lake 50
+[TANKS]
+tower 20 9.9 0 10 2 0
+[PIPES]
+in lake a 300 200 120 0 Open
+up a tower 300 200 120 0 CV
+on a b 200 150 120 0 Open
+off c a 200 150 120 0 CV
+[PUMPS]
+stands b c HEAD curve
+[STATUS]
+stands Closed
+[CURVES]
+curve 5 30
+[OPTIONS]
+Units LPS
+"""
+
+
+def test_a_full_tank_takes_no_more_and_a_pump_stands(tmp_path):
+    """EPANET shuts what fills a full tank, a check valve too; what a standing pump keeps apart has its own head."""
+    path = tmp_path / "full.inp"
+    path.write_text(FULL)
+    network = read_epanet(path, 2.0)
+    assert set(network.pipes) == {"in", "on", "off"}
+    assert network.pumps["stands"].speed == 0.0
+    scene, notes = water_scene(network, wave_speeds("1000 m/s", None))
+    assert not list(differences(network, scene))
+    assert "pumps: they stand, behind check valves: 'stands'" in notes
+    held = simulate(Scene(**scene.table() | {"t_end": 1, "solver": {"order": 1}}), envelope=True).envelope
+    assert held is not None
+    assert np.abs(held.highest - held.lowest).max() <= 1e-12 * held.highest.max()

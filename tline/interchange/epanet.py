@@ -13,6 +13,7 @@ from tline.interchange.epanet_text import EpanetText, parse, read_text
 from tline.interchange.head_loss import FOOT, GRAVITY, LAWS
 from tline.interchange.pump_curve import Polyline, PowerLaw, pump_curve
 from tline.interchange.water_network import (
+    LEAST_DROP,
     STILL,
     TRICKLE,
     Basin,
@@ -41,6 +42,7 @@ TRADITIONAL = 5
 FORMULAS = ("H-W", "D-W", "C-M")
 JUNCTION, RESERVOIR, TANK = range(3)
 ONE_WAY, PIPE, PUMP = range(3)
+NO_HEAD = 0  # state of a pump that runs, and lifts less than it would have to
 VALVES = ("PRV", "PSV", "PBV", "FCV", "TCV", "GPV")
 WARNED = {
     2: "its solution may be unstable, for valves or pumps change their state again and again",
@@ -174,8 +176,13 @@ def _is_closed(link: Mapping[str, Any]) -> bool:
 
 
 def _is_left_out(link: Mapping[str, Any], closed: bool) -> bool:
-    """Whether a scene goes without it: valves that are shut can be opened there."""
-    return closed and link["type"] in (PIPE, PUMP)
+    """Whether a scene goes without it: valves that are shut can be opened there, and pumps that stand started.
+
+    What is shut although water would flow, so that a full tank does not run over, cannot be told as a check valve.
+    """
+    if link["type"] == PUMP:
+        return closed and (not link["curve"] or link["drop"] > 0)
+    return closed and (link["type"] == PIPE or (link["type"] == ONE_WAY and link["drop"] > LEAST_DROP))
 
 
 def _spread(begin: set[str], links: Mapping[str, Any], through: set[str], within: set[str] | None = None) -> set[str]:
@@ -238,7 +245,11 @@ def _ends(link: Mapping[str, Any]) -> tuple[str, str]:
 
 def _pump(where: str, link: Mapping[str, Any], units: FileUnits) -> WaterPump:
     curve = _curve(where, link["curve"], units) if link["curve"] else None
-    return WaterPump(_ends(link), curve, None if curve else link["power"] * units.power, link["setting"], link["flow"])
+    speed = link["setting"]
+    if curve and _is_closed(link):
+        runs = link["state"] == NO_HEAD and curve.head(0.0) * speed**2 + link["drop"] <= 0
+        speed = speed if runs else 0.0
+    return WaterPump(_ends(link), curve, None if curve else link["power"] * units.power, speed, link["flow"])
 
 
 def _curve(where: str, points: list[tuple[float, float]], units: FileUnits) -> PowerLaw | Polyline:

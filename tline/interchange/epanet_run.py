@@ -19,7 +19,7 @@ NODES, LINKS = 0, 2  # counts
 NODE_VALUES = {"elevation": 0, "emitter": 3, "demand": 9, "head": 10, "pressure": 11}
 LINK_VALUES = {"diameter": 0, "length": 1, "roughness": 2, "minor": 3, "flow": 8, "status": 11, "setting": 12}
 OPTIONS = {"exponent": 3, "law": 7, "gravity": 12, "viscosity": 13}
-PUMP, PUMP_POWER, PUMP_CURVE = 2, 18, 19
+PUMP, PUMP_STATE, PUMP_POWER, PUMP_CURVE = 2, 16, 18, 19
 TANK, TANK_VALUES = 2, {"diameter": 17, "curve": 19, "lowest": 20, "highest": 21}
 DURATION, STEP = 0, 1  # of times
 TRIALS, RELATIVE, ABSOLUTE = 0, 1, 6  # options: how often, and to which change of flows in the last step
@@ -122,7 +122,9 @@ def _found(toolkit: Toolkit) -> dict:
         kind, ends = toolkit.count("getlinktype", k), toolkit.pair(ctypes.c_int, "getlinknodes", k)
         values |= {"ends": [nodes[end - 1]["name"] for end in ends], "type": kind}
         if kind == PUMP:
-            values |= {"power": toolkit.number("getlinkvalue", k, PUMP_POWER), "curve": _curve(toolkit, k)}
+            more = {"power": PUMP_POWER, "state": PUMP_STATE}
+            values |= {key: toolkit.number("getlinkvalue", k, code) for key, code in more.items()}
+            values |= {"curve": _curve(toolkit, k)}
         links.append({"name": toolkit.name("getlinkid", k)} | values)
     options = {key: toolkit.number("getoption", code) for key, code in OPTIONS.items()}
     return {"nodes": nodes, "links": links, "units": toolkit.count("getflowunits")} | options

@@ -97,6 +97,9 @@ def water_scene(
     _close_ends(tables)
     for name in _pockets(network, shut) if network.sound else ():
         tables["nodes"][name]["start"] = weight * network.nodes[name].head
+    stand = {name for name, pump in network.pumps.items() if not pump.speed}
+    if stand:
+        notes.append(f"pumps: they stand, behind check valves: {listed(stand)}")
     tanks = {name for name, basin in network.basins.items() if basin.kind == "tank"}
     moving = {name for name in tanks if moving_tanks and network.basins[name].diameter}
     for name in moving:
@@ -156,6 +159,7 @@ def _pockets(network: WaterNetwork, shut: set[str]) -> list[str]:
     """Nodes that nothing joins with a basin but shut valves, and check valves through which nothing flows."""
     beside: dict[str, list[str]] = {name: [] for name in network.nodes}
     still = {name for name, pipe in network.pipes.items() if pipe.one_way and abs(pipe.flow) <= TRICKLE}
+    still |= {name for name, pump in network.pumps.items() if abs(pump.flow) <= TRICKLE}
     links = {**network.pipes, **network.pumps, **network.valves}
     for name in links.keys() - shut - still:
         one, two = links[name].nodes

@@ -77,7 +77,7 @@ class Darcy(Friction):
     """Turbulent friction with a constant friction factor (Darcy, Weisbach)."""
 
     kind: Literal["darcy"] = "darcy"
-    factor: Annotated[Quantity, Role("friction factor", "", above=0, at_most=1e6)] = Field(
+    factor: Annotated[Quantity, Role("friction factor", "", above=0, at_most=1e9)] = Field(
         description="Darcy friction factor, four times Fanning's"
     )
 
