@@ -10,24 +10,57 @@ from typing import Any
 
 import numba
 from numba import types
+from numba.core import typed_passes as typed
+from numba.core import untyped_passes as untyped
 from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.compiler_machinery import PassManager
 from numba.core.registry import cpu_target
 
 from tline.by_reference import Reference
+from tline.gc_paused import gc_paused
+
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract", "nsz"}, "_nrt": False}
+BARE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+STEPS = (  # of numba's, those that plain loops over arrays need: half the time
+    untyped.TranslateByteCode, untyped.FixupArgs, untyped.IRProcessing, untyped.GenericRewrites,
+    untyped.ReconstructSSA, typed.NopythonTypeInference, typed.PreLowerStripPhis, typed.IRLegalization,
+    typed.NativeLowering, typed.NoPythonBackend,
+)  # fmt: skip
 
 
-class _Part(JITCodeLibrary):
-    """Code of a function that is linked into units."""
+class _Steps(CompilerBase):
+    """What is done to compile a function."""
+
+    def define_pipelines(self) -> list[Any]:
+        """The only way, in numba's terms."""
+        steps = PassManager("unit")
+        for step in STEPS:
+            steps.add_pass(step, step._name)
+        steps.finalize()
+        return [steps]
+
+
+class _Linked(JITCodeLibrary):
+    """Code of a function, and of all that it calls, each once."""
+
+    def add_linking_library(self, library: Any) -> None:
+        """Take what a function that is called is made of."""
+        library._ensure_finalized()
+        self._linking_libraries += [
+            each for each in (library, *library._linking_libraries) if each not in self._linking_libraries
+        ]
 
     def _optimize_functions(self, ll_module: Any) -> None:
         ll_module.data_layout = self._codegen._data_layout
 
-    def _optimize_final_module(self) -> None:
-        """Left to the unit."""
 
-    def _finalize_final_module(self) -> None:
-        self._finalize_dynamic_globals()
+class _Part(_Linked):
+    """Code of a function that is linked into units."""
+
+    def finalize(self) -> None:
+        """The unit links and optimises it."""
         self._finalized = True
 
     def get_pointer_to_function(self, name: str) -> int:
@@ -35,11 +68,11 @@ class _Part(JITCodeLibrary):
         return 0
 
 
-class _Whole(JITCodeLibrary):
+class _Whole(_Linked):
     """Code of a unit; nothing but the unit is called from outside, and no reference is counted."""
 
     def _optimize_functions(self, ll_module: Any) -> None:
-        ll_module.data_layout = self._codegen._data_layout
+        super()._optimize_functions(ll_module)
         self._names = [f.name for f in ll_module.functions if not f.is_declaration]
 
     def _optimize_final_module(self) -> None:
@@ -62,7 +95,16 @@ def _libraries(name: str) -> Iterator[None]:
         del codegen._library_class, codegen.set_env
 
 
-def compile_unit(code: Any, parameters: list[Any], options: dict[str, Any]) -> Any:
+def dispatcher_of(code: Any) -> Any:
+    """What numba compiles a function with, once for each kind of arguments; that some are literals makes no other."""
+    decorate: Any = numba.njit
+    dispatcher = decorate(**OPTIONS, **BARE, pipeline_class=_Steps)(code)
+    template = dispatcher.get_call_template
+    dispatcher.get_call_template = lambda kinds, named: template([types.unliteral(kind) for kind in kinds], named)
+    return dispatcher
+
+
+def compile_unit(code: Any, parameters: list[Any]) -> Any:
     """Compile a function with parameters `int`, `float` or of a structure; gives what numba makes of it.
 
     Raises
@@ -71,9 +113,8 @@ def compile_unit(code: Any, parameters: list[Any], options: dict[str, Any]) -> A
         The function does not return an integer.
     """
     kinds = [{int: types.int64, float: types.float64}.get(kind) or Reference(kind) for kind in parameters]
-    decorate: Any = numba.njit
-    dispatcher = decorate(**options, _nrt=False)(code)
-    with global_compiler_lock, _libraries(code.__qualname__):
+    dispatcher = dispatcher_of(code)
+    with global_compiler_lock, gc_paused(), _libraries(code.__qualname__):
         dispatcher.compile(tuple(kinds))
     (result,) = dispatcher.overloads.values()
     if types.unliteral(result.signature.return_type) != types.int64:

@@ -13,15 +13,12 @@ from typing import Any, get_type_hints
 from tline.object_code import keep, load, sources_for
 from tline.structure import Packed
 
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract", "nsz"}}
-_BARE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-
 
 class Function:
     """A function that is compiled as a part of the units that use it; called from Python, it runs as Python."""
 
-    def __init__(self, function: Callable[..., Any], options: dict[str, Any]):
-        self.py_func, self._options = function, options
+    def __init__(self, function: Callable[..., Any]):
+        self.py_func = function
 
     def __call__(self, *arguments: Any) -> Any:
         """Run it, uncompiled."""
@@ -29,9 +26,9 @@ class Function:
 
     @cached_property
     def _dispatcher(self) -> Any:
-        import numba
+        from tline.compiler import dispatcher_of
 
-        return numba.njit(**self._options)(self.py_func)
+        return dispatcher_of(self.py_func)
 
     @property
     def _numba_type_(self) -> Any:
@@ -41,7 +38,7 @@ class Function:
 
 def function(code: Callable[..., Any]) -> Any:
     """Mark a function that units call by name."""
-    return Function(code, OPTIONS | _BARE)
+    return Function(code)
 
 
 class _Intrinsic:
@@ -110,7 +107,7 @@ class Unit:
         from tline.compiling import announced
 
         with announced(self.__module__):
-            result = compile_unit(self.code, self.parameters, OPTIONS | _BARE)
+            result = compile_unit(self.code, self.parameters)
         keep(self, result.fndesc.llvm_func_name, result.library)
         return result.library.get_pointer_to_function(result.fndesc.llvm_func_name), result
 
