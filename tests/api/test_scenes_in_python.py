@@ -95,7 +95,7 @@ def test_mistakes_are_told_in_our_words(mistake, sentence):
 def test_a_scene_and_its_elements_show_themselves_shortly():
     assert repr(CABLE) == (
         "<Scene '50 Ω cable into 100 Ω ∥ 4 pF': electrical, 12 ns\n"
-        "  lines   cable\n  sources driver\n  loads   receiver\n  probes  near, far>"
+        "  lines    cable\n  sources  driver\n  loads    receiver\n  probes   near, far>"
     )
     element = CABLE.loads["receiver"]
     assert eval(repr(element), vars(tl.scene)) == element

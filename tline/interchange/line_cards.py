@@ -13,6 +13,7 @@ NUMERICAL = {  # of LTRA: how that program computes, not what the line is
 }  # fmt: skip
 RC = {"k": 1.5, "fmax": 1e9, "rperl": 1e3, "cperl": 1e-12}  # of a URC model, with defaults
 FEWEST, MOST_SECTIONS = 3, 100
+NO_LENGTH = 1e-9  # ohm
 
 
 def lossless_line(card: Card, net: Netlist) -> None:
@@ -39,9 +40,15 @@ def lossy_line(card: Card, net: Netlist) -> None:
     """An O element by an LTRA model."""
     if len(card.words) > 5 and "=" not in card.words:
         raise card.refuse("has more than a model", "its nodes and a .model", f"'{' '.join(card.words[4:]):.40}'")
-    model = net.model(card, card.words[4])
-    given = _per_length(model, "ltra", card.assigned(5)[1])
-    add_uniform(card, net, _ends(card, net), given)
+    given = _per_length(net.model(card, card.words[4]), "ltra", card.assigned(5)[1])
+    if given["len"] > 0:
+        add_uniform(card, net, _ends(card, net), given)
+        return
+    net.found.note(card.where, f"a line of no length is {NO_LENGTH:g} ohm between its ends")
+    for k, name in enumerate((card.name, f"{card.name}.base")):  # as Xyce allows
+        ends = net.node(card.words[k]), net.node(card.words[k + 2])
+        if ends[0] != ends[1]:
+            net.between(card, ends, {"kind": "resistor", "resistance": NO_LENGTH}, name)
 
 
 def txl_line(card: Card, net: Netlist) -> None:
@@ -73,7 +80,7 @@ def _per_length(model: Card, kind: str, own: dict[str, list[str]]) -> dict[str, 
         values[name] = model.value(words[0])
         if values[name] < 0:
             raise model.refuse(f"its {name.upper()} is below zero", "0 or more", f"{values[name]:g}")
-    if values.get("len", 0.0) <= 0:
+    if "len" not in values or (kind != "ltra" and values["len"] == 0):
         raise model.refuse("its LEN is not above zero", "more than 0", f"{values.get('len', 0.0):g}")
     return values
 

@@ -11,6 +11,7 @@ from tline.interchange.elements import merge_shorts, take
 from tline.interchange.findings import Findings
 from tline.interchange.netlist import REFERENCE, Netlist
 from tline.interchange.spice_commands import SHOWN, nodes_shown, skip, transient, values_at_begin
+from tline.interchange.spice_generator import with_generator
 from tline.interchange.spice_measure import MEASURE, measures, nodes_measured
 from tline.interchange.spice_source import Transient
 from tline.interchange.spice_step import STEP, note_steps, with_first_values
@@ -69,7 +70,7 @@ def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
 
 def _read(raw: list[Card], title: str, path: Path, found: Findings) -> tuple[dict[str, Any], Netlist]:
     """The scene's tables, and the netlist that they are from."""
-    cards = opened(raw, found)
+    cards = with_generator(opened(raw, found), found)
     commands = {name: [card for card in cards if card.name.lower() == name] for name in (".tran", ".model", ".ic")}
     tran = transient(commands[".tran"], str(path), found)
     models = {card.words[0].lower(): card for card in commands[".model"] if card.words}

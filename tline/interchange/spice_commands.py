@@ -11,6 +11,7 @@ from tline.interchange.subcircuits import GROUND
 
 SHOWN = (".print", ".plot", ".save", ".probe", ".probe64")
 VOLTAGE = re.compile(r"(?<![\w.])v\(\s*([^\s,()]+)\s*(?:,\s*([^\s,()]+)\s*)?\)", re.IGNORECASE)
+ALL = ("*", "nodes")  # as names of all nodes
 AT_BEGIN = re.compile(r"v\(\s*([^\s,()]+)\s*\)\s*=\s*(\S+)", re.IGNORECASE)
 FORMS = re.compile(r"\w+\s*=\s*\S+|\b(?:tran|dc|ac|all|xlimit\s+\S+\s+\S+|ylimit\s+\S+\s+\S+)\b", re.IGNORECASE)
 HARMLESS = {
@@ -63,7 +64,7 @@ def nodes_shown(card: Card, found: Findings) -> Iterator[tuple[Card, str]]:
     if rest:
         found.note(card.where, f"voltages of nodes are recorded, and '{' '.join(rest):.40}' is not")
     for pair in VOLTAGE.findall(card.text):
-        yield from ((card, name.replace(":", ".")) for name in pair if name and name.lower() not in GROUND)
+        yield from ((card, name.replace(":", ".")) for name in pair if name and name.lower() not in {*GROUND, *ALL})
 
 
 def values_at_begin(cards: Iterable[Card]) -> dict[str, tuple[Card, float]]:
