@@ -106,7 +106,7 @@ def passes_of_rg58(result, length):
     delay = mp.mpf(length) * mp.sqrt(mp.mpf(L) * mp.mpf(C))
 
     def series(s):
-        return s * L + skin.surface * mp.sqrt(s)
+        return s * L + mp.sqrt(mp.mpf(skin.surface) ** 2 * s + mp.mpf(skin.loss) ** 2)
 
     def shunt(s):
         return s * (C + insulation.spread * mp.log((fast + s) / (slow + s)))

@@ -242,7 +242,7 @@ class _Cable(SceneLine):
             if name not in ("resistance", "attenuation", "cable") and getattr(self, name) is not None:
                 raise InputError(name, "is a loss that the attenuation has, too", "one of them")
         series, shunt = table.laws(*self._front, self.resistance or 0.0)
-        self._lose("attenuation", [series], [shunt])
+        self._lose("attenuation", [*series], [shunt])
 
     def _by_table(self) -> dict[str, float]:
         """L and C at infinite frequency by the table, which must not be given twice."""

@@ -19,8 +19,6 @@ FORM = re.compile(r"(?P<node>[^<>]+)(?P<sign>[<>])(?P<value>[^:]+):\s*(?P<kind>\
 EXPECTED = (
     "NODE<PRESSURE:KIND LINK+DURATION, such as 'tower>5.2 bar: close V1+5s', with close, open, trip, start or stop"
 )
-    "NODE<PRESSURE:KIND LINK+DURATION, such as 'tower>5.2 bar: close V1+5s', with close, open, trip, start or stop"
-)
 ROTORS = {"trip", "start", "stop"}
 BETWEEN = 8  # looks within a slab
 HALVINGS = 60
