@@ -172,3 +172,29 @@ def test_nothing_is_operated_twice():
         operated(network(), [Event("close", "p1", 1), Event("open", "p1", 2)])
     with pytest.raises(InputError, match="nothing to be operated"):
         operated(network().with_changes(start="rest"), [])
+
+
+@pytest.mark.parametrize(("takes", "notes"), [(0.0, 2), (1.5, 0)])
+def test_a_pump_that_is_started_comes_to_lift_what_it_lifts(takes, notes):
+    """Between equal tanks, through a pipe without loss and a valve: rise and loss are equal in the end."""
+    p0, rest, last, capacity = 3e5, 4e5, 0.03, 3e-5
+    scene = Scene(
+        medium="hydraulic", t_end=30, start="steady", lines={"p": {"nodes": ["c", "b"], **PIPE}},
+        loads={name: {"at": name, "kind": "reservoir", "pressure": p0} for name in ("s", "t")},
+        links={
+            "pump": {"kind": "pump", "nodes": ["s", "c"], "curve": [[0, rest], [last, 0]], "speed": 0},
+            "valve": {"kind": "orifice", "nodes": ["b", "t"], "flow": capacity * p0**0.5, "pressure_drop": p0},
+        },
+        probes={"b": {"at": "b"}},
+    )  # fmt: skip
+    event = Event("start", "pump", 1.0, takes)
+    changed, told = operated(scene, [event])
+    assert len(told) == notes
+    probe = simulate(changed, tol=1e-4).probes["b"]
+    assert np.ptp(probe.u[probe.t < 1]) < 1e-6 * rest
+    flow = (rest / (capacity**-2 + rest / last**2)) ** 0.5
+    assert probe.y[-1] == pytest.approx(flow, rel=1e-3)
+    tables = scene.table()
+    tables["links"]["pump"]["speed"] = 1
+    with pytest.raises(InputError, match="start: pump 'pump' runs already"):
+        operated(Scene(**tables), [event])

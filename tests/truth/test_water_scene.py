@@ -9,6 +9,7 @@ from networks import ring
 from random_inp import random_inp
 
 from tline.errors import InputError
+from tline.interchange.compare_heads import differences
 from tline.interchange.epanet import read_epanet
 from tline.interchange.pipe_walls import wave_speeds
 from tline.interchange.water_network import Valve
@@ -372,7 +373,6 @@ Units LPS
 
 def test_a_full_tank_takes_no_more_and_a_pump_stands(tmp_path):
     """EPANET shuts what fills a full tank, a check valve too; what a standing pump keeps apart has its own head."""
-    pytest.importorskip("wntr")
     path = tmp_path / "full.inp"
     path.write_text(FULL)
     network = read_epanet(path, 2.0)

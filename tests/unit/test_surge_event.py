@@ -31,3 +31,17 @@ def test_a_course_follows_its_file(tmp_path):
 def test_a_closure_that_is_none(text, said):
     with pytest.raises(InputError, match=said):
         read_event("close", text)
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "said"),
+    [
+        ("close", "V1@2+1s", "close: a number without a unit, expected one with a unit, such as '2 s'"),
+        ("close", "V1@2s+1", "close: a number without a unit, expected one with a unit, such as '1 s'"),
+        ("burst", "J:20@1s", "burst: a number without a unit, expected one with a unit, such as '20 m"),
+        ("stop", "P@1s:20%+8s", "stop: stages and courses are for close and open"),
+    ],
+)
+def test_words_that_would_be_misread(kind, text, said):
+    with pytest.raises(InputError, match=said):
+        read_event(kind, text)

@@ -21,7 +21,7 @@ Examples:
   tline surge town.inp --close ease@1s+5s --burst "b:20 L/s@2s" --demand "c:-5 L/s@0s" \\
       --at-hour 8 --save surge.toml --map surge.png
 """
-OPERATIONS = ("trip", "stop", "close", "open", "burst", "demand")
+OPERATIONS = ("trip", "start", "stop", "close", "open", "burst", "demand")
 SUFFIXES = {"save": (".toml",), "map": PICTURE, "profile": PICTURE, "heads": PICTURE, "envelope": (".csv",)}
 READING = {key: f"--{key.replace('_', '-')}" for key in ("wave_speed", "material", "moving_tanks")}
 NAMED = {key: f"--{key}" for key in (*OPERATIONS, "when", "at", "inertia", "rating")} | {
@@ -35,6 +35,7 @@ NAMED = {key: f"--{key}" for key in (*OPERATIONS, "when", "at", "inertia", "rati
 @click.command("surge", epilog=EXAMPLES)
 @click.argument("network")
 @click.option("--trip", multiple=True, metavar="PUMP@TIME", help="A pump's motor fails, and it runs down.")
+@click.option("--start", multiple=True, metavar="PUMP@TIME", help="A motor starts its pump; +DURATION does so evenly.")
 @click.option("--stop", multiple=True, metavar="PUMP@TIME+DURATION", help="A pump's speed falls to nothing, linearly.")
 @click.option(
     "--close",
@@ -51,8 +52,8 @@ NAMED = {key: f"--{key}" for key in (*OPERATIONS, "when", "at", "inertia", "rati
 @click.option("--for", "t_end", default="60s", metavar="TIME", help="How long to run; 60 s if not given.")
 @click.option("--tol", metavar="NUMBER", help="Largest error at the nodes that are told, relative to their amplitude.")
 @click.option("--order", metavar="1…16", help="One run of this order, in the slabs that suit it.")
-@click.option("--inertia", metavar="J", help="Of pumps that trip, such as '2 kg m^2'; a usual one if not given.")
-@click.option("--rated-speed", metavar="N", help="Of pumps that trip, such as '1450 rpm'.")
+@click.option("--inertia", metavar="J", help="Of pumps that trip or start, such as '2 kg m^2'; else a usual one.")
+@click.option("--rated-speed", metavar="N", help="Of pumps that trip or start, such as '1450 rpm'.")
 @click.option("--rating", metavar="PRESSURE", help="What the pipes bear, such as '16 bar'.")
 @click.option("--wave-speed", metavar="SPEED", help="In the pipes of an .inp file; 1000 m/s if nothing is said.")
 @click.option("--material", metavar="FILE.csv", help="Rows pipe, wall, thickness or pipe, wave speed; * is all others.")

@@ -1,5 +1,6 @@
 """Pumps: a curve at rated speed, affinity laws, a prescribed speed, or a run-down or start with inertia."""
 
+from itertools import pairwise
 from math import pi
 from typing import Annotated, Any, Literal
 
@@ -18,6 +19,7 @@ from tline.wording import shown
 
 MOST_OF_A_PARABOLA = 3  # points
 EFFICIENCY = 0.75  # of which nothing is said
+LAST_OF_ONE = 2.0  # flow without rise over that of the single point of a curve
 ONE_POINT = 4 / 3  # shut-off rise over that of the single point of a curve (L. A. Rossman, EPANET 2 manual, 2000)
 Flow = Annotated[Quantity, Role("flow", "m^3/s", at_least=0)]
 Instant = Annotated[Quantity, Role("time", "s", at_least=0)]
@@ -101,6 +103,24 @@ class Pump(Between, OfLiquids):
             raise InputError("efficiency", problem, "none", f"{self.efficiency:g}")
         form = _parabola(points)
         return parabola(*form), parabola(*form, sign=-1.0)
+
+    @property
+    def largest_power(self) -> float:
+        """Most that the water takes along the curve at rated speed, W, between points as on straight lines."""
+        points = sorted((float(q), float(h)) for q, h in self.curve)
+        middles = [((q + r) / 2, (h + k) / 2) for (q, h), (r, k) in pairwise(points)]
+        return max(q * h for q, h in (*points, *middles))
+
+    @property
+    def largest_torque(self) -> float:
+        """Most that it asks for along the curve at rated speed, times that speed, W."""
+        forms, borders = self._pieces[0].torques, self._pieces[0].borders
+        last = max(float(q) for q, _ in self.curve) * (1 if len(self.curve) > 1 else LAST_OF_ONE)
+        return max(
+            a + b * q + c * q**2
+            for q in (0.25 * last, 0.5 * last, 0.75 * last, last)
+            for a, b, c in [forms[int(np.searchsorted(borders, q))]]
+        )
 
     def law(self) -> ElementLaw:  # noqa: D102
         at = self.start if self.trip is None else self.trip

@@ -8,16 +8,18 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.errors import InputError
-from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
 from tline.solver.result.result import ProbeResult, Result
-from tline.surge.event import TURNED, Event, read_event
+from tline.surge.event import TURNED, Event, read_event, with_unit
 from tline.wording import nearest
 
 WATER = 1000.0  # kg/m³, of levels
 FORM = re.compile(r"(?P<node>[^<>]+)(?P<sign>[<>])(?P<value>[^:]+):\s*(?P<kind>\w+)\s+(?P<what>.+)")
-EXPECTED = "NODE<PRESSURE:KIND LINK+DURATION, such as 'tower>5.2 bar: close V1+5s', with close, open or trip"
+EXPECTED = (
+    "NODE<PRESSURE:KIND LINK+DURATION, such as 'tower>5.2 bar: close V1+5s', with close, open, trip, start or stop"
+)
+ROTORS = {"trip", "start", "stop"}
 BETWEEN = 8  # looks within a slab
 HALVINGS = 60
 
@@ -60,13 +62,13 @@ def read_control(text: str) -> Control:
     ('tower', True, 520000.0, 'V1', 5.0)
     """
     found = FORM.fullmatch(text.strip())
-    if found is None or found["kind"] not in {*TURNED, "trip"}:
+    if found is None or found["kind"] not in {*TURNED, *ROTORS}:
         raise InputError("when", "not a control", EXPECTED, f"'{text}'")
     what, plus, takes = found["what"].partition("+")
     event = read_event(found["kind"], f"{what.strip()}@0s{plus}{takes.strip()}")
     value = found["value"].strip()
     level = re.fullmatch(r".*\d\s*m", value) is not None
-    pressure = float(Quantity(value, "m", "when")) * WATER * GRAVITY if level else float(Quantity(value, "Pa", "when"))
+    pressure = with_unit(value, "m", "when") * WATER * GRAVITY if level else with_unit(value, "Pa", "when")
     return Control(found["node"].strip(), pressure, found["sign"] == ">", event, text)
 
 

@@ -9,6 +9,7 @@ from tline.scene.quantity import Quantity
 
 OPERATIONS = {
     "trip": "PUMP@TIME",
+    "start": "PUMP@TIME+DURATION",
     "stop": "PUMP@TIME+DURATION",
     "close": "LINK@TIME+DURATION",
     "open": "LINK@TIME+DURATION",
@@ -91,14 +92,14 @@ def read_event(kind: str, text: str) -> Event:
     if kind in FLOWING:
         name, colon, typed = (part.strip() for part in target.rpartition(":"))
         if at and colon and name:
-            flow = Quantity(typed.removeprefix("+").strip(), "m^3/s", where)
+            flow = with_unit(typed.removeprefix("+"), "m^3/s", where)
     if not at or not name or (kind in FLOWING and not flow) or (kind == "burst" and flow < 0):
         raise InputError(where, "not an operation", f"{expected}, such as {_example(kind)}", f"'{text}'")
-    when, colon, law = when.partition(":") if kind in TURNED else (when, "", "")
+    when, colon, law = when.partition(":")
+    if colon and kind not in TURNED:
+        raise InputError(where, "stages and courses are for close and open", expected, f"'{text}'")
     begin, plus, takes = when.partition("+")
-    event = Event(
-        kind, name, Quantity(begin.strip(), "s", where), Quantity(takes.strip(), "s", where) if plus else 0.0, flow
-    )
+    event = Event(kind, name, with_unit(begin, "s", where), with_unit(takes, "s", where) if plus else 0.0, flow)
     if colon:
         event = _with_law(event, law.strip(), where, text)
     if event.at < 0 or event.duration < 0:
@@ -106,6 +107,27 @@ def read_event(kind: str, text: str) -> Event:
     if kind == "trip" and event.duration:
         raise InputError(where, "a trip takes no time of its own", expected, f"'{text}'")
     return event
+
+
+def with_unit(typed: str, unit: str, where: str) -> float:
+    """A number in SI, whose unit is to be there.
+
+    Raises
+    ------
+    InputError
+        It is no number, or has no unit or one of something else.
+
+    Examples
+    --------
+    >>> with_unit("20 L/s", "m^3/s", "burst")
+    0.02
+    """
+    value = Quantity(typed.strip(), unit, where)
+    if not any(c.isalpha() and c not in "eE" for c in typed):
+        raise InputError(
+            where, "a number without a unit", f"one with a unit, such as '{typed.strip()} {unit}'", f"'{typed.strip()}'"
+        )
+    return float(value)
 
 
 def _with_law(event: Event, law: str, where: str, text: str) -> Event:
@@ -122,7 +144,7 @@ def _with_law(event: Event, law: str, where: str, text: str) -> Event:
         raise InputError(
             where, "no second stage", f"such as V1@1s+2s:20%+8s, or a file {event.name}@1s:FILE.csv", f"'{text}'"
         )
-    stage = float(Quantity(share, "", where)), float(Quantity(takes, "s", where))
+    stage = float(Quantity(share, "", where)), with_unit(takes, "s", where)
     if not 0 < stage[0] < 1 or stage[1] <= 0:
         raise InputError(
             where, "a stage out of range", "a share between 0 and 1 that is left, and a duration", f"'{text}'"
@@ -131,4 +153,6 @@ def _with_law(event: Event, law: str, where: str, text: str) -> Event:
 
 
 def _example(kind: str) -> str:
-    return {"trip": "P1@1s", "stop": "P1@1s+5s", "burst": "J73:20L/s@2s", "demand": "J9:+5L/s@0s"}.get(kind, "V1@1s+5s")
+    if kind in FLOWING:
+        return "J73:20L/s@2s" if kind == "burst" else "J9:+5L/s@0s"
+    return {"trip": "P1@1s", "start": "P1@1s", "stop": "P1@1s+5s"}.get(kind, "V1@1s+5s")

@@ -1,6 +1,7 @@
 """A scene in which something is operated: valves, pipes, pumps, demands and bursts, by events."""
 
 from collections.abc import Sequence
+from math import pi
 from types import UnionType
 from typing import Any
 
@@ -23,6 +24,7 @@ from tline.wording import nearest, place
 Table = dict[str, Any]
 LEAST = 1e3  # Pa; an outflow is told by the gauge pressure of its node, and by no less than that
 ROUNDING = 1e-9
+SURPLUS = 1.2  # torque of a motor that starts, over the most that its pump takes at rated speed
 VALVE = "a valve, or a pipe"
 
 
@@ -82,8 +84,31 @@ class _Operated:
             table["curve"] = [[speed * q, speed**2 * h] for q, h in pump.curve]
         given = {key: table.get(key, value) for key, value in self._rotor.items()}
         if None in given.values():
-            given |= self._usual(event.name, pump, given)
+            efforts = [self._gauge(node) + self._description.nodes[node].height.weight for node in pump.nodes]
+            water = (efforts[1] - efforts[0]) * self._before.through[place("links", event.name)]
+            given |= self._usual(event.name, max(water, 0.0) / float(pump.efficiency or EFFICIENCY), given)
         table |= given | {"trip": event.at}
+
+    def start(self, event: Event) -> None:
+        """Let a pump that stands run up: with its motor's torque, or in the time that is given."""
+        pump = self._link(event, Pump, "a pump")
+        self._once(event)
+        table = self.tables["links"][event.name]
+        if just_before(pump.speed) or pump.trip is not None:
+            raise InputError("start", f"pump '{event.name}' runs already", "a pump of speed 0")
+        if event.duration:
+            table["speed"] = event.control(0.0, 1.0)
+            return
+        table.pop("speed", None)
+        given = {key: table.get(key, value) for key, value in self._rotor.items()}
+        if None in given.values():
+            given |= self._usual(event.name, pump.largest_power / float(pump.efficiency or EFFICIENCY), given)
+        if "motor_torque" not in table:
+            turns = 2 * pi * float(Quantity(given["rated_speed"], "Hz"))
+            table["motor_torque"] = float(f"{SURPLUS * pump.largest_torque / turns:.3g}")
+            told = f"{table['motor_torque']:g} N m, {SURPLUS:g} times the most that the pump takes"
+            self.notes.append(f"pump '{event.name}': its motor starts it with {told}; give what it has")
+        table |= given | {"start": event.at}
 
     def stop(self, event: Event) -> None:
         """Take a pump's speed down to nothing."""
@@ -110,17 +135,14 @@ class _Operated:
         else:
             self._take_less(event, -event.flow)
 
-    def _usual(self, name: str, pump: Pump, given: Table) -> Table:
-        """Inertia and rated speed that such a pump has, where they are not given."""
-        efforts = [self._gauge(node) + self._description.nodes[node].height.weight for node in pump.nodes]
-        water = (efforts[1] - efforts[0]) * self._before.through[place("links", name)]
-        power = max(water, 0.0) / float(pump.efficiency or EFFICIENCY)
+    def _usual(self, name: str, power: float, given: Table) -> Table:
+        """Inertia and rated speed that a pump with such a power at the shaft has, where they are not given."""
         told = given["rated_speed"]
         turns = RATED_SPEED if told is None else float(Quantity(told, "Hz"))
         guess = float(f"{usual_inertia(power, turns):.3g}")
         words = [f"{guess:g} kg m^2"] * (given["inertia"] is None) + [f"{60 * turns:.4g} rpm"] * (told is None)
         why = f"what is usual for {engineering(power, 'W')} at the shaft"
-        self.notes.append(f"pump '{name}': it runs down with {' and '.join(words)}, {why}; give what it has")
+        self.notes.append(f"pump '{name}': its rotor has {' and '.join(words)}, {why}; give what it has")
         return {"rated_speed": turns, "inertia": guess if given["inertia"] is None else given["inertia"]}
 
     def _turn(self, event: Event, after: float) -> None:

@@ -96,6 +96,7 @@ def operate(
     network: Scene | str | Path | Mapping[str, Any],
     *,
     trip: Texts = (),
+    start: Texts = (),
     stop: Texts = (),
     close: Texts = (),
     open: Texts = (),
@@ -123,6 +124,8 @@ def operate(
         which `tline.read` reads with a wave speed, an hour or walls.
     trip : str
         Pumps whose motors fail: ``"PUMP@TIME"``.
+    start : str
+        Pumps that stand, and that their motors start: ``"PUMP@TIME"``, or evenly: ``"PUMP@TIME+DURATION"``.
     stop : str
         Pumps whose speed falls to nothing, linearly: ``"PUMP@TIME+DURATION"``.
     close, open : str
@@ -141,7 +144,7 @@ def operate(
     order : int, 1 to 16
         One run of this order instead, in the slabs that suit it.
     inertia, rated_speed : number or text, optional
-        Of the pumps that trip, kg m² and turns per second; what is usual for their power if they have none.
+        Of the pumps that trip and start, kg m² and turns per second; what is usual for their power if they have none.
     rating : number or text, optional
         Pressure that the pipes bear, Pa.
     at : str
@@ -179,7 +182,7 @@ def operate(
     >>> rise.node, round(rise.highest / 1e5, 1), surge.worst.needed / 1e5, surge.worst.boiling
     ('c', 8.8, 10.0, [])
     """
-    given = {"trip": trip, "stop": stop, "close": close, "open": open, "burst": burst, "demand": demand}
+    given = {"trip": trip, "start": start, "stop": stop, "close": close, "open": open, "burst": burst, "demand": demand}
     scene, read = read_network(network)
     rotor = {"inertia": inertia, "rated_speed": rated_speed}
     planned, guesses = plan(
