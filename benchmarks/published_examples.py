@@ -150,8 +150,8 @@ DECIDED = f"""
 Behind its valve there is a node with a demand and no pipe. TSNet takes such a valve as the end of the pipe before it,
 and lets the velocity there fall evenly with time (`valve_end` in its `simulation/solver.py`); here the valve's loss
 rises as it shuts, and most of the flow stops in the last part of the stroke. Below that end has TSNet's flow, by tline
-and by the textbook's method of characteristics on a grid of 1 m and 1/{SPEED} s (`benchmarks/whole_grid.py`): all pipes are
-whole numbers of metres long, so that no wave speed is changed and nothing interpolated. So the law of the valve
+and by the textbook's method of characteristics on a grid of 1 m and 1/{SPEED} s (`benchmarks/whole_grid.py`): all pipes
+are whole numbers of metres long, so that no wave speed is changed and nothing interpolated. So the law of the valve
 explains what differs above, but for what TSNet's time step does.
 
 """

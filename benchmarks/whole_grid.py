@@ -9,6 +9,7 @@ E. B. Wylie, V. L. Streeter: Fluid Transients in Systems (1993), chapter 3.
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,6 @@ from tline.interchange.water_scene import read_inp
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
 from tline.solver.description.description import describe
-from tline.solver.description.excitation import just_before
 from tline.solver.simulate import simulate
 from tline.solver.steady.steady_state import steady_state
 
@@ -28,7 +28,7 @@ def with_flow(path: Path) -> Scene:
     """Tnet1 whose valve is a flow that falls evenly to nothing, as in TSNet."""
     scene, _ = read_inp(str(path), SPEED)
     table = scene.table()
-    flow = float(scene.loads["N8"].flow)
+    flow = table["loads"]["N8"]["flow"]
     del table["links"], table["loads"]["N8"], table["nodes"]["N8"]
     falls = {"shape": "ramp", "from": -flow, "to": 0, "at": 0, "duration": CLOSES}
     table["sources"] = {"valve": {"at": END, "kind": "flow", "value": falls}}
@@ -52,15 +52,17 @@ def by_grid(path: Path, nodes: tuple[str, ...]) -> Heads:
     scene = with_flow(path)
     effort, _ = steady_state(describe(scene))
     head = {name: value / (1000.0 * GRAVITY) for name, value in effort.items()}
-    drawn = {one.at: float(one.flow) / head[one.at] ** 0.5 for one in scene.loads.values() if one.kind != "reservoir"}
-    supply = next(one.at for one in scene.loads.values() if one.kind == "reservoir")
-    valve = -just_before(scene.sources["valve"].value)
-    pipes, ends = [], {name: [] for name in head}
-    for k, line in enumerate(scene.lines.values()):
-        one, two = line.nodes
-        area, n = np.pi / 4 * line.parameters.diameter**2, round(line.parameters.length)
+    table = scene.table()
+    drawn = {one["at"]: one["flow"] / head[one["at"]] ** 0.5 for one in table["loads"].values() if "flow" in one}
+    supply = next(one["at"] for one in table["loads"].values() if one["kind"] == "reservoir")
+    valve = -table["sources"]["valve"]["value"]["from"]
+    pipes: list[Any] = []
+    ends: dict[str, list[tuple[int, int]]] = {name: [] for name in head}
+    for k, line in enumerate(table["lines"].values()):
+        (one, two), diameter = line["nodes"], line["diameter"]
+        area, n = np.pi / 4 * diameter**2, round(line["length"])
         impedance = SPEED / (GRAVITY * area)
-        loss = line.friction.factor / (2 * GRAVITY * line.parameters.diameter * area**2)  # of a metre
+        loss = line["friction"]["factor"] / (2 * GRAVITY * diameter * area**2)  # of a metre
         h = np.linspace(head[one], head[two], n + 1)
         drop = (head[one] - head[two]) / n / loss
         pipes.append((h, np.full(n + 1, np.sign(drop) * abs(drop) ** 0.5), impedance, loss))
