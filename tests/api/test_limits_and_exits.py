@@ -1,0 +1,116 @@
+"""Limits and exits of docs/trust.md: where input, output and the program end, and what is said then."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from passivity.expression.parse import MAX_CHARACTERS, MAX_DEPTH, MAX_EXPONENT
+from passivity.expression.quantity import MAX_DIGITS
+from passivity.multiport.matrix import MAX_PORTS
+from passivity.sampled.read import MAX_BYTES, MAX_LINE
+from tline.cli.frequency import MOST_POINTS
+from tline.cli.main import main
+from tline.interchange.deck import DEEPEST, MOST_CARDS
+from tline.scene.mistakes import MOST
+from tline.scene.pulses import MOST_PULSES
+from tline.scene.quantity import LARGEST as LARGEST_NUMBER
+from tline.scene.text_file import LARGEST
+from tline.solver.description import resolution
+from tline.solver.tolerance import search
+from tline.sweeps.design import MOST_RUNS
+
+PAGE = (Path(__file__).parents[2] / "docs" / "trust.md").read_text(encoding="utf-8")
+SCENE = str(Path(__file__).parents[2] / "scenes" / "cable_rc.toml")
+
+
+def call(*args: str) -> click.testing.Result:
+    return CliRunner().invoke(main, list(args))
+
+
+def tline(*args: str, **given) -> subprocess.CompletedProcess:
+    command = [sys.executable, "-m", "tline", *args]
+    return subprocess.run(command, check=False, text=True, stderr=given.pop("stderr", subprocess.PIPE), **given)
+
+
+def test_the_limits_on_the_page_are_those_of_the_program():
+    table = dict(re.findall(r"^\| (.*?) \| (.*?) \|$", PAGE.partition("## Limits")[2], re.MULTILINE))
+    assert table["a scene, table or netlist"] == f"{LARGEST:,} bytes"
+    assert (
+        table["a Touchstone file, or samples for `tline passivity`"] == f"{MAX_BYTES:,} bytes, {MAX_LINE:,} in a line"
+    )
+    assert table["elements of a netlist, subcircuits opened"] == f"{MOST_CARDS:,}, {DEEPEST} subcircuits in each other"
+    expression = (
+        f"{MAX_CHARACTERS:,} characters, {MAX_DEPTH} levels, powers to {MAX_EXPONENT}, numbers of {MAX_DIGITS:,} digits"
+    )
+    assert table["an expression"] == expression
+    assert table["a matrix"] == f"{MAX_PORTS} ports"
+    assert table["a number of a scene"].startswith(f"{LARGEST_NUMBER:g} in size")
+    assert table["slabs of a run"] == f"{int(resolution.MOST_SLABS):,}"
+    assert table["samples on the lines at once"] == f"{int(resolution.LARGEST):,}"
+    assert table["pulses before the end of a run"] == f"{MOST_PULSES:,}"
+    assert table["runs of a sweep"] == f"{MOST_RUNS:,}"
+    assert table["frequencies of `tline frequency`"] == f"{MOST_POINTS:,}"
+    assert table["mistakes of a scene that are told"] == f"{MOST}"
+    assert f"{int(search.MOST_SAMPLES):,} line-end samples or {search.MOST_SECONDS} s" in PAGE
+    assert len(table) == 13  # and the heading
+
+
+def test_a_closed_or_full_stderr_changes_nothing():
+    closed = {"preexec_fn": lambda: os.close(2), "stderr": None}
+    done = tline("run", SCENE, "--json", stdout=subprocess.PIPE, **closed)
+    assert (done.returncode, json.loads(done.stdout)["medium"]) == (0, "electrical")
+    assert tline("run", "none.toml", stdout=subprocess.PIPE, **closed).returncode == 2
+    with open("/dev/full", "w") as full:
+        assert tline("run", "none.toml", stdout=subprocess.PIPE, stderr=full).returncode == 2
+
+
+def test_output_that_cannot_be_printed_is_said():
+    with open("/dev/full", "w") as full:
+        done = tline("schema", stdout=full)
+        assert (done.returncode, done.stderr) == (2, "output: cannot be written, got no space left on device\n")
+    done = tline("schema", preexec_fn=lambda: os.close(1))
+    assert (done.returncode, done.stderr) == (2, "output: cannot be written, got bad file descriptor\n")
+
+
+@pytest.mark.parametrize("args", [("schema",), ("--help",)])
+def test_a_reader_who_leaves_early_is_no_mistake(args):
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = tline(*args, stdout=writing)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (141, "")
+
+
+def test_an_interrupted_run_says_so(monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("tline.scene.file.read_scene", interrupted)
+    result = call("export", SCENE)
+    assert (result.exit_code, result.stderr.strip()) == (130, "interrupted")
+
+
+def test_too_little_memory_is_said(monkeypatch):
+    def too_large(*_, **__):
+        raise MemoryError
+
+    monkeypatch.setattr("tline.scene.file.read_scene", too_large)
+    result = call("export", SCENE)
+    assert (result.exit_code, result.stderr) == (
+        2,
+        "memory: there is not enough of it for this, expected a smaller input\n",
+    )
+
+
+def test_a_fault_of_the_program_is_no_answer(monkeypatch):
+    monkeypatch.setattr("tline.scene.file.read_scene", lambda *_, **__: 1 / 0)
+    result = call("export", SCENE)
+    assert result.exit_code == 70
+    assert re.match("tline: a fault of the program, please report it with the command: ZeroDivision", result.stderr)
