@@ -19,6 +19,8 @@ AT_POINTS = (
     "flow",
     "drive",
     "y",
+    "slope",
+    "rate",
     "first",
     "safe",
     "rest",

@@ -185,6 +185,8 @@ class Store(NamedTuple):
     flow: Floats  # (s,) into the store; nan at the last point if none was found
     drive: Floats  # (s,) effort that drives it, beyond what the store holds
     y: Floats
+    slope: Floats  # dX/dy
+    rate: Floats  # dX/dt
     first: Floats
     safe: Floats
     rest: Floats

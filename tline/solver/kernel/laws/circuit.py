@@ -33,7 +33,7 @@ KINK, BEYOND = 0.1, 16.0  # part of a step that a kink stops, and most that the 
 SMALLER, SMALLEST = 1e-2, 1e-3  # a μ over the one before, at first and at least
 STEEP, LEAST = 0.99, 1e-17  # ratio of two μ at which a path is lost, and where it ends
 NEAR = 0.1  # residual over μ, relative to the waves, with which the next μ is tried
-DIFFERENCE = 1e-7  # of waves, for the slopes of stores
+DIFFERENCE, QUICK = 1e-7, 1e-4  # of waves, for the slopes of stores; of squares, with which these stay what they were
 LOST, FOLLOWS, SOLVED = 0, 1, 2
 
 
@@ -99,8 +99,11 @@ def unbalance(run, g, q, h, step, at, k, mu):
 
 
 @function
-def answered(run, g, q, h):
-    """How flows answer to waves, law by law: `answer[a, j]` is the change of flow a with wave j of the same law."""
+def answered(run, g, q, h, stores):
+    """How flows answer to waves, law by law: `answer[a, j]` is the change of flow a with wave j of the same law.
+
+    Of stores, which are asked for each point, it may stay what it was.
+    """
     laws, work = run.network.laws, run.work.circuit
     first, aimed, trial, answer = laws.first[g], work.aimed, work.trial, work.answer
     for law in range(laws.first[g + 1] - first):
@@ -109,6 +112,8 @@ def answered(run, g, q, h):
             for a in range(q):
                 for j in range(q):
                     answer[o + a, j] = work.slope[o + a] if a == j else 0.0
+            continue
+        if not stores:
             continue
         size = 0.0
         for j in range(q):
@@ -188,7 +193,7 @@ def newton(run, g, q, h, step, at, k, mu):
                 return SOLVED
             if off <= NEAR * mu * scale:
                 return FOLLOWS
-            answered(run, g, q, h)
+            answered(run, g, q, h, before == np.inf or now > QUICK * before)
             respond_to(run, g, q, step, at, k, mu if mu > 0.0 else RESTRAINT * min(worst / scale, 1.0))
             for a in range(size):
                 work.start[a] = work.aimed[a]

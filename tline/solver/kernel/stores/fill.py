@@ -34,7 +34,8 @@ def unfilled(stored, entering, store, at, h, z, start):
     for j in range(s):
         rest[j] = -x_start
     for j in range(s):
-        flow[j], x, _, rate, share = filling(stored, entering, c, at, y[j], v[j], z)
+        flow[j], x, store.slope[j], rate, share = filling(stored, entering, c, at, y[j], v[j], z)
+        store.rate[j] = rate
         rest[j] += x
         scale = max(scale, abs(x), h * abs(share * v[j]) / z)  # a stiff step magnifies what v is rounded by
         for k in range(s):
@@ -53,10 +54,9 @@ def stepped(stored, entering, store, at, h, z, share, most):
     s, reach = radau.shape[0], 1e-300
     for k in range(s):
         delta = 1e-7 * max(abs(y[k]), 1.0)
-        _, _, slope, rate, _ = filling(stored, entering, c, at, y[k], v[k], z)
         _, _, _, more, _ = filling(stored, entering, c, at, y[k] + delta, v[k], z)
         for j in range(s):
-            system[j, k] = (slope if j == k else 0.0) - h * radau[j, k] * (more - rate) / delta
+            system[j, k] = (store.slope[j] if j == k else 0.0) - h * radau[j, k] * (more - store.rate[k]) / delta
         system[k, s] = rest[k]
     eliminate(system, s)
     for j in range(s):
