@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
 
@@ -126,3 +127,54 @@ def test_what_a_short_wire_carries_back():
     # near end (1/4)(Lm/L + Cm/C) V, with V = 1/2, for a round trip; far end nothing, for k is the same in L and C
     assert probes["a2"].u.max() == pytest.approx((k + k) / 4 / 2, rel=2e-6)
     assert np.abs(probes["b2"].u).max() < 2 * k**2
+
+
+def test_probes_of_modes_see_what_both_conductors_have():
+    """Voltages and currents of each; a mode's z0 is that of the pair in it: 2·Z_odd and Z_even/2."""
+    modes = {"even": {"z0": 60, "delay": "1.1 ns"}, "odd": {"z0": 40, "delay": "0.9 ns"}}
+    pair = {"nodes1": ["a1", "a2"], "nodes2": ["b1", "b2"]} | modes
+    ends = {node: {"at": node} for node in ("a1", "a2", "b1", "b2")}
+    sides = {f"{mode} {end}": {"at": f"{end}1", "beside": f"{end}2", "mode": mode}
+             for mode in ("differential", "common") for end in "ab"}  # fmt: skip
+    scene = Scene(
+        medium="electrical", t_end="9 ns", lines={"pair": pair}, probes=ends | sides, solver={"tol": 1e-9},
+        sources={"s": {"at": "a1", "kind": "voltage", "value": {"shape": "ramp", "to": 1, "duration": "0.3 ns"},
+                       "resistance": 30}},
+        loads={"r": {"at": "b1", "kind": "resistor", "resistance": 70}, "c": {"at": "b2", "kind": "resistor",
+               "resistance": 20}, "d": {"at": "a2", "kind": "resistor", "resistance": 50}},
+    )  # fmt: skip
+    seen = simulate(scene).probes
+    t = np.linspace(0, 9e-9, 301)
+    for end in "ab":
+        first, second = (seen[f"{end}{k}"].at(t) for k in (1, 2))
+        differential, common = (seen[f"{mode} {end}"].at(t) for mode in ("differential", "common"))
+        np.testing.assert_allclose(differential.u, first.u - second.u, atol=1e-13)
+        np.testing.assert_allclose(differential.y, (first.y - second.y) / 2, atol=1e-15)
+        np.testing.assert_allclose(common.u, (first.u + second.u) / 2, atol=1e-13)
+        np.testing.assert_allclose(common.y, first.y + second.y, atol=1e-15)
+    assert seen["differential b"].record.z0 == pytest.approx(80)
+    assert seen["common b"].record.z0 == pytest.approx(30)
+
+
+@pytest.mark.parametrize(
+    ("probe", "sentence"),
+    [
+        ({"at": "a1", "mode": "common"}, "probes.p.beside: is missing"),
+        ({"at": "a1", "beside": "a2"}, "probes.p.mode: is missing"),
+        ({"at": "a1", "beside": "b2", "mode": "common"}, "probes.p.beside: no conductor beside it at the same end, "
+                                                         "expected 'a2', got 'b2'"),
+        ({"at": "c", "beside": "b2", "mode": "common"}, "probes.p.beside: no conductor beside it at the same end"),
+        ({"line": "one", "position": "10 %", "mode": "common"}, "probes.p.mode: modes are recorded at nodes"),
+    ],
+)  # fmt: skip
+def test_a_mode_that_is_none_is_refused(probe, sentence):
+    pair = {
+        "nodes1": ["a1", "a2"],
+        "nodes2": ["b1", "b2"],
+        "even": {"z0": 60, "delay": 1},
+        "odd": {"z0": 40, "delay": 1},
+    }
+    one = {"nodes": ["b1", "c"], "z0": 50, "delay": 1}
+    with pytest.raises(InputError) as found:
+        Scene(medium="electrical", t_end=1, lines={"pair": pair, "one": one}, probes={"p": probe})
+    assert sentence in str(found.value)

@@ -232,6 +232,10 @@ def _probe(scene: Scene, where: str, probe: Probe, ends: Ends) -> Iterator[Input
         either = " or ".join(map(repr, here[:6]))
         if probe.line is not None and probe.line not in here:
             yield InputError(f"{where}.line", f"does not end at '{probe.at}'", either or "none", repr(probe.line))
+        elif probe.beside is not None or probe.mode is not None:
+            yield from _pair(scene, where, probe, here)
+    elif probe.beside is not None or probe.mode is not None:
+        yield InputError(f"{where}.mode", "modes are recorded at nodes", "at = a node in place of a position")
     elif probe.line is None:
         yield InputError(f"{where}.line", "is missing")
     elif isinstance(scene.lines[probe.line], Coupled):
@@ -241,3 +245,17 @@ def _probe(scene: Scene, where: str, probe: Probe, ends: Ends) -> Iterator[Input
             probe.fraction(scene.lines[probe.line])
         except InputError as error:
             yield InputError(f"{where}.{error.where}", error.problem, error.expected, error.got)
+
+
+def _pair(scene: Scene, where: str, probe: Probe, here: list[str]) -> Iterator[InputError]:
+    """A mode of two coupled conductors needs both, at one end of the only line there or that which is named."""
+    if probe.beside is None or probe.mode is None:
+        missing = "beside" if probe.beside is None else "mode"
+        yield InputError(f"{where}.{missing}", "is missing", "beside and mode")
+        return
+    line = scene.lines[probe.line or here[0]] if probe.line or len(here) == 1 else None
+    ends = [end for end in (line.nodes1, line.nodes2) if probe.at in end] if isinstance(line, Coupled) else []
+    others = [node for end in ends for node in end if node != probe.at]
+    if probe.beside not in others:
+        expected = " or ".join(map(repr, others)) or "a probe at conductors with nodes1 and nodes2"
+        yield InputError(f"{where}.beside", "no conductor beside it at the same end", expected, shown(probe.beside))

@@ -1,5 +1,7 @@
 """Probes: where a run is recorded."""
 
+from typing import Literal
+
 from pydantic import Field
 
 from tline.errors import InputError
@@ -15,12 +17,16 @@ class Probe(Element):
 
     At a node where no line ends, or several meet and no `line` says whose flow and waves are meant, that is the effort
     alone; of a line with both its ends there they are those of end 1. A position is a distance from the line's end 1,
-    or a share of its delay such as "25 %".
+    or a share of its delay such as "25 %". Of a pair of coupled conductors a probe sees the differential mode, u1 - u2
+    and (i1 - i2)/2, or the common one, (u1 + u2)/2 and i1 + i2.
     """
 
     at: Name | None = Field(default=None, description="node; without `line`, where not one line ends, its effort alone")
     line: Name | None = Field(default=None, description="line: whose flow at the node, or on which the position is")
     position: Position | None = Field(default=None, description="distance from end 1 in m, or a share such as '25 %'")
+
+    beside: Name | None = Field(default=None, description="node of a second of several conductors at the same end")
+    mode: Literal["differential", "common"] | None = Field(default=None, description="of both: what is recorded")
 
     def fraction(self, line: SceneLine) -> float:
         """Place on the line as a share of its delay, from 0 at end 1 to 1 at end 2.

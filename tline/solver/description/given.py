@@ -6,6 +6,7 @@ from tline.scene.law import ElementLaw, Governor
 from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Signal
 from tline.scene.medium import MEDIA, Medium
 from tline.scene.multiport import Ports
+from tline.scene.probe import Probe
 from tline.scene.ratio import Ratio
 from tline.scene.scene import Scene
 from tline.scene.shape import Constant, Shape
@@ -26,6 +27,7 @@ __all__ = [
     "Measure",
     "Medium",
     "Ports",
+    "Probe",
     "Ratio",
     "Scene",
     "Shape",

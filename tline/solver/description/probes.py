@@ -4,14 +4,14 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from tline.errors import InputError
-from tline.solver.description.given import End, Height, Scene
+from tline.solver.description.given import End, Height, Probe, Scene
 from tline.wording import place
 
 
 class Conductor(NamedTuple):
-    """One of several coupled conductors: which, and at which end."""
+    """One of several coupled conductors, or a mode of two: what its current is of theirs, and at which end."""
 
-    place: int
+    weights: tuple[float, ...]
     end: int
     ends: tuple[End, End]
 
@@ -50,7 +50,7 @@ def probes_of(scene: Scene, coupled: Mapping[str, tuple[End, End]]) -> dict[str,
             continue
         if where in coupled:
             end = next(k for k, end in enumerate(coupled[where]) if probe.at in end.conductors)
-            conductor = Conductor(coupled[where][end].conductors.index(probe.at or ""), end, coupled[where])
+            conductor = Conductor(_weights(probe, coupled[where][end].conductors), end, coupled[where])
             found[name] = ProbePlace(where, float(end), scene.height(name), conductor)
             continue
         line = scene.lines[where]
@@ -60,3 +60,9 @@ def probes_of(scene: Scene, coupled: Mapping[str, tuple[End, End]]) -> dict[str,
             raise InputError(place("probes", name, "position"), problem, "its ends, or two lines that meet there")
         found[name] = ProbePlace(where, share, scene.height(name))
     return found
+
+
+def _weights(probe: Probe, conductors: tuple[str, ...]) -> tuple[float, ...]:
+    """Currents of conductors in what a probe sees: i, (i1 - i2)/2 of the differential mode, i1 + i2 of the common."""
+    first, second = {"differential": (0.5, -0.5), "common": (1.0, 1.0), None: (1.0, 0.0)}[probe.mode]
+    return tuple(first if node == probe.at else second if node == probe.beside else 0.0 for node in conductors)

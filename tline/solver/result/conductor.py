@@ -1,4 +1,4 @@
-"""What a probe at one of several coupled conductors sees: the sum of its modes."""
+"""What a probe at one of several coupled conductors, or at a pair of them, sees: the sum of its modes."""
 
 from collections.abc import Mapping, Sequence
 
@@ -9,16 +9,16 @@ from tline.solver.result.result import LineRecord, Wave
 
 
 def record_of(probe: ProbePlace, records: Mapping[str, LineRecord]) -> LineRecord:
-    """What a probe recorded; at a conductor as on a single line that carries its voltage and current.
+    """What a probe recorded; at conductors as on a single line that carries their voltage and current.
 
-    The z0 is then that of the conductor while the others are held at zero.
+    The z0 is then that of the conductor while the others are held at zero, of two while these are in that mode.
     """
     at = probe.conductor
     if at is None:
         return records[probe.line]
-    modes, j = at.ends[0].modes, at.place
-    z0 = 1 / float(modes.admittance[j, j])
-    voltage, current = modes.T[j], np.linalg.inv(modes.T)[:, j]  # per u and y of each mode
+    modes, weights = at.ends[0].modes, np.array(at.weights)
+    z0 = 1 / float(weights @ modes.admittance @ weights)
+    voltage, current = weights @ modes.T / (weights @ weights), np.linalg.inv(modes.T) @ weights  # per u and y of modes
     found = [records[line] for line in probe.lines]
 
     def wave(a: str, b: str, sign: float) -> Wave:
