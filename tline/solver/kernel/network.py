@@ -148,6 +148,8 @@ class Units(NamedTuple):
     """Addresses of the compiled units that a network needs beside the loop; 0 where it has no use for one."""
 
     advance: int  # blocks of slabs
+    scatter: int  # a group in a block
+    laws: int  # groups with laws in a block
     delay: int  # fractional rests of delays
     crossing: int  # groups with one law and nothing else
     circuit: int  # other groups with laws

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tline.solver.kernel.blocks import advance
 from tline.solver.kernel.network import REMEMBERED, Network, Units
+from tline.solver.kernel.scatter import scatter_block
 
 KERNEL = "tline.solver.kernel"
 OF_KIND = (  # in order of the kinds of elements
@@ -43,6 +44,8 @@ def units_of(network: Network, *, fronts: bool) -> Units:
     remembered = address("losses.memory.memory", len(losses) and (losses == REMEMBERED).any())
     return Units(
         advance=advance.address,
+        scatter=scatter_block.address,
+        laws=address("laws.passing.pass_block", laws.any()),
         delay=address("delay.delay_rest", (network.shift_row >= 0).any()),
         crossing=address("laws.crossing.crossing", (laws & ~mapped).any()),
         circuit=address("laws.circuit.circuit", (laws & mapped).any()),
