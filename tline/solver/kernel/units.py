@@ -53,6 +53,7 @@ def units_of(network: Network, *, fronts: bool) -> Units:
         law=law_addresses(kind) if len(kind) else np.zeros(0, np.int64),
         loss=np.where(losses == REMEMBERED, remembered, constant),
         segments=address("losses.segments.pass_segments", segments),
+        pieces=address("fronts.pieces.scatter_pieces", fronts),
         respond=address("fronts.respond.respond_by_map", fronts and (mapped & ~laws).any()),
         respond_with_laws=address("fronts.respond.respond_with_laws", fronts and (mapped & laws).any()),
         collapse_at_losses=address("fronts.collapse.collapse_at_losses", fronts and len(losses)),

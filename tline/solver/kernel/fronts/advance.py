@@ -4,7 +4,6 @@ import numpy as np
 
 from tline.solver.kernel.blocks import lose, rotate
 from tline.solver.kernel.fronts.gather import drives_front
-from tline.solver.kernel.fronts.pieces import scatter_pieces
 from tline.solver.kernel.fronts.structures import DONE, LIVE, MERGE, NOTED, FrontRun
 from tline.unit import function, invoke, unit
 
@@ -98,7 +97,7 @@ def scatter_all(job, slab, k):
             invoke(units.collapse_group, (job, np.int64(g), slab, k))
             met = False
         if met:
-            if not np.isfinite(scatter_pieces(job, g, slab, k)):
+            if invoke(units.pieces, (job, np.int64(g), slab, k)) == 0:
                 return network.group[g]
         elif scatter_whole(run, fronts, g, slab, k) >= 0:
             return network.group[g]
