@@ -116,4 +116,4 @@ def scatter_pieces(job: FrontRun, g: int, slab: int, k: int) -> int:
                 rejoin(fronts, work.arrived[i - low], m, fewer)
         m = fewer
         copy(outer, edges)
-    return np.int64(np.isfinite(depart(job, g, slab, m, anew)))
+    return 1 if np.isfinite(depart(job, g, slab, m, anew)) else 0
