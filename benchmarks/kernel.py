@@ -15,6 +15,7 @@ from tline.solver.assembly.assemble import assemble
 from tline.solver.assembly.blocks import blocks_of
 from tline.solver.assembly.lossy_segments import segments_of
 from tline.solver.description.description import describe
+from tline.solver.description.groups import Group
 from tline.solver.description.laws import laws_of
 from tline.solver.kernel.network import NO_LOSSES, Network, State
 from tline.solver.loop.kernel import advance
@@ -52,10 +53,12 @@ def ring(lines: int, s: int, *, fractional: bool, seed: int = 0) -> tuple[Networ
         none,
         np.zeros(0, np.int64),
         np.zeros(0, np.int64),
+        np.zeros(0, bool),
         np.zeros(0),
         np.full(2 * lines, -1),
-        laws_of([[]] * lines, [[]] * lines, 0, 0)[0],
-        segments_of({}, [[None]] * lines)[0],
+        none,
+        laws_of([Group([], [], [], [])] * lines, [], 0, 0)[0],
+        segments_of({})[0],
         NO_LOSSES,
         blocks_of(delay, first, ends, group, NO_LOSSES),
     )

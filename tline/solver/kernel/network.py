@@ -148,6 +148,8 @@ class Units(NamedTuple):
     """Addresses of the compiled units that a network needs beside the loop; 0 where it has no use for one."""
 
     advance: int  # blocks of slabs
+    scatter: int  # a group in a block
+    laws: int  # groups with laws in a block
     delay: int  # fractional rests of delays
     crossing: int  # groups with one law and nothing else
     circuit: int  # other groups with laws
@@ -155,6 +157,7 @@ class Units(NamedTuple):
     law: Integers  # (E,) of each element: its law, or its store
     loss: Integers  # (rows,) of each row of loss elements
     segments: int  # lossy lines in segments
+    pieces: int  # a group in a slab in pieces
     respond: int  # groups with a map and without laws, in pieces of a slab
     respond_with_laws: int  # groups with both
     collapse_at_losses: int  # slabs in pieces that pass loss elements

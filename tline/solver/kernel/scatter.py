@@ -1,5 +1,6 @@
 """What a node does with the waves at its line ends: w arrives, u is the node's effort, 2u - w leaves.
 
+Where a line's slot wraps, or the workspace is full, a block of slabs is cut into tiles that are contiguous in memory.
 Positions in the wave buffers are unsigned: a signed index is tested for wrapping round at every access, and the loops
 do not vectorise.
 """
@@ -7,9 +8,11 @@ do not vectorise.
 import numpy as np
 
 from tline.solver.kernel.arithmetic import TINY
-from tline.solver.kernel.laws.passing import pass_laws
 from tline.solver.kernel.load import load
-from tline.unit import function, invoke
+from tline.solver.kernel.network import Run
+from tline.unit import function, invoke, unit
+
+FAR, NEAR = -1, -2  # groups of a block
 
 
 @function
@@ -55,25 +58,22 @@ def note_effort(u, q, n, record, row, column):
 
 
 @function
-def note_laws(run, g, n, column):
-    """Keep the waves into laws."""
-    laws, record, into = run.network.laws, run.record, run.work.into
-    for e in range(laws.first[g], laws.first[g + 1]):
-        row, k = laws.record_row[e], e - laws.first[g]
-        for i in range(n if row >= 0 else 0):
-            record[row, 0, column + i] = into[k, i]
-            record[row, 1, column + i] = into[k, i]
-
-
-@function
-def control(run, g, start, n):
-    """Gather the control signals of a group's elements at n samples."""
-    laws, excitation, signal = run.network.laws, run.excitation, run.work.control
-    for k in range(laws.first[g + 1] - laws.first[g]):
-        e = laws.first[g] + k
-        row = laws.excitation_row[e]
-        for i in range(n):
-            signal[k, i] = excitation[row, start + i] if row >= 0 else laws.control[e]
+def place_tile(run, g, begun, ahead, most):
+    """Places where the ends of a group work from slab `ahead` of a block on; returns for how many slabs they hold."""
+    network, state, position = run.network, run.state, run.work.position
+    delay, offset, ends, waits = network.delay, network.offset, network.ends, network.blocks.waits
+    slots, sides, s, m = state.slot, state.side, state.before.shape[1], most
+    for i in range(network.first[network.group[g]], network.first[network.group[g + 1]]):
+        e = ends[i]
+        line = e >> 1
+        slot, side = slots[line] + ahead, sides[line] ^ (e & 1)
+        if waits[line]:
+            slot += begun
+        if slot >= delay[line]:
+            slot, side = slot - delay[line], 1 - side
+        m = min(m, delay[line] - slot)
+        position[e] = offset[line] + (side * delay[line] + slot) * s
+    return m
 
 
 @function
@@ -92,15 +92,10 @@ def scatter_group(run, g, here, m, column):
             if shift_row[e >> 1] >= 0:
                 invoke(units.delay, (run, e, position[e], m))
             gather(u, q, n, waves, np.uint64(position[e]), weight[i])
-    laws = network.laws.first[g] < network.laws.first[g + 1]
-    if laws:
-        control(run, g, here, n)
-    if laws:
-        pass_laws(run, np.int64(g), n, network.laws.step, np.int64(0))
+    if network.laws.first[g] < network.laws.first[g + 1]:
+        invoke(units.laws, (run, g, here, n, column))
     elif network.load_at[g] >= 0:
         load(run, g, n, network.step, network.step_at[network.step_row[g]])
-    if laws:
-        note_laws(run, g, n, column + here)
     for node in range(one, after):
         q = np.uint64((node - one) * n)
         for i in range(first[node], first[node + 1]):
@@ -113,4 +108,24 @@ def scatter_group(run, g, here, m, column):
             note_effort(u, q, n, record, network.effort_row[node], column + here)
         if not np.isfinite(u[q + np.uint64(n - 1)]):
             return node
+    return -1
+
+
+@unit
+def scatter_block(run: Run, chosen: int, k: int, begun: int, count: int, column: int) -> int:
+    """Scatter slabs of a block, of which some have begun, at a group, or at FAR or NEAR ones, from slab k on.
+
+    Returns -1, or the number of a node whose effort is no longer finite.
+    """
+    blocks, s = run.network.blocks, run.state.before.shape[1]
+    groups = blocks.far_groups if chosen == FAR else blocks.near_groups
+    for i in range(1 if chosen >= 0 else groups.size):
+        g, ahead = chosen if chosen >= 0 else groups[i], np.int64(0)
+        most = np.int64(1) if run.network.laws.governed[g] else run.work.tile
+        while ahead < count:
+            m = place_tile(run, g, begun, ahead, min(count - ahead, most))
+            node = scatter_group(run, g, (k + ahead) * s, m, column * s)
+            if node >= 0:
+                return node
+            ahead += m
     return -1

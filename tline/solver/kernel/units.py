@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tline.solver.kernel.blocks import advance
 from tline.solver.kernel.network import REMEMBERED, Network, Units
+from tline.solver.kernel.scatter import scatter_block
 
 KERNEL = "tline.solver.kernel"
 OF_KIND = (  # in order of the kinds of elements
@@ -43,6 +44,8 @@ def units_of(network: Network, *, fronts: bool) -> Units:
     remembered = address("losses.memory.memory", len(losses) and (losses == REMEMBERED).any())
     return Units(
         advance=advance.address,
+        scatter=scatter_block.address,
+        laws=address("laws.passing.pass_block", laws.any()),
         delay=address("delay.delay_rest", (network.shift_row >= 0).any()),
         crossing=address("laws.crossing.crossing", (laws & ~mapped).any()),
         circuit=address("laws.circuit.circuit", (laws & mapped).any()),
@@ -50,6 +53,7 @@ def units_of(network: Network, *, fronts: bool) -> Units:
         law=law_addresses(kind) if len(kind) else np.zeros(0, np.int64),
         loss=np.where(losses == REMEMBERED, remembered, constant),
         segments=address("losses.segments.pass_segments", segments),
+        pieces=address("fronts.pieces.scatter_pieces", fronts),
         respond=address("fronts.respond.respond_by_map", fronts and (mapped & ~laws).any()),
         respond_with_laws=address("fronts.respond.respond_with_laws", fronts and (mapped & laws).any()),
         collapse_at_losses=address("fronts.collapse.collapse_at_losses", fronts and len(losses)),

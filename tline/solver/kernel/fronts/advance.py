@@ -4,9 +4,7 @@ import numpy as np
 
 from tline.solver.kernel.blocks import lose, rotate
 from tline.solver.kernel.fronts.gather import drives_front
-from tline.solver.kernel.fronts.pieces import scatter_pieces
 from tline.solver.kernel.fronts.structures import DONE, LIVE, MERGE, NOTED, FrontRun
-from tline.solver.kernel.scatter import scatter_group
 from tline.unit import function, invoke, unit
 
 
@@ -62,7 +60,7 @@ def front_free_slabs(run, fronts, sources, slab, most):
 def scatter_whole(run, fronts, g, slab, k):
     """Scatter one slab without fronts at a group. Returns a node that is not finite, or -1."""
     network, waves, pieces, s = run.network, run.state.waves, fronts.pieces, run.state.before.shape[1]
-    node = scatter_group(run, g, k * s, np.int64(1), (slab - k) * s)
+    node = invoke(run.units.scatter, (run, g, k, np.int64(0), np.int64(1), slab - k))
     for i in range(network.first[network.group[g]], network.first[network.group[g + 1]]):
         e = network.ends[i]
         for j in range(s):
@@ -99,7 +97,7 @@ def scatter_all(job, slab, k):
             invoke(units.collapse_group, (job, np.int64(g), slab, k))
             met = False
         if met:
-            if not np.isfinite(scatter_pieces(job, g, slab, k)):
+            if invoke(units.pieces, (job, np.int64(g), slab, k)) == 0:
                 return network.group[g]
         elif scatter_whole(run, fronts, g, slab, k) >= 0:
             return network.group[g]

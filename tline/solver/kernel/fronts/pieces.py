@@ -7,8 +7,8 @@ from tline.solver.kernel.fronts.gather import driven, fronts_at, regrouped, unfo
 from tline.solver.kernel.fronts.respond import respond
 from tline.solver.kernel.fronts.send import keep, release, send
 from tline.solver.kernel.fronts.settle import rejoin, settling
-from tline.solver.kernel.fronts.structures import SCALE
-from tline.unit import function
+from tline.solver.kernel.fronts.structures import SCALE, FrontRun
+from tline.unit import function, unit
 
 
 @function
@@ -93,9 +93,9 @@ def depart(job, g, slab, m, anew):
     return total
 
 
-@function
-def scatter_pieces(job, g, slab, k):
-    """Scatter one slab in pieces at a group. Returns the sum of the efforts at the slab's end."""
+@unit
+def scatter_pieces(job: FrontRun, g: int, slab: int, k: int) -> int:
+    """Scatter one slab in pieces at a group. Returns whether all efforts at the slab's end are finite."""
     run, fronts, sources, network, work = job.run, job.fronts, job.sources, job.run.network, job.fronts.work
     edges, outer, fewer = work.edges, work.outer, np.int64(0)
     n = fronts_at(run, fronts, sources, g, slab)
@@ -116,4 +116,4 @@ def scatter_pieces(job, g, slab, k):
                 rejoin(fronts, work.arrived[i - low], m, fewer)
         m = fewer
         copy(outer, edges)
-    return depart(job, g, slab, m, anew)
+    return 1 if np.isfinite(depart(job, g, slab, m, anew)) else 0

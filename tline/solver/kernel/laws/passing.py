@@ -1,6 +1,9 @@
 """From the Thévenin waves at a group with laws to its efforts, by the unit that the group needs."""
 
-from tline.unit import function, invoke
+import numpy as np
+
+from tline.solver.kernel.network import Run
+from tline.unit import function, invoke, unit
 
 
 @function
@@ -12,3 +15,34 @@ def pass_laws(run, g, n, h, own):
         invoke(run.units.circuit, (run, g, n, h, own))
     else:
         invoke(run.units.crossing, (run, g, n, h))
+
+
+@function
+def note_laws(run, g, n, column):
+    """Keep the waves into laws."""
+    laws, record, into = run.network.laws, run.record, run.work.into
+    for e in range(laws.first[g], laws.first[g + 1]):
+        row, k = laws.record_row[e], e - laws.first[g]
+        for i in range(n if row >= 0 else 0):
+            record[row, 0, column + i] = into[k, i]
+            record[row, 1, column + i] = into[k, i]
+
+
+@function
+def control(run, g, start, n):
+    """Gather the control signals of a group's elements at n samples."""
+    laws, excitation, signal = run.network.laws, run.excitation, run.work.control
+    for k in range(laws.first[g + 1] - laws.first[g]):
+        e = laws.first[g] + k
+        row = laws.excitation_row[e]
+        for i in range(n):
+            signal[k, i] = excitation[row, start + i] if row >= 0 else laws.control[e]
+
+
+@unit
+def pass_block(run: Run, g: int, here: int, n: int, column: int) -> int:
+    """Turn the Thévenin waves of n samples of slabs into efforts, from sample `here` of the excitation on."""
+    control(run, g, here, n)
+    pass_laws(run, g, n, run.network.laws.step, np.int64(0))
+    note_laws(run, g, n, column + here)
+    return 0
