@@ -16,6 +16,7 @@ References
 A. N. Tikhonov, V. Y. Arsenin: Solutions of Ill-Posed Problems, 1977; H. H. Bauschke, P. L. Combettes: Convex Analysis
 and Monotone Operator Theory in Hilbert Spaces, 2017, section 23.4. J. Katzenelson: An algorithm for solving nonlinear
 resistor networks, Bell Syst. Tech. J. 44 (1965) 1605-1620, doi:10.1002/j.1538-7305.1965.tb04195.x.
+M. A. Krasnoselskii: Two remarks on the method of successive approximations, Uspekhi Mat. Nauk 10 (1955) 123-127.
 """
 
 import numpy as np
