@@ -16,6 +16,8 @@ from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.touchstone import Touchstone
 from tline.solver.assembly.loss_elements import loss_elements_in
 from tline.solver.assembly.lossy_segments import fits
+from tline.solver.description.description import describe
+from tline.solver.description.grid_choice import grid_choice
 from tline.solver.description.lines import lines_of
 from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.dense_output import extremes
@@ -66,6 +68,7 @@ def summary(result: Result, accuracy: Accuracy | None, times: NDArray | None = N
         "end_time": float(result.t[-1]),
         "order": result.resolution.s,
         "slab": result.resolution.h,
+        "grid": grid_choice(describe((result.parts or result).scene), result.resolution)._asdict(),
         "lumped": dict(result.resolution.sections),
         "losses": _losses(result),
         "measured": {
@@ -151,6 +154,12 @@ def _losses_in_words(losses: dict[str, Any]) -> list[str]:
     return [f"losses: {lines}, {', '.join(parts)}; {exact}"]
 
 
+def _grid_in_words(grid: dict[str, Any]) -> str:
+    """Why the slabs are what they are, and the predicted cost of the run."""
+    cost = grid["cost"]
+    return grid["reason"] if cost is None else f"{grid['reason']}, predicted cost {cost:,.0f} samples without fronts"
+
+
 def _told(accuracy: Accuracy) -> dict[str, Any]:
     return {
         "tol": accuracy.tol,
@@ -170,7 +179,7 @@ def as_table(result: Result, accuracy: Accuracy | None) -> str:
     second, time_unit = handy(told["end_time"], "s")
     head = [
         f"order {told['order']}, {told['slabs']} slabs of {told['slab'] / slab:.4g} {slab_unit}, "
-        f"{told['line_end_samples']:,} line-end samples in {told['seconds']:.2g} s",
+        f"{told['line_end_samples']:,} line-end samples in {told['seconds']:.2g} s; {_grid_in_words(told['grid'])}",
         _in_words(accuracy),
         *_losses_in_words(told["losses"]),
         *_measured_in_words(result),

@@ -35,7 +35,7 @@ def slab_of(
     """A slab that is fine enough for what the scene holds, if that is affordable; lines are given by their delays."""
     delays = [*lines.values()]
     lossy = [delay for name, delay in lines.items() if description.lines[name].losses is not None]
-    shortest, breaks = min(delays), _breaks(description)
+    shortest, breaks = min(delays), breaks_of(description)
     layered = description.t_end / SLABS_FOR_FRONTS  # decays beyond are followed behind fronts, not by narrow slabs
     slower = [scale for scale, period in scales.values() if lossy or period < inf or scale > layered]
     resolved = min([shortest / SLABS_PER_DELAY, *slower])
@@ -58,7 +58,7 @@ def _cheapest(description: Description, delays: list[float], breaks: NDArray, wa
 
     def cost(parts: int) -> float:
         h = _divided(shortest, parts, wanted)
-        work = _work(h, delays, breaks)
+        work = relative_work(h, delays, breaks)
         return samples / h * work + (BESIDE if work > 1.0 else 0.0)
 
     narrowest = max(_affordable(description, delays, CHEAP_IN_BLOCKS), samples / cost(1))
@@ -67,13 +67,18 @@ def _cheapest(description: Description, delays: list[float], breaks: NDArray, wa
         if parts := common_parts((*times,), shortest, most):
             choices.append(parts)
     parts = min(reversed(choices), key=cost)
-    inside = _work(_divided(shortest, parts, wanted), delays, breaks) > 1.0
+    inside = relative_work(_divided(shortest, parts, wanted), delays, breaks) > 1.0
     return _divided(shortest, parts, wanted if inside else often)
 
 
-def _work(h: float, delays: list[float], breaks: NDArray) -> float:
+def whole_slabs(h: float, delays: list[float]) -> bool:
+    """Whether slabs of this width divide all delays."""
+    return all(abs(delay / h - round(delay / h)) <= WHOLE * delay / h for delay in delays)
+
+
+def relative_work(h: float, delays: list[float], breaks: NDArray) -> float:
     """Work for a slab of this width, over that for one without fronts inside."""
-    if not all(abs(delay / h - round(delay / h)) <= WHOLE * delay / h for delay in delays):
+    if not whole_slabs(h, delays):
         return WITH_FRONTS * MOST_PLACES if len(breaks) else WITH_SHIFTS
     places = np.unique(np.round(np.append(0.0, breaks) / h % 1.0, PLACES) % 1.0)
     return 1.0 if len(places) == 1 else WITH_FRONTS * min(len(places), MOST_PLACES)
@@ -88,7 +93,7 @@ def _slab_beside_losses(
     description: Description, delays: list[float], lossy: list[float], resolved: float, least: float
 ) -> float:
     """A slab for segments or loss elements."""
-    cheap, t_end, breaks = _affordable(description, delays, CHEAP), description.t_end, _breaks(description)
+    cheap, t_end, breaks = _affordable(description, delays, CHEAP), description.t_end, breaks_of(description)
     if h := _slab_for_segments(description, delays, max(resolved, least), cheap):
         return h
     few = len(breaks) <= MOST_MARKS
@@ -139,7 +144,7 @@ def _gaps(description: Description) -> list[float]:
     return [float(p.min()) for p in (p[p > WHOLE * description.t_end] for p in pieces) if p.size]
 
 
-def _breaks(description: Description) -> NDArray:
+def breaks_of(description: Description) -> NDArray:
     """Instants of the jumps, corners and switches of a run, s."""
     instants = np.concatenate([[*description.switched.values()], *description.breaks])
     return instants[(instants >= 0) & (instants < description.t_end)]
