@@ -10,8 +10,7 @@ demo: $(VENV)/ready-run
 	$(BIN)/tline demo -o out
 
 test: $(VENV)/ready-test
-	$(BIN)/tline warm-up  # once, not in each process of the tests
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 lint: $(VENV)/ready-dev
 	$(BIN)/ruff check

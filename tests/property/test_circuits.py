@@ -234,7 +234,7 @@ def test_a_slab_far_too_long_for_a_vessel_in_a_circuit_is_divided():
         probes={"b": {"at": "b"}},
     )
     rough = run(describe(scene), Resolution(7, 0.0508))
-    fine = run(describe(scene), Resolution(4, 0.0508 / 64))
+    fine = run(describe(scene), Resolution(4, 0.0508 / 16))
     ends = rough.probes["b"].t[2:-1]
     assert len(rough.probes["b"].record.a1.pieces.slab) > 3 * len(ends)
     off = np.abs(rough.probes["b"].at(ends).u - fine.probes["b"].at(ends).u)

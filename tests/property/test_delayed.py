@@ -73,7 +73,7 @@ def test_networks_are_proved(text):
     assert verdict.rational or verify_proof(verdict.proof)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(wild, st.sampled_from(Kind))
 def test_verdicts_agree_with_values(text, kind):
     verdict = check_expression(text, kind)

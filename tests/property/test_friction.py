@@ -54,7 +54,7 @@ def mirrored(bench):
 
 
 @given(karnopps(), benches)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_static_laws_account_for_all_energy_and_only_take_it(model, bench):
     run = simulate(model, bench, 4.0, times=TIMES)
     assert run.status is Status.DONE

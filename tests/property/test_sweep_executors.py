@@ -151,17 +151,16 @@ def test_a_script_without_a_guard_is_told_in_a_sentence(tmp_path):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("processes", [False, True], ids=["threads", "processes"])
-def test_on_dask(processes):
+def test_on_dask():
     distributed = pytest.importorskip("distributed")
     here = tl.sweep(CABLE.change({"solver.tol": 1e-4}), VALUES, workers=1)
-    options = {"processes": processes, "n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
+    options = {"processes": False, "n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
     with distributed.Client(**options) as client:
         found = tl.sweep(CABLE.change({"solver.tol": 1e-4}), VALUES, executor=client.get_executor())
     same(here, found)
 
 
-def test_on_dask_when_a_worker_is_killed():
+def test_on_processes_of_dask_of_which_one_is_killed():
     distributed = pytest.importorskip("distributed")
     scene = CABLE.change({"solver.tol": 1e-4})
     here = tl.sweep(scene, VALUES, workers=1)
