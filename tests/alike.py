@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from enum import Enum
 from fractions import Fraction
 from pathlib import PurePath
-from types import BuiltinFunctionType, FunctionType
+from types import BuiltinFunctionType, FunctionType, ModuleType
 from typing import Any
 
 import flint
@@ -28,6 +28,7 @@ PLAIN = (
     frozenset,
     FunctionType,
     BuiltinFunctionType,
+    ModuleType,
 )
 EXACT = tuple(kind for kind in vars(flint).values() if isinstance(kind, type))
 
