@@ -3,7 +3,8 @@
 from collections.abc import Iterator, Mapping
 from enum import Enum
 from fractions import Fraction
-from types import BuiltinFunctionType, FunctionType
+from pathlib import PurePath
+from types import BuiltinFunctionType, FunctionType, ModuleType
 from typing import Any
 
 import flint
@@ -21,11 +22,13 @@ PLAIN = (
     Fraction,
     Enum,
     type,
+    PurePath,
     range,
     set,
     frozenset,
     FunctionType,
     BuiltinFunctionType,
+    ModuleType,
 )
 EXACT = tuple(kind for kind in vars(flint).values() if isinstance(kind, type))
 
@@ -66,7 +69,8 @@ def _members(one: Any, other: Any, at: str) -> Iterator[str]:
         slots = {name for kind in type(each).__mro__ for name in getattr(kind, "__slots__", ())}
         kept |= {name: getattr(each, name) for name in slots if hasattr(each, name) and not name.startswith("__")}
         kept |= getattr(each, "__pydantic_private__", None) or {}
-        parts.append({name: value for name, value in kept.items() if not isinstance(value, Beside)})  # found anew
+        found = {name: value for name, value in kept.items() if not isinstance(value, Beside)}  # others are found anew
+        parts.append(dict(sorted(found.items())))  # in whatever order they were set
     if not parts[0] and not parts[1]:
         yield f"{at}: {type(one)} holds nothing that can be compared"
     yield from differences(parts[0], parts[1], at)

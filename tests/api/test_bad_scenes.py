@@ -232,7 +232,7 @@ true => : not a number, expected a voltage such as '1 V', got True
   => .rise: must be the shorter time, expected less than 2 s, got 2 s
 {shape = "table", file = "none.csv"} => .file: '…none.csv' cannot be read, got No such file
 {shape = "table", file = "."} => .file: '…cannot be read, got Is a directory
-{shape = "table", file = "a\u0000b"} => .file: '…cannot be read, got embedded null byte
+{shape = "table", file = "a\u0000b"} => .file: '…cannot be read, got …embedded null
 {shape = "table", file = 5} => .file: not a text, expected text in quotes, got 5
 """
 # of the load at the far end; ~ stands for kind = "impedance"
@@ -465,7 +465,7 @@ FILES = {
     "utf-16": (CABLE.encode("utf-16"), ["…scene.toml: is not a text file, expected text in UTF-8"]),
     "twice": (CABLE + CABLE, ["…scene.toml: is not valid TOML: Cannot declare"]),
     "deep lists": (CABLE + "x = " + "[" * 10**5, ["…scene.toml: is nested too deeply, expected a scene in TOML"]),
-    "deep tables": (CABLE.replace("z0 =", f"z0.{DEEP} ="), ["lines.cable.z0: not a number, got {'a'"]),
+    "deep tables": (CABLE.replace("z0 =", f"z0.{DEEP} ="), ["lines.cable.z0: not a number, …got {'a'"]),
     "deep keys": (CABLE + f"[{DEEP}]", ["a: unknown key, expected one of 'title'"]),
     "5000 digits": (CABLE.replace('"40 ns"', "9" * 5000), ["…scene.toml: is not valid TOML: Exceeds the limit"]),
 }  # fmt: skip

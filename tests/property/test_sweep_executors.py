@@ -13,6 +13,7 @@ import pytest
 from sweep_functions import FLAG, kills_at_60, kills_once, last, slow
 
 import tline as tl
+from tline.solver.simulate import UnresolvedWarning
 
 CABLE = tl.read(Path(__file__).parents[2] / "scenes" / "cable_rc.toml")
 Z0 = {"lines.cable.z0": np.linspace(30.0, 90.0, 41)}  # 60 among them
@@ -135,6 +136,7 @@ def test_functions_that_cannot_be_sent_stay_here_or_are_told():
 
 UNGUARDED = """
 import tline as tl
+from tline.solver.simulate import UnresolvedWarning
 tl.sweep("scenes/valve_closure.toml", {"loads.valve.kv": "40:60:5"}, tol=1e-3, workers=2)
 """
 
@@ -151,20 +153,19 @@ def test_a_script_without_a_guard_is_told_in_a_sentence(tmp_path):
     )  # fmt: skip
 
 
-def test_on_dask():
+def test_on_eight_threads_of_dask():
     distributed = pytest.importorskip("distributed")
     here = tl.sweep(CABLE.change({"solver.tol": 1e-4}), VALUES, workers=1)
-    options = {"processes": False, "n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
-    with distributed.Client(**options) as client:
+    with distributed.Client(processes=False, n_workers=8, threads_per_worker=1, dashboard_address=None) as client:
         found = tl.sweep(CABLE.change({"solver.tol": 1e-4}), VALUES, executor=client.get_executor())
     same(here, found)
 
 
-def test_on_processes_of_dask_of_which_one_is_killed():
+def test_on_eight_processes_of_dask_of_which_one_is_killed():
     distributed = pytest.importorskip("distributed")
     scene = CABLE.change({"solver.tol": 1e-4})
     here = tl.sweep(scene, VALUES, workers=1)
-    with distributed.Client(processes=True, n_workers=2, threads_per_worker=1, dashboard_address=None) as client:
+    with distributed.Client(processes=True, n_workers=8, threads_per_worker=1, dashboard_address=None) as client:
         (pid, *_) = client.run(os.getpid).values()
         killer = threading.Timer(1.0, os.kill, [pid, signal.SIGKILL])
         killer.start()
@@ -175,3 +176,16 @@ def test_on_processes_of_dask_of_which_one_is_killed():
 
 
 VALUES = {"loads.receiver.kind": ["parallel"], "lines.cable.z0": np.linspace(30.0, 90.0, 120)}  # not side by side
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_what_is_not_resolved_is_said_once(workers, tmp_path):
+    coarse = CABLE.change({"t_end": "2 ns", "solver": {"order": 2, "slab": "0.5 ns"}})
+    file = tmp_path / "sweep.npz"
+    with pytest.warns(UnresolvedWarning) as said:
+        found = tl.sweep(coarse, {"lines.cable.z0": [40.0, 50.0, 60.0]}, keep=last, workers=workers, resume=file)
+    sentence = "not all is resolved in 3 of 3 runs, run 0: loads.receiver: its time scale of 1.14e-10 s is shorter than"
+    assert [str(each.message)[: len(sentence)] for each in said] == [sentence]
+    with pytest.warns(UnresolvedWarning):
+        again = tl.sweep(coarse, {"lines.cable.z0": [40.0, 50.0, 60.0]}, keep=last, resume=file)
+    assert again.unresolved == found.unresolved

@@ -2,6 +2,7 @@
 
 import pytest
 
+import tline as tl
 from tline.design.search import PRECISION, SizeSearch, Trial, rounded, smallest
 
 
@@ -58,3 +59,18 @@ def test_where_all_are_large_enough_the_smallest_tried_is_found():
 
 def test_sizes_have_four_digits():
     assert (rounded(0.00123456), rounded(123456.0)) == (0.001235, 123500.0)
+
+
+def test_a_size_that_is_not_enough_is_told_with_its_unit():
+    scene = tl.examples["pump_trip"].change({"t_end": "10 s"})
+    with pytest.raises(
+        tl.InputError, match=r"lowest: no size up to \d+ kg m\^2 keeps this gauge pressure at all nodes"
+    ):
+        tl.design.flywheel(scene, "pump", lowest="5 bar", tol=1e-2)
+
+
+def test_what_trials_do_not_resolve_is_a_note_and_no_warning():
+    fast = {"at": "valve", "kind": "parallel", "resistance": 1e12, "capacitance": 1e-14}
+    scene = tl.examples["valve_closure"].change({"loads.fast": fast, "solver": {"order": 2, "slab": "0.05 s"}})
+    found = tl.design.closure(scene, "valve", highest="12 bar")
+    assert [note for note in found.notes if note.startswith("loads.fast: its time scale")]

@@ -77,11 +77,13 @@ def sweep(
     from tline import sweeps
     from tline.cli.sweep_report import as_text, notes, summary
     from tline.scene.file import read_scene
+    from tline.solver.simulate import UnresolvedWarning
 
     read = read_scene(scene, confined=confined)
     with _executor(dask) as executor, options_named({name: f"--{name}" for name in OPTIONS}):
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", sweeps.InterruptedWarning)  # notes tell
+            for said in (sweeps.InterruptedWarning, UnresolvedWarning):  # notes tell
+                warnings.simplefilter("ignore", said)
             found = sweeps.sweep(
                 read,
                 wanted,
@@ -93,7 +95,7 @@ def sweep(
             )
         _write(found, files)
     told = notes(found)
-    for note in told:
+    for note in (*told, *filter(None, [found.told_unresolved])):
         click.echo(f"note: {note}", err=True)
     if as_json:
         click.echo(json.dumps(summary(found) | {"files": written}, indent=2, ensure_ascii=False))

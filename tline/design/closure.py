@@ -71,10 +71,22 @@ def closure(
     begin : float or str, optional
         When the closure begins, s, instead of what the scene says.
 
+    Returns
+    -------
+    Sizing
+        The time, its margin, the curve of all times that were run, and the scene with the closure.
+
     Raises
     ------
     InputError
         No time up to the end of the run keeps the limits, or there is no such valve.
+
+    Examples
+    --------
+    >>> import tline as tl
+    >>> found = tl.design.closure(tl.examples["valve_closure"], "valve", highest="12 bar")
+    >>> round(found.sizes["closure time"].value, 1)  # s
+    3.5
     """
     given = as_scene(scene)
     if lowest is None and highest is None and given.rating is not None:
@@ -88,7 +100,7 @@ def closure(
         raise InputError("begin", "after the end of the run", f"before {given.t_end:g} s", f"{motion.begin:g} s")
     bend: tuple[float, float] | None = None
     runs = Runs(given, lambda size: {motion.path: motion.waveform(size, None)}, wanted, tol, progress)
-    found, search, notes = runs.smallest(FIRST * largest, largest)
+    found, search, notes = runs.smallest("s", FIRST * largest, largest)
     if stages == 2:
         found, search, notes, bend = _two_stages(given, motion, runs, (found, search, notes))
         if bend is None:
@@ -113,7 +125,7 @@ def _two_stages(
         first = max(margins, key=margins.__getitem__)
         if margins[first] <= best[0].margin:
             break
-        found = _with_bend(scene, motion, one, first).smallest(duration)
+        found = _with_bend(scene, motion, one, first).smallest("s", duration)
         if found[0].size >= WORTH * duration:
             break
         best, bend = found, first

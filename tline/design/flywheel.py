@@ -33,10 +33,22 @@ def flywheel(
     path, lowest, highest, tol, progress
         As of `tline.design.vessel`.
 
+    Returns
+    -------
+    Sizing
+        The inertia, its margin, the curve of all that were run, and the scene with it.
+
     Raises
     ------
     InputError
         No inertia keeps the limits, or there is no such pump.
+
+    Examples
+    --------
+    >>> import tline as tl
+    >>> found = tl.design.flywheel(tl.examples["pump_trip"], "pump", lowest="1 bar", tol=1e-2)
+    >>> round(found.sizes["inertia"].value, 1), round(found.sizes["flywheel"].value, 1)  # kg m²
+    (8.1, 6.6)
     """
     given = as_scene(scene)
     wanted = limits(given, path, lowest, highest)
@@ -49,7 +61,7 @@ def flywheel(
         raise InputError(place("links", pump), "does not trip", "trip, inertia and rated_speed, as by tline surge")
     where = place("links", pump, "inertia")
     runs = Runs(given, lambda size: {where: size}, wanted, tol, progress)
-    found, search, notes = runs.smallest(float(has))
+    found, search, notes = runs.smallest("kg m^2", float(has))
     sizes = {"inertia": Size(found.size, "kg m^2"), "flywheel": Size(max(found.size - float(has), 0.0), "kg m^2")}
     done = given.change({where: found.size})
     return Sizing("flywheel", place("links", pump), sizes, found, search.trials, wanted, done, tuple(notes))

@@ -52,10 +52,22 @@ def relief(
     kv : float or str, optional
         Capacity, m³/h of water at 1 bar: then the set pressure is searched.
 
+    Returns
+    -------
+    Sizing
+        Capacity and set pressure, the margin, the curve of all sizes that were run, and the scene with the valve.
+
     Raises
     ------
     InputError
         Nothing keeps the limit, no valve is needed, or something does not fit the scene.
+
+    Examples
+    --------
+    >>> import tline as tl
+    >>> found = tl.design.relief(tl.examples["valve_closure"], "valve", highest="10 bar")
+    >>> round(found.sizes["kv"].value), str(found.sizes["set pressure"])  # m³/h at 1 bar
+    (95, '9 bar')
     """
     given = as_scene(scene)
     wanted = limits(given, path, None, highest)
@@ -85,9 +97,9 @@ def relief(
 
     runs = Runs(fitted, values, wanted, tol, progress)
     if kv is None:
-        found, search, notes = runs.smallest(sqrt(wanted.highest) / z0 * HOUR * sqrt(BAR * density / WATER))
+        found, search, notes = runs.smallest("", sqrt(wanted.highest) / z0 * HOUR * sqrt(BAR * density / WATER))
     else:
-        found, search, notes = runs.smallest((wanted.highest - steady) / 4, wanted.highest - steady)
+        found, search, notes = runs.smallest("bar", (wanted.highest - steady) / 4, wanted.highest - steady)
     done = fitted.change(values(found.size))
     valve = done.loads[name]
     assert isinstance(valve, ReliefValve)

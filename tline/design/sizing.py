@@ -1,5 +1,6 @@
 """The search of a size by prepared runs, and its result: the size, its margin, its curve, and the scene that has it."""
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isfinite
@@ -14,6 +15,7 @@ from tline.scene.scene import Scene
 from tline.solver.prepared import Prepared, prepare
 from tline.solver.result.atomic import write_table
 from tline.solver.result.result import Result
+from tline.solver.simulate import UnresolvedWarning
 from tline.units import engineering
 
 USUAL_TOL, USUAL_RUNS = 1e-3, 20
@@ -127,9 +129,11 @@ class Runs:
 
     def run(self, size: float) -> Trial:
         """The trial of one size."""
-        result = self.prepared.run(
-            self.values(size), tol=self.tol, record=self.limits.record, envelope=True, ledger=False
-        )
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UnresolvedWarning)  # the notes of the size that is found say it
+            result = self.prepared.run(
+                self.values(size), tol=self.tol, record=self.limits.record, envelope=True, ledger=False
+            )
         self.bar.update()
         self.results[size] = result
         return self.limits.trial(size, result)
@@ -147,8 +151,8 @@ class Runs:
             got = f"{limits.shown(trial.lowest)} to {limits.shown(trial.highest)} {limits.where}"
             raise InputError(key, f"is kept without {without}", "a stricter limit", got)
 
-    def smallest(self, first: float, largest: float = float("inf")) -> tuple[Trial, SizeSearch, list[str]]:
-        """Search the smallest size, and say in notes what is odd.
+    def smallest(self, unit: str, first: float, largest: float = float("inf")) -> tuple[Trial, SizeSearch, list[str]]:
+        """Search the smallest size, which is read in some unit, and say in notes what is odd.
 
         Raises
         ------
@@ -158,25 +162,25 @@ class Runs:
         with self.bar:
             search = smallest(self.run, first, largest)
         if search.found is None:
-            raise self._unreachable(search)
+            raise self._unreachable(search, unit)
         notes = []
         if search.found is search.trials[0]:
             notes.append(NO_SEARCH)
         if search.turns:
-            small, large = (f"{trial.size:.4g}" for trial in search.turns)
+            small, large = (Size(trial.size, unit) for trial in search.turns)
             notes.append(f"the margin does not grow from size {small} to {large}: look at the curve")
         result = self.results[search.found.size]
         if self.limits.at_the_end(result):
             notes.append("the extreme comes at the end of the run: run longer, for a later one may be worse")
         return search.found, search, [*notes, *result.notes]
 
-    def _unreachable(self, search: SizeSearch) -> InputError:
+    def _unreachable(self, search: SizeSearch, unit: str) -> InputError:
         best, limits = max(search.trials, key=lambda trial: trial.margin), self.limits
         low = best.lowest - limits.lowest < limits.highest - best.highest
         key, reached = ("lowest", best.lowest) if low else ("highest", best.highest)
         return InputError(
             key,
-            f"no size up to {search.trials[-1].size:.4g} keeps this {limits.word} {limits.where}",
+            f"no size up to {Size(search.trials[-1].size, unit)} keeps this {limits.word} {limits.where}",
             f"{'at most' if low else 'at least'} {limits.shown(reached)}, the best of what was tried",
             limits.shown(limits.lowest if low else limits.highest),
         )

@@ -56,10 +56,23 @@ def vessel(
     **element
         Of the vessel, as in a scene: ``kv``, ``exponent``, ``atmosphere``.
 
+    Returns
+    -------
+    Sizing
+        Gas, shell and precharge, the margin, the curve of all sizes that were run, and the scene with the vessel.
+
     Raises
     ------
     InputError
         No size keeps the limits, none is needed, or something does not fit the scene.
+
+    Examples
+    --------
+    >>> import tline as tl
+    >>> scene = tl.examples["air_vessel"].change({"t_end": "15 s"})
+    >>> found = tl.design.vessel(scene, "vessel", lowest="2 bar", highest="7 bar", tol=1e-2)
+    >>> round(found.sizes["gas volume"].value, 2), round(found.sizes["vessel volume"].value, 2)  # m³
+    (0.79, 1.34)
     """
     given = as_scene(scene)
     wanted = limits(given, path, lowest, highest)
@@ -83,7 +96,7 @@ def vessel(
     assert isinstance(gas, AirVessel)
     outside = float(gas.atmosphere)
     compliance = sum((line.parameters.delay or 0.0) / (line.parameters.z0 or 1.0) for line in given.lines.values())
-    found, search, notes = runs.smallest(SWING * compliance * (pressure + outside))
+    found, search, notes = runs.smallest("m^3", SWING * compliance * (pressure + outside))
     least = _lowest(runs.results[found.size], at)
     shell = found.size * ((pressure + outside) / (least + outside)) ** (1 / float(gas.exponent)) / (1 - share)
     sizes = {

@@ -5,6 +5,7 @@ import time
 import warnings
 from collections.abc import Mapping
 from hashlib import sha256
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,9 +29,10 @@ class Task(NamedTuple):
     active: bool
     shapes: Mapping[str, tuple[int, ...]]  # of what is kept, as far as that is known
 
-    def run(self, values: Mapping[str, Any]) -> dict[str, Floats]:
-        """What is kept of one run."""
-        return self.keep.of(self.prepared.run(values, tol=self.tol, ledger=False, active=self.active))
+    def run(self, values: Mapping[str, Any]) -> tuple[dict[str, Floats], str]:
+        """What is kept of one run, and the first sentence on what was not resolved in it, if any."""
+        result = self.prepared.run(values, tol=self.tol, ledger=False, active=self.active)
+        return self.keep.of(result), next(iter(result.unresolved), "")
 
 
 class Batch(NamedTuple):
@@ -45,12 +47,15 @@ class Batch(NamedTuple):
     errors : mapping of int to str
         Why the others failed.
     seconds : float
+    unresolved : mapping of int to str
+        What was not resolved, of those where that is so.
     """
 
     done: list[int]
     kept: Mapping[str, Floats]
     errors: Mapping[int, str]
     seconds: float
+    unresolved: Mapping[int, str] = MappingProxyType({})
 
 
 class NotSent(InputError):
@@ -96,7 +101,7 @@ def run_sent(key: str, data: bytes, rows: list[dict[str, Any]]) -> Batch:
     task = _received.get(key)
     if task is None:
         _received.clear()
-        warnings.simplefilter("ignore", UnresolvedWarning)  # each run tells its estimated error
+        warnings.simplefilter("ignore", UnresolvedWarning)  # `Batch.unresolved` tells
         task = _received[key] = pickle.loads(data)
     return run_batch(task, rows)
 
@@ -106,11 +111,11 @@ _received: dict[str, Task] = {}
 
 def run_batch(task: Task, rows: list[dict[str, Any]]) -> Batch:
     """Run a batch."""
-    started, done, kept, errors = time.perf_counter(), [], [], {}
+    started, done, kept, errors, unresolved = time.perf_counter(), [], [], {}, {}
     expected = task.shapes
     for k, values in enumerate(rows):
         try:
-            found = task.run(values)
+            found, doubt = task.run(values)
             shapes = {name: array.shape for name, array in found.items()}
             expected = expected or shapes
             if shapes != expected:
@@ -121,8 +126,9 @@ def run_batch(task: Task, rows: list[dict[str, Any]]) -> Batch:
         else:
             done.append(k)
             kept.append(found)
+            unresolved |= {k: doubt} if doubt else {}
     arrays = {name: np.stack([found[name] for found in kept]) for name in kept[0]} if kept else {}
-    return Batch(done, arrays, errors, time.perf_counter() - started)
+    return Batch(done, arrays, errors, time.perf_counter() - started, unresolved)
 
 
 def sentence(error: BaseException) -> str:

@@ -41,6 +41,7 @@ def _arrays(sweep: Sweep) -> dict[str, Any]:
         "probes": sweep.probes,
         "tol": sweep.tol,
         "errors": sweep.errors,
+        "unresolved": sweep.unresolved,
         "method": sweep.method,
         "seconds": sweep.seconds,
         "origin": sweep.origin,
@@ -79,7 +80,8 @@ def take_over(sweep: Sweep, path: str | Path) -> None:
         expected = "the same scene, values, sample, seed, keep and tol, and the same version"
         raise InputError(str(path), "holds another sweep", f"{expected}, or another file")
     sweep.kept, sweep.done = names, arrays["done"].astype(bool)
-    sweep.errors = {int(k): str(text) for k, text in about["errors"].items()}
+    for name in ("errors", "unresolved"):
+        setattr(sweep, name, {int(k): str(text) for k, text in about[name].items()})
     sweep.origin = origin
 
 

@@ -96,6 +96,8 @@ def sweep(
     -----
     InterruptedWarning
         Somebody pressed Ctrl-C.
+    UnresolvedWarning
+        Something was not resolved in some runs: once, with the first; ``Sweep.unresolved`` has them all.
 
     Notes
     -----
@@ -125,11 +127,12 @@ def sweep(
     work = SweepWork(chosen, table, Task(prepare(scene), kept, tol, active, {}), executor, workers)
     interrupted = False
     with warnings.catch_warnings(), Progress(chosen.runs, "run", progress) as bar:
-        warnings.simplefilter("ignore", UnresolvedWarning)  # `Sweep.unmet` tells
+        warnings.simplefilter("ignore", UnresolvedWarning)  # once, at the end
         bar.update(int(table.done.sum()))
         try:
             for rows, batch in work.batches():
                 table.put(rows[batch.done], batch.kept, {int(rows[k]): text for k, text in batch.errors.items()})
+                table.unresolved |= {int(rows[k]): text for k, text in batch.unresolved.items()}
                 bar.update(len(rows))
                 file.write_now_and_then()
         except KeyboardInterrupt:
@@ -137,6 +140,8 @@ def sweep(
         finally:
             table.seconds = time.perf_counter() - started
             file.write()
+    if table.unresolved:
+        warnings.warn(table.told_unresolved, UnresolvedWarning, stacklevel=2)
     if interrupted:
         warnings.warn(f"interrupted: {table.told}", InterruptedWarning, stacklevel=2)
     return table

@@ -49,6 +49,8 @@ class Sweep:
         Runs that were made.
     errors : dict of int to str
         Why a run failed, by its number.
+    unresolved : dict of int to str
+        What was not resolved in a run, by its number: a load faster than its slabs, or fronts that were smeared.
     method : str
         ``"vectorised"``, or why runs were made one at a time.
     seconds : float
@@ -66,6 +68,7 @@ class Sweep:
     kept: dict[str, NDArray] = field(default_factory=dict)
     done: NDArray = field(default_factory=lambda: np.zeros(0, bool))
     errors: dict[int, str] = field(default_factory=dict)
+    unresolved: dict[int, str] = field(default_factory=dict)
     method: str = ""
     seconds: float = 0.0
     origin: dict[str, Any] = field(default_factory=dict)
@@ -95,6 +98,14 @@ class Sweep:
         parts += [f"{len(self.errors):,} failed"] if self.errors else []
         parts += [f"{left:,} {NOT_RUN}"] if left else []
         return ", ".join(parts)
+
+    @property
+    def told_unresolved(self) -> str:
+        """In how many runs something was not resolved, and what it was in the first of them; empty if all is well."""
+        if not self.unresolved:
+            return ""
+        run, text = min(self.unresolved.items())
+        return f"not all is resolved in {len(self.unresolved):,} of {len(self):,} runs, run {run}: {text}"
 
     @property
     def probes(self) -> list[str]:
