@@ -66,6 +66,18 @@ def test_resistances_to_steady_current_are_found_where_the_digits_need_them():
     assert table.residual(50, 2e8) < 2e-4
 
 
+def test_a_guessed_resistance_to_steady_current_is_told():
+    """Of LMR-400, Times Microwave has 1.39 and 1.65 ohm per 1000 ft for its two conductors."""
+    guess = "is a guess from its attenuation"
+    assert any("0.0894 ohm/m, " + guess in note for note in plausibility_notes(cable(cable="RG-58")))
+    known = cable(cable="LMR-400", resistance=3.04 / 304.8)
+    assert not any(guess in note for note in plausibility_notes(known))
+    law, kind = known.lines["line"].losses.exact, TYPES["LMR-400"]
+    for f, printed in zip((30e6, 50e6, 150e6, 450e6, 900e6), [a for _, a in kind.points], strict=True):
+        decibels = complex(law.gamma(2j * np.pi * f)).real * DECIBEL * PER[kind.unit]
+        assert round(decibels, len(str(printed).partition(".")[2])) == printed
+
+
 def test_a_matched_end_sees_that_attenuation():
     scene = cable(
         z0=50, velocity_factor=0.66, attenuation={"unit": "dB/100m", "points": [["100 MHz", 16], ["1 GHz", 61]]}

@@ -197,6 +197,12 @@ class _Cable(SceneLine):
         return table.residual(*self._front, self.resistance or 0.0) if table else 0.0
 
     @property
+    def fitted_resistance(self) -> float | None:
+        """To steady current, ohm/m, as far as the digits of its attenuation tell it; None where it is given."""
+        table = None if self.resistance else self._own("_attenuation")
+        return sum(law.loss for law in table.laws(*self._front)[0]) if table else None
+
+    @property
     def _front(self) -> tuple[float, float]:
         """z0, ohm, and speed, m/s."""
         (length,) = self._needed("attenuation", "length")

@@ -48,6 +48,10 @@ def _of_lines(scene: Scene) -> Iterator[str]:
         residual = getattr(line, "attenuation_residual", 0.0)
         if residual:
             lines[f"its attenuation is within {100 * residual:.2g} % of the data sheet's"].append(place("lines", name))
+        fitted = getattr(line, "fitted_resistance", None)
+        if fitted is not None:
+            guess = f"its resistance to steady current, {fitted:.3g} ohm/m, is a guess from its attenuation"
+            lines[f"{guess}; `resistance` sets that of the data sheet"].append(place("lines", name))
     return (f"{_first(names)}: {remark}" for remark, names in lines.items())
 
 
