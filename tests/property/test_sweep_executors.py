@@ -136,7 +136,6 @@ def test_functions_that_cannot_be_sent_stay_here_or_are_told():
 
 UNGUARDED = """
 import tline as tl
-from tline.solver.simulate import UnresolvedWarning
 tl.sweep("scenes/valve_closure.toml", {"loads.valve.kv": "40:60:5"}, tol=1e-3, workers=2)
 """
 

@@ -40,7 +40,7 @@ def test_coupled_conductors_are_lines_for_each_mode_and_two_ends():
     probe = description.probes["p"]
     assert (probe.line, probe.share, probe.lines) == ("pair", 1.0, ["pair, mode 1", "pair, mode 2"])
     assert probe.conductor is not None
-    assert probe.conductor.place == 1
+    assert (probe.conductor.end, probe.conductor.weights) == (1, (0.0, 1.0))
     with pytest.raises(InputError, match=r"lines\.pair: a picture knows no coupled conductors"):
         description.refuse_coupled("a picture")
 

@@ -122,7 +122,7 @@ def _losses(result: Result) -> dict[str, Any]:
     lines = lines_of((result.parts or result).scene)
     if result.resolution.convolved:
         return {name: {"convolved": True, "terms": 0, "error": 0.0} for name, line in lines.items() if line.losses}
-    segmented = fits(lines, result.resolution.h)
+    segmented = result.resolution.segments and fits(lines, result.resolution.h)
     loss_elements = loss_elements_in(lines, result.resolution.h, result.resolution.loss_elements)
     for name, circuits in result.circuits.items():
         line = lines[name]

@@ -134,12 +134,12 @@ def layout_of(description: Description, chosen: Resolution, *, progress: bool = 
 
 
 def _losses(description: Description, chosen: Resolution) -> tuple[Any, ...]:
-    """What of a resolution matters to lossy lines: order, fit of their circuits, number of their elements."""
+    """What of a resolution matters to lossy lines: order, fit of their circuits, what stands for losses."""
     if not description.lossy:
         return ()
     fastest = min((shape.fastest() for shape in description.waveforms.values()), default=inf)
     fit = fit_of(description.t_end, chosen.h, chosen.fit, chosen.band, fastest)
-    return chosen.s, fit, chosen.loss_elements
+    return chosen.s, fit, chosen.loss_elements, chosen.segments
 
 
 def of_last(kept: dict[Hashable, Any], key: Hashable, make: Callable[[], Any], most: int = LAYOUTS) -> Any:
@@ -159,7 +159,7 @@ def _grid(description: Description, chosen: Resolution) -> SlabGrid:
     delay, shift_row, rests = _delays(lines, h)
     losses = _losses(description, chosen)
     circuits = circuits_of(lines, losses[1]) if losses else {}
-    segmented = segmented_lines(lines, circuits, order, h)
+    segmented = segmented_lines(lines, circuits, order, h) if chosen.segments else {}
     delay[list(segmented)] = 1
     elements, memory = loss_elements_of(lines, circuits, delay, order, h, chosen.loss_elements, segmented)
     z0 = np.array([line.z0 for line in lines.values()])

@@ -11,7 +11,9 @@ from tline.solver.assembly.lossy_segments import fits
 from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import resolution
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
+from tline.solver.result.notes import smeared
 from tline.solver.result.result import Result
+from tline.solver.tolerance.alike import alike
 from tline.solver.tolerance.compare import added, caution, differences, magnified, with_errors
 from tline.solver.tolerance.extrapolate import extrapolated, seen_at_ends
 from tline.solver.tolerance.search import Search, better, gained, inside_limit, inside_slabs, limit_of, rank, refined
@@ -33,9 +35,23 @@ def with_losses(search: Search) -> Result:
     """Run a scene with losses until the estimated error is within the tolerance, or a limit is reached.
 
     Where all lossy lines can be cut into segments, order and slab are refined as without losses. Else slabs are halved.
-    Where circuits stand for exact laws, what closer ones change is added to the error.
+    Segments keep fronts at one place of their slabs alone where laws stand; if others are missed for that, lines have
+    loss elements, between which all fronts travel.
     """
     segmented = fits(search.description.lines, resolution(search.description).h)
+    result = _with_close_circuits(search, segmented)
+    accuracy = result.accuracy
+    assert accuracy is not None
+    if not segmented or accuracy.met or accuracy.at_slab_ends > search.tol:
+        return result
+    other = _with_close_circuits(search, False)
+    assert other.accuracy is not None
+    best, found = (other, other.accuracy) if better(other.accuracy, accuracy) else (result, accuracy)
+    return replace(best, accuracy=replace(found, attempts=(*accuracy.attempts, *other.accuracy.attempts)))
+
+
+def _with_close_circuits(search: Search, segmented: bool) -> Result:
+    """Run in segments, or else with loss elements; circuits stand for exact laws: what closer ones change is error."""
     fit, attempts = max((IN_SEGMENTS if segmented else CLOSER) * search.tol, CLOSEST), ()
     while True:
         search = search._replace(fit=fit)
@@ -97,7 +113,7 @@ def _halved(search: Search) -> tuple[Result, Result]:
     told by its difference to the one above it; the result is the best entry of the last row.
     """
     description, order = search.description, search.description.scene.solver.order or ORDER
-    chosen = resolution(description, order)._replace(fit=search.fit)
+    chosen = resolution(description, order)._replace(fit=search.fit, segments=False)
     best = last = search.run(chosen)
     row: Row = {(): last}
     attempts, limit, stale, accuracy = [Attempt.of(last)], "", 0, Accuracy(search.tol)
@@ -105,7 +121,7 @@ def _halved(search: Search) -> tuple[Result, Result]:
     while not limit:
         try:
             finer = resolution(description, order, chosen.h / 2)
-            chosen = finer._replace(fit=search.fit, loss_elements=2 * chosen.loss_elements)
+            chosen = finer._replace(fit=search.fit, segments=False, loss_elements=2 * chosen.loss_elements)
             last = search.run(chosen, last.t[-1])
         except InputError as error:
             limit = f"{error.where}: {error.problem}"
@@ -121,7 +137,7 @@ def _halved(search: Search) -> tuple[Result, Result]:
             break
         limit = limit_of(attempts, stale, search) or inside_limit(attempts, found) or _too_slow(search, attempts, last)
     limit = limit and (inside_slabs(accuracy) or limit)
-    damped = () if limit else best.resolution.notes
+    damped = () if limit else (*best.resolution.notes, *smeared(best.fronts))  # which the error counts
     unresolved = tuple(note for note in best.unresolved if note not in damped)
     accuracy = replace(accuracy, attempts=tuple(attempts), limit=limit)
     return replace(best, unresolved=unresolved, accuracy=accuracy), last
@@ -139,12 +155,14 @@ def _row(above: Row, finer: Result) -> Row:
 
 def _judged(search: Search, above: Row, row: Row, steps: Steps) -> Iterator[tuple[Result, Accuracy, float]]:
     """Entries of a row, their errors by their differences to those above, and what these were multiplied by."""
+    chosen = row[()].resolution
+    by = alike(search.description, chosen.s, chosen.h)
     for powers in sorted(above.keys() & row.keys(), key=len):
         coarse, fine = above[powers], row[powers]
         found = Accuracy(search.tol, *differences(coarse, fine))
         told = steps.setdefault(powers, [])
         told.append((found.at_slab_ends, found.worst))
-        at_ends, inside = (_caution(steps, powers, k) for k in (0, 1))
+        at_ends, inside = (by * _caution(steps, powers, k) for k in (0, 1))
         inside *= magnified(search.description, coarse, fine, [worst for _, worst in told])
         yield fine, found.times(inside, at_ends), inside
 
