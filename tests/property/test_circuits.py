@@ -68,6 +68,7 @@ def test_energy_in_gas_tanks_and_cavities_never_grows(order):
         68,
         111,
         117,
+        900,  # a tank beside a cavity, in strides of a millionth
     ],
 )
 def test_slabs_far_too_long_for_stores_are_divided_for_all_waves_alike(seed):

@@ -79,7 +79,7 @@ def _of_elements(laws: Laws, state: State, elements: int, tile: int) -> tuple[Cr
         system=system,
         integral=integral,
         constant=np.empty(1),
-        division=np.zeros(2, np.int64),
+        division=np.zeros(3, np.int64),
         **at_points,
     )
     circuit = CircuitWork(

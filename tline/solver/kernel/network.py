@@ -174,7 +174,7 @@ class Crossing(NamedTuple):
     slope: Floats  # di/dv
 
 
-DIVIDED, MISSES = 0, 1  # places in the division of a store
+DIVIDED, MISSES, SPENT = range(3)  # places in the division of a store
 
 
 class Store(NamedTuple):
@@ -200,7 +200,7 @@ class Store(NamedTuple):
     whole: Floats
     integral: Floats  # (s + 1,)
     constant: Floats  # (1,)
-    division: Integers  # (2,) whether the slab is divided where a step is too long, and whether one was
+    division: Integers  # (3,) whether the slab is divided where a step is too long, whether one was, and parts tried
 
 
 class CircuitWork(NamedTuple):

@@ -22,11 +22,12 @@ M. A. Krasnoselskii: Two remarks on the method of successive approximations, Usp
 import numpy as np
 
 from tline.solver.kernel.arithmetic import TINY, eliminate, largest
-from tline.solver.kernel.network import AIR, DIVIDED, MISSES, Run
+from tline.solver.kernel.network import AIR, DIVIDED, MISSES, SPENT, Run
 from tline.solver.kernel.newton import CLOSE, FAINT, SPARE
 from tline.unit import function, invoke, unit
 
 AT_ONCE, ALONG = 40, 200  # waves at which laws are asked: from the last slab's, and for each μ
+MOST_SPENT = 50_000  # parts of slabs in which stores look for flows, of one group and slab: some seconds
 RESTRAINT = 0.1  # in units of the relative residual, of steps where waves answer to nothing, as between shut valves
 SHORTER, SHORTEST, ROUNDED = 0.25, 1e-9, 0.1  # a part of a step over the one before, the least, and so near the end
 GAIN = 0.1  # what a step must gain, for each part of it
@@ -176,6 +177,8 @@ def newton(run, g, q, h, step, at, k, mu):
     before, share, over, across, close, stops = np.inf, 1.0, False, False, False, 0
     for _ in range(ALONG if mu > 0.0 else AT_ONCE):
         now, worst, off, scale = unbalance(run, g, q, h, step, at, k, mu)
+        if run.work.store.division[SPENT] > MOST_SPENT:
+            return LOST
         free = across or (mu == 0.0 and not close)
         fits = now < np.inf if free else now <= (1.0 - GAIN * share) ** 2 * before
         if not fits and before < np.inf and share > (ROUNDED if close else SHORTEST):
@@ -240,6 +243,7 @@ def found(run, g, q, h, step, at, k):
     """
     laws, work, division = run.network.laws, run.work.circuit, run.work.store.division
     first, last, s, stores = laws.first[g], laws.first[g + 1], run.state.before.shape[1], 0
+    division[SPENT] = 0
     for e in range(first, last):
         stores |= laws.state_at[e] >= 0
     for divided in range(1 + stores):

@@ -8,12 +8,12 @@ where dX/dt = r i, of a rotor about; and behind an effort and an impedance the f
 import numpy as np
 
 from tline.solver.kernel.arithmetic import clear, copy, eliminate, left_of, times
-from tline.solver.kernel.network import DIVIDED, MISSES
-from tline.solver.kernel.newton import CLOSE, LEAST_STRIDE, SPARE, TRIES
+from tline.solver.kernel.network import DIVIDED, MISSES, SPENT
+from tline.solver.kernel.newton import CLOSE, SPARE, TRIES
 from tline.solver.kernel.polynomials import project
 from tline.unit import function
 
-NARROWEST = 1e-6  # part of a slab
+MOST_PARTS, STRIDES = 256, 64  # of a slab, and of a first residual, that are tried
 
 
 @function
@@ -79,7 +79,7 @@ def filled(stored, entering, store, at, state, h, z, most):
     unfilled(stored, entering, store, at, h, z, start)
     copy(rest, first)
     done, stride = 0.0, 1.0
-    while done < 1.0 and stride > LEAST_STRIDE:
+    for _ in range(STRIDES):
         aim, before, sound, share = min(done + stride, 1.0), np.inf, False, 1.0
         for _ in range(TRIES):
             _, scale = unfilled(stored, entering, store, at, h, z, start)
@@ -93,6 +93,8 @@ def filled(stored, entering, store, at, state, h, z, most):
         if sound:
             copy(y, safe)
             done, stride = aim, 2.0 * stride
+            if done == 1.0:
+                break
         else:
             copy(safe, y)
             stride *= 0.25
@@ -119,8 +121,9 @@ def fill(stored, entering, store, at, state, h, z, most):
     tools, coef, kept, whole, piece = store.tools, store.coef, store.kept, store.whole, store.piece
     clear(whole)
     times(tools.to_legendre, store.v, 0, coef)
-    since, width = 0.0, 0.5
-    while since < 1.0 and width > NARROWEST:
+    since, width, tried = 0.0, 0.5, 0
+    while since < 1.0 and tried < MOST_PARTS:
+        tried += 1
         until = min(since + width, 1.0)
         clear(piece)
         project(coef, 0.0, 1.0, since, until, tools.gauss, piece)
@@ -131,6 +134,7 @@ def fill(stored, entering, store, at, state, h, z, most):
             since, width = until, 2.0 * width
         else:
             width *= 0.5
+    store.division[SPENT] += tried
     times(tools.to_points, coef, 0, store.v)
     times(tools.to_points, whole, 0, store.flow)
     if since < 1.0:
