@@ -117,6 +117,7 @@ def speedup() -> list[str]:
         f"| one process | {CLOSURES} | {wall1:.1f} | {own1:.1f} | | |",
         f"| two processes | {CLOSURES} | {wall2:.1f} | {own2:.1f} | {others:.1f} | {same(one, two)} |",
     ]
+    by_processor = 2 * own1 / (own2 + others)
     few = closures(ON_DASK, workers=1)
     for name, more in (
         ("eight Dask threads", {"processes": False}),
@@ -129,7 +130,7 @@ def speedup() -> list[str]:
         *rows,
         "",
         f"Two processes are {wall1 / wall2:.2f} times as fast as one by wall time. By",
-        f"processor time, start of the processes included, they are {2 * own1 / (own2 + others):.2f} times as fast",
+        f"processor time, start of the processes included, they are {by_processor:.2f} times as fast",
         "where each has a core of its own.",
         "",
     ]

@@ -4,6 +4,7 @@ from tline.solver.kernel.arithmetic import clear
 from tline.unit import function
 
 LOOKS, HALVINGS = 4, 60  # at a slab for roots, per point; and of an interval with a root
+ROUNDING = 1e-9  # of a look
 
 
 @function
@@ -65,5 +66,5 @@ def fallen(coef, level, start):
 
 @function
 def after(place, s):
-    """The next look at a slab."""
-    return min((int(place * LOOKS * s) + 1) / (LOOKS * s), 1.0)
+    """The next look at a slab, beyond this one however it is rounded."""
+    return min((int(place * LOOKS * s + ROUNDING) + 1) / (LOOKS * s), 1.0)
