@@ -5,7 +5,7 @@ import signal
 import subprocess
 import sys
 import threading
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 
 import numpy as np
@@ -80,25 +80,42 @@ def test_a_run_that_kills_its_process_is_a_row(here):
     assert np.isfinite(found["kills_at_60"][[0, 1, 2, 4]]).all()
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-def test_ctrl_c_keeps_what_is_done(workers, tmp_path, monkeypatch):
-    put = tl.Sweep.put
+def test_ctrl_c_during_a_run_keeps_what_is_done(tmp_path):
+    calls = []
 
-    def interrupting(table, *args):
-        put(table, *args)
-        if table.done.sum() >= 5 and not timer.is_alive():
-            timer.start()
+    def interrupted(result):
+        calls.append(1)
+        if len(calls) == 12:
+            signal.raise_signal(signal.SIGINT)
+        return slow(result)
 
-    timer = threading.Timer(0.3, os.kill, [os.getpid(), signal.SIGINT])
-    monkeypatch.setattr(tl.Sweep, "put", interrupting)
+    keeps_what_is_done(interrupted, 1, tmp_path / "part.npz")
+
+
+def test_ctrl_c_while_processes_run_keeps_what_is_done(tmp_path, monkeypatch):
+    batches = []
+
+    def interrupted(waiting, **how):
+        finished = wait(waiting, **how)
+        batches.append(1)
+        if len(batches) == 5:
+            signal.raise_signal(signal.SIGINT)
+        return finished
+
+    monkeypatch.setattr("tline.sweeps.executors.wait", interrupted)
+    keeps_what_is_done(slow, 2, tmp_path / "part.npz")
+
+
+def keeps_what_is_done(keep, workers: int, file: Path) -> None:
     vary = {"lines.cable.z0": np.linspace(30.0, 90.0, 400)}
     with pytest.warns(tl.InterruptedWarning, match="interrupted: 400 runs, .* not run"):
-        part = tl.sweep(CABLE, vary, keep=slow, tol=1e-4, workers=workers, resume=tmp_path / "part.npz")
-    assert 5 <= part.done.sum() < 400
-    assert np.isfinite(part["slow"][part.done]).all()
-    assert np.isnan(part["slow"][~part.done]).all()
-    with np.load(tmp_path / "part.npz") as file:
-        np.testing.assert_array_equal(file["done"], part.done)
+        part = tl.sweep(CABLE, vary, keep=keep, tol=1e-4, workers=workers, resume=file)
+    assert 1 <= part.done.sum() < 400
+    kept = part[keep.__name__]
+    assert np.isfinite(kept[part.done]).all()
+    assert np.isnan(kept[~part.done]).all()
+    with np.load(file) as saved:
+        np.testing.assert_array_equal(saved["done"], part.done)
 
 
 def test_what_a_file_goes_on_to_is_the_same(here, tmp_path):
@@ -170,7 +187,7 @@ def test_on_eight_processes_of_dask_of_which_one_is_killed():
         killer.start()
         found = tl.sweep(scene, VALUES, executor=client.get_executor())
         killer.join()
-        assert pid not in client.run(os.getpid).values()
+        assert pid not in client.run(os.getpid, on_error="ignore").values()
     same(here, found)
 
 
