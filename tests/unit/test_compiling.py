@@ -1,5 +1,5 @@
 import io
-import time
+from types import SimpleNamespace
 
 import pytest
 
@@ -12,42 +12,58 @@ class Terminal(io.StringIO):
         return True
 
 
-def patient(monkeypatch: pytest.MonkeyPatch, stream: io.StringIO) -> io.StringIO:
-    """A stream in place of stderr, and a shorter patience, in a process that has compiled nothing."""
-    monkeypatch.setattr("sys.stderr", stream)
+class Clock:
+    """A clock that goes on when it is told to, with the timers that ring then."""
+
+    def __init__(self):
+        self.now, self.timers = 0.0, []
+
+    def timer(self, delay, function, arguments):
+        waiting = [self.now + delay, function, arguments]
+        return SimpleNamespace(start=lambda: self.timers.append(waiting), cancel=lambda: self.timers.remove(waiting))
+
+    def go_on(self, seconds: float) -> None:
+        self.now += seconds
+        for due, function, arguments in self.timers:
+            if due <= self.now:
+                function(*arguments)
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    """Of a process that has compiled nothing."""
+    clock = Clock()
     monkeypatch.setattr(compiling, "_spent", {})
     monkeypatch.setattr(compiling, "_said", set())
-    monkeypatch.setattr(compiling, "PATIENCE", 0.1)
-    return stream
+    monkeypatch.setattr(compiling, "Timer", clock.timer)
+    monkeypatch.setattr(compiling, "time", SimpleNamespace(perf_counter=lambda: clock.now))
+    return clock
 
 
-def test_what_takes_long_is_said_once_while_it_compiles(monkeypatch: pytest.MonkeyPatch):
-    terminal = patient(monkeypatch, Terminal())
+def test_what_takes_long_is_said_once_while_it_compiles(monkeypatch: pytest.MonkeyPatch, clock: Clock):
+    monkeypatch.setattr("sys.stderr", terminal := Terminal())
     for _ in range(2):
         with announced("tline.solver.kernel.losses.memory"):
-            time.sleep(0.4)
-            said = terminal.getvalue()
-        assert said == "compiling for losses, once, some 3 s\n"
+            clock.go_on(1.1)
+            assert terminal.getvalue() == "compiling for losses, once, some 3 s\n"
     with announced("tline.solver.kernel.fronts.advance"):
-        time.sleep(0.4)
+        clock.go_on(1.1)
     assert terminal.getvalue().splitlines()[1:] == ["compiling for fronts, once, some 10 s"]
 
 
-def test_what_is_short_is_not_said_but_adds_up(monkeypatch: pytest.MonkeyPatch):
-    terminal = patient(monkeypatch, Terminal())
+def test_what_is_short_is_not_said_but_adds_up(monkeypatch: pytest.MonkeyPatch, clock: Clock):
+    monkeypatch.setattr("sys.stderr", terminal := Terminal())
     with announced("tline.solver.kernel.laws.pump"):
-        pass
-    time.sleep(0.2)
+        clock.go_on(0.6)
+    clock.go_on(2.0)
     assert terminal.getvalue() == ""
-    with announced("tline.solver.kernel.laws.pump"):
-        time.sleep(0.08)
     with announced("tline.solver.kernel.laws.table"):
-        time.sleep(0.08)
+        clock.go_on(0.6)
     assert terminal.getvalue() == "compiling for non-linear elements, once, some 5 s\n"
 
 
-def test_nothing_is_said_where_nobody_looks(monkeypatch: pytest.MonkeyPatch):
-    pipe = patient(monkeypatch, io.StringIO())
+def test_nothing_is_said_where_nobody_looks(monkeypatch: pytest.MonkeyPatch, clock: Clock):
+    monkeypatch.setattr("sys.stderr", pipe := io.StringIO())
     with announced("tline.solver.kernel.losses.memory"):
-        time.sleep(0.2)
+        clock.go_on(2.0)
     assert pipe.getvalue() == ""
