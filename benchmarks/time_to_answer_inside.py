@@ -115,8 +115,8 @@ def pipe() -> dict[str, Any]:
         add(table, "rthym-moc", "peer", partial(rthym.run, scene), judge, FULL)
     best: dict[str, Any] = {"why": why}
     for row in table.rows:
-        if row.error <= PIPE_ERROR and row.kind in ("ours", "peer"):
-            best[row.kind] = min(row.seconds, best.get(row.kind, row.seconds))
+        if row.error_at_own <= PIPE_ERROR and row.kind in ("ours", "peer"):
+            best[row.kind] = min(row.stepping, best.get(row.kind, row.stepping))
     return best
 
 

@@ -21,7 +21,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.Unresolve
 
 
 def row(method="slabs s = 2", kind="ours", error=1e-3, **more):
-    return Row(method, kind, "8 slabs", error, error / 2, 0.01, 0.02, **more)
+    return Row(method, kind, "8 slabs", error, error / 2, 0.02, 0.01, **more)
 
 
 def test_a_table_is_saved_with_its_notes(tmp_path):
@@ -37,14 +37,19 @@ def test_a_table_is_saved_with_its_notes(tmp_path):
 def test_a_picture_has_a_curve_for_each_method_and_units():
     rows = [row(), row("MOC", "baseline", 2.0), row("MOC", "baseline", inf), row("ngspice", "peer", 0.0)]
     rows.append(row("to a tolerance", "tolerance", 1e-5, asked=1e-4, estimated=3e-5))
-    (axes,) = draw(ChartTable("rc", "A title", rows)).axes
-    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    picture = draw(ChartTable("rc", "A title", rows))
+    labels = [text.get_text() for text in picture.legends[0].get_texts()]
     assert labels[:3] == ["slabs s = 2", "MOC", "ngspice"]
-    assert axes.get_xlabel().endswith("[s]")
-    low, high = axes.get_ylim()
-    curves = {line.get_label(): line.get_ydata() for line in axes.lines}
-    assert all(((low <= y) & (y <= high)).all() for y in map(np.asarray, curves.values()))
-    assert list(curves["… asked"]) == [1e-4]
+    found = []
+    for axes in picture.axes:
+        assert axes.get_xlabel().endswith("[s]")
+        low, high = axes.get_ylim()
+        found.append({line.get_label(): line for line in axes.lines})
+        assert all(((low <= y) & (y <= high)).all() for y in (np.asarray(line.get_ydata()) for line in axes.lines))
+    whole, arithmetic = found
+    assert list(whole["… asked"].get_ydata()) == [1e-4]
+    stars = [side["to a tolerance: true"].get_xydata().tolist() for side in (whole, arithmetic)]
+    assert stars == [[[0.02, 1e-5]], [[0.01, 5e-6]]]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -64,16 +69,26 @@ def test_the_judge_weighs_errors_by_the_amplitude():
     judge = Judge(scene, 40)
     t = np.linspace(0, scene.t_end, 2001)
     u = exact(scene, t.tolist(), "far").efforts
-    assert max(judge.errors(t, {"far": u})) < 1e-16  # rounded from so many digits
-    off = judge.errors(t, {"far": u + 0.01 * judge.amplitude})
-    assert off == pytest.approx((0.01, 0.01), rel=1e-12)
-    assert judge.errors(t, {"far": np.where(t > 1e-8, np.nan, u)})[0] == inf
+
+    def errors(u, between=None):
+        return judge.errors(TimedRun(t, {"far": u}, 0.0, 0.0, between=between))
+
+    def solved(_, t):
+        return exact(scene, t.tolist(), "far").efforts
+
+    assert max(errors(u, solved)) < 1e-16  # rounded from so many digits
+    times = judge.times["far"]
+    lines = np.abs(np.interp(times, t, u) - solved("far", times)).max() / judge.amplitude  # as programs draw them
+    assert errors(u) == pytest.approx((lines, 0.0), rel=1e-9, abs=1e-16)
+    off = errors(u + 0.01 * judge.amplitude, lambda probe, t: solved(probe, t) + 0.02 * judge.amplitude)
+    assert off == pytest.approx((0.02, 0.01), rel=1e-12)
+    assert errors(np.where(t > 1e-8, np.nan, u)) == (inf, inf)
 
 
 def test_refinement_ends_where_it_is_exact_or_too_slow():
     class Fixed:
-        def errors(self, t, u):
-            return u, u
+        def errors(self, run):
+            return run.u, run.u
 
     def rows(errors, seconds):
         effort = QUICK._replace(refinements=9, runs=1, longest=0.0)
@@ -100,10 +115,10 @@ def test_a_quick_chart_has_all_methods_and_errors_that_fall_with_the_order():
     table = work_precision.work_precision("rc", quick=True)
     curves = dict(table.curves())
     assert {"slabs s = 5", "MOC, Courant 1", "to a tolerance", "FDTD leapfrog"} <= curves.keys()
-    coarsest = [curves[f"slabs s = {s}"][0].error for s in (2, 3, 5, 8)]
+    coarsest = [curves[f"slabs s = {s}"][0].error_at_own for s in (2, 3, 5, 8)]
     assert coarsest[0] > 2 * coarsest[1] > 20 * coarsest[2] > 2000 * coarsest[3]
     assert all(r.error <= 3 * r.asked and r.estimated <= r.asked for r in curves["to a tolerance"])
-    assert all(0 < r.seconds <= r.first for r in table.rows)
+    assert all(0 < r.stepping <= r.seconds for r in table.rows)
 
 
 def test_tolerances_below_what_the_judge_knows_are_left_out():

@@ -1,7 +1,7 @@
 """What a run of a chart is, and how its time is taken.
 
-The clock runs while time is stepped, sampling of sources included; compiling, reading the scene and setting up are not
-in it. A time is the median of several runs.
+Two clocks: one runs while time is stepped, sampling of sources included; the other from the call to its answer, as a
+user waits for it. Compiling is in neither. A time is the median of several runs.
 """
 
 import os
@@ -22,13 +22,13 @@ RUNS, MOST_RUNS = 5, 5  # of which the median is taken, and how many times that 
 class Effort(NamedTuple):
     """How far a chart goes."""
 
-    instants: int  # compared, at most
+    instants: int  # compared
     longest: float  # s of one run; refinement ends beyond
     refinements: int  # halvings of the step, at most
     runs: int
 
 
-FULL, QUICK = Effort(200, 0.2, 12, RUNS), Effort(40, 0.01, 3, 1)
+FULL, QUICK = Effort(200, 0.1, 12, RUNS), Effort(40, 0.01, 3, 1)
 
 # seconds by which the first run of a process is longer than its second
 START = """
@@ -47,13 +47,21 @@ Traces = dict[str, NDArray]
 
 
 class TimedRun(NamedTuple):
-    """Instants, efforts by probe, seconds of stepping alone and in all, and the error as estimated, if it is."""
+    """Instants, efforts by probe, seconds of stepping alone and in all, and the error as estimated, if it is.
+
+    Between its instants a run is what its method says, or the straight line that programs draw.
+    """
 
     t: NDArray
     u: Traces
+    stepping: float
     seconds: float
-    first: float
     estimated: float = np.inf
+    between: Callable[[str, NDArray], NDArray] | None = None
+
+    def at(self, probe: str, t: NDArray) -> NDArray:
+        """Efforts of a probe at any instants."""
+        return self.between(probe, t) if self.between else np.interp(t, self.t, self.u[probe])
 
 
 def timed(run: Callable[[], TimedRun], effort: Effort) -> TimedRun:
@@ -62,8 +70,8 @@ def timed(run: Callable[[], TimedRun], effort: Effort) -> TimedRun:
     runs, spent = [], 0.0
     while len(runs) < effort.runs or (spent < effort.longest and len(runs) < MOST_RUNS * effort.runs):
         runs.append(run())
-        spent += runs[-1].first
-    return runs[0]._replace(seconds=median(r.seconds for r in runs), first=median(r.first for r in runs))
+        spent += runs[-1].seconds
+    return runs[0]._replace(stepping=median(r.stepping for r in runs), seconds=median(r.seconds for r in runs))
 
 
 @cache

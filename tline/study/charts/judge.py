@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.study.charts.clock import Traces
+from tline.study.charts.clock import TimedRun
 from tline.study.reference import Solution
 from tline.study.reference.friction import FrictionSolution
 from tline.study.reference.lossy_scene import LossySolution
@@ -69,39 +69,42 @@ class Judge:
     ----------
     scene : Scene
     instants : int
-        How many times are drawn at random, the same for all runs; a run is compared at its own instants next to them.
-        Errors are largest behind fronts: a tenth as many fronts are followed by instants at distances from the shortest
-        delay down to a 2^14th of it.
+        How many are drawn at random, the same for all runs. Errors are largest behind fronts: a tenth as many fronts
+        are followed by instants at distances from the shortest delay down to a 2^14th of it.
     """
 
     def __init__(self, scene: Scene, instants: int):
         self.scene = scene
         self.solutions = _solutions(scene)
         shortest = min(line.parameters.delay or 0.0 for line in scene.lines.values())
-        behind = np.append(0.0, shortest * 0.5 ** np.arange(15))
+        behind = shortest * 0.5 ** np.arange(15)
         anywhere = np.random.default_rng(SEED).uniform(0, scene.t_end, instants)
         self.times = {
-            probe: np.append(anywhere, solution.fronts[: instants // 10, None] + behind)
+            probe: _within(np.append(anywhere, solution.fronts[: instants // 10, None] + behind), scene.t_end)
             for probe, solution in self.solutions.items()
         }
-        self.amplitude = max(np.abs(self._exact(probe, anywhere)).max() for probe in scene.probes)
+        self.exact = {probe: solution.efforts(self.times[probe]) for probe, solution in self.solutions.items()}
+        self.amplitude = max(np.abs(u).max() for u in self.exact.values())
         self.own = max(getattr(solution, "error", 0.0) for solution in self.solutions.values()) / self.amplitude
 
-    def _exact(self, probe: str, t: NDArray) -> NDArray:
-        return self.solutions[probe].efforts(t)
+    def errors(self, run: TimedRun) -> tuple[float, float]:
+        """Largest error over the largest effort: at any instant, and at those of the run next to the instants drawn."""
+        anywhere, at_own = [], []
+        for probe, t in self.times.items():
+            anywhere.append(run.at(probe, t) - self.exact[probe])
+            k = np.unique(np.searchsorted(run.t, t))
+            k = k[(k > 0) & (k < len(run.t))]
+            k = k[run.t[k] <= self.scene.t_end]
+            at_own.append(run.u[probe][k] - self.solutions[probe].efforts(run.t[k]))
+        return self._relative(anywhere), self._relative(at_own)
 
-    def errors(self, t: NDArray, u: Traces) -> tuple[float, float]:
-        """Largest and root mean square error, relative to the largest effort."""
-        wrong = []
-        for probe, wanted in self.times.items():
-            k = np.unique(np.searchsorted(t, wanted))
-            k = k[(k > 0) & (k < len(t))]
-            k = k[t[k] <= self.scene.t_end]
-            wrong.append(u[probe][k] - self._exact(probe, t[k]))
-        relative = np.concatenate(wrong) / self.amplitude
-        relative = np.where(np.isfinite(relative), relative, np.inf)
-        with np.errstate(over="ignore"):
-            return float(np.abs(relative).max()), float(np.sqrt(np.mean(relative**2)))
+    def _relative(self, wrong: list[NDArray]) -> float:
+        relative = np.abs(np.concatenate(wrong)) / self.amplitude
+        return float(np.where(np.isfinite(relative), relative, np.inf).max())
+
+
+def _within(t: NDArray, end: float) -> NDArray:
+    return np.sort(t[t <= end])
 
 
 def _solutions(scene: Scene) -> Mapping[str, Closed | Interpolated | Stepped]:

@@ -1,11 +1,11 @@
 """Other programs on the scenes of the charts, measured in the same run; those that are absent are named.
 
-| peer | how | its clock |
-|---|---|---|
-| ngspice | T and O elements, its largest step refined | its own figure of the transient analysis, in milliseconds |
-| scikit-rf | two-ports in a row, inverse FFT over a damped window twice the run | all but the grid of frequencies |
-| rthym-moc | its factor of friction that of the scene, where it can be | its run(), setting up included |
-| TSNet | in an environment of its own, one pipe as two | its MOCSimulator() |
+| peer | how | its clock of stepping | of all |
+|---|---|---|---|
+| ngspice | T and O elements, its largest step refined | its own figure, in milliseconds | the process |
+| scikit-rf | two-ports in a row, inverse FFT over a damped window | all but the grid of frequencies | the same |
+| rthym-moc | its factor of friction that of the scene, where it can be | its run(), setting up included | the same |
+| TSNet | in an environment of its own, one pipe as two | its MOCSimulator() | the process |
 
 Where friction depends on the flow, the textbook's grid of characteristics stands beside them.
 """
@@ -19,10 +19,10 @@ from tline.solver.description.description import describe
 from tline.study.charts import inverse_fft
 from tline.study.charts.clock import FULL, QUICK, TimedRun
 from tline.study.charts.table import ChartTable
-from tline.study.charts.work_precision import add, baseline_run, begun, production
+from tline.study.charts.work_precision import add, baseline_run, begin
 from tline.study.programs import ngspice, rthym, tsnet
 
-PATIENT = FULL._replace(longest=2.0)  # s; peers need it
+PATIENT = FULL._replace(longest=1.0)  # s; peers need it
 
 Peer = tuple[Callable[[Scene], str | None], Callable[[Scene, int], TimedRun]]
 PEERS: dict[str, Peer] = {
@@ -62,10 +62,10 @@ def peers(name: str, quick: bool = False, progress: bool = False) -> ChartTable:
     from tline.study.baseline import BASELINES
 
     effort = QUICK if quick else PATIENT
-    scene, judge, table = begun(name, effort, quick)
     with tqdm(total=2 + len(PEERS), disable=not progress, unit="program") as bar, warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        table.rows += production(scene, judge, effort)
+        begun = begin(name, quick)
+        (scene, judge), table = begun[:2], begun.table()
         bar.update(2)
         textbook = BASELINES[TEXTBOOK]
         if textbook.incompatibility(scene) is None:

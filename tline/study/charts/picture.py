@@ -16,9 +16,17 @@ MARKS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p", "h", "*")
 OURS = ("#9ECAE1", "#6BAED6", "#4292C6", "#08519C", "#08306B")  # one hue, darker with the order
 
 
+SIDES = (  # what is drawn of a row: the time, the error, and what they are called
+    ("seconds", "error", "What you wait for, and get", "time from call to answer [s]", "at any instant"),
+    ("stepping", "error_at_own", "The arithmetic alone", "time stepping [s]", "at the method's own instants"),
+)
+
+
 @styled
 def draw(table: ChartTable) -> Figure:
-    """Error against run time, one curve for each method; both axes logarithmic.
+    """Error against run time, one curve for each method; all axes logarithmic.
+
+    To the left the time of the whole call, and the error at any instant; to the right what the method itself does.
 
     Parameters
     ----------
@@ -27,26 +35,29 @@ def draw(table: ChartTable) -> Figure:
     """
     from tline.study.baseline import BASELINES
 
-    picture = figure(9.0, 5.6, table.title)
-    axes = picture.subplots()
+    picture = figure(12.0, 5.8, table.title)
+    sides = picture.subplots(1, 2, sharey=True)
     ranks = {method.label: k for k, method in enumerate(BASELINES.values())}  # the same look in all charts
-    for method, rows in table.curves():
-        kind = rows[0].kind
-        x, y = [row.seconds for row in rows], [_shown(row.error) for row in rows]
-        if kind == "tolerance":
-            _tolerances(axes, rows)
-            continue
-        others = [name for name, curve in table.curves() if curve[0].kind == kind]
-        axes.plot(x, y, label=method, **_look(kind, ranks.get(method, others.index(method))))
-    axes.set(xscale="log", yscale="log", xlabel="time stepping [s]", ylabel="largest error / largest effort")
-    axes.set_ylim(LOWEST, HIGHEST)
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(numticks=20))
-        axis.set_minor_locator(NullLocator())
-        axis.set_major_formatter(_power)
-    axes.grid(True, which="major")
-    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8.5, borderaxespad=0)
-    notes = [textwrap.fill(note, 120) for note in table.notes if not note.startswith("absent")]
+    for axes, (time, error, title, waited, where) in zip(sides, SIDES, strict=True):
+        for method, rows in table.curves():
+            kind = rows[0].kind
+            x, y = ([getattr(row, name) for row in rows] for name in (time, error))
+            if kind == "tolerance":
+                _tolerances(axes, rows, x, [_shown(each) for each in y], whole=error == "error")
+                continue
+            others = [name for name, curve in table.curves() if curve[0].kind == kind]
+            look = _look(kind, ranks.get(method, others.index(method)))
+            axes.plot(x, [_shown(each) for each in y], label=method, **look)
+        axes.set(xscale="log", yscale="log", xlabel=waited, ylabel=f"largest error / largest effort, {where}")
+        axes.set_title(title, fontsize=10, loc="left")
+        axes.set_ylim(LOWEST, HIGHEST)
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(LogLocator(numticks=20))
+            axis.set_minor_locator(NullLocator())
+            axis.set_major_formatter(_power)
+        axes.grid(True, which="major")
+    picture.legend(*sides[0].get_legend_handles_labels(), loc="outside right upper", fontsize=8.5)
+    notes = [textwrap.fill(note, 160) for note in table.notes if not note.startswith("absent")]
     picture.supxlabel("\n".join(notes), x=0.02, ha="left", fontsize=8.5, color=INK)
     return picture
 
@@ -73,10 +84,11 @@ def _look(kind: str, rank: int) -> dict[str, Any]:
     }
 
 
-def _tolerances(axes: Any, rows: list[Row]) -> None:
-    """What was true as filled stars, what was estimated as hollow ones, what was asked as dashes between them."""
-    x = [row.seconds for row in rows]
-    axes.plot(x, [_shown(r.error) for r in rows], color=INK, marker="*", markersize=9, label="to a tolerance: true")
+def _tolerances(axes: Any, rows: list[Row], x: list[float], y: list[float], whole: bool) -> None:
+    """What was true as filled stars; on the whole, what was estimated as hollow ones and what was asked as dashes."""
+    axes.plot(x, y, color=INK, marker="*", markersize=9, label="to a tolerance: true")
+    if not whole:
+        return
     look = {"color": INK, "linestyle": "none", "markersize": 9}
     axes.plot(x, [_shown(r.estimated) for r in rows], marker="*", markerfacecolor="white", **look, label="… estimated")
     axes.plot(x, [r.asked for r in rows], marker="_", **look, markeredgewidth=1.5, label="… asked")

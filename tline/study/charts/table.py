@@ -23,13 +23,13 @@ class Row:
     setting : str
         What was refined, such as "8 slabs per shortest delay".
     error : float
-        Largest error of the efforts at the instants compared, relative to the largest effort.
-    rms : float
-        Root of the mean square of the same errors.
+        Largest error of the efforts at any instant, relative to the largest effort.
+    error_at_own : float
+        The same at the instants that the method itself computes.
     seconds : float
+        Median time from the call to its answer, compiled code at hand.
+    stepping : float
         Median time of stepping alone (peers: as `peers` says).
-    first : float
-        Time of the same run as a user meets it, compiled code at hand: reading the scene's arrays included.
     asked, estimated : float
         For a run to a tolerance: what was asked, and what the solver thinks it reached; else infinite.
     """
@@ -38,9 +38,9 @@ class Row:
     kind: str
     setting: str
     error: float
-    rms: float
+    error_at_own: float
     seconds: float
-    first: float
+    stepping: float
     asked: float = inf
     estimated: float = inf
 

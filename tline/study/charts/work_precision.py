@@ -3,8 +3,8 @@
 import time
 import warnings
 from collections.abc import Callable, Iterator
-from functools import partial
-from typing import Any
+from functools import cache, partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -49,10 +49,10 @@ def work_precision(name: str, quick: bool = False, progress: bool = False) -> Ch
     from tline.study.baseline import BASELINES
 
     effort = QUICK if quick else FULL
-    scene, judge, table = begun(name, effort, quick)
     with tqdm(total=len(BASELINES) + 1, disable=not progress, unit="method") as bar, warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        table.rows += production(scene, judge, effort)
+        begun = begin(name, quick)
+        (scene, judge), table = begun[:2], begun.table()
         bar.update()
         dynamic = any(isinstance(load, Rational) for load in scene.loads.values())
         for key, method in BASELINES.items():
@@ -67,13 +67,29 @@ def work_precision(name: str, quick: bool = False, progress: bool = False) -> Ch
     return table
 
 
-def begun(name: str, effort: Effort, quick: bool) -> tuple[Scene, Judge, ChartTable]:
-    """A scene of the charts, who judges runs of it, and the table that they will fill."""
-    given = chart_scene(name)
-    judge, notes = Judge(given.scene, effort.instants), [] if quick else [compilation()]
+class Begun(NamedTuple):
+    """A scene of the charts, who judges runs of it, and what all its charts begin with."""
+
+    scene: Scene
+    judge: Judge
+    title: str
+    name: str
+    rows: tuple[Row, ...]
+    notes: tuple[str, ...]
+
+    def table(self) -> ChartTable:
+        """A chart with the production method on it."""
+        return ChartTable(self.name, self.title, [*self.rows], [*self.notes])
+
+
+@cache
+def begin(name: str, quick: bool) -> Begun:
+    """Measure the production method on one scene, once for all charts of it."""
+    given, effort = chart_scene(name), QUICK if quick else FULL
+    judge, notes = Judge(given.scene, effort.instants), () if quick else (compilation(),)
     if judge.own:
-        notes.append(f"Errors are against a grid of characteristics, extrapolated, good to {judge.own:.0e}.")
-    return given.scene, judge, ChartTable(name, given.title, notes=notes)
+        notes += (f"Errors are against a grid of characteristics, extrapolated, good to {judge.own:.0e}.",)
+    return Begun(given.scene, judge, given.title, name, tuple(production(given.scene, judge, effort)), notes)
 
 
 def production(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:
@@ -107,10 +123,14 @@ def refined(
                 return
             continue  # so few are too few
         ran = True
-        error, rms = judge.errors(done.t, done.u)
-        yield Row(label, kind, f"{n} {unit} per shortest delay", error, rms, done.seconds, done.first)
-        if done.seconds > effort.longest or error < GOOD:
+        yield row(label, kind, f"{n} {unit} per shortest delay", done, judge)
+        if done.seconds > effort.longest or judge.errors(done)[1] < GOOD:
             return
+
+
+def row(label: str, kind: str, setting: str, done: TimedRun, judge: Judge, asked: float = np.inf) -> Row:
+    """A run as judged."""
+    return Row(label, kind, setting, *judge.errors(done), done.seconds, done.stepping, asked, done.estimated)
 
 
 def _slabs(scene: Scene, order: int, n: int) -> TimedRun:
@@ -129,11 +149,12 @@ def simulated(scene: Scene, tol: float | None = None) -> TimedRun:
 
     begun = time.perf_counter()
     result = simulate(scene, tol=tol, ledger=False)
-    first = time.perf_counter() - begun
-    accuracy = result.accuracy
-    seconds = sum(attempt.seconds for attempt in accuracy.attempts) if accuracy else result.seconds
-    u = {name: probe.u for name, probe in result.probes.items()}
-    return TimedRun(result.t, u, seconds, first, accuracy.at_slab_ends if accuracy else np.inf)
+    seconds = time.perf_counter() - begun
+    accuracy, probes = result.accuracy, result.probes
+    stepping = sum(attempt.seconds for attempt in accuracy.attempts) if accuracy else result.seconds
+    u = {name: probe.u for name, probe in probes.items()}
+    estimated = accuracy.worst if accuracy else np.inf
+    return TimedRun(result.t, u, stepping, seconds, estimated, lambda name, t: probes[name].at(t).u)
 
 
 def baseline_run(method: Any, scene: Scene, n: int) -> TimedRun:
@@ -152,6 +173,4 @@ def to_tolerances(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:
         if tol < judge.own:
             return
         done = timed(partial(simulated, scene, tol), effort)
-        error, rms = judge.errors(done.t, done.u)
-        setting = f"tolerance {tol:.0e}"
-        yield Row("to a tolerance", "tolerance", setting, error, rms, done.seconds, done.first, tol, done.estimated)
+        yield row("to a tolerance", "tolerance", f"tolerance {tol:.0e}", done, judge, tol)

@@ -73,9 +73,9 @@ def run(scene: Scene, n: int) -> TimedRun:
         It fails, or takes too long.
     """
     shortest = min(float(line.parameters.delay or 0) for line in scene.lines.values())
-    columns, seconds, first = transient(netlist(scene, shortest / n))
+    columns, stepping, seconds = transient(netlist(scene, shortest / n))
     u = {name: columns[f"v({str(probe.at).lower()})"] for name, probe in scene.probes.items()}
-    return TimedRun(columns["time"], u, max(seconds, HALF_TICK), first)
+    return TimedRun(columns["time"], u, max(stepping, HALF_TICK), seconds)
 
 
 def transient(text: str) -> tuple[dict[str, NDArray], float, float]:
@@ -95,11 +95,11 @@ def transient(text: str) -> tuple[dict[str, NDArray], float, float]:
             said = subprocess.run(call, capture_output=True, text=True, timeout=PATIENCE, check=False).stdout
         except subprocess.TimeoutExpired:
             raise InputError("ngspice", f"not done within {PATIENCE:g} s") from None
-        first = time.perf_counter() - begun
+        seconds = time.perf_counter() - begun
         figure = re.search(r"Transient analysis time = ([0-9.]+)", said)
         if figure is None or not raw.exists():
             raise InputError("ngspice", "gave no result")
-        return columns_of(raw.read_bytes()), float(figure[1]), first
+        return columns_of(raw.read_bytes()), float(figure[1]), seconds
 
 
 def columns_of(content: bytes) -> dict[str, NDArray]:

@@ -94,12 +94,12 @@ def run(scene: Scene, n: int) -> TimedRun:
             done = subprocess.run(call, capture_output=True, text=True, timeout=PATIENCE, check=False, cwd=folder)
         except subprocess.TimeoutExpired:
             raise InputError("TSNet", f"not done within {PATIENCE:g} s") from None
-        first = time.perf_counter() - begun
+        seconds = time.perf_counter() - begun
         if done.returncode:
             raise InputError("TSNet", f"failed: {done.stderr.strip().splitlines()[-1]}")
         with np.load(result) as found:
             u = {name: (found[name] - HEAD) * DENSITY * G for name in scene.probes}
-            return TimedRun(found["t"], u, float(found["seconds"]), first)
+            return TimedRun(found["t"], u, float(found["seconds"]), seconds)
 
 
 def _told(scene: Scene, n: int, halves: int) -> tuple[str, dict[str, Any]]:
