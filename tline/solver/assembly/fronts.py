@@ -5,7 +5,6 @@ polynomial of degree s - 1 in Legendre coefficients; places are in slab time, 0 
 marked as starting anew: on a line with a fractional rest its start becomes a breakpoint too.
 """
 
-from math import ceil, log
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +21,6 @@ from tline.solver.kernel.fronts.structures import (
     MERGED,
     PEAK,
     SAME,
-    WIDER,
     ExcitationRows,
     Fronts,
     Log,
@@ -92,7 +90,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], p
         assembly.settle / h,
         np.full(len(assembly.settle), -np.inf),
         assembly.graded,
-        WIDER ** ceil(log(NEAREST * h, WIDER)) / h,  # at the same instants in slabs of any width
+        NEAREST,  # between those of slabs twice as wide, whose errors are others
         max(SAME, assembly.resolution.layers),
         np.where(network.shift_row >= 0, delays / h - network.delay, 0.0),
         tools_of(basis),

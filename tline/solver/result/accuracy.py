@@ -30,6 +30,10 @@ class Estimate:
         """The larger of the two."""
         return max(self.u, self.y)
 
+    def or_more(self, other: "Estimate") -> "Estimate":
+        """Of each quantity the larger of two estimates."""
+        return Estimate(max(self.u, other.u), max(self.y, other.y))
+
 
 @dataclass(frozen=True)
 class Attempt:
@@ -103,6 +107,11 @@ class Accuracy:
     def at_slab_ends(self) -> float:
         """The largest estimate at slab ends; infinite if there is none."""
         return max((estimate.worst for estimate in self.estimates.values()), default=inf)
+
+    @property
+    def behind_fronts(self) -> float:
+        """The largest estimate where lumped lines settle, and anywhere else."""
+        return max((estimate.worst for estimate in self.blurred.values()), default=0.0)
 
     def times(self, by: float, at_ends: float = 1.0) -> "Accuracy":
         """The same with errors so many times as large, inside slabs and at their ends."""

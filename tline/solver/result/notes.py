@@ -1,13 +1,13 @@
 """What a user should know of a run beside its numbers."""
 
 from collections.abc import Mapping
+from math import inf
 
 import numpy as np
 
 from tline.solver.assembly.fronts import Tally
 from tline.solver.description.components import parts
 from tline.solver.description.description import Description, describe
-from tline.solver.description.resolution import Resolution
 from tline.solver.result.envelope import Envelope
 from tline.solver.result.limits import beyond_limits
 from tline.solver.result.result import ProbeResult, Result
@@ -26,7 +26,7 @@ def remarks_of(result: Result) -> tuple[str, ...]:
         *_active(description, result),
         *untouched(probes),
         *unconnected(description),
-        *lumped(result.resolution),
+        *lumped(result),
         *blurred(result),
         *description.plausibility_notes,
         *beyond_limits(description, _extremes(probes, envelope)),
@@ -98,16 +98,19 @@ def untouched(probes: Mapping[str, ProbeResult]) -> list[str]:
     ]
 
 
-def lumped(chosen: Resolution) -> list[str]:
-    """Lines that are lumped."""
+def lumped(result: Result) -> list[str]:
+    """Lines that are lumped, and how far off that is behind fronts."""
+    chosen, accuracy = result.resolution, result.accuracy
     if not chosen.sections:
         return []
+    told, tol = (accuracy.behind_fronts, accuracy.tol or inf) if accuracy else (0.0, inf)
     count, named = len(chosen.sections), ", ".join(map(repr, [*chosen.sections][:LISTED]))
     n = max(chosen.sections.values())
     return [
         f"lines: {named}{' and more' * (count > LISTED)} {'is' if count == 1 else 'are'} far shorter than a slab and "
         f"lumped: {n} LC {'section' if n == 1 else 'sections'} each"
         + (f"; for {chosen.settle:.3g} s and more behind a front, what they do is blurred" if chosen.settle else "")
+        + (f", and off by up to some {told:.0e}: no tolerance is asked there" if told > tol else "")
     ]
 
 

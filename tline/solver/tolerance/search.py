@@ -18,7 +18,7 @@ from tline.solver.run import NO_KINKS, Kinks, run
 from tline.solver.tolerance.compare import compare, with_errors
 from tline.solver.tolerance.kinks import kinking, kinks_of
 
-FIRST, LAST = 2, 12  # orders
+FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where what decays behind fronts is followed
 DIGITS = 3  # of the tolerance beyond three, for which the first order is one higher
 FOLLOWED = 1e-3  # of the tolerance: what is left of what decays behind a front, where it is no longer followed
 MOST_FOLLOWED = 1e6  # slabs at line ends; of more, what decays behind fronts is not followed: that takes seconds
@@ -31,6 +31,8 @@ HALVED = 4  # times that a slab is halved at most to find a flow
 STALE = 2  # halvings of the slab in a row that may bring nothing
 MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
 MOST_SECTIONS = 8  # of a lumped line
+AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones for the sake of what is behind fronts
+ALIKE = 10  # times the difference of runs with more sections there: they err alike
 LOST = 0.3  # estimates beyond, one after the other, with cavities: no run resembles another
 COLLAPSE = (
     ": cavities collapse at other instants in each run, and that spreads; order = 1 and no tolerance give one run"
@@ -77,15 +79,20 @@ class Search(NamedTuple):
 def within(search: Search) -> Result:
     """Run until the estimated error is within the tolerance, or a limit is reached.
 
-    Short lines are lumped if that is good enough. If it is not, and it is affordable, they are lines like others.
+    Short lines are lumped if that is good enough. If it is not, and it is affordable, they are lines like others;
+    right behind fronts, where they settle, it has to cost little.
     """
     names, settle = short_lines(search.description, search.record)
     if not names:
         return refined(search, NONE)
     cost, problem = _cost_of_lines(search.description)
     lumped = refined(search._replace(most=min(cost, search.most), settle=settle), dict.fromkeys(names, 1))
-    if lumped.accuracy is None or lumped.accuracy.met:
-        return lumped
+    assert lumped.accuracy is not None
+    behind = lumped.accuracy.times(ALIKE).blurred
+    inside = {name: told.or_more(behind[name]) for name, told in lumped.accuracy.inside.items()}
+    whole = replace(lumped.accuracy, inside=inside)
+    if whole.met or (lumped.accuracy.met and cost > AS_LINES):
+        return replace(lumped, accuracy=whole) if whole.met else lumped
     if cost > search.most:
         limit = f"{lumped.accuracy.limit}; lumped lines would need to be lines, {problem}"
         return replace(lumped, accuracy=replace(lumped.accuracy, limit=limit))
@@ -129,9 +136,10 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
         try:
             kinks = kinks_of(result, kinked)
             short = bool(kinked) and shortest_piece(search.description) < result.resolution.h
-            raising = helps or short or result.resolution.layers > 0  # runs of one order err alike in the same pieces
+            layered = result.resolution.layers > 0
+            raising = helps or short or layered  # the pieces behind fronts do not become more on narrower slabs
             layers = FOLLOWED * search.tol if kinked or result.samples <= MOST_FOLLOWED * result.resolution.s else 0.0
-            finer = search.run(steps.send((raising, told.met))._replace(layers=layers), kinks=kinks)
+            finer = search.run(steps.send((raising, layered, told.met))._replace(layers=layers), kinks=kinks)
         except StopIteration:
             limit = "order and slab are as fine as they may be"
             break
@@ -236,8 +244,8 @@ def limit_of(attempts: list[Attempt], stale: int, search: Search) -> str:
     return ""
 
 
-def _finer(search: Search, sections: Mapping[str, int]) -> Generator[Resolution, tuple[bool, bool]]:
-    """Ever finer orders and slabs; what is sent in tells whether the last step helped, and met the tolerance.
+def _finer(search: Search, sections: Mapping[str, int]) -> Generator[Resolution, tuple[bool, bool, bool]]:
+    """Ever finer orders and slabs; what is sent in tells whether the last step helped, follows fronts, and met all.
 
     Beside lumped lines slabs are not narrowed: fronts are blurred there for a time of its own.
     """
@@ -248,13 +256,14 @@ def _finer(search: Search, sections: Mapping[str, int]) -> Generator[Resolution,
         chosen = resolution(description, s, chosen.h / 2**search.halved, sections, search.settle)
     h, fixed, enough = chosen.h, given.slab is not None or bool(sections), False
     while True:
-        helped, met = yield chosen._replace(fit=search.fit)
+        helped, layered, met = yield chosen._replace(fit=search.fit)
         enough |= met
         if enough:
             sections = {name: 2 * n for name, n in sections.items()}
             if max(sections.values(), default=0) > MOST_SECTIONS:
                 raise InputError("lumped lines", f"more than {MOST_SECTIONS} LC sections would be needed")
-        if given.order is None and s < LAST and (helped or fixed):
+        last = LAST_BEHIND if layered else LAST
+        if given.order is None and s < last and (helped or fixed):
             s += 1
         elif not fixed:
             h /= 2
