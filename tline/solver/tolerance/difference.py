@@ -143,11 +143,12 @@ def _overlooked(probe: ProbeResult, narrow: float) -> float:
     for wave in probe.waves:
         start, stop = wave.h * (wave.pieces.slab[:, None] + wave.pieces.span).T
         real = (stop - start <= narrow) & (stop - start > ROUNDINGS * EPS * stop)
+        if not real.any():
+            continue
         sides = np.stack([wave(start[real] - CLUSTER * narrow), wave(stop[real] + CLUSTER * narrow)])
         values = wave.pieces.values[real]
-        over = values.max(axis=1, initial=-np.inf) - sides.max(axis=0)
-        under = sides.min(axis=0) - values.min(axis=1, initial=np.inf)
-        most += max(over.max(initial=0.0), under.max(initial=0.0))
+        over, under = values.max(axis=1) - sides.max(axis=0), sides.min(axis=0) - values.min(axis=1)
+        most += max(over.max(), under.max(), 0.0)
     return most / 2
 
 
