@@ -106,11 +106,12 @@ def fits(at, pair):
     ratio, known = ratio_of(cells.width, k + 1), cells.joined[k]
     if not cells.joined[k + 1] or ratio >= UNEQUAL or most == 0.0 or (known and s == 2):
         return False
-    for wave in range(len(cells.values)):
-        for i in range(2 * points):
-            limit = (FALLS if known or i >= points else FIRST) * most
-            if not abs(at.values[wave, pair, i] - cells.values[wave, k + i // points, i % points]) <= limit:
-                return False
+    for side in range(2):
+        limit = (FALLS if known or side == 1 else FIRST) * most
+        for wave in range(len(cells.values)):
+            for i in range(points):
+                if not abs(at.values[wave, pair, side * points + i] - cells.values[wave, k + side, i]) <= limit:
+                    return False
     return True
 
 
