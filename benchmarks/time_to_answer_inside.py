@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
-from itertools import cycle
+from itertools import cycle, takewhile
 from statistics import median
 from typing import Any
 
@@ -108,8 +108,7 @@ def pipe() -> dict[str, Any]:
 
     scene = scene_of(f"chart:{PIPE}")
     judge, table = Judge(scene, FULL.instants), ChartTable(PIPE, scene.title)
-    for row in production(scene, judge, FULL._replace(longest=0.002)):
-        table.rows.append(row)
+    table.rows += takewhile(lambda row: row.kind == "ours", production(scene, judge, FULL._replace(longest=0.01)))
     why = rthym.incompatibility(scene)
     if why is None:
         add(table, "rthym-moc", "peer", partial(rthym.run, scene), judge, FULL)

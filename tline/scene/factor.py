@@ -1,5 +1,6 @@
 """What scales an element over time: the opening of a valve, the speed of a pump."""
 
+from functools import lru_cache
 from itertools import pairwise
 from typing import Annotated, Any
 
@@ -63,7 +64,7 @@ class Characterised(Shape):
         return self._breaks[t_end]
 
     def value(self, t, inside):  # noqa: D102
-        x, y = np.array(self.shares).T
+        x, y = _columns(self.shares)
         levels = np.broadcast_to(self.opening.value(t, inside), np.broadcast_shapes(t.shape, inside.shape))
         middle = self.opening.value(inside, inside)
         piece = np.clip(np.searchsorted(x, middle) - 1, 0, len(x) - 2)
@@ -71,6 +72,12 @@ class Characterised(Shape):
 
     def fastest(self):  # noqa: D102
         return self.opening.fastest()
+
+
+@lru_cache
+def _columns(shares: tuple[tuple[float, float], ...]) -> Floats:
+    """Openings, and the shares at them."""
+    return np.array(shares).T
 
 
 def _on_straight_pieces(opening: Shape, edges: Floats, levels: Floats) -> Floats:

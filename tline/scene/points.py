@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
@@ -16,8 +16,19 @@ from tline.scene.shape import Floats, Shape
 from tline.wording import shown
 
 
+class Lines(NamedTuple):
+    """Straight lines between points, constant before the first and after the last."""
+
+    times: Floats  # (points,)
+    begin: Floats  # (points + 1,) where each line begins; of the first its end
+    level: Floats  # (points + 1,) there
+    slope: Floats  # (points + 1,)
+
+
 class Points(Shape):
     """Straight lines between points; constant before the first and after the last."""
+
+    _lines: Lines | None = PrivateAttr(default=None)  # made at the first use
 
     def points(self) -> tuple[Floats, Floats]:
         """Times, not decreasing (two equal ones make a jump), and levels."""
@@ -30,16 +41,22 @@ class Points(Shape):
         return times[kept]
 
     def value(self, t, inside):  # noqa: D102
-        return between(*self.points(), t, inside)
+        self._lines = self._lines or lines(*self.points())
+        return between(self._lines, t, inside)
 
 
-def between(times: Floats, levels: Floats, t: Floats, inside: Floats) -> Floats:
-    """Level at t of the straight piece that contains `inside`, continued."""
-    piece = np.searchsorted(times, inside)
+def lines(times: Floats, levels: Floats) -> Lines:
+    """Straight lines between points in order of time."""
     begin = np.maximum(np.arange(len(times) + 1) - 1, 0)
     span, slope = np.diff(times), np.zeros(len(times) + 1)
     np.divide(np.diff(levels), span, out=slope[1:-1], where=span > 0)
-    return levels[begin][piece] + slope[piece] * (t - times[begin][piece])
+    return Lines(times, times[begin], levels[begin], slope)
+
+
+def between(lines: Lines, t: Floats, inside: Floats) -> Floats:
+    """Level at t of the straight piece that contains `inside`, continued."""
+    piece = np.searchsorted(lines.times, inside)
+    return lines.level[piece] + lines.slope[piece] * (t - lines.begin[piece])
 
 
 class Ramp(Points):

@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from tline.errors import InputError
-from tline.scene.points import between
+from tline.scene.points import between, lines
 from tline.scene.quantity import ZERO, Delay, Duration, Level, Time, Whole
 from tline.scene.shape import Shape
 
@@ -53,7 +53,7 @@ class Pulses(Shape):
             last = np.inf if self.count is None else self.count - 1
             start = start + self.period * np.clip(np.floor((inside - start) / self.period), 0, last)
         levels = np.array([self.low, self.high, self.high, self.low], float)
-        return between(self._corners(), levels, t - start, inside - start)
+        return between(lines(self._corners(), levels), t - start, inside - start)
 
     def _corners(self):
         """Instants of one pulse, from its begin: rise, top, fall, end."""

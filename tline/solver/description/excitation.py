@@ -43,6 +43,13 @@ class Broken(NamedTuple):
     stop: NDArray
     coef: NDArray  # (pieces, s) Legendre coefficients
 
+    def within(self, first: int, n: int) -> "Broken":
+        """Those of n slabs from number `first` on."""
+        low, high = np.searchsorted(self.slab, (first, first + n))
+        begin, slabs = int(self.parts[:low].sum()), slice(low, high)
+        pieces = slice(begin, begin + int(self.parts[slabs].sum()))
+        return Broken(*(part[slabs] for part in self[:3]), *(part[pieces] for part in self[3:]))
+
 
 def places_of(parts: list[tuple[Waveform, float]], t_end: float, h: float) -> NDArray:
     """Instants in slabs, sorted, at which the waveforms of one excitation row jump or bend; t = 0 is always one."""
@@ -59,13 +66,12 @@ def broken(parts: list[tuple[Waveform, float]], places: NDArray, basis: Basis, h
     edges = np.unique(np.concatenate([cut, places, cut + 1]))
     start, stop = edges[:-1], edges[1:]
     slab = np.floor((start + stop) / 2)
-    of_cut = np.isin(slab, cut)  # the others lie between cut slabs
+    of_cut = cut[np.searchsorted(cut, slab, "right") - 1] == slab  # the others lie between cut slabs
     start, stop, slab = start[of_cut], stop[of_cut], slab[of_cut]
     t, inside = h * (start[:, None] + (stop - start)[:, None] * basis.c), h * (start + stop)[:, None] / 2
     values = sum((share * waveform.value(t, inside) for waveform, share in parts), np.zeros(t.shape))
-    count = np.unique(slab, return_counts=True)[1]
-    numbers = cut.astype(int)
-    return Broken(numbers, np.isin(cut, places), count, start - slab, stop - slab, values @ basis.to_legendre.T)
+    count, anew = np.diff(np.searchsorted(slab, cut), append=len(slab)), places[np.searchsorted(places, cut)] == cut
+    return Broken(cut.astype(int), anew, count, start - slab, stop - slab, values @ basis.to_legendre.T)
 
 
 def just_before(waveform: Waveform) -> float:

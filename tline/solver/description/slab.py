@@ -1,12 +1,12 @@
 """Slab width of a scene: the cheapest that is fine enough for what it holds."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
 from math import ceil, inf, lcm
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from tline.solver.description.description import Description
 from tline.solver.description.families import MOST as MOST_FAMILIES
@@ -46,40 +46,45 @@ def slab_of(
     if lossy:
         return _slab_beside_losses(description, delays, lossy, resolved, least)
     wanted, often = (max(min(resolved, most), least) for most in (inf, description.t_end / SLABS_PER_RUN))
-    return _cheapest(description, delays, breaks, often if description.elements else wanted, often)
+    affordable = _affordable(description, delays, CHEAP_IN_BLOCKS)
+    wanted = often if description.elements else wanted
+    return _cheapest((*delays,), (*breaks.tolist(),), description.t_end, affordable, wanted, often)
 
 
-def _cheapest(description: Description, delays: list[float], breaks: NDArray, wanted: float, often: float) -> float:
+@lru_cache(maxsize=8)  # runs with other values ask the same
+def _cheapest(
+    delays: tuple[float, ...], breaks: tuple[float, ...], t_end: float, affordable: float, wanted: float, often: float
+) -> float:
     """The cheapest of the slabs that divide delays and breaks, that divide delays, and that divide the shortest delay.
 
     Without fronts inside they may be so narrow that samples come often, and low orders do.
     """
-    shortest, samples = min(delays), 2 * len(delays) * description.t_end
+    shortest, samples = min(delays), 2 * len(delays) * t_end
 
     def cost(parts: int) -> float:
         h = _divided(shortest, parts, wanted)
         work = relative_work(h, delays, breaks)
         return samples / h * work + (BESIDE if work > 1.0 else 0.0)
 
-    narrowest = max(_affordable(description, delays, CHEAP_IN_BLOCKS), samples / cost(1))
+    narrowest = max(affordable, samples / cost(1))
     most, choices = max(int(shortest / narrowest), 1), [1]
-    for times in (delays, [*delays, *breaks[:MOST_MARKS]]):
-        if parts := common_parts((*times,), shortest, most):
+    for times in (delays, delays + breaks[:MOST_MARKS]):
+        if parts := common_parts(times, shortest, most):
             choices.append(parts)
     parts = min(reversed(choices), key=cost)
     inside = relative_work(_divided(shortest, parts, wanted), delays, breaks) > 1.0
     return _divided(shortest, parts, wanted if inside else often)
 
 
-def whole_slabs(h: float, delays: list[float]) -> bool:
+def whole_slabs(h: float, delays: Sequence[float]) -> bool:
     """Whether slabs of this width divide all delays."""
     return all(abs(delay / h - round(delay / h)) <= WHOLE * delay / h for delay in delays)
 
 
-def relative_work(h: float, delays: list[float], breaks: NDArray) -> float:
+def relative_work(h: float, delays: Sequence[float], breaks: ArrayLike) -> float:
     """Work for a slab of this width, over that for one without fronts inside."""
     if not whole_slabs(h, delays):
-        return WITH_FRONTS * MOST_PLACES if len(breaks) else WITH_SHIFTS
+        return WITH_FRONTS * MOST_PLACES if np.size(breaks) else WITH_SHIFTS
     places = np.unique(np.round(np.append(0.0, breaks) / h % 1.0, PLACES) % 1.0)
     return 1.0 if len(places) == 1 else WITH_FRONTS * min(len(places), MOST_PLACES)
 

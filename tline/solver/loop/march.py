@@ -16,7 +16,7 @@ from tline.progress import Progress
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import LULL, Tally, fronts_of, sources_of, tally
 from tline.solver.assembly.layout import Excitation
-from tline.solver.description.excitation import EDGE, broken, places_of, sampled
+from tline.solver.description.excitation import EDGE, Broken, broken, places_of, sampled
 from tline.solver.kernel.fronts.structures import LIVE, NOTED, Fronts
 from tline.solver.loop.kernel import Kernel
 
@@ -121,26 +121,43 @@ class Spare(NamedTuple):
 
 
 class Signals:
-    """The excitations of a run: where they break, and their samples, which are kept if they are few."""
+    """The excitations of a run: where they break, and their samples and pieces, which are kept if they are few."""
 
     def __init__(self, assembly: Assembly, n: int):
         self.of, self.h, self.basis = assembly.excitations, assembly.resolution.h, assembly.basis
         self.n, self.follows = n, assembly.follows_edges
         self.places = [_inside(places_of(p, n * self.h, self.h), self.follows) for p in self.of]
-        self._all: NDArray | None = None
+        self.few = len(self.of) * n * self.basis.s <= FEW
+        self._samples: NDArray | None = None
+        self._pieces: list[Broken] | None = None
 
     def sampled(self, first: int, n: int) -> NDArray:
         """Excitations of n slabs, shape (excitations, n * s), but of slabs with breaks."""
-        if self._all is not None and n == self.n:
-            return self._all
+        if not self.few:
+            return self._sampled(first, n)
+        if self._samples is None:
+            self._samples = self._sampled(0, self.n)
+        s = self.basis.s
+        return np.ascontiguousarray(self._samples[:, first * s : (first + n) * s])
+
+    def broken(self, first: int, n: int) -> list[Broken]:
+        """Each excitation in those of n slabs in which it breaks."""
+        if not self.few:
+            return self._broken(first, n)
+        if self._pieces is None:
+            self._pieces = self._broken(0, self.n)
+        return [each.within(first, n) for each in self._pieces]
+
+    def _broken(self, first: int, n: int) -> list[Broken]:
+        each = zip(self.of, self.places, strict=True)
+        return [broken(parts, places, self.basis, self.h, first, n) for parts, places in each]
+
+    def _sampled(self, first: int, n: int) -> NDArray:
         excitation = np.zeros((len(self.of), n, self.basis.s))
         for row, parts in zip(excitation, self.of, strict=True):
             for waveform, share in parts:
                 row += share * sampled(waveform, self.basis, self.h, first, n)
-        found = excitation.reshape(len(self.of), n * self.basis.s)
-        if n == self.n and found.size <= FEW:
-            self._all = found
-        return found
+        return excitation.reshape(len(self.of), n * self.basis.s)
 
 
 def _are_same(some: list[Excitation], others: list[Excitation]) -> bool:
@@ -166,7 +183,7 @@ class Stepper:
     """An assembled scene under way."""
 
     def __init__(self, assembly: Assembly, n: int, record: NDArray, noting: int = 0):
-        self.assembly, self.record, self.h = assembly, record, assembly.resolution.h
+        self.assembly, self.record = assembly, record
         self.noting = noting  # rows of the record whose pieces are noted
         self.origin = 0  # slab at the record's first column; the kernel of fronts counts from it
         self._key = assembly.basis.s, n, assembly.follows_edges
@@ -234,13 +251,7 @@ class Stepper:
         """Advance by at most n slabs with fronts as breakpoints; returns by how many."""
         assembly, fronts = self.assembly, self.fronts
         assert fronts is not None
-        sources = sources_of(
-            [
-                broken(parts, places, assembly.basis, self.h, first, n)
-                for parts, places in zip(assembly.excitations, self.signals.places, strict=True)
-            ],
-            assembly.basis.s,
-        )
+        sources = sources_of(self.signals.broken(first, n), assembly.basis.s)
         sources.slab[:] -= self.origin
         excitation, column = self.signals.sampled(first, n), first - self.origin
         node, done = self.kernel.fronts(sources, excitation, column, n, self.record)

@@ -19,13 +19,13 @@ hyperbolic equations, Math. Comp. 72 (2003), doi:10.1090/S0025-5718-02-01464-3.
 
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import legvander
 from numpy.typing import NDArray
 
-from tline.solver.kernel.share import Neighbours, share
+from tline.solver.kernel.neighbours import UNEQUAL, Joined, Shared, join, share
 from tline.solver.radau import basis, gauss
 from tline.structure import pack
 
@@ -33,12 +33,8 @@ if TYPE_CHECKING:
     from tline.solver.result.result import Wave
 
 SHARED = 8  # order up to which polynomials are shared; beyond, rounding is all that is left
-EXPECTED = 4.0  # times what the change of the highest coefficient lets expect, that a start may be off
-FALLS = 0.1  # of a change of the start, that a shared polynomial may change at most
-FIRST = 10.0  # the same in a slab without a start
-UNEQUAL = 16.0  # widths of neighbours beyond this ratio are not compared
 SAME = 1e-12  # widths that near to each other, relatively, are equal
-ROUNDING = 4e-15  # of the largest value
+CHUNK = 4096  # pairs of cells at a time
 
 
 class Cells(NamedTuple):
@@ -62,7 +58,7 @@ def superconvergent(a: "Wave", b: "Wave") -> "tuple[Wave, Wave]":
     values, width = np.stack([a.values, b.values]), np.ones(n)
     whole = order = np.arange(n)
     if len(pieces.slab):
-        whole = np.setdiff1d(whole, pieces.slab)
+        whole = np.delete(whole, pieces.slab)
         order = np.argsort(np.concatenate([whole, pieces.slab + pieces.span[:, 0]]), kind="stable")
         width = np.concatenate([np.ones(len(whole)), np.diff(pieces.span, axis=1)[:, 0]])[order]
         in_pieces = np.stack([a.pieces.values, b.pieces.values])
@@ -85,89 +81,41 @@ def superconvergent(a: "Wave", b: "Wave") -> "tuple[Wave, Wave]":
 
 def improved(cells: Cells) -> NDArray | None:
     """Values at the Radau points of order ``degree(s) + 1``, shape (2, cells, degree + 1); None if nothing changes."""
-    s = cells.values.shape[2]
-    spread, at_start, start = _matrices(s)
-    ends = np.empty((2, cells.width.size + 1))
+    s, n = cells.values.shape[2], cells.width.size
+    spread, series, start = _matrices(s)
+    ends = np.empty((2, n + 1))
     ends[:, 0], ends[:, 1:] = cells.before, cells.values[:, :, -1]
-    coefficients = cells.values @ basis(s).to_legendre.T
-    off = cells.values @ at_start - ends[:, :-1]
-    joined = _joined(cells, coefficients[:, :, -1], off)
-    off = np.where(joined, off, 0.0)
-    if np.abs(off).max() <= ROUNDING * np.abs(ends).max():
+    room = np.empty(n), np.empty(n), np.empty(n, bool)
+    at = Joined(cells.width, ends, cells.values @ series, start, cells.values @ spread, *room)
+    packed = pack(at)
+    if not join(packed):
         return None
-    values = cells.values @ spread - off[:, :, None] * start
     if s <= SHARED:
-        _share(cells, coefficients, ends, values, np.abs(off).max(axis=0), joined)
-    return values
+        _share(at, packed)
+    return at.values
 
 
-def _joined(cells: Cells, highest: NDArray, off: NDArray) -> NDArray:
-    """Whether each cell goes on where the one before it ends.
-
-    The error of one wave may come from the other, so both together tell what is to be expected; behind a far narrower
-    cell, the edge after it.
-    """
-    s = cells.values.shape[2]
-    ratio = _ratio(cells)
-    near = (ratio < UNEQUAL) & (ratio > 1 / UNEQUAL)
-    bends = np.abs(highest)
-    bends[:, 1:] = np.abs(highest[:, 1:] - highest[:, :-1] * np.where(near, ratio, 1.0)[1:] ** (s - 1))
-    bend = bends.max(axis=0)
-    bend = np.where(near, bend, np.append(bend[1:], 0.0))
-    least = ROUNDING * np.abs(cells.values[:, :, -1]).max()
-    expected = np.maximum(EXPECTED / (2 * s - 1) * _about(bend), least)
-    return (ratio > 1 / UNEQUAL) & (np.abs(off).max(axis=0) <= expected)
-
-
-def _ratio(cells: Cells) -> NDArray:
-    """Width of each cell over that of the one before."""
-    return cells.width / np.append(cells.width[0], cells.width[:-1])
-
-
-def _about(sizes: NDArray) -> NDArray:
-    """Each, or the smaller one of its neighbours: one alone may vanish by chance."""
-    if len(sizes) < 3:
-        return sizes
-    about = sizes.copy()
-    about[1:-1] = np.maximum(sizes[1:-1], np.minimum(sizes[2:], sizes[:-2]))
-    return about
-
-
-def _share(cells: Cells, coefficients: NDArray, ends: NDArray, values: NDArray, off: NDArray, joined: NDArray) -> None:
+def _share(at: Joined, packed: Any) -> None:
     """Change the values of cells to those of polynomials that they share with their neighbours."""
-    s, points = cells.values.shape[2], values.shape[2]
-    ratio, expected = _ratio(cells)[1:], _about(off)[1:]
-    known = joined[:-1]
-    first = np.flatnonzero(joined[1:] & (ratio < UNEQUAL) & (expected > 0.0) & ~(known & (s == 2)))
-    if not len(first):
-        return
-    known, ratio, expected = known[first], ratio[first], expected[first]
-    unequal = np.abs(ratio - 1.0) > SAME
-    matrix = np.where(known, 0, 1)
-    matrix[unequal] = 2 + np.arange(unequal.sum())
-    matrices = np.empty((2 + unequal.sum(), 2 * s + 3, 2 * points))
-    matrices[0], matrices[1] = _equal(s)
-    for kind in (True, False):
-        these = unequal & (known == kind)
-        if these.any():
-            matrices[matrix[these]] = _pair(s, kind, ratio[these])
-    most = np.stack([np.where(known, FALLS, FIRST) * expected, FALLS * expected], axis=1)
-    share(
-        pack(
-            Neighbours(
-                coefficients,
-                ends,
-                values,
-                first,
-                matrix,
-                most,
-                matrices,
-                np.empty((2, 2 * points)),
-                np.empty(values.shape),
-                np.empty(len(joined), np.int64),
-            )
-        )
-    )
+    s, points = at.series.shape[2] - 1, at.start.size
+    change, changes = np.zeros((2, points)), np.zeros(1, bool)
+    ratio, known = at.width[1:] / at.width[:-1], at.joined[:-1]
+    unequal = at.joined[1:] & (np.abs(ratio - 1.0) > SAME) & (ratio < UNEQUAL)
+    for first in range(0, len(ratio), CHUNK):
+        last = min(first + CHUNK, len(ratio))
+        given = np.empty((2, last - first, 2 * s + 3))
+        for side in range(2):
+            given[:, :, side * s : (side + 1) * s] = at.series[:, first + side : last + side, :s]
+        for k in range(3):
+            given[:, :, 2 * s + k] = at.ends[:, first + k : last + k]
+        shared = given @ _equal(s, True)
+        alone = ~known[first:last]
+        shared[:, alone] = given[:, alone] @ _equal(s, False)
+        for kind in (True, False) if unequal[first:last].any() else ():
+            these = np.flatnonzero(unequal[first:last] & (alone != kind))
+            if these.size:
+                shared[:, these] = (given[:, these, None] @ _pair(s, kind, ratio[first + these]))[:, :, 0]
+        share(pack(Shared(packed, first, shared, change, changes)))
 
 
 def _moments(s: int, known: bool) -> tuple[int, int]:
@@ -176,40 +124,46 @@ def _moments(s: int, known: bool) -> tuple[int, int]:
 
 
 @lru_cache
-def _equal(s: int) -> tuple[NDArray, NDArray]:
-    """Matrices of cells of equal width, with a start and without one."""
-    known = _pair(s, True, np.ones(1))[0] if s > 2 else np.zeros((2 * s + 3, 2 * degree(s) + 2))
-    return known, _pair(s, False, np.ones(1))[0]
+def _equal(s: int, known: bool) -> NDArray:
+    """Matrix of cells of equal width, with a start or without one."""
+    return _pair(s, known, np.ones(1))[0]
 
 
 def _pair(s: int, known: bool, ratio: NDArray) -> NDArray:
-    """Matrices of cells of widths 1 and `ratio`, see `Neighbours`; shape (pairs, 2 s + 3, 2 p)."""
-    q, n = _moments(s, known), len(ratio)
+    """Matrices of cells of widths 1 and `ratio`, shape (pairs, 2 s + 3, 2 p), to `Shared.values`.
+
+    They take the Legendre coefficients of both cells, and the values at their three ends.
+    """
+    q, m = _moments(s, known), sum(_moments(s, known)) + 2 + known
     kept = [*range(q[0]), *range(s, s + q[1]), *range(2 * s + (not known), 2 * s + 3)]
-    x, weights = gauss(len(kept))
-    points = basis(degree(s) + 1).c
-    start, width = (np.zeros(n), np.ones(n)), (np.ones(n), ratio)
-    test = legvander(2 * x - 1, s - 1) * (2 * np.arange(s) + 1) * weights[:, None]
-
-    def at(x: NDArray, k: int) -> NDArray:
-        """Legendre polynomials on the pair at places of a cell, shape (pairs, places, kept)."""
-        place = (start[k][:, None] + width[k][:, None] * x) / (1 + ratio)[:, None]
-        return legvander(2 * place - 1, len(kept) - 1)
-
-    rows = [np.einsum("xq,pxk->pqk", test[:, : q[k]], at(x, k)) for k in (0, 1)]
-    rows += [at(np.zeros(1), 0)] * known + [at(np.ones(1), 0), at(np.ones(1), 1)]
-    matrices = np.zeros((n, 2 * s + 3, 2 * len(points)))
-    shared = np.concatenate([at(points, k) for k in (0, 1)], axis=1)
+    places, test = _places(s, m)
+    middle, inside = 1 / (1 + ratio), slice(2, 2 + m)
+    first, second = (  # Legendre polynomials on the pair at places of a cell
+        legvander(2 * (start + width[:, None] * places) - 1, m - 1)
+        for start, width in ((0.0, middle), (middle[:, None], middle * ratio))
+    )
+    rows = test[: q[0]] @ first[:, inside], test[: q[1]] @ second[:, inside], first[:, not known : 2], second[:, 1:2]
+    shared = np.concatenate([first[:, 2 + m :], second[:, 2 + m :]], axis=1)
+    matrices = np.zeros((len(ratio), 2 * s + 3, shared.shape[1]))
     matrices[:, kept] = (shared @ np.linalg.inv(np.concatenate(rows, axis=1))).swapaxes(1, 2)
     return matrices
 
 
 @lru_cache
+def _places(s: int, m: int) -> tuple[NDArray, NDArray]:
+    """Ends of a cell, Gauss points and points of a higher order; from values at the Gauss points to coefficients."""
+    x, weights = gauss(m)
+    test = legvander(2 * x - 1, s - 1) * (2 * np.arange(s) + 1) * weights[:, None]
+    return np.concatenate([[0.0, 1.0], x, basis(degree(s) + 1).c]), test.T
+
+
+@lru_cache
 def _matrices(s: int) -> tuple[NDArray, NDArray, NDArray]:
-    """Of order s: from values at its points to those at more points, and to the start of a cell.
+    """Of order s: from values at its points to those at more points, and to Legendre coefficients and the start.
 
     And what the polynomial that is 1 at the start and vanishes at the points of order s is at more points.
     """
     order, x = basis(s), basis(degree(s) + 1).c
     start = np.prod((order.c[:, None] - x) / order.c[:, None], axis=0)
-    return np.ascontiguousarray(order.evaluation(x).T), order.evaluation([0.0])[0], start
+    series = np.concatenate([order.to_legendre, order.evaluation([0.0])])
+    return np.ascontiguousarray(order.evaluation(x).T), np.ascontiguousarray(series.T), start

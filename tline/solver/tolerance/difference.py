@@ -47,11 +47,12 @@ def difference(coarse: ProbeResult, fine: ProbeResult, settle: float = 0.0, foll
     inside, blurred = at_ends, np.zeros(2)
     narrow = SETTLES * settle
     if every * (n // every):
-        pieces = _in_pieces(coarse, fine, n, narrow, np.inf, followed)
-        for off, most in (*_in_one_piece(coarse, fine, every, n), pieces):
+        broken = _broken(coarse, fine, n)
+        pieces = _in_pieces(coarse, fine, broken, narrow, np.inf, followed)
+        for off, most in (*_in_one_piece(coarse, fine, every, broken), pieces):
             inside, amplitude = np.maximum(inside, off), np.maximum(amplitude, most)
         if settle:
-            blurred, _ = _in_pieces(coarse, fine, n, 0.0, narrow, followed)
+            blurred, _ = _in_pieces(coarse, fine, broken, 0.0, narrow, followed)
     return Difference(at_ends, inside, np.maximum(inside, blurred), amplitude)
 
 
@@ -63,7 +64,7 @@ def difference_at_ends(coarse: ProbeResult, fine: ProbeResult) -> tuple[NDArray,
     return np.abs(there[:, :common] - theirs[:, :common]).max(axis=1), np.abs(ends).max(axis=1)
 
 
-def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, n: int):
+def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, broken: NDArray):
     """The largest difference, and value, at places of the fine slabs without a front, chunk by chunk, of shape (2,)."""
     x = np.array(chebyshev(max(*(probe.waves[0].basis.s for probe in (coarse, fine)))))
     if 0.0 < fine.share < 1.0:
@@ -71,7 +72,7 @@ def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, n: int):
             delay / probe.record.a1.h * k % 1.0 for probe, k in ((fine, 1), (coarse, every)) for delay in _ways(probe)
         ]
         x = np.unique(np.clip([*x, *(edge + d for edge in edges for d in (-BESIDE, BESIDE))], 0.0, 1.0 - BESIDE))
-    whole = ~_broken(coarse, fine, n)
+    n, whole = len(broken), ~broken
     in_coarse = (np.arange(every)[:, None] + x).ravel() / every
     for first in range(0, n // every, CHUNK):
         count = min(CHUNK, n // every - first)
@@ -104,14 +105,14 @@ def _wave_on_slabs(wave: Wave, late: float, x: NDArray, first: int, n: int) -> N
 
 
 def _in_pieces(
-    coarse: ProbeResult, fine: ProbeResult, n: int, narrowest: float, widest: float, followed: bool
+    coarse: ProbeResult, fine: ProbeResult, broken: NDArray, narrowest: float, widest: float, followed: bool
 ) -> tuple[NDArray, NDArray]:
     """The same at places of the pieces, so wide, of slabs that hold fronts.
 
     A place is a share of its piece, or runs would differ by what rounding moves a front. That is added, as much as a
     rounding of the instant changes a wave that rises evenly: where it rises in 1e-9 s after 1 s, 2e-7 of the rise.
     """
-    broken, h = _broken(coarse, fine, n), fine.record.a1.h
+    n, h = len(broken), fine.record.a1.h
     if not broken.any():
         return np.zeros(2), np.zeros(2)
     slabs = np.flatnonzero(broken)
@@ -142,11 +143,12 @@ def _overlooked(probe: ProbeResult, narrow: float) -> float:
     for wave in probe.waves:
         start, stop = wave.h * (wave.pieces.slab[:, None] + wave.pieces.span).T
         real = (stop - start <= narrow) & (stop - start > ROUNDINGS * EPS * stop)
+        if not real.any():
+            continue
         sides = np.stack([wave(start[real] - CLUSTER * narrow), wave(stop[real] + CLUSTER * narrow)])
         values = wave.pieces.values[real]
-        over = values.max(axis=1, initial=-np.inf) - sides.max(axis=0)
-        under = sides.min(axis=0) - values.min(axis=1, initial=np.inf)
-        most += max(over.max(initial=0.0), under.max(initial=0.0))
+        over, under = values.max(axis=1) - sides.max(axis=0), sides.min(axis=0) - values.min(axis=1)
+        most += max(over.max(), under.max(), 0.0)
     return most / 2
 
 
