@@ -302,7 +302,9 @@ def found(case: Case, tol: float, seed: int = 0) -> Found:
             margin = printed["error_inside_slabs"] + 1e-13 * amplitude
             k = int(error.argmax())
             off = max(true.max() - printed["maximum"], printed["minimum"] - true.min())
-            off = max(off, *(_nearest(case, probe, letter, printed, which, end, margin) for which in ("minimum", "maximum")))
+            off = max(
+                off, *(_nearest(case, probe, letter, printed, which, end, margin) for which in ("minimum", "maximum"))
+            )
             measures = error[k] / (tol * amplitude), error[k] / margin, off / margin
             if max(measures) > max(worst[1:4]):
                 worst = worst._replace(where=f"{name} {word} at {here[k]:.6g} ± {margin / amplitude:.1g}")
