@@ -302,7 +302,9 @@ def found(case: Case, tol: float, seed: int = 0) -> Found:
             margin = printed["error_inside_slabs"] + 1e-13 * amplitude
             k = int(error.argmax())
             off = max(true.max() - printed["maximum"], printed["minimum"] - true.min())
-            off = max(off, *(_nearest(case, probe, letter, printed, which, end) for which in ("minimum", "maximum")))
+            off = max(
+                off, *(_nearest(case, probe, letter, printed, which, end, margin) for which in ("minimum", "maximum"))
+            )
             measures = error[k] / (tol * amplitude), error[k] / margin, off / margin
             if max(measures) > max(worst[1:4]):
                 worst = worst._replace(where=f"{name} {word} at {here[k]:.6g} ± {margin / amplitude:.1g}")
@@ -314,15 +316,17 @@ def found(case: Case, tol: float, seed: int = 0) -> Found:
     return worst
 
 
-def _nearest(case: Case, probe: ProbeResult, letter: str, printed: dict[str, float], which: str, end: float) -> float:
+def _nearest(
+    case: Case, probe: ProbeResult, letter: str, printed: dict[str, float], which: str, end: float, enough: float
+) -> float:
     """How far the curve is from a printed extreme, on either side of a front: where it is said to be first reached to a
-    billionth of the range, or about where the run's own curve is highest.
+    billionth of the range, or about where the run's own curve is highest; sought until it is as little as is enough.
     """
     sign, value, drawn = (1 if which == "maximum" else -1), printed[which], curve(probe)
     highest, width = float(drawn.t[(sign * getattr(drawn, letter)).argmax()]), PLATEAU * end
     t = np.array([[printed[f"{which}_time"]], [highest]]) + SIDE * end * np.array([-1, 0, 1])
     off = float(np.abs(case.exact(probe.name, np.clip(t.ravel(), 0, end))["uy".index(letter)] - value).min())
-    while case.instants == INSTANTS and width > SIDE * end:
+    while case.instants == INSTANTS and width > SIDE * end and off > enough:
         t = np.clip(highest + width * np.linspace(-1, 1, 41), 0, end)
         seen = sign * case.exact(probe.name, t)["uy".index(letter)]
         highest, width = float(t[seen.argmax()]), width / 10

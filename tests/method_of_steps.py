@@ -7,6 +7,8 @@ efforts at all ends. Integration stops at corners of sources, where they arrive,
 
 from bisect import bisect_right
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from heapq import heappop, heappush
 from typing import Any, NamedTuple
 
@@ -80,19 +82,24 @@ class Motion:
         return u, (w - u) / self.lines[end // 2].z0 * (1 if end % 2 else -1)
 
 
-class ByHand(NamedTuple):
+@dataclass(frozen=True)
+class ByHand:
     """A scene whose equations are written by hand, steady until it begins, and the end at which each probe stands."""
 
-    motion: Callable[[], Motion]
+    integrated: Callable[[], Motion]
     probes: dict[str, int]
     begins: float = 0.0
+
+    @cached_property
+    def motion(self) -> Motion:
+        return self.integrated()
 
     def differences(self, probes: Mapping[str, Any], inside: int = 0) -> dict[str, float]:
         """Largest difference of effort and flow at each probe, relative to the amplitude.
 
         At slab ends, or, if a number of them is given, at so many random instants.
         """
-        motion, found = self.motion(), {}
+        motion, found = self.motion, {}
         last = motion.steps[-1].end
         for name, end in self.probes.items():
             probe = probes[name]

@@ -170,8 +170,9 @@ def level(case, kind, w):
     if "A" in case:
         with mpmath.workdps(40):  # floats lose half their digits here
             a, b, c, d = (mpmath.matrix(case[key]) for key in "ABCD")
-            resolvent = mpmath.inverse(mpmath.mpc(0, w) * mpmath.eye(a.rows) - a)
-            value = np.array((d + c * (resolvent * b)).tolist(), dtype=complex)
+            whole = mpmath.mpc(0, w) * mpmath.eye(a.rows) - a
+            columns = [d[:, k] + c * mpmath.lu_solve(whole, b[:, k]) for k in range(b.cols)]
+            value = np.array([[*column] for column in columns], dtype=complex).T
     else:
         value = np.array([[complex(*quotient(*x, Fraction(0), Fraction(w))) for x in row] for row in case["matrix"]])
     return np.linalg.norm(value, 2) if kind is Kind.BR else np.linalg.eigvalsh((value + value.conj().T) / 2)[0]

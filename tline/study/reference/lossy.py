@@ -97,13 +97,15 @@ def lossy_response(
         if len(passed) > MOST_TERMS:
             raise InputError("times", "too many, or too late", f"{MOST_TERMS} passages in all", f"{len(passed)}")
         zc = line.waves(acb(1 / max(instants)), BALLS)[1].real
-        parts = [_inverse(transform, since, nodes) for _, since, transform in passed]
+        contour = _contour(nodes)
+        parts = [_inverse(transform, since, contour) for _, since, transform in passed]
         open_ones = list(range(len(parts)))
         for _ in range(ROUNDS):
             nodes = ceil(1.25 * nodes)
+            contour = _contour(nodes)
             before = {j: parts[j] for j in open_ones}
             for j in open_ones:
-                parts[j] = _inverse(passed[j][2], passed[j][1], nodes)
+                parts[j] = _inverse(passed[j][2], passed[j][1], contour)
             sums = _sums(parts, [i for i, _, _ in passed], len(asked))
             bound = max(max(abs(u.mid()), abs((zc * y).mid())) for u, y in sums) * arb(10) ** -digits / len(passages)
             open_ones = [j for j, old in before.items() if not _close(parts[j], old, zc, bound)]
@@ -181,20 +183,26 @@ def _close(new: Pair, old: Pair, zc: arb, bound: arb) -> bool:
     return abs(new[0] - old[0]) <= bound and abs((new[1] - old[1]) * zc) <= bound
 
 
-def _inverse(transform: Transform, t: arb, nodes: int) -> Pair:
-    """Both inverse Laplace transforms at t > 0, by the midpoint rule on a Talbot contour."""
-    u, y = arb(0), arb(0)
-    n = 2 * ((nodes + 1) // 2)
+def _contour(nodes: int) -> list[tuple[acb, acb]]:
+    """Places s·t, and weights times t, of the midpoint rule on a Talbot contour."""
+    n, found = 2 * ((nodes + 1) // 2), []
     for k in range(n // 2):
         theta = (2 * k + 1) * arb.pi() / n
         angle = arb("0.6407") * theta
         cot = angle.cot()
         z = n * acb(arb("0.5017") * theta * cot - arb("0.6122"), arb("0.2645") * theta)
         slope = acb(arb("0.5017") * (cot - angle * (1 + cot * cot)), arb("0.2645"))
-        weight = z.exp() * slope * 2 / t
+        found.append((z, z.exp() * slope * 2))
+    return found
+
+
+def _inverse(transform: Transform, t: arb, contour: list[tuple[acb, acb]]) -> Pair:
+    """Both inverse Laplace transforms at t > 0."""
+    u, y = arb(0), arb(0)
+    for z, weight in contour:
         at_u, at_y = transform(z / t)
         u, y = u + (weight * at_u).imag, y + (weight * at_y).imag
-    return u, y
+    return u / t, y / t
 
 
 def _decimals(values: tuple[arb, ...], digits: int) -> tuple[Decimal, ...]:
