@@ -69,7 +69,7 @@ def test_jumps_arrive_after_every_delay():
         },
         probes={"m": {"at": "m"}},
     )  # fmt: skip
-    found = arrivals(Convolved(describe(scene), []))
+    found = arrivals(describe(scene))
     assert found["a"] == pytest.approx([0.2e-9, 2.2e-9, 4.2e-9, 5.2e-9])
     assert found["m"] == pytest.approx([1.2e-9, 3.2e-9, 4.2e-9, 5.2e-9])
     assert found["b"] == pytest.approx([2.7e-9, 4.7e-9, 5.7e-9])

@@ -141,13 +141,6 @@ def test_mistakes_are_told_in_one_sentence(pipe, more, message):
 
 
 def test_what_cannot_be_had_is_refused_by_name():
-    friction = changed(
-        {"friction": {"kind": "darcy", "factor": 0.02}}, probes={"p": {"line": "pipe", "position": "40 %"}}
-    )
-    with pytest.raises(
-        InputError, match=r"inside lines\.pipe, which has losses, expected its ends, or a place of its c"
-    ):
-        simulate(friction)
     boiling = changed(loads={"tank": TABLE["loads"]["tank"] | {"pressure": -99_000}})
     with pytest.raises(InputError, match=r'loads\."pipe, place 1": no state at rest: the liquid boils'):
         simulate(boiling)
@@ -166,6 +159,44 @@ def test_what_cannot_be_had_is_refused_by_name():
         "baseline methods know linear elements only" in baseline.incompatibility(still)
         for baseline in BASELINES.values()
     )
+
+
+LOSSY = PIPE | {"friction": {"kind": "darcy", "factor": 0.02}}
+
+
+@pytest.mark.parametrize(("position", "share"), [("0 m", 0.0), ("100 %", 1.0), ("75 m", 0.25), ("300 m", 1.0)])
+def test_a_probe_inside_a_lossy_line_parts_it_there(position, share):
+    scene = changed(lines={"pipe": LOSSY}, probes={"p": {"line": "pipe", "position": position}}, solver={})
+    parts = expanded(scene)
+    seen = parts.probes["p"]
+    line = parts.lines[seen.line]
+    assert seen.fraction(line) == (1.0 if share else 0.0)
+    assert parts.height("p").elevation == pytest.approx(4 * share)
+    assert len(parts.lines) == (1 if share in (0.0, 1.0) else 2)
+    assert sum(line.parameters.length for line in parts.lines.values()) == pytest.approx(300)
+
+
+def test_two_probes_at_one_place_and_one_at_a_cavity_share_a_node():
+    probes = {name: {"line": "pipe", "position": at} for name, at in zip("pqr", ("40 %", "120 m", "50 %"), strict=True)}
+    friction = {"friction": {"kind": "darcy", "factor": 0.02}}
+    parts = expanded(changed(friction, probes=probes, solver={}))
+    assert list(parts.lines) == [f"pipe, stretch {k}" for k in range(1, 6)]
+    assert {parts.probes[name].line for name in "pq"} == {"pipe, stretch 2"}
+    assert parts.lines["pipe, stretch 2"].nodes == ("pipe, place 1", "pipe, probe p")
+    assert list(parts.loads) == ["tank", "pipe, place 1", "pipe, place 2", "pipe, place 3"]
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ({"solver": {"slab": 0.1}}, "longer than the shortest delay, expected at most that of lines.pipe, 0.075 s"),
+        ({"loads": {"pipe, probe p": {"at": "tank", "kind": "closed"}}}, "a name that a part of lines.pipe has"),
+        ({"probes": {"p": {"line": "pipe", "position": "310 m"}}}, "p.position: not on the line, expected 0 to 300 m"),
+    ],
+)
+def test_mistakes_about_places_inside_are_told_in_one_sentence(more, message):
+    with pytest.raises(SceneError, match=re.escape(message)):
+        changed(lines={"pipe": LOSSY}, **{"probes": {"p": {"line": "pipe", "position": "25 %"}}} | more)
 
 
 @pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")

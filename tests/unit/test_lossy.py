@@ -114,7 +114,7 @@ def test_what_is_not_known_of_lossy_lines_is_refused():
     with pytest.raises(InputError, match=r"lines\.line: it has losses"):
         resonances(scene, 1e9)
     with pytest.raises(InputError, match=r"probes\.p\.position: inside lines\.line, which has losses"):
-        simulate(Scene(**scene.table() | {"probes": {"p": {"line": "line", "position": "10 cm"}}}))
+        _ = describe(Scene(**scene.table() | {"probes": {"p": {"line": "line", "position": "10 cm"}}})).probes
     with pytest.raises(InputError, match=r"lines\.line\.friction: depends on the size of the flow"):
         respond(pipe(friction={"kind": "darcy", "factor": 0.02}), 1j)
 

@@ -49,8 +49,9 @@ def extremes_along(result: Result, way: Route) -> RouteExtremes:
     """
     places, efforts = [], []
     for leg, seen in zip(way.legs, _insides(result, way), strict=True):
-        places.append(np.linspace(*leg.span, seen.cells + 1))
-        efforts.append(seen.extremes(result.t)[:, :: 1 if leg.forward else -1])
+        share, forward = seen.places, leg.forward
+        places.append(leg.span[0] + (leg.span[1] - leg.span[0]) * (share if forward else 1 - share[::-1]))
+        efforts.append(seen.extremes(result.t)[:, :: 1 if forward else -1])
     return RouteExtremes(np.concatenate(places), *np.concatenate(efforts, axis=1))
 
 

@@ -74,13 +74,14 @@ def surges(result: Result) -> tuple[Surge, Surge]:
     for node, start, low, high in zip(envelope.nodes, envelope.start, envelope.lowest, envelope.highest, strict=True):
         rise.nodes[node], fall.nodes[node] = float(high - start), float(start - low)
     for name in result.lines:
-        start, low, high = inside(result, name, STRETCHES).extremes(result.t)
-        share = np.linspace(0.0, 1.0, len(start))
+        seen = inside(result, name, STRETCHES)
+        share, (start, low, high) = seen.places, seen.extremes(result.t)
+        even = np.linspace(0.0, 1.0, len(share))
         near, far = (weight.get(node, unknown) for node in scene.lines[name].nodes)
         ground = near + share * (far - near)
         over = high - ground - rating, floor - (low - ground)
         for surge, size, excess in zip((rise, fall), (high - start, start - low), over, strict=True):
-            surge.lines[name] = size
+            surge.lines[name] = np.interp(even, share, size)
             if (excess > 0).any():
                 surge.beyond[name] = float(share[np.nanargmax(excess)])
     return rise, fall

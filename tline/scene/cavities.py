@@ -42,16 +42,6 @@ class Cavities(Boiling):
         return table | ({"kind": "cavity", "gas_volume": float(self.gas_volume)} if self.gas_volume is not None else {})
 
 
-def stretches_of(name: str, line: "SceneLine") -> list[str]:
-    """Names of the stretches of a line with cavities, from its end 1 on."""
-    return [f"{name}, stretch {k + 1}" for k in range(line.stretches)]
-
-
-def places_of(name: str, line: "SceneLine") -> list[str]:
-    """Names of the nodes at its places, and of the cavities there."""
-    return [f"{name}, place {k + 1}" for k in range(line.stretches - 1)]
-
-
 def with_cavities(lines: Mapping[str, "SceneLine"]) -> dict[str, "SceneLine"]:
     """Those of the lines that have cavities; coupled conductors never do."""
     return {name: line for name, line in lines.items() if getattr(type(line), "stretches", None) and line.stretches > 1}

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from math import inf
 from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError
-from tline.scene.cavities import places_of, stretches_of, with_cavities
+from tline.scene.cavities import with_cavities
 from tline.scene.coupled import Coupled, ends_of
 from tline.scene.element import is_name
 from tline.scene.factor import check_range
@@ -19,6 +19,7 @@ from tline.scene.load import Matched
 from tline.scene.multiport import Multiport
 from tline.scene.rational_load import Rational
 from tline.scene.regulating import RegulatingValve
+from tline.scene.stretches import Stretches, stretches_of
 from tline.scene.touchstone import Touchstone
 from tline.scene.vessel import SurgeTank
 from tline.wording import nearest, place, shown
@@ -115,7 +116,6 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
         for node in line.nodes:
             ends[node].append(name)
     ends.default_factory = None
-    yield from _slab(scene)
     yield from _waveforms(scene)
     yield from conflicting_holds(scene)
     yield from height_mistakes(scene)
@@ -132,11 +132,11 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
             yield InputError(place("loads", name), problem, "a resistor", f"{len(ends[load.at])} ends")
     hidden = scene.delay_lines
     ends = {node: [line for line in lines if line not in hidden] for node, lines in ends.items()}
-    for name, probe in scene.probes.items():
-        if probe.at in {None, *ends, *linked} and probe.line in {None, *scene.lines}:
-            yield from _probe(scene, place("probes", name), probe, ends)
-        elif probe.at in {die_of(own) for own in scene.loads}:
-            yield InputError(place("probes", name, "at"), "no package parts this die from its pin", "the pin's node")
+    mistakes = [*_probes(scene, ends, linked)]
+    yield from mistakes
+    stretches = {} if mistakes else stretches_of(scene)
+    yield from _slab(scene, stretches)
+    yield from _names(scene, stretches)
     for name, measure in scene.measures.items():
         for key, probe in measure.probes:
             if probe not in scene.probes:
@@ -144,11 +144,13 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
                 yield InputError(place("measures", name, *key.split(".")), "no such probe", known, shown(probe))
 
 
-def _slab(scene: Scene) -> Iterator[InputError]:
+def _slab(scene: Scene, cut: Mapping[str, Stretches]) -> Iterator[InputError]:
     slab = scene.solver.slab
     if slab is None or not scene.lines:
         return
-    delays = {name: line.shortest for name, line in scene.lines.items()}
+    delays = {
+        name: line.shortest * min(cut[name].widths if name in cut else [1.0]) for name, line in scene.lines.items()
+    }
     shortest = min(delays, key=lambda name: delays[name])
     if slab > delays[shortest] * SAME:
         expected = f"at most that of {place('lines', shortest)}, {delays[shortest]:.6g} s"
@@ -171,18 +173,22 @@ def _coupled(scene: Scene) -> Iterator[InputError]:
 
 
 def _cavities(scene: Scene) -> Iterator[InputError]:
-    """Names that the parts of lines with cavities have, and places whose height is not known."""
-    cut = with_cavities(scene.lines)
-    joining = [*scene.lines.values(), *scene.links.values()] if cut else []
-    nodes = {node for each in joining for node in each.nodes}
+    """Lines with cavities at places whose height is not known."""
     high = {name for name, site in scene.nodes.items() if site.elevation is not None}
-    for name, line in cut.items():
-        for own in {*stretches_of(name, line), *places_of(name, line)} & {*scene.lines, *scene.loads, *nodes}:
-            yield InputError("lines", f"a name that a part of {place('lines', name)} has", "another name", f"'{own}'")
+    for name, line in with_cavities(scene.lines).items():
         missing = [node for node in line.nodes if high and node not in high]
         if missing:
             where, problem = place("lines", name, "cavities"), f"the height of node '{missing[0]}' is not known"
             yield InputError(where, problem, "elevations of both ends of the line, or of no node")
+
+
+def _names(scene: Scene, cut: Mapping[str, Stretches]) -> Iterator[InputError]:
+    """Names that the parts of lines in stretches have."""
+    joining = [*scene.lines.values(), *scene.links.values()] if cut else []
+    known = {*scene.lines, *scene.loads, *(node for each in joining for node in each.nodes)}
+    for name, stretches in cut.items():
+        for own in {*stretches.lines, *stretches.places} & known:
+            yield InputError("lines", f"a name that a part of {place('lines', name)} has", "another name", f"'{own}'")
 
 
 def _waveforms(scene: Scene) -> Iterator[InputError]:
@@ -222,6 +228,18 @@ def _measured(scene: Scene) -> Iterator[InputError]:
         other = next((name for name in names if name != one), None)
         if one and other:
             yield InputError(place("loads", one), f"stands beside {place('loads', other)}", "a line between them")
+
+
+def _probes(scene: Scene, ends: Ends, linked: Set[str]) -> Iterator[InputError]:
+    dies = {die_of(own) for own in scene.loads}
+    for name, probe in scene.probes.items():
+        where = place("probes", name)
+        if (probe.at is None or probe.at in ends or probe.at in linked) and (
+            probe.line is None or probe.line in scene.lines
+        ):
+            yield from _probe(scene, where, probe, ends)
+        elif probe.at in dies:
+            yield InputError(f"{where}.at", "no package parts this die from its pin", "the pin's node")
 
 
 def _probe(scene: Scene, where: str, probe: Probe, ends: Ends) -> Iterator[InputError]:

@@ -1,24 +1,14 @@
-"""A scene in which lines with cavities are what they stand for: stretches between nodes that have the cavities."""
+"""A scene in which lines that a run parts are what they stand for: stretches between nodes, perhaps with cavities."""
 
 from typing import Any
 
-from tline.errors import InputError
-from tline.scene.cavities import places_of, stretches_of, with_cavities
-from tline.scene.line import SceneLine
 from tline.scene.probe import Probe
 from tline.scene.scene import Scene
-from tline.wording import place
-
-AT_A_PLACE = 1e-9  # of a stretch
+from tline.scene.stretches import Stretches, stretches_of
 
 
 def expanded(scene: Scene) -> Scene:
-    """The same scene with stretches, nodes and loads in place of lines with cavities; itself if there are none.
-
-    Raises
-    ------
-    InputError
-        A probe stands inside a stretch with losses.
+    """The same scene with stretches and nodes in place of lines with cavities, or with losses and probes inside.
 
     Examples
     --------
@@ -31,7 +21,7 @@ def expanded(scene: Scene) -> Scene:
     >>> whole.probes["p"].line, whole.lines["pipe, stretch 2"].shortest
     ('pipe, stretch 2', 0.09999999999999999)
     """
-    cut = with_cavities(scene.lines)
+    cut = stretches_of(scene)
     if not cut:
         return scene
     table = scene.table()
@@ -41,54 +31,42 @@ def expanded(scene: Scene) -> Scene:
         if name not in cut:
             lines[name] = given
             continue
-        lines |= _stretches(name, cut[name], given)
-        loads |= _cavities(name, cut[name])
-        nodes |= _heights(name, cut[name], scene)
-    probes = {name: _seen(name, probe, cut) or table["probes"][name] for name, probe in scene.probes.items()}
+        line: Any = scene.lines[name]
+        lines |= _lines(scene, name, cut[name], given)
+        loads |= {node: line.cavities.load(node) for node in cut[name].cavities}
+        nodes |= _heights(scene, name, cut[name])
+    probes = {name: _seen(scene, probe, cut) or table["probes"][name] for name, probe in scene.probes.items()}
     return scene.with_changes(lines=lines, loads=loads, probes=probes, nodes=nodes)
 
 
-def _stretches(name: str, line: SceneLine, given: dict[str, Any]) -> dict[str, Any]:
+def _lines(scene: Scene, name: str, stretches: Stretches, given: dict[str, Any]) -> dict[str, Any]:
     """Tables of the stretches of a line: as the whole, but for what grows with its length."""
-    nodes = [line.nodes[0], *places_of(name, line), line.nodes[1]]
+    line = scene.lines[name]
+    nodes = [line.nodes[0], *stretches.places, line.nodes[1]]
     alike = {key: value for key, value in given.items() if key not in ("cavities", "vertices")}
-    alike |= {key: float(getattr(line, key)) / line.stretches for key in ("length", "delay") if key in given}
-    pairs = zip(stretches_of(name, line), nodes, nodes[1:], strict=False)
-    return {stretch: alike | {"nodes": [near, far]} for stretch, near, far in pairs}
+    whole = {key: float(getattr(line, key)) for key in ("length", "delay") if key in given}
+    return {
+        stretch: alike | {key: value * width for key, value in whole.items()} | {"nodes": nodes[k : k + 2]}
+        for k, (stretch, width) in enumerate(zip(stretches.lines, stretches.widths, strict=True))
+    }
 
 
-def _cavities(name: str, line: Any) -> dict[str, Any]:
-    """Tables of the cavities of a line."""
-    return {node: line.cavities.load(node) for node in places_of(name, line)}
-
-
-def _heights(name: str, line: SceneLine, scene: Scene) -> dict[str, Any]:
-    """Tables of its places, where heights are known: those of both ends, or of none."""
-    ends = [scene.nodes[node].elevation for node in line.nodes if node in scene.nodes]
-    known = [float(height) for height in ends if height is not None]
-    if not known:
+def _heights(scene: Scene, name: str, stretches: Stretches) -> dict[str, Any]:
+    """Tables of its places, where heights are known: on the straight line between those of its ends."""
+    if not scene.heights.keys() >= {*scene.lines[name].nodes}:
         return {}
-    return {node: {"elevation": z} for node, z in zip(places_of(name, line), _between(line, known), strict=True)}
+    near, far = (scene.heights[node].elevation for node in scene.lines[name].nodes)
+    shares = map(float, stretches.shares[1:-1])
+    elevations = [near + share * (far - near) for share in shares]
+    return {node: {"elevation": z} for node, z in zip(stretches.places, elevations, strict=True)}
 
 
-def _between(line: SceneLine, ends: list[float]) -> list[float]:
-    """Values at its places, on the straight line between those of its ends."""
-    return [ends[0] + (ends[-1] - ends[0]) * (k + 1) / line.stretches for k in range(line.stretches - 1)]
-
-
-def _seen(name: str, probe: Probe, cut: dict[str, SceneLine]) -> dict[str, Any] | None:
+def _seen(scene: Scene, probe: Probe, cut: dict[str, Stretches]) -> dict[str, Any] | None:
     """Table of a probe on a line that is cut; at a place it is on the stretch that ends there."""
-    line = cut.get(probe.line or "")
-    if line is None or probe.line is None:
+    if probe.line is None or probe.line not in cut:
         return None
-    stretches, here = stretches_of(probe.line, line), probe.fraction(line) * line.stretches
+    stretches, share = cut[probe.line], probe.fraction(scene.lines[probe.line])
     if probe.at is not None:
-        return {"at": probe.at, "line": stretches[-1 if here else 0]}
-    k = max(min(int(here - AT_A_PLACE), line.stretches - 1), 0)
-    share = min(max(here - k, 0.0), 1.0)
-    share = round(share) if abs(share - round(share)) < AT_A_PLACE else share
-    if line.losses is not None and 0 < share < 1:
-        problem = f"inside {place('lines', probe.line)}, which has losses"
-        expected = f"its ends, or a place of its cavities such as '{100 / line.stretches:.6g} %'"
-        raise InputError(place("probes", name, "position"), problem, expected)
-    return {"line": stretches[k], "position": f"{100 * share!r} %"}
+        return {"at": probe.at, "line": stretches.lines[-1 if share else 0]}
+    k, part = stretches.stretch_at(share)
+    return {"line": stretches.lines[k], "position": f"{100 * part!r} %"}

@@ -59,8 +59,8 @@ class SceneLine(Element):
 
     @property
     def shortest(self) -> float:
-        """Its delay, or that of its stretches, s."""
-        return (self.parameters.delay or 0.0) / self.stretches
+        """Its delay, s."""
+        return self.parameters.delay or 0.0
 
     @property
     def stretches(self) -> int:

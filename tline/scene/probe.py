@@ -17,8 +17,8 @@ class Probe(Element):
 
     At a node where no line ends, or several meet and no `line` says whose flow and waves are meant, that is the effort
     alone; of a line with both its ends there they are those of end 1. A position is a distance from the line's end 1,
-    or a share of its delay such as "25 %". Of a pair of coupled conductors a probe sees the differential mode, u1 - u2
-    and (i1 - i2)/2, or the common one, (u1 + u2)/2 and i1 + i2.
+    or a share of its delay such as "25 %"; the line may have losses. Of a pair of coupled conductors a probe sees the
+    differential mode, u1 - u2 and (i1 - i2)/2, or the common one, (u1 + u2)/2 and i1 + i2.
     """
 
     at: Name | None = Field(default=None, description="node; without `line`, where not one line ends, its effort alone")

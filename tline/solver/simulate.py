@@ -54,7 +54,8 @@ def simulate(
     Losses are lumped inside lines, a loss element every two slabs. With them, slabs are halved and the runs
     extrapolated; the error is the difference to the entry before in Richardson's table
     (`tline.solver.tolerance.lossy`). Linear scenes with lines that have a memory, such as a skin effect, are
-    convolutions instead (`tline.solver.convolution`).
+    convolutions instead (`tline.solver.convolution`), and those with a probe inside a lossy line where no slab
+    divides the delays from it to both ends.
 
     Parameters
     ----------
@@ -133,13 +134,18 @@ def simulated(
     active: bool = False,
     progress: bool = False,
     start: Start | None = None,
+    whole: Description | None = None,
 ) -> Result:
-    """The same of a scene that is described: see `simulate`. `start` is what a run with other values has found."""
+    """The same of a scene that is described: see `simulate`.
+
+    `start` is what a run with other values has found; `whole` is of the scene whose lines are in stretches here.
+    """
     scene = description.scene
-    whole = expanded(scene)
-    if whole is not scene:
+    parts = expanded(scene)
+    if parts is not scene:
         more = {"envelope": envelope, "ledger": ledger, "active": active, "progress": progress}
-        return merged(simulated(describe(whole), tol=tol, record=recorded(description, record), **more), description)
+        record = recorded(description, record)
+        return merged(simulated(describe(parts), tol=tol, record=record, whole=description, **more), description)
     if ledger:
         description.refuse_coupled("a ledger")
     warned, record = _active(description, active), list(record)
@@ -150,7 +156,7 @@ def simulated(
             result = run(description, chosen, record, envelope=envelope, ledger=bool(ledger), progress=progress)
             result = replace(result, accuracy=tol and _by_hand(result, tol))
         else:
-            search = Search(description, tol, record, progress, envelope=envelope, start=start)
+            search = Search(description, tol, record, progress, envelope=envelope, start=start, whole=whole)
             result = convolved(search) or (with_losses if description.lossy else within)(search)
         result = with_ledger(result, ledger)
     for note in result.unresolved:

@@ -6,18 +6,18 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.convolution.run import Convolved
+from tline.solver.description.description import Description
+from tline.solver.description.families import changes_of
 
 MOST = 10_000  # arrivals
 SAME = 1e-9  # of the shortest delay; arrivals so near are one
 
 
-def arrivals(convolved: Convolved) -> dict[str, NDArray]:
+def arrivals(description: Description) -> dict[str, NDArray]:
     """Instants until the end of the run at which each node meets a jump, s; none anywhere if they are too many.
 
     Jumps are those of sources, and all that they become at other nodes, however small.
     """
-    description = convolved.description
     groups, nodes = description.grouped()
     names = list(nodes)
     edges = np.cumsum([0, *(len(group.nodes) for group in groups)])
@@ -28,8 +28,9 @@ def arrivals(convolved: Convolved) -> dict[str, NDArray]:
         ways[near].append((far, line.delay))
         ways[far].append((near, line.delay))
     heap: list[tuple[float, int]] = []
-    for name, parts in zip(names, map(list.__add__, convolved.held, convolved.flows), strict=True):
-        for changes, _ in parts:
+    for name, node in nodes.items():
+        for waveform in (*([] if node.held is None else [node.held]), *(flow for flow, _ in node.flows)):
+            changes = changes_of(waveform, description.steady, description.t_end)
             heap += [(float(t), group_of[name]) for t in changes.at[np.abs(changes.jump) > 0.0]]
     same = SAME * min(line.delay for line in description.lines.values())
     heap, found = sorted(heap), [[-np.inf] for _ in groups]

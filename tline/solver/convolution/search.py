@@ -7,11 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.solver.assembly.lossy_segments import fits
 from tline.solver.convolution.jumps import arrivals
 from tline.solver.convolution.quadrature import ROUNDING
 from tline.solver.convolution.run import Convolved
 from tline.solver.description.description import Description
 from tline.solver.description.families import MOST as MOST_FAMILIES
+from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import ProbeResult, Result
@@ -41,9 +43,9 @@ def convolved(search: Search) -> Result | None:
     """
     if not _suits(search):
         return None
-    description = search.description
+    description = search.whole or search.description
     try:
-        scene, s = Convolved(description, search.record), description.scene.solver.order or ORDER
+        scene, s = Convolved(search.description, search.record), description.scene.solver.order or ORDER
     except InputError:  # there is no answer in s
         return None
     h, shortest = resolution(description, s).h, min(line.delay for line in description.lines.values())
@@ -51,13 +53,13 @@ def convolved(search: Search) -> Result | None:
     if not _affordable(scene, s, h / 2):
         return None
     settle = BLURRED * min(line.delay for line in description.lines.values() if line.losses is not None)
-    chosen, jumps = Resolution(s, h, settle=settle, convolved=True), arrivals(scene)
+    chosen, jumps = Resolution(s, h, settle=settle, convolved=True), arrivals(description)
     result = scene.run(chosen)
     attempts, share, last, accuracy, limit = [Attempt.of(result)], SLOWEST, inf, Accuracy(search.tol), ""
     while accuracy.worst > search.tol and not limit:
         chosen = chosen._replace(h=chosen.h / 2)
         before, result = result, scene.run(chosen)
-        found = _errors(before, result, jumps, settle)
+        found = _errors(before, result, description.scene, jumps, settle)
         share, last = min(max(found.worst / last, LEAST_SHARE) if last < inf else share, SLOWEST), found.worst
         by = BETWEEN * share / (1 - share)
         blurred = found.times(ALIKE * BETWEEN / (1 - SLOWEST)).blurred
@@ -67,7 +69,7 @@ def convolved(search: Search) -> Result | None:
             limit = "narrower slabs would take too long"
     limit = "" if accuracy.worst <= search.tol else limit
     accuracy = replace(accuracy, attempts=tuple(attempts), limit=limit)
-    return replace(result, accuracy=accuracy, accounts=_accounts(scene.description))
+    return replace(result, accuracy=accuracy, accounts=_accounts(search.description))
 
 
 def _accounts(description: Description) -> Again:
@@ -79,15 +81,19 @@ def _accounts(description: Description) -> Again:
 
 
 def _suits(search: Search) -> bool:
-    """Whether a scene is linear and the same at all times, and one of its lines remembers."""
+    """Whether a scene is linear and the same at all times, and one of its lines remembers, or fits no segments."""
     description = search.description
-    remembers = [
-        line.losses.linear and line.losses.constant is None for line in description.lines.values() if line.losses
-    ]
+    losses = [line.losses for line in description.lines.values() if line.losses is not None]
     varies = description.elements or description.switched or description.active
     lifted = description.heights and not description.steady
-    lasting = all(line.losses is None or line.losses.linear for line in description.lines.values())
-    return any(remembers) and lasting and not (varies or lifted or search.envelope) and search.tol >= CLOSEST
+    if not losses or not all(each.linear for each in losses) or varies or lifted or search.envelope:
+        return False
+    return search.tol >= CLOSEST and (any(each.constant is None for each in losses) or _fits_not(search))
+
+
+def _fits_not(search: Search) -> bool:
+    """Whether a probe stands where no slab divides all delays."""
+    return search.whole is not None and not fits(search.description.lines, resolution(search.description).h)
 
 
 def _affordable(scene: Convolved, s: int, h: float) -> bool:
@@ -97,24 +103,25 @@ def _affordable(scene: Convolved, s: int, h: float) -> bool:
     return not several and len(leads) <= MOST_FAMILIES and points * ends * max(ends / FEW, 1) ** 2 <= MOST
 
 
-def _errors(coarse: Result, fine: Result, jumps: dict[str, NDArray], settle: float) -> Accuracy:
+def _errors(coarse: Result, fine: Result, scene: Scene, jumps: dict[str, NDArray], settle: float) -> Accuracy:
     """Differences of all probes at slab ends, and at places in all slabs of the finer run."""
     found = {}
     for name, probe in fine.probes.items():
-        near = _near(probe, fine, jumps, settle)
+        near = _near(name, scene, jumps, settle)
         found[name] = _difference(coarse.probes[name], probe, near, settle)
     return Accuracy(None, *relative(found))
 
 
-def _near(probe: ProbeResult, result: Result, jumps: dict[str, NDArray], settle: float) -> NDArray:
+def _near(name: str, scene: Scene, jumps: dict[str, NDArray], settle: float) -> NDArray:
     """Instants at which jumps pass a probe; none if what is blurred would be much of the run."""
-    line = result.scene.single_lines.get(probe.line)
+    probe, line = scene.probes[name], scene.single_lines.get(scene.probed_line(name) or "")
     if line is None:
-        near = jumps[result.scene.probes[probe.name].at or ""]
+        near = jumps[probe.at or ""]
     else:
-        ways = (probe.share * probe.record.delay, (1 - probe.share) * probe.record.delay)
-        near = np.sort(np.concatenate([jumps[node] + way for node, way in zip(line.nodes, ways, strict=True)]))
-    return near if 2 * settle * len(near) <= MOST_BLURRED * result.t[-1] else np.empty(0)
+        share, delay = probe.fraction(line), line.parameters.delay or 0.0
+        ways = zip(line.nodes, (share * delay, (1 - share) * delay), strict=True)
+        near = np.sort(np.concatenate([jumps[node] + way for node, way in ways]))
+    return near if 2 * settle * len(near) <= MOST_BLURRED * float(scene.t_end) else np.empty(0)
 
 
 def _difference(coarse: ProbeResult, fine: ProbeResult, near: NDArray, settle: float) -> Difference:

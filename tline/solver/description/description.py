@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
-from tline.scene.cavities import places_of, stretches_of, with_cavities
 from tline.scene.changed import SINGLE, changed, parts_of
 from tline.scene.coupled import Coupled, ends_of, refuse_coupled
 from tline.scene.load import Switch
@@ -23,7 +22,7 @@ from tline.solver.description.branches import PlacedBranch
 from tline.solver.description.elements import BREAKING, PlacedLaw, elements_of
 from tline.solver.description.excitation import Shape
 from tline.solver.description.families import Changes, changes_of
-from tline.solver.description.given import MEDIA, End, Height, Medium, Scene
+from tline.solver.description.given import MEDIA, End, Height, Medium, Scene, Stretches, stretches_of
 from tline.solver.description.groups import Group, LumpedLine, grouped, regrouped
 from tline.solver.description.lines import Line, lines_of
 from tline.solver.description.links import branches_of, inductive, resistive
@@ -34,13 +33,6 @@ from tline.wording import place
 
 BESIDE = "description"  # what it is called among a scene's attributes
 FEW = 1000  # lines of a scene that keeps it
-
-
-class Stretches(NamedTuple):
-    """Names of the stretches of a line with cavities, and of the nodes between them."""
-
-    lines: list[str]
-    nodes: list[str]
 
 
 class Levels(NamedTuple):
@@ -244,9 +236,8 @@ class Description:
 
     @cached_property
     def stretches(self) -> dict[str, Stretches]:
-        """What a run puts in place of lines with cavities."""
-        cut = with_cavities(self.scene.lines)
-        return {name: Stretches(stretches_of(name, line), places_of(name, line)) for name, line in cut.items()}
+        """What a run puts in place of lines with cavities, or with losses and probes inside."""
+        return stretches_of(self.scene)
 
     @property
     def own(self) -> set[str]:

@@ -10,6 +10,7 @@ from tline.scene.probe import Probe
 from tline.scene.ratio import Ratio
 from tline.scene.scene import Scene
 from tline.scene.shape import Constant, Shape
+from tline.scene.stretches import Stretches, stretches_of
 from tline.scene.switch import SwitchLink
 from tline.scene.touchstone import Touchstone
 
@@ -32,6 +33,8 @@ __all__ = [
     "Scene",
     "Shape",
     "Signal",
+    "Stretches",
     "SwitchLink",
     "Touchstone",
+    "stretches_of",
 ]

@@ -40,7 +40,7 @@ def probes_of(scene: Scene, coupled: Mapping[str, tuple[End, End]]) -> dict[str,
     Raises
     ------
     InputError
-        A probe stands inside a line with losses.
+        A probe stands inside a line with losses, which is not in stretches.
     """
     found = {}
     for name, probe in scene.probes.items():
@@ -57,7 +57,7 @@ def probes_of(scene: Scene, coupled: Mapping[str, tuple[End, End]]) -> dict[str,
         share = probe.fraction(line)
         if line.losses is not None and 0.0 < share < 1.0:
             problem = f"inside {place('lines', where)}, which has losses"
-            raise InputError(place("probes", name, "position"), problem, "its ends, or two lines that meet there")
+            raise InputError(place("probes", name, "position"), problem, "that scene in stretches")
         found[name] = ProbePlace(where, share, scene.height(name))
     return found
 

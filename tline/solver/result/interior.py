@@ -16,6 +16,7 @@ from tline.errors import InputError
 from tline.loss import Foster
 from tline.solver.description.circuits import Circuits, circuits_of, fit_of
 from tline.solver.description.description import describe
+from tline.solver.description.given import Stretches
 from tline.solver.result.dense_output import drawable
 from tline.solver.result.merged import CutRecord
 from tline.solver.result.result import LineRecord, Result
@@ -49,6 +50,11 @@ class Inside:
     lost: NDArray | None
     cells: int
 
+    @property
+    def places(self) -> NDArray:
+        """Shares of the delay at which extremes are looked for."""
+        return np.arange(self.cells + 1) / self.cells
+
     def waves(self, t: NDArray, share: float) -> tuple[NDArray, NDArray]:
         """Waves (a, b) at instants t and a place given as a share of the delay, from 0 to 1."""
         a, b = self.record.waves(t, share)
@@ -65,38 +71,42 @@ class Inside:
         return (a + b) / 2
 
     def extremes(self, slab_ends: NDArray) -> NDArray:
-        """Effort before t = 0, lowest and highest effort, shape (3, cells + 1), at places apart by equal delays."""
+        """Effort before t = 0, lowest and highest effort, shape (3, places)."""
         seen = []
-        for k in range(self.cells + 1):
-            way = self.record.delay * k / self.cells  # waves are as they were at slab ends a way ago
+        for share in self.places.tolist():
+            way = self.record.delay * share  # waves are as they were at slab ends a way ago
             late = [slab_ends, slab_ends + way, slab_ends + self.record.delay - way, self.t]
             at = np.unique(np.concatenate(late))
-            u = self.effort(at[at <= slab_ends[-1]], k / self.cells)
+            u = self.effort(at[at <= slab_ends[-1]], share)
             seen.append((u[0], u.min(), u.max()))
         return np.array(seen).T
 
 
 @dataclass(frozen=True, eq=False)
 class InStretches:
-    """The same inside a line with cavities.
+    """The same inside a line in stretches.
 
     Attributes
     ----------
+    cut : Stretches
     stretches : list of Inside
         From end 1 on.
     """
 
+    cut: Stretches
     stretches: "list[Inside]"
 
     @property
-    def cells(self) -> int:
-        """Of all stretches."""
-        return sum(each.cells for each in self.stretches)
+    def places(self) -> NDArray:
+        """Shares of the delay at which extremes are looked for."""
+        parts = zip(self.cut.shares[:-1], self.cut.widths, self.stretches, strict=True)
+        inner = [float(begin) + width * each.places[:-1] for begin, width, each in parts]
+        return np.concatenate([*inner, [1.0]])
 
     def waves(self, t: NDArray, share: float) -> tuple[NDArray, NDArray]:
         """Waves (a, b) at instants t and a place given as a share of the delay, from 0 to 1."""
-        k = min(int(share * len(self.stretches)), len(self.stretches) - 1)
-        return self.stretches[k].waves(t, share * len(self.stretches) - k)
+        k, part = self.cut.stretch_at(share)
+        return self.stretches[k].waves(t, part)
 
     def effort(self, t: NDArray, share: float) -> NDArray:
         """Effort at instants t and a place given as a share of the delay, from 0 to 1."""
@@ -104,7 +114,7 @@ class InStretches:
         return (a + b) / 2
 
     def extremes(self, slab_ends: NDArray) -> NDArray:
-        """Effort before t = 0, lowest and highest effort, shape (3, cells + 1), at places apart by equal delays."""
+        """Effort before t = 0, lowest and highest effort, shape (3, places)."""
         seen = [each.extremes(slab_ends) for each in self.stretches]
         return np.concatenate([seen[0], *(each[:, 1:] for each in seen[1:])], axis=1)
 
@@ -148,8 +158,8 @@ def inside(result: Result, line: str, cells: int = CELLS) -> Inside | InStretche
         raise InputError("path", f"line '{line}' was not recorded", "simulate(scene, record=[…]) with it")
     record = result.lines[line]
     if isinstance(record, CutRecord) and result.parts is not None:
-        names = record.names
-        return InStretches([_inside(result.parts, name, ceil(cells / len(names))) for name in names])
+        parts = zip(record.cut.lines, record.cut.widths, strict=True)
+        return InStretches(record.cut, [_inside(result.parts, name, ceil(cells * width)) for name, width in parts])
     return _inside(result, line, cells)
 
 

@@ -1,14 +1,13 @@
-"""A run of the stretches of lines with cavities, seen as one of the lines that they are parts of."""
+"""A run of stretches, seen as one of the lines that they are parts of."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.solver.description.description import Description, describe
-from tline.solver.description.given import Scene
+from tline.solver.description.given import Scene, Stretches
 from tline.solver.ledger.ledger import Entry, Ledger
 from tline.solver.result.envelope import COLUMNS, Envelope
 from tline.solver.result.result import LineRecord, Result
@@ -19,23 +18,22 @@ NOTHING = [0.0] * (len(Entry._fields) - 1)  # in all columns
 
 @dataclass(frozen=True, eq=False)
 class CutRecord(LineRecord):
-    """The waves of a line with cavities, at its ends and at both sides of every place.
+    """The waves of a line in stretches, at its ends and at both sides of every place.
 
     Attributes
     ----------
-    names : tuple of str
-        Of its stretches, from end 1 on.
+    cut : Stretches
     stretches : tuple of LineRecord
+        From end 1 on.
     """
 
-    names: tuple[str, ...]
+    cut: Stretches
     stretches: tuple[LineRecord, ...]
 
     def waves(self, t: ArrayLike, share: float) -> tuple[NDArray, NDArray]:
         """Waves (a, b) at instants t, at a place given as a share of the delay; at a cavity before it."""
-        here = share * len(self.stretches)
-        k = max(min(int(np.ceil(here)) - 1, len(self.stretches) - 1), 0)
-        return self.stretches[k].waves(t, here - k)
+        k, part = self.cut.stretch_at(share)
+        return self.stretches[k].waves(t, part)
 
 
 def merged(result: Result, description: Description) -> Result:
@@ -43,11 +41,11 @@ def merged(result: Result, description: Description) -> Result:
     cut = description.stretches
     hidden = {each for stretches in cut.values() for each in stretches.lines}
     lines = {name: record for name, record in result.lines.items() if name not in hidden}
-    for name, (names, _) in cut.items():
-        records = tuple(result.lines[each] for each in names if each in result.lines)
-        if len(records) == len(names):
-            lines[name] = _record(names, records)
-    places = {node for stretches in cut.values() for node in stretches.nodes}
+    for name, stretches in cut.items():
+        records = tuple(result.lines[each] for each in stretches.lines if each in result.lines)
+        if len(records) == len(stretches.lines):
+            lines[name] = _record(stretches, records)
+    places = {node for stretches in cut.values() for node in stretches.places}
     return replace(
         result,
         scene=description.scene,
@@ -64,20 +62,11 @@ def recorded(description: Description, names: Iterable[str]) -> list[str]:
     return [each for name in names for each in (cut[name].lines if name in cut else [name])]
 
 
-def _record(names: Sequence[str], stretches: tuple[LineRecord, ...]) -> CutRecord:
+def _record(cut: Stretches, stretches: tuple[LineRecord, ...]) -> CutRecord:
     first, last = stretches[0], stretches[-1]
-    return CutRecord(
-        first.z0,
-        first.delay * len(stretches),
-        first.a1,
-        first.b1,
-        last.a2,
-        last.b2,
-        first.smeared,
-        tuple(names),
-        stretches,
-        blurred=first.blurred,
-    )
+    delay = sum(stretch.delay for stretch in stretches)
+    waves = first.a1, first.b1, last.a2, last.b2
+    return CutRecord(first.z0, delay, *waves, first.smeared, cut, stretches, blurred=first.blurred)
 
 
 class _Summed(NamedTuple):
@@ -100,9 +89,10 @@ def _without(envelope: Envelope, places: set[str]) -> Envelope:
 def _summed(ledger: Ledger, description: Description) -> Ledger:
     """One account for a line, and one for all its cavities."""
     whole: dict[str, str] = {}
-    for name, (lines, nodes) in description.stretches.items():
-        whole |= {place("lines", each): place("lines", name) for each in lines}
-        whole |= {place("loads", each): place("lines", name, "cavities") for each in nodes}
+    for name, stretches in description.stretches.items():
+        whole |= {place("lines", each): place("lines", name) for each in stretches.lines}
+        whole |= {f"node '{each}'": place("lines", name) for each in stretches.places}
+        whole |= {place("loads", each): place("lines", name, "cavities") for each in stretches.cavities}
     sums: dict[str, list[float]] = {}
     for entry in ledger.entries:
         where = whole.get(entry.where, entry.where)

@@ -60,6 +60,7 @@ class Search(NamedTuple):
     start: Start | None = None
     laws: Sequence[str] = ()  # elements whose waves are recorded
     halved: int = 0  # how often the first slab is, beside what suits the scene
+    whole: Description | None = None  # of the scene whose lines are in stretches here, if they are
 
     def run(self, chosen: Resolution, end: float | None = None, kinks: Kinks = NO_KINKS) -> Result:
         """One run, to the scene's end time or to another."""

@@ -1,0 +1,83 @@
+"""Lines that a run parts in stretches: at the places of cavities, and at probes inside lines with losses."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+from tline.scene.cavities import with_cavities
+
+if TYPE_CHECKING:
+    from tline.scene.scene import Scene
+
+AT_A_PLACE = Fraction(1, 10**9)  # of a line
+
+
+class Stretches(NamedTuple):
+    """A line in stretches.
+
+    Attributes
+    ----------
+    shares : tuple of Fraction
+        Where they begin and end, as shares of the line's delay, from 0 to 1.
+    places : tuple of str
+        Nodes between them, from end 1 on.
+    lines : tuple of str
+        Their names, from end 1 on.
+    cavities : tuple of str
+        Those of the nodes that have cavities.
+    """
+
+    shares: tuple[Fraction, ...]
+    places: tuple[str, ...]
+    lines: tuple[str, ...]
+    cavities: tuple[str, ...]
+
+    @property
+    def widths(self) -> list[float]:
+        """Their delays over that of the line."""
+        return [float(far - near) for near, far in pairwise(self.shares)]
+
+    def stretch_at(self, share: float) -> tuple[int, float]:
+        """The stretch in which a place lies, and the share of its delay there; at a node that which ends there."""
+        k = next((k for k, far in enumerate(self.shares[1:]) if share <= far + AT_A_PLACE), len(self.lines) - 1)
+        near, far = self.shares[k : k + 2]
+        inside = share - AT_A_PLACE > near and share + AT_A_PLACE < far
+        return k, float((Fraction(share) - near) / (far - near)) if inside else float(share > near + AT_A_PLACE)
+
+
+def stretches_of(scene: Scene) -> dict[str, Stretches]:
+    """Lines with cavities, or with losses and a probe inside, in stretches.
+
+    Examples
+    --------
+    >>> from tline.scene.scene import Scene
+    >>> cable = {"nodes": ["a", "b"], "z0": 50, "delay": "5 ns", "length": 1, "resistance": 2}
+    >>> probes = {"near": {"at": "a"}, "inner": {"line": "cable", "position": "25 %"}}
+    >>> scene = Scene(medium="electrical", t_end="20 ns", lines={"cable": cable}, probes=probes)
+    >>> found = stretches_of(scene)["cable"]
+    >>> found.lines, found.places, found.widths
+    (('cable, stretch 1', 'cable, stretch 2'), ('cable, probe inner',), [0.25, 0.75])
+    """
+    cavities = {
+        name: {Fraction(k, line.stretches): f"{name}, place {k}" for k in range(1, line.stretches)}
+        for name, line in with_cavities(scene.lines).items()
+    }
+    places = {name: dict(nodes) for name, nodes in cavities.items()}
+    for name, probe in scene.probes.items():
+        line = scene.lines.get(probe.line or "")
+        if probe.line is None or probe.at is not None or line is None or line.losses is None:
+            continue
+        share, known = Fraction(probe.fraction(line)), places.setdefault(probe.line, {})
+        if all(abs(share - other) > AT_A_PLACE for other in (0, 1, *known)):
+            known[share] = f"{probe.line}, probe {name}"
+    return {
+        name: _stretches(name, nodes, tuple(cavities.get(name, {}).values())) for name, nodes in places.items() if nodes
+    }
+
+
+def _stretches(name: str, nodes: dict[Fraction, str], cavities: tuple[str, ...]) -> Stretches:
+    inner = sorted(nodes)
+    lines = tuple(f"{name}, stretch {k + 1}" for k in range(len(inner) + 1))
+    return Stretches((Fraction(0), *inner, Fraction(1)), tuple(nodes[x] for x in inner), lines, cavities)
