@@ -94,7 +94,7 @@ def test_an_hour_later_levels_patterns_controls_and_rules_count(tmp_path):
     assert later.basins["tower"].head > begun.basins["tower"].head + 0.1
     assert later.junctions["b"].demand == pytest.approx(2 * begun.junctions["b"].demand, rel=1e-5)
     assert ("spare" in later.pipes, "ca" in later.pipes) == (True, False)
-    assert "patterns, controls and rules: held as they stand after 2.5 h" in later.notes
+    assert "patterns, controls and rules: as they stand after 2.5 h" in later.notes
     heads_agree(path, 2.5)
 
 

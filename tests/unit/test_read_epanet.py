@@ -66,7 +66,7 @@ class TestWithWntr:
         network = read_epanet(ring(tmp_path, changes=changes))
         assert "spare" in network.pipes
         assert network.junctions["b"].demand == pytest.approx(0.02, rel=1e-6)
-        assert network.notes == ("patterns, controls and rules: held as they stand at the start of time",)
+        assert network.notes == ("patterns, controls and rules: as they stand at the start of time",)
 
     @pytest.mark.parametrize(
         ("changes", "said"),

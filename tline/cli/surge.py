@@ -85,10 +85,10 @@ def surge(network: str, t_end: str, as_json: bool, path: str | None, places: str
     operations = {kind: given.pop(kind) for kind in OPERATIONS}
     reading = {key: given.pop(key) for key in READING}
     with options_named(READING | {"hour": "--at-hour"}):
-        scene, read = read_network(network, hour=hour, **reading)
+        scene, read, controls = read_network(network, hour=hour, **reading)
     at, progress = [place.strip() for place in places.split(",")] if places else (), sys.stderr.isatty()
     with options_named(NAMED):
-        scene, guesses = plan(scene, operations, t_end=t_end, at=at, progress=progress, **given)
+        scene, guesses = plan(scene, operations, t_end=t_end, at=at, controls=controls, progress=progress, **given)
     if files["save"] is not None:
         _save(scene, files["save"])
     way = _route(scene, path) if files["profile"] is not None else None

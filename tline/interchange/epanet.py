@@ -12,6 +12,7 @@ from tline.interchange.confined import solved
 from tline.interchange.epanet_text import EpanetText, parse, read_text
 from tline.interchange.head_loss import FOOT, GRAVITY, LAWS
 from tline.interchange.pump_curve import Polyline, PowerLaw, pump_curve
+from tline.interchange.water_controls import water_controls
 from tline.interchange.water_network import (
     LEAST_DROP,
     STILL,
@@ -24,6 +25,7 @@ from tline.interchange.water_network import (
     WaterPump,
     listed,
 )
+from tline.scene.site import GRAVITY as STANDARD
 
 WATER, VISCOSITY = 1000.0, 1.1e-5 * FOOT**2  # kg/m³ and m²/s, EPANET's
 LAST_HOUR = 8784.0  # of a year
@@ -103,6 +105,7 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str, hour: float
         link["drop"] = nodes[link["ends"][0]]["head"] - nodes[link["ends"][1]]["head"]
     highest = max(nodes.values(), key=lambda node: abs(node["head"] - node["elevation"]))
     scale = highest["pressure"] / ((highest["head"] - highest["elevation"]) or 1.0)  # pressure of a metre in the file
+    density = WATER * answer["gravity"]
     closed = {name for name, link in links.items() if _is_closed(link)}
     reached = _reached(nodes, links, closed)
     _check_heads({name: nodes[name]["head"] for name in sorted(reached)}, path)
@@ -119,7 +122,7 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str, hour: float
     law = formula, (viscosity,) if formula == "D-W" else ()
     return WaterNetwork(
         title=text.title,
-        density=WATER * answer["gravity"],
+        density=density,
         viscosity=viscosity,
         exponent=answer["exponent"],
         junctions={
@@ -143,6 +146,7 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str, hour: float
         valves={name: _valve(link, nodes, scale, units) for name, link in used.items() if link["type"] > PUMP},
         sound=not (abs(lost) > STILL or torn),
         notes=tuple(_notes(answer["warning"], hour if text.held else None, closed - kept, cut_off, dry, lost, torn)),
+        controls=water_controls(answer, text.controls, nodes, scale, units.length, density * STANDARD),
     )
 
 
@@ -320,6 +324,6 @@ def _notes(
         yield f"EPANET's flows do not balance at {listed(torn)}: its solution is none there"
     if hour is not None:
         when = f"after {hour:g} h" if hour else "at the start of time"
-        yield f"patterns, controls and rules: held as they stand {when}"
+        yield f"patterns, controls and rules: as they stand {when}"
     if warning in WARNED:
         yield f"EPANET warns: {WARNED[warning]}"

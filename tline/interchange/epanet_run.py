@@ -21,7 +21,15 @@ LINK_VALUES = {"diameter": 0, "length": 1, "roughness": 2, "minor": 3, "flow": 8
 OPTIONS = {"exponent": 3, "law": 7, "gravity": 12, "viscosity": 13}
 PUMP, PUMP_STATE, PUMP_POWER, PUMP_CURVE = 2, 16, 18, 19
 TANK, TANK_VALUES = 2, {"diameter": 17, "curve": 19, "lowest": 20, "highest": 21}
-DURATION, STEP = 0, 1  # of times
+DURATION, STEP, CLOCK = 0, 1, 10  # of times
+CONTROLS, RULES = 5, 6  # counts
+TIMER, CLOCK_TIME = 2, 3  # kinds of controls; before them those of levels, below and above
+NODE, SYSTEM = 6, 8  # of what a premise speaks
+VARIABLES = {1: "head", 2: "head", 3: "level", 4: "pressure"}
+TIME, DAYTIME = 9, 10
+EQUAL, ABOVE, BELOW = 0, (3, 5, 9), (2, 4, 8)
+STATES = {1: "OPEN", 2: "CLOSED"}
+DAY = 86400
 TRIALS, RELATIVE, ABSOLUTE = 0, 1, 6  # options: how often, and to which change of flows in the last step
 ATTEMPTS = (  # the last with what EPANET takes by default
     {TRIALS: 100, RELATIVE: 1e-5, ABSOLUTE: 1e-6},  # of the file's unit of flow
@@ -90,7 +98,7 @@ def main(library: str, seconds: int) -> dict:
             break
     if code == UNBALANCED or code > WARNINGS:
         return {"unsolved": "trials without end" if code == UNBALANCED else f"error {code}"}
-    return _found(toolkit) | {"warning": code}
+    return _found(toolkit, seconds) | {"warning": code}
 
 
 def _run_until(toolkit: Toolkit, seconds: int) -> int:
@@ -107,7 +115,7 @@ def _run_until(toolkit: Toolkit, seconds: int) -> int:
             return code
 
 
-def _found(toolkit: Toolkit) -> dict:
+def _found(toolkit: Toolkit, seconds: int) -> dict:
     nodes, links = [], []
     for k in range(1, toolkit.count("getcount", NODES) + 1):
         values = {key: toolkit.number("getnodevalue", k, code) for key, code in NODE_VALUES.items()}
@@ -127,7 +135,64 @@ def _found(toolkit: Toolkit) -> dict:
             values |= {"curve": _curve(toolkit, k)}
         links.append({"name": toolkit.name("getlinkid", k)} | values)
     options = {key: toolkit.number("getoption", code) for key, code in OPTIONS.items()}
-    return {"nodes": nodes, "links": links, "units": toolkit.count("getflowunits")} | options
+    names = [node["name"] for node in nodes], [link["name"] for link in links]
+    acting = {"controls": _controls(toolkit, *names, seconds), "rules": _rules(toolkit, *names, seconds)}
+    return {"nodes": nodes, "links": links, "units": toolkit.count("getflowunits")} | options | acting
+
+
+def _controls(toolkit: Toolkit, nodes: list, links: list, seconds: int) -> list:
+    """Link of each control in the order of the file, and when it acts after that instant."""
+    found = []
+    for k in range(1, toolkit.count("getcount", CONTROLS) + 1):
+        kind, link, node = ctypes.c_int(), ctypes.c_int(), ctypes.c_int()
+        setting, level = ctypes.c_double(), ctypes.c_double()
+        toolkit.call("getcontrol", k, *map(ctypes.byref, (kind, link, setting, node, level)))
+        if kind.value in (TIMER, CLOCK_TIME):
+            when = {"after": _wait(toolkit, level.value, kind.value == CLOCK_TIME, seconds)}
+        else:
+            when = {"node": nodes[node.value - 1], "above": kind.value == 1, "value": typed(level.value)}
+        found.append({"link": links[link.value - 1] if link.value else None, "what": ""} | when)
+    return found
+
+
+def _wait(toolkit: Toolkit, instant: float, daily: bool, seconds: int) -> float:
+    """From that instant until another one since the start, or one of the day comes, s; negative once it is past."""
+    if not daily:
+        return instant - seconds
+    start = ctypes.c_long()
+    toolkit.call("gettimeparam", CLOCK, ctypes.byref(start))
+    return (instant - start.value - seconds) % DAY or DAY
+
+
+def _rules(toolkit: Toolkit, nodes: list, links: list, seconds: int) -> list:
+    """Name of each rule; with its actions if its one premise is a pressure or a time, and it has no alternative."""
+    found = []
+    for k in range(1, toolkit.count("getcount", RULES) + 1):
+        premises, actions, others, priority = ctypes.c_int(), ctypes.c_int(), ctypes.c_int(), ctypes.c_double()
+        toolkit.call("getrule", k, *map(ctypes.byref, (premises, actions, others, priority)))
+        when = _premise(toolkit, k, nodes, seconds) if premises.value == 1 and not others.value else None
+        each = [_action(toolkit, k, n, links) for n in range(1, actions.value + 1)] if when else []
+        found.append({"name": toolkit.name("getruleID", k), "when": when, "actions": each})
+    return found
+
+
+def _premise(toolkit: Toolkit, rule: int, nodes: list, seconds: int) -> dict | None:
+    _, thing, index, variable, relation, _ = codes = [ctypes.c_int() for _ in range(6)]
+    value = ctypes.c_double()
+    toolkit.call("getpremise", rule, 1, *map(ctypes.byref, codes), ctypes.byref(value))
+    above = relation.value in ABOVE
+    if thing.value == SYSTEM and variable.value in (TIME, DAYTIME) and (above or relation.value == EQUAL):
+        return {"after": _wait(toolkit, value.value, variable.value == DAYTIME, seconds)}
+    if thing.value == NODE and variable.value in VARIABLES and (above or relation.value in BELOW):
+        what = VARIABLES[variable.value]
+        return {"node": nodes[index.value - 1], "above": above, "value": typed(value.value), "what": what}
+    return None
+
+
+def _action(toolkit: Toolkit, rule: int, action: int, links: list) -> list:
+    link, status, setting = ctypes.c_int(), ctypes.c_int(), ctypes.c_double()
+    toolkit.call("getthenaction", rule, action, *map(ctypes.byref, (link, status, setting)))
+    return [links[link.value - 1], STATES.get(status.value, "")]
 
 
 def typed(value: float) -> float:

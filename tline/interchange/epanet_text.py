@@ -43,6 +43,8 @@ class EpanetText:
     title : str
     held : bool
         Whether there are patterns, controls or rules.
+    controls : list of list of str
+        Words of the lines of controls.
     positions : dict of str to pair of float
         Of nodes.
     vertices : dict of str to list of pair of float
@@ -52,6 +54,7 @@ class EpanetText:
     network: str = ""
     title: str = ""
     held: bool = False
+    controls: list[list[str]] = field(default_factory=list)
     positions: dict[str, Position] = field(default_factory=dict)
     vertices: dict[str, list[Position]] = field(default_factory=dict)
 
@@ -129,6 +132,8 @@ def _sort(line: str, section: str | None, where: str, found: EpanetText, kept: l
         found.vertices.setdefault(words[0], []).append(_position(words, where))
     elif _bears(section, words, where):
         kept.append(_joined(words, where))
+        if section == "CONTROLS":
+            found.controls.append(words)
 
 
 def _words(line: str, where: str) -> list[str]:

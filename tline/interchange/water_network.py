@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from tline.interchange.pump_curve import Polyline, PowerLaw
+from tline.interchange.water_controls import WaterControl
 
 Position = tuple[float, float]
 STILL = 1e-9  # m³/s; a demand below it is none
@@ -173,6 +174,8 @@ class WaterNetwork:
         Whether flows balance at all nodes, and no demand was left out.
     notes : tuple of str
         What was left out, and what is held.
+    controls : tuple of WaterControl
+        What the file has done after the operating point.
     """
 
     title: str
@@ -186,6 +189,7 @@ class WaterNetwork:
     valves: Mapping[str, Valve]
     sound: bool
     notes: tuple[str, ...]
+    controls: tuple[WaterControl, ...] = ()
 
     @property
     def nodes(self) -> dict[str, WaterJunction | Basin]:

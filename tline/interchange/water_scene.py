@@ -10,6 +10,7 @@ from tline.interchange.epanet import read_epanet
 from tline.interchange.head_loss import GRAVITY as EPANETS
 from tline.interchange.pipe_walls import Keys, keys_of, notes_on, wave_speeds
 from tline.interchange.short_pipes import without_short_pipes
+from tline.interchange.water_controls import WaterControl
 from tline.interchange.water_network import (
     LEAST_DROP,
     STILL,
@@ -58,11 +59,20 @@ def read_inp(
     InputError
         A file cannot be read, or holds what no scene has.
     """
+    scene, notes, controls = read_with_controls(path, wave_speed, material, hour, moving_tanks)
+    waits = "controls and rules: `tline surge` lets those of the .inp file act within a run, and this scene has none"
+    return scene, (*notes, *[waits] * bool(controls))
+
+
+def read_with_controls(
+    path: str, wave_speed: float | str | None, material: str | None, hour: float, moving_tanks: bool
+) -> tuple[Scene, tuple[str, ...], tuple[WaterControl, ...]]:
+    """Scene and notes as of `read_inp`, and the controls that the file has act later."""
     walls = wave_speeds(wave_speed, material)
     network = read_epanet(path, hour)
     scene, notes = water_scene(network, walls, moving_tanks=moving_tanks)
     told = notes_on(walls, network.pipes, given=wave_speed is not None)
-    return scene, (*told, *notes, *differences(network, scene))
+    return scene, (*told, *notes, *differences(network, scene)), network.controls
 
 
 def water_scene(

@@ -8,13 +8,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError, import_extra
-from tline.interchange.any_file import EPANET, read_foreign, refuse_water
+from tline.interchange.any_file import EPANET, refuse_water
+from tline.interchange.water_controls import WaterControl
+from tline.interchange.water_scene import read_with_controls
 from tline.scene.file import as_scene
+from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning, simulate
 from tline.surge.control import read_control, triggered
 from tline.surge.event import OPERATIONS, Event, read_event
+from tline.surge.file_controls import acting
 from tline.surge.operate import operated
 from tline.surge.report import as_dict, as_text
 from tline.surge.worst import Extreme, Worst, extremes, worst
@@ -183,10 +187,20 @@ def operate(
     ('c', 8.8, 10.0, [])
     """
     given = {"trip": trip, "start": start, "stop": stop, "close": close, "open": open, "burst": burst, "demand": demand}
-    scene, read = read_network(network)
+    scene, read, controls = read_network(network)
     rotor = {"inertia": inertia, "rated_speed": rated_speed}
     planned, guesses = plan(
-        scene, given, when=when, t_end=t_end, tol=tol, order=order, rating=rating, at=at, progress=progress, **rotor
+        scene,
+        given,
+        when=when,
+        t_end=t_end,
+        tol=tol,
+        order=order,
+        rating=rating,
+        at=at,
+        controls=controls,
+        progress=progress,
+        **rotor,
     )
     lines = record if record is not None else planned.lines if len(planned.lines) <= SMALL else ()
     return Operation(run(planned, lines, progress), (*read, *guesses))
@@ -199,17 +213,17 @@ def read_network(
     material: str | None = None,
     hour: float | None = None,
     moving_tanks: bool = False,
-) -> Planned:
-    """The scene of a network, and notes on what is left out of its file; see `operate`."""
+) -> tuple[Scene, tuple[str, ...], tuple[WaterControl, ...]]:
+    """The scene of a network, notes on what is left out of its file, and the file's controls; see `operate`."""
     water = {"wave_speed": wave_speed, "material": material, "hour": hour, "moving_tanks": moving_tanks or None}
     if isinstance(network, str | Path):
         suffix = Path(network).suffix.lower()
         if suffix in EPANET:
-            return read_foreign(Path(network), **water)
+            return read_with_controls(str(network), wave_speed, material, hour or 0.0, moving_tanks)
         if suffix != ".toml":
             raise InputError(str(network), "unknown kind of file", ".inp or .toml", suffix or "no suffix")
     refuse_water(water)
-    return as_scene(network), ()
+    return as_scene(network), (), ()
 
 
 def plan(
@@ -222,15 +236,19 @@ def plan(
     order: int | str | None = None,
     rating: float | str | None = None,
     at: Texts = (),
+    controls: Iterable[WaterControl] = (),
     progress: bool = False,
     **rotor: float | str | None,
 ) -> Planned:
-    """The scene with operations by kind, and notes on what was guessed and when controls act; see `operate`."""
+    """The scene with operations by kind and controls of a file, and notes on guesses and instants; see `operate`."""
     solver = {"order": order} if order else {"tol": tol or USUAL_TOL}
     more = {"t_end": t_end, "solver": solver} | ({"rating": rating} if rating else {})
     events = [read_event(kind, text) for kind in OPERATIONS for text in _texts(kind, operations.get(kind, ()))]
     wanted = _texts("at", at)
-    controls = [read_control(text) for text in _texts("when", when)]
+    waiting = [read_control(text) for text in _texts("when", when)]
+    taken = {event.name for event in (*events, *(one.event for one in waiting))}
+    begun, waits, notes = acting(scene, controls, taken, Quantity(t_end, "s", "t_end"))
+    events, waiting = [*events, *begun], [*waiting, *waits]
 
     def build(done: Iterable[Event]) -> Planned:
         done = list(done)
@@ -238,9 +256,9 @@ def plan(
         probes = {node: {"at": node} for node in _probed(changed, done, wanted)} or changed.table()["probes"]
         return changed.with_changes(probes=probes, **more), tuple(notes)
 
-    notes = []
-    if controls:
-        events, notes = triggered(controls, events, lambda done: build(done)[0], lambda each: run(each, (), progress))
+    if waiting:
+        events, told = triggered(waiting, events, lambda done: build(done)[0], lambda each: run(each, (), progress))
+        notes += told
     planned, guesses = build(events)
     return planned, (*notes, *guesses)
 
