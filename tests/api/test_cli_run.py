@@ -13,62 +13,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from run_scenes import FORK, VALVE
 
 from tline.cli.main import COMMANDS, main
 from tline.cli.run import ALONG, SUFFIXES, run
 from tline.cli.schema import schema
 from tline.scene.file import read_scene, scene_from
 from tline.solver import simulate as simulation
-
-VALVE = """
-title = "Closing valve"
-medium = "hydraulic"
-t_end = "2 s"
-start = "steady"
-[lines.pipe]
-nodes = ["tank", "valve"]
-length = "300 m"
-wave_speed = 1500
-z0 = 4.7e7
-[loads.tank]
-at = "tank"
-kind = "reservoir"
-pressure = "6 bar"
-[loads.valve]
-at = "valve"
-kind = "valve"
-before = 6e7
-after = inf
-time = "0.1 s"
-[probes.probe]
-at = "valve"
-[probes.middle]
-line = "pipe"
-position = "50 %"
-"""
-FORK = """
-medium = "electrical"
-t_end = "40 ns"
-[lines.stem]
-nodes = ["in", "fork"]
-z0 = 50
-delay = "4 ns"
-[lines.left]
-nodes = ["fork", "up"]
-z0 = 50
-delay = "2 ns"
-[lines.right]
-nodes = ["fork", "down"]
-z0 = 50
-delay = "6 ns"
-[sources.in]
-at = "in"
-kind = "voltage"
-resistance = 50
-value = {shape = "step", to = "1 V", at = "1.03 ns"}
-[probes.in]
-at = "in"
-"""
 
 
 @pytest.fixture(autouse=True)
@@ -402,37 +353,3 @@ def test_no_tolerance(tol: str, message: str) -> None:
     assert result.exit_code == 2
     assert result.stderr.startswith(message)
     assert len(result.stderr.splitlines()) == 1
-
-
-def test_instants_of_the_users_own(tmp_path):
-    """Rows, JSON and arrays at the instants asked, as the probe's `at` has them."""
-    (tmp_path / "valve.toml").write_text(VALVE)
-    files = [f"--{kind}={tmp_path / f'out.{kind}'}" for kind in ("csv", "npz")]
-    done = CliRunner().invoke(main, ["run", str(tmp_path / "valve.toml"), "--at", "0:2 s:21", "--json", *files])
-    assert done.exit_code == 0, done.output
-    samples = json.loads(done.stdout)["samples"]
-    result = simulation.simulate(read_scene(tmp_path / "valve.toml"))
-    expected = result.probes["middle"].at(np.linspace(0, 2, 21))
-    assert samples["time"] == pytest.approx(np.linspace(0, 2, 21).tolist())
-    assert samples["probes"]["middle"]["pressure"] == expected.u.tolist()
-    with (tmp_path / "out.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    assert [float(row["middle flow [m^3/s]"]) for row in rows] == expected.y.tolist()
-    assert np.load(tmp_path / "out.npz")["middle/u"].tolist() == expected.u.tolist()
-
-
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("0:1 s", "not two instants and a count"),
-        ("1 s:0:5", "does not run from an instant to a later one"),
-        ("0:3 s:5", "ends after the run, expected at most 2 s"),
-        ("0:1 s:1", "not a count, expected 2 to 10,000,000 instants"),
-        ("0:1 bar:9", "this unit measures something else"),
-    ],
-)
-def test_instants_that_are_refused(tmp_path, text, told):
-    (tmp_path / "valve.toml").write_text(VALVE)
-    done = CliRunner().invoke(main, ["run", str(tmp_path / "valve.toml"), "--at", text])
-    assert done.exit_code == 2
-    assert f"--at: {told}" in done.stderr

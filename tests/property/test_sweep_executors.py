@@ -177,18 +177,17 @@ def test_on_eight_threads_of_dask():
     same(here, found)
 
 
-def test_on_eight_processes_of_dask_of_which_one_is_killed():
+def test_on_processes_of_dask_of_which_one_is_killed(tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed")
+    monkeypatch.setenv(FLAG, str(tmp_path / "killed"))
+    (tmp_path / "killed").touch()
     scene = CABLE.change({"solver.tol": 1e-4})
-    here = tl.sweep(scene, VALUES, workers=1)
-    with distributed.Client(processes=True, n_workers=8, threads_per_worker=1, dashboard_address=None) as client:
-        (pid, *_) = client.run(os.getpid).values()
-        killer = threading.Timer(1.0, os.kill, [pid, signal.SIGKILL])
-        killer.start()
-        found = tl.sweep(scene, VALUES, executor=client.get_executor())
-        killer.join()
-        assert pid not in client.run(os.getpid, on_error="ignore").values()
-    same(here, found)
+    first = tl.sweep(scene, VALUES, keep=kills_once, workers=1)
+    monkeypatch.setattr("tline.sweeps.work.run_batch", _after(tmp_path / "killed"))
+    with distributed.Client(processes=True, n_workers=3, threads_per_worker=1, dashboard_address=None) as client:
+        found = tl.sweep(scene, VALUES, keep=kills_once, executor=client.get_executor())
+    assert (tmp_path / "killed").exists()
+    same(first, found)
 
 
 VALUES = {"loads.receiver.kind": ["parallel"], "lines.cable.z0": np.linspace(30.0, 90.0, 120)}  # not side by side
