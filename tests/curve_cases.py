@@ -196,10 +196,13 @@ def chain(rng: np.random.Generator) -> Case:
     return _linear(_network(rng, delays, load, _waveform(rng, "ramp", "sine", "step", "pulse")))
 
 
-def diode(rng: np.random.Generator) -> Case:
+def diode(rng: np.random.Generator, *shapes: str) -> Case:
     saturation, temperature = float(10 ** rng.uniform(-6, -2)), float(10 ** rng.uniform(2.2, 3.3))
     load = {"kind": "diode", "saturation": saturation, "temperature": temperature}
-    scene, volts = _scene(rng, _waveform(rng, "sine", "pulse", "ramp", "step"), load), BOLTZMANN * temperature
+    scene, volts = (
+        _scene(rng, _waveform(rng, *(shapes or ("sine", "pulse", "ramp", "step"))), load),
+        BOLTZMANN * temperature,
+    )
     drop = float(scene.lines["l"].parameters.z0) * saturation
 
     def law(w: NDArray) -> NDArray:
@@ -208,10 +211,10 @@ def diode(rng: np.random.Generator) -> Case:
     return _recursion(scene, law)
 
 
-def orifice(rng: np.random.Generator) -> Case:
+def orifice(rng: np.random.Generator, *shapes: str) -> Case:
     flow = _size(rng)
     load = {"kind": "orifice", "flow": flow, "pressure_drop": 1.0}
-    value = _waveform(rng, "step", "ramp", "sine")
+    value = _waveform(rng, *(shapes or ("step", "ramp", "sine")))
     source = {"s": {"at": "a", "kind": "pressure", "value": value, "resistance": _size(rng)}}
     scene = _scene(rng, value, load, medium="hydraulic", sources=source)
     z0 = float(scene.lines["l"].parameters.z0)

@@ -39,8 +39,6 @@ def slab_of(
     layered = description.t_end / SLABS_FOR_FRONTS  # decays beyond are followed behind fronts, not by narrow slabs
     slower = [scale for scale, period in scales.values() if lossy or period < inf or scale > layered]
     resolved = min([shortest / SLABS_PER_DELAY, *slower])
-    if description.elements:  # laws may bend a wave within any of its pieces
-        resolved = min(resolved, max(shortest_piece(description), description.t_end / SLABS_FOR_FRONTS))
     affordable = min(_affordable(description, delays, CHEAP), shortest)
     least = max(affordable, min(ROOMY * settle, min(shortest, description.t_end) / SLABS_PER_DELAY))
     if lossy:
@@ -136,11 +134,6 @@ def _affordable(description: Description, delays: list[float], cheap: float) -> 
     stepping = 2 * len(delays) * description.t_end / cheap
     kept = max(4 * probed * description.t_end, 2 * sum(delays)) / MOST_KEPT
     return ORDER * max(stepping, kept)
-
-
-def shortest_piece(description: Description) -> float:
-    """Of all waveforms the shortest piece between two breaks, s: slabs that are wider hold it as one, however wide."""
-    return min(_gaps(description), default=inf)
 
 
 def _gaps(description: Description) -> list[float]:

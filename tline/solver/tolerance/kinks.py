@@ -20,6 +20,7 @@ from tline.solver.run import Kinks
 
 CURVED = 16  # points from which on a table is taken as a curve: narrower slabs cost less than fronts at all corners
 MOST = 2000  # instants of an element; where there are more, none is followed
+MOST_HALVED = 50_000  # the same of middles of pieces
 STEPS, STEP = 8, 1e-4  # of Newton's method, and for its slopes, in pieces
 OVER = 1.5  # pieces, to which a neighbour is continued
 ROUNDED = 1e-12  # of the largest wave; so little has no sign
@@ -50,6 +51,25 @@ def kinks_of(result: Result, elements: Sequence[PlacedLaw]) -> Kinks:
         if 0 < len(all_) <= MOST:
             found[element.where] = all_
     return found
+
+
+def halved(result: Result, elements: Sequence[PlacedLaw], known: Kinks) -> Kinks:
+    """The known instants, and the middles of pieces that the middle of their slab does not part, s."""
+    found = {}
+    for element in elements:
+        wave = result.elements[element.where].wave
+        begin, end = wave.pieces.span.T
+        aside = (end <= 0.5) | (begin >= 0.5)
+        middles = (wave.pieces.slab + (begin + end) / 2)[aside] * wave.h
+        all_ = np.union1d(known.get(element.where, np.empty(0)), middles)
+        if 0 < len(all_) <= MOST_HALVED:
+            found[element.where] = all_
+    return found
+
+
+def together(one: Kinks, other: Kinks) -> Kinks:
+    """Instants of both."""
+    return {where: np.union1d(one.get(where, np.empty(0)), other.get(where, np.empty(0))) for where in {*one, *other}}
 
 
 class Bend(NamedTuple):

@@ -11,12 +11,11 @@ from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import FIT, Resolution, resolution
 from tline.solver.description.short_lines import short_lines
-from tline.solver.description.slab import shortest_piece
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import Result
 from tline.solver.run import NO_KINKS, Kinks, run
 from tline.solver.tolerance.compare import compare, with_errors
-from tline.solver.tolerance.kinks import kinking, kinks_of
+from tline.solver.tolerance.kinks import halved, kinking, kinks_of, together
 
 FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where what decays behind fronts is followed
 DIGITS = 3  # of the tolerance beyond three, for which the first order is one higher
@@ -123,8 +122,8 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
     some room, or that is known of the scene with other values, and no law kinks.
     """
     steps, limit, stale, helps = _finer(search, sections), "", 0, True
-    kinked, missed = kinking(search.description), 0
-    search = search._replace(laws=[element.where for element in kinked])
+    kinked, missed, cuts = kinking(search.description), 0, NO_KINKS
+    search = search._replace(laws=[element.where for element in search.description.elements])
     try:
         result = best = search.run(next(steps))
     except NoFlowError:
@@ -135,12 +134,12 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
     told, found, left = accuracy, [accuracy], search.start.left if search.start else SLOWEST
     while not limit:
         try:
-            kinks = kinks_of(result, kinked)
-            short = bool(kinked) and shortest_piece(search.description) < result.resolution.h
-            layered = result.resolution.layers > 0
-            raising = helps or short or layered  # the pieces behind fronts do not become more on narrower slabs
+            layered = result.resolution.layers > 0  # the pieces behind fronts do not become more on narrower slabs
             layers = FOLLOWED * search.tol if kinked or result.samples <= MOST_FOLLOWED * result.resolution.s else 0.0
-            finer = search.run(steps.send((raising, layered, told.met))._replace(layers=layers), kinks=kinks)
+            chosen = steps.send((helps or layered, layered, told.met))._replace(layers=layers)
+            if chosen.h < result.resolution.h:
+                cuts = halved(result, search.description.elements, cuts)
+            finer = search.run(chosen, kinks=together(kinks_of(result, kinked), cuts))
         except StopIteration:
             limit = "order and slab are as fine as they may be"
             break
