@@ -60,6 +60,7 @@ def test_a_network_is_operated_and_its_scene_does_the_same(folder: Path) -> None
         ("--burst b@1s", "--burst: not an operation, expected NODE:FLOW@TIME+DURATION, such as J73:20L/s@2s"),
         ("--burst b:-3L/s@1s", "--burst: not an operation"),
         ("--burst b:3m@1s", "--burst: this unit measures something else"),
+        ("--burst 'lake:5 L/s@1s'", "--burst: the pressure there is held"),
         ("--at nowhere", "--at: no such node"),
         ("--for never", "--for: there is no number in front"),
         ("--path lake,tower", "--path: nothing shows it, expected --profile beside it"),

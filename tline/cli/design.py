@@ -19,6 +19,7 @@ Examples:
   tline design closure valve.toml valve --highest "16 bar" --stages 2
   tline design relief valve.toml --at end --highest "16 bar" --csv sizes.csv
   tline design flywheel pump.toml pump --path pump,tank --lowest "-2 m"
+  tline design separation column_separation.toml
 """
 SUFFIXES = {"output": (".toml",), "plot": PICTURE, "csv": (".csv",)}
 BAR = 1e5  # Pa
@@ -101,6 +102,21 @@ def relief(scene: str, **given: Any) -> None:
 def flywheel(scene: str, **given: Any) -> None:
     """The smallest inertia of a pump that trips."""
     _design("flywheel", scene, given)
+
+
+@design.command("separation")
+@click.argument("scene")
+@confined_option
+@click.option("--json", "as_json", is_flag=True, help="Print the numbers in SI and full precision.")
+def separation(scene: str, confined: bool, as_json: bool) -> None:
+    """The highest pressure where columns separate, over three numbers of places."""
+    from tline.design.columns import separation
+    from tline.scene.file import read_scene
+
+    found = separation(read_scene(scene, confined=confined))
+    for note in found.notes:
+        click.echo(f"note: {note}", err=True)
+    click.echo(json.dumps(found.table(), indent=2, ensure_ascii=False) if as_json else str(found))
 
 
 def _design(kind: str, scene: str, given: dict[str, Any]) -> None:

@@ -12,11 +12,14 @@ from tline.cli.options import confined_option, options_named
 from tline.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from tline.pictures.path import Route
     from tline.scene.scene import Scene
+    from tline.solver.result.accuracy import Accuracy
     from tline.solver.result.result import Result
 
 PICTURE = (".png", ".svg", ".pdf")
@@ -35,6 +38,7 @@ SUFFIXES = {  # of what can be written
 }
 ALONG = ("profile", "space_time", "animate")  # show a path
 ENVELOPES = ("envelope", "map")  # show the extremes at nodes
+UNCERTAIN = 0.05  # of an amplitude
 EXAMPLES = """\b
 Examples:
   tline run valve.toml --tol 1e-8 --plot valve.png
@@ -115,7 +119,7 @@ def run(
     from tline.cli.report import as_table, judgement, summary
 
     accuracy = judgement(result)
-    for note in result.notes:
+    for note in (*result.notes, *_advice(result, accuracy)):
         click.echo(f"note: {note}", err=True)
     if as_json:
         click.echo(
@@ -131,6 +135,17 @@ def run(
             click.echo(f"wrote {file}")
     if accuracy and not accuracy.met:
         sys.exit(1)
+
+
+def _advice(result: "Result", accuracy: "Accuracy | None") -> "Iterator[str]":
+    """What to do where a run of cavities along pipes is no number to design for."""
+    from tline.scene.cavities import with_cavities
+
+    if accuracy and accuracy.at_slab_ends > UNCERTAIN and with_cavities(result.scene.lines):
+        yield (
+            "spikes between cavities that collapse do not converge: for a pressure to design for, "
+            "`tline design separation` takes the highest over several numbers of places"
+        )
 
 
 def _check_files(wanted: dict[str, str]) -> None:

@@ -1,4 +1,7 @@
 from tline.design.closure import closure as closure
+from tline.design.columns import Peak as Peak
+from tline.design.columns import Separation as Separation
+from tline.design.columns import separation as separation
 from tline.design.flywheel import flywheel as flywheel
 from tline.design.picture import plot_sizing as plot_sizing
 from tline.design.relief import relief as relief

@@ -6,6 +6,7 @@ from types import UnionType
 from typing import Any
 
 from tline.errors import InputError
+from tline.scene.held import held_nodes
 from tline.scene.outflow import Leak
 from tline.scene.pump import EFFICIENCY, Pump
 from tline.scene.quantity import Quantity
@@ -184,6 +185,10 @@ class _Operated:
     def _let_out(self, event: Event, flow: float) -> None:
         """An outflow to the air, with the square root of the pressure."""
         self._node(event)
+        if event.name in held_nodes(self.scene):
+            raise InputError(
+                event.kind, "the pressure there is held, so nothing comes of it", "a junction", f"'{event.name}'"
+            )
         pressure = max(self._gauge(event.name), LEAST)
         name = f"{event.name}:{event.kind}"
         if name in self.tables.setdefault("loads", {}):
