@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from passivity.errors import ExpressionError
+from passivity.sampled.fit import up_to
 from passivity.sampled.model import PoleResidueModel
 from passivity.sampled.poles import coefficients, count, poles_of
 from passivity.sampled.response import MAX_SAMPLES, Parameter, SampledResponse
@@ -107,30 +108,34 @@ class MatrixModel:
         return A, np.vstack([np.zeros((0, p)), *inputs]), np.hstack([np.zeros((p, 0)), *outputs]), self.constant
 
 
-def matrix_fits(response: SampledResponse, orders: Iterable[int]) -> Iterator[MatrixModel]:
-    """Models of S of rising orders, each beginning where the one before ended; not necessarily passive.
-
-    The poles, in Re s < 0, are common to all entries; an order counts both of a pair.
+def fit_matrix(response: SampledResponse, order: int) -> MatrixModel:
+    """A model of S with so many poles in Re s < 0, common to all entries, not necessarily passive.
 
     Parameters
     ----------
     response : SampledResponse
         S, at most MAX_SAMPLES.
-    orders : iterable of int
-        Rising, from 0 to n - 2.
+    order : int
+        Number of poles, both of a pair counted, from 0 to n - 2.
 
     Raises
     ------
     ExpressionError
-        If there are too many samples, or too few for the last order, or all are at f = 0.
+        If there are too many samples, or too few for the order, or all are at f = 0.
 
     Examples
     --------
     >>> f = np.linspace(0, 1, 30)
     >>> S = np.array([[0.5, 0.2], [0.3, 0.1]]) / (1 + 2j * np.pi * f)[:, None, None]
-    >>> [model.poles.round(9) for model in matrix_fits(SampledResponse(f, S, "S"), [1])]
-    [array([-1.+0.j])]
+    >>> fit_matrix(SampledResponse(f, S, "S"), 1).poles.round(9)
+    array([-1.+0.j])
     """
+    *_, model = matrix_fits(response, up_to(order))
+    return model
+
+
+def matrix_fits(response: SampledResponse, orders: Iterable[int]) -> Iterator[MatrixModel]:
+    """Models of S of rising orders, each beginning where the one before ended; see `fit_matrix`."""
     n, p, orders = len(response.f), response.ports, tuple(orders)
     if not orders[-1] + 2 <= n <= MAX_SAMPLES or not response.f[-1]:
         expected = f"{orders[-1] + 2} to {MAX_SAMPLES}, not all at f = 0"
