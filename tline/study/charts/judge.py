@@ -77,7 +77,7 @@ class Judge:
         self.scene = scene
         self.solutions = _solutions(scene)
         shortest = min(line.parameters.delay or 0.0 for line in scene.lines.values())
-        behind = shortest * 0.5 ** np.arange(15)
+        behind = shortest * 0.5 ** (np.arange(15) + 0.5)  # at no whole share, where another front may be
         anywhere = np.random.default_rng(SEED).uniform(0, scene.t_end, instants)
         self.times = {
             probe: _within(np.append(anywhere, solution.fronts[: instants // 10, None] + behind), scene.t_end)
