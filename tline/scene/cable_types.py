@@ -21,6 +21,8 @@ class CableType(NamedTuple):
         Frequencies with their attenuation.
     source : str
         Of these numbers.
+    resistance : float
+        To steady current, of both conductors together, ohm/m; 0 where none is published.
     """
 
     z0: str
@@ -28,6 +30,7 @@ class CableType(NamedTuple):
     unit: str
     points: tuple[tuple[str, float], ...]
     source: str
+    resistance: float = 0.0
 
 
 TIA = "limits of ANSI/TIA-568-C.2 for horizontal cable at 20 degC"
@@ -45,7 +48,8 @@ TYPES = {
     "LMR-400": CableType(
         "50 ohm", "85 %", "dB/100ft",
         (("30 MHz", 0.68), ("50 MHz", 0.88), ("150 MHz", 1.54), ("450 MHz", 2.71), ("900 MHz", 3.9)),
-        "Times Microwave: 0.12229 sqrt(f/MHz) + 0.00026 f/MHz",
+        "Times Microwave: 0.12229 sqrt(f/MHz) + 0.00026 f/MHz; 1.39 and 1.65 ohm/1000ft",
+        resistance=(1.39 + 1.65) / 304.8,
     ),
     "Cat 5e": CableType(
         "100 ohm", "62.46 %", "dB/100m",

@@ -194,13 +194,20 @@ class _Cable(SceneLine):
     def attenuation_residual(self) -> float:
         """Largest relative difference of its attenuation from the data sheet's; 0 without one."""
         table = self._own("_attenuation")
-        return table.residual(*self._front, self.resistance or 0.0) if table else 0.0
+        return table.residual(*self._front, self._steady_resistance) if table else 0.0
 
     @property
     def fitted_resistance(self) -> float | None:
-        """To steady current, ohm/m, as far as the digits of its attenuation tell it; None where it is given."""
-        table = None if self.resistance else self._own("_attenuation")
+        """To steady current, ohm/m, as far as the digits of its attenuation tell it; None where it is known."""
+        table = None if self._steady_resistance else self._own("_attenuation")
         return sum(law.loss for law in table.laws(*self._front)[0]) if table else None
+
+    @property
+    def _steady_resistance(self) -> float:
+        """Given, or published of the named cable, ohm/m; 0 without either."""
+        if self.resistance is None and self.cable is not None:
+            return cable_type(self.cable).resistance
+        return self.resistance or 0.0
 
     @property
     def _front(self) -> tuple[float, float]:
@@ -247,7 +254,7 @@ class _Cable(SceneLine):
         for name in own:
             if name not in ("resistance", "attenuation", "cable") and getattr(self, name) is not None:
                 raise InputError(name, "is a loss that the attenuation has, too", "one of them")
-        series, shunt = table.laws(*self._front, self.resistance or 0.0)
+        series, shunt = table.laws(*self._front, self._steady_resistance)
         self._lose("attenuation", [*series], [shunt])
 
     def _by_table(self) -> dict[str, float]:
