@@ -40,10 +40,19 @@ def test_other_scenes_are_none(scene, tol):
     assert convolved(Search(describe(scene), tol, [], False)) is None
 
 
-def test_envelopes_are_of_runs_in_segments():
-    result = simulate(cable(t_end="2 ns", **SKIN), tol=1e-2, envelope=True)
+def test_an_envelope_has_all_nodes_and_errors():
+    scene = cable(t_end="2 ns", **SKIN)
+    result = simulate(scene, tol=1e-4, envelope=True)
+    assert result.resolution.convolved
     assert result.envelope is not None
-    assert not result.resolution.convolved
+    assert set(result.envelope.nodes) == {"a", "b"}
+    assert result.lines.keys() == simulate(scene, tol=1e-4).lines.keys()
+    closer = simulate(scene, tol=1e-6)
+    for probe in closer.probes.values():
+        found = result.envelope.of(scene.probes[probe.name].at)
+        u = probe.at(np.linspace(0, 2e-9, 4001)).u
+        for which, extreme in (("lowest", u.min()), ("highest", u.max())):
+            assert found[which] == pytest.approx(extreme, abs=max(3 * found[f"{which}_error"], 1e-4 * np.abs(u).max()))
 
 
 def test_a_switch_that_never_moves_in_time_is_no_convolution_but_gives_the_same():

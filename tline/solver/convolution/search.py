@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.solver.assembly.lossy_segments import fits
+from tline.solver.convolution.envelope import envelope_of
 from tline.solver.convolution.jumps import arrivals
 from tline.solver.convolution.quadrature import ROUNDING
 from tline.solver.convolution.run import Convolved
@@ -44,8 +45,11 @@ def convolved(search: Search) -> Result | None:
     if not _suits(search):
         return None
     description = search.whole or search.description
+    if search.envelope:
+        search.description.refuse_coupled("an envelope")
+    record = [*search.description.lines] if search.envelope else search.record
     try:
-        scene, s = Convolved(search.description, search.record), description.scene.solver.order or ORDER
+        scene, s = Convolved(search.description, record), description.scene.solver.order or ORDER
     except InputError:  # there is no answer in s
         return None
     h, shortest = resolution(description, s).h, min(line.delay for line in description.lines.values())
@@ -54,8 +58,9 @@ def convolved(search: Search) -> Result | None:
         return None
     settle = BLURRED * min(line.delay for line in description.lines.values() if line.losses is not None)
     chosen, jumps = Resolution(s, h, settle=settle, convolved=True), arrivals(description)
-    result = scene.run(chosen)
+    result = before = scene.run(chosen)
     attempts, share, last, accuracy, limit = [Attempt.of(result)], SLOWEST, inf, Accuracy(search.tol), ""
+    by = inf
     while accuracy.worst > search.tol and not limit:
         chosen = chosen._replace(h=chosen.h / 2)
         before, result = result, scene.run(chosen)
@@ -69,6 +74,11 @@ def convolved(search: Search) -> Result | None:
             limit = "narrower slabs would take too long"
     limit = "" if accuracy.worst <= search.tol else limit
     accuracy = replace(accuracy, attempts=tuple(attempts), limit=limit)
+    if search.envelope:
+        one, other = (envelope_of(search.description, each) for each in (result, before))
+        result = replace(result, envelope=one.compared(other, by))
+        kept = {*search.record, *search.description.probed}
+        result = replace(result, lines={name: line for name, line in result.lines.items() if name in kept})
     return replace(result, accuracy=accuracy, accounts=_accounts(search.description))
 
 
@@ -86,7 +96,7 @@ def _suits(search: Search) -> bool:
     losses = [line.losses for line in description.lines.values() if line.losses is not None]
     varies = description.elements or description.switched or description.active
     lifted = description.heights and not description.steady
-    if not losses or not all(each.linear for each in losses) or varies or lifted or search.envelope:
+    if not losses or not all(each.linear for each in losses) or varies or lifted:
         return False
     return search.tol >= CLOSEST and (any(each.constant is None for each in losses) or _fits_not(search))
 
