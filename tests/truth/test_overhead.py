@@ -130,6 +130,15 @@ def test_a_ramp_into_ten_kilometres_of_overhead_line():
     assert np.abs(result.probes["far"].at(t).u - expected).max() < 1e-6
 
 
+def test_a_step_in_segments_by_circuits_of_the_laws():
+    scene = overhead({"shape": "step", "to": 1}).with_changes(solver={"order": 6, "slab": DELAY / 32})
+    result = simulate(scene)
+    t = DELAY * np.append(1 + BEHIND[3:], [3.2, 3.5])
+    expected = [answer(float(x), 300, 600, lambda s: 1 / s) for x in t]
+    assert not result.resolution.convolved
+    assert np.abs(result.probes["far"].at(t).u - expected).max() < 1e-6
+
+
 def test_the_laws_of_the_line_are_wire_earth_and_field():
     exact = overhead(1).lines["line"].losses.exact
     law = EarthReturn(HEIGHT, RESISTIVITY) + RoundWire.of_resistance(RADIUS, RESISTANCE) + ConstantLoss(0, INDUCTANCE)
