@@ -210,8 +210,9 @@ def _signals() -> None:
     pair, cascade, ringing, antenna = (
         read_scene(DOCS.parent / "scenes" / f"{name}.toml") for name in ("coupled_pair", "tdr", "load_lines", "antenna")
     )
-    pair_with_skin, coax, net = (
-        read_scene(DOCS.parent / "scenes" / f"{name}.toml") for name in ("skin_pair", "coax_fault", "ddr_ibis")
+    pair_with_skin, coax, net, overhead = (
+        read_scene(DOCS.parent / "scenes" / f"{name}.toml")
+        for name in ("skin_pair", "coax_fault", "ddr_ibis", "overhead_line")
     )
     seen = reflectometry(cascade, "near", "100 ps")
     opened = eye(cascade, "far", "0.8 ns", "0.2 ns")
@@ -223,6 +224,7 @@ def _signals() -> None:
         ("fit", plot_misfit(antenna.loads["antenna"].model, "antenna.s1p")),
         ("skin_pair", plot_crosstalk(crosstalk(pair_with_skin), pair_with_skin.title)),
         ("coax_fault", plot_reflections(reflectometry(coax, "near", "5 ns"), ELECTRICAL, coax.title)),
+        ("overhead_line", plot(simulate(overhead))),
         ("ddr_eye", plot_eye(eye(net, "die", "1 ns"), ELECTRICAL, net.title)),
     ):
         save_figure(picture, str(DOCS / "pictures" / f"{name}.png"))

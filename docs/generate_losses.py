@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from tline.loss import (
     ConstantLoss,
     DielectricLoss,
+    EarthReturn,
     LaminarFriction,
     Law,
     LossyLine,
@@ -39,6 +40,7 @@ LENGTH = 36.09
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 WIRE = RoundWire(0.5e-3, 5.8e7)
 FIELD = ConstantLoss(0, 250e-9)
+EARTH = EarthReturn(10, 100)
 INSULATION = DielectricLoss(100e-12, 0.02, 1e9, (1e4, 1e12))
 
 
@@ -60,6 +62,7 @@ CASES = {  # law, what it adds alone, lowest frequency of five decades
     "round wire of 1 mm": (WIRE + FIELD, WIRE, 1e4),
     "skin effect √(R² + k²s), from the corner": (SkinEffect(1, 1e-3) + FIELD, SkinEffect(1, 1e-3), 1.6e5),
     "skin effect k√s": (SkinEffect(0, 1e-3) + FIELD, SkinEffect(0, 1e-3), 1.6e5),
+    "earth below a wire, 10 m and 100 Ω·m": (EARTH + ConstantLoss(0, 1.5e-6), EARTH, 10),
     "dielectric, tan δ = 0.02": (INSULATION, Alone(INSULATION), 1e6),
 }
 

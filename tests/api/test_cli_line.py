@@ -1,5 +1,6 @@
 """The surface of `tline line`: what it prints, refuses and imports, and that its help is true."""
 
+import cmath
 import inspect
 import json
 import re
@@ -39,6 +40,31 @@ def test_the_overhead_line_of_the_exercise() -> None:
     assert re.search(r"^inductance +L' +1e-06 H/m +1 µH/m$", result.stdout, re.MULTILINE)
     assert re.search(r"^capacitance +C' +1\.11111e-11 F/m +11\.11 pF/m$", result.stdout, re.MULTILINE)
     assert "effort: voltage in V\nflow:   current in A\n" in result.stdout
+
+
+OVERHEAD = ("line", "electrical", "--height", "10 m", "--wire-diameter", "2 cm", "--earth", "100 ohm m")
+
+
+def test_an_overhead_line_over_earth() -> None:
+    result = run(*OVERHEAD, "--wire-resistance", "0.1 ohm/km")
+    assert (result.exit_code, result.stderr) == (0, "")
+    rows = [re.split(r"\s{2,}", row) for row in result.stdout.splitlines()]
+    assert ["z0", "z0", "455.739 ohm", "455.7 ohm"] in rows
+    assert ["wave_speed", "c", "2.99792e+08 m/s", "29.98 cm/ns"] in rows
+    assert ["50 Hz", "149.3 mohm/km", "2.357 µH/m", "0.001137 dB/km", "239600 km/s"] in rows
+
+
+def test_json_of_an_overhead_line_is_deris_impedance() -> None:
+    told = json.loads(run(*OVERHEAD, "--json").stdout)
+    assert told["z0"] == ElectricalLine(height=10, wire_diameter=0.02, velocity_factor=1).z0
+    for row in told["over_earth"]:
+        s = 2j * cmath.pi * row["frequency"]
+        mirror = 10 + cmath.sqrt(100 / (s * 4e-7 * cmath.pi))
+        z = s * 2e-7 * cmath.log(2 * mirror / 0.01)
+        assert row["resistance"] + s * row["inductance"] == pytest.approx(z, rel=1e-6)
+        gamma = cmath.sqrt(z * s * told["capacitance"])
+        assert row["attenuation"] == pytest.approx(gamma.real * 8.685889638, rel=1e-6)
+        assert row["wave_speed"] == pytest.approx(s.imag / gamma.imag, rel=1e-6)
 
 
 def test_the_table_is_aligned() -> None:
@@ -113,6 +139,18 @@ MISTAKES = [
         "electrical --wire-diameter 1 --spacing 1",
         "--spacing: the conductors touch or overlap, expected more than 1 m",
     ),
+    (
+        "electrical --wire-diameter '2 cm' --height '5 mm' --earth 100",
+        "--height: the conductors touch or overlap, expected more than 0.01 m",
+    ),
+    ("electrical --wire-diameter '2 cm' --height '10 m' --earth='-100 ohm m'", "--earth: not positive, expected"),
+    ("electrical --wire-diameter '2 cm' --height '10 m' --earth ''", "--earth: there is no number in front"),
+    (
+        "electrical --wire-diameter '2 cm' --height '10 m' --earth 100 --z0 300",
+        "electrical line: wire_diameter, height, z0 and velocity_factor clash",
+    ),
+    ("electrical --z0 300 --earth 100", "--earth: is below a wire over ground, expected --height and --wire-diameter"),
+    ("electrical --z0 50 --wire-resistance 1", "--wire-resistance: is of a wire over earth, expected --earth, too"),
     ("electrical --z0 50 --wave-speed 4e8", "--wave-speed: the wave would be faster than light, expected"),
 ]
 
@@ -151,7 +189,7 @@ def test_the_constructor_the_options_and_the_table_are_the_same(medium: LineMedi
     arguments = list(inspect.signature(medium.build).parameters)
     assert arguments == [item.name for item in medium.quantities] + list(medium.names)
     options = [option.name for option in line.commands[medium.name].params]
-    assert options == [*arguments, "json"]
+    assert options == [*arguments, *(item.name for item in medium.losses), "json"]
 
 
 @MEDIA

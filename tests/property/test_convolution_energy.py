@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
-from tline.loss import ConstantLoss, DielectricLoss, LaminarFriction, LossyLine, RoundWire, SkinEffect
+from tline.loss import ConstantLoss, DielectricLoss, EarthReturn, LaminarFriction, LossyLine, RoundWire, SkinEffect
 from tline.solver.convolution.passive import gain
 from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.radau import basis
@@ -20,6 +20,7 @@ LINES = {
     "surface": (SkinEffect(0, 3e-4) + ConstantLoss(0, 250e-9), ConstantLoss(1e-3, 100e-12)),
     "wire": (RoundWire(0.1e-3, 5.8e7) + ConstantLoss(0, 250e-9), DielectricLoss(100e-12, 0.02, 1e9, (1e4, 1e12))),
     "heavy": (SkinEffect(5000, 1e-2) + ConstantLoss(0, 250e-9), ConstantLoss(0, 100e-12)),
+    "earth": (EarthReturn(10, 1000) + ConstantLoss(0, 1.5e-6), ConstantLoss(0, 7.4e-12)),
     "pipe": (WATER, ConstantLoss(0, 1 / (WATER.storage * 1000**2))),
 }
 

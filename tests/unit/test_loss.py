@@ -12,6 +12,7 @@ from tline.errors import InputError
 from tline.loss import (
     ConstantLoss,
     DielectricLoss,
+    EarthReturn,
     Foster,
     LaminarFriction,
     LossyLine,
@@ -33,6 +34,7 @@ LAWS = {
     "skin": SkinEffect(5, 1e-3) + ConstantLoss(0, 250e-9),
     "wire": RoundWire(0.5e-3, 5.8e7),
     "dielectric": DielectricLoss(1e-10, 0.02, 1e9, (1e4, 1e12)),
+    "earth": EarthReturn(10, 100),
     "laminar": LaminarFriction(**WATER),
     "turbulent": TurbulentFriction(**WATER, reynolds=5e4),
     "wall": kelvin_voigt_wall(1.2e-11, 0.025, 6e-3, [(1e-10, 0.05), (1.1e-10, 0.5)]),
@@ -93,6 +95,7 @@ def test_points_on_the_cut_and_bad_digits_are_refused():
         (lambda: ConstantLoss(-1, 1), "loss: negative or no number, expected a finite number from 0 on, got -1"),
         (lambda: ConstantLoss(1, math.inf), "storage: negative or no number"),
         (lambda: SkinEffect(0, 0), "resistance_or_surface: not positive"),
+        (lambda: EarthReturn(10, -1), "resistivity: not positive, expected a finite number above 0, got -1"),
         (lambda: RoundWire(0, 5e7), "radius: not positive, expected a finite number above 0, got 0"),
         (
             lambda: DielectricLoss(1e-10, 0.02, 1e3, (1e4, 1e12)),

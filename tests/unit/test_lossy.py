@@ -98,6 +98,40 @@ def test_mistakes_in_pipes_are_one_sentence(line, sentence):
         pipe(**line)
 
 
+WIRE = {"height": "10 m", "wire_diameter": "2 cm"}
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        (WIRE | {"height": "0.5 cm"}, "lines.line.height: the conductors touch or overlap, expected more than 0.01 m"),
+        (WIRE | {"earth": "-100 ohm m"}, "lines.line.earth: earth resistivity out of range, expected more than 0"),
+        (WIRE | {"earth": "100 ohm"}, "lines.line.earth: this unit measures something else, expected a quantity such"),
+        (WIRE | {"z0": "300 ohm"}, "lines.line: wire_diameter, height, z0 and velocity_factor clash"),
+        ({"z0": "300 ohm"}, "lines.line: earth needs its height"),
+        (
+            WIRE | {"attenuation": {"unit": "dB/m", "points": [[1e6, 1], [1e7, 4]]}},
+            "lines.line.earth: is a loss that the",
+        ),
+        (WIRE | {"wire": {}}, "lines.line.wire: not one of conductivity and resistance, expected one of them"),
+        (
+            {"z0": 300, "delay": 1, "wire": {"resistance": 1e-4}, "earth": None},
+            "lines.line.wire: its radius does not follow",
+        ),
+    ],
+)
+def test_mistakes_in_overhead_lines_are_one_sentence(line, sentence):
+    with pytest.raises(SceneError, match=re.escape(sentence)) as refusal:
+        cable(**{"length": "10 km", "inductance": None, "capacitance": None, "earth": "100 ohm m"} | line)
+    assert "\n" not in str(refusal.value)
+
+
+def test_waves_on_overhead_lines_are_as_fast_as_light_unless_said():
+    given = WIRE | {"inductance": None, "capacitance": None, "earth": 100}
+    fast, slow = (cable(**given | more).lines["line"].parameters for more in ({}, {"velocity_factor": "98 %"}))
+    assert (fast.wave_speed, slow.wave_speed) == pytest.approx((299792458, 0.98 * 299792458))
+
+
 def test_what_a_loss_needs_is_said_by_name():
     line = {"nodes": ["a", "b"], "z0": 1e8, "delay": 1, "friction": {"kind": "laminar", **VISCOUS}}
     with pytest.raises(SceneError, match=r"lines\.line: friction needs its density and area"):

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import click
 
+from tline.cli import over_earth
 from tline.cli.main import COMMANDS
 from tline.errors import InputError
 from tline.line import ElectricalLine, HydraulicLine, electrical, hydraulic
@@ -20,6 +21,7 @@ class LineMedium(NamedTuple):
     build: Callable[..., LineParameters]
     quantities: tuple[LineQuantity, ...]
     names: dict[str, str]  # options that are no quantities, with their help
+    losses: tuple[LineQuantity, ...]  # options beside the lossless line's
     effort: str
     flow: str
     examples: str
@@ -34,6 +36,7 @@ HYDRAULIC = LineMedium(
         "temperature": "of the water, '20 degC' if not given",
         "wall": "such as 'steel' or 'pvc': gives Young's modulus of an elastic wall",
     },
+    (),
     "pressure in Pa",
     "volume flow in m^3/s",
     """\b
@@ -49,6 +52,7 @@ ELECTRICAL = LineMedium(
     ElectricalLine,
     electrical.QUANTITIES,
     {},
+    over_earth.OPTIONS,
     "voltage in V",
     "current in A",
     """\b
@@ -57,6 +61,7 @@ Examples:
   tline line electrical --capacitance "101 pF/m" --z0 50 --length "10 m"
   tline line electrical --inner-diameter "0.9 mm" --outer-diameter "2.95 mm" \\
       --permittivity 2.25
+  tline line electrical --height "10 m" --wire-diameter "2 cm" --earth "100 ohm m"
 """,
 )
 
@@ -65,17 +70,25 @@ def command(medium: LineMedium) -> click.Command:
     """The subcommand of a medium, with one option per quantity."""
 
     def show(json: bool, **given: str | None) -> None:
+        asked = {item.name: given.pop(item.name) for item in medium.losses}
+        losses = []
         try:
-            parameters = medium.build(**given)
+            if any(value is not None for value in asked.values()):
+                parameters, losses = over_earth.over_earth(given, asked)
+            else:
+                parameters = medium.build(**given)
         except InputError as error:
             where = _option(error.where) if error.where else f"{medium.name} line"
             raise InputError(where, error.problem, error.expected, error.got) from error
         for remark in parameters.remarks:
             click.echo(f"note: {remark}", err=True)
-        click.echo(as_json(medium, parameters) if json else as_table(medium, parameters))
+        click.echo(as_json(medium, parameters, losses) if json else as_table(medium, parameters))
+        if losses and not json:
+            click.echo(f"\n{over_earth.as_table(losses)}")
 
     helps = {item.name: f"{item.symbol}: {item.help}" for item in medium.quantities} | medium.names
-    units = {item.name: item.unit or "number" for item in medium.quantities}
+    helps |= {item.name: f"{item.symbol}: {item.help}" for item in medium.losses}
+    units = {item.name: item.unit or "number" for item in (*medium.quantities, *medium.losses)}
     options = [
         click.Option([_option(name)], metavar=units.get(name, "text"), help=f"{text}.") for name, text in helps.items()
     ]
@@ -101,10 +114,11 @@ def as_table(medium: LineMedium, parameters: LineParameters) -> str:
     return "\n".join([*lines, "", f"effort: {medium.effort}", f"flow:   {medium.flow}"])
 
 
-def as_json(medium: LineMedium, parameters: LineParameters) -> str:
-    """All quantities of a line in SI, and what is odd about them."""
+def as_json(medium: LineMedium, parameters: LineParameters, losses: list[dict[str, float]]) -> str:
+    """All quantities of a line in SI, what is odd about them, and its losses over frequency if they are known."""
     told = {item.name: getattr(parameters, item.name) for item in medium.quantities}
-    return json.dumps(told | {"notes": list(parameters.remarks)}, indent=2, ensure_ascii=False)
+    told |= {"notes": list(parameters.remarks)} | ({"over_earth": losses} if losses else {})
+    return json.dumps(told, indent=2, ensure_ascii=False)
 
 
 def _option(name: str) -> str:

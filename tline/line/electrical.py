@@ -1,7 +1,7 @@
 """Parameters of an electrical line."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from tline.errors import InputError
 from tline.line.parameters import LineParameters, LineQuantity, read
@@ -46,6 +46,7 @@ GEOMETRIES = {
     "two-wire line": ("wire_diameter", "spacing"),
     "wire over ground": ("wire_diameter", "height"),
 }
+SPEEDS = frozenset(("wave_speed", "velocity_factor", "permittivity"))
 SHAPE = dict.fromkeys(name for names in GEOMETRIES.values() for name in names)
 
 
@@ -144,6 +145,11 @@ class ElectricalLine(LineParameters):
         values = determine(SYSTEM, given, TARGETS, offered) | shape
         _check_speed(values.get("wave_speed", 0.0), given.values)
         self._settle(QUANTITIES, values, arguments, given.remarks)
+
+
+def in_air(given: Iterable[str]) -> dict[str, float]:
+    """The velocity factor of a wire in air, unless what is given has the speed of its waves."""
+    return {} if SPEEDS.intersection(given) else {"velocity_factor": 1.0}
 
 
 def _geometry_factor(shape: Mapping[str, float]) -> float:

@@ -6,6 +6,7 @@ them (`LossyLine`), and `realise` turns a law into a circuit of resistors and in
 
 from tline.loss.constant import ConstantLoss
 from tline.loss.dielectric import DielectricLoss
+from tline.loss.earth import EarthReturn
 from tline.loss.foster import Foster
 from tline.loss.laminar import LaminarFriction, hagen_poiseuille
 from tline.loss.law import Law, Sum
@@ -19,6 +20,7 @@ from tline.loss.wall import kelvin_voigt_wall
 __all__ = [
     "ConstantLoss",
     "DielectricLoss",
+    "EarthReturn",
     "Foster",
     "LaminarFriction",
     "Law",

@@ -21,11 +21,14 @@ class Arithmetic(NamedTuple):
     quotient : callable
         (n, z) to z I_n(z)/I_{n+1}(z), I the modified Bessel functions: 2(n+1) + z²/(2(n+2)) + ... at 0 and
         z + n + 1/2 + ... far out.
+    log_ratio : callable
+        z to z ln((z + 1)/z): 0 at 0 and 1 - 1/(2z) + ... far out; not for Re z < 0.
     """
 
     sqrt: Callable[[Any], Any]
     log1p: Callable[[Any], Any]
     quotient: Callable[[int, Any], Any]
+    log_ratio: Callable[[Any], Any]
 
 
 def _quotient(n: int, z: NDArray) -> NDArray:
@@ -38,6 +41,12 @@ def _quotient(n: int, z: NDArray) -> NDArray:
     return np.where(ordinary, inside * ive(n, inside) / ive(n + 1, inside), beside)
 
 
+def _log_ratio(z: NDArray) -> NDArray:
+    near = np.abs(z) < 1
+    inside, outside = np.where(near & (z != 0), z, 1), np.where(near, 1, z)
+    return z * np.where(near, np.log(1 + inside) - np.log(inside), 2 * np.arctanh(1 / (2 * outside + 1)))
+
+
 def _ball_quotient(n: int, z: "acb") -> "acb":
     from flint import acb
 
@@ -46,5 +55,9 @@ def _ball_quotient(n: int, z: "acb") -> "acb":
     return z * z.bessel_i(acb(n), scaled=True) / z.bessel_i(acb(n + 1), scaled=True)
 
 
-DOUBLES = Arithmetic(np.sqrt, np.log1p, _quotient)
-BALLS = Arithmetic(lambda z: z.sqrt(), lambda z: z.log1p(), _ball_quotient)
+def _ball_log_ratio(z: "acb") -> "acb":
+    return z if z == 0 else z * (1 / z).log1p()
+
+
+DOUBLES = Arithmetic(np.sqrt, np.log1p, _quotient, _log_ratio)
+BALLS = Arithmetic(lambda z: z.sqrt(), lambda z: z.log1p(), _ball_quotient, _ball_log_ratio)

@@ -88,6 +88,18 @@ class RoundWire(Law):
         super().__init__(1 / (math.pi * radius**2 * conductivity), 0.0)
         self.diffusion_time = radius**2 * permeability * conductivity
 
+    @classmethod
+    def of_resistance(cls, radius: float, resistance: float) -> "RoundWire":
+        """The wire of that radius, m, and resistance to steady current, ohm/m; not magnetic.
+
+        Examples
+        --------
+        >>> f"{RoundWire.of_resistance(radius=0.01, resistance=1e-4).loss:.4g} ohm/m"
+        '0.0001 ohm/m'
+        """
+        positive(radius=radius, resistance=resistance)
+        return cls(radius, 1 / (math.pi * radius**2 * resistance))
+
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
         """R/2 · z I0(z)/I1(z)."""
         return arithmetic.quotient(0, arithmetic.sqrt(s * self.diffusion_time)) * (self.loss / 2)

@@ -31,12 +31,26 @@ class Skin(Element):
 class Wire(Element):
     """A round wire alone; the other conductor counts as perfect."""
 
-    radius: Annotated[Quantity, Role("radius", "m", above=0)] = Field(description="of the wire")
-    conductivity: Annotated[Quantity, Role("conductivity", "S/m", above=0)] = Field(description="of its metal")
+    radius: Annotated[Quantity, Role("radius", "m", above=0)] | None = Field(
+        default=None, description="of the wire; half the line's wire_diameter or inner_diameter if not given"
+    )
+    conductivity: Annotated[Quantity, Role("conductivity", "S/m", above=0)] | None = Field(
+        default=None, description="of its metal"
+    )
+    resistance: Annotated[Quantity, Role("resistance per metre", "ohm/m", above=0)] | None = Field(
+        default=None, description="to steady current, per metre, instead of the conductivity"
+    )
 
-    def law(self) -> Law:
-        """Its internal impedance."""
-        return RoundWire(self.radius, self.conductivity)
+    def law(self, diameter: float | None) -> Law:
+        """Its internal impedance; the diameter of the line's conductor, m, where it is known, tells the radius."""
+        radius = self.radius or (diameter or 0.0) / 2
+        if not radius:
+            raise InputError("wire", "its radius does not follow", "radius, or wire_diameter of the line")
+        if self.conductivity is not None and self.resistance is None:
+            return RoundWire(radius, self.conductivity)
+        if self.resistance is not None and self.conductivity is None:
+            return RoundWire.of_resistance(radius, self.resistance)
+        raise InputError("wire", "not one of conductivity and resistance", "one of them")
 
 
 class LossTangent(Element):

@@ -10,12 +10,13 @@ from pydantic import BeforeValidator, Field, PrivateAttr, create_model, model_va
 from tline.errors import InputError
 from tline.line import ElectricalLine, HydraulicLine
 from tline.line.electrical import QUANTITIES as ELECTRICAL
+from tline.line.electrical import in_air
 from tline.line.fluids import FLUIDS
 from tline.line.hydraulic import QUANTITIES as HYDRAULIC
 from tline.line.parameters import LineQuantity
 from tline.line.relations import listed
 from tline.line.walls import WALLS
-from tline.loss import ConstantLoss, Law, LossyLine, Sum, kelvin_voigt_wall
+from tline.loss import ConstantLoss, EarthReturn, Law, LossyLine, Sum, kelvin_voigt_wall
 from tline.loss.losses import Losses
 from tline.scene.attenuation import Attenuation
 from tline.scene.cable_loss import LossTangent, Skin, Wire
@@ -29,6 +30,7 @@ from tline.scene.site import Place
 from tline.wording import shown
 
 ROUNDING = 1e-9  # of a storage, that laws may miss of the lossless line's
+LOSSES = ("resistance", "conductance", "skin", "wire", "earth", "loss_tangent", "tabulated", "attenuation", "cable")
 MATERIALS = {
     "fluid": f"gives density and bulk modulus: {listed(FLUIDS, 'or')}",
     "wall": f"gives Young's modulus: {listed(WALLS, 'or')}",
@@ -177,7 +179,10 @@ class _Cable(SceneLine):
         default=None, description="of the insulation, per metre"
     )
     skin: Skin | None = Field(default=None, description="skin effect, by the resistance at a high frequency")
-    wire: Wire | None = Field(default=None, description="a round wire, by radius and conductivity")
+    wire: Wire | None = Field(default=None, description="a round wire, by radius and conductivity or resistance")
+    earth: Annotated[Quantity, Role("earth resistivity", "ohm m", above=0)] | None = Field(
+        default=None, description="resistivity of the earth that a wire over ground has as its return"
+    )
     loss_tangent: LossTangent | None = Field(default=None, description="of the insulation")
     tabulated: CableTable | None = Field(
         default=None, description="R(f) and L(f), perhaps G(f) and C(f), instead of these"
@@ -215,13 +220,18 @@ class _Cable(SceneLine):
         (length,) = self._needed("attenuation", "length")
         return float(self.parameters.z0), length / float(self.parameters.delay or 0.0)
 
+    @property
+    def _conductor(self) -> float | None:
+        """Diameter of a wire or of the inner conductor, m, if its geometry is known."""
+        return getattr(self.parameters, "wire_diameter", None) or getattr(self.parameters, "inner_diameter", None)
+
     @model_validator(mode="after")
     def _determine(self):
-        own = ("resistance", "conductance", "skin", "wire", "loss_tangent", "tabulated", "attenuation", "cable")
-        given = [name for name in own if getattr(self, name) is not None]
-        self._settle(ElectricalLine, own, **self._by_table(), **self._by_name())
+        given = [name for name in LOSSES if getattr(self, name) is not None]
+        air = in_air(name for name, value in vars(self).items() if value is not None) if self.earth else {}
+        self._settle(ElectricalLine, LOSSES, **air | self._by_table() | self._by_name())
         if self._attenuation is not None:
-            self._attenuate(self._attenuation, own)
+            self._attenuate(self._attenuation)
             return self
         if not given:
             return self
@@ -229,7 +239,8 @@ class _Cable(SceneLine):
             raise InputError("", "skin and wire say the same in two ways", "one of them")
         resistance = self.resistance or 0.0
         series: list[Law] = self.skin.laws(resistance) if self.skin else [ConstantLoss(resistance)]
-        series += [self.wire.law()] if self.wire else []
+        series += [self.wire.law(self._conductor)] if self.wire else []
+        series += [EarthReturn(self._needed("earth", "height")[0], self.earth)] if self.earth else []
         series += [self.tabulated.series] if self.tabulated else []
         shunt: list[Law] = [ConstantLoss(self.conductance or 0.0)]
         shunt += [self.loss_tangent.law(self._capacitance(given[0]))] if self.loss_tangent else []
@@ -249,9 +260,9 @@ class _Cable(SceneLine):
         self._attenuation = Attenuation.model_validate({"unit": found.unit, "points": found.points})
         return {"z0": found.z0, "velocity_factor": found.velocity_factor}
 
-    def _attenuate(self, table: Attenuation, own: tuple[str, ...]) -> None:
+    def _attenuate(self, table: Attenuation) -> None:
         """What a line loses by its attenuation, beside its resistance to steady current."""
-        for name in own:
+        for name in LOSSES:
             if name not in ("resistance", "attenuation", "cable") and getattr(self, name) is not None:
                 raise InputError(name, "is a loss that the attenuation has, too", "one of them")
         series, shunt = table.laws(*self._front, self._steady_resistance)
@@ -261,7 +272,7 @@ class _Cable(SceneLine):
         """L and C at infinite frequency by the table, which must not be given twice."""
         if self.tabulated is None:
             return {}
-        said = {"inductance": self.tabulated.series.storage, "resistance": 0.0, "skin": 0.0, "wire": 0.0}
+        said = {"inductance": self.tabulated.series.storage, "resistance": 0.0, "skin": 0.0, "wire": 0.0, "earth": 0.0}
         if self.tabulated.shunt is not None:
             said |= {"capacitance": self.tabulated.shunt.storage, "conductance": 0.0, "loss_tangent": 0.0}
         for name in said:
