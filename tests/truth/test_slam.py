@@ -100,11 +100,12 @@ def test_a_light_disc_lets_little_back():
 
 @pytest.mark.parametrize("mass", [0.1, 12])
 def test_the_energy_never_grows(mass):
-    """The pressure below is dropped at once."""
+    """The pressure below is dropped at once: the light disc chatters, too fast for these slabs."""
     given = scene(disc_mass=mass).with_changes(
-        sources={"low": {"at": "low", "kind": "pressure", "value": {"shape": "step", "from": BEFORE, "to": AFTER}}}
+        sources={"low": {"at": "low", "kind": "pressure", "value": {"shape": "step", "from": BEFORE, "to": AFTER}}},
+        solver={"order": 3, "slab": "7 ms"},
     )
-    ledger = simulate(given, tol=1e-3).ledger
+    ledger = simulate(given, ledger=True).ledger
     (valve,) = (entry for entry in ledger.entries if entry.where == "links.valve")
     assert valve.created <= 1e-9 * ledger.turnover
     assert valve.dissipated > 0
