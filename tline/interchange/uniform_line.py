@@ -6,17 +6,14 @@ from math import cosh, sinh, sqrt
 
 import numpy as np
 
-from tline.errors import InputError
 from tline.interchange.deck import Card
 from tline.interchange.netlist import REFERENCE, Netlist, Table
 from tline.line.electrical import LIGHT
-from tline.line.modes import modes
 from tline.scene.cable_loss import LossTangent
 from tline.scene.quantity import LARGEST
 
 USUAL = 2e8  # m/s, taken where the length in SPICE, which has no unit, is no metre
 SECTIONS = 40  # of a line of R and C alone
-FINENESS, FEWEST, MOST_STRETCHES = 40, 4, 64  # of lines whose resistances mix the modes: per R/z0, and bounds
 HIGH = 1e9  # Hz, at which the resistance by Rs and the conductance by Gd are said
 LOW, TOP = 1e5, 1e12  # Hz, between which the loss tangent hardly changes
 Matrix = list[list[float]]
@@ -98,7 +95,7 @@ def add_conductors(
         high = [[value * sqrt(HIGH) for value in row] for row in matrices["rs"]]
         line["skin"] = {"resistance": high, "frequency": HIGH, "added": True}
     if len(ends[0]) > 1:
-        _add_coupled(card, net, ends, line)
+        net.add("lines", card, {"nodes1": ends[0], "nodes2": ends[1]} | line)
         return
     line = {name: value[0][0] if isinstance(value, list) else value for name, value in line.items()}
     if "skin" in line:
@@ -106,34 +103,6 @@ def add_conductors(
     if "gd" in given and given["gd"][0][0]:
         line |= _insulation(card, net, line["capacitance"], given["gd"][0][0] * scale)
     net.add("lines", card, {"nodes": [ends[0][0], ends[1][0]]} | line)
-
-
-def _add_coupled(card: Card, net: Netlist, ends: tuple[list[str], list[str]], line: Table) -> None:
-    """Add coupled conductors; where resistances mix the modes, as stretches without losses between resistors."""
-    R = np.array(line.get("resistance", 0.0))
-    try:
-        modes(line["inductance"], line["capacitance"], line["length"], {"resistance": R} if R.any() else {})
-    except InputError:
-        if not R.any() or (R - np.diag(np.diag(R))).any() or line.keys() & {"conductance", "skin"}:
-            raise
-    else:
-        net.add("lines", card, {"nodes1": ends[0], "nodes2": ends[1]} | line)
-        return
-    z = np.sqrt(np.diag(line["inductance"]) / np.diag(line["capacitance"])).min()
-    whole = np.diag(R) * line["length"]
-    n = int(np.clip(np.ceil(FINENESS * whole.max() / z), FEWEST, MOST_STRETCHES))
-    net.found.note(card.where, f"its resistances mix the modes: they stand between {n} stretches without losses")
-    lossless = {"inductance": line["inductance"], "capacitance": line["capacitance"], "length": line["length"] / n}
-    before = ends[0]
-    for k in range(n + 1):
-        after = ends[1] if k == n else [f"{card.name}.{k}.{j}" for j in range(len(before))]
-        for j, (first, second) in enumerate(zip(before, after, strict=True)):
-            table = {"kind": "resistor", "resistance": whole[j] / n / (2 if k in (0, n) else 1)}
-            if whole[j]:
-                net.between(card, (first, second), table, f"{card.name}.r{k}.{j}")
-        if k < n:
-            before = [f"{node}'" for node in after]
-            net.add("lines", card, {"nodes1": after, "nodes2": before} | lossless, f"{card.name}.{k + 1}")
 
 
 def _insulation(card: Card, net: Netlist, C: float, Gd: float) -> Table:

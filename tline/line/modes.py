@@ -14,6 +14,10 @@ ROUNDING = 1e-13  # of the largest loss of a mode; less is none
 NONE: Mapping[str, NDArray] = MappingProxyType({})
 
 
+class MixedModesError(InputError):
+    """A loss makes modes see each other: they are no lines of their own."""
+
+
 class Modes(NamedTuple):
     """k modes of k conductors; voltages v = T u and currents i = T^-T y, so that v·i = u·y.
 
@@ -66,9 +70,10 @@ def modes(
     ------
     InputError
         A matrix is not square, symmetric or positive definite (R, G: semidefinite), or their sizes differ; C or G has
-        positive entries beside its diagonal; or a loss couples modes: in units in which L is 1, more than 1e-9 of its
-        largest entry is left beside the diagonal. What that much takes from a mode over a line is 1e-9 of the exponent
-        of its attenuation.
+        positive entries beside its diagonal.
+    MixedModesError
+        A loss couples modes: in units in which L is 1, more than 1e-9 of its largest entry is left beside the diagonal.
+        What that much takes from a mode over a line is 1e-9 of the exponent of its attenuation.
 
     References
     ----------
@@ -140,7 +145,7 @@ def _apart(matrix: NDArray, name: str) -> NDArray:
     if beside > ALIKE * largest:
         problem = f"couples the modes of inductance and capacitance by {beside / largest:.2g} of its largest entry"
         expected = f"at most {ALIKE:g}, as of conductors alike, or of any where L C = 1/v² to all digits"
-        raise InputError(name, problem, expected)
+        raise MixedModesError(name, problem, expected)
     return np.where(diagonal > ROUNDING * largest, diagonal, 0.0)
 
 

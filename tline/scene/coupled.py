@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr, ValidationError, model
 
 from tline.errors import InputError
 from tline.line.electrical import LIGHT, ROUNDING
-from tline.line.modes import Modes, even_and_odd, modes
+from tline.line.modes import MixedModesError, Modes, even_and_odd, modes
 from tline.scene.cable_loss import Skin
 from tline.scene.element import Element, Name
 from tline.scene.line import Cable, SceneLine
@@ -88,6 +88,7 @@ class Coupled(Element):
     odd: OneMode | None = Field(default=None, description="of two alike: z0 and delay where the voltages are opposite")
     _modes: Modes = PrivateAttr()
     _lines: list[dict[str, Any]] = PrivateAttr()
+    _mixing: bool = PrivateAttr(default=False)
 
     @property
     def modes(self) -> Modes:
@@ -98,6 +99,11 @@ class Coupled(Element):
     def lines(self) -> list[dict[str, Any]]:
         """Each mode as a single line's table, without nodes."""
         return self._lines
+
+    @property
+    def mixing(self) -> bool:
+        """Whether its losses make modes see each other; then these are those without losses."""
+        return self._mixing
 
     @property
     def nodes(self) -> tuple[str, ...]:
@@ -174,13 +180,19 @@ class Coupled(Element):
     def _of_matrices(self, L: list[Row], C: list[RowOfC], length: float) -> tuple[Modes, list[dict[str, Any]]]:
         resistances = {"resistance": self.resistance, "skin.resistance": self.skin and self.skin.resistance}
         resistances = {name: matrix for name, matrix in resistances.items() if matrix is not None}
-        found = modes(L, C, length, resistances, {"conductance": self.conductance} if self.conductance else {})
+        conductances = {"conductance": self.conductance} if self.conductance else {}
+        try:
+            found = modes(L, C, length, resistances, conductances)
+        except MixedModesError as error:
+            if self.skin:
+                raise InputError("skin", f"{error.where} {error.problem}", "modes that do not see each other") from None
+            found, self._mixing = modes(L, C, length), True
         tables = []
         for k, (z0, delay) in enumerate(zip(found.z0.tolist(), found.delay.tolist(), strict=True)):
             losses: dict[str, Any] = {name: float(loss[k]) for name, loss in found.losses.items() if loss[k]}
             if self.skin and (high := losses.pop("skin.resistance", 0.0)):
                 losses["skin"] = self.skin.table() | {"resistance": high}
-            tables.append({"z0": z0, "delay": delay} | ({"length": length} | losses if losses else {}))
+            tables.append({"z0": z0, "delay": delay} | ({"length": length} if losses or self._mixing else {}) | losses)
         return found, tables
 
 

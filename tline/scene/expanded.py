@@ -1,14 +1,17 @@
-"""A scene in which lines that a run parts are what they stand for: stretches between nodes, perhaps with cavities."""
+"""A scene in which lines that a run parts are what they stand for: stretches, and what stands between them."""
 
 from typing import Any
 
+from tline.scene.coupled import Coupled
 from tline.scene.probe import Probe
 from tline.scene.scene import Scene
 from tline.scene.stretches import Stretches, stretches_of
 
 
-def expanded(scene: Scene) -> Scene:
-    """The same scene with stretches and nodes in place of lines with cavities, or with losses and probes inside.
+def expanded(scene: Scene, doublings: int = 0) -> Scene:
+    """The same scene with stretches and nodes in place of the lines that are parted.
+
+    Conductors whose losses mix the modes have twice as many with each doubling.
 
     Examples
     --------
@@ -21,22 +24,26 @@ def expanded(scene: Scene) -> Scene:
     >>> whole.probes["p"].line, whole.lines["pipe, stretch 2"].shortest
     ('pipe, stretch 2', 0.09999999999999999)
     """
-    cut = stretches_of(scene)
+    cut = stretches_of(scene, doublings)
     if not cut:
         return scene
     table = scene.table()
     lines: dict[str, Any] = {}
-    loads, nodes = dict(table.get("loads", {})), dict(table.get("nodes", {}))
+    loads, links, nodes = (dict(table.get(part, {})) for part in ("loads", "links", "nodes"))
     for name, given in table["lines"].items():
         if name not in cut:
             lines[name] = given
+            continue
+        if mixing := cut[name].mixing:
+            lines |= mixing.lines()
+            links |= mixing.links()
             continue
         line: Any = scene.lines[name]
         lines |= _lines(scene, name, cut[name], given)
         loads |= {node: line.cavities.load(node) for node in cut[name].cavities}
         nodes |= _heights(scene, name, cut[name])
     probes = {name: _seen(scene, probe, cut) or table["probes"][name] for name, probe in scene.probes.items()}
-    return scene.with_changes(lines=lines, loads=loads, probes=probes, nodes=nodes)
+    return scene.with_changes(lines=lines, loads=loads, links=links, probes=probes, nodes=nodes)
 
 
 def _lines(scene: Scene, name: str, stretches: Stretches, given: dict[str, Any]) -> dict[str, Any]:
@@ -65,7 +72,10 @@ def _seen(scene: Scene, probe: Probe, cut: dict[str, Stretches]) -> dict[str, An
     """Table of a probe on a line that is cut; at a place it is on the stretch that ends there."""
     if probe.line is None or probe.line not in cut:
         return None
-    stretches, share = cut[probe.line], probe.fraction(scene.lines[probe.line])
+    stretches, line = cut[probe.line], scene.lines[probe.line]
+    if isinstance(line, Coupled):
+        return probe.table() | {"line": stretches.lines[0 if probe.at in line.nodes1 else -1]}
+    share = probe.fraction(line)
     if probe.at is not None:
         return {"at": probe.at, "line": stretches.lines[-1 if share else 0]}
     k, part = stretches.stretch_at(share)

@@ -1,12 +1,14 @@
-"""Lines that a run parts in stretches: at the places of cavities, and at probes inside lines with losses."""
+"""Lines that a run parts in stretches: at cavities, at probes inside lines with losses, and where losses mix modes."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from tline.scene.cavities import with_cavities
+from tline.scene.mixing import Mixing, mixing_lines
 
 if TYPE_CHECKING:
     from tline.scene.scene import Scene
@@ -27,12 +29,15 @@ class Stretches(NamedTuple):
         Their names, from end 1 on.
     cavities : tuple of str
         Those of the nodes that have cavities.
+    mixing : Mixing, optional
+        Of coupled conductors: their losses at the places.
     """
 
     shares: tuple[Fraction, ...]
     places: tuple[str, ...]
     lines: tuple[str, ...]
-    cavities: tuple[str, ...]
+    cavities: tuple[str, ...] = ()
+    mixing: Mixing | None = None
 
     @property
     def widths(self) -> list[float]:
@@ -47,8 +52,10 @@ class Stretches(NamedTuple):
         return k, float((Fraction(share) - near) / (far - near)) if inside else float(share > near + AT_A_PLACE)
 
 
-def stretches_of(scene: Scene) -> dict[str, Stretches]:
-    """Lines with cavities, or with losses and a probe inside, in stretches.
+def stretches_of(scene: Scene, doublings: int = 0) -> dict[str, Stretches]:
+    """Lines with cavities, with losses and a probe inside, or with losses that mix modes, in stretches.
+
+    Those of the last kind have twice as many of them with each doubling.
 
     Examples
     --------
@@ -72,12 +79,23 @@ def stretches_of(scene: Scene) -> dict[str, Stretches]:
         share, known = Fraction(probe.fraction(line)), places.setdefault(probe.line, {})
         if all(abs(share - other) > AT_A_PLACE for other in (0, 1, *known)):
             known[share] = f"{probe.line}, probe {name}"
-    return {
-        name: _stretches(name, nodes, tuple(cavities.get(name, {}).values())) for name, nodes in places.items() if nodes
-    }
+    found: dict[str, Stretches] = {}
+    for name, nodes in places.items():
+        if nodes:
+            ordered = tuple(nodes[x] for x in sorted(nodes))
+            lines, boiling = _lines(name, len(nodes)), tuple(cavities.get(name, {}).values())
+            found[name] = Stretches(_shares(nodes), ordered, lines, boiling)
+    for name, line in mixing_lines(scene.lines).items():
+        mixing = Mixing.of(name, line, doublings)
+        n = mixing.places
+        shares = _shares(Fraction(2 * k + 1, 2 * n) for k in range(n))
+        found[name] = Stretches(shares, mixing.nodes, _lines(name, n), mixing=mixing)
+    return found
 
 
-def _stretches(name: str, nodes: dict[Fraction, str], cavities: tuple[str, ...]) -> Stretches:
-    inner = sorted(nodes)
-    lines = tuple(f"{name}, stretch {k + 1}" for k in range(len(inner) + 1))
-    return Stretches((Fraction(0), *inner, Fraction(1)), tuple(nodes[x] for x in inner), lines, cavities)
+def _shares(inner: Iterable[Fraction]) -> tuple[Fraction, ...]:
+    return Fraction(0), *sorted(inner), Fraction(1)
+
+
+def _lines(name: str, places: int) -> tuple[str, ...]:
+    return tuple(f"{name}, stretch {k + 1}" for k in range(places + 1))

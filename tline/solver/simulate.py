@@ -4,10 +4,9 @@ import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from tline.errors import ActiveError, InputError
-from tline.scene.expanded import expanded
 from tline.scene.file import as_scene
 from tline.scene.quantity import TOLERANCE
 from tline.scene.user_defined import user_elements, user_mistakes
@@ -21,6 +20,7 @@ from tline.solver.result.result import Result
 from tline.solver.run import run, with_ledger
 from tline.solver.tolerance.compare import caution, differences, magnified
 from tline.solver.tolerance.lossy import with_losses
+from tline.solver.tolerance.mixed_modes import with_mixed_modes
 from tline.solver.tolerance.search import Search, Start, inside_slabs, within
 
 TOL = 1e-6  # where nothing is asked or fixed
@@ -134,33 +134,55 @@ def simulated(
     active: bool = False,
     progress: bool = False,
     start: Start | None = None,
-    whole: Description | None = None,
 ) -> Result:
-    """The same of a scene that is described: see `simulate`.
-
-    `start` is what a run with other values has found; `whole` is of the scene whose lines are in stretches here.
-    """
-    scene = description.scene
-    parts = expanded(scene)
-    if parts is not scene:
-        more = {"envelope": envelope, "ledger": ledger, "active": active, "progress": progress}
-        record = recorded(description, record)
-        return merged(simulated(describe(parts), tol=tol, record=record, whole=description, **more), description)
-    if ledger:
-        description.refuse_coupled("a ledger")
-    warned, record = _active(description, active), list(record)
-    tol, ledger = asked(scene, tol), True if user_elements(scene) else ledger
-    with user_mistakes(scene):
-        if tol is None or (scene.solver.slab and (scene.solver.order or description.lossy)):
-            chosen = resolution(description)
-            result = run(description, chosen, record, envelope=envelope, ledger=bool(ledger), progress=progress)
-            result = replace(result, accuracy=tol and _by_hand(result, tol))
-        else:
-            search = Search(description, tol, record, progress, envelope=envelope, start=start, whole=whole)
-            result = convolved(search) or (with_losses if description.lossy else within)(search)
-        result = with_ledger(result, ledger)
+    """The same of a scene that is described: see `simulate`; `start` is what a run with other values has found."""
+    how = _How([*record], envelope, ledger, active, progress, start)
+    with user_mistakes(description.scene):
+        result = _of_parts(description, how, tol) if description.stretches else _searched(description, how, tol)
     for note in result.unresolved:
         warnings.warn(note, UnresolvedWarning, stacklevel=3)
+    return result
+
+
+class _How(NamedTuple):
+    """What is asked of a run beside its tolerance."""
+
+    record: list[str]
+    envelope: bool
+    ledger: bool | None
+    active: bool
+    progress: bool
+    start: Start | None
+
+
+def _of_parts(description: Description, how: _How, tol: float | None) -> Result:
+    """Run what stands in place of lines in stretches."""
+    how = how._replace(record=recorded(description, how.record), start=None)
+
+    def parted(doublings: int, tol: float | None) -> Result:
+        result = _searched(description.parted(doublings), how, tol, description)
+        return merged(result, description, doublings)
+
+    tol = asked(description.scene, tol)
+    return with_mixed_modes(parted, tol) if tol and description.mixing else parted(0, tol)
+
+
+def _searched(description: Description, how: _How, tol: float | None, whole: Description | None = None) -> Result:
+    """`whole` is of the scene whose lines are in stretches here."""
+    scene, ledger = description.scene, how.ledger
+    if ledger:
+        description.refuse_coupled("a ledger")
+    warned = _active(description, how.active)
+    tol, ledger = asked(scene, tol), True if user_elements(scene) else ledger
+    if tol is None or (scene.solver.slab and (scene.solver.order or description.lossy)):
+        chosen = resolution(description)
+        result = run(description, chosen, how.record, envelope=how.envelope, ledger=bool(ledger), progress=how.progress)
+        result = replace(result, accuracy=tol and _by_hand(result, tol))
+    else:
+        more = {"envelope": how.envelope, "start": how.start, "whole": whole}
+        search = Search(description, tol, how.record, how.progress, **more)
+        result = convolved(search) or (with_losses if description.lossy else within)(search)
+    result = with_ledger(result, ledger)
     return replace(result, warned=tuple(warned)) if warned else result
 
 
@@ -174,23 +196,23 @@ def judged(result: Result) -> Accuracy:
     result : Result
         Of a run without a tolerance.
     """
-    scene = (result.parts or result).scene
-    description = describe(scene)
+    whole = describe(result.scene)
+    description = whole.parted()
 
-    def step(coarse: Result, followed: float = FOLLOWED[0]) -> tuple[Result, Accuracy]:
+    def step(coarse: Result, doublings: int, followed: float = FOLLOWED[0]) -> tuple[Result, Accuracy]:
         s, h = coarse.resolution.s, coarse.resolution.h
-        chosen = Resolution(s, h / 2) if description.lossy else Resolution(s + 1, h, layers=followed)
-        with user_mistakes(scene):
-            fine = run(description, chosen)
+        chosen = Resolution(s, h / 2) if description.lossy or whole.mixing else Resolution(s + 1, h, layers=followed)
+        with user_mistakes(whole.scene):
+            fine = run(whole.parted(doublings) if whole.mixing else description, chosen)
         found = Accuracy(None, *differences(coarse, fine))
         if not fine.resolution.layers or followed == FOLLOWED[-1] or found.worst >= CLEAR * followed:
             return fine, found
-        return step(coarse, FOLLOWED[-1])
+        return step(coarse, doublings, FOLLOWED[-1])
 
-    finer, found = step(result)
+    finer, found = step(result, 1)
     runs, by = [finer], magnified(description, result, finer, [found.worst])
     if by > 1.0:
-        finest, left = step(finer)
+        finest, left = step(finer, 2)
         runs.append(finest)
         if magnified(description, finer, finest, [found.worst, left.worst]) == 1.0:
             by = 1.0

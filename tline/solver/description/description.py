@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tline.scene.changed import SINGLE, changed, parts_of
 from tline.scene.coupled import Coupled, ends_of, refuse_coupled
+from tline.scene.expanded import expanded
 from tline.scene.load import Switch
 from tline.scene.multiport import Multiport
 from tline.scene.plausible import plausibility_notes
@@ -238,6 +239,18 @@ class Description:
     def stretches(self) -> dict[str, Stretches]:
         """What a run puts in place of lines with cavities, or with losses and probes inside."""
         return stretches_of(self.scene)
+
+    @property
+    def mixing(self) -> bool:
+        """Whether losses of coupled conductors mix their modes."""
+        return any(stretches.mixing for stretches in self.stretches.values())
+
+    def parted(self, doublings: int = 0) -> "Description":
+        """Of what stands in place of lines in stretches; itself if there are none.
+
+        Conductors whose losses mix the modes have twice as many stretches with each doubling.
+        """
+        return describe(expanded(self.scene, doublings)) if self.stretches else self
 
     @property
     def own(self) -> set[str]:

@@ -36,16 +36,23 @@ class CutRecord(LineRecord):
         return self.stretches[k].waves(t, part)
 
 
-def merged(result: Result, description: Description) -> Result:
+def merged(result: Result, description: Description, doublings: int = 0) -> Result:
     """The result of an expanded scene as one of the scene described; `Result.parts` keeps the former."""
-    cut = description.stretches
+    mixing = {name: stretches.mixing for name, stretches in description.stretches.items() if stretches.mixing}
+    cut = {name: stretches for name, stretches in description.stretches.items() if name not in mixing}
     hidden = {each for stretches in cut.values() for each in stretches.lines}
+    hidden |= {each for each in result.lines if each.partition(", stretch ")[0] in mixing}
     lines = {name: record for name, record in result.lines.items() if name not in hidden}
     for name, stretches in cut.items():
         records = tuple(result.lines[each] for each in stretches.lines if each in result.lines)
         if len(records) == len(stretches.lines):
             lines[name] = _record(stretches, records)
     places = {node for stretches in cut.values() for node in stretches.places}
+    warned = tuple(
+        f"{place('lines', name)}: its losses mix the modes: they stand at {each.places * 2**doublings} places between "
+        "stretches without"
+        for name, each in mixing.items()
+    )
     return replace(
         result,
         scene=description.scene,
@@ -53,6 +60,7 @@ def merged(result: Result, description: Description) -> Result:
         envelope=result.envelope and _without(result.envelope, places),
         accounts=_Summed(result, description.scene),
         parts=result,
+        warned=warned,
     )
 
 

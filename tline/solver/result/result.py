@@ -335,7 +335,7 @@ class Result(Display, Export):
         """What a user should know beside the numbers; empty if all is well."""
         from tline.solver.result.notes import remarks_of
 
-        return self.parts.remarks if self.parts else (*self.warned, *remarks_of(self))
+        return (*self.warned, *(self.parts.remarks if self.parts else remarks_of(self)))
 
     @property
     def notes(self) -> tuple[str, ...]:
