@@ -5,6 +5,7 @@ import shutil
 import numpy as np
 import pytest
 
+from tline.errors import InputError
 from tline.scene.file import read_scene
 from tline.scene.scene import Scene
 from tline.shipped import FOLDER
@@ -103,3 +104,24 @@ def test_the_bus_with_ten_drops_in_ngspice():
     t = waves["time"][1:-1]
     for name, probe in simulate(scene).probes.items():
         assert np.abs(probe.at(t).u - waves[f"v({name})"][1:-1]).max() < 3e-4 * 3
+
+
+def test_crosstalk_counts_a_jump_at_the_start():
+    """Even and odd mode are single lines: the quiet conductor gets half of what they differ by, at once."""
+    ends = {at: {"at": at, "kind": "resistor", "resistance": 50} for at in ("a2", "b1", "b2")}
+    driver = {"at": "a1", "kind": "voltage", "resistance": 50, "value": {"shape": "step", "to": 1}}
+    modes = {"even": {"z0": 60, "delay": "1 ns"}, "odd": {"z0": 40, "delay": "1 ns"}}
+    pair = {"nodes1": ["a1", "a2"], "nodes2": ["b1", "b2"]} | modes
+    parts = {
+        "medium": "electrical",
+        "t_end": "0.5 ns",
+        "lines": {"p": pair},
+        "loads": ends,
+        "probes": {"a": {"at": "a1"}},
+    }
+    seen = crosstalk(Scene(**parts, sources={"s": driver}))
+    even, odd = 60 / 110 / 2, 40 / 90 / 2
+    assert seen.swing == pytest.approx(even + odd)
+    assert seen.near["a2"] == pytest.approx((even - odd) / (even + odd))
+    with pytest.raises(InputError, match="stays at 0 V"):
+        crosstalk(Scene(**parts, sources={"s": driver | {"value": 0}}))

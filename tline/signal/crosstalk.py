@@ -30,9 +30,9 @@ class Crosstalk:
     voltages : dict of str to ndarray
         Of each node of the conductors, V.
     swing : float
-        Largest less smallest voltage of the driven end.
+        Largest less smallest voltage of the driven end, from rest on: a jump at t = 0 is part of it.
     near, far : dict of str to float
-        Largest change of voltage of each quiet conductor at the driven side and at the other one, over the swing.
+        Largest voltage of each quiet conductor at the driven side and at the other one, over the swing.
     pairs : tuple of pairs of str
         Any two nodes at one end.
     """
@@ -73,7 +73,7 @@ def crosstalk(scene: Scene, line: str | None = None, *, tol: float | None = None
     Raises
     ------
     InputError
-        There is no such line, or no source or driver at one of its nodes.
+        There is no such line, or no source or driver at one of its nodes, or it does not move.
 
     Examples
     --------
@@ -94,10 +94,12 @@ def crosstalk(scene: Scene, line: str | None = None, *, tol: float | None = None
     voltages = {node: np.interp(t, each.t, each.u) for node, each in probes.items()}
     driven = _driven(scene, name, nodes)
     near, far = ends if driven in ends[0] else ends[::-1]
-    swing = float(np.ptp(voltages[driven]))
+    swing = max(float(voltages[driven].max()), 0.0) - min(float(voltages[driven].min()), 0.0)  # from rest
+    if swing == 0:
+        raise InputError("sources", f"'{driven}' stays at 0 V", "a source that moves it")
     at = near.index(driven)
     heard = [
-        {node: float(np.abs(voltages[node] - voltages[node][0]).max()) / swing for k, node in enumerate(end) if k != at}
+        {node: float(np.abs(voltages[node]).max()) / swing for k, node in enumerate(end) if k != at}
         for end in (near, far)
     ]
     pairs = tuple(pair for end in (near, far) for pair in combinations(end, 2))
