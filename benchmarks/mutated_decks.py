@@ -20,10 +20,9 @@ from tline.errors import InputError
 from tline.interchange.spice import read_spice
 from tline.solver.description.description import describe
 
-DECKS = {
-    path.stem: path.read_text(encoding="utf-8")
-    for path in sorted(Path(__file__).parent.parent.glob("tests/decks/*.cir"))
-}
+FOLDER = Path(__file__).parent.parent / "tests" / "decks"
+DECKS = {path.stem: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("*.cir"))}
+DIALECTS = {path.stem: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("dialects/*.cir"))}
 SECONDS = 5
 EXTREME = (
     "0", "-1", "1e300", "1e-300", "1e999", "-1e308", "nan", "inf", "1meg", "{", "}", "(", ")", "=", "'", "{1/0}", "{a}",
@@ -32,10 +31,10 @@ EXTREME = (
 
 
 def mutated(seed: int) -> tuple[str, str]:
-    """A deck's name, and its text with changes that follow from a seed."""
-    chance = Random(seed)
-    name = chance.choice(list(DECKS))
-    lines = DECKS[name].splitlines()
+    """A deck's name, and its text with changes that follow from a seed: of a dialect where it is negative."""
+    chance, decks = Random(seed), DECKS if seed >= 0 else DIALECTS
+    name = chance.choice(list(decks))
+    lines = decks[name].splitlines()
     for _ in range(chance.randint(1, 5)):
         _change(lines, chance)
     return name, "\n".join(lines) + "\n"

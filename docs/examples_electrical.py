@@ -356,6 +356,12 @@ kind = "voltage"
 resistance = "50 ohm"
 value = { shape = "sine", amplitude = "1 V", frequency = "100 MHz" }
 """,
+    "ModulatedSine": """\
+[sources.ringing]
+at = "near"
+kind = "current"
+value = { shape = "modulated sine", amplitude = "10 A", frequency = "1 MHz", decay = "2 us" }
+""",
     "DoubleExponential": """\
 [sources.lightning]
 at = "near"

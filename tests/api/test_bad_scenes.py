@@ -176,6 +176,8 @@ true => : not a number, expected a voltage such as '1 V', got True
 {shape = "sine", amplitude = 1, frequency = 1e9, at = 2, until = 1}
   => .until: not after the begin, expected more than 2 s, got 1 s
 {shape = "sine", amplitude = 1, frequency = "1 s", phase = "1 V"} => .frequency: this unit => .phase: this unit
+{shape = "modulated sine", amplitude = 1, frequency = 1, index = 2}
+  => .modulation: not given together with its index, expected both, or neither of them
 {shape = "exponential", to = 1, time_constant = -1} => .time_constant: duration out of range
 {shape = "double exponential", peak = 1, rise = 2, decay = 2}
   => .rise: must be the shorter time, expected less than 2 s, got 2 s

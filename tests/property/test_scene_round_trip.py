@@ -82,6 +82,7 @@ def waveform(kind: str):
         shape("pulses", {"high": level, "width": low}, low=level, rise=low, fall=low),
         shape("pulses", {"high": level, "width": low, "period": high, "count": st.integers(1, 9)}, rise=st.just(0)),
         shape("sine", {"amplitude": level, "frequency": quantity("Hz")}, phase=quantity("deg", "rad"), offset=level),
+        shape("modulated sine", {"amplitude": level, "frequency": quantity("Hz")}, decay=time, offset=level),
         shape("exponential", {"to": level, "time_constant": time}, **{"from": level}),
         shape("double exponential", {"peak": level, "rise": low, "decay": high}),
     )  # fmt: skip

@@ -55,8 +55,16 @@ NETS = {
     "an amplifier that commands another": ["E1 x 0 p 0 3", "E2 q 0 0 x 2"],
     "a source that commands": ["E1 q 0 s 0 2"],
     "diodes": ["D1 p q DX", "D2 0 q DX", ".model DX D(IS=1n N=1.5)"],
+    "three windings": [
+        "L1 p 0 10n", "L2 0 q 40n", "L3 z 0 20n", "K1 L1 L2 0.6", "K2 L2 L3 0.7", "K3 L1 L3 0.5", "R9 z 0 30",
+    ],
+    "sums of voltages and currents": [
+        "B1 x 0 V=0.5*v(p) - 2*v(s,p) + 7*i(V9)", "R8 x q 40", "V9 p z 0", "R9 z 0 60",
+        "B2 0 q I=5m*v(z) + 1m*v(q,x)/2",
+    ],
+    "a polynomial of two voltages": ["G1 0 q POLY(2) p 0 s 0 0 5m 2m", "R9 p 0 60", "C9 q 0 1p"],
     "transconductances": ["G1 q 0 p 0 10m", "G2 0 p q 0 5m", "G3 p 0 p 0 4m", "L1 q 0 30n"],
-}
+}  # fmt: skip
 
 
 def distances(scene: Scene, runs: list[dict]) -> np.ndarray:

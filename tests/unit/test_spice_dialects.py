@@ -147,8 +147,10 @@ def test_values_with_what_changes_nothing(read):
     scene, _ = read(*CABLE[:4], "R2 b 0 R=100 TC=0 tol=5", "C2 b 0 C='2*p' m=1", "L2 b 0 1u Rser=0", ".param p=1p", RUN)
     assert scene.loads["R2"].resistance == 100
     assert scene.loads["C2"].capacitance == 2e-12
-    with pytest.raises(SceneError, match="line 5, R2: TC other than 0 is not known here"):
-        read(*CABLE[:4], "R2 b 0 100 TC=1m", RUN)
+    _, notes = read(*CABLE[:4], "R2 b 0 100 TC=1m", RUN)
+    assert notes == ("c.cir, line 5, R2: TC is skipped: it is at its nominal temperature",)
+    with pytest.raises(SceneError, match=r"line 6, .temp: another temperature beside diodes, or coefficients of it"):
+        read(*CABLE[:4], "R2 b 0 100 TC=1m", ".temp 60", RUN)
 
 
 def test_begins_of_capacitors_and_inductors(read):

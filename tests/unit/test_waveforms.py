@@ -11,7 +11,7 @@ from tline.errors import InputError
 from tline.scene.points import PiecewiseLinear, Ramp, Table, read_table
 from tline.scene.pulses import MOST_PULSES, Pulses
 from tline.scene.shape import Constant, Shape, Step
-from tline.scene.smooth import DoubleExponential, Exponential, Sine
+from tline.scene.smooth import DoubleExponential, Exponential, ModulatedSine, Sine
 from tline.solver.description.excitation import EDGE, just_before
 from tline.solver.radau import basis, gauss
 from tline.study.baseline.pointwise import projected
@@ -48,6 +48,9 @@ JUMPS = PiecewiseLinear(points=[[1, 5], [2, 7], [2, -1], [4, -1], [5, 0], [5, 2]
         (SINE, [1, 6], {0: 2, 1: 2, 2: 1 + 2 * sin(2 * pi / 3), 6: 1 + 2 * sin(2 * pi * (1.25 + 1 / 12))}),
         (SINE, [1, 6], {6.5: 1 + 2 * sin(2 * pi * (1.25 + 1 / 12)), 99: 1 + 2 * sin(2 * pi * (1.25 + 1 / 12))}),
         (Sine(amplitude=1, frequency=1), [0], {-3: 0, 0.25: 1, 100.75: -1}),
+        (ModulatedSine(amplitude=2, frequency=0.25, offset=1, at=1, decay=2), [1], {0: 1, 2: 1 + 2 * exp(-0.5)}),
+        (ModulatedSine(amplitude=2, frequency=0.25, at=-1, index=0.5, modulation=0.125), [-1],
+         {-2: 0, 0: 2 * sin(pi / 2 + 0.5 * sin(pi / 4)), 1: 2 * sin(pi + 0.5), 3: 0}),
         (Exponential(from_=2, to=-1, at=1, time_constant=3), [1], {0: 2, 1: 2, 4: -1 + 3 / exp(1), 1e9: -1}),
         (Exponential(to=1, time_constant=1e12), [0], {1: -expm1(-1e-12)}),
     ],

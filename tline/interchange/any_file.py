@@ -6,11 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from tline.errors import InputError, LeftOutWarning
-from tline.scene.file import read_scene
+from tline.scene.file import EPANET, SPICE, read_scene
 from tline.scene.scene import Scene
 from tline.scene.text_file import check_ordinary
-
-SPICE, EPANET = (".cir", ".ckt", ".net", ".sp", ".spi"), (".inp",)  # suffixes
+from tline.wording import shown
 
 
 def read(
@@ -50,6 +49,8 @@ def read(
     LeftOutWarning
         For each thing that is left out of a netlist or a water network, or taken otherwise.
     """
+    if not isinstance(path, str | Path):
+        raise InputError("path", "not a path", "the path of a file", shown(path))
     water = {"wave_speed": wave_speed, "material": material, "hour": hour, "moving_tanks": moving_tanks or None}
     path = Path(path)
     if path.suffix.lower() not in (*SPICE, *EPANET):

@@ -11,7 +11,9 @@ from typing import NamedTuple
 
 from tline.errors import InputError
 from tline.interchange.findings import Findings
-from tline.interchange.spice_number import Parameters, parse_value
+from tline.interchange.spice_expression import Parameters
+from tline.interchange.spice_number import parse_value
+from tline.interchange.spice_parameters import PARAMETERS, assignments
 from tline.scene.named_file import Folder
 from tline.scene.text_file import read_text
 
@@ -20,6 +22,7 @@ MOST_CARDS, MOST_FILES, DEEPEST = 100_000, 100, 20
 COMMENT = re.compile(r";.*|//.*|(?:^|\s)\$.*")
 WORD = re.compile(r"\{[^{}]*\}|'[^']*'|\"[^\"]*\"|=|[^\s(),={}'\"]+")
 FILE = re.compile(r"\.\w+\s+(?:\"([^\"]*)\"|'([^']*)'|(\S+))\s*(\S*)")
+OTHERS_LIBRARY = re.compile(r"[A-Za-z]:[\\/]")  # such as LTspice names for each diode, whether it has a model or not
 INCLUDES = (".include", ".inc", ".incl", ".lib")
 OTHER_RUNS = (".alter", ".modify", ".mo", ".fault")  # HSPICE's and gnucap's: change the circuit, and run again
 WITHIN_CONTROL = {
@@ -110,6 +113,8 @@ class _Reader:
         for line, text in _joined(lines, path, first, self.found):
             name, *words = WORD.findall(text) or [text]
             where, lower = f"{path}, line {line}, {name:.40}", name.lower()
+            if lower in PARAMETERS:
+                words = assignments(text)
             self.count += 1
             if ended:
                 self.found.note(where, "skipped with all that follows, for it stands behind .end")
@@ -139,6 +144,9 @@ class _Reader:
             problem = "names no file" if match is None else "files that include each other"
             raise card.refuse(problem, "a file" if match is None else f"at most {DEEPEST} deep, {MOST_FILES} in all")
         name, section = match[1] or match[2] or match[3] or "", match[4].strip("'\"").lower()
+        if OTHERS_LIBRARY.match(name) and card.name.lower() == ".lib":
+            self.found.note(card.where, f"'{name:.80}' is not read: it belongs to another program")
+            return
         try:
             path = self.folder.find(name)
             lines = _lines(path)

@@ -17,9 +17,13 @@ NO_LENGTH = 1e-9  # ohm
 
 
 def lossless_line(card: Card, net: Netlist) -> None:
-    """A T element; the numbers of its begin must be zero."""
+    """A T element; the numbers of its begin must be zero. With R, L, G and C per length it is lossy, as in PSpice."""
     plain, given = card.assigned(4)
     names = "Z0 with TD, or with F (and NL)"
+    if {"len", "l", "c"} <= given.keys() <= {"len", "r", "l", "g", "c"}:
+        model = card._replace(words=["", "ltra", *card.words[4:]])
+        add_uniform(card, net, _ends(card, net), _per_length(model, "ltra", {}))
+        return
     if "z" in given:
         given["z0"] = given.pop("z")
     if plain or not given.keys() <= {"z0", "td", "f", "nl", "ic", "rel", "abs", "l"}:

@@ -6,12 +6,14 @@ from typing import Any
 import numpy as np
 
 from tline.errors import InputError, SceneError
+from tline.interchange.coupled_windings import add_coupled, couplings, names_coupled
 from tline.interchange.deck import Card, read_deck
 from tline.interchange.elements import merge_shorts, take
 from tline.interchange.findings import Findings
 from tline.interchange.netlist import REFERENCE, Netlist
 from tline.interchange.spice_commands import SHOWN, nodes_shown, skip, transient, values_at_begin
 from tline.interchange.spice_generator import with_generator
+from tline.interchange.spice_linear import with_linear_sources
 from tline.interchange.spice_measure import MEASURE, measures, nodes_measured
 from tline.interchange.spice_source import Transient
 from tline.interchange.spice_step import STEP, note_steps, with_first_values
@@ -21,7 +23,6 @@ from tline.scene.file import scene_from
 from tline.scene.scene import Scene
 from tline.wording import nearest, place
 
-ORDER = {"L": 1, "K": 2}  # inductors before what couples them, after all others
 ANY = Transient(0.0, 1.0, True)  # in place of a run that is not given, so that other mistakes are found
 
 
@@ -70,7 +71,7 @@ def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
 
 def _read(raw: list[Card], title: str, path: Path, found: Findings) -> tuple[dict[str, Any], Netlist]:
     """The scene's tables, and the netlist that they are from."""
-    cards = with_generator(opened(raw, found), found)
+    cards = with_linear_sources(with_generator(opened(raw, found), found), found)
     commands = {name: [card for card in cards if card.name.lower() == name] for name in (".tran", ".model", ".ic")}
     tran = transient(commands[".tran"], str(path), found)
     models = {card.words[0].lower(): card for card in commands[".model"] if card.words}
@@ -82,7 +83,7 @@ def _read(raw: list[Card], title: str, path: Path, found: Findings) -> tuple[dic
             shown += nodes_shown(card, found)
         elif card.kind == "." and name not in (*commands, *MEASURE, STEP):
             with found.gathered():
-                skip(card, found, any(each.kind == "D" for each in cards))
+                skip(card, found, any(each.kind == "D" or " tc" in each.text.lower() for each in cards))
     _take(net, [card for card in cards if card.kind != "."], commands[".ic"])
     found.check()
     dropped = connected(net) if net.tables["lines"] else set()
@@ -107,16 +108,21 @@ def _take(net: Netlist, elements: list[Card], begin: list[Card]) -> None:
                 raise card.refuse("named twice", "another name")
     sensed = {card.words[2].lower() for card in elements if card.kind in "FH" and len(card.words) > 2}
     net.sensed = {key: f"{named[key].name}.i" for key in sensed if key in named and named[key].kind == "V"}
-    net.coupled = {word.lower() for card in elements if card.kind == "K" for word in card.words[:2]}
+    net.coupled = set(names_coupled(elements))
     merge_shorts(elements, net)
     with net.found.gathered():
         net.initial = {net.node(name).lower(): given for name, given in values_at_begin(begin).items()}
         for card, value in net.initial.values():
             if value and not net.tran.uic:
                 raise card.refuse("voltages at t = 0 without UIC in .tran", "UIC, or .nodeset", f"{value:g}")
-    for card in sorted(named.values(), key=lambda card: ORDER.get(card.kind, 0)):
+    pairs = []
+    for card in named.values():
         with net.found.gathered(), np.errstate(all="ignore"):
-            _take_one(card, net)
+            if card.kind == "K":
+                pairs += couplings(card)
+            else:
+                _take_one(card, net)
+    add_coupled(pairs, net)
 
 
 def _take_one(card: Card, net: Netlist) -> None:

@@ -79,17 +79,17 @@ def values_at_begin(cards: Iterable[Card]) -> dict[str, tuple[Card, float]]:
     return given
 
 
-def skip(card: Card, found: Findings, has_diodes: bool) -> None:
+def skip(card: Card, found: Findings, has_heat: bool) -> None:
     """Note a command that changes nothing here.
 
     Raises
     ------
     InputError
-        It is not known, or sets another temperature beside diodes.
+        It is not known, or sets another temperature beside what depends on it.
     """
     name = card.name.lower()
-    if name in TEMPERATURES and has_diodes and card.words and abs(card.value(card.words[0]) - 27) > 1e-9:
-        raise card.refuse("diodes at another temperature", "27 degC", card.words[0])
+    if name in TEMPERATURES and has_heat and card.words and abs(card.value(card.words[0]) - 27) > 1e-9:
+        raise card.refuse("another temperature beside diodes, or coefficients of it", "27 degC", card.words[0])
     if name not in HARMLESS and name not in TEMPERATURES:
         raise card.refuse("a command that is not known here", ".tran, .model, .subckt, .param, .include, .ic, .print")
     advice = HARMLESS.get(name, "")

@@ -1,22 +1,39 @@
 """Expressions of SPICE netlists: numbers with suffixes, parameters, operators and functions, parsed and computed."""
 
 import math
+import operator
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from itertools import count
 from typing import Any, NamedTuple
 
-NUMBER = r"(\d+\.?\d*|\.\d+)(?:e([+-]?\d{1,4}))?([a-zµμ]*)"  # what follows a suffix is a unit, and ignored
-TOKEN = re.compile(rf"\s*(?:(?P<number>{NUMBER})|(?P<name>[a-z_]\w*)|(?P<mark>\*\*|[-+*/^(),]))", re.IGNORECASE)
-POWERS = {"t": 12, "g": 9, "meg": 6, "k": 3, "m": -3, "u": -6, "µ": -6, "μ": -6, "n": -9, "p": -12, "f": -15, "a": -18}
-MIL = 25.4e-6  # m
-DEEPEST = 50  # brackets and signs in each other
-FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {  # and how many arguments they take
-    "sqrt": (1, math.sqrt), "exp": (1, math.exp), "ln": (1, math.log), "log": (1, math.log), "log10": (1, math.log10),
-    "abs": (1, abs), "sin": (1, math.sin), "cos": (1, math.cos), "tan": (1, math.tan), "atan": (1, math.atan),
-    "sinh": (1, math.sinh), "cosh": (1, math.cosh), "tanh": (1, math.tanh), "int": (1, math.trunc),
-    "min": (2, min), "max": (2, max), "pow": (2, math.pow), "pwr": (2, lambda x, y: math.pow(abs(x), y)),
+from tline.interchange.spice_functions import FUNCTIONS, Defined
+
+NUMBER = r"(\d+\.?\d*|\.\d+)(?:e([+-]?\d{1,4}))?([a-zµμΩΩ]*)"  # what follows a suffix is a unit, and ignored
+AS_POINT = r"(\d+)([tgkmunpfarµμ])(\d+)"  # 4k7
+SIGNAL = r"[vi]\(\s*[^\s()=]+(?:\s*[,\s]\s*[^\s()=]+)?\s*\)"  # a voltage or a current
+TOKEN = re.compile(
+    rf"\s*(?:(?P<number>{AS_POINT}(?![\w.])|{NUMBER})|(?P<signal>{SIGNAL})|(?P<name>[a-z_]\w*)"
+    r"|(?P<mark>\*\*|==|!=|<=|>=|&&|\|\||[-+*/^(),<>?:!]))",
+    re.IGNORECASE,
+)
+POWERS = {
+    "t": 12, "g": 9, "meg": 6, "x": 6, "k": 3, "m": -3, "u": -6, "µ": -6, "μ": -6, "n": -9, "p": -12, "f": -15, "a": -18
 }  # fmt: skip
-CONSTANTS = {"pi": math.pi, "e": math.e}
+MIL = 25.4e-6  # m
+DEEPEST, MOST_CALLS = 50, 10_000  # brackets and signs in each other; calls of functions that the netlist defines
+BINARY: tuple[dict[str, Callable[[Any, Any], Any]], ...] = (  # from the loosest
+    {"||": lambda x, y: float(bool(x) or bool(y))},
+    {"&&": lambda x, y: float(bool(x) and bool(y))},
+    {"==": operator.eq, "!=": operator.ne, "<": operator.lt, ">": operator.gt, "<=": operator.le, ">=": operator.ge},
+    {"+": operator.add, "-": operator.sub},
+    {"*": operator.mul, "/": operator.truediv},
+)
+CONSTANTS = {"pi": math.pi, "e": math.e, "true": 1.0, "false": 0.0}
+
+Value = Any  # a number, or what a signal stands for
+Parameters = Mapping[str, float | Defined]  # names in lower case; functions as 'name()'
+Signal = Callable[[str], Value]  # of its text
 
 
 def number(text: str) -> float | None:
@@ -24,9 +41,12 @@ def number(text: str) -> float | None:
 
     Examples
     --------
-    >>> number("1.1n"), number("3MEGohm"), number("10pF"), number("5 ns")
-    (1.1e-09, 3000000.0, 1e-11, None)
+    >>> number("1.1n"), number("3MEGohm"), number("10pF"), number("4k7"), number("5 ns")
+    (1.1e-09, 3000000.0, 1e-11, 4700.0, None)
     """
+    if as_point := re.fullmatch(rf"([+-]?){AS_POINT}", text, re.IGNORECASE):
+        sign, whole, letter, rest = as_point.groups()
+        return float(f"{sign}{whole}.{rest}e{POWERS.get(letter.lower(), 0)}")
     found = re.fullmatch(rf"([+-]?){NUMBER}", text, re.IGNORECASE)
     if found is None:
         return None
@@ -39,21 +59,23 @@ def number(text: str) -> float | None:
 
 
 class Token(NamedTuple):
-    """A number, a name or a mark, and its text in lower case."""
+    """A number, a signal, a name or a mark, and its text in lower case."""
 
     kind: str
     text: str
 
 
-def expression(text: str, parameters: Mapping[str, float]) -> float:
+def expression(text: str, parameters: Parameters, signal: Signal | None = None) -> Value:
     """Value of an expression.
 
     Parameters
     ----------
     text : str
-        Numbers, names, + - * / and powers (^ or **), brackets and functions.
+        Numbers, names, + - * / and powers (^ or **), comparisons, conditions (a ? b : c), brackets and functions.
     parameters : mapping
         Values by name in lower case.
+    signal : callable, optional
+        What ``v(a,b)`` and ``i(source)`` stand for, which are not known without it.
 
     Raises
     ------
@@ -62,33 +84,39 @@ def expression(text: str, parameters: Mapping[str, float]) -> float:
 
     Examples
     --------
-    >>> expression("2*Z0 + sqrt(4)*1k", {"z0": 50.0})
+    >>> expression("2*Z0 + (Z0 > 40 ? sqrt(4) : 0)*1k", {"z0": 50.0})
     2100.0
     """
-    parser = _Parser(_tokens(text), parameters)
-    value = parser.sum(0)
-    if parser.rest:
-        raise ValueError(f"nothing is expected before '{parser.rest[0].text:.20}'")
-    return value
+    return _Parser(text, parameters, signal, count()).whole(0)
 
 
-def _tokens(text: str) -> list[Token]:
+def _tokens(text: str, signals: bool) -> list[Token]:
     found, at = [], 0
     text = text.rstrip()
     while at < len(text):
         token = TOKEN.match(text, at)
         if token is None:
             raise ValueError(f"'{text[at:].strip():.20}' is not known")
-        found.append(Token(token.lastgroup or "", token[token.lastgroup or 0].lower()))
-        at = token.end()
+        kind, own = token.lastgroup or "", token[token.lastgroup or 0]
+        if kind == "signal" and not signals:
+            own, kind = own.partition("(")[0], "name"
+        found.append(Token(kind, own.lower()))
+        at = token.start(token.lastgroup or 0) + len(own)
     return found
 
 
 class _Parser:
     """Recursive descent over the tokens that are left."""
 
-    def __init__(self, tokens: list[Token], parameters: Mapping[str, float]):
-        self.rest, self.parameters = tokens, parameters
+    def __init__(self, text: str, parameters: Parameters, signal: Signal | None, calls: Iterator[int]):
+        self.rest, self.parameters = _tokens(text, signal is not None), parameters
+        self.signal, self.calls = signal, calls
+
+    def whole(self, depth: int) -> Value:
+        value = self._choice(depth)
+        if self.rest:
+            raise ValueError(f"nothing is expected before '{self.rest[0].text:.20}'")
+        return value
 
     def _take(self, *marks: str) -> str:
         """The next token if it is one of these marks."""
@@ -100,40 +128,47 @@ class _Parser:
         if not self._take(mark):
             raise ValueError(f"'{mark}' is missing")
 
-    def sum(self, depth: int) -> float:
-        value = self._product(depth)
-        while sign := self._take("+", "-"):
-            other = self._product(depth)
-            value = value + other if sign == "+" else value - other
+    def _choice(self, depth: int) -> Value:
+        """Two values of which a condition chooses one."""
+        value = self._binary(0, depth)
+        if not self._take("?"):
+            return value
+        first = self._choice(depth + 1)
+        self._need(":")
+        second = self._choice(depth + 1)
+        return first if value else second
+
+    def _binary(self, level: int, depth: int) -> Value:
+        if level == len(BINARY):
+            return self._signed(depth)
+        value = self._binary(level + 1, depth)
+        while mark := self._take(*BINARY[level]):
+            value = BINARY[level][mark](value, self._binary(level + 1, depth))
+            value = float(value) if isinstance(value, bool) else value
         return value
 
-    def _product(self, depth: int) -> float:
-        value = self._signed(depth)
-        while sign := self._take("*", "/"):
-            other = self._signed(depth)
-            value = value * other if sign == "*" else value / other
-        return value
-
-    def _signed(self, depth: int) -> float:
+    def _signed(self, depth: int) -> Value:
         if depth > DEEPEST:
             raise ValueError("it is nested too deeply")
-        if sign := self._take("+", "-"):
+        if sign := self._take("+", "-", "!"):
             value = self._signed(depth + 1)
-            return -value if sign == "-" else value
+            return value if sign == "+" else -value if sign == "-" else float(not value)
         value = self._atom(depth)
         if self._take("^", "**"):
             return math.pow(value, self._signed(depth + 1))
         return value
 
-    def _atom(self, depth: int) -> float:
+    def _atom(self, depth: int) -> Value:
         if not self.rest:
             raise ValueError("it ends too early")
         kind, text = self.rest.pop(0)
         if kind == "number":
             value = number(text)
             return math.nan if value is None else value
+        if kind == "signal" and self.signal:
+            return self.signal(text)
         if text == "(":
-            value = self.sum(depth + 1)
+            value = self._choice(depth + 1)
             self._need(")")
             return value
         if kind == "mark":
@@ -145,14 +180,30 @@ class _Parser:
             raise ValueError(f"no such parameter as '{text:.40}'")
         return value
 
-    def _function(self, name: str, depth: int) -> float:
+    def _function(self, name: str, depth: int) -> Value:
+        arguments = [self._choice(depth + 1)]
+        while self._take(","):
+            arguments.append(self._choice(depth + 1))
+        self._need(")")
+        defined = self.parameters.get(f"{name}()")
+        if isinstance(defined, Defined):
+            return self._defined(name, defined, arguments, depth)
         if name not in FUNCTIONS:
             raise ValueError(f"no such function as '{name:.40}'")
-        count, function = FUNCTIONS[name]
-        arguments = [self.sum(depth + 1)]
-        while self._take(","):
-            arguments.append(self.sum(depth + 1))
-        self._need(")")
-        if len(arguments) != count:
-            raise ValueError(f"'{name}' takes {count} value{'s' * (count > 1)}")
+        function, least, most = FUNCTIONS[name]
+        _check_count(name, arguments, least, most)
         return float(function(*arguments))
+
+    def _defined(self, name: str, defined: Defined, arguments: list[Value], depth: int) -> Value:
+        """Value of a function of the netlist, which sees its parameters too."""
+        if next(self.calls) > MOST_CALLS:
+            raise ValueError("its functions call each other too often")
+        _check_count(name, arguments, len(defined.arguments), len(defined.arguments))
+        inside = {**self.parameters, **dict(zip(defined.arguments, arguments, strict=True))}
+        return _Parser(defined.text, inside, self.signal, self.calls).whole(depth + 1)
+
+
+def _check_count(name: str, arguments: list[Value], least: int, most: int) -> None:
+    if not least <= len(arguments) <= most:
+        said = f"{least}" if least == most else f"{least} or more"
+        raise ValueError(f"'{name:.40}' takes {said} value{'s' * (least > 1)}")

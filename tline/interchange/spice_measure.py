@@ -10,6 +10,7 @@ from tline.interchange.netlist import REFERENCE, Netlist
 
 Table = dict[str, Any]
 MEASURE = (".measure", ".meas")
+DIFFERENCE = re.compile(r"(?:[{'\"]\s*)?v\(\s*([^\s(),]+)\s*\)\s*-\s*v\(\s*([^\s(),]+)\s*\)\s*[}'\"]?", re.IGNORECASE)
 WORD = re.compile(r"v\([^()]*\)|\{[^{}]*\}|'[^']*'|[^\s=,]+", re.IGNORECASE)
 EXTENTS = {
     "MAX": "maximum", "MIN": "minimum", "PP": "peak to peak", "AVG": "mean", "RMS": "rms",
@@ -43,7 +44,7 @@ class _MeasureReader:
     """Takes the words of a card from the left; '=' counts for nothing."""
 
     def __init__(self, card: Card, net: Netlist):
-        self.card, self.net, self.words = card, net, WORD.findall(card.text)[1:]
+        self.card, self.net, self.words = card, net, WORD.findall(DIFFERENCE.sub(r"v(\1,\2)", card.text))[1:]
         self._is("TRAN")
         if self.words and self.words[0].upper() in OTHERS:
             raise card.refuse("another analysis")

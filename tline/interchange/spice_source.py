@@ -1,14 +1,21 @@
-"""What a SPICE source does over time, as waveforms of a scene."""
+"""What the card of a SPICE source says: a level, a shape with its numbers, a resistance."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from tline.interchange.deck import Card
 from tline.interchange.findings import Findings
-from tline.interchange.spice_waveform import surge_factor
 
-Waveform = float | dict[str, Any]  # as in a scene file
-SHAPES = ("PULSE", "PWL", "SIN", "EXP")
-MOST = {"PULSE": 7, "SIN": 6, "EXP": 6}  # numbers
+ARGUMENTS = {  # numbers of each shape, by the names that gnucap has for them
+    "PULSE": ("iv", "pv", "delay", "rise", "fall", "width", "period", "count"),
+    "SIN": ("offset", "amplitude", "frequency", "delay", "damping", "phase", "count"),
+    "EXP": ("iv", "pv", "td1", "tau1", "td2", "tau2"),
+    "SFFM": ("offset", "amplitude", "carrier", "modindex", "signal"),
+    "AM": ("amplitude", "offset", "signal", "carrier", "delay"),
+    "PWL": (),
+}
+ALIASES = {"SINE": "SIN", "PU": "PULSE"}
+WORDS = {*ARGUMENTS, *ALIASES, "AC", "DC"}
+EXPECTED = "DC, PULSE, PWL, SIN, EXP, SFFM or AM"
 
 
 class Transient(NamedTuple):
@@ -26,6 +33,8 @@ class Said(NamedTuple):
     shape: str
     numbers: list[float]
     resistance: float
+    repeat: float | None = None  # instant from which points are repeated
+    delay: float = 0.0  # of points
 
     @property
     def is_zero(self) -> bool:
@@ -40,7 +49,7 @@ class Said(NamedTuple):
         if self.shape == "PWL":
             return self.numbers[1] == 0
         phase = self.numbers[5] if self.shape == "SIN" and len(self.numbers) > 5 else 0.0
-        return self.numbers[0] == 0 and self.numbers[1] * phase == 0
+        return self.shape == "AM" or (self.numbers[0] == 0 and self.numbers[1] * phase == 0)
 
 
 def said_of(card: Card, found: Findings) -> Said:
@@ -52,21 +61,22 @@ def said_of(card: Card, found: Findings) -> Said:
         The source is something else, or has numbers that no waveform has.
     """
     words, assigned = card.assigned(2)
-    level = 0.0
+    level, shape, numbers = 0.0, "", []
     if "dc" in assigned:
-        level, *rest = map(card.value, assigned.pop("dc"))
-        if rest:
-            raise card.refuse("DC with more than a level", "DC 5")
-    resistance = _resistance(card, assigned)
-    if words and words[0].upper() not in (*SHAPES, "AC", "DC"):
+        level, *after = assigned.pop("dc")
+        level, words = card.value(level), [*words, *after]
+    if assigned.pop("ac", None):
+        found.note(card.where, "its AC part is skipped")
+    resistance = _single(card, assigned, "rser")
+    if words and words[0].upper() not in WORDS:
         level, words = card.value(words[0]), words[1:]
-    shape, numbers = "", []
+    repeat = None
     while words:
         word, own = words[0].upper(), []
-        if word not in (*SHAPES, "AC", "DC"):
-            raise card.refuse("not known here", "DC, PULSE, PWL, SIN or EXP", f"'{words[0]:.40}'")
+        if word not in WORDS:
+            raise card.refuse("not known here", EXPECTED, f"'{words[0]:.40}'")
         words = words[1:]
-        while words and words[0].upper() not in (*SHAPES, "AC", "DC"):
+        while words and words[0].upper() not in WORDS:
             own, words = [*own, words[0]], words[1:]
         if word == "AC":
             found.note(card.where, "its AC part is skipped")
@@ -77,81 +87,35 @@ def said_of(card: Card, found: Findings) -> Said:
         elif shape:
             raise card.refuse("has two waveforms", "one", f"{shape} and {word}")
         else:
-            shape, numbers = word, [card.value(each) for each in own]
-    if shape and (len(numbers) < 2 or len(numbers) > MOST.get(shape, len(numbers))):
-        expected = f"2 to {MOST[shape]}" if shape in MOST else "pairs of time and level"
+            shape = ALIASES.get(word, word)
+            if shape == "PWL" and own[-1:] in (["R"], ["r"]):
+                own, repeat = own[:-1], 0.0
+            numbers = [card.value(each) for each in own] or _named(card, shape, assigned)
+    delay = 0.0
+    if shape == "PWL":
+        repeat = _single(card, assigned, "r") if "r" in assigned else repeat
+        delay = _single(card, assigned, "td")
+    if assigned:
+        raise card.refuse("has more than a waveform", EXPECTED, f"'{next(iter(assigned)):.40}='")
+    most = len(ARGUMENTS.get(shape, ())) or len(numbers)
+    if shape and not 2 <= len(numbers) <= most:
+        expected = f"2 to {most}" if ARGUMENTS[shape] else "pairs of time and level"
         raise card.refuse(f"{shape} with {len(numbers)} numbers", expected)
-    return Said(level, shape, numbers, resistance)
+    if resistance < 0:
+        raise card.refuse("its resistance is below zero", "0 or more", f"{resistance:g}")
+    return Said(level, shape, numbers, resistance, None if repeat is None or repeat < 0 else repeat, delay)
 
 
-def _resistance(card: Card, assigned: dict[str, list[str]]) -> float:
-    """Of LTspice's sources."""
-    given = assigned.pop("rser", ["0"])
-    if assigned or len(given) != 1:
-        key = next(iter(assigned), "rser")
-        raise card.refuse("has more than a waveform", "DC, PULSE, PWL, SIN or EXP", f"'{key}='")
-    value = card.value(given[0])
-    if value < 0:
-        raise card.refuse("its resistance is below zero", "0 or more", f"{value:g}")
-    return value
+def _single(card: Card, assigned: dict[str, list[str]], key: str) -> float:
+    """The value of a key, which is taken out; zero without it."""
+    words = assigned.pop(key, ["0"])
+    if len(words) != 1:
+        raise card.refuse(f"{key.upper()} is not one number", f"{key.upper()}=0", f"'{' '.join(words):.40}'")
+    return card.value(words[0])
 
 
-def waveforms(card: Card, said: Said, tran: Transient, factor: float) -> list[Waveform]:
-    """Waveforms whose sum is the source times a factor.
-
-    Raises
-    ------
-    InputError
-        It has numbers that no waveform has.
-
-    References
-    ----------
-    H. Vogt et al.: Ngspice User's Manual, chapter "Independent sources for voltage or current".
-    """
-    if not said.shape:
-        return [factor * said.level]
-    make = {"PULSE": _pulse, "PWL": _points, "SIN": _sine, "EXP": _exponential}[said.shape]
-    return make(card, said.numbers, tran, factor)
-
-
-def _given(numbers: list[float], k: int, default: float) -> float:
-    """The k-th number; one that is left out or zero has a default."""
-    return numbers[k] if k < len(numbers) and numbers[k] else default
-
-
-def _pulse(card: Card, numbers: list[float], tran: Transient, factor: float) -> list[Waveform]:
-    rise, fall = (_given(numbers, k, tran.step) for k in (3, 4))
-    at, width, period = _given(numbers, 2, 0.0), _given(numbers, 5, tran.end), _given(numbers, 6, tran.end)
-    pulse: dict[str, Any] = {"shape": "pulses", "low": factor * numbers[0], "high": factor * numbers[1], "at": at}
-    pulse |= {"width": width, "rise": rise, "fall": fall}
-    return [pulse | ({"period": period} if at + period < tran.end else {})]
-
-
-def _points(card: Card, numbers: list[float], tran: Transient, factor: float) -> list[Waveform]:
-    if len(numbers) % 2:
-        raise card.refuse(f"PWL with {len(numbers)} numbers", "pairs of time and level")
-    points = [[t, factor * level] for t, level in zip(numbers[::2], numbers[1::2], strict=True)]
-    return [points[0][1]] if len(points) == 1 else [{"shape": "piecewise linear", "points": points}]
-
-
-def _sine(card: Card, numbers: list[float], tran: Transient, factor: float) -> list[Waveform]:
-    if _given(numbers, 4, 0.0):
-        raise card.refuse("a sine that is damped", "THETA = 0", f"{numbers[4]:g}")
-    sine: dict[str, Any] = {"shape": "sine", "offset": factor * numbers[0], "amplitude": factor * numbers[1]}
-    sine |= {"frequency": _given(numbers, 2, 1 / tran.end), "at": _given(numbers, 3, 0.0)}
-    return [sine | ({"phase": f"{numbers[5]!r} deg"} if len(numbers) > 5 else {})]
-
-
-def _exponential(card: Card, numbers: list[float], tran: Transient, factor: float) -> list[Waveform]:
-    """A rise, and a fall back that is added to it where it begins within the run."""
-    low, high = factor * numbers[0], factor * numbers[1]
-    begin, rise = _given(numbers, 2, 0.0), _given(numbers, 3, tran.step)
-    back, fall = _given(numbers, 4, begin + tran.step), _given(numbers, 5, tran.step)
-    if rise <= 0 or fall <= 0 or back < begin:
-        raise card.refuse("EXP with times that make no pulse", "TAU1, TAU2 above zero and TD2 not before TD1")
-    up = {"shape": "exponential", "from": low, "to": high, "at": begin, "time_constant": rise}
-    down = {"shape": "exponential", "from": 0.0, "to": low - high, "at": back, "time_constant": fall}
-    if low == 0 and back == begin and rise < fall:
-        peak = high / surge_factor(rise, fall)
-        return [{"shape": "double exponential", "peak": peak, "rise": rise, "decay": fall, "at": begin}]
-    return [up] if back >= tran.end else [up, down]
+def _named(card: Card, shape: str, assigned: dict[str, list[str]]) -> list[float]:
+    """Numbers of a shape by their names, in their order; those that are left out are zero."""
+    given = {name: _single(card, assigned, name) for name in ARGUMENTS[shape] if name in assigned}
+    last = max((ARGUMENTS[shape].index(name) for name in given), default=-1)
+    return [given.get(name, 0.0) for name in ARGUMENTS[shape][: last + 1]]

@@ -2,15 +2,19 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import count
 
 from tline.errors import InputError
 from tline.interchange.deck import DEEPEST, MOST_CARDS, Card, nodes_of
 from tline.interchange.findings import Findings
-from tline.interchange.spice_number import Parameters, parse_value
+from tline.interchange.spice_expression import Parameters
+from tline.interchange.spice_functions import Defined
+from tline.interchange.spice_linear import BY_LAW, law_words, with_outside_names
+from tline.interchange.spice_number import parse_value
+from tline.interchange.spice_parameters import FUNCTION, PARAMETERS, function
 
 GROUND = {"0", "gnd", "gnd!", "ground"}
-PARAMETERS = (".param", ".params", ".global_param", ".csparam")
 PORTS = {"T": 4, "O": 4, "Y": 4, "E": 4, "G": 4, "U": 3, "S": 4, "Q": 3, "J": 3, "Z": 3, "M": 4}  # nodes; others have 2
 TYPES = ("VCVS", "VCCS", "CCCS", "CCVS")  # of HSPICE, said once more
 
@@ -88,10 +92,7 @@ def _in_order(card: Card) -> Card:
         words = [*words[k:], *words[:k]]
     elif card.kind in "EFGH" and len(words) > 3 and words[2].upper() in TYPES:
         words = [*words[:2], *words[3:]]
-    elif card.kind in "EFGH" and [word.upper() for word in words[2:4]] == ["POLY", "1"]:
-        named = 6 if card.kind in "EG" else 5
-        words = [*words[:2], *words[4:named], "POLY", *words[named:]]
-    return card._replace(words=words)
+    return card._replace(words=law_words(card._replace(words=words)) or words)
 
 
 def _assignments(words: list[str]) -> tuple[list[str], list[str]]:
@@ -100,7 +101,7 @@ def _assignments(words: list[str]) -> tuple[list[str], list[str]]:
     return words[: nodes_of(words)], words[nodes_of(words) :]
 
 
-def _set(card: Card, words: list[str], scope: Parameters, seen: Parameters) -> dict[str, float]:
+def _set(card: Card, words: list[str], scope: Parameters, seen: Parameters) -> dict[str, float | Defined]:
     """The scope with what is assigned, each value as seen from `seen`."""
     found = dict(scope)
     if len(words) % 3 or any(word != "=" for word in words[1::3]):
@@ -111,13 +112,21 @@ def _set(card: Card, words: list[str], scope: Parameters, seen: Parameters) -> d
 
 
 def _parameters(cards: list[Card], scope: Parameters, found: Findings) -> Parameters:
-    """The scope with all .param of these cards, in an order in which each finds what it needs."""
+    """The scope with all .func and .param of these cards, in an order in which each finds what it needs."""
     waiting = [
         (card._replace(words=card.words[k : k + 3]))
         for card in cards
         if card.name.lower() in PARAMETERS
         for k in range(0, len(card.words), 3)
     ]
+    functions = [card for card in cards if card.name.lower() == FUNCTION]
+    for card in [*functions, *(card for card in waiting if card.words[0].endswith(")"))]:
+        defined = function(card.text if card in functions else f".func {' '.join(card.words)}")
+        if defined is None:
+            found.mistakes.append(card.refuse("not a function", ".func NAME(X) {an expression}", f"'{card.text:.40}'"))
+        else:
+            scope = {**scope, f"{defined[0]}()": defined[1]}
+    waiting = [card for card in waiting if not card.words[0].endswith(")")]
     while waiting:
         left: list[tuple[Card, InputError]] = []
         for card in waiting:
@@ -148,7 +157,7 @@ def _opened(cards: list[Card], scope: Parameters, opening: _Opening, depth: int)
                 opening.found.mistakes.append(error)
                 continue
             yield from _inside(card, _opened(inner, own, opening, depth + 1), names, opening)
-        elif card.name.lower() not in PARAMETERS:
+        elif card.name.lower() not in (*PARAMETERS, FUNCTION):
             yield card._replace(parameters=scope)
 
 
@@ -191,13 +200,16 @@ def _renamed(inner: Card, outer: Card, names: Mapping[str, str], opening: _Openi
         return inner._replace(words=own + words[1:], where=where)
     if inner.kind == "K":
         own = [f"{outer.name}.{word}" for word in words[: nodes_of(words) - ("=" not in words)]]
+    elif words[2:3] == [BY_LAW]:
+        node, source = partial(_outside, names, outer.name, opening.shared), f"{outer.name}.{{}}".format
+        own = with_outside_names(words, node, source)
     else:
         count = {"W": nodes_of(words), "P": nodes_of(words) - 1}.get(inner.kind, PORTS.get(inner.kind, 2))
-        own = [_outside(node, names, outer.name, opening.shared) for node in words[:count]]
+        own = [_outside(names, outer.name, opening.shared, node) for node in words[:count]]
         if inner.kind in "FH" or (inner.kind == "W" and "=" not in words):
             own[2:] = [f"{outer.name}.{word}" for word in words[2:3]]
     return inner._replace(name=f"{outer.name}.{inner.name}", words=own + words[len(own) :], where=where)
 
 
-def _outside(node: str, names: Mapping[str, str], inside: str, shared: set[str]) -> str:
+def _outside(names: Mapping[str, str], inside: str, shared: set[str], node: str) -> str:
     return node if node.lower() in shared else names.get(node.lower(), f"{inside}.{node}")

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from tline.errors import InputError, SceneError
-from tline.scene.check import conflicts
+from tline.scene.check import conflict_alike, conflicts
 from tline.scene.element import Element
 from tline.scene.medium import MEDIA
 from tline.scene.scene import Scene
@@ -17,6 +17,7 @@ from tline.scene.user_defined import user_elements
 from tline.wording import nearest, shown
 
 SECTIONS = "lines", "sources", "loads", "links", "probes", "measures", "nodes"
+PLACES = "at", "nodes", "line"  # keys of an element
 SINGLE = 2  # parts of the path of an element
 DERIVED = "heights", "single_lines"  # what a scene has found of itself
 
@@ -67,16 +68,15 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
         found = {part: _ADAPTERS[part].validate_python(each, context=context) for part, each in tables.items()}
     except (ValidationError, InputError):
         return _read_anew(scene, values)  # which tells what is wrong
-    for section, elements in found.items():
-        for name, element in elements.items():
-            before = getattr(scene, section)[name]
-            if any(getattr(before, key, None) != getattr(element, key, None) for key in ("at", "nodes", "line")):
-                return _read_anew(scene, values)
+    pairs = [(getattr(scene, part)[name], new) for part, each in found.items() for name, new in each.items()]
+    if any(getattr(old, key, None) != getattr(new, key, None) for old, new in pairs for key in PLACES):
+        return _read_anew(scene, values)
     new = scene.model_copy(update={section: {**getattr(scene, section), **each} for section, each in found.items()})
     for name in DERIVED if {"lines", "nodes"} & found.keys() else ():
         vars(new).pop(name, None)
-    for mistake in conflicts(new):
-        raise _at(mistake, values)
+    if not all(conflict_alike(*pair) for pair in pairs):
+        for mistake in conflicts(new):
+            raise _at(mistake, values)
     return new
 
 

@@ -13,10 +13,11 @@ from tline.scene.coupled import Coupled, ends_of
 from tline.scene.element import is_name
 from tline.scene.factor import check_range
 from tline.scene.heights import height_mistakes
-from tline.scene.held import conflicting_holds
+from tline.scene.held import conflicting_holds, is_capacitive
 from tline.scene.ibis.element import die_of
 from tline.scene.load import Matched
 from tline.scene.multiport import Multiport
+from tline.scene.rational import RationalImpedance
 from tline.scene.rational_load import Rational
 from tline.scene.regulating import RegulatingValve
 from tline.scene.stretches import Stretches, stretches_of
@@ -107,6 +108,16 @@ def _tables(data: Mapping[str, Any], section: str) -> dict[str, dict[str, Any]]:
         str(name): table if isinstance(table, dict) else getattr(table, "__dict__", {})
         for name, table in tables.items()
     }
+
+
+def conflict_alike(one: Any, other: Any) -> bool:
+    """Whether of two elements at the same place, each valid alone, either conflicts if both do.
+
+    Of linear ones that depends on what kind they are, and on whether they are shorts or capacitors to a jump.
+    """
+    if type(one) is not type(other) or not isinstance(one, RationalImpedance):
+        return False
+    return one.ratio.is_zero == other.ratio.is_zero and is_capacitive(one) == is_capacitive(other)
 
 
 def conflicts(scene: Scene) -> Iterator[InputError]:

@@ -60,7 +60,7 @@ def conflicting_holds(scene: Scene) -> Iterator[InputError]:
     capacitive = [
         (place(*at), terminals_of(element))
         for at, element in scene.placed
-        if isinstance(element, RationalImpedance) and _is_capacitive(element)
+        if isinstance(element, RationalImpedance) and is_capacitive(element)
     ]
     for where, terminals in capacitive:
         if held.joins(terminals):
@@ -106,5 +106,6 @@ def _is_ideal(load: Any) -> bool:
     )
 
 
-def _is_capacitive(element: RationalImpedance) -> bool:
+def is_capacitive(element: RationalImpedance) -> bool:
+    """Whether the effort across it cannot jump, while it is no short."""
     return not element.ratio.is_zero and element.ratio.at_infinity() == 0

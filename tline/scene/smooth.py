@@ -1,4 +1,4 @@
-"""Waveforms that are curved: sine, exponential, surge."""
+"""Waveforms that are curved: sines, exponential, surge."""
 
 from typing import Literal
 
@@ -38,6 +38,44 @@ class Sine(Shape):
 
     def fastest(self):  # noqa: D102
         return 1 / (2 * np.pi * self.frequency)
+
+
+class ModulatedSine(Shape):
+    """A sine that decays, or whose frequency swings, from `at` on; what it is there before.
+
+    offset + amplitude·e^(-τ/decay)·sin(2π·frequency·τ + phase + index·sin(2π·modulation·τ)) with τ = t - at.
+    """
+
+    shape: Literal["modulated sine"] = "modulated sine"
+    amplitude: Level = Field(description="half of peak to peak, at the begin")
+    frequency: Frequency = Field(description="cycles per second of the carrier")
+    phase: Angle = Field(default=ZERO, description="angle at the begin")
+    offset: Level = Field(default=ZERO, description="middle level")
+    at: Time = Field(default=ZERO, description="begin; before it the level is offset + amplitude·sin(phase)")
+    decay: Duration | None = Field(default=None, description="time constant of the amplitude; without it none decays")
+    index: Angle = Field(default=ZERO, description="largest deviation of the angle")
+    modulation: Frequency | None = Field(default=None, description="cycles per second of that deviation")
+
+    @model_validator(mode="after")
+    def _deviates_at_a_frequency(self):
+        if (self.modulation is None) != (self.index == 0):
+            raise InputError("modulation", "not given together with its index", "both, or neither of them")
+        return self
+
+    def breaks(self, t_end):  # noqa: D102
+        return np.array([float(self.at)])
+
+    def value(self, t, inside):  # noqa: D102
+        elapsed = np.where(inside < self.at, 0.0, t - self.at)
+        angle = 2 * np.pi * self.frequency * elapsed + self.phase
+        if self.modulation is not None:
+            angle = angle + self.index * np.sin(2 * np.pi * self.modulation * elapsed)
+        falling = 1.0 if self.decay is None else np.exp(-elapsed / self.decay)
+        return self.offset + self.amplitude * falling * np.sin(angle)
+
+    def fastest(self):  # noqa: D102
+        swing = self.frequency + abs(self.index) * (self.modulation or 0.0)
+        return min(1 / (2 * np.pi * swing), float(self.decay or np.inf))
 
 
 class Exponential(Shape):

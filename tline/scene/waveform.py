@@ -11,15 +11,16 @@ from tline.scene.points import PiecewiseLinear, Ramp, Table
 from tline.scene.pulses import Pulses
 from tline.scene.quantity import LEVEL
 from tline.scene.shape import Constant, Shape, Step
-from tline.scene.smooth import DoubleExponential, Exponential, Sine
+from tline.scene.smooth import DoubleExponential, Exponential, ModulatedSine, Sine
 
 __all__ = [
-    "Constant", "DoubleExponential", "Exponential", "PiecewiseLinear", "Pulses", "Ramp", "Shape", "Sine", "Step",
-    "Table", "Waveform", "read_waveform",
+    "Constant", "DoubleExponential", "Exponential", "ModulatedSine", "PiecewiseLinear", "Pulses", "Ramp", "Shape",
+    "Sine", "Step", "Table", "Waveform", "read_waveform",
 ]  # fmt: skip
 
 _Any = (
-    Constant | Step | Ramp | PiecewiseLinear | Table | Pulses | Sine | Exponential | DoubleExponential
+    Constant | Step | Ramp | PiecewiseLinear | Table | Pulses | Sine | ModulatedSine | Exponential
+    | DoubleExponential
 )  # fmt: skip
 Waveform = Annotated[_Any, OneOf(_Any, "shape")]
 

@@ -1,0 +1,148 @@
+"""R, L and C of SPICE netlists: values, models, factors, begins, and the parasitics that LTspice gives them."""
+
+from collections.abc import Mapping
+from contextlib import suppress
+
+from tline.errors import InputError
+from tline.interchange.deck import Card
+from tline.interchange.netlist import Netlist
+from tline.interchange.spice_expression import number
+
+KINDS = {"R": ("resistor", "resistance"), "L": ("inductor", "inductance"), "C": ("capacitor", "capacitance")}
+VALUE = {"R": ("r", "res"), "L": ("l", "ind"), "C": ("c", "cap")}
+COEFFICIENTS = ("tc", "tc1", "tc2", "tce")  # of temperature, which is the nominal one
+PARASITIC = ("rser", "lser", "rpar", "cpar")
+NO_MATTER = {  # None, or the value that changes nothing
+    "noisy": None, "tol": None, "pwr": None, "ac": None, "v": None, "irms": None, "ipk": None, "mfg": None,
+    "type": None, "pn": None, "temp": None, "dtemp": 0.0, "vc1": 0.0, "vc2": 0.0, "kf": None, "af": None,
+    "tnom": None, "tref": None, "level": None,
+}  # fmt: skip
+
+
+def value_of(card: Card, net: Netlist) -> float:
+    """The value of R, L or C, with its factors.
+
+    Raises
+    ------
+    InputError
+        It is not given once, or changes with something.
+    """
+    plain, assigned = card.assigned(2)
+    words = [word for word in plain if word.lower() != "off"]
+    words += [word for key in VALUE[card.kind] for word in assigned.pop(key, [])]
+    models = [model for word in words if (model := _model(card, net, word))]
+    values = [word for word in words if not _model(card, net, word)]
+    if len(values) > 1 or len(models) > 1 or not words:
+        raise card.refuse(
+            "its value is not given once", "two nodes and a number, a model, or both", f"'{' '.join(plain):.40}'"
+        )
+    value = card.value(values[0]) if values else 0.0
+    if models:
+        value = _by_model(card, models[0], value if values else None, assigned)
+    factors = {key: _number(card, assigned.pop(key, ["1"]), key) for key in ("m", "scale")}
+    if min(factors.values()) <= 0:
+        raise card.refuse("M and SCALE are not above zero", "1")
+    _check_harmless(card, {key: words for key, words in assigned.items() if key not in PARASITIC}, net)
+    return value * factors["scale"] * (factors["m"] if card.kind == "C" else 1 / factors["m"])
+
+
+def _model(card: Card, net: Netlist, word: str) -> Card | None:
+    """The model of that name, if it is the name of one."""
+    if number(word) is None and word[0] not in "{'\"" and word.lower() not in card.parameters:
+        with suppress(InputError):
+            return net.model(card, word)
+    return None
+
+
+def _number(card: Card, words: list[str], key: str) -> float:
+    if len(words) != 1:
+        raise card.refuse(f"{key.upper():.40} is not one number", f"{key.upper():.40}=1", f"'{' '.join(words):.40}'")
+    return card.value(words[0])
+
+
+def _check_harmless(card: Card, given: Mapping[str, list[str]], net: Netlist) -> None:
+    """Refuse what changes a value; coefficients of temperature do nothing at the nominal one."""
+    for key, words in given.items():
+        if key in COEFFICIENTS and any(map(card.value, words)):
+            net.found.note(card.where, f"{key.upper()} is skipped: it is at its nominal temperature")
+        elif key not in COEFFICIENTS and (key != "ic" or card.kind == "R"):
+            neutral = NO_MATTER.get(key, ...)
+            if neutral is ... or (neutral is not None and any(card.value(word) != neutral for word in words)):
+                problem = f"{key.upper()} other than {neutral:g}" if isinstance(neutral, float) else f"{key:.40}"
+                got = f"'{' '.join(words):.40}'"
+                raise card.refuse(f"{problem} is not known here", "two nodes and a number", got)
+
+
+def _by_model(card: Card, model: Card, value: float | None, own: dict[str, list[str]]) -> float:
+    """A value by itself, by width and length, or the model's own."""
+    if "".join(model.words[1:2]).lower() not in VALUE[card.kind]:
+        raise model.refuse(f"not a model of {card.kind}", VALUE[card.kind][0].upper(), f"'{model.words[1:2]}'")
+    said = {key: _number(model, words, key) for key, words in model.assigned(2)[1].items()}
+    said = {"narrow": 0.0, "defw": 1e-5, "cjsw": 0.0} | said
+    bent = [key for key in ("vc1", "vc2") if said.get(key)]
+    if bent:
+        raise model.refuse(f"{bent[0].upper()} other than 0 is not known here", "a constant value")
+    size = {key: _number(card, own.pop(key), key) - said["narrow"] for key in ("l", "w") if key in own}
+    if value is not None:
+        if said.get("r", 1.0) != 1:
+            raise model.refuse("a factor of R beside a value", "R=1, or no value", f"{said['r']:g}")
+        return value
+    length, width = size.get("l", 0.0), size.get("w", said["defw"] - said["narrow"])
+    if length > 0 and width > 0 and card.kind == "R" and "rsh" in said:
+        return said["rsh"] * length / width
+    if length > 0 and width > 0 and card.kind == "C" and "cj" in said:
+        return said["cj"] * length * width + 2 * said["cjsw"] * (length + width)
+    for key in VALUE[card.kind]:
+        if key in said:
+            return said[key]
+    raise card.refuse("has no value, nor a length on a model with one per square", "two nodes and a number")
+
+
+def impedance(card: Card, net: Netlist) -> None:
+    """Let R, L or C be part of the scene, with what LTspice puts in a row with it and beside it."""
+    kind, key = KINDS[card.kind]
+    first, second, value = net.node(card.words[0]), net.node(card.words[1]), value_of(card, net)
+    if card.kind == "R" and value == 0:
+        net.short(card, (first, second))
+        return
+    if first == second:
+        net.found.note(card.where, "skipped, for both its ends are at one node")
+        return
+    if value <= 0:
+        raise card.refuse("its value is not above zero", "more than 0", f"{value:g}")
+    given = card.assigned(2)[1]
+    parasitic = {key: _number(card, given[key], key) for key in PARASITIC if key in given and card.kind != "R"}
+    if min(parasitic.values(), default=0.0) < 0:
+        raise card.refuse("a parasitic value below zero", "0 or more")
+    for key_beside, table in (("rpar", ("resistor", "resistance")), ("cpar", ("capacitor", "capacitance"))):
+        if size := parasitic.get(key_beside):
+            net.between(card, (first, second), {"kind": table[0], table[1]: size}, f"{card.name}.{key_beside}")
+    begin = _at_begin(card, net, (first, second))
+    for key_within, table in (("rser", ("resistor", "resistance")), ("lser", ("inductor", "inductance"))):
+        if size := parasitic.get(key_within):
+            inner = f"{card.name}.{key_within}"
+            net.between(card, (first, inner), {"kind": table[0], table[1]: size}, inner)
+            first = inner
+    if card.kind == "L" and card.name.lower() in net.coupled:
+        if begin:
+            raise card.refuse("a current at t = 0 in a coupled inductor", "IC=0", f"{begin:g}")
+        net.windings[card.name.lower()] = value, (first, second)
+        return
+    if begin and card.kind == "C":
+        inner = f"{card.name}.ic"
+        net.source(card, (first, inner), {"kind": "voltage", "value": begin}, inner)
+        first = inner
+    elif begin:
+        net.source(card, (second, first), {"kind": "current", "value": begin}, f"{card.name}.ic")
+    net.between(card, (first, second), {"kind": kind, key: value})
+
+
+def _at_begin(card: Card, net: Netlist, ends: tuple[str, str]) -> float:
+    """Voltage of C or current of L at t = 0."""
+    given = card.assigned(2)[1].get("ic") if card.kind in "LC" else None
+    if given is None:
+        return net.at_begin(ends) if card.kind == "C" and net.tran.uic else 0.0
+    if not net.tran.uic:
+        net.found.note(card.where, "its IC is skipped, for .tran has no UIC")
+        return 0.0
+    return _number(card, given, "ic")
