@@ -12,6 +12,7 @@ from tline.scene.file import read_scene
 from tline.solver.simulate import simulate
 
 SCENES = Path(__file__).parents[2] / "scenes"
+TOWN = f"{SCENES}/town.inp"
 TRIP, CLOSURE = f"{SCENES}/pump_trip.toml", f"{SCENES}/valve_closure.toml"
 
 
@@ -55,6 +56,16 @@ def test_text_has_sizes_margin_and_curve_with_units() -> None:
         assert words in done.stdout
 
 
+def test_an_epanet_file_operated_is_the_scene_that_surge_saves() -> None:
+    trip, search = "--trip duty@0.2s --for 6s --tol 0.01", "duty --lowest '-0.1 bar' --tol 0.01 --json"
+    saved = CliRunner().invoke(main, shlex.split(f"surge {TOWN} {trip} --save town.toml"), catch_exceptions=False)
+    assert saved.exit_code == 0, saved.output
+    one, other = run(f"flywheel {TOWN} {trip} {search}"), run(f"flywheel town.toml {search}")
+    assert json.loads(one.stdout)["found"] == json.loads(other.stdout)["found"]
+    assert json.loads(one.stdout)["found"]["lowest"] == pytest.approx(-0.1e5, abs=0.01e5)
+    assert "its rotor has 2.9 kg m^2 and 1450 rpm" in one.stderr
+
+
 @pytest.mark.parametrize(
     ("line", "sentence"),
     [
@@ -66,7 +77,7 @@ def test_text_has_sizes_margin_and_curve_with_units() -> None:
         (f"vessel {TRIP} --at pump --lowest 1bar --reserve 1", "--reserve: out of range, expected from 0 to 0.9"),
         (f"vessel {TRIP} --at pump --lowest 2bar --highest 1bar", "--lowest: not below the highest"),
         (f"vessel {TRIP} --at pump --lowest -30bar", "--lowest: is kept without a vessel, expected a stricter limit"),
-        (f"vessel {TRIP} --at pump --lowest 4.5bar", "this gauge pressure at all nodes, expected at most 4 bar, the"),
+        (f"vessel {TRIP} --at pump --lowest 4.5bar", "--lowest: 'pump' is beyond it before the surge, at 4 bar"),
         (f"closure {TRIP} v --highest 9bar", "valve: no such valve, expected a scene with a valve of kind 'orifice'"),
         (f"closure {CLOSURE} valv --highest 9bar", "valve: no such valve, expected 'valve', got 'valv'"),
         (f"closure {CLOSURE} valve --highest 9bar --begin 7s", "--begin: after the end of the run, expected before 6"),
@@ -76,6 +87,11 @@ def test_text_has_sizes_margin_and_curve_with_units() -> None:
         (f"relief {CLOSURE} --at valve --highest 8bar --set-pressure 9bar", "--set-pressure: out of range"),
         (f"relief {CLOSURE} --at valve --highest 8bar --set-pressure 7bar --kv 9", "nothing is left to search"),
         (f"relief {CLOSURE} --at valve --highest 40bar", "--highest: is kept without a relief valve"),
+        (f"flywheel {TRIP} pump --lowest 3.9999bar --tol 0.01", "at most 3.999 bar at 'pump', the best of what was"),
+        (f"vessel {TOWN} --at lift --lowest 1bar", "--lowest: 'suction' is beyond it before the surge, at 0.7106 bar"),
+        (f"vessel {TOWN} --at lift --lowest 1bar --trip dut@1s", "--trip: not a pump, expected 'duty', got 'dut'"),
+        (f"vessel {TRIP} --at pump --lowest 1bar --at-hour 3", "--at-hour: is for .inp files, expected none, got 3"),
+        (f"separation {TOWN}", "is no scene, expected one in TOML, by tline import town.inp -o town.toml"),
         (f"vessel {SCENES}/cable_mismatch.toml --at a --lowest 1bar", "expected 'hydraulic', got 'electrical'"),
     ],
 )

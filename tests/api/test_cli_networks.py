@@ -54,7 +54,7 @@ def test_the_scene_that_is_shipped_is_the_network_that_is_shipped() -> None:
     ("line", "sentence"),
     [
         ("import town.inp --at-hour noon", "--at-hour: not a number of hours, expected such as 17 or 17.5, got noon"),
-        ("import town.inp --at-hour -1", "--at-hour: out of range, expected 0 to 8784, got -1"),
+        ("import town.inp --at-hour -1", "--at-hour: out of range, expected a number from 0 to 8784, got -1"),
         ("import town.inp --material none.csv", "none.csv: cannot be read"),
         ("import town.cir --at-hour 3", "--at-hour: is for .inp files"),
         ("import town.inp --wave-speed fast", "--wave-speed: there is no number in front"),

@@ -90,6 +90,7 @@ def test_what_epanet_is_given_names_no_file() -> None:
         (TEXT.encode().replace(b"UNITS LPS", b"COLOUR BLUE"), "unknown option.*COLOUR"),
         (TEXT.encode().replace(b" lake 0 0", b" lake nan 0"), "not a place on a map"),
         (TEXT.encode().replace(b"lifting 90 75", b"lifting 90 75\n lifting 100 80"), "duty"),
+        (TEXT.encode().replace(b" a 20 30", b" a 20 30\n lone 20 0"), "got Error 233: unconnected node lone"),
         (b"x" * 5000, "a section such as"),
     ],
 )

@@ -76,6 +76,33 @@ def test_a_mistake_is_one_sentence_that_names_the_argument(given, sentence):
     assert "\n" not in str(caught.value)
 
 
+def test_a_file_of_epanet_is_read_as_by_the_command():
+    pytest.importorskip("wntr")
+    file = str(TOWN.with_suffix(".inp"))
+    reading = ["--at-hour", "1", "--wave-speed", "900 m/s", "--moving-tanks"]
+    printed = CliRunner().invoke(main, ["surge", file, "--close", "ease@1s+1s", "--for", "2s", *reading, "--json"])
+    water = {"hour": 1, "wave_speed": "900 m/s", "moving_tanks": True}
+    found = tl.operate(file, close="ease@1s+1s", t_end="2 s", record=(), **water)  # pyright: ignore[reportArgumentType]
+    assert json.loads(printed.stdout) == found.to_dict()
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"hour": "8 h"}, "hour: out of range, expected a number from 0 to 8784, got '8 h'"),
+        ({"material": 3}, "material: not a path, expected the path of a CSV file, got 3"),
+        ({"wave_speed": [1]}, "wave_speed: not a number"),
+    ],
+)
+def test_a_mistake_of_reading_is_one_sentence(given, sentence):
+    pytest.importorskip("wntr")
+    with pytest.raises(tl.InputError) as caught:
+        tl.operate(TOWN.with_suffix(".inp"), **given)
+    assert str(caught.value).startswith(sentence)
+    with pytest.raises(tl.InputError, match=r"is for \.inp files"):
+        tl.operate(TOWN, **given)
+
+
 def test_what_is_no_network():
     with pytest.raises(tl.InputError, match=r"town.net: unknown kind of file, expected \.inp or \.toml, got \.net"):
         tl.operate("town.net")

@@ -152,9 +152,35 @@ def test_a_pump_that_trips_has_a_usual_inertia_unless_it_is_given():
     assert (float(changed.links["lift"].inertia), notes) == (2.0, [])
 
 
+@pytest.mark.parametrize("change", [0.005, -0.004])
+def test_a_pulse_of_demand_is_its_rise_until_it_falls_and_nothing_between_fall_and_echo(change):
+    pulse = run(Event("demand", "c", 1.0, 0.2, -change), Event("demand", "c", 0.25, 0.25, change)).probes["c"]
+    single = run(Event("demand", "c", 0.25, 0.25, change)).probes["c"]
+    assert abs(single.at(0.9).u / single.u[0] - 1) > 0.05
+    t = np.linspace(0, 1.0, 41)
+    assert pulse.at(t).u == pytest.approx(single.at(t).u, rel=3e-6)
+    assert pulse.at(1.23).u == pytest.approx(pulse.u[0], rel=3e-6)
+
+
+@pytest.mark.parametrize(
+    ("events", "said"),
+    [
+        (
+            [(1, 1.0, 0.005), (1.5, 0, -0.005)],
+            "demand: changes at 'c' overlap, expected one after the other, got 1.5 s",
+        ),
+        ([(1, 0, 0.005), (2, 0, -0.006)], "demand: changes at 'c' lead above and below what it drew, expected sums"),
+    ],
+)
+def test_a_pulse_is_in_order_and_on_one_side(events, said):
+    with pytest.raises(InputError, match=said):
+        operated(network(), [Event("demand", "c", *event) for event in events])
+
+
 @pytest.mark.parametrize(
     ("event", "said"),
     [
+        (Event("open", "p1", 1), "open: pipe 'p1' is open already, expected a valve that is not"),
         (Event("trip", "p1", 1), "trip: not a pump, expected a scene that has one, got 'p1'"),
         (Event("close", "p3", 1), "close: not a valve, or a pipe, expected one of 'p1', 'p2', got 'p3'"),
         (Event("burst", "d", 1, 0, 0.1), "burst: no such node, expected one of"),
@@ -172,6 +198,29 @@ def test_nothing_is_operated_twice():
         operated(network(), [Event("close", "p1", 1), Event("open", "p1", 2)])
     with pytest.raises(InputError, match="nothing to be operated"):
         operated(network().with_changes(start="rest"), [])
+
+
+def test_a_pipe_shut_where_its_end_is_probed_by_its_name():
+    scene = network().with_changes(probes={"c": {"at": "c", "line": "p2"}})
+    changed, _ = operated(scene, [Event("close", "p2", 0.5)])
+    assert changed.probes["c"].line is None
+    assert changed.lines["p2"].nodes[1] == "p2:gate"
+
+
+def test_the_rotor_of_a_pump_that_lifts_nothing_is_that_of_its_largest_power():
+    held = {"kind": "pump", "nodes": ["a", "b"], "curve": [[0.01, 1e2]], "check_valve": True}
+    scene = network(links={"held": held}).change({"loads.a.pressure": 6e5})
+    changed, (note,) = operated(scene, [Event("trip", "held", 1)])
+    assert changed.links["held"].inertia > 0
+    assert "what is usual for" in note
+
+
+@pytest.mark.parametrize("kind", ["trip", "stop"])
+def test_a_pump_that_stands_neither_trips_nor_stops(kind):
+    standing = {"kind": "pump", "nodes": ["a", "b"], "curve": [[0.01, 2e5]], "check_valve": True, "speed": 0}
+    scene = network(links={"pump": standing})
+    with pytest.raises(InputError, match=f"{kind}: pump 'pump' stands already, expected a pump that runs"):
+        operated(scene, [Event(kind, "pump", 1)])
 
 
 @pytest.mark.parametrize(("takes", "notes"), [(0.0, 2), (1.5, 0)])

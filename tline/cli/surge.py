@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tline.cli.options import PICTURE, check_files, check_readable, hours, options_named
+from tline.cli.operating import operated_network, operating
+from tline.cli.options import PICTURE, check_files, options_named
 from tline.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,44 +22,16 @@ Examples:
   tline surge town.inp --close ease@1s+5s --burst "b:20 L/s@2s" --demand "c:-5 L/s@0s" \\
       --at-hour 8 --save surge.toml --map surge.png
 """
-OPERATIONS = ("trip", "start", "stop", "close", "open", "burst", "demand")
 SUFFIXES = {"save": (".toml",), "map": PICTURE, "profile": PICTURE, "heads": PICTURE, "envelope": (".csv",)}
-READING = {key: f"--{key.replace('_', '-')}" for key in ("wave_speed", "material", "moving_tanks")}
-NAMED = {key: f"--{key}" for key in (*OPERATIONS, "when", "at", "inertia", "rating")} | {
-    "rated_speed": "--rated-speed",
-    "t_end": "--for",
-    "solver.order": "--order",
-    "solver.tol": "--tol",
-}
 
 
 @click.command("surge", epilog=EXAMPLES)
 @click.argument("network")
-@click.option("--trip", multiple=True, metavar="PUMP@TIME", help="A pump's motor fails, and it runs down.")
-@click.option("--start", multiple=True, metavar="PUMP@TIME", help="A motor starts its pump; +DURATION does so evenly.")
-@click.option("--stop", multiple=True, metavar="PUMP@TIME+DURATION", help="A pump's speed falls to nothing, linearly.")
-@click.option(
-    "--close",
-    multiple=True,
-    metavar="LINK@TIME+DURATION",
-    help="Shut a valve, or one put into a pipe; :20%+8s behind it is a second stage from there, :FILE.csv a course.",
-)
-@click.option("--open", multiple=True, metavar="LINK@TIME+DURATION", help="Open a valve.")
-@click.option("--burst", multiple=True, metavar="NODE:FLOW@TIME", help="A hole, and its flow at the pressure before.")
-@click.option("--demand", multiple=True, metavar="NODE:±FLOW@TIME", help="Draw more, or less, at a node.")
-@click.option(
-    "--when", multiple=True, metavar='"NODE>PRESSURE:close LINK+DURATION"', help="Operate once a pressure is reached."
-)
+@operating
 @click.option("--for", "t_end", default="60s", metavar="TIME", help="How long to run; 60 s if not given.")
 @click.option("--tol", metavar="NUMBER", help="Largest error at the nodes that are told, relative to their amplitude.")
 @click.option("--order", metavar="1…16", help="One run of this order, in the slabs that suit it.")
-@click.option("--inertia", metavar="J", help="Of pumps that trip or start, such as '2 kg m^2'; else a usual one.")
-@click.option("--rated-speed", metavar="N", help="Of pumps that trip or start, such as '1450 rpm'.")
 @click.option("--rating", metavar="PRESSURE", help="What the pipes bear, such as '16 bar'.")
-@click.option("--wave-speed", metavar="SPEED", help="In the pipes of an .inp file; 1000 m/s if nothing is said.")
-@click.option("--material", metavar="FILE.csv", help="Rows pipe, wall, thickness or pipe, wave speed; * is all others.")
-@click.option("--at-hour", metavar="HOURS", help="Begin so long after an .inp file's start.")
-@click.option("--moving-tanks", is_flag=True, help="Tanks of an .inp file fill and empty, instead of holding levels.")
 @click.option("--at", "places", metavar="NODE,…", help="Nodes that --heads shows, instead of those operated.")
 @click.option("--path", metavar="FROM,…,TO", help="Path of --profile.")
 @click.option("--save", metavar="SCENE.toml", help="Write the scene that `tline run` runs just so.")
@@ -74,27 +47,20 @@ def surge(network: str, t_end: str, as_json: bool, path: str | None, places: str
     have units, and an operation without a duration is done at once.
     """
     from tline.cli.report import judgement
-    from tline.surge.operation import plan, read_network, run
+    from tline.surge.operation import run
 
     files = {key: given.pop(key) for key in SUFFIXES}
     check_files({f"--{key}": (file, SUFFIXES[key]) for key, file in files.items()})
     if path is not None and files["profile"] is None:
         raise InputError("--path", "nothing shows it", "--profile beside it")
-    check_readable(network)
-    hour = hours(given.pop("at_hour"))
-    operations = {kind: given.pop(kind) for kind in OPERATIONS}
-    reading = {key: given.pop(key) for key in READING}
-    with options_named(READING | {"hour": "--at-hour"}):
-        scene, read, controls = read_network(network, hour=hour, **reading)
-    at, progress = [place.strip() for place in places.split(",")] if places else (), sys.stderr.isatty()
-    with options_named(NAMED):
-        scene, guesses = plan(scene, operations, t_end=t_end, at=at, controls=controls, progress=progress, **given)
+    at = [place.strip() for place in places.split(",")] if places else ()
+    scene, guesses = operated_network(network, t_end=t_end, at=at, **given)
     if files["save"] is not None:
         _save(scene, files["save"])
     way = _route(scene, path) if files["profile"] is not None else None
-    result = run(scene, _shown(scene, way, files["map"] is not None), progress)
+    result = run(scene, _shown(scene, way, files["map"] is not None), sys.stderr.isatty())
     accuracy = judgement(result)
-    for note in (*read, *guesses, *result.notes):
+    for note in (*guesses, *result.notes):
         click.echo(f"note: {note}", err=True)
     _print(result, accuracy, as_json)
     _draw(result, way, files)

@@ -13,7 +13,9 @@ from tline.pictures.along import extremes_along
 from tline.pictures.bounds import scale
 from tline.pictures.path import Route, route
 from tline.scene.heights import weight_at
+from tline.scene.load import Reservoir
 from tline.scene.scene import Scene
+from tline.solver.result.envelope import Envelope
 from tline.solver.result.result import Result
 from tline.units import engineering, to_si
 
@@ -60,26 +62,60 @@ class Limits(NamedTuple):
         return engineering(pressure, "bar") if self.per_metre is None else f"{pressure / self.per_metre:.4g} m"
 
     def trial(self, size: float, result: Result) -> Trial:
-        """The extremes of a run, and their margin."""
+        """The extremes of a run, and their margin.
+
+        Raises
+        ------
+        InputError
+            A limit is not kept before the surge, so that no size can keep it.
+        """
+        self._refuse_broken(result.envelope)
         lowest, highest, error = self._extremes(result)
         return Trial(size, lowest, highest, min(lowest - self.lowest, self.highest - highest), error)
+
+    def worst_node(self, result: Result, low: bool) -> str:
+        """Where the lowest or the highest of a run is, of all nodes that are looked at."""
+        seen = result.envelope
+        assert seen is not None
+        found = (
+            np.nanargmin(self._at_nodes(seen, seen.lowest)) if low else np.nanargmax(self._at_nodes(seen, seen.highest))
+        )
+        return seen.nodes[int(found)]
 
     def at_the_end(self, result: Result) -> bool:
         """Whether the lowest or highest effort at nodes that is limited comes so late that it may not be the last."""
         seen = result.envelope
         assert seen is not None
-        weight = np.nan_to_num(seen.weight) * (self.per_metre is None)
-        low, high = int(np.argmin(seen.lowest - weight)), int(np.argmax(seen.highest - weight))
+        low, high = (seen.nodes.index(self.worst_node(result, low)) for low in (True, False))
         late = (self.lowest, seen.lowest_at[low]), (self.highest, seen.highest_at[high])
         return any(isfinite(limit) and when > LATE * result.t[-1] for limit, when in late)
+
+    def _refuse_broken(self, seen: Envelope | None) -> None:
+        assert seen is not None
+        before = self._at_nodes(seen, seen.start)
+        low, high = int(np.nanargmin(before)), int(np.nanargmax(before))
+        for key, limit, k in (("lowest", self.lowest, low), ("highest", self.highest, high)):
+            if before[k] < limit if key == "lowest" else before[k] > limit:
+                problem = f"'{seen.nodes[k]}' is beyond it before the surge, at {self.shown(before[k])}"
+                raise InputError(key, problem, "one that the steady state keeps, or a path", self.shown(limit))
+
+    def _at_nodes(self, seen: Envelope, effort: NDArray) -> NDArray:
+        """What is limited, at nodes of the path, or at all that no reservoir holds; not a number at others."""
+        if self.way:
+            chosen = np.isin(seen.nodes, self.way.nodes)
+        else:
+            held = {load.at for load in self.scene.loads.values() if isinstance(load, Reservoir)}
+            chosen = np.array([node not in held for node in seen.nodes])
+            chosen |= not chosen.any()
+        return np.where(chosen, effort - np.nan_to_num(seen.weight) * (self.per_metre is None), np.nan)
 
     def _extremes(self, result: Result) -> tuple[float, float, float]:
         seen = result.envelope
         assert seen is not None
         error = _largest(np.stack([seen.lowest_error, seen.highest_error]))
         if self.way is None:
-            weight = np.nan_to_num(seen.weight) * (self.per_metre is None)
-            return float((seen.lowest - weight).min()), float((seen.highest - weight).max()), error
+            low, high = np.nanmin(self._at_nodes(seen, seen.lowest)), np.nanmax(self._at_nodes(seen, seen.highest))
+            return float(low), float(high), error
         along = extremes_along(result, self.way)
         weight = self._weight(along.x) * (self.per_metre is None)
         return float(np.nanmin(along.lowest - weight)), float(np.nanmax(along.highest - weight)), error

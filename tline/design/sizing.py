@@ -178,9 +178,10 @@ class Runs:
         best, limits = max(search.trials, key=lambda trial: trial.margin), self.limits
         low = best.lowest - limits.lowest < limits.highest - best.highest
         key, reached = ("lowest", best.lowest) if low else ("highest", best.highest)
+        there = "" if limits.way else f" at '{limits.worst_node(self.results[best.size], low)}'"
         return InputError(
             key,
             f"no size up to {Size(search.trials[-1].size, unit)} keeps this {limits.word} {limits.where}",
-            f"{'at most' if low else 'at least'} {limits.shown(reached)}, the best of what was tried",
+            f"{'at most' if low else 'at least'} {limits.shown(reached)}{there}, the best of what was tried",
             limits.shown(limits.lowest if low else limits.highest),
         )

@@ -26,6 +26,7 @@ from tline.interchange.water_network import (
     listed,
 )
 from tline.scene.site import GRAVITY as STANDARD
+from tline.wording import shown
 
 WATER, VISCOSITY = 1000.0, 1.1e-5 * FOOT**2  # kg/m³ and m²/s, EPANET's
 LAST_HOUR = 8784.0  # of a year
@@ -84,8 +85,8 @@ def read_epanet(path: str | Path, hour: float = 0.0) -> WaterNetwork:
         EPANET is not installed, cannot read the file, or finds no steady flow; the file holds what cannot be
         represented; or the hour is out of range.
     """
-    if not 0 <= hour <= LAST_HOUR:
-        raise InputError("hour", "out of range", f"0 to {LAST_HOUR:g}", f"{hour:g}")
+    if not isinstance(hour, int | float) or not 0 <= hour <= LAST_HOUR:
+        raise InputError("hour", "out of range", f"a number from 0 to {LAST_HOUR:g}", shown(hour))
     text = parse(read_text(str(path)), str(path))
     answer = solved(str(path), text.network, round(hour * HOUR))
     network = _network(answer, text, str(path), hour)

@@ -11,6 +11,7 @@ EPANET 2.2 Programmer's Toolkit, whose codes stand below.
 import ctypes
 import json
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -213,7 +214,8 @@ def _reported() -> str:
     if first is None:
         return ""
     message, after = lines[first].strip(), lines[first + 1].strip() if first + 1 < len(lines) else ""
-    return f"{message} {after}" if message.endswith(":") else message
+    whole = f"{message} {after}" if message.endswith(":") else message
+    return re.sub(r"^(Error \d+:)\s+\1\s*", r"\1 ", whole)  # EPANET names some of its errors twice
 
 
 def limit(seconds: float, memory: int, written: int) -> None:

@@ -11,6 +11,7 @@ from tline.interchange.water_network import listed
 from tline.line.walls import WALLS
 from tline.scene.quantity import Quantity
 from tline.scene.text_file import read_text
+from tline.wording import shown
 
 USUAL = "1000 m/s"  # of pipes of which nothing is said
 EVERY = "*"  # for all pipes that have no row of their own
@@ -35,8 +36,10 @@ def wave_speeds(wave_speed: float | str | None, material: str | None) -> dict[st
         The file cannot be read, or a row is none of these.
     """
     found: dict[str, Keys] = {EVERY: {"wave_speed": USUAL}}
+    if not isinstance(material, str | Path | None):
+        raise InputError("material", "not a path", "the path of a CSV file", shown(material))
     if material is not None:
-        found |= _read(material)
+        found |= _read(str(material))
     if wave_speed is not None:
         speed = Quantity(wave_speed, "m/s", "wave_speed")
         found[EVERY] = {"wave_speed": float(speed) if _is_plain(wave_speed) else wave_speed}

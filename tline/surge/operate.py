@@ -17,6 +17,7 @@ from tline.scene.valve import CheckValve, Orifice, OrificeLink
 from tline.solver.description.description import describe
 from tline.solver.description.excitation import just_before
 from tline.solver.steady.steady_state import above_level
+from tline.surge.demands import as_one_each
 from tline.surge.event import FLOWING, Event
 from tline.surge.inertia import RATED_SPEED, usual_inertia
 from tline.units import engineering
@@ -43,7 +44,7 @@ def operated(
     scene : Scene
         Of liquids; it starts in the steady state.
     events : sequence of Event
-        None of them twice for one element.
+        None of them twice for one element, but for demands.
     inertia, rated_speed : number or text, optional
         Of the pumps that trip, kg m² and turns per second, unless the scene has them; else what is usual.
 
@@ -56,7 +57,7 @@ def operated(
         got = f"medium = '{scene.medium}', start = '{scene.start}'"
         raise InputError("scene", "nothing to be operated", "medium = 'hydraulic' and start = 'steady'", got)
     work = _Operated(scene, inertia, rated_speed)
-    for event in events:
+    for event in as_one_each(events):
         getattr(work, event.kind)(event)
     return Scene(scene.folder, **work.tables), work.notes
 
@@ -76,8 +77,7 @@ class _Operated:
 
     def trip(self, event: Event) -> None:
         """Let a pump run down."""
-        pump = self._link(event, Pump, "a pump")
-        self._once(event)
+        pump = self._running(event)
         table = self.tables["links"][event.name]
         speed = just_before(pump.speed)
         table.pop("speed", None)
@@ -87,7 +87,8 @@ class _Operated:
         if None in given.values():
             efforts = [self._gauge(node) + self._description.nodes[node].height.weight for node in pump.nodes]
             water = (efforts[1] - efforts[0]) * self._before.through[place("links", event.name)]
-            given |= self._usual(event.name, max(water, 0.0) / float(pump.efficiency or EFFICIENCY), given)
+            lifted = water if water > 0 else pump.largest_power  # where its check valve holds
+            given |= self._usual(event.name, lifted / float(pump.efficiency or EFFICIENCY), given)
         table |= given | {"trip": event.at}
 
     def start(self, event: Event) -> None:
@@ -113,8 +114,7 @@ class _Operated:
 
     def stop(self, event: Event) -> None:
         """Take a pump's speed down to nothing."""
-        pump = self._link(event, Pump, "a pump")
-        self._once(event)
+        pump = self._running(event)
         self.tables["links"][event.name]["speed"] = event.control(just_before(pump.speed), 0.0)
 
     def close(self, event: Event) -> None:
@@ -136,6 +136,13 @@ class _Operated:
         else:
             self._take_less(event, -event.flow)
 
+    def _running(self, event: Event) -> Pump:
+        pump = self._link(event, Pump, "a pump")
+        self._once(event)
+        if not just_before(pump.speed):
+            raise InputError(event.kind, f"pump '{event.name}' stands already", "a pump that runs")
+        return pump
+
     def _usual(self, name: str, power: float, given: Table) -> Table:
         """Inertia and rated speed that a pump with such a power at the shaft has, where they are not given."""
         told = given["rated_speed"]
@@ -151,6 +158,8 @@ class _Operated:
         load = self.scene.loads.get(event.name)
         self._once(event)
         if event.name in self.scene.lines:
+            if after and not event.course:
+                raise InputError(event.kind, f"pipe '{event.name}' is open already", "a valve that is not")
             self._put_valve(event.name, event.control(1.0, after))
             return
         valve = load if isinstance(load, Orifice) else self._link(event, OrificeLink | RegulatingValve, VALVE)
@@ -172,6 +181,9 @@ class _Operated:
             raise InputError(f"line '{name}'", "no valve fits it", "its diameter and density, and no node of its name")
         end, table = pipe.nodes[1], self.tables["lines"][name]
         table["nodes"] = [pipe.nodes[0], node]
+        for probe in self.tables["probes"].values():
+            if probe.get("line") == name and probe["at"] == end:
+                del probe["line"]  # which ends at the valve now
         if end in self.tables.get("nodes", {}):
             site = self.tables["nodes"][end]
             self.tables["nodes"][node] = {key: value for key, value in site.items() if key != "start"}
@@ -213,6 +225,7 @@ class _Operated:
         if table["kind"] == "check valve":
             table = {"at": table["at"], "kind": "leak", "flow": table["flow"], "pressure": table["pressure_drop"]}
         share = max(1 - flow / drawn[name], 0.0)
+        event = event._replace(course=tuple((t, 1 - x * (1 - share)) for t, x in event.course))
         self.tables["loads"][name] = table | {"opening": event.control(1.0, share)}
 
     def _link(self, event: Event, kind: type | UnionType, what: str) -> Any:

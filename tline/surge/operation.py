@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError, import_extra
-from tline.interchange.any_file import EPANET, refuse_water
+from tline.interchange.any_file import refuse_water
 from tline.interchange.water_controls import WaterControl
 from tline.interchange.water_scene import read_with_controls
-from tline.scene.file import as_scene
+from tline.scene.file import EPANET, as_scene
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.solver.result.result import Result
@@ -115,6 +115,10 @@ def operate(
     rating: float | str | None = None,
     at: Texts = (),
     record: Iterable[str] | None = None,
+    wave_speed: float | str | None = None,
+    material: str | None = None,
+    hour: float | None = None,
+    moving_tanks: bool = False,
     progress: bool = False,
 ) -> Operation:
     """Operate a network of pipes in its steady state, and find the worst of it.
@@ -124,8 +128,7 @@ def operate(
     Parameters
     ----------
     network : Scene, path or dict
-        A hydraulic scene that starts in the steady state, or the path of one (.toml) or of a network of EPANET (.inp),
-        which `tline.read` reads with a wave speed, an hour or walls.
+        A hydraulic scene that starts in the steady state, or the path of one (.toml) or of a network of EPANET (.inp).
     trip : str
         Pumps whose motors fail: ``"PUMP@TIME"``.
     start : str
@@ -155,6 +158,8 @@ def operate(
         Nodes to probe, instead of those that are operated.
     record : iterable of str, optional
         Lines of whose inside maps and profiles are drawn; all of a network of at most 300 lines if not given.
+    wave_speed, material, hour, moving_tanks
+        Of an .inp file, as of `tline.interchange.read_inp`.
     progress : bool
         Show a progress bar on stderr if a run takes more than two seconds.
 
@@ -187,7 +192,9 @@ def operate(
     ('c', 8.8, 10.0, [])
     """
     given = {"trip": trip, "start": start, "stop": stop, "close": close, "open": open, "burst": burst, "demand": demand}
-    scene, read, controls = read_network(network)
+    scene, read, controls = read_network(
+        network, wave_speed=wave_speed, material=material, hour=hour, moving_tanks=moving_tanks
+    )
     rotor = {"inertia": inertia, "rated_speed": rated_speed}
     planned, guesses = plan(
         scene,
