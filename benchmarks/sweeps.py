@@ -98,7 +98,7 @@ def on_dask(run: Callable[..., Sweep], processes: bool, kill: bool = False) -> S
     """A sweep on eight local workers, of which one is killed after three seconds if that is wanted."""
     from dask.distributed import Client
 
-    with Client(processes=processes, n_workers=8, threads_per_worker=1, dashboard_address=None) as client:
+    with Client(processes=processes, n_workers=8, threads_per_worker=1, dashboard_address=":0") as client:
         if kill:
             pid = next(iter(client.run(os.getpid).values()))
             threading.Timer(3.0, os.kill, [pid, signal.SIGKILL]).start()

@@ -199,3 +199,21 @@ def test_a_rough_tolerance_takes_fewer_samples_than_a_fine_one(name):
     results = [simulate(scene, tol=tol).accuracy for tol in (1e-3, 1e-6)]
     taken = [sum(attempt.samples for attempt in accuracy.attempts) for accuracy in results if accuracy]
     assert taken[0] < taken[1] or scene.solver.slab
+
+
+@pytest.mark.parametrize(
+    ("impedance", "name", "said"),
+    [("R + 1/(s*C)", "R", "its impedance vanishes at high frequency"), ("s*C", "C", "is already held by")],
+)
+def test_a_value_that_lets_elements_exclude_each_other_is_refused(impedance, name, said):
+    parameters = {name: 1e-12 for name in "RC" if name in impedance}
+    tables = {
+        "lines": {"cable": {"nodes": ["near", "far"], "z0": 50, "delay": "1 ns"}},
+        "sources": {"driver": {"at": "near", "kind": "voltage", "value": 1}},
+        "loads": {"x": {"at": "near", "kind": "impedance", "expression": impedance, "parameters": parameters}},
+        "probes": {"far": {"at": "far"}},
+    }
+    ready = prepare(Scene(medium="electrical", t_end="4 ns", **tables))
+    ready.run({f"loads.x.parameters.{name}": 2e-12})
+    with pytest.raises(InputError, match=said):
+        ready.run({f"loads.x.parameters.{name}": 0})

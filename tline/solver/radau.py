@@ -119,7 +119,8 @@ def basis(s: int) -> Basis:
     return Basis(s, (x + 1) / 2, integrals @ to_legendre, to_points, to_legendre)
 
 
-def chebyshev(order: int) -> list[float]:
+@lru_cache
+def chebyshev(order: int) -> tuple[float, ...]:
     """Places in a slab, denser toward its edges: 0 among them, 1 not, for that is the slab's end."""
     n = max(LEAST_PLACES, order + 2)
-    return ((1 - np.cos(np.pi * np.arange(n) / n)) / 2).tolist()
+    return tuple(((1 - np.cos(np.pi * np.arange(n) / n)) / 2).tolist())

@@ -174,14 +174,14 @@ def _searched(description: Description, how: _How, tol: float | None, whole: Des
         description.refuse_coupled("a ledger")
     warned = _active(description, how.active)
     tol, ledger = asked(scene, tol), True if user_elements(scene) else ledger
-    if tol is None or (scene.solver.slab and (scene.solver.order or description.lossy)):
+    if tol is None or (scene.solver.slab and (scene.solver.order or description.dispersive)):
         chosen = resolution(description)
         result = run(description, chosen, how.record, envelope=how.envelope, ledger=bool(ledger), progress=how.progress)
         result = replace(result, accuracy=tol and _by_hand(result, tol))
     else:
         more = {"envelope": how.envelope, "start": how.start, "whole": whole}
         search = Search(description, tol, how.record, how.progress, **more)
-        result = convolved(search) or (with_losses if description.lossy else within)(search)
+        result = convolved(search) or (with_losses if description.dispersive else within)(search)
     result = with_ledger(result, ledger)
     return replace(result, warned=tuple(warned)) if warned else result
 
@@ -201,7 +201,8 @@ def judged(result: Result) -> Accuracy:
 
     def step(coarse: Result, doublings: int, followed: float = FOLLOWED[0]) -> tuple[Result, Accuracy]:
         s, h = coarse.resolution.s, coarse.resolution.h
-        chosen = Resolution(s, h / 2) if description.lossy or whole.mixing else Resolution(s + 1, h, layers=followed)
+        narrower = description.dispersive or whole.mixing
+        chosen = Resolution(s, h / 2) if narrower else Resolution(s + 1, h, layers=followed)
         with user_mistakes(whole.scene):
             fine = run(whole.parted(doublings) if whole.mixing else description, chosen)
         found = Accuracy(None, *differences(coarse, fine))

@@ -84,6 +84,7 @@ class LossElements(NamedTuple):
     sign: Floats  # (rows,) -1 in series, 1 across
     first: Integers  # (rows + 1,) the loss elements of row r are first[r] to first[r + 1]
     place: Integers  # half slabs from end 1
+    passed: Floats  # (rows,) share of waves that passes a row and does not depend on what comes the other way, or 0
     strength: Floats  # constant: e/w; quadratic: c, e = c|w| w/(1 + sqrt(1 + c|w|))²; else without meaning
     at: Integers  # (rows,) place of the row's entries: of a table, or of its maps
     modes: Integers  # (rows,) of a circuit
@@ -279,6 +280,7 @@ NO_LOSSES = LossElements(
     sign=_EMPTY,
     first=np.zeros(1, int),
     place=_NONE,
+    passed=_EMPTY,
     strength=_EMPTY,
     at=_NONE,
     modes=_NONE,
