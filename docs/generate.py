@@ -46,7 +46,10 @@ SECTIONS = {
         "[heights](networks.md#heights).",
     ),
 }
-SHAPES = ("Constant", "Step", "Ramp", "PiecewiseLinear", "Table", "Pulses", "Sine", "Exponential", "DoubleExponential")
+SHAPES = (
+    "Constant", "Step", "Ramp", "PiecewiseLinear", "Table", "Pulses", "Sine", "ModulatedSine", "Exponential",
+    "DoubleExponential",
+)  # fmt: skip
 
 
 def reference() -> str:

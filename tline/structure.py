@@ -92,10 +92,11 @@ class Packed:
             if value is old:
                 continue
             if dimensions >= 0:
-                if value.dtype != kind or value.ndim != dimensions or not value.flags.c_contiguous:
+                at = _address(value) if value.dtype == kind and value.ndim == dimensions else None
+                if at is None:
                     kind = f"a contiguous array of {dimensions} dimensions of {kind.__name__}"
                     raise TypeError(f"{self.structure.__name__}.{name}: {kind} is needed, not {value!r}")
-                words[word] = _address(value)
+                words[word] = at
                 for k, size in enumerate(value.shape, word + 1):
                     words[k] = size
             elif kind is int:
@@ -113,13 +114,14 @@ class Packed:
         self.values = values
 
 
-def _address(array: NDArray[Any]) -> int:
-    """Where the first element of a contiguous array is; through its buffer, in a seventh of the time of numpy's own."""
+def _address(array: NDArray[Any]) -> int | None:
+    """Where the first element of an array is; None if it is not contiguous. Through its buffer, ten times as fast."""
     if not array.size:
         return 0  # which nothing reads
-    if not array.flags.writeable:
-        return array.__array_interface__["data"][0]
-    return addressof(c_char.from_buffer(array.data))
+    try:
+        return addressof(c_char.from_buffer(array))  # type: ignore[arg-type]
+    except TypeError:  # not contiguous, or read only
+        return array.__array_interface__["data"][0] if array.flags.c_contiguous else None
 
 
 def pack(values: Any) -> Any:

@@ -1,6 +1,6 @@
 """One run of a scene at a stated resolution: assemble it, step the kernel, and hand back what the probes saw."""
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import ceil
 from types import MappingProxyType
@@ -14,12 +14,11 @@ from tline.gc_paused import gc_paused
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene
-from tline.solver.description.probes import ProbePlace
 from tline.solver.description.resolution import Resolution
 from tline.solver.ledger.ledger import Ledger
 from tline.solver.ledger.recorder import Recorder
-from tline.solver.loop.march import March, march
-from tline.solver.loop.superposed import families_of, superposed
+from tline.solver.loop.march import March, Observer, march
+from tline.solver.loop.superposed import Family, families_of, superposed
 from tline.solver.result.conductor import record_of
 from tline.solver.result.envelope import watch
 from tline.solver.result.notes import VISIBLE, smeared
@@ -64,21 +63,14 @@ def run(
     with gc_paused():
         assembly = assemble(description, kept, chosen, laws=laws, progress=progress)
     families = [] if ledger else families_of(assembly)
-    if kinks and not families:
+    if not families:
         assembly.changes = sorted([*assembly.changes, *_cuts(assembly, kinks)])
     n = slabs or max(ceil(description.t_end / h - 1e-9), 1)
     _check_record(len(kept), n, s)
     recorder = Recorder(assembly, n) if ledger else None
     extremes = watch(assembly) if envelope else None
     try:
-        if families:
-            waves, done = superposed(families, n, progress=progress)
-            if extremes:
-                extremes.see(waves, 0, n, done.pieces)
-            waves, done = waves[: assembly.kept], done._replace(pieces=done.pieces.of_rows(assembly.kept))
-        else:
-            watching = [each for each in (extremes, recorder) if each]
-            waves, done = march(assembly, n, observers=watching, progress=progress)
+        waves, done = _stepped(assembly, families, n, [each for each in (extremes, recorder) if each], progress)
     except NoFlowError as error:
         if families:
             raise
@@ -87,18 +79,15 @@ def run(
     smears = done.fronts.lost > VISIBLE or description.blurred
     lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
     ends = np.arange(n + 1) * h
-
-    def seen(probe: ProbePlace) -> LineRecord:
-        return record_of(probe, lines) if probe.node is None else _at_node(assembly, probe.node, waves, done, smears)
-
+    alone = {node: _at_node(assembly, node, waves, done, smears) for node in assembly.recorded_nodes}
+    seen = {name: alone[at.node] if at.node else record_of(at, lines) for name, at in description.probes.items()}
     probes = {
-        name: ProbeResult(name, probe.line, probe.share, seen(probe), ends, probe.height)
-        for name, probe in description.probes.items()
+        name: ProbeResult(name, at.line, at.share, seen[name], ends, at.height)
+        for name, at in description.probes.items()
     }
     samples = len(assembly.network.ends) * n * s * max(len(families), 1)
-    again = Again(
-        description.scene, chosen, n, dict(kinks), samples + EACH_NODE * len(assembly.nodes), bool(description.coupled)
-    )
+    work = samples + EACH_NODE * len(assembly.nodes)
+    again = Again(description.scene, chosen, n, dict(kinks), work, bool(description.coupled))
     return Result(
         description.scene,
         ends,
@@ -116,6 +105,18 @@ def run(
         elements={where: _into(assembly, where, waves, done) for where in assembly.recorded_laws},
         slams=_slams(assembly),
     )
+
+
+def _stepped(
+    assembly: Assembly, families: list[Family], n: int, watching: Sequence[Observer], progress: bool
+) -> tuple[NDArray, March]:
+    """Record of n slabs, and what there is to say of them: of families of fronts, if there are any, their sum."""
+    if not families:
+        return march(assembly, n, observers=watching, progress=progress)
+    waves, done = superposed(families, n, progress=progress)
+    for observer in watching:
+        observer.see(waves, 0, n, done.pieces)
+    return waves[: assembly.kept], done._replace(pieces=done.pieces.of_rows(assembly.kept))
 
 
 def _check_record(lines: int, n: int, s: int) -> None:
@@ -165,10 +166,12 @@ def _divided(kinks: Kinks, error: NoFlowError, n: int, h: float) -> Kinks:
 
 
 def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[tuple[float, int, int]]:
-    """Changes of maps that change nothing, but begin a piece at the elements' groups."""
+    """Changes of maps that change nothing, but begin a piece where elements stand: at kinks, and at t = 0 from rest."""
+    begin = [0.0] if assembly.follows_edges and not assembly.description.steady else []
     for g, group in enumerate(assembly.groups):
         for element in group.elements:
             row = int(assembly.network.step_row[g])
+            yield from ((t, g, row) for t in begin)
             yield from ((float(t), g, row) for t in kinks.get(element.where, NOWHERE) / assembly.resolution.h)
 
 

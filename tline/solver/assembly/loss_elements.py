@@ -36,6 +36,7 @@ class _Law(NamedTuple):
     strength: NDArray | float = 0.0
     entries: NDArray = EMPTY
     modes: int = 0
+    passed: float = 0.0
 
 
 class _Row(NamedTuple):
@@ -95,6 +96,7 @@ def loss_elements_of(
         sign=np.array([law.sign for law in laws]),
         first=np.cumsum([0, *size]),
         place=np.concatenate([row.place for row in rows]),
+        passed=np.array([law.passed for law in laws]),
         strength=np.concatenate([np.broadcast_to(row.law.strength, len(row.place)) for row in rows]),
         at=np.cumsum([0, *(len(law.entries) for law in laws)])[:-1],
         modes=np.array([law.modes for law in laws]),
@@ -124,8 +126,8 @@ def _rows(k: int, line: Line, circuits: Circuits, delay: int, count: int, order:
     losses, z0 = line.losses, line.z0
     assert losses is not None
     if losses.distortionless:
-        share = -float(np.expm1(-losses.attenuation)) / 2
-        return [_Row(k, np.array([delay]), _Law(CONSTANT, sign, share)) for sign in (-1.0, 1.0)]
+        share, each = -float(np.expm1(-losses.attenuation)) / 2, float(np.exp(-losses.attenuation / 2))
+        return [_Row(k, np.array([delay]), _Law(CONSTANT, sign, share, passed=each)) for sign in (-1.0, 1.0)]
     place = _places(delay, count)
     even = bool(circuits.series.rates.size or circuits.shunt.rates.size or losses.curve is not None)
     share = shares(count, even)
@@ -174,6 +176,7 @@ def _friction(losses: Losses, z0: float, share: Any) -> list[_Law]:
     return [_Law(SQUARED, -1.0, losses.quadratic * losses.exact.length * share / z0**2)]
 
 
+@lru_cache(64)
 def tabled(losses: Losses, z0: float, share: float) -> NDArray:
     """e/w of a loss element over the logarithm of |w|, as the kernel looks it up; between 0 and 1, so it stays passive.
 

@@ -78,7 +78,7 @@ def fits(lines: Mapping[str, Line], h: float) -> bool:
     """Whether all lossy lines fit segments: linear ones whose delay is whole slabs, unless too many differ."""
     different: set[tuple[Law, Law]] = set()
     for line in lines.values():
-        if line.losses is not None and not line.losses.distortionless:
+        if line.losses is not None and line.dispersive:
             different.add((line.losses.exact.series, line.losses.exact.shunt))
             if len(different) > MOST_DIFFERENT or not _fits(line, h):
                 return False
@@ -96,7 +96,7 @@ def segmented_lines(
     """Lines that are cut into segments, by their numbers; none where one does not fit."""
     found: dict[int, SegmentedLine] = {}
     for k, (name, line) in enumerate(lines.items() if fits(lines, h) else ()):
-        if line.losses is not None and not line.losses.distortionless:
+        if line.dispersive:
             series, shunt, _ = circuits[name]
             made = segment(series, shunt, h, order.s)
             found[k] = SegmentedLine(round(line.delay / h), made, (len(series.rates), len(shunt.rates)))

@@ -61,6 +61,8 @@ class Description:
         Of nodes; empty without elevations.
     grids : dict
         Lines cut in slabs, which scenes with other values at the nodes share; kept by `tline.solver.assembly`.
+    slab : float
+        That delays were rounded to, s; 0 where they are the scene's.
     """
 
     scene: Scene
@@ -71,6 +73,7 @@ class Description:
     coupled: dict[str, tuple[End, End]]
     heights: Mapping[str, Height]
     grids: dict[Hashable, Any] = field(default_factory=dict, repr=False)
+    slab: float = 0.0
 
     def changed(self, values: Mapping[str, Any]) -> "Description":
         """The description of the scene with other values at dotted paths; lines that stay are not read again.
@@ -112,6 +115,11 @@ class Description:
     def lossy(self) -> bool:
         """Whether a line loses something."""
         return any(line.losses is not None for line in self.lines.values())
+
+    @cached_property
+    def dispersive(self) -> bool:
+        """Whether a line does more to waves than to delay and attenuate them."""
+        return any(line.dispersive for line in self.lines.values())
 
     @cached_property
     def blurred(self) -> bool:

@@ -27,6 +27,6 @@ def grid_choice(description: Description, chosen: Resolution) -> GridChoice:
         reason = "common tick of delays"
     else:
         reason = "common tick of delays and fronts" if len(breaks) else "common tick of delays"
-    if chosen.convolved or description.lossy:
+    if chosen.convolved or description.dispersive:
         return GridChoice(reason, None)
     return GridChoice(reason, 2 * len(delays) * chosen.s * description.t_end / h * work)

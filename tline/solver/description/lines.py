@@ -14,6 +14,11 @@ class Line(NamedTuple):
     delay: float  # s
     losses: Losses | None
 
+    @property
+    def dispersive(self) -> bool:
+        """Whether it does more to waves than to delay and attenuate them."""
+        return self.losses is not None and not self.losses.distortionless
+
 
 def lines_of(scene: Scene) -> dict[str, Line]:
     """All lines of a scene that carry waves, by name."""

@@ -63,7 +63,7 @@ def resolution(
     by_hand = h is None and fixed.slab is not None
     loss_elements = LOSS_ELEMENTS if h is None and not by_hand else ALL_LOSS_ELEMENTS
     scales = description.time_scales
-    h = h or float(fixed.slab or 0.0) or slab_of(description, delays, scales, settle)
+    h = h or float(fixed.slab or 0.0) or description.slab or slab_of(description, delays, scales, settle)
     _check(t_end, delays, s, h, by_hand)
     chosen = Resolution(s, h, sections=sections, settle=settle, loss_elements=loss_elements)
     notes = [
@@ -77,8 +77,10 @@ def resolution(
 
 
 def _check(t_end: float, delays: dict[str, float], s: int, h: float, by_hand: bool) -> None:
-    shortest, longest = (place("lines", choose(delays, key=lambda name: delays[name])) for choose in (min, max))
     samples = 2 * s * sum(delays.values()) / h
+    if h <= t_end * (1 + WHOLE) and samples <= LARGEST and t_end / h <= MOST_SLABS:
+        return
+    shortest, longest = (place("lines", choose(delays, key=lambda name: delays[name])) for choose in (min, max))
     if samples > LARGEST:
         problem = f"slabs of {h:.3g} s put {samples:.2g} samples on the lines at once"
         raise InputError(

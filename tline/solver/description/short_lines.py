@@ -43,7 +43,7 @@ def short_lines(description: Description, record: Iterable[str]) -> tuple[list[s
     barred |= {node for joint in joints for node in joint}
     barred |= {node for end in description.ends for node in (*end.conductors, *end.modal)}
     kept = {name for name, line in description.lines.items() if barred & {*line.nodes}}
-    kept |= {*record} | description.probed
+    kept |= {*record} | description.probed | {name for name, line in description.lines.items() if line.losses}
     while short := _far_shorter(description, kept):
         restless, settle = _restless(description, short)
         if not restless:

@@ -15,9 +15,10 @@ ROUNDING = 4e-15  # of the largest value
 class Joined(NamedTuple):
     """Polynomials of W waves at an end of a line, of order s, in order of time, and what is made of them."""
 
+    s: int
     width: Floats  # (cells,) slabs
-    ends: Floats2  # (W, cells + 1) values at the end of each, and before the first
-    series: Floats3  # (W, cells, s + 1) Legendre coefficients, and the value at the start
+    waves: Floats2  # (W, cells * s + 1) value before the first, and at the Radau points of each
+    told: Floats3  # (W, cells, 2) highest Legendre coefficient, and the value at the start
     start: Floats  # (p,) the polynomial that is 1 at the start and vanishes at the points of order s
     values: Floats3  # (W, cells, p) of what is made of them
     bend: Floats  # (cells,) change of the highest coefficient
@@ -44,12 +45,12 @@ def ratio_of(width, k):
 @function
 def bend_of(at, k):
     """Change of the highest coefficient since the cell before; that itself if their widths are too unequal."""
-    waves, _, s = at.series.shape
+    waves, s = len(at.told), at.s
     ratio, most = ratio_of(at.width, k), 0.0
-    scale = ratio ** (s - 2) if 1.0 / UNEQUAL < ratio < UNEQUAL else 1.0
+    scale = ratio ** (s - 1) if 1.0 / UNEQUAL < ratio < UNEQUAL else 1.0
     for wave in range(waves):
-        before = at.series[wave, k - 1, s - 2] if k > 0 else 0.0
-        most = max(most, abs(at.series[wave, k, s - 2] - scale * before))
+        before = at.told[wave, k - 1, 0] if k > 0 else 0.0
+        most = max(most, abs(at.told[wave, k, 0] - scale * before))
     return most
 
 
@@ -69,29 +70,29 @@ def join(at: Joined) -> int:
     cell, the edge after it.
     """
     waves, cells, p = at.values.shape
-    s, largest, worst = at.series.shape[2] - 1, 0.0, 0.0
+    s, largest, worst = at.s, 0.0, 0.0
     for k in range(cells):
         at.bend[k] = bend_of(at, k)
         for wave in range(waves):
-            largest = max(largest, abs(at.ends[wave, k + 1]))
+            largest = max(largest, abs(at.waves[wave, (k + 1) * s]))
     for k in range(cells):
         if not 1.0 / UNEQUAL < ratio_of(at.width, k) < UNEQUAL:
             at.bend[k] = at.bend[k + 1] if k < cells - 1 else 0.0
     for k in range(cells):
         off = 0.0
         for wave in range(waves):
-            off = max(off, abs(at.series[wave, k, s] - at.ends[wave, k]))
+            off = max(off, abs(at.told[wave, k, 1] - at.waves[wave, k * s]))
         expected = max(EXPECTED / (2 * s - 1) * about(at.bend, k), ROUNDING * largest)
         at.joined[k] = ratio_of(at.width, k) > 1.0 / UNEQUAL and off <= expected
         at.off[k] = off if at.joined[k] else 0.0
         worst = max(worst, at.off[k])
         if at.joined[k]:
             for wave in range(waves):
-                off = at.series[wave, k, s] - at.ends[wave, k]
+                off = at.told[wave, k, 1] - at.waves[wave, k * s]
                 for i in range(p):
                     at.values[wave, k, i] -= off * at.start[i]
     for wave in range(waves):
-        largest = max(largest, abs(at.ends[wave, 0]))
+        largest = max(largest, abs(at.waves[wave, 0]))
     return 1 if worst > ROUNDING * largest else 0
 
 
@@ -102,7 +103,7 @@ def fits(at, pair):
     Errors of the waves may cancel in effort or flow, so all are changed or none.
     """
     cells, k = at.cells, at.first + pair
-    s, points, most = cells.series.shape[2] - 1, cells.start.size, about(cells.off, k + 1)
+    s, points, most = cells.s, cells.start.size, about(cells.off, k + 1)
     ratio, known = ratio_of(cells.width, k + 1), cells.joined[k]
     if not cells.joined[k + 1] or ratio >= UNEQUAL or most == 0.0 or (known and s == 2):
         return False

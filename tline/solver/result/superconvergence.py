@@ -19,7 +19,7 @@ hyperbolic equations, Math. Comp. 72 (2003), doi:10.1090/S0025-5718-02-01464-3.
 
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.polynomial.legendre import legvander
@@ -35,14 +35,7 @@ if TYPE_CHECKING:
 SHARED = 8  # order up to which polynomials are shared; beyond, rounding is all that is left
 SAME = 1e-12  # widths that near to each other, relatively, are equal
 CHUNK = 4096  # pairs of cells at a time
-
-
-class Cells(NamedTuple):
-    """Polynomials of the two waves at an end of a line, in order of time."""
-
-    width: NDArray  # (cells,) slabs
-    values: NDArray  # (2, cells, s) at the Radau points of each
-    before: NDArray  # (2,) what was constant before the first
+NONE = np.empty(0, int)
 
 
 def degree(s: int) -> int:
@@ -55,15 +48,17 @@ def superconvergent(a: "Wave", b: "Wave") -> "tuple[Wave, Wave]":
     s, n, pieces = a.basis.s, len(a.values), a.pieces
     if s == 1:
         return a, b
-    values, width = np.stack([a.values, b.values]), np.ones(n)
-    whole = order = np.arange(n)
+    values, width = (a.values, b.values), np.ones(n)
+    whole = order = NONE
     if len(pieces.slab):
-        whole = np.delete(whole, pieces.slab)
+        whole = np.delete(np.arange(n), pieces.slab)
         order = np.argsort(np.concatenate([whole, pieces.slab + pieces.span[:, 0]]), kind="stable")
         width = np.concatenate([np.ones(len(whole)), np.diff(pieces.span, axis=1)[:, 0]])[order]
-        in_pieces = np.stack([a.pieces.values, b.pieces.values])
-        values = np.ascontiguousarray(np.concatenate([values[:, whole], in_pieces], axis=1)[:, order])
-    found = improved(Cells(width, values, np.array([a.before, b.before])))
+        values = [np.concatenate([wave.values[whole], wave.pieces.values])[order] for wave in (a, b)]
+    waves = np.empty((2, len(width) * s + 1))
+    for row, wave, held in zip(waves, (a, b), values, strict=True):
+        row[0], row[1:] = wave.before, held.reshape(-1)
+    found = improved(width, waves, s)
     if found is None:
         return a, b
     new = basis(found.shape[2])
@@ -79,14 +74,23 @@ def superconvergent(a: "Wave", b: "Wave") -> "tuple[Wave, Wave]":
     return made[0], made[1]
 
 
-def improved(cells: Cells) -> NDArray | None:
-    """Values at the Radau points of order ``degree(s) + 1``, shape (2, cells, degree + 1); None if nothing changes."""
-    s, n = cells.values.shape[2], cells.width.size
-    spread, series, start = _matrices(s)
-    ends = np.empty((2, n + 1))
-    ends[:, 0], ends[:, 1:] = cells.before, cells.values[:, :, -1]
+def improved(width: NDArray, waves: NDArray, s: int) -> NDArray | None:
+    """Values at the Radau points of order ``degree(s) + 1``, shape (2, cells, degree + 1); None if nothing changes.
+
+    Parameters
+    ----------
+    width : ndarray, shape (cells,)
+        Of the cells in which each of two waves is a polynomial, in order of time, slabs.
+    waves : ndarray, shape (2, cells * s + 1)
+        What was constant before the first, and values at the Radau points of each.
+    s : int
+        Order of the polynomials.
+    """
+    n = width.size
+    spread, told, start = _matrices(s)
+    values = waves[:, 1:].reshape(2, n, s)
     room = np.empty(n), np.empty(n), np.empty(n, bool)
-    at = Joined(cells.width, ends, cells.values @ series, start, cells.values @ spread, *room)
+    at = Joined(s, width, waves, values @ told, start, values @ spread, *room)
     packed = pack(at)
     if not join(packed):
         return None
@@ -97,25 +101,32 @@ def improved(cells: Cells) -> NDArray | None:
 
 def _share(at: Joined, packed: Any) -> None:
     """Change the values of cells to those of polynomials that they share with their neighbours."""
-    s, points = at.series.shape[2] - 1, at.start.size
-    change, changes = np.zeros((2, points)), np.zeros(1, bool)
-    ratio, known = at.width[1:] / at.width[:-1], at.joined[:-1]
-    unequal = at.joined[1:] & (np.abs(ratio - 1.0) > SAME) & (ratio < UNEQUAL)
-    for first in range(0, len(ratio), CHUNK):
-        last = min(first + CHUNK, len(ratio))
-        given = np.empty((2, last - first, 2 * s + 3))
-        for side in range(2):
-            given[:, :, side * s : (side + 1) * s] = at.series[:, first + side : last + side, :s]
-        for k in range(3):
-            given[:, :, 2 * s + k] = at.ends[:, first + k : last + k]
+    s, pairs, (row, word) = at.s, at.width.size - 1, at.waves.strides
+    change, changes = np.zeros((2, at.start.size)), np.zeros(1, bool)
+    windows = np.ndarray((2, pairs, 2 * s + 1), buffer=at.waves, strides=(row, s * word, word))
+    ratio, unequal = _unequal(at)
+    for first in range(0, pairs, CHUNK):
+        last = min(first + CHUNK, pairs)
+        given = np.ascontiguousarray(windows[:, first:last])
         shared = given @ _equal(s, True)
-        alone = ~known[first:last]
-        shared[:, alone] = given[:, alone] @ _equal(s, False)
-        for kind in (True, False) if unequal[first:last].any() else ():
-            these = np.flatnonzero(unequal[first:last] & (alone != kind))
-            if these.size:
-                shared[:, these] = (given[:, these, None] @ _pair(s, kind, ratio[first + these]))[:, :, 0]
+        alone = np.flatnonzero(~at.joined[first:last])
+        if alone.size:
+            shared[:, alone] = given[:, alone] @ _equal(s, False)
+        these = unequal[(unequal >= first) & (unequal < last)]
+        for known in (True, False) if these.size else ():
+            some = these[at.joined[these] == known]
+            if some.size:
+                here = some - first
+                shared[:, here] = (given[:, here, None] @ _pair(s, known, ratio[some]))[:, :, 0]
         share(pack(Shared(packed, first, shared, change, changes)))
+
+
+def _unequal(at: Joined) -> tuple[NDArray, NDArray]:
+    """Widths of cells over those before them, and the first cells of pairs in which they count and are not equal."""
+    if at.width.min() == at.width.max():
+        return NONE, NONE
+    ratio = at.width[1:] / at.width[:-1]
+    return ratio, np.flatnonzero(at.joined[1:] & (np.abs(ratio - 1.0) > SAME) & (ratio < UNEQUAL))
 
 
 def _moments(s: int, known: bool) -> tuple[int, int]:
@@ -130,12 +141,11 @@ def _equal(s: int, known: bool) -> NDArray:
 
 
 def _pair(s: int, known: bool, ratio: NDArray) -> NDArray:
-    """Matrices of cells of widths 1 and `ratio`, shape (pairs, 2 s + 3, 2 p), to `Shared.values`.
+    """Matrices of cells of widths 1 and `ratio`, shape (pairs, 2 s + 1, 2 p), to `Shared.values`.
 
-    They take the Legendre coefficients of both cells, and the values at their three ends.
+    They take the end of the cell before, and the values at the points of both.
     """
     q, m = _moments(s, known), sum(_moments(s, known)) + 2 + known
-    kept = [*range(q[0]), *range(s, s + q[1]), *range(2 * s + (not known), 2 * s + 3)]
     places, test = _places(s, m)
     middle, inside = 1 / (1 + ratio), slice(2, 2 + m)
     first, second = (  # Legendre polynomials on the pair at places of a cell
@@ -144,9 +154,16 @@ def _pair(s: int, known: bool, ratio: NDArray) -> NDArray:
     )
     rows = test[: q[0]] @ first[:, inside], test[: q[1]] @ second[:, inside], first[:, not known : 2], second[:, 1:2]
     shared = np.concatenate([first[:, 2 + m :], second[:, 2 + m :]], axis=1)
-    matrices = np.zeros((len(ratio), 2 * s + 3, shared.shape[1]))
-    matrices[:, kept] = (shared @ np.linalg.inv(np.concatenate(rows, axis=1))).swapaxes(1, 2)
-    return matrices
+    return _kept(s, known) @ (shared @ np.linalg.inv(np.concatenate(rows, axis=1))).swapaxes(1, 2)
+
+
+@lru_cache
+def _kept(s: int, known: bool) -> NDArray:
+    """From what `_pair` takes to the Legendre coefficients that are kept of both cells, and values at their ends."""
+    series, ends, q = basis(s).to_legendre.T, np.eye(2 * s + 1)[:, (not known) * s :: s], _moments(s, known)
+    kept = np.zeros((2 * s + 1, sum(q)))
+    kept[1 : s + 1, : q[0]], kept[s + 1 :, q[0] :] = series[:, : q[0]], series[:, : q[1]]
+    return np.concatenate([kept, ends], axis=1)
 
 
 @lru_cache
@@ -159,11 +176,11 @@ def _places(s: int, m: int) -> tuple[NDArray, NDArray]:
 
 @lru_cache
 def _matrices(s: int) -> tuple[NDArray, NDArray, NDArray]:
-    """Of order s: from values at its points to those at more points, and to Legendre coefficients and the start.
+    """Of order s: from values at its points to those at more points, and to `Joined.told`.
 
     And what the polynomial that is 1 at the start and vanishes at the points of order s is at more points.
     """
     order, x = basis(s), basis(degree(s) + 1).c
     start = np.prod((order.c[:, None] - x) / order.c[:, None], axis=0)
-    series = np.concatenate([order.to_legendre, order.evaluation([0.0])])
-    return np.ascontiguousarray(order.evaluation(x).T), np.ascontiguousarray(series.T), start
+    told = np.concatenate([order.to_legendre[[s - 1]], order.evaluation([0.0])])
+    return np.ascontiguousarray(order.evaluation(x).T), np.ascontiguousarray(told.T), start

@@ -132,9 +132,9 @@ def unseen(description: Description, result: Result, followed: bool) -> float:
     """Times that the fastest load, vessel or waveform is as fast as what a run resolves.
 
     The pressure at vessels is taken to be the highest at the ends of any recorded line. Loads and vessels do not count
-    where the other run follows what decays behind fronts; beside lossy lines fronts are not followed.
+    where the other run follows what decays behind fronts; beside dispersive lines fronts are not followed.
     """
-    if followed and not description.lossy:
+    if followed and not description.dispersive:
         return _over(result, [waveform.fastest() for waveform in description.waveforms.values()])
     decays = [scale for scale, _ in description.time_scales.values()]
     if description.elements:

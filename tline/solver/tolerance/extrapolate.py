@@ -1,9 +1,12 @@
 """Richardson extrapolation of runs whose slabs, and with them loss elements, are halved."""
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
+from tline.solver.radau import basis
 from tline.solver.result.result import LineRecord, Result, Wave
 
 WAVES = ("a1", "b1", "a2", "b2")
@@ -40,6 +43,16 @@ def _record(coarse: LineRecord, fine: LineRecord, weight: float) -> LineRecord:
 
 
 def _wave(coarse: Wave, fine: Wave, weight: float) -> Wave:
-    t = (np.arange(len(coarse.values))[:, None] + coarse.basis.c) * coarse.h
-    seen = fine(t)
+    n, every = len(coarse.values), round(coarse.h / fine.h)
+    seen = fine.values[: n * every].reshape(n, -1) @ _points(coarse.basis.s, fine.basis.s, every)
     return replace(coarse, values=seen + weight * (seen - coarse.values))
+
+
+@lru_cache
+def _points(s: int, other: int, every: int) -> NDArray:
+    """From values in so many slabs, one after the other, to those at the points of order s of one as wide as all."""
+    x = every * basis(s).c
+    slab = np.ceil(x).astype(int) - 1
+    spread = np.zeros((every, other, s))
+    spread[slab, :, np.arange(s)] = basis(other).evaluation(x - slab)
+    return spread.reshape(every * other, s)

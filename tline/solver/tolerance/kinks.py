@@ -10,6 +10,7 @@ from math import inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial.legendre import legval
 from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
@@ -22,6 +23,7 @@ CURVED = 16  # points from which on a table is taken as a curve: narrower slabs 
 MOST = 2000  # instants of an element; where there are more, none is followed
 MOST_HALVED = 50_000  # the same of middles of pieces
 STEPS, STEP = 8, 1e-4  # of Newton's method, and for its slopes, in pieces
+SETTLED = 1e-13  # pieces; a step that short is the last, for each is some 1e4 times shorter than the one before
 OVER = 1.5  # pieces, to which a neighbour is continued
 ROUNDED = 1e-12  # of the largest wave; so little has no sign
 
@@ -53,18 +55,38 @@ def kinks_of(result: Result, elements: Sequence[PlacedLaw]) -> Kinks:
     return found
 
 
-def halved(result: Result, elements: Sequence[PlacedLaw], known: Kinks) -> Kinks:
-    """The known instants, and the middles of pieces that the middle of their slab does not part, s."""
-    found = {}
+class Halved(NamedTuple):
+    """Known instants, and the middles of pieces that the middle of their slab does not part, s.
+
+    Of these all; or only such in which a wave changes by more than half of what it does in any other: the rest are as
+    well resolved as slabs half as wide. But a run that leaves them as they are tells their errors by its order alone.
+    """
+
+    every: Kinks
+    steep: Kinks
+
+    @property
+    def differ(self) -> bool:
+        """Whether pieces may stay as they are."""
+        return any(len(self.steep.get(where, ())) < len(all_) for where, all_ in self.every.items())
+
+
+def halved(result: Result, elements: Sequence[PlacedLaw], known: Kinks) -> Halved:
+    """Where pieces at elements are halved with their slabs, which would not make them narrower."""
+    every, steep = {}, {}
     for element in elements:
         wave = result.elements[element.where].wave
         begin, end = wave.pieces.span.T
         aside = (end <= 0.5) | (begin >= 0.5)
-        middles = (wave.pieces.slab + (begin + end) / 2)[aside] * wave.h
-        all_ = np.union1d(known.get(element.where, np.empty(0)), middles)
-        if 0 < len(all_) <= MOST_HALVED:
-            found[element.where] = all_
-    return found
+        whole = np.delete(wave.values, wave.pieces.slab, axis=0)
+        change, others = (np.ptp(values, axis=1) for values in (wave.pieces.values, whole))
+        largest = max(others.max(initial=0.0), change[~aside].max(initial=0.0))
+        middles = (wave.pieces.slab + (begin + end) / 2) * wave.h
+        for found, these in ((every, aside), (steep, aside & (change > largest / 2))):
+            all_ = np.union1d(known.get(element.where, np.empty(0)), middles[these])
+            if 0 < len(all_) <= MOST_HALVED:
+                found[element.where] = all_
+    return Halved(every, steep)
 
 
 def together(one: Kinks, other: Kinks) -> Kinks:
@@ -156,10 +178,12 @@ def _crossings(seen: PiecewiseQuantity, result: Result) -> NDArray:
 
 def _root(seen: PiecewiseQuantity, order: Basis, piece: NDArray, x: NDArray) -> NDArray:
     """Newton's root of the polynomials of pieces, continued; from places x, in their own widths."""
-    values = seen.values[piece]
+    series = order.to_legendre @ seen.values[piece].T
     low, high = -OVER - 1, OVER + 2
     for _ in range(STEPS):
-        here, ahead = order.values(x[:, None] + [0.0, STEP], values).T
+        here, ahead = legval(2 * np.stack([x, x + STEP]) - 1, series[:, None], tensor=False)
         slope = (ahead - here) / STEP
-        x = np.clip(x - here / np.where(slope == 0, np.inf, slope), low, high)
+        before, x = x, np.clip(x - here / np.where(slope == 0, np.inf, slope), low, high)
+        if np.abs(x - before).max() <= SETTLED:
+            break
     return x

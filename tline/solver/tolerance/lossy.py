@@ -1,7 +1,8 @@
 """Runs of scenes with losses to a tolerance; with loss elements, these and slabs are halved."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from math import log
 
@@ -16,6 +17,7 @@ from tline.solver.result.result import Result
 from tline.solver.tolerance.alike import alike
 from tline.solver.tolerance.compare import added, caution, differences, magnified, with_errors
 from tline.solver.tolerance.extrapolate import extrapolated, seen_at_ends
+from tline.solver.tolerance.rounded_delays import may_round, with_rounded_delays
 from tline.solver.tolerance.search import Search, better, gained, inside_limit, inside_slabs, limit_of, rank, refined
 
 ORDER, ORDER_IN_SEGMENTS = 3, 6
@@ -24,7 +26,8 @@ CLOSER, CLOSEST = 0.1, 1e-9  # tolerance of circuits over that of the run or of 
 CALM = 0.02  # cycles per slab, the band of circuits in segments
 IN_SEGMENTS = 1e-5  # the first of these in segments, where terms cost little
 FITTED = 3  # steps that tell what the next ones leave of an entry's difference
-FEW_PASSES, MOST_PASSES = 5e8, 5e10  # samples past loss elements, of one run: a second; of all runs: some minutes
+SOON = 5e7  # samples past loss elements, of one run: a tenth of a second
+FEW_PASSES, MOST_PASSES = 5e8, 5e10  # the same of one run: a second; of all runs: some minutes
 
 Powers = tuple[int, ...]
 Row = dict[Powers, Result]
@@ -34,28 +37,42 @@ Steps = dict[Powers, list[tuple[float, float]]]  # differences of each entry, at
 def with_losses(search: Search) -> Result:
     """Run a scene with losses until the estimated error is within the tolerance, or a limit is reached.
 
-    Where all lossy lines can be cut into segments, order and slab are refined as without losses. Else slabs are halved.
-    Segments keep fronts at one place of their slabs alone where laws stand; if others are missed for that, lines have
-    loss elements, between which all fronts travel.
+    Where all lossy lines can be cut into segments, order and slab are refined as without losses. Else slabs are halved;
+    where that does not do soon, delays may change so little that lines can be cut. Segments keep fronts at one place of
+    their slabs alone where laws stand; if others are missed for that, lines have loss elements, between which all
+    fronts travel.
     """
+    in_segments, halved = (partial(_with_close_circuits, segmented=each) for each in (True, False))
+    ways: list[Callable[[Search], Result | None]] = [halved]
     segmented = fits(search.description.lines, resolution(search.description).h)
-    result = _with_close_circuits(search, segmented)
-    accuracy = result.accuracy
-    assert accuracy is not None
-    if not segmented or accuracy.met or accuracy.at_slab_ends > search.tol:
-        return result
-    other = _with_close_circuits(search, False)
-    assert other.accuracy is not None
-    best, found = (other, other.accuracy) if better(other.accuracy, accuracy) else (result, accuracy)
-    return replace(best, accuracy=replace(found, attempts=(*accuracy.attempts, *other.accuracy.attempts)))
+    if segmented:
+        ways = [in_segments, halved]
+    elif may_round(search.description):
+        ways = [partial(halved, soon=True), partial(with_rounded_delays, run=in_segments), halved]
+    best, attempts = None, ()
+    for way in ways:
+        result = way(search)
+        accuracy = result and result.accuracy
+        if not result or not accuracy:
+            continue
+        attempts += accuracy.attempts
+        if best is None or better(accuracy, best[1]):
+            best = result, accuracy
+        if accuracy.met or (segmented and accuracy.at_slab_ends > search.tol):
+            break
+    assert best is not None
+    return replace(best[0], accuracy=replace(best[1], attempts=attempts))
 
 
-def _with_close_circuits(search: Search, segmented: bool) -> Result:
-    """Run in segments, or else with loss elements; circuits stand for exact laws: what closer ones change is error."""
+def _with_close_circuits(search: Search, segmented: bool, soon: bool = False) -> Result:
+    """Run in segments, or else with loss elements, `soon` within some tenths of a second.
+
+    Circuits stand for exact laws: what closer ones change is error.
+    """
     fit, attempts = max((IN_SEGMENTS if segmented else CLOSER) * search.tol, CLOSEST), ()
     while True:
         search = search._replace(fit=fit)
-        result, last = _refined(search) if segmented else _halved(search)
+        result, last = _refined(search) if segmented else _halved(search, soon)
         accuracy = result.accuracy
         assert accuracy is not None
         closer = max(CLOSER * fit, CLOSEST)
@@ -106,7 +123,7 @@ def _refined(search: Search) -> tuple[Result, Result]:
     return replace(result, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit)), last
 
 
-def _halved(search: Search) -> tuple[Result, Result]:
+def _halved(search: Search, soon: bool) -> tuple[Result, Result]:
     """Halve slabs; the best result, and the last run.
 
     Each run adds a row to a table: itself, and what Richardson makes of it and the row above. The error of an entry is
@@ -135,7 +152,8 @@ def _halved(search: Search) -> tuple[Result, Result]:
             best, accuracy = with_errors(result, above[()], by), found
         if found.worst <= search.tol and len(attempts) > 2 and not chosen.blind:
             break
-        limit = limit_of(attempts, stale, search) or inside_limit(attempts, found) or _too_slow(search, attempts, last)
+        limit = limit_of(attempts, stale, search) or inside_limit(attempts, found)
+        limit = limit or _too_slow(search, attempts, last, soon)
     limit = limit and (inside_slabs(accuracy) or limit)
     damped = () if limit else (*best.resolution.notes, *smeared(best.fronts))  # which the error counts
     unresolved = tuple(note for note in best.unresolved if note not in damped)
@@ -186,13 +204,15 @@ def _caution(steps: Steps, powers: Powers, which: int) -> float:
     return max(expected / last[0] * r / (1 - r), 1.0) if last[0] > 0 else 1.0
 
 
-def _too_slow(search: Search, attempts: Sequence[Attempt], last: Result) -> str:
+def _too_slow(search: Search, attempts: Sequence[Attempt], last: Result, soon: bool) -> str:
     """What forbids runs of more than a second: that at the pace so far none that is affordable meets the tolerance."""
     told = [attempt.estimate for attempt in attempts if attempt.estimate is not None]
     loss_elements = sum(
         loss_elements_in(search.description.lines, last.resolution.h, last.resolution.loss_elements).values()
     )
     passes = (len(last.t) - 1) * last.resolution.s * loss_elements
+    if soon and passes > SOON:
+        return "narrower slabs would take more than some tenths of a second"
     if told[-1] <= search.tol or len(told) <= FITTED or passes < FEW_PASSES:
         return ""
     pace = max(1.0, *((told[-k] / told[-1]) ** (1 / (k - 1)) for k in (FITTED + 1, len(told))))

@@ -1,20 +1,13 @@
 """Runs of conductors whose losses mix the modes: with twice as many places of losses until that changes little."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from functools import partial
 from itertools import count
 
-import numpy as np
-
-from tline.solver.result.accuracy import SLOWEST, Accuracy
 from tline.solver.result.result import Result
-from tline.solver.tolerance.compare import added, relative
-from tline.solver.tolerance.difference import Difference
+from tline.solver.tolerance.closer import Step, closer
 
-ROUGH = 1e-3  # tolerance of the first runs, at least
-CLOSER = 0.1  # tolerance of the next over what doubling the places changed
-SHARE = 1 / 3  # of the tolerance, for what slabs may have wrong
-INSTANTS, OFF = 4001, 0.618  # of the whole run at which two are compared, between round ones
+ROUGH = 1e-3  # tolerance of the slabs of the first runs
 MOST_SAMPLES = 3e7  # line-end samples of all runs
 GROWTH = 6  # times as many samples with each doubling
 
@@ -22,8 +15,7 @@ GROWTH = 6  # times as many samples with each doubling
 def with_mixed_modes(run: Callable[[int, float], Result], tol: float) -> Result:
     """Double the places of losses until the estimated error is within a tolerance, or a limit is reached.
 
-    Places are of first order behind jumps, and nearly of second behind corners. Where each doubling leaves the share r
-    of the change before, the next ones leave r + r² + …; r counts as a half at most, and as that after the first.
+    Places are of first order behind jumps, and nearly of second behind corners.
 
     Parameters
     ----------
@@ -31,40 +23,12 @@ def with_mixed_modes(run: Callable[[int, float], Result], tol: float) -> Result:
         Of a number of doublings and the tolerance of its slabs.
     tol : float
     """
-    close, samples, share, last = max(ROUGH, SHARE * tol), 0, SLOWEST, 0.0
-    coarse, attempts = run(0, close), ()
-    for doublings in count(1):
-        fine = run(doublings, close)
-        assert coarse.accuracy
-        assert fine.accuracy
-        attempts += coarse.accuracy.attempts
-        samples += sum(attempt.samples for attempt in fine.accuracy.attempts)
-        changed = _changes(coarse, fine)
-        share = min(changed.worst / last, SLOWEST) if last > 0 else SLOWEST
-        last = changed.worst
-        left = changed.times(share / (1 - share), share / (1 - share))
-        own = fine.accuracy
-        sums = (added(one, other) for one, other in zip(_parts(own), _parts(left), strict=True))
-        accuracy = Accuracy(tol, *sums, attempts=(*attempts, *own.attempts), limit=own.limit)
-        if not accuracy.limit and accuracy.worst > tol and GROWTH * samples > MOST_SAMPLES:
-            limit = f"the losses mix the modes; {doublings} doublings of the places where they stand leave {last:.1g}"
-            accuracy = replace(accuracy, limit=limit)
-        if accuracy.met or accuracy.limit:
-            return replace(fine, accuracy=accuracy, unresolved=() if accuracy.met else fine.unresolved)
-        coarse, close = fine, max(min(close, CLOSER * last), SHARE * tol)
-    raise AssertionError
 
+    def too_far(steps: int, samples: int, last: float) -> str:
+        if GROWTH * samples <= MOST_SAMPLES:
+            return ""
+        return f"the losses mix the modes; {steps} doublings of the places where they stand leave {last:.1g}"
 
-def _parts(accuracy: Accuracy) -> tuple:
-    return accuracy.estimates, accuracy.inside, accuracy.blurred
-
-
-def _changes(coarse: Result, fine: Result) -> Accuracy:
-    """Largest differences of two runs at any instant, over amplitudes."""
-    t = (np.arange(INSTANTS) + OFF) / (INSTANTS + 1) * min(coarse.t[-1], fine.t[-1])
-    found = {}
-    for name, probe in fine.probes.items():
-        one, other = (np.array([each.u, each.y]) for each in (coarse.probes[name].at(t), probe.at(t)))
-        off, most = abs(one - other).max(axis=1), abs(other).max(axis=1)
-        found[name] = Difference(off, off, off, most)
-    return Accuracy(None, *relative(found))
+    result = closer((Step(partial(run, doublings)) for doublings in count()), tol, too_far, ROUGH)
+    assert result
+    return result

@@ -22,12 +22,14 @@ DIGITS = 3  # of the tolerance beyond three, for which the first order is one hi
 FOLLOWED = 1e-3  # of the tolerance: what is left of what decays behind a front, where it is no longer followed
 MOST_FOLLOWED = 1e6  # slabs at line ends; of more, what decays behind fronts is not followed: that takes seconds
 CLEAR = 1 / 3  # of the tolerance: an error told by the first two runs alone is to be below
-MOST_INSIDE = 2e6  # line-end samples in all runs together, for the sake of instants inside slabs alone,
+MOST_INSIDE = 2e7  # line-end samples in all runs together, for the sake of instants inside slabs alone,
 WORTH = 64  # or so many times those of the first run, if that is more
-TRIED = 2  # halvings of the slab, from which the next ones are foretold
+TRIED = 2  # halvings of the slab, from which the next ones are foretold,
+FORETOLD = 2e6  # and line-end samples in all runs together: before, runs may converge slower than they will; so few
+# are cheap where nothing else is computed inside lines
 HELPS = 0.5  # a step that leaves more of the difference than this does not converge
 HALVED = 4  # times that a slab is halved at most to find a flow
-STALE = 2  # halvings of the slab in a row that may bring nothing
+STALE, CHEAP = 2, 1e5  # halvings of the slab in a row that may bring nothing; line-end samples that are tried anyway
 MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
 MOST_SECTIONS = 8  # of a lumped line
 AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones for the sake of what is behind fronts
@@ -136,9 +138,10 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
         try:
             layered = result.resolution.layers > 0  # the pieces behind fronts do not become more on narrower slabs
             layers = FOLLOWED * search.tol if kinked or result.samples <= MOST_FOLLOWED * result.resolution.s else 0.0
-            chosen = steps.send((helps or layered, layered, told.met))._replace(layers=layers)
+            parts = halved(result, search.description.elements, cuts)
+            chosen = steps.send((helps or layered, layered, told.met, parts.differ))._replace(layers=layers)
             if chosen.h < result.resolution.h:
-                cuts = halved(result, search.description.elements, cuts)
+                cuts = parts.steep if chosen.s > result.resolution.s else parts.every
             finer = search.run(chosen, kinks=together(kinks_of(result, kinked), cuts))
         except StopIteration:
             limit = "order and slab are as fine as they may be"
@@ -166,7 +169,13 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
         narrowed = finer.resolution.h < result.resolution.h
         helps = not blind and gained(*found[-2:]) <= HELPS
         stale = stale + 1 if narrowed and not blind and gained(*found[-2:]) >= 1.0 else 0
-        limit = limit_of(attempts, stale, search) or (not blind and inside_limit(attempts, told))
+        foretell = (
+            search.description.dispersive
+            or search.description.collapses
+            or sum(a.samples for a in attempts) >= FORETOLD
+        )
+        limit = limit_of(attempts, foretell * stale, search)
+        limit = limit or (not blind and inside_limit(attempts, told, foretell))
         result = finer
     if judged and accuracy.at_slab_ends > search.tol:
         accuracy = compare(*judged, whole=True).errors
@@ -202,7 +211,7 @@ def gained(before: Accuracy, found: Accuracy) -> float:
     return here / there if there > 0 else inf
 
 
-def inside_limit(attempts: list[Attempt], found: Accuracy) -> str:
+def inside_limit(attempts: list[Attempt], found: Accuracy, foretell: bool = True) -> str:
     """What forbids finer runs for the sake of instants inside slabs: that they would not be enough."""
     assert found.tol is not None
     if found.at_slab_ends > found.tol or found.worst <= found.tol:
@@ -213,7 +222,7 @@ def inside_limit(attempts: list[Attempt], found: Accuracy) -> str:
     left = log2(max(max(MOST_INSIDE, WORTH * attempts[0].samples) / samples, 1.0))
     if left < 1:
         return "no room"
-    if len(halvings) < TRIED:
+    if len(halvings) < TRIED or not foretell:
         return ""
     widest = max(worst for slab, worst in told if slab > told[-1][0])
     pace = (widest / found.worst) ** (1 / len(halvings))
@@ -235,19 +244,21 @@ def limit_of(attempts: list[Attempt], stale: int, search: Search) -> str:
     """What forbids a finer run; empty if nothing does."""
     collapse = search.description.collapses
     told = [a.estimate for a in attempts if a.estimate is not None][-STALE - 1 :]
-    if stale == STALE or (collapse and len(told) > STALE and min(told) > LOST):
+    samples = sum(a.samples for a in attempts)
+    if (stale >= STALE and (collapse or samples > CHEAP)) or (collapse and len(told) > STALE and min(told) > LOST):
         return f"narrower slabs do not help{COLLAPSE * collapse}"
-    if sum(a.samples for a in attempts) + 2 * attempts[-1].samples > search.most:
+    if samples + 2 * attempts[-1].samples > search.most:
         return f"a finer run would take the total beyond {search.most:.0e} line-end samples"
     if sum(a.seconds for a in attempts) + 2 * attempts[-1].seconds > MOST_SECONDS:
         return f"a finer run would take the total beyond {MOST_SECONDS} s"
     return ""
 
 
-def _finer(search: Search, sections: Mapping[str, int]) -> Generator[Resolution, tuple[bool, bool, bool]]:
+def _finer(search: Search, sections: Mapping[str, int]) -> Generator[Resolution, tuple[bool, bool, bool, bool]]:
     """Ever finer orders and slabs; what is sent in tells whether the last step helped, follows fronts, and met all.
 
-    Beside lumped lines slabs are not narrowed: fronts are blurred there for a time of its own.
+    It also tells whether pieces may stay as wide as they are when slabs are halved: then the order rises, too. Beside
+    lumped lines slabs are not narrowed: fronts are blurred there for a time of its own.
     """
     description, given = search.description, search.description.scene.solver
     s = given.order or (search.start.order if search.start else first_order(search.tol))
@@ -256,7 +267,7 @@ def _finer(search: Search, sections: Mapping[str, int]) -> Generator[Resolution,
         chosen = resolution(description, s, chosen.h / 2**search.halved, sections, search.settle)
     h, fixed, enough = chosen.h, given.slab is not None or bool(sections), False
     while True:
-        helped, layered, met = yield chosen._replace(fit=search.fit)
+        helped, layered, met, stay = yield chosen._replace(fit=search.fit)
         enough |= met
         if enough:
             sections = {name: 2 * n for name, n in sections.items()}
@@ -267,6 +278,7 @@ def _finer(search: Search, sections: Mapping[str, int]) -> Generator[Resolution,
             s += 1
         elif not fixed:
             h /= 2
+            s += stay and given.order is None and s < last
         else:
             return
         chosen = resolution(description, s, h, sections, search.settle)

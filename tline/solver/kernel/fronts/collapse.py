@@ -62,9 +62,19 @@ def collapse_group(job: FrontRun, g: int, slab: int, k: int) -> int:
     return 0
 
 
+@function
+def attenuate(pieces, row, share):
+    """Leave a share of a slab in pieces."""
+    pieces.anew[row] *= share
+    for j in range(pieces.number[row]):
+        pieces.size[row, j] *= share
+        for i in range(pieces.coef.shape[2]):
+            pieces.coef[row, j, i] *= share
+
+
 @unit
 def collapse_at_losses(job: FrontRun) -> int:
-    """Project slabs in pieces that pass loss elements on slabs in one piece: there fronts are no longer followed."""
+    """Attenuate slabs in pieces that pass loss elements, where that is all; else project them on slabs in one piece."""
     fronts, network, state, losses = job.fronts, job.run.network, job.run.state, job.run.network.losses
     pieces, tools, counts, sizes, whole = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.work.whole
     waves, s = state.waves, whole.size
@@ -76,7 +86,9 @@ def collapse_at_losses(job: FrontRun) -> int:
             for slab in passing(t, losses.place[k], ring):
                 o = network.offset[line] + slab * s
                 row = pieces.of_slab[o // s]
-                if row >= 0:
+                if row >= 0 and losses.passed[r] > 0.0:
+                    attenuate(pieces, row, losses.passed[r])
+                elif row >= 0:
                     counts[DROPPED] += pieces.anew[row] > 0.0
                     sizes[LOST] = max(sizes[LOST], pieces.anew[row])
                     collapse(pieces, row, tools, counts, sizes, whole)
