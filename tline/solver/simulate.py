@@ -19,9 +19,10 @@ from tline.solver.result.merged import merged, recorded
 from tline.solver.result.result import Result
 from tline.solver.run import run, with_ledger
 from tline.solver.tolerance.compare import caution, differences, magnified
+from tline.solver.tolerance.limits import inside_slabs
 from tline.solver.tolerance.lossy import with_losses
 from tline.solver.tolerance.mixed_modes import with_mixed_modes
-from tline.solver.tolerance.search import Search, Start, inside_slabs, within
+from tline.solver.tolerance.search import Search, Start, within
 
 TOL = 1e-6  # where nothing is asked or fixed
 FOLLOWED = 1e-5, 1e-10  # of the largest wave: what is left of what decays behind a front, where a run is judged

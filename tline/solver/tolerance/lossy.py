@@ -17,8 +17,9 @@ from tline.solver.result.result import Result
 from tline.solver.tolerance.alike import alike
 from tline.solver.tolerance.compare import added, caution, differences, magnified, with_errors
 from tline.solver.tolerance.extrapolate import extrapolated, seen_at_ends
+from tline.solver.tolerance.limits import inside_limit, inside_slabs, limit_of
 from tline.solver.tolerance.rounded_delays import may_round, with_rounded_delays
-from tline.solver.tolerance.search import Search, better, gained, inside_limit, inside_slabs, limit_of, rank, refined
+from tline.solver.tolerance.search import Search, better, gained, rank, refined
 
 ORDER, ORDER_IN_SEGMENTS = 3, 6
 TABLE = ((2,), (2, 4), (2, 4, 6), (1,), (1, 2), (1, 2, 3), (1, 2, 3, 4))  # powers of h taken out, smooth and not
@@ -118,7 +119,8 @@ def _refined(search: Search) -> tuple[Result, Result]:
             result, accuracy = with_errors(seen, finer, by), found
         if found.met and len(attempts) > 2:
             break
-        seen, limit = finer, limit_of(attempts, stale, search) or inside_limit(attempts, found)
+        limit = limit_of(attempts, stale, search.description.collapses, search.most) or inside_limit(attempts, found)
+        seen = finer
     limit = limit and (inside_slabs(accuracy) or limit)
     return replace(result, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit)), last
 
@@ -152,7 +154,7 @@ def _halved(search: Search, soon: bool) -> tuple[Result, Result]:
             best, accuracy = with_errors(result, above[()], by), found
         if found.worst <= search.tol and len(attempts) > 2 and not chosen.blind:
             break
-        limit = limit_of(attempts, stale, search) or inside_limit(attempts, found)
+        limit = limit_of(attempts, stale, search.description.collapses, search.most) or inside_limit(attempts, found)
         limit = limit or _too_slow(search, attempts, last, soon)
     limit = limit and (inside_slabs(accuracy) or limit)
     damped = () if limit else (*best.resolution.notes, *smeared(best.fronts))  # which the error counts

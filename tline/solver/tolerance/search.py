@@ -2,8 +2,7 @@
 
 from collections.abc import Generator, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
-from math import inf, log2, log10
+from math import inf, log10
 from typing import NamedTuple
 
 from tline.errors import InputError, NoFlowError
@@ -16,28 +15,18 @@ from tline.solver.result.result import Result
 from tline.solver.run import NO_KINKS, Kinks, run
 from tline.solver.tolerance.compare import compare, with_errors
 from tline.solver.tolerance.kinks import halved, kinking, kinks_of, together
+from tline.solver.tolerance.limits import MOST_SAMPLES, foretells, inside_limit, inside_slabs, limit_of
 
 FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where what decays behind fronts is followed
 DIGITS = 3  # of the tolerance beyond three, for which the first order is one higher
 FOLLOWED = 1e-3  # of the tolerance: what is left of what decays behind a front, where it is no longer followed
 MOST_FOLLOWED = 1e6  # slabs at line ends; of more, what decays behind fronts is not followed: that takes seconds
 CLEAR = 1 / 3  # of the tolerance: an error told by the first two runs alone is to be below
-MOST_INSIDE = 2e7  # line-end samples in all runs together, for the sake of instants inside slabs alone,
-WORTH = 64  # or so many times those of the first run, if that is more
-TRIED = 2  # halvings of the slab, from which the next ones are foretold,
-FORETOLD = 2e6  # and line-end samples in all runs together: before, runs may converge slower than they will; so few
-# are cheap where nothing else is computed inside lines
 HELPS = 0.5  # a step that leaves more of the difference than this does not converge
 HALVED = 4  # times that a slab is halved at most to find a flow
-STALE, CHEAP = 2, 1e5  # halvings of the slab in a row that may bring nothing; line-end samples that are tried anyway
-MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
 MOST_SECTIONS = 8  # of a lumped line
 AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones for the sake of what is behind fronts
 ALIKE = 10  # times the difference of runs with more sections there: they err alike
-LOST = 0.3  # estimates beyond, one after the other, with cavities: no run resembles another
-COLLAPSE = (
-    ": cavities collapse at other instants in each run, and that spreads; order = 1 and no tolerance give one run"
-)
 
 
 class Start(NamedTuple):
@@ -169,12 +158,8 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
         narrowed = finer.resolution.h < result.resolution.h
         helps = not blind and gained(*found[-2:]) <= HELPS
         stale = stale + 1 if narrowed and not blind and gained(*found[-2:]) >= 1.0 else 0
-        foretell = (
-            search.description.dispersive
-            or search.description.collapses
-            or sum(a.samples for a in attempts) >= FORETOLD
-        )
-        limit = limit_of(attempts, foretell * stale, search)
+        foretell = foretells(attempts, search.description)
+        limit = limit_of(attempts, foretell * stale, search.description.collapses, search.most)
         limit = limit or (not blind and inside_limit(attempts, told, foretell))
         result = finer
     if judged and accuracy.at_slab_ends > search.tol:
@@ -209,49 +194,6 @@ def gained(before: Accuracy, found: Accuracy) -> float:
         (accuracy.at_slab_ends if found.at_slab_ends > found.tol else accuracy.worst) for accuracy in (found, before)
     )
     return here / there if there > 0 else inf
-
-
-def inside_limit(attempts: list[Attempt], found: Accuracy, foretell: bool = True) -> str:
-    """What forbids finer runs for the sake of instants inside slabs: that they would not be enough."""
-    assert found.tol is not None
-    if found.at_slab_ends > found.tol or found.worst <= found.tol:
-        return ""
-    told = [(a.slab, a.estimate) for a in attempts if a.estimate is not None]
-    halvings = [worst for (h, _), (slab, worst) in pairwise(told) if slab < h]
-    samples = sum(a.samples for a in attempts)
-    left = log2(max(max(MOST_INSIDE, WORTH * attempts[0].samples) / samples, 1.0))
-    if left < 1:
-        return "no room"
-    if len(halvings) < TRIED or not foretell:
-        return ""
-    widest = max(worst for slab, worst in told if slab > told[-1][0])
-    pace = (widest / found.worst) ** (1 / len(halvings))
-    return "" if pace > 1 and found.worst <= found.tol * pace**left else "too slow"
-
-
-def inside_slabs(accuracy: Accuracy) -> str:
-    """What kept the tolerance from being met, if that was not at slab ends."""
-    if accuracy.tol is None or accuracy.at_slab_ends > accuracy.tol or accuracy.worst <= accuracy.tol:
-        return ""
-    name, told = max(accuracy.inside.items(), key=lambda item: item[1].worst)
-    return (
-        f"inside slabs the error at '{name}' is up to {told.worst:.1g}, where a law or a front bends the wave; at slab "
-        f"ends it is {accuracy.at_slab_ends:.1g}: read values there, ask for less, or give a narrower slab"
-    )
-
-
-def limit_of(attempts: list[Attempt], stale: int, search: Search) -> str:
-    """What forbids a finer run; empty if nothing does."""
-    collapse = search.description.collapses
-    told = [a.estimate for a in attempts if a.estimate is not None][-STALE - 1 :]
-    samples = sum(a.samples for a in attempts)
-    if (stale >= STALE and (collapse or samples > CHEAP)) or (collapse and len(told) > STALE and min(told) > LOST):
-        return f"narrower slabs do not help{COLLAPSE * collapse}"
-    if samples + 2 * attempts[-1].samples > search.most:
-        return f"a finer run would take the total beyond {search.most:.0e} line-end samples"
-    if sum(a.seconds for a in attempts) + 2 * attempts[-1].seconds > MOST_SECONDS:
-        return f"a finer run would take the total beyond {MOST_SECONDS} s"
-    return ""
 
 
 def _finer(search: Search, sections: Mapping[str, int]) -> Generator[Resolution, tuple[bool, bool, bool, bool]]:
