@@ -152,7 +152,8 @@ def _rosenbrock(
 
     law, drive, mass, v0 = _contact(model, bench)
     compared = kernel.compared(times.size, min(budget, MOST_EVENTS) + 1)
-    run = kernel.SmoothRun(law, drive, mass, v0, float(t_end), float(tol or 0.0), FINE, times, compared)
+    here = kernel.Bench(drive, mass, v0, float(t_end), times)
+    run = kernel.SmoothRun(law, here, float(tol or 0.0), FINE, compared)
     status, chosen = kernel.solve(pack(run), budget), compared.counts[kernel.RUN]
     told = dict(zip(COLUMNS[:-1], compared.errors.tolist()[:-1], strict=True))
     if status not in (kernel.DONE, kernel.INACCURATE):

@@ -28,7 +28,7 @@ from friction.kernel.law import (
 )
 from friction.kernel.roots import first_root
 from friction.kernel.spot import FREE, observe
-from friction.kernel.structures import RUN, SmoothRun, Spot, Sweep, compared, fixed_run, hybrid_run
+from friction.kernel.structures import RUN, Bench, SmoothRun, Spot, Sweep, compared, fixed_run, hybrid_run
 from friction.kernel.tolerance import solve, sweep
 
 __all__ = [
@@ -46,6 +46,7 @@ __all__ = [
     "STALLED",
     "TANH",
     "ZONE",
+    "Bench",
     "Drive",
     "Law",
     "SmoothRun",

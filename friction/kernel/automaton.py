@@ -60,7 +60,7 @@ def automaton(run: HybridRun, budget: int) -> int:
         ends = h >= left and root == inf
         t = push.end if ends else push.start + (state[CLOCK] + (h - state[LOST]))
         if h > 0.0:
-            row = sample(run.times, row, t, push.start, state, h, mode, c, run.record)
+            row = sample(run, row, t, push.start, h, mode)
         if t > run.t_end:
             return DONE
         advance(push, c, h, state)
@@ -141,8 +141,9 @@ def tell(events, met, before, after, t, x):
 
 
 @function
-def sample(times, row, t, start, state, h, mode, c, record):
+def sample(run, row, t, start, h, mode):
     """Keep the samples of a leg that ends at t; the number of the next."""
+    times, record, state, c = run.times, run.record, run.state, run.series
     while row < times.size and times[row] <= t:
         at = min(max(((times[row] - start) - state[CLOCK]) + state[LOST], 0.0), h)
         for column, k in ((X, CX), (V, CV), (FA, CFA), (FF, CFF), (WA, CWA), (WF, CWF)):

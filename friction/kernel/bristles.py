@@ -46,22 +46,22 @@ def scales(law, mass):
 
 
 @function
-def rosenbrock(law, drive, mass, v0, t_end, times, tol, budget, compared, which):
+def rosenbrock(law, bench, tol, budget, compared, which):
     """One run with its own steps, which land on reversals, where |v| has a kink.
 
     Keeps samples, the largest magnitude of each column, and in that of time the largest error of a step. Returns the
     status, steps made and refused, and how many events there are.
     """
-    u, y, new, dense, peaks = compared.u, compared.y, compared.new, compared.dense, compared.peaks
-    record, events, counts = compared.records[which], compared.events[which], compared.counts
+    drive, mass, t_end, times = bench.drive, bench.mass, bench.t_end, bench.times
+    y, new, peaks, counts = compared.y, compared.new, compared.peaks, compared.counts
     counts[STEPS], counts[REFUSED], counts[EVENTS], counts[RUN] = 0, 0, 0, which
     v_size, z_size, period = scales(law, mass)
     t, h, number, row, mode = 0.0, EARLY * period, 0, 0, 0
-    y[0], y[1], y[2], y[3], y[4], push = 0.0, v0, 0.0, 0.0, 0.0, piece(drive, 0)
+    y[0], y[1], y[2], y[3], y[4], push = 0.0, bench.v0, 0.0, 0.0, 0.0, piece(drive, 0)
     for column in range(peaks.size):
         peaks[column] = 0.0
     if gap(law, y[1], y[2]) >= 0.0:
-        mode = int(copysign(1.0, v0))
+        mode = int(copysign(1.0, bench.v0))
     margin, pull = held_back(law, mode, y[1], y[2]), forces(law, push, t, y)
     while t <= t_end:
         if counts[STEPS] + counts[REFUSED] >= budget:
@@ -69,7 +69,7 @@ def rosenbrock(law, drive, mass, v0, t_end, times, tol, budget, compared, which)
         largest(peaks, y, pull)
         last = h >= 0.999 * (push.end - t)
         step = push.end - t if last else min(h, 0.5 * (push.end - t))
-        step, error, tries, after = attempt(law, push, mass, t, y, pull, step, tol, (v_size, z_size), u, new, dense)
+        step, error, tries, after = attempt(law, push, mass, t, pull, step, (tol, v_size, z_size), compared)
         counts[REFUSED] += tries
         last = last and tries == 0
         if not error <= 1.0 or not (last or tries > 0):
@@ -83,8 +83,8 @@ def rosenbrock(law, drive, mass, v0, t_end, times, tol, budget, compared, which)
         peaks[T] = max(peaks[T], error * tol)
         before, margin = margin, held_back(law, mode, new[1], new[2])
         if not margin > abs(margin - before) or (row < times.size and times[row] <= t + step):
-            continue_into(y, new, u, dense)
-            row, mode = watch(law, push, t, step, t_end, mode, dense, times, row, record, events, counts)
+            continue_into(y, new, compared.u, compared.dense)
+            row, mode = watch(law, bench, push, t, step, mode, row, compared)
             margin = held_back(law, mode, new[1], new[2])
         t = push.end if last else t + step
         for j in range(5):
@@ -112,14 +112,15 @@ def largest(peaks, y, pull):
 
 
 @function
-def attempt(law, push, mass, t, y, pull, step, tol, sizes, u, new, dense):
+def attempt(law, push, mass, t, pull, step, sizes, compared):
     """A step of at most that length into `new`; the step, its error over the tolerance, tries before it, and the forces
     at its end.
 
     With |v| read as s·v, what a step misses of a reversal is ∫|v|dt on the wrong side of zero; where that counts, it
     ends at the reversal instead.
     """
-    v_size, z_size = sizes
+    y, new, u, dense = compared.y, compared.new, compared.u, compared.dense
+    tol, v_size, z_size = sizes
     wrong = 0.1 * tol * z_size
     rise = (pull[0] - pull[2]) / mass
     s = copysign(1.0, y[1])
@@ -127,7 +128,7 @@ def attempt(law, push, mass, t, y, pull, step, tol, sizes, u, new, dense):
         s = copysign(1.0, rise if rise != 0.0 else pull[1])
     tries = 0
     while True:
-        rodas(law, push, mass, t, y, s, step, u, new)
+        rodas(law, push, mass, t, s, step, compared)
         error = max(abs(u[STAGES - 1, 1]) / (v_size + abs(new[1])), abs(u[STAGES - 1, 2]) / z_size)
         work = max(abs(u[STAGES - 1, 3]), abs(u[STAGES - 1, 4]))
         error = max(error, work / (mass * v_size**2 + abs(new[3]) + abs(new[4]))) / tol
@@ -199,8 +200,10 @@ def crossing(law, dense, mode, low, high):
 
 
 @function
-def watch(law, push, t, step, t_end, mode, dense, times, row, record, events, counts):
+def watch(law, bench, push, t, step, mode, row, compared):
     """Samples and events of an accepted step; the next sample, and the mode at its end."""
+    dense, times, counts = compared.dense, bench.times, compared.counts
+    record, events = compared.records[counts[RUN]], compared.events[counts[RUN]]
     theta = 0.0
     while True:
         root = 2.0
@@ -212,7 +215,7 @@ def watch(law, push, t, step, t_end, mode, dense, times, row, record, events, co
         while row < times.size and times[row] <= until:
             keep(law, push, t, step, mode, dense, times[row], record[row])
             row += 1
-        if root > 1.0 or until > t_end:
+        if root > 1.0 or until > bench.t_end:
             return row, mode
         before, theta = mode, root
         mode = int(copysign(1.0, inside(dense, 1, root))) if mode == 0 else 0

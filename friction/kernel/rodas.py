@@ -37,11 +37,12 @@ H = np.array([  # weights of the dense output, of order 4
 
 
 @function
-def rodas(law, push, mass, t, y, s, h, u, new):
-    """One step of Rodas5P into `new`; u (8, 5) holds the stages, of which the last is the error estimate.
+def rodas(law, push, mass, t, s, h, work):
+    """One step of Rodas5P from y into `new` of `work`; u (8, 5) holds the stages, the last one the error estimate.
 
     The matrix 1/(hγ) − J has a simple shape: x follows v, the works follow all, so that only v needs a division.
     """
+    y, u, new = work.y, work.u, work.new
     x, v, z = y[0], y[1], y[2]
     k, per_h, per_mass, place = push.stiffness, 1.0 / h, 1.0 / mass, h * GAMMA
     f_a, f_t = applied(push, t, x)

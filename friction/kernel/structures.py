@@ -55,6 +55,16 @@ class HybridRun(NamedTuple):
     state: Floats  # (8,)
 
 
+class Bench(NamedTuple):
+    """The mass that a contact holds, what moves it, and for how long."""
+
+    drive: Drive
+    mass: float
+    v0: float
+    t_end: float
+    times: Floats  # of samples
+
+
 class Compared(NamedTuple):
     """Two runs that are compared, and the workspace of their steps."""
 
@@ -73,13 +83,9 @@ class SmoothRun(NamedTuple):
     """A run of a smooth law, to a tolerance."""
 
     law: Law
-    drive: Drive
-    mass: float
-    v0: float
-    t_end: float
+    bench: Bench
     wanted: float  # tolerance, 0 for none
     at_least: float  # then that of single steps
-    times: Floats
     compared: Compared
 
 

@@ -2,7 +2,7 @@
 
 from friction.kernel.bristles import rosenbrock
 from friction.kernel.law import DONE, FA, FF, INACCURATE, STALLED, WA, WF, Drive, Law, T, V, X, Z
-from friction.kernel.structures import EVENTS, RUN, SmoothRun, Sweep
+from friction.kernel.structures import EVENTS, RUN, Bench, SmoothRun, Sweep
 from tline.unit import function, unit
 
 FINEST, ROUGHEST = 1e-14, 0.1  # tolerances of single steps
@@ -15,12 +15,11 @@ ROUNDING = 1e-12  # differences below do not fall any further
 @unit
 def solve(run: SmoothRun, budget: int) -> int:
     """One run, whose steps count up to the budget; returns the status."""
-    law, drive, t_end, tol = run.law, run.drive, run.t_end, run.wanted
-    return refine(law, drive, run.mass, run.v0, t_end, run.times, tol, run.at_least, budget, run.compared)
+    return refine(run.law, run.bench, run.wanted, run.at_least, budget, run.compared)
 
 
 @function
-def refine(law, drive, mass, v0, t_end, times, wanted, at_least, budget, compared):
+def refine(law, bench, wanted, at_least, budget, compared):
     """A run to a tolerance `wanted`, 0 for none, then with steps as fine as `at_least`; returns its status.
 
     Errors are estimated for each column, relative to its largest magnitude, and of the instants of events, relative to
@@ -29,18 +28,18 @@ def refine(law, drive, mass, v0, t_end, times, wanted, at_least, budget, compare
     errors, counts, k = compared.errors, compared.counts, 0
     tol = max(at_least if wanted <= 0.0 else START * wanted, FINEST)
     rough = min(tol * SPREAD, ROUGHEST)
-    status = rosenbrock(law, drive, mass, v0, t_end, times, rough, budget, compared, k)
+    status = rosenbrock(law, bench, rough, budget, compared, k)
     before, alone = counts[EVENTS], status == STALLED  # then a finer run has nothing to be compared with
     while status == DONE or alone:
         k = 1 - k
-        status = rosenbrock(law, drive, mass, v0, t_end, times, tol, budget, compared, k)
+        status = rosenbrock(law, bench, tol, budget, compared, k)
         if status == STALLED and tol > FINEST:
             alone, tol = True, max(FINEST, tol / SPREAD)
             continue
         if status != DONE:
             return status
-        worst = compare(compared.records, k, compared.peaks, tol / rough, drive.stiffness != 0.0, errors)
-        errors[T] = 1.0 if alone else compare_events(compared, before, t_end, tol / rough)
+        worst = compare(compared.records, k, compared.peaks, tol / rough, bench.drive.stiffness != 0.0, errors)
+        errors[T] = 1.0 if alone else compare_events(compared, before, bench.t_end, tol / rough)
         worst = max(worst, errors[T])
         if wanted <= 0.0 or worst <= wanted:
             return DONE
@@ -106,8 +105,8 @@ def sweep(runs: Sweep, budget: int) -> int:
         scaled = Drive(
             drive.start, value, slope, a * drive.amplitude, drive.omega, drive.phase, drive.stiffness, drive.speed
         )
-        t_end = runs.times[0]
-        status = refine(law, scaled, runs.masses[n], runs.v0[n], t_end, runs.times, runs.wanted, 0.0, budget, compared)
+        bench = Bench(scaled, runs.masses[n], runs.v0[n], runs.times[0], runs.times)
+        status = refine(law, bench, runs.wanted, 0.0, budget, compared)
         last = compared.records[compared.counts[RUN], 0]
         out[n, 0], out[n, 1], out[n, 2], out[n, 3], out[n, 4] = last[X], last[V], last[Z], last[FF], status
     return 0
