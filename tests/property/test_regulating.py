@@ -22,10 +22,15 @@ def disc(rng: np.random.Generator) -> dict:
     return {"kind": "check valve", "loss_coefficient": 2, "diameter": 0.2, "cracking_pressure": 100} | moves
 
 
+def chattering(seed):
+    """Seeds whose discs or valves once left flows so near to zero that they were not found within 20 s."""
+    return pytest.param(seed, 20, id=f"{seed} for longer")
+
+
 @pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")  # corners of the pulse
 @pytest.mark.parametrize("order", [1, 2, 3, 5])
-@pytest.mark.parametrize("seed", range(6))
-def test_energy_never_grows(order, seed):
+@pytest.mark.parametrize(("seed", "t_end"), [*((k, 8) for k in range(6)), *map(chattering, (127, 155, 171))])
+def test_energy_never_grows(order, seed, t_end):
     """Three pipes and two of them in a row, after a pulse at one end; both ends are dead."""
     rng = np.random.default_rng(seed)
     first = valve(rng, [*KEEPS][seed % 4])
@@ -33,7 +38,7 @@ def test_energy_never_grows(order, seed):
     kick = {"shape": "piecewise linear", "points": [[0, 0], [0.05, 0.02], [0.3, 0.0]]}
     scene = Scene(
         medium="hydraulic",
-        t_end=8,
+        t_end=t_end,
         lines={
             "p1": {"nodes": ["s", "a"], "length": 100, **LINE},
             "p2": {"nodes": ["b", "e"], "length": float(rng.uniform(50, 300)), **LINE},

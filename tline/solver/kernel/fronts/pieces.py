@@ -66,7 +66,7 @@ def control_pieces(job, g, slab, k, m):
 
 @function
 def depart(job, g, slab, m, anew):
-    """Record m pieces at a group, and send its waves. Returns the sum of the efforts at the slab's end."""
+    """Record m pieces at a group, and send its waves. Returns the sum of the efforts at the pieces' ends."""
     run, fronts, network, work = job.run, job.fronts, job.run.network, job.fronts.work
     part, coef, edges, arrived, s, total = work.part, work.coef, work.edges, work.arrived, fronts.tools.c.size, 0.0
     low = network.first[network.group[g]]
@@ -85,7 +85,8 @@ def depart(job, g, slab, m, anew):
             send(fronts, e, run.state.waves, run.work.position[e], m, anew)
         if network.effort_row[node] >= 0:
             keep(fronts, run.record, network.effort_row[node], slab, m, mine, mine)
-        total += mine[m - 1, s - 1]
+        for j in range(m):
+            total += mine[j, s - 1]
     for e in range(network.laws.first[g], network.laws.first[g + 1]):
         into = work.into[e - network.laws.first[g]]
         if network.laws.record_row[e] >= 0:
@@ -95,7 +96,7 @@ def depart(job, g, slab, m, anew):
 
 @unit
 def scatter_pieces(job: FrontRun, g: int, slab: int, k: int) -> int:
-    """Scatter one slab in pieces at a group. Returns whether all efforts at the slab's end are finite."""
+    """Scatter one slab in pieces at a group. Returns whether the efforts at the end of each piece are finite."""
     run, fronts, sources, network, work = job.run, job.fronts, job.sources, job.run.network, job.fronts.work
     edges, outer, fewer = work.edges, work.outer, np.int64(0)
     n = fronts_at(run, fronts, sources, g, slab)

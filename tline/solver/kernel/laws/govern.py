@@ -3,7 +3,8 @@
 With x the opening, 0 to 1, u and w the efforts at the element's nodes and i its flow, the drive is
 d = a (u - u0) + b (w - w0) + c (i - i0) - k x. A regulator has x' = d within its slowest and fastest rate; a disc with
 inertia M and damping D has M x'' = d - D x'. Both stop at 0 and 1. Radau's stages of x' are found with the flows of the
-group, by Broyden's method on the rates: a group's circuit stays what it is, with openings that are given.
+group, by Broyden's method on the rates, and where that does not end, one rate after the other: a group's circuit stays
+what it is, with openings that are given.
 
 Constants: a, u0, b, w0, c, i0, k, slowest and fastest rate, M, D, number of points of a characteristic; its openings,
 and its shares of the capacity.
@@ -20,7 +21,7 @@ from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import AIR, Run
 from tline.unit import function, invoke, unit
 
-TRIES = 60
+AT_ONCE, IN_TURN = 40, 40  # tries; passes through all rates
 SPARE, CLOSE = 1e-15, 1e-11  # of an opening: where to stop, and what will do
 SLOWEST, FASTEST, INERTIA, DAMPING, POINTS = 7, 8, 9, 10, 11  # places of constants
 
@@ -48,14 +49,17 @@ def opened(run, e, rate, o, j, h):
 
 
 @function
-def driven(run, e, j, x):
-    """Drive of element e at point j, and its flow, with the efforts that its opening x has led to."""
+def driven(run, g, e, j, x):
+    """Drive of element e of a group at point j, and its flow, with the efforts that its opening x has led to.
+
+    The flow comes from the wave into the law: of efforts that are nearly the same, the root would magnify the rounding.
+    """
     laws, u, s = run.network.laws, run.work.u, run.network.laws.tools.c.size
     c, at = laws.constants, laws.governor[e]
     here = u[laws.from_node[e] * s + j] if laws.from_node[e] >= 0 else 0.0
     there = u[laws.to_node[e] * s + j] if laws.to_node[e] >= 0 else 0.0
-    law = laws.at[e]
-    flow = rooted(here - there - c[law], 0.0, c[law + 1] * share_of(c, at, x), c[law + 2])[0]
+    law, wave = laws.at[e], run.work.into[e - laws.first[g], j]
+    flow = rooted(wave - c[law], laws.source_impedance[e], c[law + 1] * share_of(c, at, x), c[law + 2])[0]
     drive = c[at] * (here - c[at + 1]) + c[at + 2] * (there - c[at + 3]) + c[at + 4] * (flow - c[at + 5])
     return drive - c[at + 6] * x, flow
 
@@ -107,7 +111,7 @@ def unsettled(run, g, n, h):
     for e in range(laws.first[g], laws.first[g + 1]):
         o, at, place = (e - laws.first[g]) * n, laws.governor[e], laws.governor_state[e]
         for j in range(n if at >= 0 else 0):
-            work.turned[o + j] = driven(run, e, j, opened(run, e, work.rate, o, j, h))[0]
+            work.turned[o + j] = driven(run, g, e, j, opened(run, e, work.rate, o, j, h))[0]
         for j in range(n if at >= 0 else 0):
             if c[at + INERTIA] > 0.0:
                 led = run.state.load[place + 1]
@@ -163,37 +167,93 @@ def commit(run, g, n, h):
         if at < 0:
             continue
         for j in range(n):
-            flow = driven(run, e, j, opened(run, e, work.rate, o, j, h))[1]
+            flow = driven(run, g, e, j, opened(run, e, work.rate, o, j, h))[1]
             states[place + 2] = min(states[place + 2], flow)
         x, v = opened(run, e, work.rate, o, n - 1, h), work.rate[o + n - 1]
         stopped = (x <= 0.0 and v < 0.0) or (x >= 1.0 and v > 0.0)
         states[place], states[place + 1] = x, 0.0 if stopped else v
 
 
-@unit
-def govern(run: Run, g: int, n: int, h: float, own: int) -> int:
-    """Turn the Thévenin waves of one slab, or piece, of width h into efforts, with openings that these move."""
-    laws, work, states = run.network.laws, run.work.govern, run.state.load
-    first, size, before = laws.first[g], (laws.first[g + 1] - laws.first[g]) * n, np.inf
-    exchange(run, g, n, False)
-    for e in range(first, laws.first[g + 1]):
+@function
+def tried(run, g, n, h, own):
+    """Let the rates act. Returns by how much openings miss what these lead to, or nan where no flow was found."""
+    exchange(run, g, n, True)
+    return h * unsettled(run, g, n, h) if respond_under(run, g, n, h, own) else np.nan
+
+
+@function
+def begin(run, g, n):
+    """Begin with the rates that openings have."""
+    laws, work = run.network.laws, run.work.govern
+    for e in range(laws.first[g], laws.first[g + 1]):
         for j in range(n):
-            work.rate[(e - first) * n + j] = states[laws.governor_state[e] + 1] if laws.governor[e] >= 0 else 0.0
-            work.rest[(e - first) * n + j] = 0.0
+            a = (e - laws.first[g]) * n + j
+            work.rate[a] = run.state.load[laws.governor_state[e] + 1] if laws.governor[e] >= 0 else 0.0
+            work.rest[a] = 0.0
+
+
+@function
+def settled_at_once(run, g, n, h, own):
+    """Find all rates by Broyden's method. Returns whether it could."""
+    work, size, before = run.work.govern, (run.network.laws.first[g + 1] - run.network.laws.first[g]) * n, np.inf
     for a in range(size):
         for b in range(size):
             work.inverse[a, b] = 1.0 if a == b else 0.0
-    for tried in range(TRIES):
-        exchange(run, g, n, True)
-        if not respond_under(run, g, n, h, own):
-            return 0
-        worst = h * unsettled(run, g, n, h)
+    for step in range(AT_ONCE):
+        worst = tried(run, g, n, h, own)
         if worst <= SPARE or (worst <= CLOSE and worst >= 0.5 * before):
-            commit(run, g, n, h)
-            return 0
+            return True
+        if not np.isfinite(worst):
+            return False
         before = worst
-        if tried > 0:
+        if step > 0:
             learn(work, size)
         move(work, size)
-    run.work.u[n - 1] = np.nan
+    return False
+
+
+@function
+def settled_in_turn(run, g, n, h, own):
+    """Find one rate after the other by halving, until none moves any more. Returns whether they came to rest.
+
+    An opening that rises lowers its own drive. So what a rate is in excess rises with it, and at least as much: its
+    root is no farther away than that excess.
+    """
+    laws, work = run.network.laws, run.work.govern
+    for _ in range(IN_TURN):
+        moved = 0.0
+        for a in range((laws.first[g + 1] - laws.first[g]) * n):
+            if laws.governor[laws.first[g] + a // n] < 0:
+                continue
+            begun = work.rate[a]
+            if not np.isfinite(tried(run, g, n, h, own)):
+                return False
+            low, high = min(begun, begun - work.rest[a]), max(begun, begun - work.rest[a])
+            while h * (high - low) > SPARE and low < 0.5 * (low + high) < high:
+                work.rate[a] = 0.5 * (low + high)
+                if not np.isfinite(tried(run, g, n, h, own)):
+                    return False
+                if work.rest[a] > 0.0:
+                    high = work.rate[a]
+                else:
+                    low = work.rate[a]
+            moved = max(moved, h * abs(work.rate[a] - begun))
+        if moved <= CLOSE:
+            return True
+    return False
+
+
+@unit
+def govern(run: Run, g: int, n: int, h: float, own: int) -> int:
+    """Turn the Thévenin waves of one slab, or piece, of width h into efforts, with openings that these move."""
+    exchange(run, g, n, False)
+    begin(run, g, n)
+    settled = settled_at_once(run, g, n, h, own)
+    if not settled:
+        begin(run, g, n)
+        settled = settled_in_turn(run, g, n, h, own)
+    if settled:
+        commit(run, g, n, h)
+    else:
+        run.work.u[n - 1] = np.nan
     return 0
