@@ -1,6 +1,7 @@
 """Energy stored in a scene: in the waves on its lines and in its inductances and capacitances."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 
@@ -13,22 +14,27 @@ from tline.solver.description.load_step import StateSpace, reflection
 from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import resolution
 from tline.solver.loop.march import Stepper
+from tline.solver.radau import basis
 
 
 def on_lines(assembly: Assembly) -> float:
     """Integral of (a² + b²)/(4 z0) over the waves under way, the part of the last slab not yet delivered included."""
-    net, state, basis, h = assembly.network, assembly.state, assembly.basis, assembly.resolution.h
-    weights = basis.to_legendre.T @ np.diag(1 / (2 * np.arange(basis.s) + 1)) @ basis.to_legendre
+    net, state, s, h = assembly.network, assembly.state, assembly.basis.s, assembly.resolution.h
+    squares = (state.waves.reshape(-1, s) @ assembly.basis.to_legendre.T) ** 2 @ (1 / np.arange(1, 2 * s, 2))
     total = 0.0
     for k, line in enumerate(assembly.lines.values()):
-        o, n = net.offset[k], 2 * net.delay[k] * basis.s
-        slabs = [state.waves[o : o + n].reshape(-1, basis.s)]
+        o, n, part = net.offset[k] // s, 2 * net.delay[k], squares[0:0]
         if net.shift_row[k] >= 0:
-            f = line.delay / h - net.delay[k]
-            slabs.append(np.sqrt(f) * state.before[2 * k : 2 * k + 2] @ basis.restriction(1 - f, 1.0).T)
-        for values in slabs:
-            total += h * np.einsum("ni,ij,nj->", values, weights, values) / (4 * line.z0)
+            part = (state.before[2 * k : 2 * k + 2] @ last_part(s, line.delay / h - net.delay[k])) ** 2
+        total += h * float(squares[o : o + n].sum() + part.sum()) / (4 * line.z0)
     return total
+
+
+@lru_cache
+def last_part(s: int, f: float) -> np.ndarray:
+    """Matrix from a slab's values to numbers whose squares add up to the integral of the square over its last part."""
+    part = basis(s)
+    return (part.to_legendre @ part.restriction(1 - f, 1.0)).T * np.sqrt(f / np.arange(1, 2 * s, 2))
 
 
 class InLoads:

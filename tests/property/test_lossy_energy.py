@@ -11,7 +11,7 @@ from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.description.description import describe
 from tline.solver.kernel.network import REMEMBERED
-from tline.solver.loop.kernel import advance
+from tline.solver.loop.kernel import Kernel
 from tline.solver.simulate import simulate
 
 SLABS, PART = 2_000, 50
@@ -78,10 +78,10 @@ def test_energy_never_grows(seed, make, order, slab, size):
     for part in (state.waves, state.before, state.loss_states):
         part[:] = size * rng.normal(size=part.shape)
     state.loss_states[:] *= 1e-2  # of the size that waves bring about, or less
-    in_loads = InLoads(scene, assembly)
+    in_loads, kernel = InLoads(scene, assembly), Kernel(assembly.network, state)
     start = last = on_lines(assembly) + in_loads(assembly) + in_losses(assembly)
     for _ in range(SLABS // PART):
-        assert advance(assembly.network, state, PART, SILENT, UNRECORDED, 0) == -1
+        assert kernel.blocks(PART, SILENT, UNRECORDED, 0) == -1
         now = on_lines(assembly) + in_loads(assembly) + in_losses(assembly)
         assert now <= last + 1e-12 * start  # roundings of so many slabs
         last = now
