@@ -36,6 +36,14 @@ def test_its_scene_does_the_same(surge):
     assert again.lowest_at.tolist() == surge.result.envelope.lowest_at.tolist()
 
 
+def test_what_is_missed_inside_slabs_alone_is_told_and_not_sought_for_minutes(surge):
+    """Check valves bend waves steeply: each halving of slabs and loss elements costs four times as much for half."""
+    accuracy = surge.result.accuracy
+    assert accuracy.at_slab_ends < accuracy.tol < accuracy.worst
+    assert accuracy.limit.startswith("inside slabs the error at 'b'")
+    assert sum(attempt.samples for attempt in accuracy.attempts) < 2e6
+
+
 def test_every_node_is_in_its_table(surge):
     table = surge.to_dataframe()
     assert {*table.index} == {*surge.result.envelope.nodes}

@@ -29,6 +29,7 @@ IN_SEGMENTS = 1e-5  # the first of these in segments, where terms cost little
 FITTED = 3  # steps that tell what the next ones leave of an entry's difference
 SOON = 5e7  # samples past loss elements, of one run: a tenth of a second
 FEW_PASSES, MOST_PASSES = 5e8, 5e10  # the same of one run: a second; of all runs: some minutes
+INSIDE_PASSES = 1e9  # the same for the sake of instants inside slabs alone: some two seconds
 
 Powers = tuple[int, ...]
 Row = dict[Powers, Result]
@@ -155,7 +156,7 @@ def _halved(search: Search, soon: bool) -> tuple[Result, Result]:
         if found.worst <= search.tol and len(attempts) > 2 and not chosen.blind:
             break
         limit = limit_of(attempts, stale, search.description.collapses, search.most) or inside_limit(attempts, found)
-        limit = limit or _too_slow(search, attempts, last, soon)
+        limit = limit or _too_slow(search, attempts, last, found, soon)
     limit = limit and (inside_slabs(accuracy) or limit)
     damped = () if limit else (*best.resolution.notes, *smeared(best.fronts))  # which the error counts
     unresolved = tuple(note for note in best.unresolved if note not in damped)
@@ -206,8 +207,8 @@ def _caution(steps: Steps, powers: Powers, which: int) -> float:
     return max(expected / last[0] * r / (1 - r), 1.0) if last[0] > 0 else 1.0
 
 
-def _too_slow(search: Search, attempts: Sequence[Attempt], last: Result, soon: bool) -> str:
-    """What forbids runs of more than a second: that at the pace so far none that is affordable meets the tolerance."""
+def _too_slow(search: Search, attempts: Sequence[Attempt], last: Result, found: Accuracy, soon: bool) -> str:
+    """What forbids long runs: that at the pace so far none that is affordable meets the tolerance."""
     told = [attempt.estimate for attempt in attempts if attempt.estimate is not None]
     loss_elements = sum(
         loss_elements_in(search.description.lines, last.resolution.h, last.resolution.loss_elements).values()
@@ -215,11 +216,13 @@ def _too_slow(search: Search, attempts: Sequence[Attempt], last: Result, soon: b
     passes = (len(last.t) - 1) * last.resolution.s * loss_elements
     if soon and passes > SOON:
         return "narrower slabs would take more than some tenths of a second"
-    if told[-1] <= search.tol or len(told) <= FITTED or passes < FEW_PASSES:
+    inside = found.at_slab_ends <= search.tol
+    few, most, time = (SOON, INSIDE_PASSES, "seconds") if inside else (FEW_PASSES, MOST_PASSES, "minutes")
+    if told[-1] <= search.tol or len(told) <= FITTED or passes < few:
         return ""
     pace = max(1.0, *((told[-k] / told[-1]) ** (1 / (k - 1)) for k in (FITTED + 1, len(told))))
-    halvings = log(max(MOST_PASSES / passes, 1.0), 4)  # each has twice as many slabs, and loss elements
+    halvings = log(max(most / passes, 1.0), 4)  # each has twice as many slabs, and loss elements
     reached = told[-1] / pace**halvings
     if reached <= search.tol:
         return ""
-    return f"narrower slabs would reach {reached:.1g} in some minutes, at the pace so far"
+    return f"narrower slabs would reach {reached:.1g} in some {time}, at the pace so far"
