@@ -16,12 +16,12 @@ OPERATIONS = {"burst": "c:5 L/s@2s+1s", "demand": "d:-4 L/s@1s+1s", "when": "lif
 
 @pytest.fixture(scope="module")
 def surge() -> tl.Operation:
-    return tl.operate(TOWN, t_end="8 s", rating="6 bar", **OPERATIONS)  # pyright: ignore[reportArgumentType]
+    return tl.operate(TOWN, t_end="4 s", rating="6 bar", **OPERATIONS)  # pyright: ignore[reportArgumentType]
 
 
 def test_it_tells_what_the_command_prints(surge):
     options = [part for kind, text in OPERATIONS.items() for part in (f"--{kind}", text)]
-    line = ["surge", str(TOWN), *options, "--for", "8s", "--rating", "6 bar"]
+    line = ["surge", str(TOWN), *options, "--for", "4s", "--rating", "6 bar"]
     assert json.loads(CliRunner().invoke(main, [*line, "--json"]).stdout) == surge.to_dict()
     printed = CliRunner().invoke(main, line)
     assert printed.stdout + "\n".join(printed.stderr.splitlines()) == repr(surge)
