@@ -10,7 +10,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
-from matplotlib.text import Annotation
+from matplotlib.transforms import BboxBase
 from numpy.typing import NDArray
 
 from tline.pictures.handy import handy
@@ -156,15 +156,16 @@ def _mark(axes: Axes, word: str, place: tuple[float, float]) -> None:
 
 def _write(axes: Axes, below: Mapping[str, tuple[float, float]], above: Mapping[str, tuple[float, float]]) -> None:
     """Write names, but those that would cover one that is written."""
-    kept: list[Annotation] = []
+    kept: list[BboxBase] = []
     for names, side, anchor in ((below, -9, "top"), (above, 5, "bottom")):
         for name, place in names.items():
             text = axes.annotate(name, place, (0, side), textcoords="offset points", ha="center", va=anchor, fontsize=9,
                                  linespacing=1.3, path_effects=HALO, zorder=9)  # fmt: skip
-            if any(text.get_window_extent().overlaps(other.get_window_extent()) for other in kept):
+            box = text.get_window_extent()
+            if any(box.overlaps(other) for other in kept):
                 text.remove()
             else:
-                kept.append(text)
+                kept.append(box)
 
 
 def _explain(picture: Figure, scene: Scene, there: set[str]) -> None:
