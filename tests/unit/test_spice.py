@@ -312,7 +312,8 @@ def test_multiports_begin_at_rest(read):
     assert read(*quiet).start == "rest"  # which is the steady state
 
 
-def test_subcircuits_that_contain_themselves_end(read):
+def test_subcircuits_that_contain_themselves_end(read, monkeypatch):
+    monkeypatch.setattr("tline.interchange.subcircuits.MOST_CARDS", 10_000)
     for inside in ("X1 a me", "X1 a me\nX2 a me"):
         with pytest.raises(InputError, match=r"line \d, X1: subcircuits in subcircuits"):
             read(*CABLE[:4], ".subckt me a", inside, ".ends", "X1 b me", *CABLE[4:])
