@@ -85,7 +85,8 @@ def run(
         name: ProbeResult(name, at.line, at.share, seen[name], ends, at.height)
         for name, at in description.probes.items()
     }
-    samples = len(assembly.network.ends) * n * s * max(len(families), 1)
+    segments = int((assembly.network.segments.number - 1).sum())  # beyond one a line
+    samples = (len(assembly.network.ends) + 2 * segments) * n * s * max(len(families), 1)
     work = samples + EACH_NODE * len(assembly.nodes)
     again = Again(description.scene, chosen, n, dict(kinks), work, bool(description.coupled))
     return Result(

@@ -276,7 +276,7 @@ class Result(Display, Export):
     start : mapping of str to ndarray
         By line the waves (a1, b1, a2, b2) before t = 0, counted from the level.
     samples : int
-        Line-end samples computed.
+        Line-end samples computed; a line in segments has as many lines.
     seconds : float
         Time spent stepping.
     fronts : Tally

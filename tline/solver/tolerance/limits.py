@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import log2
+from math import log
 
 from tline.solver.description.description import Description
 from tline.solver.result.accuracy import Accuracy, Attempt
@@ -28,10 +28,10 @@ def foretells(attempts: Sequence[Attempt], description: Description) -> bool:
 def limit_of(attempts: Sequence[Attempt], stale: int, collapses: bool, most: float) -> str:
     """What forbids a finer run; empty if nothing does."""
     told = [a.estimate for a in attempts if a.estimate is not None][-STALE - 1 :]
-    samples = sum(a.samples for a in attempts)
+    samples, next_ = sum(a.samples for a in attempts), _growth(attempts) * attempts[-1].samples
     if (stale >= STALE and (collapses or samples > CHEAP)) or (collapses and len(told) > STALE and min(told) > LOST):
         return f"narrower slabs do not help{COLLAPSE * collapses}"
-    if samples + 2 * attempts[-1].samples > most:
+    if samples + next_ > most:
         return f"a finer run would take the total beyond {most:.0e} line-end samples"
     if sum(a.seconds for a in attempts) + 2 * attempts[-1].seconds > MOST_SECONDS:
         return f"a finer run would take the total beyond {MOST_SECONDS} s"
@@ -46,7 +46,7 @@ def inside_limit(attempts: Sequence[Attempt], found: Accuracy, foretell: bool = 
     told = [(a.slab, a.estimate) for a in attempts if a.estimate is not None]
     halvings = [worst for (h, _), (slab, worst) in pairwise(told) if slab < h]
     samples = sum(a.samples for a in attempts)
-    left = log2(max(max(MOST_INSIDE, WORTH * attempts[0].samples) / samples, 1.0))
+    left = log(max(max(MOST_INSIDE, WORTH * attempts[0].samples) / samples, 1.0), _growth(attempts))
     if left < 1:
         return "no room"
     if len(halvings) < TRIED or not foretell:
@@ -54,6 +54,12 @@ def inside_limit(attempts: Sequence[Attempt], found: Accuracy, foretell: bool = 
     widest = max(worst for slab, worst in told if slab > told[-1][0])
     pace = (widest / found.worst) ** (1 / len(halvings))
     return "" if pace > 1 and found.worst <= found.tol * pace**left else "too slow"
+
+
+def _growth(attempts: Sequence[Attempt]) -> float:
+    """By how much a halved slab multiplies samples: by two, and by four in segments, of which there are more."""
+    halved = [fine.samples / rough.samples for rough, fine in pairwise(attempts) if fine.slab < rough.slab]
+    return max([2.0, *halved[-1:]])
 
 
 def inside_slabs(accuracy: Accuracy) -> str:

@@ -28,7 +28,7 @@ CALM = 0.02  # cycles per slab, the band of circuits in segments
 IN_SEGMENTS = 1e-5  # the first of these in segments, where terms cost little
 FITTED = 3  # steps that tell what the next ones leave of an entry's difference
 SOON = 5e7  # samples past loss elements, of one run: a tenth of a second
-FEW_PASSES, MOST_PASSES = 5e8, 5e10  # the same of one run: a second; of all runs: some minutes
+FEW_PASSES, MOST_PASSES = 5e8, 1e10  # the same of one run: a second; of all runs: half a minute
 INSIDE_PASSES = 1e9  # the same for the sake of instants inside slabs alone: some two seconds
 
 Powers = tuple[int, ...]
