@@ -56,7 +56,15 @@ class ActiveError(InputError):
 
 
 class NoFlowError(InputError):
-    """No flow was found through elements that see each other; narrower slabs may help."""
+    """No flow was found through elements that see each other; narrower slabs may help.
+
+    Attributes
+    ----------
+    span : tuple of float, or None
+        Where the piece of a slab begins and ends in which that was, in slabs from t = 0, if it is known.
+    """
+
+    span: tuple[float, float] | None = None
 
 
 class MissingExtraError(InputError):

@@ -13,6 +13,7 @@ from tline.errors import InputError, NoFlowError
 from tline.gc_paused import gc_paused
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.description.description import Description, describe
+from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution
 from tline.solver.ledger.ledger import Ledger
@@ -30,6 +31,7 @@ Kinks = Mapping[str, NDArray]
 NO_KINKS: Kinks = MappingProxyType({})
 NOWHERE = np.empty(0)
 PARTS, MOST_CUTS = 4, 1e6  # of each slab at a group in which no flow is found, and of each of these; cuts in all
+MOST_ALONE = 200  # cuts, beyond which all slabs are in parts and not a piece alone
 EACH_NODE = 4000  # samples that take a ledger as long as a node
 
 
@@ -157,9 +159,15 @@ def with_ledger(result: Result, ledger: bool | None) -> Result:
 
 
 def _divided(kinks: Kinks, error: NoFlowError, n: int, h: float) -> Kinks:
-    """The same with slabs in parts, or in smaller ones, where no flow was found; the error if they are so already."""
+    """The same with the piece of a slab in parts in which no flow was found, or with all slabs if that is not known.
+
+    These come in parts, then in smaller ones; the error if they do already.
+    """
     where = error.where.split(" and ")[0]
     known = kinks.get(where, NOWHERE)
+    begin, end = error.span or (0.0, 0.0)
+    if end - begin > PARTS * EDGE and len(known) < MOST_ALONE:
+        return {**kinks, where: np.union1d(known, (begin + (end - begin) * np.arange(1, PARTS) / PARTS) * h)}
     parts = PARTS if len(known) < (PARTS - 1) * n else PARTS**2
     if len(known) >= (PARTS**2 - 1) * n or parts * n > MOST_CUTS:
         raise error

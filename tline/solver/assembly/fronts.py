@@ -18,9 +18,11 @@ from tline.solver.description.tools import tools_of
 from tline.solver.kernel.fronts.structures import (
     DISSOLVED,
     DROPPED,
+    LOST,
     MERGED,
     PEAK,
     SAME,
+    SCALE,
     ExcitationRows,
     Fronts,
     Log,
@@ -117,7 +119,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], p
         workspace_for(network, s, at_node, parts),
         Log(np.empty((places, 2), int), np.empty((places, 2)), np.empty((places, 2, s))),
         np.zeros(7, int),
-        np.zeros(2),
+        np.zeros(4),
     )
 
 
@@ -172,7 +174,7 @@ def sources_of(broken: list[Broken], s: int) -> Sources:
 
 def tally(fronts: Fronts) -> Tally:
     """The counts of a run so far."""
-    counts, (scale, lost) = fronts.counts, fronts.sizes
+    counts, scale, lost = fronts.counts, fronts.sizes[SCALE], fronts.sizes[LOST]
     share = float(lost / scale) if scale else 0.0
     most, merged, dissolved, dropped = (int(counts[k]) for k in (PEAK, MERGED, DISSOLVED, DROPPED))
     return Tally(most, merged, dissolved, dropped, share)

@@ -17,7 +17,7 @@ from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import LULL, Tally, fronts_of, sources_of, tally
 from tline.solver.assembly.layout import Excitation
 from tline.solver.description.excitation import EDGE, Broken, broken, places_of, sampled
-from tline.solver.kernel.fronts.structures import LIVE, NOTED, Fronts
+from tline.solver.kernel.fronts.structures import BEGIN, END, LIVE, NOTED, Fronts
 from tline.solver.loop.kernel import Kernel
 
 CHUNK = 2e7  # line-end samples between two looks at the progress bar
@@ -256,7 +256,8 @@ class Stepper:
         excitation, column = self.signals.sampled(first, n), first - self.origin
         node, done = self.kernel.fronts(sources, excitation, column, n, self.record)
         if node >= 0:
-            _refuse(assembly, node)
+            begin, end = (first + int(done) + float(place) for place in fronts.sizes[BEGIN : END + 1])
+            _refuse(assembly, node, (begin, end) if begin < end else None)
         noted, fronts.counts[NOTED] = fronts.counts[NOTED], 0
         where, span, values = (part[:noted] for part in fronts.log)
         pieces = Noted(where[:, 0], where[:, 1] + self.origin, span, values)
@@ -279,10 +280,14 @@ def _snapped(changes: list[tuple[float, int, int]]) -> list[tuple[float, int, in
     return [(float(round(t)) if abs(t - round(t)) < EDGE else t, group, row) for t, group, row in changes]
 
 
-def _refuse(assembly: Assembly, node: int) -> None:
+def _refuse(assembly: Assembly, node: int, span: tuple[float, float] | None = None) -> None:
     group = int(np.searchsorted(assembly.network.group, node, side="right")) - 1
     if group < len(assembly.groups) and assembly.groups[group].elements:
         where = " and ".join(element.where for element in assembly.groups[group].elements)
-        raise NoFlowError(where, "no flow was found that fits the waves", "narrower slabs, or a line between elements")
+        error = NoFlowError(
+            where, "no flow was found that fits the waves", "narrower slabs, or a line between elements"
+        )
+        error.span = span
+        raise error
     where = " and ".join(assembly.description.active) or "lines"
     raise InputError(where, "the waves grow beyond all bounds", "passive loads", "active ones")

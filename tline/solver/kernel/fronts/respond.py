@@ -3,7 +3,7 @@
 import numpy as np
 
 from tline.solver.kernel.fronts.settle import collocate, collocate_finely, map_of
-from tline.solver.kernel.fronts.structures import MERGE, FrontRun
+from tline.solver.kernel.fronts.structures import BEGIN, END, MERGE, FrontRun
 from tline.solver.kernel.laws.passing import pass_laws
 from tline.solver.kernel.load import load
 from tline.unit import function, invoke, unit
@@ -53,7 +53,10 @@ def respond_with_laws(job: FrontRun, g: int, piece: int, m: int) -> int:
 
 @function
 def respond(job, g, slab, m):
-    """Turn the Thévenin waves of m pieces at a group into the nodes' efforts; switches move where pieces begin."""
+    """Turn the Thévenin waves of m pieces at a group into the nodes' efforts; switches move where pieces begin.
+
+    A piece for which no flow is found ends it, and is kept in mind.
+    """
     run, fronts = job.run, job.fronts
     network, work, s, wave = run.network, fronts.work, fronts.tools.c.size, run.work.u
     edges, u, count = work.edges, work.u, network.laws.first[g + 1] - network.laws.first[g]
@@ -82,3 +85,6 @@ def respond(job, g, slab, m):
         for e in range(count):
             for i in range(s):
                 work.into[e, piece, i] = run.work.into[e, i]
+        if not np.isfinite(wave[s - 1]):
+            fronts.sizes[BEGIN], fronts.sizes[END] = edges[piece], edges[piece + 1]
+            return

@@ -11,7 +11,7 @@ from tline.solver.kernel.network import Run, Tools
 from tline.structure import Flags, Floats, Floats2, Floats3, Integers, Integers2
 
 LIVE, PEAK, MERGED, DISSOLVED, DROPPED, NOTED, DONE = range(7)  # places in the counts
-SCALE, LOST = range(2)  # places in the sizes
+SCALE, LOST, BEGIN, END = range(4)  # places in the sizes
 MERGE = 1e-11  # slabs; fronts nearer than this to each other are one
 SAME = 1e-13  # of the largest wave; pieces that continue each other so well need no breakpoint
 WIDER = 4.0  # times that each cut behind a front is farther away than the one before
@@ -120,7 +120,9 @@ class Fronts(NamedTuple):
     work: Workspace
     log: Log
     counts: Integers  # (7,)
-    sizes: Floats  # (2,) largest wave so far, largest front dropped
+    sizes: (
+        Floats  # (4,) largest wave so far, largest front dropped, and the piece in which no flow was found
+    )
 
 
 class Sources(NamedTuple):
