@@ -140,9 +140,3 @@ def test_two_ideal_efforts_across_a_transformer_are_refused():
 def test_mistakes_are_told(link, said):
     with pytest.raises(SceneError, match=said):
         scene(link, {})
-
-
-def test_steady_starts_are_refused():
-    link = {"kind": "transformer", "ratio": 2}
-    with pytest.raises(SceneError, match=r"links\.x has no steady state here"):
-        scene(link, {}, start="steady")

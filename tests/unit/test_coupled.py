@@ -143,7 +143,6 @@ def test_a_mistake_in_a_pair_is_one_sentence(line, sentence):
     ("parts", "sentence"),
     [
         ({"loads": {"x": {"at": "a1", "kind": "matched"}}}, "loads.x: a matched load at node 'a1' of coupled"),
-        ({"start": "steady"}, "start: coupled conductors have no steady state here"),
         ({"probes": {"p": {"line": "pair", "position": "50 %"}}}, "probes.p.position: nothing is recorded"),
         ({"probes": {"p": {"at": "x"}}}, "probes.p.at: no line ends at this node"),
         ({"solver": {"slab": "1 ns"}}, "solver.slab: longer than the shortest delay, expected at most that of"),

@@ -305,9 +305,8 @@ def test_multiports_and_conductors_that_no_scene_has(read, cards, sentence):
     assert "\n" not in str(found.value)
 
 
-def test_multiports_begin_at_rest(read):
-    with pytest.raises(InputError, match=r"line 9, .tran: sources are not zero at t = 0, and E1 has no steady"):
-        read(*FOUR, "E1 d 0 b 0 3", ".tran 1p 9n")
+def test_multiports_begin_at_rest_where_that_is_steady(read):
+    assert read(*FOUR, "E1 d 0 b 0 3", ".tran 1p 9n").start == "steady"
     quiet = [FOUR[0], "V1 s 0 PULSE(0 1 0 1n 1n 5n)", *FOUR[2:], "E1 d 0 b 0 3", ".tran 1p 9n"]
     assert read(*quiet).start == "rest"  # which is the steady state
 

@@ -87,7 +87,7 @@ def _read(raw: list[Card], title: str, path: Path, found: Findings) -> tuple[dic
     _take(net, [card for card in cards if card.kind != "."], commands[".ic"])
     found.check()
     dropped = connected(net) if net.tables["lines"] else set()
-    table = {"title": title, "medium": "electrical", "t_end": net.tran.end, "start": _start(net, commands[".tran"])}
+    table = {"title": title, "medium": "electrical", "t_end": net.tran.end, "start": _start(net)}
     table["measures"] = measures((card for card in cards if card.name.lower() in MEASURE), net)
     with found.gathered():
         table["probes"] = _probes(net, shown, nodes_measured(table["measures"]), dropped)
@@ -140,19 +140,9 @@ def _add_unused_line(net: Netlist, path: str) -> None:
         net.tables["lines"]["unused"] = {"nodes": ["unused 1", "unused 2"], "z0": 50.0, "delay": net.tran.end}
 
 
-def _start(net: Netlist, runs: list[Card]) -> str:
+def _start(net: Netlist) -> str:
     """From rest with UIC, or where that is the steady state."""
-    if net.tran.uic or net.quiet:
-        return "rest"
-    without = [name for name, line in net.tables["lines"].items() if "nodes1" in line]
-    without += [name for name, link in net.tables["links"].items() if link["kind"] in TWO_PORTS]
-    if without:
-        problem = f"sources are not zero at t = 0, and {without[0]} has no steady state here"
-        net.found.mistakes.append(runs[0].refuse(problem, "UIC in .tran, or sources that begin at 0"))
-    return "steady"
-
-
-TWO_PORTS = ("transformer", "gyrator", "controlled source", "coupled inductors")
+    return "rest" if net.tran.uic or net.quiet else "steady"
 
 
 def _probes(

@@ -16,7 +16,6 @@ from tline.scene.heights import height_mistakes
 from tline.scene.held import conflicting_holds, is_capacitive
 from tline.scene.ibis.element import die_of
 from tline.scene.load import Matched
-from tline.scene.multiport import Multiport
 from tline.scene.rational import RationalImpedance
 from tline.scene.rational_load import Rational
 from tline.scene.regulating import RegulatingValve
@@ -175,8 +174,6 @@ def _coupled(scene: Scene) -> Iterator[InputError]:
     modal |= {node.rpartition(",")[0] for node in modal}
     for name in modal & {*scene.lines, *(node for line in scene.lines.values() for node in line.nodes)}:
         yield InputError("lines", "a name that a mode of coupled conductors has", "another name", f"'{name}'")
-    if coupled and scene.start == "steady":
-        yield InputError("start", "coupled conductors have no steady state here", "'rest'", "'steady'")
     for name, load in scene.loads.items():
         if load.at in coupled and isinstance(load, Matched):
             problem = f"a {load.kind} load at node '{load.at}' of coupled conductors"
@@ -214,7 +211,7 @@ def _waveforms(scene: Scene) -> Iterator[InputError]:
 
 
 def _steady(scene: Scene) -> Iterator[InputError]:
-    """A steady state is not known with multiports."""
+    """What only a steady start tells."""
     for name, load in scene.loads.items():
         if isinstance(load, SurgeTank) and load.level is not None and scene.start != "steady":
             yield InputError(place("loads", name, "level"), "is that of a steady start", "start = 'steady'")
@@ -222,10 +219,6 @@ def _steady(scene: Scene) -> Iterator[InputError]:
         if isinstance(link, RegulatingValve) and not link.has_set and scene.start != "steady":
             key = "set_flow" if link.keeps == "flow" else "set_pressure"
             yield InputError(place("links", name, key), "is missing", "a value, or start = 'steady'")
-    multiport = next((name for name, link in scene.links.items() if isinstance(link, Multiport)), None)
-    if scene.start == "steady" and multiport is not None:
-        where = place("links", multiport)
-        yield InputError("start", f"{where} has no steady state here", "'rest'", "'steady'")
 
 
 def _measured(scene: Scene) -> Iterator[InputError]:

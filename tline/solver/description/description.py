@@ -156,6 +156,11 @@ class Description:
         """Nodes of links that are shorts to a steady flow, and their inductances."""
         return inductive(self.scene)
 
+    @property
+    def multiports(self) -> list[str]:
+        """Names of links that are multiports."""
+        return [name for name, link in self.scene.links.items() if isinstance(link, Multiport)]
+
     @cached_property
     def probes(self) -> dict[str, ProbePlace]:
         """Probes by name."""

@@ -1,6 +1,6 @@
 """What lies between the lossless parts of a network in the steady state: lossy lines, and elements without a state."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,11 +39,12 @@ class Edges:
         lossy: NDArray,
         tables: Mapping[str, FrictionTable],
         openings: Mapping[str, float],
+        resistive: Sequence[PlacedLaw],
     ):
         lines = {name: line for (name, line), falls in zip(description.lines.items(), lossy, strict=True) if falls}
         self.falls = Falls(lines, tables)
         self.elements = [_running(e) for e in description.elements if e.law.kind not in FILLED]
-        self.elements += description.resistive
+        self.elements += resistive
         self.where = [place("lines", name) for name in lines] + [element.where for element in self.elements]
         pairs = [line.nodes for line in lines.values()] + [
             (element.from_node, element.to_node) for element in self.elements

@@ -21,6 +21,7 @@ from tline.solver.steady.balance import CLOSE, balanced
 from tline.solver.steady.edges import Edges
 from tline.solver.steady.lossy_lines import FrictionTable, pi
 from tline.solver.steady.openings import openings_at_rest, still
+from tline.solver.steady.operating_point import operating_point
 from tline.solver.steady.pockets import settled
 from tline.wording import place
 
@@ -67,7 +68,12 @@ def steady_state(
 
 def above_level(description: Description, tables: Mapping[str, FrictionTable] = NONE) -> Before:
     """The same with efforts that count from the level, flows through elements, and openings that hold still."""
-    description.refuse_coupled("a steady state")
+    if description.mixing:
+        description.refuse_coupled("a steady state in stretches")
+    if description.coupled or description.multiports:
+        return still(
+            description.elements, lambda openings: Before(*operating_point(description, tables, openings), openings)
+        )
     return still(description.elements, lambda openings: _under(description, tables, openings))
 
 
@@ -88,7 +94,7 @@ def _under(description: Description, tables: Mapping[str, FrictionTable], openin
     conductance += np.bincount(first, leak, n) + np.bincount(second, leak, n)
     _check_held(description, part, given)
     _check_between(description, part, number)
-    edges = Edges(description, number, lossy, tables, openings)
+    edges = Edges(description, number, lossy, tables, openings, description.resistive)
     if edges.count:
         level, flow = _between_parts(description, number, part, given, conductance, driven, edges)
         out = edges.out_of_nodes(flow, n)
