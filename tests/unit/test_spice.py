@@ -117,6 +117,7 @@ SPICE = {  # shape: its value by the formulas of the manual, TSTEP = 1e-10, TSTO
     "EXP(1 4 2n 3n 50n 1n)": lambda t: 1 + 3 * after(2e-9, 3e-9)(t),
     "EXP(1 4 2n 3n 5n 1n)": lambda t: 1 + 3 * after(2e-9, 3e-9)(t) - 3 * after(5e-9, 1e-9)(t),
     "EXP(0 4 2n 1n 2n 3n)": lambda t: 4 * after(2e-9, 1e-9)(t) - 4 * after(2e-9, 3e-9)(t),
+    "PWL(0 0 1n 0 +1n 2 +.5n 0)": lambda t: np.interp(t, [0, 1e-9, 2e-9, 2.5e-9], [0, 0, 2, 0]),
     "DC 5 PWL(0 1 1n 2)": lambda t: np.interp(t, [0, 1e-9], [1, 2]),
     "DC 5": lambda t: 5 + 0 * t,
     "SINE(1 2 0.2G 3n 50Meg 30)": lambda t: (

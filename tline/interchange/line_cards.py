@@ -159,6 +159,9 @@ def rc_line(card: Card, net: Netlist) -> None:
     ----------
     A. Vladimirescu: The SPICE Book, Wiley 1994, on the uniform RC line; L. Gertzberg's thesis of 1974.
     """
+    if len(card.assigned(0)[0]) != 4:
+        expected = "two nodes, base and a URC model; for U of HSPICE a W element or T"
+        raise card.refuse("not a uniform RC line", expected)
     first, second, base = map(net.node, card.words[:3])
     model = net.model(card, card.words[3])
     if "".join(model.words[1:2]).lower() != "urc":
