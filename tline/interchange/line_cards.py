@@ -56,7 +56,9 @@ def lossy_line(card: Card, net: Netlist) -> None:
 
 
 def txl_line(card: Card, net: Netlist) -> None:
-    """A Y element by a TXL model."""
+    """A Y element by a TXL model; Xyce's YTRANSLINE, of sections, is refused."""
+    if card.name.lower().endswith("ytransline"):
+        raise card.refuse("a line of sections of Xyce", "an O element by an LTRA model of the same R, L, C and LEN")
     model = net.model(card, card.words[4])
     given = _per_length(model, "txl", card.assigned(5)[1])
     add_uniform(card, net, _ends(card, net), given)
