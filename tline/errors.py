@@ -79,8 +79,8 @@ class MissingExtraError(InputError):
 
     Examples
     --------
-    >>> print(MissingExtraError("line.s2p", "Touchstone files need scikit-rf", "rf"))  # doctest: +ELLIPSIS
-    line.s2p: Touchstone files need scikit-rf, expected pip install ...[rf]'
+    >>> print(MissingExtraError("town.inp", "wntr is missing", "epanet"))  # doctest: +ELLIPSIS
+    town.inp: wntr is missing, expected pip install ...[epanet]'
     """
 
     def __init__(self, where: str, problem: str, extra: str):

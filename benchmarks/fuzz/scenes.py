@@ -9,8 +9,8 @@ from benchmarks.fuzz.mutate import TEXTS, damaged, value
 
 SMALL = (
     "air_vessel", "antenna", "cable_mismatch", "cable_rc", "cable_rlc", "column_separation", "coupled_pair",
-    "diode_clamp",
-    "load_lines", "loop", "lossy_cable", "lossy_pair", "open_line", "pipe_friction", "pump_trip", "tabulated_cable",
+    "diode_clamp", "load_lines", "loop", "lossy_cable", "lossy_pair", "open_line", "overhead_line", "pipe_friction",
+    "pump_trip", "tabulated_cable",
     "tdr", "transformer", "valve_closure", "water_pipe", "y_junction",
 )  # fmt: skip
 BESIDE = {"antenna": "antenna.s1p", "tabulated_cable": "tabulated_cable.csv"}

@@ -147,7 +147,7 @@ MISTAKES = [
     ("electrical --wire-diameter '2 cm' --height '10 m' --earth ''", "--earth: there is no number in front"),
     (
         "electrical --wire-diameter '2 cm' --height '10 m' --earth 100 --z0 300",
-        "electrical line: wire_diameter, height, z0 and velocity_factor clash",
+        "--z0: follows from height and wire_diameter in air, too",
     ),
     ("electrical --z0 300 --earth 100", "--earth: is below a wire over ground, expected --height and --wire-diameter"),
     ("electrical --z0 50 --wire-resistance 1", "--wire-resistance: is of a wire over earth, expected --earth, too"),

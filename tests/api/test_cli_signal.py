@@ -14,6 +14,7 @@ from tline.cli.eye import eye
 from tline.cli.main import main
 from tline.cli.tdr import tdr
 
+SCENES = Path(__file__).parents[2] / "scenes"
 CABLE = """
 medium = "electrical"
 t_end = "8 ns"
@@ -100,6 +101,11 @@ def test_load_lines(folder: Path) -> None:
     ("line", "sentence"),
     [
         ("run memory.toml --load-lines b.png", "loads.end: no load line: the end is not resistive"),
+        (
+            f"tdr {SCENES}/tdr.toml --port x --rise 1e-10",
+            "--port: no line ends at this node, expected one of 'near', 'a', 'b', 'far'",
+        ),
+        (f"tdr {SCENES}/valve_closure.toml --port valve --rise 1", "--port: more energy comes back than the step"),
         ("tdr cable.toml --port nar --rise 1e-10", "--port: no line ends at this node, expected 'near'"),
         ("tdr cable.toml --port near --rise 3V", "--rise: this unit measures something else"),
         ("tdr cable.toml --port near --rise 0", "--rise: not positive, expected more than 0, got '0'"),

@@ -150,6 +150,6 @@ def test_missing_packages_are_named_with_the_line_that_installs_them(package, mo
 
 
 def test_what_names_a_missing_extra_survives_pickle():
-    error = tl.MissingExtraError("a.s2p", "Touchstone files need scikit-rf", "rf")
+    error = tl.MissingExtraError("a.inp", "wntr is missing", "epanet")
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
-    assert "[rf]" in str(error)
+    assert "[epanet]" in str(error)

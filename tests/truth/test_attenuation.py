@@ -5,13 +5,15 @@ import pytest
 
 from tline.errors import InputError
 from tline.frequency.response import respond
-from tline.scene.attenuation import DECIBEL, PER, Attenuation
+from tline.scene.attenuation import DECIBEL, Attenuation
 from tline.scene.cable_types import TYPES
 from tline.scene.line import Cable
 from tline.scene.plausible import plausibility_notes
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
 from tline.study.reference.lossy import Drive, lossy_response
+
+PER = {"dB/100ft": 30.48, "dB/100m": 100.0, "dB/km": 1000.0}  # m
 
 
 def cable(t_end="2 us", **line) -> Scene:
@@ -106,8 +108,14 @@ def test_the_step_response_of_a_hundred_metres():
         ({"z0": 50, "wave_speed": 2e8, "attenuation": {"points": [[1e6, 1]]}}, "lines.line.attenuation.points: "),
         ({"z0": 50, "wave_speed": 2e8, "attenuation": {"points": [[1e6, 1], [1e5, 2]]}},
          "lines.line.attenuation.points[1]: frequencies do not ascend"),
-        ({"z0": 50, "wave_speed": 2e8, "attenuation": {"unit": "dB/mile", "points": [[1e6, 1], [1e7, 2]]}},
+        ({"z0": 50, "wave_speed": 2e8, "attenuation": {"unit": "dB/yd", "points": [[1e6, 1], [1e7, 2]]}},
          "lines.line.attenuation.unit: not known here, expected dB/m, dB/100m"),
+        ({"z0": 50, "wave_speed": 2e8, "attenuation": {"unit": "dB/00m", "points": [[1e6, 1], [1e7, 2]]}},
+         "lines.line.attenuation.unit: not known here, expected dB/m, dB/100m"),
+        ({"z0": 50, "wave_speed": 2e8, "attenuation": {"points": [[1e6, "1 dB/m"], [1e7, 2]]}},
+         "lines.line.attenuation.points[0]: not decibels alone"),
+        ({"z0": 50, "wave_speed": 2e8, "attenuation": {"unit": "dB/100m", "points": [[10, 4.6], [100, 15.9]]}},
+         "lines.line.attenuation.points: belong to no line of that z0 and speed"),
         ({"cable": "RG-58", "skin": {"resistance": 1, "frequency": 1e9}},
          "lines.line.skin: is a loss that the attenuation has, too"),
     ],
@@ -116,3 +124,19 @@ def test_a_mistake_is_one_sentence(line, sentence):
     with pytest.raises(InputError) as found:
         cable(**line)
     assert str(found.value).startswith(sentence)
+
+
+@pytest.mark.parametrize(
+    ("unit", "metres"),
+    [
+        ("dB/100 m", 100),
+        ("db / 100 ft", 30.48),
+        ("dB/kft", 304.8),
+        ("dB/1000ft", 304.8),
+        ("dB/mi", 1609.344),
+        ("dB/km", 1000),
+    ],
+)
+def test_decibels_are_per_any_length(unit, metres):
+    points = [["10 MHz", "1.5 dB"], ["100 MHz", 4.9]]
+    np.testing.assert_allclose(Attenuation(unit=unit, points=points).nepers * 20 / np.log(10) * metres, [1.5, 4.9])

@@ -134,3 +134,76 @@ def test_rounded_digits_of_a_lossless_network_refute_nothing(tmp_path, digits):
     assert verdict.status is Status.NO_VIOLATION
     # most bars are of the size of the digits, so what is truly active is still seen
     assert np.median(verdict.bars) < 4 * 10.0**-digits
+
+
+MODES = "D1,2 D3,4 C1,2 C3,4", "C3,4 D2,1 S5 C1,2 D3,4"
+
+
+@pytest.mark.parametrize("parameter", "SZY")
+@pytest.mark.parametrize("modes", MODES)
+def test_mixed_modes_are_turned_into_ports(tmp_path, modes, parameter):
+    words = modes.split()
+    p, rng = len(words), np.random.default_rng(7)
+    Z = rng.normal(size=(p, p)) + 1j * rng.normal(size=(p, p)) + 5 * np.eye(p)
+    u, i = np.zeros((2, p, p))  # modes' voltages u1 - u2, (u1 + u2)/2 and currents (i1 - i2)/2, i1 + i2
+    for k, word in enumerate(words):
+        ports = [int(x) - 1 for x in word[1:].split(",")]
+        signs = {"S": [1], "C": [1, 1], "D": [1, -1]}[word[0]]
+        u[k, ports] = np.array(signs) / (2 if word[0] == "C" else 1)
+        i[k, ports] = np.array(signs) / (2 if word[0] == "D" else 1)
+    z0 = np.array([50.0, 50, 30, 30, 75])[:p]
+    references = np.array([{"S": 1, "C": 0.5, "D": 2}[word[0]] * z0[int(word[1]) - 1] for word in words])
+    mixed, root = u @ Z @ np.linalg.inv(i), np.sqrt(references)
+    S = (mixed - np.diag(references)) @ np.linalg.inv(mixed + np.diag(references)) * root / root[:, None]
+    head = "[Version] 2.0", f"# Hz {parameter} RI R 50", f"[Number of Ports] {p}", "[Reference] 50"
+    rest = *(f"{z:g}" for z in z0[1:]), f"[Mixed-Mode Order] {modes}", "[Network Data]", "1e6"
+    found = read(tmp_path, "a.ts", *head, *rest, *text({"S": S, "Z": mixed, "Y": np.linalg.inv(mixed)}[parameter]))
+    root = np.sqrt(z0)
+    expected = (Z - np.diag(z0)) @ np.linalg.inv(Z + np.diag(z0)) * root / root[:, None]
+    np.testing.assert_allclose(found.values[0], expected, atol=1e-10)
+    np.testing.assert_allclose(found.z0, z0)
+
+
+def test_mixed_modes_are_those_of_scikit_rf(tmp_path):
+    skrf = pytest.importorskip("skrf")
+    rng = np.random.default_rng(3)
+    s = 0.3 * (rng.normal(size=(1, 4, 4)) + 1j * rng.normal(size=(1, 4, 4)))
+    network = skrf.Network(f=[1], f_unit="Hz", s=s, z0=50)
+    network.se2gmm(p=2)
+    head = "[Version] 2.0", "# Hz S RI R 50", "[Number of Ports] 4", f"[Mixed-Mode Order] {MODES[0]}"
+    found = read(tmp_path, "a.ts", *head, "[Network Data]", "1", *text(network.s[0]))
+    np.testing.assert_allclose(found.values, s, atol=1e-10)
+
+
+@pytest.mark.parametrize("waves", ["power", "pseudo", "traveling"])
+def test_complex_references_of_all_waves_are_renormalised_as_by_scikit_rf(tmp_path, waves):
+    network = pytest.importorskip("skrf.network")
+    z0 = np.array([[40 + 30j, 60 - 20j]])
+    s = np.array([[[0.2 + 0.1j, 0.5], [-0.4j, 0.3]]])
+    full = "40 30 1 2\n! 3 4 60 -20"  # all the matrix, in two lines
+    comments = f"! S-parameter uses the {waves} definition", "# Hz S RI R 75"
+    rows = " ".join(text([s[0].T.ravel()])), f"! Port Impedance {full}"
+    found = read(tmp_path, "a.s2p", *comments, "1 " + rows[0], "! Gamma 1 2 3", "! 4 5 6", rows[1])
+    expected = network.renormalize_s(s, z0, 75, s_def="power", s_def_old=waves)
+    np.testing.assert_allclose(found.values, expected, atol=1e-10)
+    # the digits of one entry: what is left open grows by the slope of the closed form
+    step = 1e-7
+    for k in np.ndindex(2, 2):
+        moved = s.copy()
+        moved[0][k] += step
+        slope = (network.renormalize_s(moved, z0, 75, s_def="power", s_def_old=waves) - expected)[0] / step
+        own = np.outer(found.rounding.left[0][:, k[0]], found.rounding.right[0][k[1]])
+        np.testing.assert_allclose(own, slope, atol=1e-6)
+
+
+def test_free_layout_and_noise(tmp_path):
+    values = of_power(50)
+    rows = "\r\n".join(line.replace(" ", "\t", 1) + " ! 1 2 3" for line in lines(values))
+    for noise in ("1e6 2 0.3 10 0.5", "4e6 2 0.3 10 0.5\r\n6e6 2 0.3 10 0.5"):
+        found = read(tmp_path, "a.s2p", "! é", "#\tr 50 ri\ts hZ ! here", rows, "! noise", noise)
+        np.testing.assert_allclose(found.values, values, atol=1e-11)
+    order = "[two-port  data order] 21_12", "[Begin Information]", "[Reference] ?", "[End Information]"
+    body = [x for f, numbers in (line.split(" ", 1) for line in lines(values)) for x in (f, numbers)]
+    start = "[Version]\t2.1 ! c", "# Hz S RI", "[Number of Ports]  2 ! c", *order, "[NETWORK DATA]"
+    found = read(tmp_path, "a.ts", *start, *body, "[Noise Data]", "1e6 2 0.3 10 0.5", "[End]")
+    np.testing.assert_allclose(found.values, values, atol=1e-11)

@@ -1,13 +1,10 @@
 """Samples from files: CSV and Touchstone."""
 
-import sys
-
 import pytest
 
 from passivity import ExpressionError
 from passivity.sampled.read import MAX_BYTES, MAX_LINE, read_csv
 from passivity.sampled.touchstone import read_touchstone
-from tline.errors import MissingExtraError
 
 
 def test_csv(tmp_path):
@@ -53,18 +50,34 @@ def test_files_that_cannot_be_read(tmp_path):
         ("a.txt", "", "expected .s1p to .s16p"),
         ("a.s99p", "", "expected .s1p to .s16p"),
         ("a.s1p", "", "f: not a list|not a Touchstone file"),
-        ("a.s1p", "# Hz S RI R 50\n1 0.5\n", "not a Touchstone file"),
+        ("a.s1p", "# Hz S RI R 50\n1 0.5\n", "line 2 has 2 numbers, expected a frequency, and pairs"),
         ("a.s1p", "# Hz S XX R 50\n1 0.5 0\n", "not a Touchstone file"),
         ("a.s1p", "# Hz S RI R 50\n1 hello 0\n", "not a Touchstone file"),
-        ("a.s2p", "# Hz S RI R 50\n1 0.5 0\n", "not a Touchstone file"),
+        ("a.s1p", "1 0.5 0\n", "line 1 is before the option line"),
+        ("a.s2p", "# Hz S RI R 50\n1 0.5 0\n", "sample 1, expected 9, a frequency and .* 2 ports, got 3, as of 1 port"),
+        ("a.s2p", "# Hz S RI R 50\n1 0 0 0 0\n0 0 0 0\n2" + 32 * " 0", "sample 2.* got 33, as of 4 ports"),
+        ("a.s2p", "[Version] 2.0\n# Hz\n[Number of Ports] 2\n1 0 0 0 0 0 0 0 0", "Two-Port Data Order.*12_21 or 21_12"),
+        ("a.s1p", "[Number of Frequencies] 3\n# Hz\n1 1 0\n2 1 0", "samples, expected 3 by .*, got 2"),
+        ("a.s2p", "# Hz R 50 60 70\n1 0 0 0 0 0 0 0 0", "expected one, or 2 for the ports, got 3"),
+        ("a.s1p", "# Hz\n! Port Impedance 50 0\n1 1 0\n2 1 0", "port impedances, expected 2 of 2 numbers"),
+        ("a.s1p", "# Hz\n! Port Impedance 50 0\n! 3 .\n1 1 0", "in a comment, expected numbers"),
+        ("a.s1p", "# Hz\n[Matrix Format] Left\n1 1 0", "Matrix Format.* expected Full, Lower or Upper"),
         ("a.s1p", "# Hz S RI R -5\n1 0.5 0\n", "reference impedance"),
         ("a.s1p", "# Hz S RI R nan\n1 0.5 0\n", "reference impedance"),
         ("a.s1p", "# Hz S RI R inf\n1 0.5 0\n", "reference impedance"),
         ("a.s1p", "# Hz S RI R 50\n2 0.5 0\n1 0.5 0\n", "out of order"),
-        ("a.s1p", "[Version] 2.0\n# Hz S RI R 50\n[Number of Ports] 1\n[Reference]\n", "not a Touchstone file"),
+        (
+            "a.s1p",
+            "[Version] 2.0\n# Hz S RI R 50\n[Number of Ports] 1\n[Reference]\n",
+            "Reference.*expected 1 resistance.*got 0",
+        ),
         ("a.ts", "[Version] 2.0\n# Hz S RI R 50\n1 0.5 0\n", "Number of Ports.*expected 1 to 16, got nothing"),
         ("a.ts", "[Version] 2.0\n[Number of Ports] 99999999\n", "expected 1 to 16, got 99999999"),
-        ("a.ts", "[Version] 2.0\n[Number of Ports] 2\n[Mixed-Mode Order] D1,2 C1,2\n", "mixed modes are not read"),
+        *(
+            ("a.s2p", f"# Hz\n[Mixed-Mode Order] {modes}\n1" + 8 * " 0", "expected 2 modes of 2 ports")
+            for modes in ("", "D1,2", "D1,2 D1,2", "D1,3 C1,3", "S1 D1,2", "D1,2 X", "D1,1 C1,1")
+        ),
+        ("a.s2p", "# Hz R 50 75\n[Mixed-Mode Order] D1,2 C1,2\n1" + 8 * " 0", "ports of the same reference in a pair"),
         ("a.s1p", "# Hz S RI R 50\n! Port Impedance -40 5\n1 0.5 0\n", "reference impedance"),
     ],
 )
@@ -72,12 +85,3 @@ def test_bad_touchstone(tmp_path, name, text, said):
     (tmp_path / name).write_text(text)
     with pytest.raises(ExpressionError, match=said):
         read_touchstone(tmp_path / name)
-
-
-def test_without_scikit_rf_the_extra_is_named(tmp_path, monkeypatch):
-    for name in [name for name in sys.modules if name.split(".")[0] == "skrf"]:
-        monkeypatch.setitem(sys.modules, name, None)
-    monkeypatch.setitem(sys.modules, "skrf", None)
-    (tmp_path / "a.s1p").write_text("# Hz S RI R 50\n1 0.5 0\n")
-    with pytest.raises(MissingExtraError, match=r"pip install -e '\.\[rf\]'"):
-        read_touchstone(tmp_path / "a.s1p")

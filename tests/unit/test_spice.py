@@ -117,6 +117,7 @@ SPICE = {  # shape: its value by the formulas of the manual, TSTEP = 1e-10, TSTO
     "EXP(1 4 2n 3n 50n 1n)": lambda t: 1 + 3 * after(2e-9, 3e-9)(t),
     "EXP(1 4 2n 3n 5n 1n)": lambda t: 1 + 3 * after(2e-9, 3e-9)(t) - 3 * after(5e-9, 1e-9)(t),
     "EXP(0 4 2n 1n 2n 3n)": lambda t: 4 * after(2e-9, 1e-9)(t) - 4 * after(2e-9, 3e-9)(t),
+    "PWL(0 0 1n 0 +1n 2 +.5n 0)": lambda t: np.interp(t, [0, 1e-9, 2e-9, 2.5e-9], [0, 0, 2, 0]),
     "DC 5 PWL(0 1 1n 2)": lambda t: np.interp(t, [0, 1e-9], [1, 2]),
     "DC 5": lambda t: 5 + 0 * t,
     "SINE(1 2 0.2G 3n 50Meg 30)": lambda t: (
@@ -175,6 +176,8 @@ def test_waveforms_are_those_of_the_manual(read, text, letter, nodes, sign):
         ((4, "V2 b 0 SIN(0 1 1G 0 -5)"), "c.cir, line 5, V2: a sine that grows"),
         ((4, "V2 b 0 AM(1 0 2G 1G)"), "c.cir, line 5, V2: a signal not below its carrier"),
         ((4, "V2 b 0 PWL(0 0 1n 1) R=0.5n"), "c.cir, line 5, V2: points that are not repeated from one of them on"),
+        ((4, "YTRANSLINE l1 b 0 m LEN=1 LUMPS=9"), "c.cir, line 5, YTRANSLINE: a line of sections of Xyce, expected"),
+        ((4, "U1 b 0 c 0 m L=1"), "c.cir, line 5, U1: not a uniform RC line, expected two nodes, base and a URC model"),
         ((4, "V2 b 0 PWL(0 1 2n)"), "c.cir, line 5, V2: PWL with 3 numbers"),
         ((4, "V2 b 0 PULSE(1)"), "c.cir, line 5, V2: PULSE with 1 numbers"),
         ((4, "V2 b 0 DC"), "c.cir, line 5, V2: DC without a level"),

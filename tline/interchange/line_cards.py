@@ -56,7 +56,9 @@ def lossy_line(card: Card, net: Netlist) -> None:
 
 
 def txl_line(card: Card, net: Netlist) -> None:
-    """A Y element by a TXL model."""
+    """A Y element by a TXL model; Xyce's YTRANSLINE, of sections, is refused."""
+    if card.name.lower().endswith("ytransline"):
+        raise card.refuse("a line of sections of Xyce", "an O element by an LTRA model of the same R, L, C and LEN")
     model = net.model(card, card.words[4])
     given = _per_length(model, "txl", card.assigned(5)[1])
     add_uniform(card, net, _ends(card, net), given)
@@ -159,6 +161,9 @@ def rc_line(card: Card, net: Netlist) -> None:
     ----------
     A. Vladimirescu: The SPICE Book, Wiley 1994, on the uniform RC line; L. Gertzberg's thesis of 1974.
     """
+    if len(card.assigned(0)[0]) != 4:
+        expected = "two nodes, base and a URC model; for U of HSPICE a W element or T"
+        raise card.refuse("not a uniform RC line", expected)
     first, second, base = map(net.node, card.words[:3])
     model = net.model(card, card.words[3])
     if "".join(model.words[1:2]).lower() != "urc":

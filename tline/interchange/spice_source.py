@@ -91,6 +91,8 @@ def said_of(card: Card, found: Findings) -> Said:
             if shape == "PWL" and own[-1:] in (["R"], ["r"]):
                 own, repeat = own[:-1], 0.0
             numbers = [card.value(each) for each in own] or _named(card, shape, assigned)
+            if shape == "PWL":
+                _after(card, found, own, numbers)
     delay = 0.0
     if shape == "PWL":
         repeat = _single(card, assigned, "r") if "r" in assigned else repeat
@@ -104,6 +106,15 @@ def said_of(card: Card, found: Findings) -> Said:
     if resistance < 0:
         raise card.refuse("its resistance is below zero", "0 or more", f"{resistance:g}")
     return Said(level, shape, numbers, resistance, None if repeat is None or repeat < 0 else repeat, delay)
+
+
+def _after(card: Card, found: Findings, words: list[str], numbers: list[float]) -> None:
+    """Add the time of the point in front to times that begin with a plus, as LTspice has it."""
+    behind = [k for k in range(2, len(words), 2) if words[k].startswith("+")]
+    for k in behind:
+        numbers[k] += numbers[k - 2]
+    if behind:
+        found.note(card.where, "times with + count from the point in front, as in LTspice")
 
 
 def _single(card: Card, assigned: dict[str, list[str]], key: str) -> float:

@@ -148,8 +148,15 @@ class ElectricalLine(LineParameters):
 
 
 def in_air(given: Iterable[str]) -> dict[str, float]:
-    """The velocity factor of a wire in air, unless what is given has the speed of its waves."""
-    return {} if SPEEDS.intersection(given) else {"velocity_factor": 1.0}
+    """The velocity factor of a wire over earth in air, unless what is given has the speed of its waves."""
+    given = set(given)
+    if SPEEDS & given:
+        return {}
+    told = next((name for name in ("z0", "capacitance") if name in given), None)
+    if told and given.issuperset(GEOMETRIES["wire over ground"]):
+        problem = "follows from height and wire_diameter in air, too"
+        raise InputError(told, problem, "height and wire_diameter alone, or permittivity beside them, if not of air")
+    return {"velocity_factor": 1.0}
 
 
 def _geometry_factor(shape: Mapping[str, float]) -> float:

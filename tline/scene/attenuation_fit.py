@@ -40,7 +40,13 @@ class Sheet(NamedTuple):
         surface, tangent, square, beside = (*p.tolist(), 0.0, 0.0)[:4]
         f, whole = self.frequencies, 1 / (self.z0 * self.speed)
         middle, band = sqrt(f[0] * f[-1]), (f[0] / BAND, f[-1] * BAND)
-        share = DielectricLoss(1.0, tangent, middle, band).storage
+        try:
+            share = DielectricLoss(1.0, tangent, middle, band).storage
+        except InputError:
+            problem = "belong to no line of that z0 and speed: it would lose too much in a wave's length"
+            raise InputError(
+                "attenuation.points", problem, "frequencies with their unit, and decibels per unit"
+            ) from None
         series = (SkinEffect(self.resistance or sqrt(square), surface), ConstantLoss(beside))
         return series[: 2 if beside else 1], DielectricLoss(whole / share, tangent, middle, band)
 
@@ -81,7 +87,9 @@ def fitted(sheet: Sheet) -> Laws:
             break
     laws = sheet.laws(min(found, key=lambda each: each[0])[1])
     if (np.abs(sheet.attenuation(laws) / np.array(sheet.nepers) - 1) > FARTHEST).any():
-        raise InputError("points", "belong to no line with that resistance", "attenuation that rises between √f and f")
+        raise InputError(
+            "attenuation.points", "belong to no line with that resistance", "attenuation that rises between √f and f"
+        )
     return laws
 
 

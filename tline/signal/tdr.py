@@ -16,6 +16,7 @@ from tline.units import to_si
 from tline.wording import nearest, shown
 
 TOL = 1e-6
+MOST = 1.01  # of the energy of the step, in what comes back; the rest is rounding and tolerance
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +77,7 @@ def reflectometry(
     Raises
     ------
     InputError
-        There is no such node, or a number out of range.
+        There is no such node, a number is out of range, or more comes back than was sent.
 
     References
     ----------
@@ -95,7 +96,7 @@ def reflectometry(
     """
     lines = [line for line in scene.lines.values() if node in line.nodes]
     if not lines:
-        nodes = [at for line in scene.lines.values() for at in line.nodes]
+        nodes = list(dict.fromkeys(at for line in scene.lines.values() for at in line.nodes))
         raise InputError("node", "no line ends at this node", nearest(node, nodes), shown(node))
     if z0 is None and isinstance(lines[0], Coupled):
         raise InputError("z0", "conductors that are coupled have none of their own", "that of the instrument")
@@ -111,7 +112,12 @@ def reflectometry(
     table |= {} if t_end is None else {"t_end": _above_zero(t_end, "s", "t_end")}
     seen = curve(simulate(scene.with_changes(**table), tol=tol, progress=progress).probes["node"])
     incident = np.clip(seen.t / duration, 0.0, 1.0)
-    return Reflections(seen.t, incident, seen.u - incident, resistance)
+    reflected = seen.u - incident
+    sent, back = (np.diff(seen.t) @ (wave[1:] ** 2 + wave[:-1] ** 2) for wave in (incident, reflected))
+    if back > MOST * sent:
+        problem = "more energy comes back than the step brings, for something else drives the scene"
+        raise InputError("node", problem, "a scene that is at rest where its sources are silent")
+    return Reflections(seen.t, incident, reflected, resistance)
 
 
 def save_reflections(seen: Reflections, path: str | Path) -> None:
