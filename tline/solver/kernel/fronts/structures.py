@@ -120,9 +120,7 @@ class Fronts(NamedTuple):
     work: Workspace
     log: Log
     counts: Integers  # (7,)
-    sizes: (
-        Floats  # (4,) largest wave so far, largest front dropped, and the piece in which no flow was found
-    )
+    sizes: Floats  # (4,) largest wave so far, largest front dropped, and the piece in which no flow was found
 
 
 class Sources(NamedTuple):
