@@ -26,8 +26,8 @@ SYMBOLS = [
 
 @pytest.mark.parametrize("symbol", SYMBOLS)
 def test_units_agree_with_pint(symbol: str) -> None:
-    # pint knows water columns in centimetres only
-    number, name = (100, "cmH2O") if symbol == "mH2O" else (1, symbol)
+    # pint knows water columns in centimetres only, and its mil is an angle
+    number, name = {"mH2O": (100, "cmH2O"), "mil": (1, "thou")}.get(symbol, (1, symbol))
     theirs = PINT.Quantity(number, name.replace("Nm", "N*m")).to_base_units()  # their Nm measures yarn
     unit = " ".join(f"{BASE[str(base)]}^{power:g}" for base, power in theirs.unit_items() if BASE[str(base)])
     # pint multiplies floats, we round once: a few units of the last place

@@ -107,7 +107,7 @@ WIRE = {"height": "10 m", "wire_diameter": "2 cm"}
         (WIRE | {"height": "0.5 cm"}, "lines.line.height: the conductors touch or overlap, expected more than 0.01 m"),
         (WIRE | {"earth": "-100 ohm m"}, "lines.line.earth: earth resistivity out of range, expected more than 0"),
         (WIRE | {"earth": "100 ohm"}, "lines.line.earth: this unit measures something else, expected a quantity such"),
-        (WIRE | {"z0": "300 ohm"}, "lines.line: wire_diameter, height, z0 and velocity_factor clash"),
+        (WIRE | {"z0": "300 ohm"}, "lines.line.z0: follows from height and wire_diameter in air, too"),
         ({"z0": "300 ohm"}, "lines.line: earth needs its height"),
         (
             WIRE | {"attenuation": {"unit": "dB/m", "points": [[1e6, 1], [1e7, 4]]}},

@@ -31,7 +31,7 @@ Kinks = Mapping[str, NDArray]
 NO_KINKS: Kinks = MappingProxyType({})
 NOWHERE = np.empty(0)
 PARTS, MOST_CUTS = 4, 1e6  # of each slab at a group in which no flow is found, and of each of these; cuts in all
-MOST_ALONE = 200  # cuts, beyond which all slabs are in parts and not a piece alone
+MOST_ALONE = 100  # cuts, beyond which all slabs are in parts and not a piece alone
 EACH_NODE = 4000  # samples that take a ledger as long as a node
 
 
@@ -52,7 +52,7 @@ def run(
     `record` names lines to keep beside those of the probes. Without `ledger` energies are accounted for once they are
     read. Slabs are cut in pieces at the instants of `kinks`, s, where the elements named by its keys stand. `laws` are
     places of elements whose waves are kept. Where no flow is found through elements that see each other, the run is
-    made again with slabs in 4, then 16 parts there.
+    made again with that piece of a slab in 4 parts, and if that does not help soon, with all slabs in 4, then 16.
 
     Raises
     ------
@@ -61,23 +61,37 @@ def run(
     """
     if envelope:
         description.refuse_coupled("an envelope")
-    kept, s, h = {*record, *description.probed}, chosen.s, chosen.h
+    n = slabs or max(ceil(description.t_end / chosen.h - 1e-9), 1)
+    given = {"envelope": envelope, "ledger": ledger, "progress": progress, "laws": laws}
+    while True:
+        try:
+            return _run(description, chosen, {*record, *description.probed}, n, kinks, **given)
+        except NoFlowError as error:
+            kinks = _divided(kinks, error, n, chosen.h)
+
+
+def _run(
+    description: Description,
+    chosen: Resolution,
+    kept: set[str],
+    n: int,
+    kinks: Kinks,
+    *,
+    envelope: bool,
+    ledger: bool,
+    progress: bool,
+    laws: Collection[str],
+) -> Result:
+    s, h = chosen.s, chosen.h
     with gc_paused():
         assembly = assemble(description, kept, chosen, laws=laws, progress=progress)
     families = [] if ledger else families_of(assembly)
     if not families:
         assembly.changes = sorted([*assembly.changes, *_cuts(assembly, kinks)])
-    n = slabs or max(ceil(description.t_end / h - 1e-9), 1)
     _check_record(len(kept), n, s)
     recorder = Recorder(assembly, n) if ledger else None
     extremes = watch(assembly) if envelope else None
-    try:
-        waves, done = _stepped(assembly, families, n, [each for each in (extremes, recorder) if each], progress)
-    except NoFlowError as error:
-        if families:
-            raise
-        kinks, more = _divided(kinks, error, n, h), {"envelope": envelope, "ledger": ledger, "progress": progress}
-        return run(description, chosen, record, slabs=slabs, kinks=kinks, laws=laws, **more)
+    waves, done = _stepped(assembly, families, n, [each for each in (extremes, recorder) if each], progress)
     smears = done.fronts.lost > VISIBLE or description.blurred
     lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
     ends = np.arange(n + 1) * h
