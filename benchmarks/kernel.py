@@ -104,7 +104,7 @@ def against_twin() -> float:
     for run in range(RUNS):
         assembly = assemble(describe(random_scene(run, lines=12, solver={"order": 5, "slab": 0.1})), set())
         twin = timed(lambda assembly=assembly: efforts(assembly, 200)) / 200
-        for _, node, row in assembly.changes:
+        for _, node, row in assembly.events:
             assembly.network.step_row[node] = row
         silent = np.zeros((len(assembly.excitations), 20_000 * 5))
         kernel = timed(lambda a=assembly, d=silent: advance(a.network, a.state, 20_000, d, UNRECORDED, 0)) / 20_000

@@ -24,7 +24,7 @@ def efforts(assembly: Assembly, n_slabs: int) -> np.ndarray:
     u = np.zeros((len(net.first) - 1, n_slabs, s))
     x, step_row = assembly.state.load.copy(), net.step_row.copy()
     for k in range(n_slabs):
-        for slab, g, row in assembly.changes:
+        for slab, g, row in assembly.events:
             if int(slab) == k:
                 step_row[g] = row
         arriving = {}
@@ -89,7 +89,7 @@ def efforts_in_pieces(assembly: Assembly, n_slabs: int) -> np.ndarray:
     for k in range(n_slabs):
         for g, (low, high) in enumerate(pairwise(net.group)):
             ends = net.ends[net.first[low] : net.first[high]]
-            rows, moves = net.excitation_row[low:high], [(t, r) for t, where, r in assembly.changes if where == g]
+            rows, moves = net.excitation_row[low:high], [(t, r) for t, where, r in assembly.events if where == g]
             here = [t + delay[e // 2] for e in ends for t in fronts[e ^ 1]] + [t for t, _ in moves]
             here += [t for row in rows if row >= 0 for t in breaks[row]]
             here = [t for t in here if k - SAME / 2 <= t < k + 1 - SAME / 2]

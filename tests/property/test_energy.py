@@ -26,10 +26,10 @@ AT_ONCE = 1e-14  # in a single slab, where those roundings have no slabs to canc
 
 def run(assembly: Assembly, kernel: Kernel, first: int, slabs: int) -> None:
     """Advance from slab `first` on, block by block; switches move at the starts of their slabs."""
-    moves = {int(slab) for slab, _, _ in assembly.changes if first <= int(slab) < first + slabs}
+    moves = {int(slab) for slab, _, _ in assembly.events if first <= int(slab) < first + slabs}
     edges = sorted({first, first + slabs} | moves)
     for low, high in pairwise(edges):
-        for slab, node, row in assembly.changes:
+        for slab, node, row in assembly.events:
             if int(slab) == low:
                 assembly.network.step_row[node] = row
         assert kernel.blocks(high - low, np.zeros((0, 0)), np.zeros((0, 2, 0)), 0) == -1

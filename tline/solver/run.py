@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError, NoFlowError
 from tline.gc_paused import gc_paused
 from tline.solver.assembly.assemble import Assembly, assemble
+from tline.solver.assembly.events import Event
 from tline.solver.description.description import Description, describe
 from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import Scene
@@ -87,7 +88,7 @@ def _run(
         assembly = assemble(description, kept, chosen, laws=laws, progress=progress)
     families = [] if ledger else families_of(assembly)
     if not families:
-        assembly.changes = sorted([*assembly.changes, *_cuts(assembly, kinks)])
+        assembly.events = sorted([*assembly.events, *_cuts(assembly, kinks)])
     _check_record(len(kept), n, s)
     recorder = Recorder(assembly, n) if ledger else None
     extremes = watch(assembly) if envelope else None
@@ -188,14 +189,13 @@ def _divided(kinks: Kinks, error: NoFlowError, n: int, h: float) -> Kinks:
     return {**kinks, where: np.union1d(known, np.arange(1, parts * n) * (h / parts))}
 
 
-def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[tuple[float, int, int]]:
-    """Changes of maps that change nothing, but begin a piece where elements stand: at kinks, and at t = 0 from rest."""
+def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[Event]:
+    """Events that begin a piece where elements stand, and move nothing: at kinks, and at t = 0 from rest."""
     begin = [0.0] if assembly.follows_edges and not assembly.description.steady else []
     for g, group in enumerate(assembly.groups):
         for element in group.elements:
-            row = int(assembly.network.step_row[g])
-            yield from ((t, g, row) for t in begin)
-            yield from ((float(t), g, row) for t in kinks.get(element.where, NOWHERE) / assembly.resolution.h)
+            yield from (Event(t, g) for t in begin)
+            yield from (Event(float(t), g) for t in kinks.get(element.where, NOWHERE) / assembly.resolution.h)
 
 
 def _slams(assembly: Assembly) -> dict[str, float]:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.assembly.events import Event
 from tline.solver.assembly.layout import Excitation, Layout, layout_of, of_last
 from tline.solver.assembly.lossy_segments import SegmentedLine
 from tline.solver.assembly.node_maps import maps_of
@@ -38,7 +39,7 @@ class Assembly:
     state: State
     excitations: list[Excitation]  # of each excitation row
     systems: list[StateSpace]  # of each row of the network's maps
-    changes: list[tuple[float, int, int]]  # (instant in slabs, group, row of the map from then on), sorted
+    events: list[Event]  # in order of time
     nodes: dict[str, Node]  # in the order of their groups
     lines: dict[str, Line]  # those that are not lumped
     recorded: dict[str, int]  # line name -> first of its two rows in the record
@@ -106,7 +107,7 @@ def assemble(
         state,
         layout.excitations,
         layout.systems.systems,
-        layout.systems.changes,
+        layout.systems.events,
         layout.nodes,
         grid.lines,
         rows.recorded,

@@ -5,12 +5,14 @@ polynomial of degree s - 1 in Legendre coefficients; places are in slab time, 0 
 marked as starting anew: on a line with a fractional rest its start becomes a breakpoint too.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.assembly.assemble import Assembly
+from tline.solver.assembly.events import Event
 from tline.solver.assembly.settling import settling_step
 from tline.solver.assembly.workspace import workspace_for
 from tline.solver.description.excitation import Broken
@@ -26,7 +28,7 @@ from tline.solver.kernel.fronts.structures import (
     ExcitationRows,
     Fronts,
     Log,
-    Moves,
+    Events,
     PiecesUnderWay,
     Sources,
     Systems,
@@ -66,8 +68,8 @@ class Tally(NamedTuple):
     lost: float = 0.0
 
 
-def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], parts: int) -> Fronts:
-    """What a run of n slabs needs; moves are (instant in slabs, group, row of the map), sorted.
+def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -> Fronts:
+    """What a run of n slabs needs, in which events happen inside slabs, in order of time.
 
     No slab of a source has more parts than given.
     """
@@ -75,7 +77,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], p
     s, ends, slabs = basis.s, len(network.ends), state.waves.size // basis.s
     most = int(min(max(WORK / (ends * n), 1), MOST))
     rows = int(min(slabs + ends, MEMORY / (8 * most * (s + 2))))
-    group = np.array([g for _, g, _ in moves], int)
+    group = np.array([event.group for event in events], int)
     order = np.argsort(group, kind="stable")
     first = np.searchsorted(group[order], np.arange(len(network.group)))
     rows_ = max(int(network.record_row.max(initial=-1)) + 1, assembly.kept)
@@ -97,10 +99,10 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], p
         np.where(network.shift_row >= 0, delays / h - network.delay, 0.0),
         tools_of(basis),
         _packed(assembly),
-        Moves(
+        Events(
             first,
-            np.array([t for t, _, _ in moves])[order],
-            np.array([row for _, _, row in moves], int)[order],
+            np.array([event.at for event in events])[order],
+            np.array([event.row for event in events], int)[order],
             first[:-1].copy(),
         ),
         _excitation_rows(network),
@@ -118,7 +120,7 @@ def fronts_of(assembly: Assembly, n: int, moves: list[tuple[float, int, int]], p
         ),
         workspace_for(network, s, at_node, parts),
         Log(np.empty((places, 2), int), np.empty((places, 2)), np.empty((places, 2, s))),
-        np.zeros(7, int),
+        np.zeros(8, int),
         np.zeros(4),
     )
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.solver.assembly.events import Event
 from tline.solver.description.groups import Group
 from tline.solver.description.laws import STATES
 from tline.solver.description.load_step import StateSpace
@@ -23,7 +24,7 @@ class GroupSystems(NamedTuple):
     systems: list[StateSpace]  # of each map, from waves of nodes and laws to efforts there
     group: list[int]  # of each map
     whole: list[bool]  # of each map, whether it sees the points of a slab at once, be it without states
-    changes: list[tuple[float, int, int]]  # (instant in slabs, group, row of the map), sorted
+    events: list[Event]  # in order of time
     impedances: list[float]  # behind which all elements are seen
 
 
@@ -55,7 +56,7 @@ def systems_of(
             stores = any(element.law.kind in STATES for element in group.elements)
             _add(found, g, group, impedances, h, echoed or stores)
     step_states = np.array([len(system.A) for system in found.systems], int)
-    return found._replace(step_states=step_states, states=np.concatenate(states), changes=sorted(found.changes))
+    return found._replace(step_states=step_states, states=np.concatenate(states), events=sorted(found.events))
 
 
 def _add(found: GroupSystems, g: int, group: Group, impedances: list[float], h: float, coupled: bool) -> None:
@@ -65,7 +66,7 @@ def _add(found: GroupSystems, g: int, group: Group, impedances: list[float], h: 
     if len({len(system.A) for system in systems}) > 1:
         where = next(branch.where for branch in (*group.loads, *group.branches))
         raise InputError(where, "a switch shorts what holds efforts or flows", "a switch with a resistance above zero")
-    found.changes.extend((time / h, g, len(found.systems) + 1 + j) for j, time in enumerate(times))
+    found.events.extend(Event(time / h, g, len(found.systems) + 1 + j) for j, time in enumerate(times))
     found.systems.extend(systems)
     found.group.extend([g] * len(systems))
     found.whole.extend([coupled or bool(len(systems[0].A))] * len(systems))

@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from tline.errors import InputError, NoFlowError
 from tline.progress import Progress
 from tline.solver.assembly.assemble import Assembly
+from tline.solver.assembly.events import Event
 from tline.solver.assembly.fronts import LULL, Tally, fronts_of, sources_of, tally
 from tline.solver.assembly.layout import Excitation
 from tline.solver.description.excitation import EDGE, Broken, broken, places_of, sampled
-from tline.solver.kernel.fronts.structures import BEGIN, END, LIVE, NOTED, Fronts
+from tline.solver.kernel.fronts.structures import BEGIN, END, LATE, LIVE, NOTED, Fronts
 from tline.solver.loop.kernel import Kernel
 
 CHUNK = 2e7  # line-end samples between two looks at the progress bar
@@ -190,10 +191,10 @@ class Stepper:
         spare: Spare | None = assembly.spare.pop(self._key, None)
         again = spare is not None and _are_same(spare.signals.of, assembly.excitations)
         self.signals = spare.signals if spare and again else Signals(assembly, n)
-        moves = [(t, group, row) for t, group, row in _snapped(assembly.changes) if t < n]
-        self.at_edges = [] if assembly.follows_edges else [move for move in moves if move[0] % 1 == 0]
-        inside = [move for move in moves if assembly.follows_edges or move[0] % 1 != 0]
-        instants = np.concatenate([*self.signals.places, [t for t, _, _ in inside]])
+        events = [event for event in _snapped(assembly.events) if event.at < n]
+        self.at_edges = [] if assembly.follows_edges else [each for each in events if each.at % 1 == 0 and each.moves]
+        inside = [each for each in events if assembly.follows_edges or each.at % 1 != 0]
+        instants = np.concatenate([*self.signals.places, [each.at for each in inside]])
         self.events = np.unique(np.floor(instants).astype(int)) if instants.size else instants
         self.fronts: Fronts | None = None
         if len(self.events):
@@ -217,17 +218,17 @@ class Stepper:
     def begin_record(self, slab: int) -> None:
         """Let the record's first column be that of a slab, from now on."""
         if self.fronts is not None:
-            self.fronts.moves.at[:] -= slab - self.origin
+            self.fronts.events.at[:] -= slab - self.origin
             self.fronts.settled[:] -= slab - self.origin
         self.origin = slab
 
     def advance(self, low: int, high: int) -> None:
         """Advance from slab `low` to slab `high`."""
-        edges = sorted({low, high, *(int(t) for t, _, _ in self.at_edges if low < t < high)})
+        edges = sorted({low, high, *(int(each.at) for each in self.at_edges if low < each.at < high)})
         for first, last in pairwise(edges):
-            for t, group, row in self.at_edges:
-                if t == first:
-                    self.assembly.network.step_row[group] = row
+            for each in self.at_edges:
+                if each.at == first:
+                    self.assembly.network.step_row[each.group] = each.row
             while first < last:
                 first += self._stretch(first, last)
 
@@ -258,6 +259,9 @@ class Stepper:
         if node >= 0:
             begin, end = (first + int(done) + float(place) for place in fronts.sizes[BEGIN : END + 1])
             _refuse(assembly, node, (begin, end) if begin < end else None)
+        if fronts.counts[LATE]:
+            problem, where = "more moves and fronts meet in one slab than it can hold", _moving(assembly)
+            raise InputError(where, problem, "narrower slabs, or instants farther apart")
         noted, fronts.counts[NOTED] = fronts.counts[NOTED], 0
         where, span, values = (part[:noted] for part in fronts.log)
         pieces = Noted(where[:, 0], where[:, 1] + self.origin, span, values)
@@ -275,9 +279,14 @@ def _inside(places: NDArray, follows_edges: bool) -> NDArray:
     return places if follows_edges else places[places % 1 != 0]
 
 
-def _snapped(changes: list[tuple[float, int, int]]) -> list[tuple[float, int, int]]:
+def _snapped(events: list[Event]) -> list[Event]:
     """Instants as good as on a slab's edge put there."""
-    return [(float(round(t)) if abs(t - round(t)) < EDGE else t, group, row) for t, group, row in changes]
+    return [each._replace(at=float(round(each.at))) if abs(each.at - round(each.at)) < EDGE else each for each in events]
+
+
+def _moving(assembly: Assembly) -> str:
+    """What moves in a scene."""
+    return " and ".join(assembly.description.switched)
 
 
 def _refuse(assembly: Assembly, node: int, span: tuple[float, float] | None = None) -> None:

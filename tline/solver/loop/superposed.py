@@ -39,7 +39,7 @@ def families_of(assembly: Assembly) -> list[Family]:
         for row, parts in enumerate(assembly.excitations)
     ]
     every = [changes for parts in rows for changes, _ in parts]
-    moves = np.array([t for t, _, _ in assembly.changes])
+    moves = np.array([event.at for event in assembly.events])
     ahead = leads(np.concatenate([moves, *(changes.at / h for changes in every)]))
     inseparable = moves.size or network.laws.kind.size or any(_several(changes, h, ahead) for changes in every)
     pieces = len(ahead) * assembly.kept * t_end / h * assembly.basis.s
@@ -57,8 +57,8 @@ def _families(assembly: Assembly, rows: list[list[tuple[Changes, float]]], ahead
 
         excitations = [[(part(changes), share) for changes, share in parts] for parts in rows]
         begin = state if k == 0 else state._replace(**{key: 0 * values for key, values in state._asdict().items()})
-        moves = [(t + slabs, group, row) for t, group, row in assembly.changes]
-        yield Family(slabs, replace(assembly, state=begin, excitations=excitations, changes=moves))
+        events = [event._replace(at=event.at + slabs) for event in assembly.events]
+        yield Family(slabs, replace(assembly, state=begin, excitations=excitations, events=events))
 
 
 def _several(changes: Changes, h: float, ahead: NDArray) -> bool:

@@ -26,15 +26,15 @@ def note_last(network, state, pieces):
 @function
 def front_free_slabs(run, fronts, sources, slab, most):
     """Number of slabs ahead, at most so many and none beyond the shortest delay, in which no group meets a front."""
-    network, state, moves, due = run.network, run.state, fronts.moves, sources.due
+    network, state, events, due = run.network, run.state, fronts.events, sources.due
     delay, pieces, s = network.delay, fronts.pieces, state.before.shape[1]
     for line in range(delay.size):
         most = min(most, delay[line])
-    for g in range(moves.due.size):
+    for g in range(events.due.size):
         if fronts.settled[g] > slab + MERGE:
             return 0
-        if moves.due[g] < moves.first[g + 1]:
-            most = min(most, int(np.floor(moves.at[moves.due[g]] - slab + MERGE / 2)))
+        if events.due[g] < events.first[g + 1]:
+            most = min(most, int(np.floor(events.at[events.due[g]] - slab + MERGE / 2)))
     for r in range(due.size):
         if due[r] < sources.first[r + 1]:
             most = min(most, sources.slab[due[r]] - slab)
@@ -72,9 +72,9 @@ def scatter_whole(run, fronts, g, slab, k):
 @function
 def meets_front(run, fronts, sources, g, slab):
     """Whether a group meets a front in a slab; finds the places where its ends work."""
-    network, state, pieces, moves, s = run.network, run.state, fronts.pieces, fronts.moves, run.state.before.shape[1]
-    i, delay = moves.due[g], network.delay
-    met = i < moves.first[g + 1] and moves.at[i] - slab < 1.0 - MERGE / 2
+    network, state, pieces, events, s = run.network, run.state, fronts.pieces, fronts.events, run.state.before.shape[1]
+    i, delay = events.due[g], network.delay
+    met = i < events.first[g + 1] and events.at[i] - slab < 1.0 - MERGE / 2
     met |= fronts.settled[g] > slab + MERGE
     for i in range(fronts.excitations.first[g], fronts.excitations.first[g + 1]):
         met |= drives_front(sources, fronts.excitations.row[i], slab)

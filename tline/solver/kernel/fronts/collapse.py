@@ -1,6 +1,7 @@
 """Where fronts are no longer followed: slabs in pieces are projected on whole slabs."""
 
 from tline.solver.kernel.arithmetic import clear, times
+from tline.solver.kernel.fronts.events import happen
 from tline.solver.kernel.fronts.gather import drives_front
 from tline.solver.kernel.fronts.send import release
 from tline.solver.kernel.fronts.structures import DROPPED, LOST, FrontRun
@@ -36,13 +37,12 @@ def collapse_group(job: FrontRun, g: int, slab: int, k: int) -> int:
     """Leave out all fronts inside a slab that meet at a group; switches move at the nearest edge."""
     run, fronts, sources = job.run, job.fronts, job.sources
     network, state, excitation = run.network, run.state, run.excitation
-    pieces, tools, counts, sizes, moves = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.moves
+    pieces, tools, counts, sizes, events = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.events
     waves, before, s = state.waves, state.before, fronts.tools.c.size
     position, whole = run.work.position, fronts.work.whole
-    while moves.due[g] < moves.first[g + 1] and moves.at[moves.due[g]] - slab < 0.5:
+    while events.due[g] < events.first[g + 1] and events.at[events.due[g]] - slab < 0.5:
         counts[DROPPED] += 1
-        network.step_row[g] = moves.row[moves.due[g]]
-        moves.due[g] += 1
+        happen(network, events, g)
     for i in range(fronts.excitations.first[g], fronts.excitations.first[g + 1]):
         r = fronts.excitations.row[i]
         if drives_front(sources, r, slab):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from tline.solver.kernel.arithmetic import TINY, clear, copy, times, weakest
-from tline.solver.kernel.fronts.structures import DROPPED, LOST, MERGE, MERGED, WIDER
+from tline.solver.kernel.fronts.structures import CUT, DROPPED, LOST, MERGE, MERGED, SAME_MAP, WIDER
 from tline.solver.kernel.polynomials import project
 from tline.unit import function
 
@@ -92,7 +92,7 @@ def regrouped(span, coef, n, edges, m, tools, whole, out):
 def fronts_at(run, fronts, sources, g, slab):
     """Gather the fronts that meet at a group in one slab. Returns how many."""
     network, position, n = run.network, run.work.position, np.int64(0)
-    pieces, moves = fronts.pieces, fronts.moves
+    pieces, events = fronts.pieces, fronts.events
     place, size = fronts.work.place, fronts.work.size
     for i in range(network.first[network.group[g]], network.first[network.group[g + 1]]):
         e = network.ends[i]
@@ -100,9 +100,9 @@ def fronts_at(run, fronts, sources, g, slab):
         n = fronts_in(pieces, pieces.of_slab[position[e] // fronts.tools.c.size], rest, place, size, n)
         if rest > 0.0:
             n = fronts_in(pieces, pieces.before[e], rest - 1.0, place, size, n)
-    i = moves.due[g]
-    while i < moves.first[g + 1] and moves.at[i] - slab < 1.0 - MERGE / 2 and n < place.size:
-        place[n], size[n] = max(moves.at[i] - slab, 0.0), np.inf
+    i = events.due[g]
+    while i < events.first[g + 1] and events.at[i] - slab < 1.0 - MERGE / 2 and n < place.size:
+        place[n], size[n] = max(events.at[i] - slab, 0.0), CUT if events.row[i] == SAME_MAP else np.inf
         i, n = i + 1, n + 1
     for i in range(fronts.excitations.first[g], fronts.excitations.first[g + 1]):
         n = fronts_of_source(sources, fronts.excitations.row[i], slab, place, size, n)

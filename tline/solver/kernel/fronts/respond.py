@@ -2,20 +2,12 @@
 
 import numpy as np
 
+from tline.solver.kernel.fronts.events import happen_until
 from tline.solver.kernel.fronts.settle import collocate, collocate_finely, map_of
 from tline.solver.kernel.fronts.structures import BEGIN, END, MERGE, FrontRun
 from tline.solver.kernel.laws.passing import pass_laws
 from tline.solver.kernel.load import load
 from tline.unit import function, invoke, unit
-
-
-@function
-def move_switches(run, fronts, g, slab, until):
-    """Let the switches of a group move that are due by an instant of the slab."""
-    moves = fronts.moves
-    while moves.due[g] < moves.first[g + 1] and moves.at[moves.due[g]] - slab <= until:
-        run.network.step_row[g] = moves.row[moves.due[g]]
-        moves.due[g] += 1
 
 
 @unit
@@ -62,7 +54,7 @@ def respond(job, g, slab, m):
     edges, u, count = work.edges, work.u, network.laws.first[g + 1] - network.laws.first[g]
     k = network.group[g + 1] - network.group[g]
     for piece in range(m):
-        move_switches(run, fronts, g, slab, edges[piece] + MERGE)
+        happen_until(network, fronts.events, fronts.counts, g, slab + edges[piece])
         if network.load_at[g] < 0 and count == 0:
             continue
         for p in range(k):

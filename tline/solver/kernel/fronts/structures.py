@@ -10,8 +10,10 @@ from typing import NamedTuple
 from tline.solver.kernel.network import Run, Tools
 from tline.structure import Flags, Floats, Floats2, Floats3, Integers, Integers2
 
-LIVE, PEAK, MERGED, DISSOLVED, DROPPED, NOTED, DONE = range(7)  # places in the counts
+LIVE, PEAK, MERGED, DISSOLVED, DROPPED, NOTED, DONE, LATE = range(8)  # places in the counts
 SCALE, LOST, BEGIN, END = range(4)  # places in the sizes
+SAME_MAP = -1  # row of an event that begins a piece and moves nothing
+CUT = 1e300  # size of such an event; a move is larger than anything
 MERGE = 1e-11  # slabs; fronts nearer than this to each other are one
 SAME = 1e-13  # of the largest wave; pieces that continue each other so well need no breakpoint
 WIDER = 4.0  # times that each cut behind a front is farther away than the one before
@@ -26,12 +28,12 @@ class Systems(NamedTuple):
     settling: Floats  # maps from (Thévenin waves, state) to (efforts, next state)
 
 
-class Moves(NamedTuple):
-    """Switches that move."""
+class Events(NamedTuple):
+    """What happens at groups, in order: switches move, and pieces begin where laws kink."""
 
     first: Integers  # (G + 1,) those of group g are first[g] to first[g + 1], in order of time
     at: Floats  # instants, in slabs
-    row: Integers  # row of the map from then on
+    row: Integers  # row of the map from then on, or SAME_MAP
     due: Integers  # (G,) the next one of each group
 
 
@@ -114,12 +116,12 @@ class Fronts(NamedTuple):
     rest: Floats  # (L,) fractional rest of each delay
     tools: Tools
     systems: Systems
-    moves: Moves
+    events: Events
     excitations: ExcitationRows
     pieces: PiecesUnderWay
     work: Workspace
     log: Log
-    counts: Integers  # (7,)
+    counts: Integers  # (8,)
     sizes: Floats  # (4,) largest wave so far, largest front dropped, and the piece in which no flow was found
 
 
