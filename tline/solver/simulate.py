@@ -23,6 +23,7 @@ from tline.solver.tolerance.limits import inside_slabs
 from tline.solver.tolerance.lossy import with_losses
 from tline.solver.tolerance.mixed_modes import with_mixed_modes
 from tline.solver.tolerance.search import Search, Start, within
+from tline.solver.witness.witness import Witness
 
 TOL = 1e-6  # where nothing is asked or fixed
 FOLLOWED = 1e-5, 1e-10  # of the largest wave: what is left of what decays behind a front, where a run is judged
@@ -181,8 +182,14 @@ def _searched(description: Description, how: _How, tol: float | None, whole: Des
         result = replace(result, accuracy=tol and _by_hand(result, tol))
     else:
         more = {"envelope": how.envelope, "start": how.start, "whole": whole}
-        search = Search(description, tol, how.record, how.progress, **more)
+        witness = None if how.start else Witness(description)
+        record = [*how.record, *(witness.lines if witness else ())]
+        search = Search(description, tol, record, how.progress, **more)
         result = convolved(search) or (with_losses if description.dispersive else within)(search)
+        if witness is not None:
+            result = witness.heard(result)
+            kept = {*how.record, *description.probed}
+            result = replace(result, lines={name: line for name, line in result.lines.items() if name in kept})
     result = with_ledger(result, ledger)
     return replace(result, warned=tuple(warned)) if warned else result
 

@@ -66,7 +66,8 @@ class Assembly:
     @property
     def follows_edges(self) -> bool:
         """Whether fronts at slabs' edges need pieces: where delays are whole and nothing is lumped they stay there."""
-        return bool((self.network.shift_row >= 0).any() or self.settle.any() or self.graded.any())
+        fractional = (self.network.shift_row >= 0).any()
+        return not self.resolution.plain and bool(fractional or self.settle.any() or self.graded.any())
 
 
 def assemble(

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from tline.solver.description.given import Constant, Shape
 from tline.solver.radau import Basis
 
+MEANS = 8  # instants of a slab
 EDGE = 1e-9  # slabs; a break nearer than this to a slab's edge counts as on it
 
 
@@ -31,6 +32,12 @@ def sampled(waveform: Waveform, basis: Basis, h: float, first: int, n: int) -> N
     """Values at the Radau points of n slabs from number `first` on, shape (n, s); without meaning in broken ones."""
     start = (first + np.arange(n)) * h
     return waveform.value(start + h * basis.c[:, None], start + h / 2).T  # loops over slabs are longer than over points
+
+
+def averaged(waveform: Waveform, basis: Basis, h: float, first: int, n: int) -> NDArray:
+    """Means over n slabs from number `first` on, of some instants in each, at all their points, shape (n, s)."""
+    t = (first + np.arange(n) + (np.arange(MEANS)[:, None] + 0.5) / MEANS) * h
+    return np.repeat(waveform.value(t, t).mean(axis=0)[:, None], basis.s, axis=1)
 
 
 class Broken(NamedTuple):

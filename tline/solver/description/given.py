@@ -10,6 +10,7 @@ from tline.scene.probe import Probe
 from tline.scene.ratio import Ratio
 from tline.scene.scene import Scene
 from tline.scene.shape import Constant, Shape
+from tline.scene.source import Source
 from tline.scene.stretches import Stretches, stretches_of
 from tline.scene.switch import SwitchLink
 from tline.scene.touchstone import Touchstone
@@ -33,6 +34,7 @@ __all__ = [
     "Scene",
     "Shape",
     "Signal",
+    "Source",
     "Stretches",
     "SwitchLink",
     "Touchstone",

@@ -33,6 +33,7 @@ class Resolution(NamedTuple):
     loss_elements: int = ALL_LOSS_ELEMENTS  # of one law in the longest line, at most, and in others by their delay
     segments: bool = True  # whether lossy lines are cut into segments if they fit; else they have loss elements
     convolved: bool = False  # whether waves are convolutions, and laws of lines what they are
+    plain: bool = False  # whether switches move at the nearest edges and sources are means over slabs: no fronts
 
     @property
     def resolved(self) -> float:

@@ -17,7 +17,7 @@ from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.events import Event
 from tline.solver.assembly.fronts import LULL, Tally, fronts_of, sources_of, tally
 from tline.solver.assembly.layout import Excitation
-from tline.solver.description.excitation import EDGE, Broken, broken, places_of, sampled
+from tline.solver.description.excitation import EDGE, Broken, averaged, broken, places_of, sampled
 from tline.solver.kernel.fronts.structures import BEGIN, END, LATE, LIVE, NOTED, Fronts
 from tline.solver.loop.kernel import Kernel
 
@@ -126,8 +126,8 @@ class Signals:
 
     def __init__(self, assembly: Assembly, n: int):
         self.of, self.h, self.basis = assembly.excitations, assembly.resolution.h, assembly.basis
-        self.n, self.follows = n, assembly.follows_edges
-        self.places = [_inside(places_of(p, n * self.h, self.h), self.follows) for p in self.of]
+        self.n, self.follows, self.plain = n, assembly.follows_edges, assembly.resolution.plain
+        self.places = [_inside(places_of(p, n * self.h, self.h), self.follows) for p in self.of if not self.plain]
         self.few = len(self.of) * n * self.basis.s <= FEW
         self._samples: NDArray | None = None
         self._pieces: list[Broken] | None = None
@@ -157,7 +157,7 @@ class Signals:
         excitation = np.zeros((len(self.of), n, self.basis.s))
         for row, parts in zip(excitation, self.of, strict=True):
             for waveform, share in parts:
-                row += share * sampled(waveform, self.basis, self.h, first, n)
+                row += share * (averaged if self.plain else sampled)(waveform, self.basis, self.h, first, n)
         return excitation.reshape(len(self.of), n * self.basis.s)
 
 
@@ -187,11 +187,12 @@ class Stepper:
         self.assembly, self.record = assembly, record
         self.noting = noting  # rows of the record whose pieces are noted
         self.origin = 0  # slab at the record's first column; the kernel of fronts counts from it
-        self._key = assembly.basis.s, n, assembly.follows_edges
+        self._key = assembly.basis.s, n, assembly.follows_edges, assembly.resolution.plain
         spare: Spare | None = assembly.spare.pop(self._key, None)
         again = spare is not None and _are_same(spare.signals.of, assembly.excitations)
         self.signals = spare.signals if spare and again else Signals(assembly, n)
-        events = [event for event in _snapped(assembly.events) if event.at < n]
+        near = 0.5 if assembly.resolution.plain else EDGE
+        events = [event for event in _snapped(assembly.events, near) if event.at < n]
         self.at_edges = [] if assembly.follows_edges else [each for each in events if each.at % 1 == 0 and each.moves]
         inside = [each for each in events if assembly.follows_edges or each.at % 1 != 0]
         instants = np.concatenate([*self.signals.places, [each.at for each in inside]])
@@ -279,9 +280,11 @@ def _inside(places: NDArray, follows_edges: bool) -> NDArray:
     return places if follows_edges else places[places % 1 != 0]
 
 
-def _snapped(events: list[Event]) -> list[Event]:
-    """Instants as good as on a slab's edge put there."""
-    return [each._replace(at=float(round(each.at))) if abs(each.at - round(each.at)) < EDGE else each for each in events]
+def _snapped(events: list[Event], near: float) -> list[Event]:
+    """Instants nearer than that to a slab's edge put there."""
+    return [
+        each._replace(at=float(round(each.at))) if abs(each.at - round(each.at)) <= near else each for each in events
+    ]
 
 
 def _moving(assembly: Assembly) -> str:

@@ -1,0 +1,147 @@
+"""What stands at the nodes of a scene, for a balance of flows at each; and the lines whose waves that needs."""
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from math import inf
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.solver.description.description import Description
+from tline.solver.description.given import Source
+from tline.solver.witness.equations import Equation, Flow, equation_of
+
+MULTIPORTS = "transformer", "gyrator", "controlled source", "coupled inductors", "junction", "touchstone"
+MOST_NODES, MOST_ENDS = 6, 4  # that are looked at, and line ends at each of them
+
+
+class Term(NamedTuple):
+    """An element at a node: its equation, the node at its other side, and whether it points from there to here."""
+
+    equation: Equation
+    beyond: str | None = None  # None for the reference
+    reversed: bool = False
+    weight: float = 0.0  # effort at which its gauge pressure is zero
+
+
+@dataclass
+class Balance:
+    """One node: ends of lines there, what else is, and what is prescribed."""
+
+    name: str
+    ends: list[tuple[str, int]] = field(default_factory=list)
+    flows: list[Term] = field(default_factory=list)
+    stores: list[Term] = field(default_factory=list)
+    held: Callable[[NDArray], NDArray] | None = None  # effort at instants
+    known: bool = True  # whether all that stands there is
+
+    def add(self, term: Term | None) -> None:
+        """Attach an element; None is one of which nothing is known."""
+        if term is None:
+            self.known = False
+        else:
+            (self.flows if isinstance(term.equation, Flow) else self.stores).append(term)
+
+    def hold(self, effort: Callable[[NDArray], NDArray]) -> None:
+        """Let something prescribe the effort."""
+        self.known &= self.held is None
+        self.held = effort
+
+    @property
+    def can_be_checked(self) -> bool:
+        """Whether its equation is known, with no more than one element that remembers."""
+        return self.known and 0 < len(self.ends) <= MOST_ENDS and len(self.stores) <= 1
+
+
+def balances_of(description: Description) -> dict[str, Balance]:
+    """Of all nodes at which lines end."""
+    found: dict[str, Balance] = {}
+    for name, line in description.lines.items():
+        for end, node in enumerate(line.nodes):
+            found.setdefault(node, Balance(node)).ends.append((name, end))
+    for end in description.ends:
+        for node in {*end.conductors, *end.modal} & found.keys():
+            found[node].known = False
+    weights = {node: height.weight for node, height in description.scene.heights.items()}
+    for load in description.scene.loads.values():
+        if load.at in found:
+            _attach(found[load.at], load, description, weights.get(load.at, 0.0))
+    for link in description.scene.links.values():
+        _join(found, link)
+    for source in description.scene.sources.values():
+        _drive(found, source, weights)
+    return found
+
+
+def _attach(here: Balance, load: Any, description: Description, weight: float) -> None:
+    """Attach a load, at a node whose gauge pressure is zero at some effort."""
+    if load.kind in ("short", "reservoir"):
+        level = weight if load.kind == "short" else float(load.pressure)
+        here.hold(lambda t: np.full_like(t, level))
+        return
+    equation = equation_of(load)
+    if load.kind == "matched":
+        conductance = sum(1 / description.lines[name].z0 for name, _ in here.ends)
+        equation = Flow(lambda t, e: e * conductance)
+    here.add(None if equation is None else Term(equation, weight=weight))
+
+
+def _join(found: Mapping[str, Balance], link: Any) -> None:
+    """Attach a link to both its nodes."""
+    equation = equation_of(link) if len(link.nodes) == 2 and link.kind not in MULTIPORTS else None
+    for here, there in zip(link.nodes, reversed(link.nodes), strict=True):
+        if here in found:
+            found[here].add(None if equation is None else Term(equation, there, here == link.nodes[-1]))
+
+
+def _drive(found: Mapping[str, Balance], source: Source, weights: Mapping[str, float]) -> None:
+    """Attach a source to the nodes at which it stands."""
+    plus, minus = source.terminals
+    value, conductance = source.value, source.conductance
+    if source.is_effort and conductance == inf:
+        if minus is None and plus in found:
+            found[plus].hold(lambda t: value.value(t, t))
+        for node in {plus, minus} & found.keys() if minus is not None else ():
+            found[node].add(None)
+        return
+    for here, there, sign in ((plus, minus, 1.0), (minus, plus, -1.0)):
+        if here is None or here not in found:
+            continue
+        if source.is_effort:
+            equation = Flow(lambda t, e, sign=sign: (e - sign * value.value(t, t)) * conductance)
+            found[here].add(Term(equation, there))
+        else:
+            weight = weights.get(here, 0.0) if there is None else 0.0
+            equation = Flow(lambda t, e, sign=sign: e * conductance - sign * value.value(t, t))
+            found[here].add(Term(equation, there, weight=weight))
+
+
+def watched(description: Description) -> list[Balance]:
+    """Nodes whose balance is looked at: those at probes and where something moves or remembers, some of the others."""
+    found = balances_of(description)
+    probed = {node for name in description.probed for node in description.lines[name].nodes}
+    good = [one for one in found.values() if one.can_be_checked and _seen(one, found)]
+
+    def first(one: Balance) -> tuple[bool, bool, int]:
+        busy = len(one.flows) + len(one.stores)
+        return one.name not in probed, not busy, -busy
+
+    return sorted(good, key=first)[:MOST_NODES]
+
+
+def _seen(one: Balance, found: Mapping[str, Balance]) -> bool:
+    """Whether efforts beyond its links are known: a line ends there."""
+    beyond = {term.beyond for term in (*one.flows, *one.stores) if term.beyond is not None}
+    return all(node in found and found[node].ends for node in beyond)
+
+
+def lines_at(nodes: Collection[Balance], description: Description) -> list[str]:
+    """Lines whose waves the balances need: all at these nodes, and one at each node beyond their links."""
+    names = [name for one in nodes for name, _ in one.ends]
+    beyond = {term.beyond for one in nodes for term in (*one.flows, *one.stores)} - {None}
+    for node in sorted(str(node) for node in beyond):
+        at = [name for name, line in description.lines.items() if node in line.nodes]
+        if not set(at) & set(names):
+            names.append(at[0])
+    return list(dict.fromkeys(names))

@@ -1,0 +1,71 @@
+"""A plain run beside one to a tolerance: first order, nothing cut, graded, lumped or followed.
+
+What switches, laws and sources do is spread over slabs, so it is right in the mean alone: compared are integrals over
+windows, and how far two plain runs are apart tells how well they know these.
+"""
+
+from collections.abc import Iterator
+from math import ceil, log2
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError, NoFlowError
+from tline.solver.description.description import Description
+from tline.solver.description.resolution import Resolution
+from tline.solver.result.result import ProbeResult, Result
+from tline.solver.run import run
+from tline.solver.witness.balance import Doubt
+
+WINDOWS = 8  # of the run, over which is integrated
+SHARE, LEAST, MOST = 0.05, 4e3, 2e6  # of the samples of all runs to the tolerance, that plain ones may take
+FEW = 16  # slabs of a window, at least
+CAUTION = 4.0  # times that two plain runs differ by, within which nothing is told
+FAINT = 1e-4  # of the largest wave, which is always allowed
+KNOWS = 0.1  # of the amplitude: plain runs that differ by more know nothing
+
+
+def plain_doubts(description: Description, result: Result) -> Iterator[Doubt]:
+    """Probes whose integrals over windows are not those of plain runs, by more than these differ by."""
+    h = _slab(description, result)
+    if h is None:
+        return
+    try:
+        coarse, fine = (run(description, Resolution(1, h / k, plain=True)) for k in (1, 2))
+    except (InputError, NoFlowError):  # a plain run may not be had, which says nothing of the other
+        return
+    edges = np.linspace(0.0, description.t_end, WINDOWS + 1)
+    late = h / 2 / edges[1]  # of a window, by which instants may be moved to edges, in both plain runs alike
+    largest = max(float(np.abs([probe.a, probe.b]).max()) for probe in fine.probes.values())
+    for name, probe in result.probes.items():
+        told = [_means(each.probes[name], edges) for each in (coarse, fine, result)]
+        for letter, one, other, given in zip("uy" if probe.has_flow else "u", *told, strict=False):
+            size = float(np.ptp(getattr(fine.probes[name], letter)))
+            faint = FAINT * largest / (probe.record.z0 if letter == "y" else 1.0)
+            apart = float(np.abs(one - other).max()) + late * size + faint
+            off = np.abs(given - other)
+            if apart <= KNOWS * size and off.max() > CAUTION * apart:
+                what = f"the mean of {letter} is not that of a plain run"
+                yield Doubt(f"probes.{name}", float(edges[off.argmax()]), what)
+
+
+def _slab(description: Description, result: Result) -> float | None:
+    """Widest slab that suits all lines, if two runs with it and with half of it are cheap enough."""
+    attempts = result.accuracy.attempts if result.accuracy else ()
+    affordable = min(max(SHARE * sum(attempt.samples for attempt in attempts), LEAST), MOST)
+    shortest = min(line.delay for line in description.lines.values())
+    slabs = affordable / (6 * len(description.lines))
+    least = max(ceil(description.t_end / shortest), FEW * WINDOWS)
+    if slabs < least:
+        return None
+    parts = 2 ** int(log2(slabs / least))  # narrower where that is affordable
+    return min(shortest, description.t_end / (FEW * WINDOWS)) / parts
+
+
+def _means(probe: ProbeResult, edges: NDArray) -> NDArray:
+    """Of effort and flow over windows, shape (2, windows)."""
+    t = probe.slab_ends
+    inner = np.unique(np.concatenate([t[t <= edges[-1]], edges]))
+    middle, width = (inner[1:] + inner[:-1]) / 2, np.diff(inner)
+    seen, window = probe.at(middle), np.searchsorted(edges, middle) - 1
+    return np.array([np.bincount(window, each * width, len(edges) - 1) for each in (seen.u, seen.y)]) / np.diff(edges)
