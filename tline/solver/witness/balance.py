@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.result.result import Wave
 from tline.solver.witness.nodes import Balance
 from tline.solver.witness.seen import FAINT, INSTANTS, ROUNDING, Seen
 
@@ -39,19 +40,25 @@ def balance_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
 
 
 def line_doubts(seen: Seen) -> Iterator[Doubt]:
-    """Lossless lines that do more to waves than to delay them."""
-    t = seen.instants
+    """Lossless lines that do more to waves than to delay them, as they are given out and as they were computed."""
     for name, record in seen.result.lines.items():
         line = seen.description.lines.get(name)
         if line is None or line.losses is not None:
             continue
-        (u1, y1), (u2, y2) = (seen.end(name, end) for end in (0, 1))
-        came = (u2 + record.z0 * y2, u1 + record.z0 * y1)
-        for arrived, sent in zip(came, (record.at_end1[0], record.at_end2[1]), strict=True):
-            arrived = arrived[:INSTANTS]
-            size = max(float(np.abs(arrived).max()), FAINT * seen.largest)
-            wrong = np.abs(sent(t - record.delay) - arrived) > (4 * seen.tol + ROUNDING) * size
+        (a1, b1), (a2, b2) = record.at_end1, record.at_end2
+        for sent, arrived in ((a1, a2), (b2, b1)):
+            wrong = _is_another(seen, sent, arrived, record.delay)
+            if wrong.sum() > MOST_ASIDE:
+                pair = (record.a1, record.a2) if sent is a1 else (record.b2, record.b1)
+                wrong &= _is_another(seen, *pair, record.delay)
             yield from _doubt(seen, wrong, f"lines.{name}", "a wave does not arrive as it left")
+
+
+def _is_another(seen: Seen, sent: Wave, arrived: Wave, delay: float) -> NDArray:
+    """Whether a wave is not what was sent a delay ago, at the instants at random."""
+    now, then = arrived(seen.instants), sent(seen.instants - delay)
+    size = max(float(np.abs(now).max()), FAINT * seen.largest)
+    return np.abs(now - then) > (4 * seen.tol + ROUNDING) * size
 
 
 def _doubt(seen: Seen, wrong: NDArray, where: str, what: str) -> Iterator[Doubt]:

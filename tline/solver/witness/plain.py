@@ -19,6 +19,7 @@ from tline.solver.witness.balance import Doubt
 
 WINDOWS = 8  # of the run, over which is integrated
 SHARE, LEAST, MOST = 0.05, 4e3, 2e6  # of the samples of all runs to the tolerance, that plain ones may take
+INSTANTS = 128  # of a window, at which a mean is taken
 FEW = 16  # slabs of a window, at least
 CAUTION = 4.0  # times that two plain runs differ by, within which nothing is told
 FAINT = 1e-4  # of the largest wave, which is always allowed
@@ -34,11 +35,11 @@ def plain_doubts(description: Description, result: Result) -> Iterator[Doubt]:
         coarse, fine = (run(description, Resolution(1, h / k, plain=True)) for k in (1, 2))
     except (InputError, NoFlowError):  # a plain run may not be had, which says nothing of the other
         return
-    edges = np.linspace(0.0, description.t_end, WINDOWS + 1)
-    late = h / 2 / edges[1]  # of a window, by which instants may be moved to edges, in both plain runs alike
+    window = description.t_end / WINDOWS
+    late = h / 2 / window + 1 / INSTANTS  # of a window, by which a jump may be moved, in both plain runs alike
     largest = max(float(np.abs([probe.a, probe.b]).max()) for probe in fine.probes.values())
     for name, probe in result.probes.items():
-        told = [_means(each.probes[name], edges) for each in (coarse, fine, result)]
+        told = [_means(each.probes[name], description.t_end) for each in (coarse, fine, result)]
         for letter, one, other, given in zip("uy" if probe.has_flow else "u", *told, strict=False):
             size = float(np.ptp(getattr(fine.probes[name], letter)))
             faint = FAINT * largest / (probe.record.z0 if letter == "y" else 1.0)
@@ -46,7 +47,7 @@ def plain_doubts(description: Description, result: Result) -> Iterator[Doubt]:
             off = np.abs(given - other)
             if apart <= KNOWS * size and off.max() > CAUTION * apart:
                 what = f"the mean of {letter} is not that of a plain run"
-                yield Doubt(f"probes.{name}", float(edges[off.argmax()]), what)
+                yield Doubt(f"probes.{name}", float(off.argmax() * window), what)
 
 
 def _slab(description: Description, result: Result) -> float | None:
@@ -62,10 +63,8 @@ def _slab(description: Description, result: Result) -> float | None:
     return min(shortest, description.t_end / (FEW * WINDOWS)) / parts
 
 
-def _means(probe: ProbeResult, edges: NDArray) -> NDArray:
+def _means(probe: ProbeResult, t_end: float) -> NDArray:
     """Of effort and flow over windows, shape (2, windows)."""
-    t = probe.slab_ends
-    inner = np.unique(np.concatenate([t[t <= edges[-1]], edges]))
-    middle, width = (inner[1:] + inner[:-1]) / 2, np.diff(inner)
-    seen, window = probe.at(middle), np.searchsorted(edges, middle) - 1
-    return np.array([np.bincount(window, each * width, len(edges) - 1) for each in (seen.u, seen.y)]) / np.diff(edges)
+    t = (np.arange(WINDOWS * INSTANTS) + 0.5) / (WINDOWS * INSTANTS) * t_end
+    seen = probe.at(t)
+    return np.array([each.reshape(WINDOWS, INSTANTS).mean(axis=1) for each in (seen.u, seen.y)])
