@@ -81,7 +81,7 @@ def summary(result: Result, accuracy: Accuracy | None, times: NDArray | None = N
             for (_, name), x in result.scene.measured.items()
             if isinstance(x, MeasuredMultiport)
         },
-        "slabs": len(result.t) - 1,
+        "slabs": result.slabs.number,
         "line_end_samples": result.samples,
         "seconds": result.seconds,
         "accuracy": accuracy and _told(accuracy),

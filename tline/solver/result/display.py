@@ -123,7 +123,7 @@ def as_text(result: Result) -> str:
 
     medium, found, title = result.medium, result.accuracy, result.scene.title
     name, end = f" {title!r}" if title else "", engineering(float(result.t[-1]), "s")
-    lines = [f"<Result{name}: {end} in {len(result.t) - 1:,} slabs, order {result.resolution.s}"]
+    lines = [f"<Result{name}: {end} in {result.slabs.number:,} slabs, order {result.resolution.s}"]
     if found and found.tol is not None:
         lines.append(f"  error {found.worst:.1g}, {found.tol:.1g} asked and {'met' if found.met else 'NOT met'}")
     width = max(map(len, result.probes), default=0)
