@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.result.quantities import Bounds, quantity
 from tline.solver.result.result import LineRecord, ProbeResult, Samples, Wave
 
 DENSE = 4000  # instants
@@ -146,7 +147,7 @@ def _bridged(wave: Wave, largest: float) -> Wave:
     return replace(wave, values=values)
 
 
-def extremes(probe: ProbeResult, letter: str) -> tuple[tuple[float, float], tuple[float, float]]:
+def extremes(probe: ProbeResult, key: str) -> tuple[tuple[float, float], tuple[float, float]]:
     """The smallest and the largest value of the curve, and when each is first reached.
 
     Slabs are sampled; where values, or parabolas through three of them, come highest, the polynomials are searched.
@@ -155,17 +156,15 @@ def extremes(probe: ProbeResult, letter: str) -> tuple[tuple[float, float], tupl
     ----------
     probe : ProbeResult
         Probe of a finished run.
-    letter : {"u", "gauge_pressure", "head", "y", "a", "b"}
-        What of it.
+    key : str
+        What of it: of a quantity in `tline.solver.result.quantities`.
     """
     seen, shown = curve(probe, PLACES), replace(probe, record=drawable(probe.record))
-    unit = {"y": probe.record.z0, "head": probe.height.per_metre}.get(letter, 1.0)
-    noise = NOISE * max(abs(seen.a).max(), abs(seen.b).max()) / unit
+    what, z0, noise = quantity(key), probe.record.z0, NOISE * float(max(abs(seen.a).max(), abs(seen.b).max()))
+    largest = float(abs(seen.u).max()), float(abs(seen.y).max())
+    noise = what.error(Bounds(noise, noise / z0, z0, probe.height.per_metre, *largest))
     width = probe.slabs.width / max(DENSE // probe.slabs.number, PLACES)
-    low, high = (
-        highest(lambda t: getattr(shown.at(t), letter), seen.t, getattr(seen, letter), sign, noise, width)
-        for sign in (-1, 1)
-    )
+    low, high = (highest(lambda t: what.of(shown.at(t)), seen.t, what.of(seen), sign, noise, width) for sign in (-1, 1))
     return low, high
 
 
