@@ -42,7 +42,7 @@ def windowed_as_whole(scene, chosen, window):
         share = float(line.nodes[0] != node)
         record = replace(whole.lines[name], smeared=False)
         vars(record).update(at_end1=(record.a1, record.b1), at_end2=(record.a2, record.b2))  # as slabs were computed
-        probe = ProbeResult(node, name, share, record, whole.t)
+        probe = ProbeResult(node, name, share, record, whole.slabs)
         seen, close = windowed.envelope.of(node), CLOSE * np.abs(probe.u).max()
         assert seen["start"] == pytest.approx(probe.u[0], abs=close)
         for extreme, (level, _) in zip(("lowest", "highest"), extremes(probe, "u"), strict=True):

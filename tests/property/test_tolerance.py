@@ -39,7 +39,7 @@ def test_another_clock_changes_nothing(seed, kind):
     for name, probe in one.probes.items():
         then = other.probes[name]
         fronts = np.concatenate([wave.breakpoints() for wave in (probe.record.a1, probe.record.b1)])
-        edges = np.concatenate([fronts, probe.slab_ends, then.slab_ends - by, scene_fronts(probe)])
+        edges = np.concatenate([fronts, probe.t, then.t - by, scene_fronts(probe)])
         near = np.abs(t[:, None] - edges).min(axis=1) < 1e-6
         for letter in "uy":
             a, b = (getattr(seen, letter)[~near] for seen in (probe.at(t), then.at(t + by)))
@@ -49,7 +49,7 @@ def test_another_clock_changes_nothing(seed, kind):
 
 def scene_fronts(probe) -> np.ndarray:
     """Instants at which slabs' edges pass a probe inside a line."""
-    ends, delay = probe.slab_ends, probe.record.delay
+    ends, delay = probe.t, probe.record.delay
     return np.concatenate([ends + probe.share * delay, ends + (1 - probe.share) * delay])
 
 

@@ -85,9 +85,11 @@ def test_many_runs_at_heights_are_the_same_as_one_by_one(tmp_path):
     times = np.linspace(0, 2.4, 9)
     runs = sweep(scene, {"loads.r.resistance": [1e7, 2e7]}, keep=["extremes", times])
     one = simulate(scene).probes["far"]
-    seen = one.at(times).gauge_pressure
+    seen = one.at(times)
     assert runs.method == "vectorised"
-    np.testing.assert_allclose(runs["u"][0, 0], seen, rtol=0, atol=1e-5 * np.abs(one.u).max())
+    for name in ("u", "gauge_pressure"):
+        np.testing.assert_allclose(runs[name][0, 0], getattr(seen, name), rtol=0, atol=1e-5 * np.abs(one.u).max())
+    np.testing.assert_allclose(runs["head"][0, 0], seen.head, rtol=0, atol=1e-5 * np.abs(one.head).max())
     runs.save(tmp_path / "many.csv")
     head, first, _ = rows(tmp_path / "many.csv")
     lowest = float(first[head.index("far lowest gauge pressure [Pa]")])

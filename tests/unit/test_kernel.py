@@ -16,6 +16,7 @@ from tline.solver.description.description import describe
 from tline.solver.kernel.arithmetic import TINY
 from tline.solver.ledger.recorder import Recorder
 from tline.solver.loop.kernel import advance
+from tline.solver.loop.slabs import Slabs
 from tline.solver.result.envelope import watch
 from tline.solver.simulate import simulate
 
@@ -62,8 +63,8 @@ def test_waves_below_the_smallest_that_count_become_zero():
 def test_rows_that_ledgers_and_envelopes_record_are_theirs_alone():
     """The next run of the same scene has no room for them."""
     description = describe(random_scene(3, loads=False, solver={"order": 3, "slab": 0.1}))
-    Recorder(assemble(description, set()), 10)
-    watch(assemble(description, set()))
+    Recorder(assemble(description, set()), Slabs(10, 1.0, 10.0))
+    watch(assemble(description, set()), Slabs(10, 1.0, 10.0))
     assert (assemble(description, set()).network.record_row < 0).all()
 
 

@@ -1,6 +1,6 @@
 """What `tline run` prints of a result."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from math import isfinite
 from typing import Any
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tline.aligned import aligned
 from tline.cli.energies import ledger_as_dict
 from tline.cli.measured import model_as_dict, model_in_words, network_as_dict, network_in_words
-from tline.pictures.handy import handy, quantities
+from tline.pictures.handy import handy
 from tline.scene.ibis.element import Ibis
 from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.touchstone import Touchstone
@@ -19,9 +19,10 @@ from tline.solver.assembly.lossy_segments import fits
 from tline.solver.description.description import describe
 from tline.solver.description.grid_choice import grid_choice
 from tline.solver.description.lines import lines_of
-from tline.solver.result.accuracy import Accuracy
+from tline.solver.result.accuracy import Accuracy, Estimate
 from tline.solver.result.dense_output import extremes
-from tline.solver.result.result import Result
+from tline.solver.result.quantities import Bounds, in_tables
+from tline.solver.result.result import ProbeResult, Result
 from tline.solver.simulate import judged
 from tline.wording import place
 
@@ -42,26 +43,20 @@ def summary(result: Result, accuracy: Accuracy | None, times: NDArray | None = N
     """
     probes: dict[str, Any] = {}
     for name, probe in result.probes.items():
-        probes[name] = {}
-        for word, letter, unit, _ in quantities(result.scene):
-            if letter == "y" and not probe.has_flow:
-                continue
-            low, high = extremes(probe, letter)
-            probes[name][word] = {
-                "unit": unit,
+        seen = {each: extremes(probe, each.key) for each in in_tables(result.scene) if each.seen_by(probe)}
+        for each, (low, high) in seen.items():
+            told = probes.setdefault(name, {})[each.named(result.scene)] = {
+                "unit": each.si(result.scene),
                 "minimum": low[0],
                 "minimum_time": low[1],
                 "maximum": high[0],
                 "maximum_time": high[1],
-                "end": float(getattr(probe, letter)[-1]),
+                "end": float(each.of(probe.samples)[-1]),
             }
             if accuracy and accuracy.estimates:
-                size, known = max(abs(low[0]), abs(high[0])), "y" if letter == "y" else "u"
-                if letter == "head":  # an estimate is relative to the gauge pressure
-                    gauge = probes[name]["gauge pressure"]
-                    size = max(abs(gauge["minimum"]), abs(gauge["maximum"])) / probe.height.per_metre
-                probes[name][word]["error"] = getattr(accuracy.estimates[name], known) * size
-                probes[name][word]["error_inside_slabs"] = getattr(accuracy.blurred[name], known) * size
+                sizes = {other.key: max(abs(ends[0][0]), abs(ends[1][0])) for other, ends in seen.items()}
+                told["error"] = each.error(_bounds(probe, accuracy.estimates[name], sizes))
+                told["error_inside_slabs"] = each.error(_bounds(probe, accuracy.blurred[name], sizes))
     return {
         "title": result.scene.title,
         "medium": result.medium.name,
@@ -81,7 +76,7 @@ def summary(result: Result, accuracy: Accuracy | None, times: NDArray | None = N
             for (_, name), x in result.scene.measured.items()
             if isinstance(x, MeasuredMultiport)
         },
-        "slabs": len(result.t) - 1,
+        "slabs": result.slabs.number,
         "line_end_samples": result.samples,
         "seconds": result.seconds,
         "accuracy": accuracy and _told(accuracy),
@@ -96,13 +91,20 @@ def summary(result: Result, accuracy: Accuracy | None, times: NDArray | None = N
     }
 
 
+def _bounds(probe: ProbeResult, told: Estimate, sizes: Mapping[str, float]) -> Bounds:
+    """Errors of effort and flow at a probe: those told are relative to the gauge pressure, or the effort, and flow."""
+    gauge, flow = sizes.get("gauge_pressure", sizes.get("u", 0.0)), sizes.get("y", 0.0)
+    weight = abs(probe.height.weight)
+    return Bounds(told.u * gauge, told.y * flow, probe.record.z0, probe.height.per_metre, gauge + weight, flow)
+
+
 def _samples(result: Result, times: NDArray) -> dict[str, Any]:
     """What the probes saw at these instants, in SI."""
     found: dict[str, Any] = {}
     for name, probe in result.probes.items():
         seen = probe.at(times)
-        shown = [each for each in quantities(result.scene) if each[1] != "y" or probe.has_flow]
-        found[name] = {word: getattr(seen, letter).tolist() for word, letter, *_ in shown}
+        shown = [each for each in in_tables(result.scene) if each.seen_by(probe)]
+        found[name] = {each.named(result.scene): each.of(seen).tolist() for each in shown}
     return {"time": times.tolist(), "probes": found}
 
 
@@ -188,11 +190,9 @@ def as_table(result: Result, accuracy: Accuracy | None) -> str:
     at = f"at [{time_unit}]"
     rows = [["probe", "quantity", "minimum", at, "maximum", at, "at the end", "± error"]]
     for name, probe in told["probes"].items():
-        for k, (word, _, _, shown) in enumerate(quantities(result.scene)):
-            if word not in probe:
-                continue
-            seen = probe[word]
-            size, unit = handy(max(abs(seen["minimum"]), abs(seen["maximum"])), shown)
+        shown = {each.named(result.scene): each.shown(result.scene) for each in in_tables(result.scene)}
+        for k, (word, seen) in enumerate(probe.items()):
+            size, unit = handy(max(abs(seen["minimum"]), abs(seen["maximum"])), shown[word])
             numbers = [
                 seen["minimum"] / size,
                 seen["minimum_time"] / second,
@@ -209,7 +209,7 @@ def as_table(result: Result, accuracy: Accuracy | None) -> str:
 
 def _measured(result: Result) -> Iterator[list[str]]:
     """Measures in handy units, one a row."""
-    shown = {quantity[2]: quantity[3] for quantity in quantities(result.scene)}
+    shown = {each.si(result.scene): each.shown(result.scene) for each in in_tables(result.scene)}
     for name, (value, unit) in result.measures.items():
         size, word = handy(abs(value), shown.get(unit, unit)) if isfinite(value) and value else (1.0, unit)
         yield [name, f"{value / size:.6g} {word}" if isfinite(value) else "does not happen"]

@@ -1,7 +1,5 @@
 """The unit in which people read a set of values."""
 
-from tline.scene.medium import MEDIA
-from tline.scene.scene import Scene
 from tline.units import engineering, to_si
 
 
@@ -19,20 +17,6 @@ def handy(largest: float, unit: str) -> tuple[float, str]:
         return 1.0, unit
     name = engineering(largest, unit).partition(" ")[2]
     return to_si(f"1 {name}", None), name
-
-
-def quantities(scene: Scene) -> list[tuple[str, str, str, str]]:
-    """Effort and flow: what they are called, attribute of a result, SI unit and the unit people read.
-
-    In a scene with elevations gauge pressure and head stand for the effort.
-    """
-    medium = MEDIA[scene.medium]
-    effort = (medium.units["effort"], medium.shown["effort"])
-    efforts = [("gauge pressure", "gauge_pressure", *effort), ("head", "head", "m", "m")]
-    return [
-        *(efforts if scene.heights else [(medium.effort, "u", *effort)]),
-        (medium.flow, "y", medium.units["flow"], medium.shown["flow"]),
-    ]
 
 
 def spread(low: float, high: float) -> tuple[float, float]:

@@ -10,9 +10,10 @@ from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
-from tline.pictures.handy import handy, quantities, spread
+from tline.pictures.handy import handy, spread
 from tline.pictures.style import COLOURS, DASHES, Picture, figure, styled
 from tline.solver.result.dense_output import curve
+from tline.solver.result.quantities import Quantity, in_tables
 from tline.solver.result.result import Result
 from tline.units import to_si
 from tline.wording import nearest, shown
@@ -27,9 +28,8 @@ UNIT = re.compile(r"\[(.+)\]$")  # of an axis, in its label
 class Panel(NamedTuple):
     """What a panel shows."""
 
+    of: Quantity
     word: str
-    letter: str  # attribute of what a probe saw
-    si: str
     shown: str  # unit
 
 
@@ -39,7 +39,7 @@ class Trace(NamedTuple):
     name: str
     where: str  # the probe
     t: NDArray
-    values: Mapping[str, NDArray]  # by letter
+    values: Mapping[str, NDArray]  # by key of a quantity
 
 
 @styled
@@ -82,12 +82,12 @@ def plot(
         raise InputError("results", "of two media", "pipes or cables")
     panels = _asked(first, quantity)
     traces = [trace for name, each in named.items() for trace in _traces(each, probes, panels, name, t)]
-    panels = [panel for panel in panels if any(panel.letter in trace.values for trace in traces)]
+    panels = [panel for panel in panels if any(panel.of.key in trace.values for trace in traces)]
     columns = max(int(WIDTH / (0.6 + ENTRY * max(len(trace.name) for trace in traces))), 1)
     rows = -(-len(traces) // columns) if len(traces) > 1 else 0
     height = ONE if len(panels) == 1 else HEIGHT + MORE * (len(panels) > 2)
     picture = figure(WIDTH, height + 0.22 * rows, first.scene.title if len(named) == 1 else "")
-    ratios = [2 if panel.letter == "y" else 3 for panel in panels]
+    ratios = [2 if panel.of.flows else 3 for panel in panels]
     both = picture.subplots(len(panels), 1, sharex=True, height_ratios=ratios, squeeze=False)[:, 0]
     handles: dict[str, Line2D] = {}
     for axes, panel in zip(both, panels, strict=True):
@@ -131,10 +131,10 @@ def draw_probes(
 
 
 def _asked(result: Result, quantity: str | None) -> list[Panel]:
-    known = [Panel(*each) for each in quantities(result.scene)]
+    known = [Panel(each, each.named(result.scene), each.shown(result.scene)) for each in in_tables(result.scene)]
     if quantity is None:
         return known
-    found = [each for each in known if quantity in (each.word, each.letter)]
+    found = [each for each in known if quantity in (each.word, each.of.key)]
     if not found:
         raise InputError(
             "quantity", "not known", nearest(str(quantity), [each.word for each in known]), shown(quantity)
@@ -152,8 +152,8 @@ def _traces(
     found = []
     for name in names:
         probe = result.probes[name]
-        seen, flows = curve(probe) if t is None else probe.at(t), probe.has_flow
-        values = {panel.letter: getattr(seen, panel.letter) for panel in panels if panel.letter != "y" or flows}
+        seen = curve(probe) if t is None else probe.at(t)
+        values = {panel.of.key: panel.of.of(seen) for panel in panels if panel.of.seen_by(probe)}
         told = name if not label else label if len(names) == 1 else f"{label}, {name}"
         found.append(Trace(told, name, seen.t, values))
     return found
@@ -161,15 +161,15 @@ def _traces(
 
 def _draw(axes: Axes, panel: Panel, traces: list[Trace]) -> dict[str, Line2D]:
     """Curves of one quantity; in the units of axes that have some."""
-    numbered = [(k, trace) for k, trace in enumerate(traces, len(axes.lines)) if panel.letter in trace.values]
+    numbered = [(k, trace) for k, trace in enumerate(traces, len(axes.lines)) if panel.of.key in trace.values]
     traces, there = [trace for _, trace in numbered], (axes.get_xlabel(), axes.get_ylabel())
     second, time_unit = _unit(there[0]) or handy(max((trace.t[-1] for trace in traces), default=1.0), "s")
-    largest = max((float(abs(trace.values[panel.letter]).max()) for trace in traces), default=1.0)
+    largest = max((float(abs(trace.values[panel.of.key]).max()) for trace in traces), default=1.0)
     size, unit = _unit(there[1]) or handy(largest, panel.shown)
     drawn = {}
     for k, trace in numbered:
         style = {"color": COLOURS[k % len(COLOURS)], "linestyle": DASHES[k % len(DASHES)]}
-        values = trace.values[panel.letter] / size
+        values = trace.values[panel.of.key] / size
         (drawn[trace.name],) = axes.plot(trace.t / second, values, label=f" {trace.name}", **style)
     where = {trace.where for trace in traces}
     axes.set_ylabel(there[1] or f"{panel.word}{f' at {where.pop()}' if len(where) == 1 else ''} [{unit}]")

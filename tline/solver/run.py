@@ -2,7 +2,6 @@
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from math import ceil
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -20,6 +19,7 @@ from tline.solver.description.resolution import Resolution
 from tline.solver.ledger.ledger import Ledger
 from tline.solver.ledger.recorder import Recorder
 from tline.solver.loop.march import March, Observer, march
+from tline.solver.loop.slabs import Slabs
 from tline.solver.loop.superposed import Family, families_of, superposed
 from tline.solver.result.conductor import record_of
 from tline.solver.result.envelope import watch
@@ -62,20 +62,20 @@ def run(
     """
     if envelope:
         description.refuse_coupled("an envelope")
-    n = slabs or max(ceil(description.t_end / chosen.h - 1e-9), 1)
+    extent = Slabs.until(description.t_end, chosen.h, slabs)
     given = {"envelope": envelope, "ledger": ledger, "progress": progress, "laws": laws}
     while True:
         try:
-            return _run(description, chosen, {*record, *description.probed}, n, kinks, **given)
+            return _run(description, chosen, {*record, *description.probed}, extent, kinks, **given)
         except NoFlowError as error:
-            kinks = _divided(kinks, error, n, chosen.h)
+            kinks = _divided(kinks, error, extent.number, chosen.h)
 
 
 def _run(
     description: Description,
     chosen: Resolution,
     kept: set[str],
-    n: int,
+    slabs: Slabs,
     kinks: Kinks,
     *,
     envelope: bool,
@@ -83,23 +83,22 @@ def _run(
     progress: bool,
     laws: Collection[str],
 ) -> Result:
-    s, h = chosen.s, chosen.h
+    s, n = chosen.s, slabs.number
     with gc_paused():
         assembly = assemble(description, kept, chosen, laws=laws, progress=progress)
     families = [] if ledger else families_of(assembly)
     if not families:
         assembly.events = sorted([*assembly.events, *_cuts(assembly, kinks)])
     _check_record(len(kept), n, s)
-    recorder = Recorder(assembly, n) if ledger else None
-    extremes = watch(assembly) if envelope else None
+    recorder = Recorder(assembly, slabs) if ledger else None
+    extremes = watch(assembly, slabs) if envelope else None
     waves, done = _stepped(assembly, families, n, [each for each in (extremes, recorder) if each], progress)
     smears = done.fronts.lost > VISIBLE or description.blurred
     lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
-    ends = np.arange(n + 1) * h
     alone = {node: _at_node(assembly, node, waves, done, smears) for node in assembly.recorded_nodes}
     seen = {name: alone[at.node] if at.node else record_of(at, lines) for name, at in description.probes.items()}
     probes = {
-        name: ProbeResult(name, at.line, at.share, seen[name], ends, at.height)
+        name: ProbeResult(name, at.line, at.share, seen[name], slabs, at.height)
         for name, at in description.probes.items()
     }
     segments = int((assembly.network.segments.number - 1).sum())  # beyond one a line
@@ -108,7 +107,7 @@ def _run(
     again = Again(description.scene, chosen, n, dict(kinks), work, bool(description.coupled))
     return Result(
         description.scene,
-        ends,
+        slabs,
         probes,
         lines,
         assembly.resolution,

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.solver.description.given import Scene
-from tline.solver.many import ProbeOfCopies
+from tline.solver.many import ManyRuns
 from tline.solver.result.dense_output import extremes
+from tline.solver.result.quantities import QUANTITIES, in_sweeps
 from tline.solver.result.result import Result
 from tline.sweeps.values import values_or_distribution
 from tline.units import to_si
@@ -17,7 +18,6 @@ from tline.wording import shown
 
 Floats = NDArray[np.float64]
 EXTREMES = ("lowest", "lowest_at", "highest", "highest_at")
-SAMPLES = ("u", "y")
 ESTIMATE = "estimate"
 TAKEN = (ESTIMATE, "run", "probe", "t", "time", "error", "done", "scene", "about")  # other names in tables and files
 EXPECTED = "'extremes', instants in s such as [0, 1, 2] or '0 s:2 s:3', a function of the result, or a list of these"
@@ -53,23 +53,24 @@ class Keep(NamedTuple):
             kept |= dict(zip(EXTREMES, np.array(found).reshape(-1, len(EXTREMES)).T.copy(), strict=True))
         if len(self.t):
             seen = [probe.at(self.t) for probe in probes]
-            kept["u"] = np.array([samples.gauge_pressure for samples in seen])
-            kept["y"] = np.array([samples.y for samples in seen])
+            kept |= {each.key: np.array([each.of(samples) for samples in seen]) for each in in_sweeps(result.scene)}
         for name, function in self.functions.items():
             kept[name] = np.asarray(function(result), float)
         return kept
 
-    def of_copies(self, probes: Mapping[str, ProbeOfCopies], weights: Floats, estimate: float) -> dict[str, Floats]:
-        """The same of many runs at once, with runs as first axis; `weights` make gauge pressures of efforts."""
-        seen = list(probes.values())
+    def of_copies(self, found: ManyRuns, copies: NDArray) -> dict[str, Floats]:
+        """The same of many runs at once, with runs as first axis."""
+        probes, estimate = found.run(copies, self.t), found.estimate
+        seen, heights = list(probes.values()), [found.description.probes[name].height for name in probes]
         kept = {ESTIMATE: np.full(len(seen[0].lowest), estimate)}
         for name in EXTREMES if self.extremes else ():
             kept[name] = np.stack([getattr(probe, name) for probe in seen], axis=1)
             if not name.endswith("_at"):
-                kept[name] -= weights
+                kept[name] -= np.array([height.weight for height in heights])
         if len(self.t):
-            kept["u"] = np.stack([probe.u for probe in seen], axis=1) - weights[:, None]
-            kept["y"] = np.stack([probe.y for probe in seen], axis=1)
+            samples = [probe.samples(self.t, height) for probe, height in zip(seen, heights, strict=True)]
+            for each in in_sweeps(found.description.scene):
+                kept[each.key] = np.stack([each.of(one) for one in samples], axis=1)
         return kept
 
 
@@ -87,7 +88,7 @@ def kept_of(scene: Scene, keep: Any) -> Keep:
             functions[getattr(item, "__name__", type(item).__name__).strip("<>")] = item
         else:
             times += _instants(scene, item)
-    taken = {*EXTREMES, *SAMPLES, *TAKEN} & functions.keys()
+    taken = {*EXTREMES, *TAKEN, *(each.key for each in QUANTITIES)} & functions.keys()
     taken |= {name for name in functions if not name.isidentifier()}
     if taken:
         raise InputError(

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from tline.errors import InputError, import_extra
 from tline.scene.heights import words
 from tline.solver.description.given import Scene
-from tline.sweeps.keep import ESTIMATE, EXTREMES, SAMPLES
+from tline.solver.result.quantities import Quantity, in_sweeps
+from tline.sweeps.keep import ESTIMATE, EXTREMES
 from tline.wording import nearest, shown
 
 if TYPE_CHECKING:
@@ -42,7 +43,8 @@ class Sweep:
         Tolerance of the runs; None if their order or slab is fixed by the scene and no tolerance asked.
     kept : mapping of str to ndarray, shape (runs, …)
         By name: ``lowest``, ``lowest_at``, ``highest`` and ``highest_at``, shape (runs, probes), of efforts, which are
-        gauge pressures in a scene with elevations; ``u`` and ``y``, shape (runs, probes, instants); results of
+        gauge pressures in a scene with elevations; ``u`` and ``y`` as in results, ``u`` the piezometric pressure in
+        such a scene, which has ``gauge_pressure`` and ``head`` too, shape (runs, probes, instants); results of
         functions; and ``estimate``, the estimated error of a run relative to the amplitude at each probe. Not a number
         where a run failed.
     done : ndarray of bool, shape (runs,)
@@ -143,15 +145,20 @@ class Sweep:
         """Names of the axes of what was kept, but for that of the runs."""
         if name in EXTREMES:
             return ("probe",)
-        if name in SAMPLES:
+        if name in self._samples:
             return "probe", "time"
         return tuple(f"{name}_{k}" for k in range(self.kept[name].ndim - 1))
 
     def unit(self, name: str) -> str:
         """SI unit of what was kept; empty for results of functions."""
-        units = words(self.scene).units
-        efforts = dict.fromkeys(("lowest", "highest", "u"), units["effort"])
-        return (efforts | {"lowest_at": "s", "highest_at": "s", "y": units["flow"]}).get(name, "")
+        effort = words(self.scene).units["effort"]
+        extremes = {"lowest": effort, "highest": effort, "lowest_at": "s", "highest_at": "s"}
+        return extremes.get(name, "") or (self._samples[name].si(self.scene) if name in self._samples else "")
+
+    @property
+    def _samples(self) -> dict[str, Quantity]:
+        """What is kept at instants."""
+        return {each.key: each for each in in_sweeps(self.scene)}
 
     def to_xarray(self) -> "Dataset":
         """The same as an `xarray.Dataset`, with the scene and all inputs; a grid has an axis for each path.
@@ -205,7 +212,7 @@ class Sweep:
         effort = words(self.scene, "gauge pressure").effort
         head, columns = list(self.inputs), [values.tolist() for values in self.inputs.values()]
         for name, array in self.kept.items():
-            if name in SAMPLES:
+            if name in self._samples:
                 continue
             wide = array.reshape(len(self), -1)
             if name in EXTREMES:

@@ -53,8 +53,7 @@ def side_by_side(task: Task, table: Sweep, samples: Sequence[tuple[int, Scene]])
 
 def batches(task: Task, found: ManyRuns, rows: NDArray, copies: NDArray) -> Iterator[tuple[NDArray, Batch]]:
     """Make runs side by side; `rows` are their numbers in the sweep, `copies` those among the copies."""
-    weights = np.array([probe.height.weight for probe in found.description.probes.values()])
     for k in range(0, len(rows), CHUNK):
         mine = slice(k, k + CHUNK)
-        kept = task.keep.of_copies(found.run(copies[mine], task.keep.t), weights, found.estimate)
+        kept = task.keep.of_copies(found, copies[mine])
         yield rows[mine], Batch([*range(len(rows[mine]))], kept, {}, 0.0)

@@ -12,7 +12,7 @@ from tline.solver.result.result import ProbeResult, Result
 def envelope_of(description: Description, result: Result) -> Envelope:
     """Extremes at all nodes at which lines end, all of which are recorded; what their errors are is not known yet."""
     seen = {
-        node: ProbeResult(node, name, float(side), record, result.t, description.heights.get(node, Height()))
+        node: ProbeResult(node, name, float(side), record, result.slabs, description.heights.get(node, Height()))
         for name, record in result.lines.items()
         for side, node in enumerate(description.lines[name].nodes)
     }

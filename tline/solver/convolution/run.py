@@ -5,7 +5,6 @@ with what its sources add to theirs, and laws of lines are what they are in s: n
 """
 
 import time
-from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +19,7 @@ from tline.solver.description.families import Changes, changes_of, family_of, le
 from tline.solver.description.given import Shape
 from tline.solver.description.resolution import WHOLE, Resolution
 from tline.solver.loop.march import Noted
+from tline.solver.loop.slabs import Slabs
 from tline.solver.loop.superposed import summed
 from tline.solver.radau import Basis, basis
 from tline.solver.result.conductor import record_of
@@ -59,7 +59,8 @@ class Convolved:
         """The result on slabs of a given order and width."""
         started = time.perf_counter()
         description, order, h = self.description, basis(chosen.s), chosen.h
-        n, ahead = ceil(description.t_end / h - 1e-9), self.leads(h)
+        slabs, ahead = Slabs.until(description.t_end, h), self.leads(h)
+        n = slabs.number
         rule = Quadrature(order, h, n + 1 if ahead.any() else n)
         late = np.outer(rule.late, self._whole(order, h))
         records = (self._record(rule, order, h, late, self._parts(h, ahead, k)) for k in range(len(ahead)))
@@ -72,10 +73,9 @@ class Convolved:
             node: self._effort(node, 2 * len(lines) + k, waves, noted, order, h)
             for k, node in enumerate(description.probed_nodes)
         }
-        ends = np.arange(n + 1) * h
         probes = {
             name: ProbeResult(
-                name, probe.line, probe.share, at_nodes[probe.node] if probe.node else record_of(probe, lines), ends,
+                name, probe.line, probe.share, at_nodes[probe.node] if probe.node else record_of(probe, lines), slabs,
                 probe.height,
             )
             for name, probe in description.probes.items()
@@ -83,7 +83,7 @@ class Convolved:
         samples = self.network.size * n * order.s * len(ahead)
         seconds = time.perf_counter() - started
         start = {name: self._start(line) for line, name in enumerate(description.lines)}
-        return Result(description.scene, ends, probes, lines, chosen, chosen.notes, start, samples, seconds, Tally())
+        return Result(description.scene, slabs, probes, lines, chosen, chosen.notes, start, samples, seconds, Tally())
 
     def _parts(self, h: float, ahead: NDArray, k: int) -> tuple[list[Excitation], list[Excitation]]:
         """Of efforts held and flows at each node what is due to fronts of one family, on slabs that begin earlier."""

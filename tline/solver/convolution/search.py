@@ -134,6 +134,12 @@ def _near(name: str, scene: Scene, jumps: dict[str, NDArray], settle: float) -> 
     return near if 2 * settle * len(near) <= MOST_BLURRED * float(scene.t_end) else np.empty(0)
 
 
+def _seen(probe: ProbeResult, t: NDArray) -> NDArray:
+    """Gauge effort and z0 times flow at instants, shape (2, *t.shape)."""
+    seen = probe.at(t)
+    return np.stack([seen.gauge_pressure, probe.record.z0 * seen.y])
+
+
 def _difference(coarse: ProbeResult, fine: ProbeResult, near: NDArray, settle: float) -> Difference:
     """Of two runs at a probe, at slab ends of the coarser and at places in slabs of the finer."""
     edges = np.concatenate([[-np.inf], near, [np.inf]])
@@ -142,16 +148,19 @@ def _difference(coarse: ProbeResult, fine: ProbeResult, near: NDArray, settle: f
         k = np.searchsorted(near, t)
         return np.minimum(t - edges[k], edges[k + 1] - t) > settle
 
-    n, every = len(fine.slab_ends) - 1, round(coarse.slab_ends[1] / fine.slab_ends[1])
-    n -= n % every
+    end, every = fine.slabs.end, round(coarse.slabs.width / fine.slabs.width)
     x = np.minimum(fine.waves[0].basis.c, 1 - ROUNDED)
-    t = fine.slab_ends[:n, None] + fine.slab_ends[1] * x
-    if any(len(wave.pieces.slab) for wave in fine.waves):
-        theirs, ours = (np.stack([v.gauge_pressure, fine.record.z0 * v.y]) for v in (coarse.at(t), fine.at(t)))
-    else:
-        in_coarse = (np.arange(every)[:, None] + x).ravel() / every
-        theirs, ours = on_slabs(coarse, in_coarse, 0, n // every), on_slabs(fine, x, 0, n)
-    off = np.abs(theirs.reshape(ours.shape) - ours) + ROUNDING * np.abs(ours).max(axis=(1, 2), keepdims=True)
+    t = np.minimum((np.arange(fine.slabs.number)[:, None] + x) * fine.slabs.width, end)
+    n = 0 if any(len(wave.pieces.slab) for wave in fine.waves) else coarse.slabs.whole * every
+    in_coarse = (np.arange(every)[:, None] + x).ravel() / every
+    theirs, ours = (
+        np.concatenate([values.reshape(2, n, x.size), _seen(probe, t[n:])], axis=1)
+        for probe, values in (
+            (coarse, on_slabs(coarse, in_coarse, 0, n // every)),
+            (fine, on_slabs(fine, x, 0, n)),
+        )
+    )
+    off = np.abs(theirs - ours) + ROUNDING * np.abs(ours).max(axis=(1, 2), keepdims=True)
     inside = np.where(far(t), off, 0.0)
-    at_ends = inside[:, every - 1 :: every, -1].max(axis=1)
+    at_ends = inside[:, every - 1 :: every, -1].max(axis=1, initial=0.0)
     return Difference(at_ends, *(each.max(axis=(1, 2)) for each in (inside, off, np.abs(ours))))

@@ -13,6 +13,7 @@ from tline.solver.ledger.columns import Columns
 from tline.solver.ledger.ledger import COLUMNS, GRAVITY, Entry, Ledger
 from tline.solver.ledger.stored import stored
 from tline.solver.loop.march import Noted
+from tline.solver.loop.slabs import Slabs, cut_at_end
 from tline.wording import place
 
 BLOCK = 100_000  # samples of a group's line ends looked at together
@@ -30,10 +31,10 @@ class Found(NamedTuple):
 class Recorder:
     """Recorder of the energies of a run, slab by slab."""
 
-    def __init__(self, assembly: Assembly, n: int):
-        description, network, h = assembly.description, assembly.network, assembly.resolution.h
+    def __init__(self, assembly: Assembly, slabs: Slabs):
+        description, network, h = assembly.description, assembly.network, slabs.width
         description.refuse_coupled("a ledger")
-        self.assembly, self.h = assembly, h
+        self.assembly, self.slabs, self.h = assembly, slabs, h
         new = np.flatnonzero(network.record_row < 0)
         network.record_row[new] = max(network.record_row.max(initial=-1) + 1, assembly.kept) + np.arange(len(new))
         rows = max(network.record_row.max(initial=-1) + 1, assembly.kept)
@@ -41,11 +42,11 @@ class Recorder:
         self.end_of_row[network.record_row] = np.arange(len(network.record_row))
         lines = list(assembly.lines.values())
         self.z0 = np.array([line.z0 for line in lines])
-        inventories = (inventory_of(description, group, h, n * h) for group in assembly.groups)
+        inventories = (inventory_of(description, group, h, slabs.number * h) for group in assembly.groups)
         each = zip(assembly.groups, inventories, strict=True)
         self.groups = [accounts_of(group.nodes, inventory, self.z0) for group, inventory in each]
         self.start = stored(assembly, None)
-        self.taken, self.least = np.zeros((2, len(lines)))
+        self.taken, self.least, self.behind = np.zeros((3, len(lines)))
         self.totals = [np.zeros((len(group.where), len(COLUMNS))) for group in self.groups]
         self.lowest = [np.zeros(len(group.where)) for group in self.groups]
         echoes = {list(assembly.lines).index(name): echo for name, echo in assembly.echoes.items()}
@@ -58,7 +59,7 @@ class Recorder:
         """Take note of n slabs from number `first` on, recorded from the first column of the record on."""
         s = self.assembly.basis.s
         through = np.zeros((len(self.z0), n))  # what each line takes in each slab
-        found = self._sorted(pieces)
+        found = self._sorted(self._until_end(record, first, n, pieces))
         for g, group in enumerate(self.groups):
             rows = self.assembly.network.record_row[group.ends]
             step = max(BLOCK // (max(len(rows), 1) * s), 1)
@@ -70,6 +71,23 @@ class Recorder:
                 self._post(g, waves, slabs, found.get(g), through[:, low:high])
         so_far = self.taken[:, None] + np.cumsum(through, axis=1)
         self.taken, self.least = so_far[:, -1], np.minimum(self.least, so_far.min(axis=1))
+
+    def _until_end(self, record: NDArray, first: int, n: int, pieces: Noted) -> Noted:
+        """Pieces at ends of lines, in place of rows, up to the end of the run; what lines take behind it is kept."""
+        end = self.end_of_row[pieces.row]
+        pieces = Noted(end[end >= 0], *(part[end >= 0] for part in pieces[1:]))
+        if first + n <= self.slabs.whole:
+            return pieces
+        basis, last = self.assembly.basis, self.slabs.whole - first
+        waves = record[self.assembly.network.record_row, :, last * basis.s : (last + 1) * basis.s]
+        for end, echo in self.echo.items():
+            back = waves[end].sum(axis=0) @ echo.T
+            waves[end] += [back, -back]
+        pieces, behind = cut_at_end(self.slabs, waves, pieces, basis)
+        (w, o), line = behind.values.swapaxes(0, 1), behind.row // 2
+        columns = Columns(basis, self.h, behind.slab, behind.span)
+        np.subtract.at(self.behind, line, columns.integral(w - o, w + o) / (4 * self.z0[line]))
+        return pieces
 
     def _take_echoes(self, group: Accounts, waves: NDArray) -> None:
         """Turn what is recorded into what arrived and left: lines in segments send back some of what enters at once."""
@@ -99,10 +117,8 @@ class Recorder:
         self.totals[g] += posted.sum(axis=2)
 
     def _sorted(self, pieces: Noted) -> dict[int, Found]:
-        """Pieces by group; those of one group and slab are alike at all its ends."""
-        of_ends = self.end_of_row[pieces.row] >= 0
-        pieces = pieces._replace(**{name: part[of_ends] for name, part in pieces._asdict().items()})
-        end = self.end_of_row[pieces.row]
+        """Pieces at ends of lines by group; those of one group and slab are alike at all its ends."""
+        end = pieces.row
         g = self.group_of_end[end]
         place = np.empty(len(self.group_of_end), int)
         for group in self.groups:
@@ -118,7 +134,7 @@ class Recorder:
 
     def ledger(self, fronts: Fronts | None) -> Ledger:
         """What was entered, when the run is over."""
-        entries = self._of_lines(stored(self.assembly, fronts))
+        entries = self._of_lines(stored(self.assembly, fronts) - self.behind)
         lossless = np.array([line.losses is None for line in self.assembly.lines.values()])
         turnover = float(np.where(lossless, self.start, np.maximum(-self.least, 0.0)).sum())
         gravity = np.zeros(len(COLUMNS))

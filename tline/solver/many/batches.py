@@ -8,9 +8,11 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.solver.description.description import Description
+from tline.solver.description.given import Height
 from tline.solver.many.copies import Copies
 from tline.solver.many.period import driven_waves, modes_of
 from tline.solver.radau import basis
+from tline.solver.result.result import Samples
 from tline.structure import pack
 from tline.wording import place
 
@@ -27,6 +29,8 @@ class ProbeOfCopies:
     ----------
     u, y : ndarray, shape (copies, instants)
         Effort, piezometric pressure in a scene with elevations, and flow at the instants asked for.
+    z0 : ndarray, shape (copies,)
+        Impedance of its line.
     lowest, highest : ndarray, shape (copies,)
         Smallest and largest effort from t = 0, where it is that of rest, to the end.
     lowest_at, highest_at : ndarray, shape (copies,)
@@ -39,6 +43,12 @@ class ProbeOfCopies:
     lowest_at: Floats
     highest: Floats
     highest_at: Floats
+    z0: Floats
+
+    def samples(self, t: Floats, height: Height) -> Samples:
+        """What it saw at the instants asked for, at its height, all copies as first axis."""
+        q = self.z0[:, None] * self.y
+        return Samples(t, self.u, self.y, self.u + q, self.u - q, height)
 
 
 def run(
@@ -71,7 +81,7 @@ def run(
     for name, (u, _, lowest, _, highest, _) in found.items():
         for effort in (u, lowest, highest):
             effort += description.probes[name].height.level
-    return {name: ProbeOfCopies(*arrays) for name, arrays in found.items()}
+    return {name: ProbeOfCopies(*arrays, z0=copies.z0[where[name] // 2, rows]) for name, arrays in found.items()}
 
 
 def _line_ends(description: Description) -> dict[str, int]:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.result.quantities import Bounds, quantity
 from tline.solver.result.result import LineRecord, ProbeResult, Samples, Wave
 
 DENSE = 4000  # instants
@@ -36,8 +37,8 @@ def curve(probe: ProbeResult, least: int = 2) -> Samples:
         At some four thousand instants, or so many a slab if there are more slabs.
     """
     shown = replace(probe, record=drawable(probe.record))
-    n, h = len(probe.slab_ends) - 1, float(probe.slab_ends[1])
-    local = np.linspace(0.0, 1.0, max(DENSE // n, least))
+    h, n, last = probe.slabs.width, probe.slabs.whole, probe.slabs.whole + probe.slabs.rest
+    local = np.linspace(0.0, 1.0, max(DENSE // probe.slabs.number, least))
     behind = local == 0.0
     after = np.where(behind, AFTER, local)
     offsets = np.array([probe.share, 1.0 - probe.share]) * probe.record.delay / h % 1.0
@@ -45,16 +46,18 @@ def curve(probe: ProbeResult, least: int = 2) -> Samples:
     local = np.concatenate([local, edges, edges])
     after = np.concatenate([after, edges, edges + AFTER])
     behind = np.concatenate([behind, edges < 0.0, edges > 0.0])
-    start, fronts = np.arange(n)[:, None], _fronts(probe) / h
-    instants = np.concatenate([[0.0], (start + after).ravel(), fronts, fronts + AFTER])
-    order = np.argsort(instants)
-    behind = np.concatenate([[False], np.tile(behind, n), fronts < 0.0, fronts > 0.0])
-    seen = _seen(shown, np.minimum(instants[order], n) * h, behind[order], AFTER * h)
+    start, fronts = np.arange(n + (last > n))[:, None], _fronts(probe) / h
+    instants = np.concatenate([[0.0], (start + after).ravel(), fronts, fronts + AFTER, [last]])
+    order = np.argsort(instants, kind="stable")
+    behind = np.concatenate([[False], np.tile(behind, len(start)), fronts < 0.0, fronts > 0.0, [False]])
+    drawn = np.concatenate([[0.0], (start + local).ravel(), fronts, fronts, [last]])
+    order = order[instants[order] <= last]
+    t, instants = (np.where(each < last, each * h, probe.slabs.end) for each in (drawn[order], instants[order]))
+    seen = _seen(shown, instants, behind[order], AFTER * h)
     noise, zero = NOISE * max(abs(seen.a).max(), abs(seen.b).max()), seen.height.weight
     u = np.where(abs(seen.gauge_pressure) > noise, seen.u, zero)
     y = np.where(abs(seen.y) > noise / probe.record.z0, seen.y, 0.0)
-    drawn = np.concatenate([[0.0], (start + local).ravel(), fronts, fronts])
-    return Samples(drawn[order] * h, u, y, seen.a, seen.b, seen.height)
+    return Samples(t, u, y, seen.a, seen.b, seen.height)
 
 
 def _seen(probe: ProbeResult, t: NDArray, behind: NDArray, late: float) -> Samples:
@@ -78,7 +81,7 @@ def _fronts(probe: ProbeResult) -> NDArray:
     else:
         passing = [(record.a1, share * record.delay), (record.b2, (1.0 - share) * record.delay)]
     instants = [wave.breakpoints() + delay for wave, delay in passing]
-    return np.unique(np.concatenate([t[t < probe.slab_ends[-1]] for t in instants]))
+    return np.unique(np.concatenate([t[t < probe.slabs.end] for t in instants]))
 
 
 def drawable(record: LineRecord) -> LineRecord:
@@ -144,7 +147,7 @@ def _bridged(wave: Wave, largest: float) -> Wave:
     return replace(wave, values=values)
 
 
-def extremes(probe: ProbeResult, letter: str) -> tuple[tuple[float, float], tuple[float, float]]:
+def extremes(probe: ProbeResult, key: str) -> tuple[tuple[float, float], tuple[float, float]]:
     """The smallest and the largest value of the curve, and when each is first reached.
 
     Slabs are sampled; where values, or parabolas through three of them, come highest, the polynomials are searched.
@@ -153,17 +156,15 @@ def extremes(probe: ProbeResult, letter: str) -> tuple[tuple[float, float], tupl
     ----------
     probe : ProbeResult
         Probe of a finished run.
-    letter : {"u", "gauge_pressure", "head", "y", "a", "b"}
-        What of it.
+    key : str
+        What of it: of a quantity in `tline.solver.result.quantities`.
     """
     seen, shown = curve(probe, PLACES), replace(probe, record=drawable(probe.record))
-    unit = {"y": probe.record.z0, "head": probe.height.per_metre}.get(letter, 1.0)
-    noise = NOISE * max(abs(seen.a).max(), abs(seen.b).max()) / unit
-    width = float(shown.slab_ends[1]) / max(DENSE // (len(shown.slab_ends) - 1), PLACES)
-    low, high = (
-        highest(lambda t: getattr(shown.at(t), letter), seen.t, getattr(seen, letter), sign, noise, width)
-        for sign in (-1, 1)
-    )
+    what, z0, noise = quantity(key), probe.record.z0, NOISE * float(max(abs(seen.a).max(), abs(seen.b).max()))
+    largest = float(abs(seen.u).max()), float(abs(seen.y).max())
+    noise = what.error(Bounds(noise, noise / z0, z0, probe.height.per_metre, *largest))
+    width = probe.slabs.width / max(DENSE // probe.slabs.number, PLACES)
+    low, high = (highest(lambda t: what.of(shown.at(t)), seen.t, what.of(seen), sign, noise, width) for sign in (-1, 1))
     return low, high
 
 

@@ -120,25 +120,28 @@ class Display:
 def as_text(result: Result) -> str:
     """What was run, how accurate it is, and the extremes of each probe."""
     from tline.solver.result.dense_output import extremes
+    from tline.solver.result.quantities import in_tables
 
-    medium, found, title = result.medium, result.accuracy, result.scene.title
+    found, title = result.accuracy, result.scene.title
     name, end = f" {title!r}" if title else "", engineering(float(result.t[-1]), "s")
-    lines = [f"<Result{name}: {end} in {len(result.t) - 1:,} slabs, order {result.resolution.s}"]
+    lines = [f"<Result{name}: {end} in {result.slabs.number:,} slabs, order {result.resolution.s}"]
     if found and found.tol is not None:
         lines.append(f"  error {found.worst:.1g}, {found.tol:.1g} asked and {'met' if found.met else 'NOT met'}")
     width = max(map(len, result.probes), default=0)
-    quantities = [
-        ("gauge_pressure" if result.scene.heights else "u", medium.shown["effort"]),
-        ("y", medium.shown["flow"]),
-    ]
     for name in [*result.probes][:SHOWN]:
         probe, parts = result.probes[name], []
-        for letter, unit in quantities[: 1 + probe.has_flow]:
-            (low, _), (high, _) = extremes(probe, letter)
-            parts.append(f"{engineering(low, unit)} … {engineering(high, unit)}")
+        for each in in_tables(result.scene):
+            if each.seen_by(probe):
+                (low, _), (high, _) = extremes(probe, each.key)
+                parts.append(" … ".join(with_unit(x, each.shown(result.scene)) for x in (low, high)))
         lines.append(f"  {name:{width}}  {',  '.join(parts)}")
     more = len(result.probes) - SHOWN
     return "\n".join([*lines, *([f"  and {more} more probes"] if more > 0 else [])]) + ">"
+
+
+def with_unit(value: float, unit: str) -> str:
+    """A value for people; heights stay in metres."""
+    return f"{value:.4g} m" if unit == "m" else engineering(value, unit)
 
 
 def shortly(kind: str, **parts: Any) -> str:

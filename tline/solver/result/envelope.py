@@ -10,7 +10,8 @@ from tline.errors import InputError
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.description.given import Height
 from tline.solver.kernel.extremes import CANDIDATES, ROUNDING, Seen, find_extremes
-from tline.solver.loop.march import Noted
+from tline.solver.loop.march import Noted, concatenated
+from tline.solver.loop.slabs import Slabs, cut_at_end
 from tline.solver.radau import Basis, chebyshev
 from tline.structure import pack
 
@@ -77,8 +78,10 @@ COLUMNS = ("start", "lowest", "lowest_at", "lowest_error", "highest", "highest_a
 class Extremes:
     """An envelope that grows with a run."""
 
-    def __init__(self, nodes: tuple[str, ...], rows: NDArray, start: NDArray, order: Basis, h: float, at_ends: bool):
-        self.nodes, self.rows, self.start, self.h = nodes, rows, start, h
+    def __init__(
+        self, nodes: tuple[str, ...], rows: NDArray, start: NDArray, order: Basis, slabs: Slabs, at_ends: bool
+    ):
+        self.nodes, self.rows, self.start, self.order, self.slabs = nodes, rows, start, order, slabs
         self.top = np.stack([-start, start])  # two maxima: of the negative effort, and of the effort
         self.at = np.zeros_like(self.top)
         self.at_ends = at_ends
@@ -88,13 +91,20 @@ class Extremes:
 
     def see(self, record: NDArray, first: int, n: int, pieces: Noted) -> None:
         """Take note of n slabs from number `first` on, recorded from the first column of the record on."""
-        s, h, rows = self.places.shape[1], self.h, np.arange(len(self.rows))
+        s, h, rows = self.order.s, self.slabs.width, np.arange(len(self.rows))
         node = np.full(len(record), -1)
         node[self.rows] = rows
         ours = node[pieces.row] >= 0
-        of, slab, span = node[pieces.row[ours]], pieces.slab[ours], pieces.span[ours]
-        inside = len(of) > 0 and not self.at_ends
-        left_out = np.column_stack([of, slab - first]) if inside else np.empty((0, 2), int)
+        pieces = Noted(node[pieces.row[ours]], *(part[ours] for part in pieces[1:]))
+        if self.at_ends:
+            pieces = concatenated([], s)
+        left_out = np.column_stack([pieces.row, pieces.slab - first])
+        if first + n > self.slabs.whole:
+            last = self.slabs.whole - first
+            left_out = np.concatenate([left_out, np.column_stack([rows, np.full(len(rows), last)])])
+            if not self.at_ends:
+                values = record[self.rows, :, last * s : (last + 1) * s]
+                pieces, _ = cut_at_end(self.slabs, values, pieces, self.order)
         if self._heights.shape[2] < n:
             self._heights = np.empty((2, len(rows), n))
         seen = Seen(record, self.rows, self.places, left_out, self._heights, self._best)
@@ -108,17 +118,17 @@ class Extremes:
                     higher, late = _searched(sign * u @ self.searched.T)
                     found = np.where(np.isinf(found), -np.inf, higher)
                 self._note(k, rows, found, (first + best + late) * h)
-            if inside:
-                found, late = _searched(sign * pieces.values[ours].sum(axis=1) / 2 @ self.searched.T)
-                order = np.argsort(found)
-                when = (slab + span[:, 0] + late * (span[:, 1] - span[:, 0])) * h
-                self._note(k, of[order], found[order], when[order])
+            if len(pieces.row):
+                found, late = _searched(sign * pieces.values.sum(axis=1) / 2 @ self.searched.T)
+                order, (start, stop) = np.argsort(found), pieces.span.T
+                when = (pieces.slab + start + late * (stop - start)) * h
+                self._note(k, pieces.row[order], found[order], when[order])
 
     def _note(self, k: int, node: NDArray, found: NDArray, when: NDArray) -> None:
         """Keep what is higher; of several at one node the last is the highest."""
         top = self.top[k]
         new = found > top[node] + ROUNDING * np.abs(top[node])
-        top[node[new]], self.at[k, node[new]] = found[new], when[new]
+        top[node[new]], self.at[k, node[new]] = found[new], np.minimum(when[new], self.slabs.end)
 
     def envelope(self, heights: Mapping[str, Height]) -> Envelope:
         """What was seen at nodes of these heights, counted from their levels."""
@@ -141,8 +151,8 @@ def _searched(values: NDArray) -> tuple[NDArray, NDArray]:
     return top, np.where(inside, SEARCHED[middle] + off * SEARCHED[1], SEARCHED[k])
 
 
-def watch(assembly: Assembly) -> Extremes:
-    """Extremes of an assembled scene; one end at each node is recorded from now on, if none was."""
+def watch(assembly: Assembly, slabs: Slabs) -> Extremes:
+    """Extremes of an assembled scene on slabs; one end at each node is recorded from now on, if none was."""
     network = assembly.network
     there = np.flatnonzero(np.diff(network.first))
     one = network.ends[network.first[there]]
@@ -152,4 +162,4 @@ def watch(assembly: Assembly) -> Extremes:
     at_ends = assembly.description.blurred
     nodes = list(assembly.nodes)
     names = tuple(nodes[k] for k in there)
-    return Extremes(names, network.record_row[one], before[one], assembly.basis, assembly.resolution.h, at_ends)
+    return Extremes(names, network.record_row[one], before[one], assembly.basis, slabs, at_ends)

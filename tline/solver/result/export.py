@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError, import_extra
+from tline.solver.result.quantities import in_arrays, quantity
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -71,12 +72,10 @@ class Export:
         result = cast("Result", self)
         instants, columns = columns_of(result, t)
         nothing = np.full(len(instants), np.nan)
-        units = result.medium.units
         found = {}
         for key in dict.fromkeys(key for _, key in columns):
             values = [columns.get((probe, key), nothing) for probe in result.probes]
-            unit = {"y": units["flow"], "head": "m"}.get(key, units["effort"])
-            found[key] = (("probe", "time"), np.stack(values), {"units": unit})
+            found[key] = (("probe", "time"), np.stack(values), {"units": quantity(key).si(result.scene)})
         about: dict[str, Any] = {
             "title": result.scene.title,
             "scene": result.scene.to_toml(),
@@ -132,7 +131,6 @@ def columns_of(result: Result, t: ArrayLike | None) -> tuple[NDArray, dict[tuple
     instants = result.t if t is None else np.atleast_1d(np.asarray(t, float))
     found = {}
     for name, probe in result.probes.items():
-        seen: Any = probe if t is None else probe.at(instants)
-        keys = [*("uyab" if probe.has_flow else "u"), *(["gauge_pressure", "head"] if result.scene.heights else [])]
-        found |= {(name, key): getattr(seen, key) for key in keys}
+        seen = probe.samples if t is None else probe.at(instants)
+        found |= {(name, each.key): each.of(seen) for each in in_arrays(result.scene) if each.seen_by(probe)}
     return instants, found

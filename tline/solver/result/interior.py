@@ -167,8 +167,8 @@ def _inside(result: Result, line: str, cells: int) -> Inside:
     record = drawable(result.lines[line])
     single = result.scene.single_lines.get(line)
     if line not in result.circuits and (single is None or single.losses is None):
-        parts = ceil(INSTANTS / (len(result.t) - 1))
-        return Inside(record, np.arange((len(result.t) - 1) * parts + 1) * (result.t[1] / parts), None, cells)
+        n, parts = result.slabs.number, ceil(INSTANTS / result.slabs.number)
+        return Inside(record, np.arange(n * parts + 1) * (result.slabs.width / parts), None, cells)
     t_end = float(result.t[-1])
     cells = max(min(cells, int(MOST_INSTANTS * record.delay / t_end)), 1)
     t = record.delay / cells * np.arange(ceil(t_end / record.delay * cells) + 1)

@@ -1,7 +1,7 @@
 """What a run gives back: the waves at the ends of recorded lines, and all that follows from them."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -14,6 +14,7 @@ from tline.solver.description.circuits import Circuits
 from tline.solver.description.given import MEDIA, NO_HEIGHT, Height, Medium, Scene
 from tline.solver.description.resolution import Resolution
 from tline.solver.ledger.ledger import Ledger
+from tline.solver.loop.slabs import Slabs
 from tline.solver.radau import Basis
 from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.display import Display, shortly
@@ -170,7 +171,7 @@ class ProbeResult:
     line: str  # '' at a node where none ends
     share: float  # place on the line, 0 at end 1 and 1 at end 2
     record: LineRecord
-    slab_ends: NDArray
+    slabs: Slabs
     height: Height = NO_HEIGHT
 
     def __repr__(self) -> str:
@@ -189,9 +190,9 @@ class ProbeResult:
         Raises
         ------
         InputError
-            An instant is no number, or lies behind the last slab.
+            An instant is no number, or lies behind the end of the run.
         """
-        t, end = np.asarray(t, float), self.slab_ends[-1]
+        t, end = np.asarray(t, float), self.slabs.end
         if not (t <= end * (1 + NEAR)).all():
             raise InputError(
                 place("probes", self.name), "instant not in the run", f"at most {end:.9g} s", f"{t.max():.9g} s"
@@ -200,12 +201,22 @@ class ProbeResult:
 
     @cached_property
     def samples(self) -> Samples:
-        """At slab ends, t = 0 included."""
-        record = self.record
+        """At slab ends, t = 0 included, and at the end of the run."""
+        seen = self.at_slab_ends
+        if not self.slabs.rest:
+            return seen
+        last = self.at(self.slabs.ends[-1:])
+        return replace(seen, **{key: np.append(getattr(seen, key), getattr(last, key)) for key in ("t", *"uyab")})
+
+    @cached_property
+    def at_slab_ends(self) -> Samples:
+        """At the ends of slabs in the run, t = 0 included: where values are most accurate."""
+        record, n = self.record, self.slabs.whole + 1
         a, b = (record.a1, record.b1) if self.share == 0.0 else (record.a2, record.b2)
-        if self.share not in (0.0, 1.0) or len(self.slab_ends) != len(a.values) + 1:
-            return self.at(self.slab_ends)
-        return self._samples(self.slab_ends, a.at_slab_ends(), b.at_slab_ends())
+        t = self.slabs.ends[:n]
+        if self.share not in (0.0, 1.0) or self.slabs.number != len(a.values):
+            return self.at(t)
+        return self._samples(t, a.at_slab_ends()[:n], b.at_slab_ends()[:n])
 
     @property
     def waves(self) -> tuple[Wave, Wave]:
@@ -263,8 +274,8 @@ class Result(Display, Export):
 
     Attributes
     ----------
-    t : ndarray
-        Slab ends, s, beginning with 0.
+    slabs : Slabs
+        Their number and width, and the end of the run.
     probes : mapping
         ProbeResult by name.
     lines : mapping
@@ -300,7 +311,7 @@ class Result(Display, Export):
     """
 
     scene: Scene
-    t: NDArray
+    slabs: Slabs
     probes: Mapping[str, ProbeResult]
     lines: Mapping[str, LineRecord]
     resolution: Resolution
@@ -317,6 +328,11 @@ class Result(Display, Export):
     slams: Mapping[str, float] = field(default_factory=dict)
     parts: "Result | None" = None
     warned: tuple[str, ...] = ()
+
+    @cached_property
+    def t(self) -> NDArray:
+        """Slab ends, s, beginning with 0, and the end of the run."""
+        return self.slabs.ends
 
     @cached_property
     def ledger(self) -> Ledger | None:

@@ -14,6 +14,7 @@ from tline.solver.ledger.ledger import Entry
 from tline.solver.result.atomic import replacing, write_table
 from tline.solver.result.envelope import COLUMNS
 from tline.solver.result.export import columns_of
+from tline.solver.result.quantities import in_columns
 from tline.solver.result.result import Result
 
 ROWS = 10_000  # turned into text at a time
@@ -40,17 +41,14 @@ def save_csv(result: Result, path: str | Path, t: ArrayLike | None = None) -> No
     InputError
         The file cannot be written, or an instant lies behind the run.
     """
-    medium, heights = result.medium, bool(result.scene.heights)
-    effort, flow = medium.units["effort"], medium.units["flow"]
-    efforts = [("gauge pressure", effort, "gauge_pressure"), ("head", "m", "head")]
-    efforts = efforts if heights else [(medium.effort, effort, "u")]
-    seen = [*efforts, (medium.flow, flow, "y"), ("a", effort, "a"), ("b", effort, "b")]
+    scene = result.scene
     instants = result.t if t is None else np.atleast_1d(np.asarray(t, float))
     head, columns = ["time [s]"], [instants]
     for name, probe in result.probes.items():
-        here, samples = seen if probe.has_flow else efforts, probe.samples if t is None else probe.at(instants)
-        head += [f"{name} {what} [{unit}]" for what, unit, _ in here]
-        columns += [getattr(samples, key) for _, _, key in here]
+        here = [each for each in in_columns(scene) if each.seen_by(probe)]
+        samples = probe.samples if t is None else probe.at(instants)
+        head += [f"{name} {each.named(scene)} [{each.si(scene)}]" for each in here]
+        columns += [each.of(samples) for each in here]
     parts = (np.stack([column[k : k + ROWS] for column in columns], axis=1) for k in range(0, len(instants), ROWS))
     write_table(path, head, (row for part in parts for row in part.tolist()))
 

@@ -76,8 +76,8 @@ def _parts(accuracy: Accuracy) -> tuple:
 
 def _changes(coarse: Result, fine: Result) -> Accuracy:
     """Largest differences of two runs at any instant, over amplitudes."""
-    n = min(max(INSTANTS, PER_SLAB * len(fine.t)), MOST)
-    t = (np.arange(n) + OFF) / (n + 1) * min(coarse.t[-1], fine.t[-1])
+    n = min(max(INSTANTS, PER_SLAB * fine.slabs.number), MOST)
+    t = (np.arange(n) + OFF) / (n + 1) * fine.slabs.end
     found = {}
     for name, probe in fine.probes.items():
         one, other = (np.array([each.u, each.y]) for each in (coarse.probes[name].at(t), probe.at(t)))

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.loop.slabs import Slabs
 from tline.solver.radau import chebyshev
 from tline.solver.result.result import ProbeResult, Wave
 from tline.solver.tolerance.smooth import is_smooth, smooth_difference
@@ -38,28 +39,31 @@ def difference(coarse: ProbeResult, fine: ProbeResult, settle: float = 0.0, foll
     behind fronts, so that what rises there in pieces too narrow to be compared is known by its height.
     """
     every = round(coarse.record.a1.h / fine.record.a1.h)
-    if is_smooth(coarse, fine) and round(coarse.slab_ends[1] / fine.slab_ends[1]) == every:
+    slabs = Slabs.until(fine.slabs.end, coarse.record.a1.h)
+    whole, n = slabs.whole * every, Slabs.until(slabs.end, fine.record.a1.h).number
+    narrow, blurred = SETTLES * settle, np.zeros(2)
+    if is_smooth(coarse, fine) and round(coarse.slabs.width / fine.slabs.width) == every:
         places = len(chebyshev(max(*(probe.waves[0].basis.s for probe in (coarse, fine)))))
-        at_ends, inside, amplitude = smooth_difference(coarse, fine, every, places)
-        return Difference(at_ends, inside, inside, amplitude)
-    at_ends, amplitude = difference_at_ends(coarse, fine)
-    n = min(len(fine.record.a1.values), every * len(coarse.record.a1.values))
-    inside, blurred = at_ends, np.zeros(2)
-    narrow = SETTLES * settle
-    if every * (n // every):
-        broken = _broken(coarse, fine, n)
-        pieces = _in_pieces(coarse, fine, broken, narrow, np.inf, followed)
-        for off, most in (*_in_one_piece(coarse, fine, every, broken), pieces):
+        at_ends, inside, amplitude = smooth_difference(coarse, fine, slabs.whole, every, places)
+        broken = np.zeros(n, bool)
+    else:
+        at_ends, amplitude = difference_at_ends(coarse, fine)
+        inside, broken = at_ends, _broken(coarse, fine, n)
+        for off, most in _in_one_piece(coarse, fine, every, broken[:whole]):
             inside, amplitude = np.maximum(inside, off), np.maximum(amplitude, most)
-        if settle:
-            blurred, _ = _in_pieces(coarse, fine, broken, 0.0, narrow, followed)
+    broken[whole:] = True  # up to the end of the run
+    off, most = _in_pieces(coarse, fine, broken, narrow, np.inf, followed)
+    inside, amplitude = np.maximum(inside, off), np.maximum(amplitude, most)
+    if settle:
+        blurred, _ = _in_pieces(coarse, fine, broken, 0.0, narrow, followed)
     return Difference(at_ends, inside, np.maximum(inside, blurred), amplitude)
 
 
 def difference_at_ends(coarse: ProbeResult, fine: ProbeResult) -> tuple[NDArray, NDArray]:
     """Largest differences at slab ends alone, and largest values there, of gauge effort and z0 times flow."""
-    ends, theirs = (np.stack([probe.gauge_pressure, fine.record.z0 * probe.y]) for probe in (fine, coarse))
-    there = ends[:, :: round(coarse.slab_ends[1] / fine.slab_ends[1])]
+    seen = fine.at_slab_ends, coarse.at_slab_ends
+    ends, theirs = (np.stack([each.gauge_pressure, fine.record.z0 * each.y]) for each in seen)
+    there = ends[:, :: round(coarse.slabs.width / fine.slabs.width)]
     common = min(there.shape[1], theirs.shape[1])
     return np.abs(there[:, :common] - theirs[:, :common]).max(axis=1), np.abs(ends).max(axis=1)
 
@@ -118,8 +122,9 @@ def _in_pieces(
     slabs = np.flatnonzero(broken)
     fronts = np.concatenate([breakpoints(coarse), breakpoints(fine)])
     edges = [slabs * h + late % h for late in (0.0, *_ways(fine))]  # of the waves' slabs, too
-    knots = np.unique(np.concatenate([*edges, slabs * h + h, fronts]))
-    knots = knots[(knots >= 0) & (knots <= n * h)]
+    end = min(n * h, fine.slabs.end)
+    knots = np.unique(np.concatenate([*edges, slabs * h + h, fronts, [end]]))
+    knots = knots[(knots >= 0) & (knots <= end)]
     same = SAME * coarse.record.a1.h + ROUNDINGS * EPS * knots
     kept = np.diff(knots, prepend=-np.inf) > same
     knots, same = knots[kept], same[kept]
@@ -140,9 +145,9 @@ def _in_pieces(
 def _overlooked(probe: ProbeResult, narrow: float) -> float:
     """How far a wave rises above both its sides, or falls below them, in pieces too narrow to be looked at."""
     most = 0.0
-    for wave in probe.waves:
+    for wave, late in zip(probe.waves, _ways(probe), strict=True):
         start, stop = wave.h * (wave.pieces.slab[:, None] + wave.pieces.span).T
-        real = (stop - start <= narrow) & (stop - start > ROUNDINGS * EPS * stop)
+        real = (stop - start <= narrow) & (stop - start > ROUNDINGS * EPS * stop) & (start + late < probe.slabs.end)
         if not real.any():
             continue
         sides = np.stack([wave(start[real] - CLUSTER * narrow), wave(stop[real] + CLUSTER * narrow)])

@@ -18,7 +18,7 @@ def extrapolated(coarse: Result, fine: Result, power: int) -> Result | None:
     The answer is on the coarse slabs: at their ends, and only there, the runs err alike. None if the runs differ in
     length, or fronts lie inside slabs.
     """
-    if fine.t[-1] < coarse.t[-1] - fine.resolution.h / 2:
+    if fine.slabs.number * fine.slabs.width < (coarse.slabs.number - 0.25) * coarse.slabs.width:
         return None
     lines = (*coarse.lines.values(), *fine.lines.values())
     if any(len(getattr(line, wave).pieces.slab) for line in lines for wave in WAVES):
@@ -34,8 +34,8 @@ def extrapolated(coarse: Result, fine: Result, power: int) -> Result | None:
 
 def seen_at_ends(coarse: Result, fine: Result) -> Result:
     """A run with the slab ends of a coarser one for its samples; between them it is as it is."""
-    probes = {name: replace(probe, slab_ends=coarse.t) for name, probe in fine.probes.items()}
-    return replace(fine, t=coarse.t, resolution=coarse.resolution, probes=probes)
+    probes = {name: replace(probe, slabs=coarse.slabs) for name, probe in fine.probes.items()}
+    return replace(fine, slabs=coarse.slabs, resolution=coarse.resolution, probes=probes)
 
 
 def _record(coarse: LineRecord, fine: LineRecord, weight: float) -> LineRecord:

@@ -81,7 +81,7 @@ def _with_close_circuits(search: Search, segmented: bool, soon: bool = False) ->
         attempts += accuracy.attempts
         if not result.circuits_error or accuracy.at_slab_ends > search.tol or closer == fit:
             return replace(result, accuracy=replace(accuracy, attempts=attempts))
-        again = search.run(last.resolution._replace(fit=closer), last.t[-1])
+        again = search.run(last.resolution._replace(fit=closer), last.slabs)
         attempts += (Attempt.of(again),)
         before, more = (accuracy.estimates, accuracy.inside, accuracy.blurred), differences(last, again)
         told = Accuracy(search.tol, *map(added, before, more), attempts=attempts)
@@ -107,7 +107,7 @@ def _refined(search: Search) -> tuple[Result, Result]:
     result = seen = last = first
     attempts, limit, stale, accuracy, steps = [Attempt.of(first)], "", 0, Accuracy(search.tol), []
     while not limit:
-        last = search.run(last.resolution._replace(h=last.resolution.h / 2), first.t[-1])
+        last = search.run(last.resolution._replace(h=last.resolution.h / 2), first.slabs)
         finer = seen_at_ends(first, last)
         found = Accuracy(search.tol, *differences(seen, finer))
         steps.append(found.worst)
@@ -142,7 +142,7 @@ def _halved(search: Search, soon: bool) -> tuple[Result, Result]:
         try:
             finer = resolution(description, order, chosen.h / 2)
             chosen = finer._replace(fit=search.fit, segments=False, loss_elements=2 * chosen.loss_elements)
-            last = search.run(chosen, last.t[-1])
+            last = search.run(chosen, last.slabs)
         except InputError as error:
             limit = f"{error.where}: {error.problem}"
             break
@@ -213,7 +213,7 @@ def _too_slow(search: Search, attempts: Sequence[Attempt], last: Result, found: 
     loss_elements = sum(
         loss_elements_in(search.description.lines, last.resolution.h, last.resolution.loss_elements).values()
     )
-    passes = (len(last.t) - 1) * last.resolution.s * loss_elements
+    passes = last.slabs.number * last.resolution.s * loss_elements
     if soon and passes > SOON:
         return "narrower slabs would take more than some tenths of a second"
     inside = found.at_slab_ends <= search.tol

@@ -10,6 +10,7 @@ from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import FIT, Resolution, resolution
 from tline.solver.description.short_lines import short_lines
+from tline.solver.loop.slabs import Slabs
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import Result
 from tline.solver.run import NO_KINKS, Kinks, run
@@ -52,9 +53,9 @@ class Search(NamedTuple):
     halved: int = 0  # how often the first slab is, beside what suits the scene
     whole: Description | None = None  # of the scene whose lines are in stretches here, if they are
 
-    def run(self, chosen: Resolution, end: float | None = None, kinks: Kinks = NO_KINKS) -> Result:
-        """One run, to the scene's end time or to another."""
-        slabs = None if end is None else round(end / chosen.h)
+    def run(self, chosen: Resolution, on: Slabs | None = None, kinks: Kinks = NO_KINKS) -> Result:
+        """One run to the scene's end time, on slabs of its own or on parts of others."""
+        slabs = None if on is None else on.number * round(on.width / chosen.h)
         return run(
             self.description,
             chosen,

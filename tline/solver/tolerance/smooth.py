@@ -14,21 +14,20 @@ from tline.structure import pack
 def is_smooth(coarse: ProbeResult, fine: ProbeResult) -> bool:
     """Whether both are at the end of a line, with samples at the ends of their own slabs, none of them in pieces."""
     return fine.share in (0.0, 1.0) and all(
-        len(wave.values) + 1 == len(probe.slab_ends) and not len(wave.pieces.slab)
+        len(wave.values) == probe.slabs.number and not len(wave.pieces.slab)
         for probe in (coarse, fine)
         for wave in (probe.record.a1, probe.record.a2)
     )
 
 
 def smooth_difference(
-    coarse: ProbeResult, fine: ProbeResult, every: int, places: int
+    coarse: ProbeResult, fine: ProbeResult, count: int, every: int, places: int
 ) -> tuple[NDArray, NDArray, NDArray]:
     """Largest differences at slab ends of the coarser run and at any place, and largest values of the finer one.
 
-    Each is of effort and of z0 times flow, shape (2,). So many fine slabs make one coarse slab; in each of them places
-    are Chebyshev's, and its end.
+    Each is of effort and of z0 times flow, shape (2,), in so many coarse slabs. So many fine slabs make one of them; in
+    each of these places are Chebyshev's, and its end.
     """
-    count = min(len(fine.record.a1.values) // every, len(coarse.record.a1.values))
     s, other = coarse.waves[0].basis.s, fine.waves[0].basis.s
     weight, most = fine.height.weight, np.zeros((6, BLOCK))
     a, b = (np.ascontiguousarray(wave.values[:count]) for wave in coarse.waves)

@@ -154,9 +154,10 @@ def simulated(scene: Scene, tol: float | None = None) -> TimedRun:
     seconds = time.perf_counter() - begun
     accuracy, probes = result.accuracy, result.probes
     stepping = sum(attempt.seconds for attempt in accuracy.attempts) if accuracy else result.seconds
-    u = {name: probe.u for name, probe in probes.items()}
+    u = {name: probe.at_slab_ends.u for name, probe in probes.items()}
     estimated = accuracy.worst if accuracy else np.inf
-    return TimedRun(result.t, u, stepping, seconds, estimated, lambda name, t: probes[name].at(t).u)
+    ends = result.t[: result.slabs.whole + 1]
+    return TimedRun(ends, u, stepping, seconds, estimated, lambda name, t: probes[name].at(t).u)
 
 
 def baseline_run(method: Any, scene: Scene, n: int) -> TimedRun:
