@@ -60,8 +60,8 @@ def random_case(rng: np.random.Generator, force: str) -> tuple[Model, Testbench,
         "ramp": lambda: Testbench(Ramp(load / end), mass, v0),
         "held": lambda: Testbench(Ramp(0.0, load), mass, v0),
         "sine": lambda: Testbench(Sine(load, rate * power(rng, -3, 0.3)), mass, v0),
-        "steps": lambda: Testbench(Steps(times, noise), mass, v0),
-        "noise": lambda: Testbench(Table(times, noise), mass, v0),
+        "steps": lambda: Testbench(Steps(times.tolist(), noise.tolist()), mass, v0),
+        "noise": lambda: Testbench(Table(times.tolist(), noise.tolist()), mass, v0),
         "rig": lambda: Testbench(Ramp(0.0), mass, v0, Spring(k := s0 * power(rng, -3, 0), load / end / k)),
     }[force]()
     return model, bench, end, power(rng, -9, -1)

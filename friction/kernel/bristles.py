@@ -52,16 +52,10 @@ def rosenbrock(law, bench, tol, parts, budget, compared, which):
     what is missed at reversals. Returns the status, steps made and refused, and how many events there are.
     """
     y, new, peaks, counts = compared.y, compared.new, compared.peaks, compared.counts
-    counts[STEPS], counts[REFUSED], counts[EVENTS], counts[RUN] = 0, 0, 0, which
     sizes = peaks if parts == 1 else compared.weights
-    if parts == 1:
-        counts[STRIDE] = 1
-        for i in range(compared.instants.size):
-            compared.instants[i] = inf
+    begin(compared, bench.v0, parts == 1, which)
     t, h, number, row, check, mode = 0.0, EARLY * tol**0.2 * period_of(law, bench.mass), 0, 0, 0, 0
-    y[0], y[1], y[2], y[3], y[4], push = 0.0, bench.v0, 0.0, 0.0, 0.0, piece(bench.drive, 0)
-    for column in range(peaks.size):
-        peaks[column] = 0.0
+    push = piece(bench.drive, 0)
     if gap(law, y[1], y[2]) >= 0.0:
         mode = int(copysign(1.0, bench.v0))
     margin, pull = held_back(law, mode, y[1], y[2]), forces(law, push, t, y)
@@ -105,6 +99,20 @@ def rosenbrock(law, bench, tol, parts, budget, compared, which):
             push = piece(bench.drive, number)
             pull = forces(law, push, t, y)
     return DONE
+
+
+@function
+def begin(compared, v0, first, which):
+    """The state at rest or with v0; nothing is counted or kept yet."""
+    counts, y = compared.counts, compared.y
+    counts[STEPS], counts[REFUSED], counts[EVENTS], counts[RUN] = 0, 0, 0, which
+    y[0], y[1], y[2], y[3], y[4] = 0.0, v0, 0.0, 0.0, 0.0
+    for column in range(compared.peaks.size):
+        compared.peaks[column] = 0.0
+    if first:
+        counts[STRIDE] = 1
+        for i in range(compared.instants.size):
+            compared.instants[i] = inf
 
 
 @function
