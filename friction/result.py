@@ -83,8 +83,8 @@ class Result:
     tol : float or None
         Tolerance of a run by `rosenbrock`, if one was given.
     errors : dict of str to float
-        From `rosenbrock`, an estimate for each column: the largest error among the samples, relative to the largest
-        magnitude of the column in the run; at "t" that of the instants of events, relative to t_end, 1 if events differ
+        From `rosenbrock`, an estimate for each column: its largest error in the run, relative to its largest magnitude
+        there; at "t" that of the instants of events, relative to t_end, 1 if events differ
         between runs that are compared. Empty for other methods: `events` is exact to rounding, the rest have none.
     """
 

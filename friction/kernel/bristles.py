@@ -4,7 +4,7 @@ A contact slides from the instant at which its friction, without the viscous par
 in the direction of the motion, which is its break-away, until the velocity vanishes, which is its stop.
 """
 
-from math import copysign, isfinite
+from math import copysign, inf, isfinite
 
 from friction.kernel.law import (
     BRISTLE,
@@ -28,48 +28,45 @@ from friction.kernel.law import (
     put,
 )
 from friction.kernel.rodas import STAGES, continue_into, inside, rodas
-from friction.kernel.structures import EVENTS, REFUSED, RUN, STEPS
+from friction.kernel.structures import EVENTS, REFUSED, RUN, STEPS, STRIDE
 from tline.unit import function
 
 MOST_TRIES = 9  # to land on a reversal
-EARLY = 1e-3  # first step, of the time scale of the contact
+EARLY = 2e-3  # first step at a tolerance of 1, of the time scale of the contact
+LEAST = 1e-300  # of a magnitude
 
 
 @function
-def scales(law, mass):
-    """Velocity and deflection that errors are weighed with, and the time scale of the contact."""
-    if law.kind == TANH:
-        return law.epsilon, 1.0, mass * law.epsilon / law.f_c
-    v = law.v_s if law.f_s > law.f_c else law.f_c / (mass * law.sigma0) ** 0.5
-    period = (mass / law.sigma0) ** 0.5
-    return v, max(law.f_s / law.sigma0, v * period), period
+def period_of(law, mass):
+    """Time scale of the contact."""
+    return mass * law.epsilon / law.f_c if law.kind == TANH else (mass / law.sigma0) ** 0.5
 
 
 @function
-def rosenbrock(law, bench, tol, budget, compared, which):
-    """One run with its own steps, which land on reversals, where |v| has a kink.
+def rosenbrock(law, bench, tol, parts, budget, compared, which):
+    """One run with its own steps, which land on reversals, where |v| has a kink; each piece of the force takes at least
+    so many parts.
 
-    Keeps samples, the largest magnitude of each column, and in that of time the largest error of a step. Returns the
-    status, steps made and refused, and how many events there are.
+    Errors are weighed with the magnitudes of the run before; of the first run (parts = 1), with its own so far. Keeps
+    samples, the largest magnitude of each column, in that of time the largest error of a step, and in that of the mode
+    what is missed at reversals. Returns the status, steps made and refused, and how many events there are.
     """
-    drive, mass, t_end, times = bench.drive, bench.mass, bench.t_end, bench.times
     y, new, peaks, counts = compared.y, compared.new, compared.peaks, compared.counts
-    counts[STEPS], counts[REFUSED], counts[EVENTS], counts[RUN] = 0, 0, 0, which
-    v_size, z_size, period = scales(law, mass)
-    t, h, number, row, mode = 0.0, EARLY * period, 0, 0, 0
-    y[0], y[1], y[2], y[3], y[4], push = 0.0, bench.v0, 0.0, 0.0, 0.0, piece(drive, 0)
-    for column in range(peaks.size):
-        peaks[column] = 0.0
+    sizes = peaks if parts == 1 else compared.weights
+    begin(compared, bench.v0, parts == 1, which)
+    t, h, number, row, check, mode = 0.0, EARLY * tol**0.2 * period_of(law, bench.mass), 0, 0, 0, 0
+    push = piece(bench.drive, 0)
     if gap(law, y[1], y[2]) >= 0.0:
         mode = int(copysign(1.0, bench.v0))
     margin, pull = held_back(law, mode, y[1], y[2]), forces(law, push, t, y)
-    while t <= t_end:
+    while t <= bench.t_end:
         if counts[STEPS] + counts[REFUSED] >= budget:
             return BUDGET
         largest(peaks, y, pull)
-        last = h >= 0.999 * (push.end - t)
-        step = push.end - t if last else min(h, 0.5 * (push.end - t))
-        step, error, tries, after = attempt(law, push, mass, t, pull, step, (tol, v_size, z_size), compared)
+        most = min(h, (push.end - push.start) / parts)
+        last = most >= 0.999 * (push.end - t)
+        step = push.end - t if last else min(most, 0.5 * (push.end - t))
+        step, error, tries, after = attempt(law, push, bench.mass, t, pull, step, tol, sizes, parts == 1, compared)
         counts[REFUSED] += tries
         last = last and tries == 0
         if not error <= 1.0 or not (last or tries > 0):
@@ -82,19 +79,78 @@ def rosenbrock(law, bench, tol, budget, compared, which):
         counts[STEPS] += 1
         peaks[T] = max(peaks[T], error * tol)
         before, margin = margin, held_back(law, mode, new[1], new[2])
-        if not margin > abs(margin - before) or (row < times.size and times[row] <= t + step):
+        until = push.end if last else t + step
+        crossed = not margin > abs(margin - before)
+        if crossed or due(bench.times, row, until) or (parts > 1 and due(compared.instants, check, until)):
             continue_into(y, new, compared.u, compared.dense)
+            while parts > 1 and due(compared.instants, check, until):
+                at = compared.instants[check]
+                keep(law, push, t, step, mode, compared.dense, at, compared.checks[which][check])
+                check += 1
             row, mode = watch(law, bench, push, t, step, mode, row, compared)
             margin = held_back(law, mode, new[1], new[2])
-        t = push.end if last else t + step
+        t, pull = until, after
         for j in range(5):
             y[j] = new[j]
-        pull = after
+        if parts == 1 and t <= bench.t_end:
+            check = mark(compared, check, t, mode, pull)
         if last:
             number += 1
-            push = piece(drive, number)
+            push = piece(bench.drive, number)
             pull = forces(law, push, t, y)
     return DONE
+
+
+@function
+def begin(compared, v0, first, which):
+    """The state at rest or with v0; nothing is counted or kept yet."""
+    counts, y = compared.counts, compared.y
+    counts[STEPS], counts[REFUSED], counts[EVENTS], counts[RUN] = 0, 0, 0, which
+    y[0], y[1], y[2], y[3], y[4] = 0.0, v0, 0.0, 0.0, 0.0
+    for column in range(compared.peaks.size):
+        compared.peaks[column] = 0.0
+    if first:
+        counts[STRIDE] = 1
+        for i in range(compared.instants.size):
+            compared.instants[i] = inf
+
+
+@function
+def due(times, row, until):
+    """Whether the next of the times is reached."""
+    return row < times.size and times[row] <= until
+
+
+@function
+def mark(compared, check, t, mode, pull):
+    """Keep the end of a step of the first run, for later ones to be compared with; the number of the next.
+
+    When they are too many, every second one goes.
+    """
+    instants, counts, y = compared.instants, compared.counts, compared.y
+    rows = compared.checks[counts[RUN]]
+    if counts[STEPS] % counts[STRIDE] != 0:
+        return check
+    if check == instants.size:
+        counts[STRIDE], check = 2 * counts[STRIDE], check // 2
+        for i in range(instants.size):
+            instants[i] = instants[2 * i + 1] if i < check else inf
+            for column in range(rows.shape[1]):
+                rows[i, column] = rows[2 * i + 1, column] if i < check else 0.0
+        return check
+    instants[check], row = t, rows[check]
+    row[T], row[X], row[V], row[Z], row[FA], row[FF], row[WA], row[WF] = (
+        t,
+        y[0],
+        y[1],
+        y[2],
+        pull[0],
+        pull[2],
+        y[3],
+        y[4],
+    )
+    row[MODE] = mode
+    return check + 1
 
 
 @function
@@ -112,47 +168,66 @@ def largest(peaks, y, pull):
 
 
 @function
-def attempt(law, push, mass, t, pull, step, sizes, compared):
+def attempt(law, push, mass, t, pull, step, tol, sizes, first, compared):
     """A step of at most that length into `new`; the step, its error over the tolerance, tries before it, and the forces
     at its end.
 
     With |v| read as s·v, what a step misses of a reversal is ∫|v|dt on the wrong side of zero; where that counts, it
-    ends at the reversal instead.
+    ends at the reversal instead. What it misses otherwise is added up in the largest magnitude of the mode.
     """
     y, new, u, dense = compared.y, compared.new, compared.u, compared.dense
-    tol, v_size, z_size = sizes
-    wrong = 0.1 * tol * z_size
-    rise = (pull[0] - pull[2]) / mass
-    s = copysign(1.0, y[1])
-    if y[1] ** 2 <= wrong * abs(rise):  # about to change its sign
+    rise, s, begun, tries = (pull[0] - pull[2]) / mass, copysign(1.0, y[1]), 0.0, 0
+    way = y[1] ** 2 / (2.0 * abs(rise) + LEAST)
+    if harm(law, mass, sizes, y[2], way) <= 0.05 * tol:  # about to change its sign
         s = copysign(1.0, rise if rise != 0.0 else pull[1])
-    tries = 0
+        begun = way if s * y[1] < 0.0 else 0.0
     while True:
         rodas(law, push, mass, t, s, step, compared)
-        error = max(abs(u[STAGES - 1, 1]) / (v_size + abs(new[1])), abs(u[STAGES - 1, 2]) / z_size)
-        work = max(abs(u[STAGES - 1, 3]), abs(u[STAGES - 1, 4]))
-        error = max(error, work / (mass * v_size**2 + abs(new[3]) + abs(new[4]))) / tol
+        error = missed_by(mass, sizes, first, new, u[STAGES - 1]) / tol
         if not error <= 1.0:
             return step, error, tries, pull
-        after = forces(law, push, t + step, new)
+        after, missed = forces(law, push, t + step, new), begun
         if law.kind != BRISTLE or tries == MOST_TRIES:
-            return step, error, tries, after
+            break
         back = s * new[1] < 0.0
         dips = not back and s * rise < 0.0 and s * (after[0] - after[2]) > 0.0
         if not back and not dips:
-            return step, error, tries, after
+            break
         continue_into(y, new, u, dense)
         theta = 1.0 if back else lowest(dense, s)
         v = s * inside(dense, 1, theta)
-        missed = -v * step * (v / (v - abs(y[1]) - 1e-300) if back else 1.0)
-        if missed <= wrong:
-            return step, error, tries, after
+        missed = max(0.0, -v * step * (v / (v - abs(y[1]) - LEAST) if back else 1.0))
+        if harm(law, mass, sizes, max(abs(y[2]), abs(new[2])), missed) <= 0.1 * tol:
+            break
         begins = lowest(dense, -s) if s * y[1] <= 0.0 else 0.0
         if s * inside(dense, 1, begins) > 0.0:
             step *= crossing(law, dense, int(s), begins, theta)
         else:
             s = -s
         tries += 1
+    compared.peaks[MODE] += harm(law, mass, sizes, y[2], missed)
+    return step, error, tries, after
+
+
+@function
+def harm(law, mass, sizes, z, way):
+    """Relative error that a way run with the wrong sign leaves in the deflection, and in the speed that it gives."""
+    if law.kind != BRISTLE:
+        return 0.0
+    bend = abs(z) + way
+    wrong, rate = 2.0 * law.sigma0 * bend / law.f_c * way, (law.sigma0 / mass) ** 0.5
+    return wrong * max(1.0 / max(sizes[Z], bend, LEAST), rate / max(sizes[V], bend * rate, LEAST))
+
+
+@function
+def missed_by(mass, sizes, first, new, error):
+    """Error of a step relative to the magnitudes of the motion; in a first run, of its energy for the works."""
+    energy = max(sizes[WA], sizes[WF], abs(new[3]), abs(new[4]), 0.5 * mass * max(sizes[V], abs(new[1])) ** 2)
+    worst = 0.0
+    for j, column in ((0, X), (1, V), (2, Z), (3, WA), (4, WF)):
+        size = energy if first and j >= 3 else max(sizes[column], abs(new[j]))
+        worst = max(worst, abs(error[j]) / (size + LEAST))
+    return worst
 
 
 @function

@@ -9,7 +9,9 @@ from friction.kernel.rodas import STAGES
 from friction.kernel.taylor import ROWS, STATE, N
 from tline.structure import Floats, Floats2, Floats3, Integers
 
-STEPS, REFUSED, EVENTS, RUN = range(4)  # counts: steps made and refused, events met, and which of two runs is given
+STEPS, REFUSED, EVENTS, RUN, STRIDE = range(5)  # counts: steps made and refused, events met, which of two runs is
+# given, steps from one instant to the next at which runs are compared
+INSTANTS = 512  # most of these; an even number
 
 
 class FixedRun(NamedTuple):
@@ -69,10 +71,13 @@ class Compared(NamedTuple):
     """Two runs that are compared, and the workspace of their steps."""
 
     records: Floats3  # (2, times, 9)
+    instants: Floats  # (INSTANTS,) ends of steps of the first run, at which all are compared; inf behind the last
+    checks: Floats3  # (2, INSTANTS, 9) columns there
     events: Floats3  # (2, events, 4)
     errors: Floats  # (9,) an estimate for each column
     peaks: Floats  # (9,) largest magnitude of each column
-    counts: Integers  # (4,)
+    weights: Floats  # (9,) that of the run before
+    counts: Integers  # (5,)
     u: Floats2  # (stages, 5)
     y: Floats  # (5,)
     new: Floats  # (5,)
@@ -121,6 +126,8 @@ def hybrid_run(law: Law, drive: Drive, mass: float, v0: float, t_end: float, tim
 
 def compared(samples: int, events: int) -> Compared:
     """Two runs with so many samples and events."""
-    records, counts = np.full((2, samples, 9), np.nan), np.zeros(4, np.int64)
+    records, counts = np.full((2, samples, 9), np.nan), np.zeros(5, np.int64)
+    instants, checks = np.full(INSTANTS, np.inf), np.zeros((2, INSTANTS, 9))
     steps = np.zeros((STAGES, 5)), np.zeros(5), np.zeros(5), np.zeros((5, 5))
-    return Compared(records, np.empty((2, events, 4)), np.zeros(9), np.zeros(9), counts, *steps)
+    sizes = np.zeros(9), np.zeros(9), np.zeros(9)
+    return Compared(records, instants, checks, np.empty((2, events, 4)), *sizes, counts, *steps)

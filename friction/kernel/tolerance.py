@@ -1,15 +1,16 @@
 """Runs of the smooth laws that are compared with rougher ones, and made finer until they agree as asked for."""
 
+from math import inf
+
 from friction.kernel.bristles import rosenbrock
-from friction.kernel.law import DONE, FA, FF, INACCURATE, STALLED, WA, WF, Drive, Law, T, V, X, Z
-from friction.kernel.structures import EVENTS, RUN, Bench, SmoothRun, Sweep
+from friction.kernel.law import DONE, FA, FF, INACCURATE, MODE, STALLED, WA, WF, Drive, Law, T, V, X, Z
+from friction.kernel.structures import EVENTS, RUN, STEPS, Bench, SmoothRun, Sweep
 from tline.unit import function, unit
 
 FINEST, ROUGHEST = 1e-14, 0.1  # tolerances of single steps
-START = 0.2  # tolerance of single steps, of that of the run, to begin with
+START = 0.1  # tolerance of single steps, of that of the run, to begin with
 SPREAD = 30.0  # between the tolerances of two runs that are compared
-SAFETY = 10.0  # on an error that falls with the tolerance
-ROUNDING = 1e-12  # differences below do not fall any further
+ROUNDING = 1e-16  # of each step
 
 
 @unit
@@ -23,35 +24,36 @@ def refine(law, bench, wanted, at_least, budget, compared):
     """A run to a tolerance `wanted`, 0 for none, then with steps as fine as `at_least`; returns its status.
 
     Errors are estimated for each column, relative to its largest magnitude, and of the instants of events, relative to
-    t_end, in that of time.
+    t_end, in that of time. Each run has a tolerance `SPREAD` times below that of the one before, and so half its steps,
+    also where corners of the force bound them.
     """
-    errors, counts, k = compared.errors, compared.counts, 0
-    tol = max(at_least if wanted <= 0.0 else START * wanted, FINEST)
-    rough = min(tol * SPREAD, ROUGHEST)
-    status = rosenbrock(law, bench, rough, budget, compared, k)
-    before, alone = counts[EVENTS], status == STALLED  # then a finer run has nothing to be compared with
-    while status == DONE or alone:
-        k = 1 - k
-        status = rosenbrock(law, bench, tol, budget, compared, k)
+    errors, counts, weights, k, parts = compared.errors, compared.counts, compared.weights, 0, 1
+    rough = min(SPREAD * max(at_least if wanted <= 0.0 else START * wanted, FINEST), ROUGHEST)
+    status = rosenbrock(law, bench, rough, parts, budget, compared, k)
+    while status in (DONE, STALLED):
+        alone, before = status == STALLED, counts[EVENTS]  # a finer run has nothing then to be compared with
+        for column in range(weights.size):
+            weights[column] = compared.peaks[column]
+        k, parts, tol = 1 - k, 2 * parts, max(FINEST, rough / SPREAD)
+        status = rosenbrock(law, bench, tol, parts, budget, compared, k)
         if status == STALLED and tol > FINEST:
-            alone, tol = True, max(FINEST, tol / SPREAD)
+            rough = tol
             continue
         if status != DONE:
             return status
-        worst = compare(compared.records, k, compared.peaks, tol / rough, bench.drive.stiffness != 0.0, errors)
-        errors[T] = 1.0 if alone else compare_events(compared, before, bench.t_end, tol / rough)
+        worst = compare(compared, k, bench.drive.stiffness != 0.0)
+        errors[T] = 1.0 if alone else compare_events(compared, before, bench.t_end)
         worst = max(worst, errors[T])
         if wanted <= 0.0 or worst <= wanted:
             return DONE
         if tol <= FINEST:
             return INACCURATE
-        rough, before, alone = tol, counts[EVENTS], False
-        tol = max(FINEST, tol * min(0.5, max(1e-3, 0.5 * wanted / worst)))
+        rough = tol
     return status
 
 
 @function
-def compare_events(compared, before, t_end, ratio):
+def compare_events(compared, before, t_end):
     """Estimate of the error of their instants, of `before` in the other run; 1 if they are not the same events."""
     met = compared.counts[EVENTS]
     if met != before:
@@ -61,36 +63,33 @@ def compare_events(compared, before, t_end, ratio):
     for i in range(min(met, events.shape[0])):
         if events[i, 0] != others[i, 0] or events[i, 1] != others[i, 1]:
             return 1.0
-        worst = max(worst, likely(abs(events[i, 2] - others[i, 2]) / t_end, ratio))
+        worst = max(worst, abs(events[i, 2] - others[i, 2]) / t_end)
     return worst
 
 
 @function
-def compare(records, k, peaks, ratio, pulled, errors):
-    """Estimates of the errors of run k from its difference to the other; the largest.
+def compare(compared, k, pulled):
+    """Estimates of the errors of run k, its differences to the other; the largest.
 
-    No column is better than the largest error of a step: two runs may agree because corners of the force leave them
-    the same steps. The applied force depends on the motion if a spring has `pulled` only.
+    To these comes what no comparison shows: reversals that both pass without landing, and rounding. No column is better
+    than the largest error of a step. The applied force depends on the motion if a spring has `pulled` only.
     """
-    worst = 0.0
+    errors, peaks, worst = compared.errors, compared.peaks, 0.0
+    hidden = peaks[MODE] + ROUNDING * compared.counts[STEPS]
     for column in range(errors.size):
         errors[column] = 0.0
     for column in (X, V, Z, FA, FF, WA, WF):
-        size = difference = 0.0
-        for i in range(records.shape[1]):
-            difference = max(difference, abs(records[0, i, column] - records[1, i, column]))
-            size = max(size, abs(records[k, i, column]))
-        size = max(size, peaks[column])
+        size, difference = peaks[column], 0.0
+        for i in range(compared.records.shape[1]):
+            size = max(size, abs(compared.records[k, i, column]))
+            difference = max(difference, abs(compared.records[0, i, column] - compared.records[1, i, column]))
+        for i in range(compared.instants.size):
+            if compared.instants[i] < inf:
+                difference = max(difference, abs(compared.checks[0, i, column] - compared.checks[1, i, column]))
         if size > 0.0 and (pulled or column != FA):
-            errors[column] = max(likely(difference / size, ratio), peaks[T])
+            errors[column] = max(difference / size, peaks[T]) + hidden
         worst = max(worst, errors[column])
     return worst
-
-
-@function
-def likely(difference, ratio):
-    """Error of the finer of two runs that differ so much."""
-    return max(SAFETY * ratio * difference, min(difference, ROUNDING))
 
 
 @unit
