@@ -26,6 +26,7 @@ bench: $(VENV)/ready-bench
 	$(BIN)/python -m benchmarks.large_network
 	$(BIN)/python -m benchmarks.circuits
 	$(BIN)/python -m benchmarks.shipped_networks
+	$(BIN)/python -m benchmarks.settling_networks
 	$(BIN)/python -m benchmarks.passivity
 	$(BIN)/python -m benchmarks.touchstone
 	$(BIN)/python -m benchmarks.friction

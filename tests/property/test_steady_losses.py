@@ -17,6 +17,9 @@ FRICTION = {
     "laminar": {"kind": "laminar", "viscosity": "0.1 Pa s"},
     "zielke": {"kind": "zielke", "viscosity": "0.1 Pa s"},
     "darcy": {"kind": "darcy", "factor": 0.02},
+    "hazen-williams": {"kind": "hazen-williams", "coefficient": 100, "minor_loss": 3},
+    "manning": {"kind": "manning", "coefficient": 0.013},
+    "swamee-jain": {"kind": "swamee-jain", **TURBULENT},
     "quasi-steady": {"kind": "quasi-steady", **TURBULENT},
     "vardy-brown": {"kind": "vardy-brown", **TURBULENT, "reynolds": 1e5},
 }

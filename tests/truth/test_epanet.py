@@ -8,8 +8,10 @@ import pytest
 from networks import ring
 
 from tline.interchange.epanet import read_epanet
-from tline.interchange.head_loss import GRAVITY
+from tline.interchange.head_loss import friction_of
 from tline.interchange.water_network import WaterNetwork
+from tline.scene.line import Pipe
+from tline.scene.site import GRAVITY
 
 wntr = pytest.importorskip("wntr")
 SHIPPED = Path(wntr.__file__).parent / "library" / "networks"
@@ -18,13 +20,15 @@ FLOAT32 = 6e-8
 
 
 def losses_agree(network: WaterNetwork) -> None:
-    """The friction factors give the heads: to rounding of the heads, and to flows of EPANET's last step."""
+    """The pipes of a scene give the heads: to rounding of the heads, and to flows of EPANET's last step."""
     heads = {name: node.head for name, node in network.nodes.items()}
     for name, pipe in network.pipes.items():
         if not pipe.flow and pipe.one_way:
             continue
-        speed = pipe.flow / (pi / 4 * pipe.diameter**2)
-        lost = pipe.factor * pipe.length / pipe.diameter * speed * abs(speed) / (2 * GRAVITY)
+        friction = friction_of(pipe, network.density, network.viscosity)
+        table = {"nodes": pipe.nodes, "length": pipe.length, "diameter": pipe.diameter, "wave_speed": 1000}
+        line = Pipe.model_validate(table | {"density": network.density, "friction": friction})
+        lost = line.steady_drop(pipe.flow)[0] / (network.density * GRAVITY)
         one, two = (heads[node] for node in pipe.nodes)
         assert one - two == pytest.approx(lost, rel=2e-5, abs=4 * FLOAT32 * max(one, two) + 1e-4), name
 

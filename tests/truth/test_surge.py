@@ -10,7 +10,7 @@ from tline.solver.simulate import simulate
 from tline.surge.event import Event
 from tline.surge.inertia import usual_inertia
 from tline.surge.operate import operated
-from tline.surge.worst import worst
+from tline.surge.worst import RISES, SEPARATES, worst
 
 SPEED, DENSITY, DIAMETER, HEAD, DRAWN = 1000.0, 1000.0, 0.2, 60.0, 0.01
 Z0 = DENSITY * SPEED / (np.pi / 4 * DIAMETER**2)
@@ -247,3 +247,30 @@ def test_a_pump_that_is_started_comes_to_lift_what_it_lifts(takes, notes):
     tables["links"]["pump"]["speed"] = 1
     with pytest.raises(InputError, match="start: pump 'pump' runs already"):
         operated(Scene(**tables), [event])
+
+
+def test_no_class_where_columns_separate_and_one_beside_cavities():
+    """A pipe shut at once sends a fall of Joukowsky's 65 m downstream, where 50 m stand."""
+    table = network().table()
+    table["loads"]["c"]["flow"] = 2 * DRAWN
+    closing, scene = Event("close", "p1", 0.5), Scene(**table)
+    found = worst(run(closing, scene=scene))
+    boiling = {one.node for one in found.boiling}
+    assert boiling
+    assert (found.needed, found.untold) == (None, SEPARATES)
+    changed, _ = operated(scene, [closing])
+    table = changed.table() | {"solver": {"order": 1}}
+    table["loads"] |= {f"{node}:cavity": {"at": node, "kind": "vapour cavity"} for node in boiling}
+    held = worst(simulate(Scene(**table), envelope=True))
+    assert not held.boiling
+    assert held.untold != SEPARATES
+
+
+@pytest.mark.parametrize(("t_end", "cut"), [(0.999, True), (3.0, False)])
+def test_no_class_where_the_run_ends_at_its_highest_pressure(t_end, cut):
+    """A demand that falls for a second raises the pressure all the while."""
+    changed, _ = operated(network(), [Event("demand", "c", 0.1, 1.0, -0.008)])
+    found = worst(simulate(changed.with_changes(t_end=t_end), tol=1e-4, envelope=True))
+    assert (found.highest.node in {one.node for one in found.unfinished}) == cut
+    assert found.untold == (RISES if cut else "")
+    assert (found.needed is None) == cut

@@ -13,7 +13,6 @@ from tline.errors import InputError
 if TYPE_CHECKING:
     from tline.pictures.path import Route
     from tline.scene.scene import Scene
-    from tline.solver.result.accuracy import Accuracy
     from tline.solver.result.result import Result
 
 EXAMPLES = """\b
@@ -44,10 +43,13 @@ def surge(network: str, t_end: str, as_json: bool, path: str | None, places: str
     """Operate a network, and print the worst of it.
 
     NETWORK is a file of EPANET (.inp) or a scene (.toml) of pipes that starts in the steady state. Times and durations
-    have units, and an operation without a duration is done at once.
+    have units, and an operation without a duration is done at once. The exit status is 1 if the tolerance is not met,
+    or no pressure class can be told: columns separate, or the highest pressure comes at the end of the run.
     """
     from tline.cli.report import judgement
-    from tline.surge.operation import run
+    from tline.surge.operation import SHOWN, run
+    from tline.surge.report import as_dict, as_text
+    from tline.surge.worst import worst
 
     files = {key: given.pop(key) for key in SUFFIXES}
     check_files({f"--{key}": (file, SUFFIXES[key]) for key, file in files.items()})
@@ -62,12 +64,17 @@ def surge(network: str, t_end: str, as_json: bool, path: str | None, places: str
     accuracy = judgement(result)
     for note in (*guesses, *result.notes):
         click.echo(f"note: {note}", err=True)
-    _print(result, accuracy, as_json)
+    found = worst(result, SHOWN)
+    click.echo(
+        json.dumps(as_dict(result, found), indent=2, ensure_ascii=False)
+        if as_json
+        else as_text(result, accuracy, found)
+    )
     _draw(result, way, files)
     for file in files.values():
         if file is not None and not as_json:
             click.echo(f"wrote {file}")
-    if accuracy and accuracy.tol and accuracy.at_slab_ends > accuracy.tol:
+    if found.untold or (accuracy and accuracy.tol and accuracy.at_slab_ends > accuracy.tol):
         sys.exit(1)
 
 
@@ -112,16 +119,3 @@ def _draw(result: "Result", way: "Route | None", files: dict[str, str | None]) -
         from tline.pictures.traces import plot
 
         save_figure(plot(result), files["heads"])
-
-
-def _print(result: "Result", accuracy: "Accuracy | None", as_json: bool) -> None:
-    from tline.surge.operation import SHOWN
-    from tline.surge.report import as_dict, as_text
-    from tline.surge.worst import worst
-
-    found = worst(result, SHOWN)
-    click.echo(
-        json.dumps(as_dict(result, found), indent=2, ensure_ascii=False)
-        if as_json
-        else as_text(result, accuracy, found)
-    )

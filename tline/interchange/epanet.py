@@ -3,14 +3,14 @@
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
-from math import inf, isfinite, nan, pi
+from math import inf, nan
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from tline.errors import InputError
 from tline.interchange.confined import solved
 from tline.interchange.epanet_text import EpanetText, parse, read_text
-from tline.interchange.head_loss import FOOT, GRAVITY, LAWS
+from tline.interchange.head_loss import FOOT
 from tline.interchange.pump_curve import Polyline, PowerLaw, pump_curve
 from tline.interchange.water_controls import water_controls
 from tline.interchange.water_network import (
@@ -18,6 +18,7 @@ from tline.interchange.water_network import (
     STILL,
     TRICKLE,
     Basin,
+    Friction,
     Pipe,
     Valve,
     WaterJunction,
@@ -30,10 +31,9 @@ from tline.wording import shown
 
 WATER, VISCOSITY = 1000.0, 1.1e-5 * FOOT**2  # kg/m³ and m²/s, EPANET's
 LAST_HOUR = 8784.0  # of a year
-HIGHEST = 1e5  # m, of a head that is no accident of an unsolved network
+HIGHEST, LARGEST = 1e5, 1e9  # m, of a head that is no accident of an unsolved network; and of other numbers
 UNEVEN = 1e-4  # of the largest flow
 KEPT = 1e-3  # of a setting, or so many of its units; EPANET keeps it so well
-SLOWEST = 0.01  # m/s; friction at slower flow is taken at this speed
 INCH, HORSEPOWER, KILOWATT = FOOT / 12, 745.7, 1e3
 GALLON, IMPERIAL, ACRE_FOOT = 3.785411784e-3, 4.54609e-3, 43560 * FOOT**3
 DAY, HOUR, MINUTE = 86400.0, 3600.0, 60.0
@@ -90,7 +90,7 @@ def read_epanet(path: str | Path, hour: float = 0.0) -> WaterNetwork:
     text = parse(read_text(str(path)), str(path))
     answer = solved(str(path), text.network, round(hour * HOUR))
     network = _network(answer, text, str(path), hour)
-    _check_finite(network, str(path))
+    _check_magnitudes(network, str(path))
     return network
 
 
@@ -120,7 +120,6 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str, hour: float
     dry = reached - _spread(_ends_of_pipes(links, kept), links, kept)
     reached -= dry
     used = {name: links[name] for name in links if name in kept and not {*links[name]["ends"]} & dry}
-    law = formula, (viscosity,) if formula == "D-W" else ()
     return WaterNetwork(
         title=text.title,
         density=density,
@@ -137,7 +136,7 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str, hour: float
             if name in reached and node["type"] != JUNCTION
         },
         pipes={
-            name: _pipe(link, units, *law, text.vertices.get(name, []))
+            name: _pipe(link, units, formula, text.vertices.get(name, []))
             for name, link in used.items()
             if link["type"] in (ONE_WAY, PIPE)
         },
@@ -164,12 +163,14 @@ def _check_heads(heads: Mapping[str, float], path: str) -> None:
         raise InputError(path, "EPANET finds no steady flow", "a network fed by reservoirs or tanks", got)
 
 
-def _check_finite(network: WaterNetwork, path: str) -> None:
+def _check_magnitudes(network: WaterNetwork, path: str) -> None:
     for kind, table in asdict(network).items():
         for name, values in table.items() if isinstance(table, dict) else ():
-            bad = [key for key, value in values.items() if isinstance(value, float) and not isfinite(value)]
-            if bad:
-                raise InputError(f"{path}: {kind}.{name}", f"its {bad[0]} is beyond all numbers", "a finite one")
+            for key, value in (values | values.get("friction", {})).items():
+                largest = HIGHEST if key in ("elevation", "head", "drop") else LARGEST
+                if isinstance(value, float) and not abs(value) <= largest:
+                    problem = f"its {key} is beyond all numbers of a water network"
+                    raise InputError(f"{path}: {kind}.{name}", problem, f"at most {largest:g} in SI", f"{value:g}")
 
 
 def _is_closed(link: Mapping[str, Any]) -> bool:
@@ -229,18 +230,11 @@ def _ends_of_pipes(links: Mapping[str, Any], kept: set[str]) -> set[str]:
     return {end for name in kept if links[name]["type"] in (ONE_WAY, PIPE) for end in links[name]["ends"]}
 
 
-def _pipe(link: Mapping[str, Any], units: FileUnits, law: str, given: tuple[float, ...], vertices: list) -> Pipe:
-    """A pipe with the friction factor that gives EPANET's loss at its flow."""
+def _pipe(link: Mapping[str, Any], units: FileUnits, formula: str, vertices: list) -> Pipe:
     length, diameter = link["length"] * units.length, link["diameter"] * units.diameter
-    roughness = link["roughness"] * (units.rough if law == "D-W" else 1.0)
-    area = pi / 4 * diameter**2
-    at = max(abs(link["flow"]), SLOWEST * area)
-    try:
-        loss = LAWS[law](at, length, diameter, roughness, *given)
-    except OverflowError:
-        loss = inf  # which is refused by the pipe's name
-    factor = loss * diameter / length * 2 * GRAVITY / (at / area) ** 2 + link["minor"] * diameter / length
-    return Pipe(_ends(link), length, diameter, link["flow"], factor, link["type"] == ONE_WAY, tuple(vertices))
+    roughness = link["roughness"] * (units.rough if formula == "D-W" else 1.0)
+    friction = Friction(formula, roughness, length, link["minor"])
+    return Pipe(_ends(link), length, diameter, link["flow"], friction, link["type"] == ONE_WAY, tuple(vertices))
 
 
 def _ends(link: Mapping[str, Any]) -> tuple[str, str]:

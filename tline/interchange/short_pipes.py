@@ -29,14 +29,12 @@ def least_length(lengths: Collection[float]) -> float:
 
 
 def without_short_pipes(network: WaterNetwork) -> WaterNetwork:
-    """The network with very short pipes made longer, which lose what they lost; a note names them."""
+    """The network with very short pipes made longer, with friction over the length that they had; a note names them."""
     least = least_length([pipe.length for pipe in network.pipes.values()])
     short = {name: pipe for name, pipe in network.pipes.items() if pipe.length < least}
     if not short or least < WORTH * min(pipe.length for pipe in short.values()):
         return network
-    longer = {
-        name: replace(pipe, length=least, factor=pipe.factor * pipe.length / least) for name, pipe in short.items()
-    }
+    longer = {name: replace(pipe, length=least) for name, pipe in short.items()}
     added = sum(least - pipe.length for pipe in short.values()) / sum(pipe.length for pipe in network.pipes.values())
     why = f"taken as long as that, which adds {added:.1g} of the network's length, and lose no more"
     note = f"pipes shorter than {least:g} m: {why}: {listed(short)}"

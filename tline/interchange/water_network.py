@@ -76,6 +76,28 @@ class Basin:
 
 
 @dataclass(frozen=True)
+class Friction:
+    """What a pipe loses.
+
+    Parameters
+    ----------
+    formula : str
+        H-W, D-W or C-M: Hazen and Williams, Darcy and Weisbach, Chezy and Manning.
+    roughness : float
+        C, the height of the roughness in m, or Manning's n.
+    length : float
+        Over which it acts, m.
+    minor : float
+        K of local losses.
+    """
+
+    formula: str
+    roughness: float
+    length: float
+    minor: float
+
+
+@dataclass(frozen=True)
 class Pipe:
     """A pipe.
 
@@ -86,8 +108,8 @@ class Pipe:
         m
     flow : float
         From the first node to the second, m³/s.
-    factor : float
-        Darcy's friction factor at this flow, minor losses included, spread over the length.
+    friction : Friction
+        What it loses.
     one_way : bool
         Whether a check valve lets water through toward the second node alone.
     vertices : tuple of pair of float
@@ -98,7 +120,7 @@ class Pipe:
     length: float
     diameter: float
     flow: float
-    factor: float
+    friction: Friction
     one_way: bool
     vertices: tuple[Position, ...]
 

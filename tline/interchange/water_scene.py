@@ -7,7 +7,7 @@ from typing import Any
 from tline.errors import InputError
 from tline.interchange.compare_heads import differences
 from tline.interchange.epanet import read_epanet
-from tline.interchange.head_loss import GRAVITY as EPANETS
+from tline.interchange.head_loss import friction_of
 from tline.interchange.pipe_walls import Keys, keys_of, notes_on, wave_speeds
 from tline.interchange.short_pipes import without_short_pipes
 from tline.interchange.water_controls import WaterControl
@@ -80,8 +80,8 @@ def water_scene(
 ) -> tuple[Scene, tuple[str, ...]]:
     """The scene of a network whose pipes have these keys by their names, and notes.
 
-    Pressures of reservoirs are piezometric, density·g·head. The friction factor of a pipe is the one that the operating
-    point has, and pipes far shorter than all others are longer. Reservoirs hold their level, and so do tanks, unless
+    Pressures of reservoirs are piezometric, density·g·head. Pipes have the friction of the file at any flow, and pipes
+    far shorter than all others are longer. Reservoirs hold their level, and so do tanks, unless
     they are to move; valves have the opening that loses what they lose there, and regulate if they do so there. A
     demand is what an opening to the air at its node's height lets out that gives the demand at the operating point. A
     pump has points of its curve, that of the operating point among them.
@@ -140,7 +140,7 @@ def _add_pipe(tables: dict[str, Any], network: WaterNetwork, name: str, pipe: Pi
         "diameter": pipe.diameter,
         "density": network.density,
         **keys,
-        "friction": {"kind": "darcy", "factor": pipe.factor * (GRAVITY / EPANETS)},  # of the same head
+        "friction": friction_of(pipe, network.density, network.viscosity),
     } | ({"vertices": [list(vertex) for vertex in pipe.vertices]} if pipe.vertices else {})
 
 

@@ -1,6 +1,5 @@
 """What a line loses, as exact laws: those over frequency, and friction that depends on the flow itself."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import sqrt
 
@@ -8,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.loss.constant import ConstantLoss
+from tline.loss.flow_law import FlowLaw, PowerLaw
 from tline.loss.line import LossyLine
-
-Curve = Callable[[NDArray], tuple[NDArray, NDArray]]  # from |flow| to drop per metre and its slope
 
 
 @dataclass(frozen=True)
@@ -21,20 +19,23 @@ class Losses:
     ----------
     exact : LossyLine
         All that is linear; its storages are those of the lossless line, which a front meets.
-    quadratic : float
-        K, Pa s²/m⁷: K |y| y is added to the drop of pressure per metre.
-    curve : callable or None
-        Instead of that any odd function that rises, of flows from 0 on.
+    flow_law : FlowLaw or None
+        What is added to the drop of pressure per metre and depends on the size of the flow.
     """
 
     exact: LossyLine
-    quadratic: float = 0.0
-    curve: Curve | None = None
+    flow_law: FlowLaw | None = None
 
     @property
     def linear(self) -> bool:
         """Whether nothing depends on the size of the flow."""
-        return self.quadratic == 0 and self.curve is None
+        return self.flow_law is None
+
+    @property
+    def quadratic(self) -> float:
+        """K, Pa s²/m⁷, if the law of flow is K |y| y; else 0."""
+        law = self.flow_law
+        return law.strength if isinstance(law, PowerLaw) and law.exponent == 2 else 0.0
 
     @property
     def constant(self) -> tuple[float, float] | None:
@@ -49,7 +50,7 @@ class Losses:
         """Whether K |y| y is all that is lost."""
         laws = self.exact.series, self.exact.shunt
         plain = all(isinstance(law, ConstantLoss) and not law.loss for law in laws)
-        return self.quadratic > 0 and self.curve is None and plain
+        return self.quadratic > 0 and plain
 
     @property
     def distortionless(self) -> bool:
@@ -63,8 +64,9 @@ class Losses:
 
     def friction(self, y: NDArray) -> tuple[NDArray, NDArray]:
         """Drop over the whole line that depends on the size of the flow y, and its slope."""
-        size = np.abs(y)
-        drop, slope = (self.quadratic * size**2, 2 * self.quadratic * size) if self.curve is None else self.curve(size)
+        if self.flow_law is None:
+            return np.zeros_like(y), np.zeros_like(y)
+        drop, slope = self.flow_law(np.abs(y))
         return np.sign(y) * drop * self.exact.length, slope * self.exact.length
 
     def steady_drop(self, y: float) -> tuple[float, float]:

@@ -1,28 +1,27 @@
 """Friction in pipes, by kinds."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import lru_cache
-from math import log, pi
+from dataclasses import replace
+from functools import reduce
+from math import pi
+from operator import or_
 from typing import Annotated, Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, ValidationInfo
 
 from tline.errors import InputError
 from tline.loss import ConstantLoss, LaminarFriction, Law, TurbulentFriction, hagen_poiseuille
-from tline.loss.losses import Curve
+from tline.loss.flow_law import Colebrook, FlowLaw, PowerLaw, RoughPipe, SwameeJain, quadratic
 from tline.scene.choice import Read, validator
 from tline.scene.element import Element
 from tline.scene.quantity import Quantity, Role
+from tline.scene.site import GRAVITY
 from tline.wording import nearest, shown
 
-LAMINAR = 2040.0  # Reynolds number up to which flow counts as laminar, as in fluids.friction
-SLOWEST, FASTEST = 1e-200, 1e9  # Reynolds numbers; beyond the latter the friction factor stays
-PER_OCTAVE = 64
+FOOT = 0.3048  # m; Hazen's and Williams' law as EPANET has it is made for feet
 
 Viscosity = Annotated[Quantity, Role("dynamic viscosity", "Pa s", above=0)]
+Roughness = Annotated[Quantity, Role("roughness", "m", at_least=0)]
 
 
 class Friction(Element):
@@ -32,12 +31,8 @@ class Friction(Element):
         """What is linear of it, an impedance per metre."""
         return None
 
-    def quadratic(self, density: float, area: float) -> float:
-        """K of a drop of pressure K |y| y per metre."""
-        return 0.0
-
-    def curve(self, density: float, area: float) -> Curve | None:
-        """Any other drop of pressure per metre, over the size of the flow."""
+    def flow_law(self, density: float, area: float, length: float) -> FlowLaw | None:
+        """What is not linear of it, a drop of pressure per metre of a pipe of that length."""
         return None
 
 
@@ -73,7 +68,30 @@ class Zielke(Friction):
         return LaminarFriction(density, self.viscosity, (area / pi) ** 0.5)
 
 
-class Darcy(Friction):
+class ByFlow(Friction):
+    """Friction that depends on the flow alone, and local losses spread along the pipe."""
+
+    kind: Any
+    minor_loss: Annotated[Quantity, Role("minor loss", "", at_least=0)] = Field(
+        default=Quantity(0.0, ""), description="K of bends and fittings, which take K·ρ·v²/2"
+    )
+    length: Annotated[Quantity, Role("length", "m", above=0)] | None = Field(
+        default=None, description="over which friction acts, if not all along the pipe"
+    )
+
+    def flow_law(self, density: float, area: float, length: float) -> FlowLaw:  # noqa: D102
+        law = self.along(density, area).scaled((self.length or length) / length)
+        minor = density * self.minor_loss / (2 * area**2 * length)
+        if isinstance(law, PowerLaw) and law.exponent == 2:
+            return quadratic(law.strength + minor)
+        return replace(law, square=minor)
+
+    def along(self, density: float, area: float) -> FlowLaw:
+        """The drop of pressure per metre by friction."""
+        raise NotImplementedError
+
+
+class Darcy(ByFlow):
     """Turbulent friction with a constant friction factor (Darcy, Weisbach)."""
 
     kind: Literal["darcy"] = "darcy"
@@ -81,19 +99,56 @@ class Darcy(Friction):
         description="Darcy friction factor, four times Fanning's"
     )
 
-    def quadratic(self, density: float, area: float) -> float:  # noqa: D102
-        return darcy(self.factor, density, area)
+    def along(self, density: float, area: float) -> PowerLaw:  # noqa: D102
+        return quadratic(darcy(self.factor, density, area))
+
+
+class HazenWilliams(ByFlow):
+    """Friction of water in pipes that grows with the flow to the power 1.852 (Hazen, Williams)."""
+
+    kind: Literal["hazen-williams"] = "hazen-williams"
+    coefficient: Annotated[Quantity, Role("Hazen-Williams coefficient", "", above=0, at_most=1e9)] = Field(
+        description="C: 150 of a smooth wall, 100 of old cast iron"
+    )
+
+    def along(self, density: float, area: float) -> PowerLaw:  # noqa: D102
+        head = 4.727 * self.coefficient**-1.852 * (_diameter(area) / FOOT) ** -4.871 * FOOT ** (-3 * 1.852)
+        return PowerLaw(density * GRAVITY * head, 0.0, 1.852)
+
+
+class Manning(ByFlow):
+    """Turbulent friction of a rough wall: the head falls by n²·v²/R^(4/3) per metre (Manning)."""
+
+    kind: Literal["manning"] = "manning"
+    coefficient: Annotated[Quantity, Role("Manning coefficient", "", above=0, at_most=1e9)] = Field(
+        description="n in s/m^(1/3): 0.009 of plastics, 0.013 of concrete"
+    )
+
+    def along(self, density: float, area: float) -> PowerLaw:  # noqa: D102
+        slope = (self.coefficient / area) ** 2 / (_diameter(area) / 4) ** (4 / 3)
+        return quadratic(density * GRAVITY * slope)
+
+
+class WaterworksDarcy(ByFlow):
+    """Friction as in steady flow, laminar, transitional or turbulent, as EPANET has it (Swamee, Jain, Dunlop)."""
+
+    kind: Literal["swamee-jain"] = "swamee-jain"
+    viscosity: Viscosity = Field(description="dynamic viscosity")
+    roughness: Roughness = Field(description="of the wall, 0 if smooth")
+
+    def along(self, density: float, area: float) -> RoughPipe:  # noqa: D102
+        return _rough_pipe(SwameeJain, density, area, self.viscosity, self.roughness)
 
 
 class QuasiSteady(Friction):
-    """Friction as in steady flow of the same speed, laminar or turbulent."""
+    """Friction as in steady flow of the same speed, laminar or turbulent (Colebrook)."""
 
     kind: Literal["quasi-steady"] = "quasi-steady"
     viscosity: Viscosity = Field(description="dynamic viscosity")
-    roughness: Annotated[Quantity, Role("roughness", "m", at_least=0)] = Field(description="of the wall, 0 if smooth")
+    roughness: Roughness = Field(description="of the wall, 0 if smooth")
 
-    def curve(self, density: float, area: float) -> Curve:  # noqa: D102
-        return SteadyDrop(density, area, self.viscosity, self.roughness)
+    def flow_law(self, density: float, area: float, length: float) -> FlowLaw:  # noqa: D102
+        return _rough_pipe(Colebrook, density, area, self.viscosity, self.roughness)
 
 
 class VardyBrown(QuasiSteady):
@@ -108,58 +163,22 @@ class VardyBrown(QuasiSteady):
         return TurbulentFriction(density, self.viscosity, (area / pi) ** 0.5, self.reynolds)
 
 
-@dataclass(frozen=True)
-class SteadyDrop:
-    """Drop of pressure per metre in steady flow; all in SI."""
-
-    density: float
-    area: float
-    viscosity: float
-    roughness: float
-
-    def __call__(self, flow: NDArray) -> tuple[NDArray, NDArray]:
-        """Drop and its slope at flows from 0 on."""
-        diameter = 2 * (self.area / pi) ** 0.5
-        reynolds = flow * self.density * diameter / (self.viscosity * self.area)
-        factor, exponent = friction_factors(self.roughness / diameter, np.maximum(reynolds, SLOWEST))
-        each = darcy(1.0, self.density, self.area) * factor * flow
-        return each * flow, (2 + exponent) * each
-
-
 def darcy(factor: float, density: float, area: float) -> float:
     """ρ f/(2 d A²), so that the drop of pressure per metre is this times |y| y."""
-    return density * factor / (4 * (area / pi) ** 0.5 * area**2)
+    return density * factor / (2 * _diameter(area) * area**2)
 
 
-def friction_factors(relative_roughness: float, reynolds: NDArray) -> tuple[NDArray, NDArray]:
-    """Darcy's friction factor f and d ln f/d ln Re, for Re above 0: 64/Re in laminar flow, else interpolated."""
-    first, step, y = _turbulent(relative_roughness)
-    at = np.clip((np.log(reynolds) - first) / step, 0, len(y) - 1)
-    k = np.minimum(at.astype(int), len(y) - 2)
-    turbulent = reynolds > LAMINAR
-    value = np.where(turbulent, np.exp(y[k] + (at - k) * (y[k + 1] - y[k])), 64 / reynolds)
-    return value, np.where(turbulent, np.where(at < len(y) - 1, (y[k + 1] - y[k]) / step, 0.0), -1.0)
+def _diameter(area: float) -> float:
+    return 2 * (area / pi) ** 0.5
 
 
-@lru_cache
-def _turbulent(relative_roughness: float) -> tuple[float, float, NDArray]:
-    """ln f over evenly spaced ln Re: the first, their distance, and the values.
-
-    References
-    ----------
-    D. Clamond, Industrial & Engineering Chemistry Research 48 (2009) 3665-3671, doi:10.1021/ie801626g: Colebrook's
-    equation, which `fluids.friction.friction_factor` solves.
-    """
-    from fluids.friction import friction_factor
-
-    x = np.linspace(log(LAMINAR), log(FASTEST), int(PER_OCTAVE * log(FASTEST / LAMINAR) / log(2)))
-    factors = [friction_factor(Re=float(each) * (1 + 1e-12), eD=relative_roughness) for each in np.exp(x)]
-    return float(x[0]), float(x[1] - x[0]), np.log(factors)
+def _rough_pipe(kind: type[RoughPipe], density: float, area: float, viscosity: float, roughness: float) -> RoughPipe:
+    diameter = _diameter(area)
+    return kind(darcy(1.0, density, area), 0.0, density * diameter / (viscosity * area), roughness / diameter)
 
 
-KINDS: dict[str, type[Friction]] = {
-    model.model_fields["kind"].default: model for model in (Linear, Laminar, Zielke, Darcy, QuasiSteady, VardyBrown)
-}
+MODELS = (Linear, Laminar, Zielke, Darcy, HazenWilliams, Manning, WaterworksDarcy, QuasiSteady, VardyBrown)
+KINDS: dict[str, type[Friction]] = {model.model_fields["kind"].default: model for model in MODELS}
 
 
 def _of_kind(value: Any, info: ValidationInfo) -> Friction:
@@ -175,4 +194,4 @@ def _of_kind(value: Any, info: ValidationInfo) -> Friction:
     return validator(KINDS[kind]).validate_python(value, context=info.context)
 
 
-AnyFriction = Annotated[Friction, Read(_of_kind, Linear | Laminar | Zielke | Darcy | QuasiSteady | VardyBrown)]
+AnyFriction = Annotated[Friction, Read(_of_kind, reduce(or_, MODELS))]

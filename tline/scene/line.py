@@ -155,10 +155,10 @@ class _Pipe(SceneLine):
         shunt: list[Law] = []
         more: dict[str, Any] = {}
         if self.friction is not None:
-            density, area = self._needed("friction", "density", "area")
+            density, area, length = self._needed("friction", "density", "area", "length")
             law = self.friction.law(density, area)
             series = [law] if law is not None else []
-            more = {"quadratic": self.friction.quadratic(density, area), "curve": self.friction.curve(density, area)}
+            more = {"flow_law": self.friction.flow_law(density, area, length)}
         if self.creep:
             area, thickness = self._needed("creep", "area", "wall_thickness")
             elements = [(float(each.compliance), float(each.time)) for each in self.creep]

@@ -21,6 +21,8 @@ def as_dict(result: Result, found: Worst) -> dict[str, Any]:
         "boiling": [extreme._asdict() for extreme in found.boiling],
         "highest": found.highest._asdict(),
         "pressure_class": found.needed,
+        "no_pressure_class": found.untold or None,
+        "unfinished": [extreme.node for extreme in found.unfinished],
         "notes": list(result.notes),
     }
 
@@ -35,11 +37,15 @@ def as_text(result: Result, accuracy: Accuracy | None, found: Worst) -> str:
     top = found.highest
     asks = f"asks for PN {found.needed / BAR:g}" if found.needed else "is above all classes up to PN 100"
     where = f"{top.highest / BAR:.4g} bar at {top.node} after {top.highest_at:.4g} s"
-    lines += ["", f"the highest pressure, {where}, {asks}"]
+    named = f", {asks}" if not found.untold else f"; no pressure class is named, for {found.untold}"
+    lines += ["", f"the highest pressure, {where}{named}"]
     if found.boiling:
         names = ", ".join(one.node for one in found.boiling[:NAMED])
         more = f" and {len(found.boiling) - NAMED} more" * (len(found.boiling) > NAMED)
-        lines.append(f"water boils at {names}{more}: what follows is not computed; put cavities or protection there")
+        lines.append(f"water boils at {names}{more}: put cavities or protection there")
+    if found.unfinished:
+        names = " and ".join(dict.fromkeys(one.node for one in found.unfinished))
+        lines.append(f"an extreme lies at the end of the run, at {names}: run longer")
     return "\n".join(lines)
 
 

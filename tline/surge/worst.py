@@ -11,6 +11,11 @@ from tline.solver.result.result import Result
 CLASSES = (6e5, 1e6, 1.6e6, 2e6, 2.5e6, 4e6, 6.3e6, 1e7)  # Pa, of EN 1333
 BOILS = 2339.0 - 101_325.0  # Pa gauge, of water at 20 °C
 FAINT = 1e-6  # of the largest change: a node that moves by less does not
+LAST = 0.01  # of a run: what is highest or lowest so near its end may not be so later
+CAVITIES = {"cavity", "vapour cavity"}  # kinds of loads that follow a column that separates
+
+SEPARATES = "water boils, and what the columns do that separate there is not computed"
+RISES = "the highest pressure comes at the end of the run and may be higher later"
 
 
 class Extreme(NamedTuple):
@@ -51,11 +56,15 @@ class Worst(NamedTuple):
     risen, fallen : sequence of Extreme
         The largest change first; what does not move is not among them.
     boiling : sequence of Extreme
-        Where water of 20 °C boils, the lowest pressure first.
+        Where water of 20 °C boils and no cavity follows that, the lowest pressure first.
     highest : Extreme
         The highest pressure of all.
     needed : float or None
-        The class that bears it, Pa; none of EN 1333 if None.
+        The class that bears it, Pa; None if there is none in EN 1333, or none can be told.
+    untold : str
+        Why no class can be told; empty if one can.
+    unfinished : sequence of Extreme
+        Nodes of the highest and the lowest pressure of all that have it at the end of the run.
     """
 
     risen: Sequence[Extreme]
@@ -63,6 +72,8 @@ class Worst(NamedTuple):
     boiling: Sequence[Extreme]
     highest: Extreme
     needed: float | None
+    untold: str
+    unfinished: Sequence[Extreme]
 
 
 def extremes(result: Result) -> list[Extreme]:
@@ -95,7 +106,13 @@ def worst(result: Result, most: int = 5) -> Worst:
     largest = max(max(node.rise, node.fall) for node in nodes)
     risen = sorted((node for node in nodes if node.rise > FAINT * largest), key=lambda node: -node.rise)
     fallen = sorted((node for node in nodes if node.fall > FAINT * largest), key=lambda node: -node.fall)
-    boiling = sorted((node for node in nodes if node.lowest < BOILS), key=lambda node: node.lowest)
-    highest = max(nodes, key=lambda node: node.highest)
-    needed = next((one for one in CLASSES if one >= highest.highest), None)
-    return Worst(risen[:most], fallen[:most], boiling, highest, needed)
+    followed = {load.at for load in result.scene.loads.values() if load.kind in CAVITIES}
+    boils = (node for node in nodes if node.lowest < BOILS and node.node not in followed)
+    boiling = sorted(boils, key=lambda node: node.lowest)
+    highest, lowest = max(nodes, key=lambda node: node.highest), min(nodes, key=lambda node: node.lowest)
+    late = (1 - LAST) * result.scene.t_end
+    rising = [highest] * (highest.highest_at > late and highest.rise > FAINT * largest)
+    falling = [lowest] * (lowest.lowest_at > late and lowest.fall > FAINT * largest)
+    untold = SEPARATES if boiling else RISES if rising else ""
+    needed = None if untold else next((one for one in CLASSES if one >= highest.highest), None)
+    return Worst(risen[:most], fallen[:most], boiling, highest, needed, untold, [*rising, *falling])

@@ -17,14 +17,13 @@ from numpy.typing import NDArray
 
 from tline.loss import Foster
 from tline.loss.losses import Losses
+from tline.solver.assembly.flow_tables import flow_table
 from tline.solver.description.circuits import Circuits, one_step
 from tline.solver.description.lines import Line
 from tline.solver.description.slab import WHOLE
 from tline.solver.kernel.network import CONSTANT, NO_LOSSES, REMEMBERED, SQUARED, TABLED, LossElements
 from tline.solver.radau import Basis
 
-LOWEST, HIGHEST, POINTS = -10, 34, 256  # octaves of a wave in a table, and points in each
-HALVINGS = 60
 EMPTY = np.empty(0)
 
 
@@ -89,6 +88,7 @@ def loss_elements_of(
         return NO_LOSSES, 0
     laws, size = [row.law for row in rows], [len(row.place) for row in rows]
     states = np.cumsum([0, *(law.modes * n for law, n in zip(laws, size, strict=True))])
+    entries, at = _pooled([law.entries for law in laws])
     losses = LossElements(
         gap=_gaps(rows, delay),
         line=np.array([row.line for row in rows]),
@@ -98,12 +98,22 @@ def loss_elements_of(
         place=np.concatenate([row.place for row in rows]),
         passed=np.array([law.passed for law in laws]),
         strength=np.concatenate([np.broadcast_to(row.law.strength, len(row.place)) for row in rows]),
-        at=np.cumsum([0, *(len(law.entries) for law in laws)])[:-1],
+        at=at,
         modes=np.array([law.modes for law in laws]),
-        entries=np.concatenate([law.entries for law in laws]),
+        entries=entries,
         memory=states[:-1],
     )
     return losses, int(states[-1])
+
+
+def _pooled(entries: list[NDArray]) -> tuple[NDArray, NDArray]:
+    """Entries of all rows, those that rows share once, and the place of each row's."""
+    first, kept, n = {}, [], 0
+    for each in entries:
+        if id(each) not in first:
+            first[id(each)], n = n, n + len(each)
+            kept.append(each)
+    return np.concatenate(kept), np.array([first[id(each)] for each in entries])
 
 
 def _gaps(rows: list[_Row], delay: NDArray) -> NDArray:
@@ -129,7 +139,7 @@ def _rows(k: int, line: Line, circuits: Circuits, delay: int, count: int, order:
         share, each = -float(np.expm1(-losses.attenuation)) / 2, float(np.exp(-losses.attenuation / 2))
         return [_Row(k, np.array([delay]), _Law(CONSTANT, sign, share, passed=each)) for sign in (-1.0, 1.0)]
     place = _places(delay, count)
-    even = bool(circuits.series.rates.size or circuits.shunt.rates.size or losses.curve is not None)
+    even = bool(circuits.series.rates.size or circuits.shunt.rates.size or not (losses.linear or losses.quadratic))
     share = shares(count, even)
     rows: list[_Row] = []
     for turn, here in ((1, place % 2 == 0), (-1, place % 2 == 1)):
@@ -171,22 +181,9 @@ def _friction(losses: Losses, z0: float, share: Any) -> list[_Law]:
     """A share of the friction that depends on the size of the flow."""
     if losses.linear:
         return []
-    if losses.curve is not None:
-        return [_Law(TABLED, -1.0, 0.0, tabled(losses, z0, share))]
-    return [_Law(SQUARED, -1.0, losses.quadratic * losses.exact.length * share / z0**2)]
-
-
-@lru_cache(64)
-def tabled(losses: Losses, z0: float, share: float) -> NDArray:
-    """e/w of a loss element over the logarithm of |w|, as the kernel looks it up; between 0 and 1, so it stays passive.
-
-    The flow in 2 z0 y + share F(y) = w is found by halving: the left side rises, though it may jump.
-    """
-    octaves = np.arange(LOWEST * POINTS, HIGHEST * POINTS + 1) / POINTS
-    w = 2.0**octaves
-    low, high = np.zeros(len(w)), w / (2 * z0)
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        below = 2 * z0 * middle + share * losses.friction(middle)[0] < w
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    return np.concatenate([[octaves[0], POINTS, len(w)], np.clip(1 - (low + high) * z0 / w, 0.0, 1.0)])
+    length = losses.exact.length * share
+    if losses.quadratic:
+        return [_Law(SQUARED, -1.0, losses.quadratic * length / z0**2)]
+    assert losses.flow_law is not None
+    entries, scale = flow_table(losses.flow_law, z0, length)
+    return [_Law(TABLED, -1.0, scale, entries)]

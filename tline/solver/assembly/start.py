@@ -17,9 +17,10 @@ def tables_of(losses: LossElements, names: list[str]) -> dict[str, FrictionTable
     """Of lines whose friction is tabled, by name."""
     found: dict[str, FrictionTable] = {}
     for r in np.flatnonzero(losses.kind == TABLED):
-        name, at, count = names[losses.line[r]], int(losses.at[r]), int(losses.first[r + 1] - losses.first[r])
+        name, count = names[losses.line[r]], int(losses.first[r + 1] - losses.first[r])
         known = found[name].elements if name in found else 0
-        found[name] = FrictionTable(known + count, losses.entries[at : at + 3 + int(losses.entries[at + 2])])
+        scale = float(losses.strength[losses.first[r]])
+        found[name] = FrictionTable(known + count, scale, losses.entries, int(losses.at[r]))
     return found
 
 

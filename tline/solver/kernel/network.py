@@ -85,10 +85,12 @@ class LossElements(NamedTuple):
     first: Integers  # (rows + 1,) the loss elements of row r are first[r] to first[r + 1]
     place: Integers  # half slabs from end 1
     passed: Floats  # (rows,) share of waves that passes a row and does not depend on what comes the other way, or 0
-    strength: Floats  # constant: e/w; quadratic: c, e = c|w| w/(1 + sqrt(1 + c|w|))²; else without meaning
+    strength: Floats  # constant: e/w; quadratic: c, e = c|w| w/(1 + sqrt(1 + c|w|))²; table: c, looked up at c|w|
     at: Integers  # (rows,) place of the row's entries: of a table, or of its maps
     modes: Integers  # (rows,) of a circuit
-    entries: Floats  # table: log2 of the first |w|, points per octave, number of points n, then e/w at n points;
+    entries: (
+        Floats  # table: log2 of the first c|w|, points per octave, number of points n, then log2 of e/w at n points;
+    )
     # circuit: D (s, s), C (s, modes), B (modes, s), decay (modes,) of e = D w + C x, x' = B w + decay x
     memory: Integers  # (rows,) place of the row's states, shape (modes, loss elements)
 

@@ -4,12 +4,13 @@ Of its resistance r and conductance g per metre such a line of length l makes a 
 G = tanh(γl/2)/Zc at each, with Zc = √(r/g) and γ = √(r g). Friction that depends on the flow adds its fall to R's.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.loss.flow_law import side_by_side
 from tline.solver.description.lines import Line
 
 FAINTEST = 1e-150  # wave that a table knows
@@ -21,7 +22,9 @@ class FrictionTable(NamedTuple):
     """Friction of a line as its loss elements have it."""
 
     elements: int
-    entries: NDArray  # as in `LossElements`: e/w over log2 |w|
+    scale: float  # c: looked up at c |w|
+    entries: NDArray  # as in `LossElements`, of all lines
+    at: int  # place of its own
 
 
 def pi(line: Line) -> tuple[float, float]:
@@ -45,36 +48,41 @@ class Falls:
     def __init__(self, lines: Mapping[str, Line], tables: Mapping[str, FrictionTable]):
         self.z0 = np.array([line.z0 for line in lines.values()])
         self._resistance = np.array([pi(line)[0] for line in lines.values()])
-        losses = [line.losses for line in lines.values()]
-        self._quadratic = np.array([each.quadratic * each.exact.length if each else 0.0 for each in losses])
-        self._tables = {k: tables[name] for k, name in enumerate(lines) if name in tables}
-        curved = [(k, each) for k, each in enumerate(losses) if each is not None and each.curve is not None]
-        self._curves = [(k, each) for k, each in curved if k not in self._tables]
+        laws = [line.losses.flow_law if line.losses else None for line in lines.values()]
+        self._length = np.array([line.losses.exact.length if line.losses else 0.0 for line in lines.values()])
+        names = [*lines]
+        self._tabled = np.array([k for k, name in enumerate(names) if name in tables], int)
+        self._tables = [tables[names[k]] for k in self._tabled]
+        self._laws = side_by_side(None if name in tables else law for name, law in zip(names, laws, strict=True))
 
     def solved(self, a: NDArray) -> Slopes:
         """Falls and flows, and their slopes over a."""
         y, dy = a / self.z0, 1 / self.z0
-        fall = (self._resistance + self._quadratic * np.abs(y)) * y
-        slope = (self._resistance + 2 * self._quadratic * np.abs(y)) * dy
-        for k, losses in self._curves:
-            more, steep = losses.friction(y[k])
-            fall[k], slope[k] = fall[k] + more, slope[k] + steep * dy[k]
-        for k, (elements, entries) in self._tables.items():
-            share, steep = _looked_up(entries, a[k])
+        fall, slope = self._resistance * y, self._resistance * dy
+        for here, law in self._laws:
+            drop, steep = law(np.abs(y[here]))
+            fall[here] += np.sign(y[here]) * drop * self._length[here]
+            slope[here] += steep * self._length[here] * dy[here]
+        if self._tables:
+            k = self._tabled
+            share, steep = _looked_up(self._tables, a[k])
+            elements = np.array([table.elements for table in self._tables])
             y[k], dy[k] = (1 - share) * a[k] / (2 * self.z0[k]), (1 - steep) / (2 * self.z0[k])
             fall[k] = elements * share * a[k] + self._resistance[k] * y[k]
             slope[k] = elements * steep + self._resistance[k] * dy[k]
         return fall, y, slope, dy
 
 
-def _looked_up(entries: NDArray, w: float) -> tuple[float, float]:
-    """Share e/w as the kernel looks it up, and slope of e."""
-    first, points, n = entries[0], entries[1], int(entries[2])
-    at = min(max((np.log2(max(abs(w), FAINTEST)) - first) * points, 0.0), n - 1.0)
-    k = min(int(at), n - 2)
-    below, above = entries[3 + k], entries[4 + k]
-    share = (1 - (at - k)) * below + (at - k) * above
-    return share, share + ((above - below) * points / np.log(2) if 0 < at < n - 1 else 0.0)
+def _looked_up(tables: Sequence[FrictionTable], w: NDArray) -> tuple[NDArray, NDArray]:
+    """Shares e/w as the kernel looks them up, and slopes of e."""
+    entries, at = tables[0].entries, np.array([table.at for table in tables])
+    first, points, n = entries[at], entries[at + 1], entries[at + 2]
+    size = np.array([table.scale for table in tables]) * np.abs(w)
+    x = np.minimum((np.log2(np.maximum(size, FAINTEST)) - first) * points, n - 1.0)
+    k = np.clip(x.astype(int), 0, n.astype(int) - 2)
+    below, above = entries[at + 3 + k], entries[at + 4 + k]
+    share = np.exp2((1 - (x - k)) * below + (x - k) * above)
+    return share, share * np.where(x < n - 1, 1 + (above - below) * points, 1.0)
 
 
 class Ends(NamedTuple):

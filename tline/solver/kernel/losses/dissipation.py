@@ -1,7 +1,8 @@
 """Loss elements without memory: constant, quadratic, or by a table.
 
 An element between the waves a and b that meet there takes e(w) of w = a + sign b: a becomes a - e, b becomes
-b - sign e. Constant e = c w; quadratic e = c |w| w/(1 + sqrt(1 + c |w|))²; tabled e/w over log2 |w|.
+b - sign e. Constant e = c w; quadratic e = c |w| w/(1 + sqrt(1 + c |w|))²; tabled log2 of e/w over
+log2 of c |w|.
 """
 
 import numpy as np
@@ -16,13 +17,13 @@ FEW = 24  # samples that are not worth gathering
 
 @function
 def looked_up(entries, at, size):
-    """Share e/w of a wave of some size, from a table over its logarithm."""
+    """Share e/w of a wave of some size, from a table of logarithms, of which the first line goes on below it."""
     n = int(entries[at + 2])
     x = (np.log2(max(size, TINY)) - entries[at]) * entries[at + 1]
-    x = min(max(x, 0.0), n - 1.0)
-    k = min(int(x), n - 2)
+    x = min(x, n - 1.0)
+    k = min(max(int(x), 0), n - 2)
     part = x - k
-    return (1.0 - part) * entries[at + 3 + k] + part * entries[at + 4 + k]
+    return np.exp2((1.0 - part) * entries[at + 3 + k] + part * entries[at + 4 + k])
 
 
 @function
@@ -50,7 +51,7 @@ def dissipate(run, r, t, m):
             a, b, n = np.uint64(o + a * s), np.uint64(o + b * s), np.uint64(n * s)
             for i in range(n):
                 w = waves[a + i] + sign * waves[b + i]
-                loss = taken(kind, c, w) if kind < TABLED else w * looked_up(entries, at, abs(w))
+                loss = taken(kind, c, w) if kind < TABLED else w * looked_up(entries, at, c * abs(w))
                 waves[a + i] -= loss
                 waves[b + i] -= sign * loss
 

@@ -1,0 +1,107 @@
+"""Imported networks settle at EPANET's own new steady state after a start-up, a burst and a closing."""
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.random_waterworks import waterworks
+from benchmarks.settling_networks import ACCURATE, WALLS, good, measured
+from tline.interchange.epanet import read_epanet
+from tline.interchange.water_scene import water_scene
+from tline.scene.scene import Scene
+from tline.scene.site import GRAVITY
+from tline.solver.simulate import simulate
+from tline.surge.event import Event
+from tline.surge.operate import operated
+
+pytest.importorskip("wntr")
+pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")  # of corners of ramps
+MAIN = """
+[JUNCTIONS]
+ suction 0 0
+ lift 0 0
+ far 0 0
+[RESERVOIRS]
+ low 10
+ high 40
+[PIPES]
+ in low suction 50 300 {rough} 0 Open
+ main lift far 5000 250 {rough} {minor} Open
+ out far high 50 300 {rough} 0 Open
+[PUMPS]
+ pump suction lift HEAD lifting
+[STATUS]
+ pump {status}
+[CURVES]
+ lifting 50 40
+[OPTIONS]
+ UNITS LPS
+ HEADLOSS {formula}
+[END]
+"""
+DEAD = """
+[JUNCTIONS]
+ a 0 {drawn}
+ end 5 0
+[RESERVOIRS]
+ lake 60
+[PIPES]
+ first lake a 500 300 130 0 Open
+ dead a end 2000 150 130 0 Open
+[EMITTERS]
+ end {hole}
+[OPTIONS]
+ UNITS LPS
+[END]
+"""
+
+
+@pytest.mark.parametrize("minor", [0, 20])
+@pytest.mark.parametrize(("formula", "rough"), [("H-W", 130), ("D-W", 0.1), ("C-M", 0.011)])
+def test_a_pump_that_stands_is_started(tmp_path: Path, formula: str, rough: float, minor: float) -> None:
+    files = [tmp_path / f"{status}.inp" for status in ("Closed", "Open")]
+    for file in files:
+        text = MAIN.format(status=file.stem, formula=formula, rough=rough, minor=minor)
+        file.write_text(text)
+    stands, runs = map(read_epanet, files)
+    changed, _ = operated(water_scene(stands, WALLS)[0], [Event("start", "pump", 1.0, 5.0)])
+    seen = simulate(changed.with_changes(t_end=200, solver={"order": 1}, probes={"p": {"at": "lift", "line": "main"}}))
+    probe = seen.probes["p"]
+    flow = runs.pipes["main"].flow
+    assert abs(stands.pipes["main"].flow) < 1e-6
+    assert probe.u[-1] / (1000 * GRAVITY) == pytest.approx(runs.nodes["lift"].head, abs=ACCURATE)
+    assert probe.y[-1] == pytest.approx(flow, rel=1e-4)
+
+
+def test_a_burst_at_a_dead_end(tmp_path: Path) -> None:
+    """10 L/s at the 55 m that stand there before."""
+    drawn, burst = (tmp_path / f"{name}.inp" for name in ("drawn", "burst"))
+    drawn.write_text(DEAD.format(drawn=0, hole=0))
+    burst.write_text(DEAD.format(drawn=0, hole=10 / 55**0.5))
+    before, after = read_epanet(drawn), read_epanet(burst)
+    changed, _ = operated(water_scene(before, WALLS)[0], [Event("burst", "end", 1.0, 2.0, 0.01)])
+    seen = simulate(changed.with_changes(t_end=100, solver={"order": 1}, probes={"p": {"at": "end"}}))
+    assert seen.probes["p"].u[-1] / (1000 * GRAVITY) == pytest.approx(after.nodes["end"].head, abs=ACCURATE)
+    assert after.nodes["end"].head < before.nodes["end"].head - 4
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_waterworks(tmp_path: Path, seed: int) -> None:
+    """By Hazen and Williams, Darcy and Weisbach, Chezy and Manning."""
+    path = tmp_path / "works.inp"
+    path.write_text(waterworks(seed))
+    found = list(measured(path))
+    assert {one["kind"] for one in found} >= {"start", "burst"}
+    assert all(good(one) for one in found), found
+    assert all(one["still"] >= 4 for one in found)
+
+
+def test_a_run_from_the_new_steady_state_stays_there(tmp_path: Path) -> None:
+    """Loss elements have tables of the law, and the start has the same."""
+    path = tmp_path / "works.inp"
+    for seed in range(3):
+        path.write_text(waterworks(seed))
+        scene, _ = water_scene(read_epanet(path), WALLS)
+        seen = simulate(Scene(**scene.table() | {"t_end": 5.0, "solver": {"order": 2}}), envelope=True).envelope
+        assert seen is not None
+        assert (seen.highest - seen.lowest).max() <= 1e-9 * seen.highest.max()

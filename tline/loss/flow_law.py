@@ -1,0 +1,164 @@
+"""Effort lost per metre of a line as a function of the flow: odd laws that rise, whatever the line is made of.
+
+A law knows nothing of how its line is computed. Its parameters are numbers, or arrays of as many laws side by side.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+from dataclasses import astuple, dataclass, replace
+from functools import lru_cache
+from math import log
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+LAMINAR = 2040.0  # Reynolds number up to which flow counts as laminar, as in fluids.friction
+FASTEST = 1e9  # Reynolds number beyond which the friction factor stays
+SLOWEST = 1e-200
+PER_OCTAVE = 64
+STOKES, DUNLOP = 2000.0, 4000.0  # Reynolds numbers between which the flow counts as transitional in EPANET
+
+
+@dataclass(frozen=True)
+class FlowLaw(ABC):
+    """Drop of effort per metre.
+
+    Parameters
+    ----------
+    strength : float
+        Of the law itself.
+    square : float
+        K, Pa s²/m⁷: K |y| y is added, as local losses spread over the length are.
+    """
+
+    strength: float
+    square: float
+
+    @abstractmethod
+    def _own(self, flow: NDArray) -> tuple[NDArray, NDArray]:
+        """Drop of the law itself, and its slope."""
+
+    def __call__(self, flow: NDArray) -> tuple[NDArray, NDArray]:
+        """Drop and its slope at flows from 0 on."""
+        drop, slope = self._own(flow)
+        return drop + self.square * flow**2, slope + 2 * self.square * flow
+
+    def scaled(self, by: float) -> Self:
+        """The law that loses so many times as much."""
+        return replace(self, strength=self.strength * by, square=self.square * by)
+
+
+@dataclass(frozen=True)
+class PowerLaw(FlowLaw):
+    """strength · |y|^(exponent - 1) · y, with an exponent above 1."""
+
+    exponent: float
+
+    def _own(self, flow: NDArray) -> tuple[NDArray, NDArray]:
+        each = self.strength * flow ** (self.exponent - 1)
+        return each * flow, self.exponent * each
+
+
+def quadratic(strength: float) -> PowerLaw:
+    """strength · |y| · y."""
+    return PowerLaw(strength, 0.0, 2.0)
+
+
+@dataclass(frozen=True)
+class RoughPipe(FlowLaw):
+    """strength · f(Re) · |y| · y, with Darcy's friction factor f of a rough pipe.
+
+    Parameters
+    ----------
+    reynolds : float
+        Reynolds number of a flow of 1 m³/s.
+    roughness : float
+        Relative to the diameter.
+    """
+
+    reynolds: float
+    roughness: float
+
+    @staticmethod
+    @abstractmethod
+    def factor(roughness: NDArray, reynolds: NDArray) -> tuple[NDArray, NDArray]:
+        """f and d ln f/d ln Re, for Re above 0."""
+
+    def _own(self, flow: NDArray) -> tuple[NDArray, NDArray]:
+        factor, exponent = self.factor(np.asarray(self.roughness), np.maximum(self.reynolds * flow, SLOWEST))
+        each = self.strength * factor * flow
+        return each * flow, (2 + exponent) * each
+
+
+class Colebrook(RoughPipe):
+    """Hagen and Poiseuille's factor up to Re = 2040, Colebrook's beyond.
+
+    References
+    ----------
+    D. Clamond, Industrial & Engineering Chemistry Research 48 (2009) 3665-3671, doi:10.1021/ie801626g: Colebrook's
+    equation, which `fluids.friction.friction_factor` solves.
+    """
+
+    @staticmethod
+    def factor(roughness: NDArray, reynolds: NDArray) -> tuple[NDArray, NDArray]:  # noqa: D102
+        value, exponent = np.array(64 / reynolds), np.full(reynolds.shape, -1.0)
+        roughness = np.broadcast_to(roughness, reynolds.shape)
+        for each in np.unique(roughness):
+            here = (roughness == each) & (reynolds > LAMINAR)
+            first, step, y = _colebrook(float(each))
+            at = np.clip((np.log(reynolds[here]) - first) / step, 0, len(y) - 1)
+            k = np.minimum(at.astype(int), len(y) - 2)
+            rise = y[k + 1] - y[k]
+            value[here] = np.exp(y[k] + (at - k) * rise)
+            exponent[here] = np.where(at < len(y) - 1, rise / step, 0.0)
+        return value, exponent
+
+
+@lru_cache
+def _colebrook(roughness: float) -> tuple[float, float, NDArray]:
+    """ln f over evenly spaced ln Re: the first, their distance, and the values."""
+    from fluids.friction import friction_factor
+
+    x = np.linspace(log(LAMINAR), log(FASTEST), int(PER_OCTAVE * log(FASTEST / LAMINAR) / log(2)))
+    factors = [friction_factor(Re=float(each) * (1 + 1e-12), eD=roughness) for each in np.exp(x)]
+    return float(x[0]), float(x[1] - x[0]), np.log(factors)
+
+
+class SwameeJain(RoughPipe):
+    """Hagen and Poiseuille's factor up to Re = 2000, Swamee and Jain's from 4000 on, Dunlop's cubic between.
+
+    The cubic meets the turbulent law with its slope, as in EPANET's code; the manual prints one term otherwise.
+
+    References
+    ----------
+    EPANET 2.2 User Manual, section 3.1.
+    """
+
+    @staticmethod
+    def factor(roughness: NDArray, reynolds: NDArray) -> tuple[NDArray, NDArray]:  # noqa: D102
+        part = 5.74 / np.maximum(reynolds, DUNLOP) ** 0.9
+        y2 = roughness / 3.7 + part
+        y3 = -2 * np.log10(y2)
+        fa = y3**-2
+        r, fb = np.clip(reynolds / STOKES, 1.0, 2.0), fa * (2 - 0.00514215 / (y2 * y3))
+        x1, x2, x3 = 7 * fa - fb, 0.128 - 17 * fa + 2.5 * fb, -0.128 + 13 * fa - 2 * fb
+        x4 = 0.032 - 3 * fa + 0.5 * fb
+        cubic = x1 + r * (x2 + r * (x3 + r * x4))
+        ways = [reynolds < STOKES, reynolds <= DUNLOP]
+        value = np.select(ways, [64 / reynolds, cubic], fa)
+        steep = r * (x2 + r * (2 * x3 + 3 * r * x4)) / cubic
+        return value, np.select(ways, [-1.0, steep], -3.6 / log(10) * part / (y2 * y3))
+
+
+def side_by_side(laws: Iterable[FlowLaw | None]) -> list[tuple[NDArray, FlowLaw]]:
+    """Laws of each kind as one with arrays of parameters, after their places; None has no law."""
+    kinds: dict[type[FlowLaw], list[tuple[int, FlowLaw]]] = {}
+    for k, law in enumerate(laws):
+        if law is not None:
+            kinds.setdefault(type(law), []).append((k, law))
+    found = []
+    for kind, numbered in kinds.items():
+        places, same = zip(*numbered, strict=True)
+        found.append((np.array(places), kind(*np.array([astuple(law) for law in same]).T)))
+    return found
