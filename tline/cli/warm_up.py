@@ -22,7 +22,7 @@ WITH_UNITS = (  # packages and modules
 EXAMPLES = """\b
 Examples:
   tline warm-up
-  NUMBA_CACHE_DIR=/var/cache/tline tline warm-up --json
+  NUMBA_CACHE_DIR=~/compiled tline warm-up --json
 """
 
 
@@ -33,6 +33,9 @@ def warm_up(as_json: bool) -> None:
 
     What a scene needs is otherwise compiled when a scene first needs it. It is kept where NUMBA_CACHE_DIR says, else
     beside the program, else in your own cache, until the program changes. A second call finds nothing to do.
+
+    Code is read only from folders and files that are yours, or root's, and to which nobody else may write. For all users
+    of a computer, let root warm up a folder that they can read.
     """
     from tline.object_code import is_kept, path_of
 
