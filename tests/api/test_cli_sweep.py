@@ -3,6 +3,8 @@
 import json
 import re
 import shlex
+from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 import click
@@ -13,6 +15,8 @@ from click.testing import CliRunner
 
 from tline.cli.main import main
 from tline.cli.sweep import sweep
+from tline.errors import InputError
+from tline.sweeps.work import SweepWork
 
 CABLE = """
 medium = "electrical"
@@ -116,6 +120,37 @@ def test_a_tolerance_not_met_exits_with_1(folder: Path) -> None:
     done = run(f"sweep cable.toml {Z0} --sample random:2 --tol 1e-12")
     assert done.exit_code == 1
     assert done.stderr.startswith("note: 2 runs missed the tolerance, estimated errors up to ")
+
+
+def test_ctrl_c_before_anything_is_done_writes_nothing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("tline.sweeps.vectorised.side_by_side", interrupted)
+    before = sorted(folder.iterdir())
+    done = run(f"sweep cable.toml {Z0} --sample random:30 --csv r.csv --npz r.npz --plot r.svg --resume go.npz")
+    assert (done.exit_code, done.stdout, done.stderr.strip()) == (130, "", "interrupted")
+    assert sorted(folder.iterdir()) == before
+
+
+def test_ctrl_c_later_keeps_what_is_done_and_exits_with_130(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def batches(*_: object) -> Iterator[object]:
+        yield from islice(made(*_), 1)
+        raise KeyboardInterrupt
+
+    made = SweepWork.batches
+    monkeypatch.setattr(SweepWork, "batches", batches)
+    monkeypatch.setattr("tline.sweeps.vectorised.side_by_side", refused)
+    line = "sweep cable.toml --vary lines.cable.z0=40:60:5 --resume go.npz --csv r.csv"
+    done = run(line)
+    assert done.exit_code == 130
+    assert done.stderr == "note: interrupted: 4 of 5 runs are not made\n"
+    with np.load("go.npz") as saved:
+        assert saved["done"].sum() == 1
+
+
+def refused(*_: object) -> None:
+    raise InputError("scene", "is made one at a time")
 
 
 def test_it_goes_on_from_a_file(folder: Path) -> None:

@@ -31,14 +31,14 @@ def test_ones_own_file_is_read(file):
 @pytest.mark.parametrize("mode", [0o664, 0o646, 0o666])
 def test_a_file_that_others_may_write_is_not(file, mode):
     file.chmod(mode)
-    with pytest.raises(UntrustedError, match="other users may write to .*file$"):
+    with pytest.raises(UntrustedError, match=r"other users may write to .*file$"):
         read_trusted(file)
 
 
 @pytest.mark.parametrize("mode", [0o775, 0o757, 0o777, 0o1777])
 def test_nor_one_in_a_folder_that_others_may_write(file, mode):
     file.parent.chmod(mode)
-    with pytest.raises(UntrustedError, match="other users may write to .*folder$"):
+    with pytest.raises(UntrustedError, match=r"other users may write to .*folder$"):
         read_trusted(file)
     with pytest.raises(UntrustedError):
         check_folder(file.parent)
