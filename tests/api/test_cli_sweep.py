@@ -1,6 +1,7 @@
 """The surface of `tline sweep`: numbers, files, mistakes."""
 
 import json
+import random
 import re
 import shlex
 from collections.abc import Iterator
@@ -159,6 +160,27 @@ def test_it_goes_on_from_a_file(folder: Path) -> None:
     done = run(line)
     assert done.stdout.startswith("30 runs in ")
     assert (run(f"{line} --seed 3").exit_code, run(f"{line} --tol 1e-3").exit_code) == (2, 2)
+
+
+def test_a_damaged_file_is_refused_or_read_rightly(folder: Path) -> None:
+    """Byte by byte in its directory, and here and there in front of it."""
+    line = "sweep cable.toml --vary lines.cable.z0=40,60 --resume r.npz --csv r.csv"
+    assert run(line).exit_code == 0
+    whole, right = Path("r.npz").read_bytes(), Path("r.csv").read_bytes()
+    directory = whole.index(b"PK\1\2")
+    chance = random.Random(3)
+    places = [*range(directory, directory + 60), *chance.sample(range(len(whole)), 60)]
+    for place in places:
+        for byte in (5, 132):
+            Path("r.npz").write_bytes(whole[:place] + bytes([byte]) + whole[place + 1 :])
+            done = run(line)
+            if done.exit_code == 0:
+                assert Path("r.csv").read_bytes() == right
+            else:
+                assert done.exit_code == 2
+                assert re.fullmatch(
+                    r"r\.npz: (is no file of a sweep|holds another sweep), expected [^\n]*\n", done.stderr
+                )
 
 
 @pytest.mark.parametrize(
