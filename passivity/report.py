@@ -42,7 +42,7 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None, chain
             "same": robust.same,
             "exception": exception and {"numerator": _list(exception.p), "denominator": _list(exception.q)},
         }
-    if chain:
+    if chain is not None:
         told["line"] = {
             "z0": written(chain.z0),
             "delay": written(chain.delay),

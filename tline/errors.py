@@ -108,7 +108,7 @@ def import_extra(module: str, package: str, extra: str, where: str = "") -> Any:
 
 
 class NotKeptWarning(UserWarning):
-    """Compiled code cannot be kept on disk, so every process compiles for itself."""
+    """Compiled code cannot be kept on disk, or what is there may be somebody else's: a process compiles for itself."""
 
 
 class LeftOutWarning(UserWarning):

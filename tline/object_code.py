@@ -1,13 +1,14 @@
 """Object code of compiled units on disk: found, checked, and loaded by llvmlite alone, without numba.
 
 A file is valid while all source code that the unit is made of means the same (`tline.sources`), for one processor,
-one version of numba and one set of its options. What it leaves to the C library must be found before it is loaded.
+one version of numba and one set of its options. It is read only if nobody else can have written it
+(`tline.trusted_file`). What it leaves to the C library must be found before it is loaded.
 """
 
 import ctypes
 import hashlib
+import json
 import os
-import pickle
 import sys
 import warnings
 from contextlib import suppress
@@ -18,9 +19,13 @@ from typing import Any
 from uuid import uuid4
 
 from tline.sources import SourceText, are_unchanged, digests, sources_of
+from tline.trusted_file import UntrustedError, check_folder, read_trusted
 
 COMPILING = "tline.by_reference", "tline.compiler"  # what any code is made with, though no unit imports it
-OPTIONS = "NUMBA_OPT", "NUMBA_LOOP_VECTORIZE", "NUMBA_SLP_VECTORIZE", "NUMBA_BOUNDSCHECK", "NUMBA_DEBUGINFO"
+NO_MATTER = {"NUMBA_CACHE_DIR", "NUMBA_NUM_THREADS", "NUMBA_THREADING_LAYER"}  # of numba's settings, for code
+SETTINGS_FILE = Path(".numba_config.yaml")  # of numba, in the folder where the program runs
+EXPECTED = "expected a folder of your own to which nobody else may write"
+OWN_FOLDER, OWN_FILE = 0o755, 0o644  # modes, whatever the umask lets others do
 _said: set[str] = set()
 
 
@@ -38,11 +43,17 @@ def _read(unit: Any) -> tuple[str, list[str], bytes] | None:
     path = path_of(unit)
     if path is None:
         return None
-    with path.open("rb") as file:
-        if file.readline() != _versions() or not are_unchanged(unit.sources, pickle.load(file)):
-            return None
-        digest, content = file.read(32), file.read()
-    return pickle.loads(content) if hashlib.sha256(content).digest() == digest else None
+    try:
+        digest, _, content = read_trusted(path).partition(b"\n")
+    except UntrustedError as error:
+        _say(f"compiled code is not read, but compiled anew: {error}, {EXPECTED}")
+        return None
+    if hashlib.sha256(content).hexdigest().encode() != digest:
+        return None
+    first, _, code = content.partition(b"\n")
+    about = json.loads(first)
+    valid = about["versions"] == _versions() and are_unchanged(unit.sources, about["sources"])
+    return (about["name"], about["needed"], code) if valid else None
 
 
 def keep(unit: Any, name: str, library: Any) -> None:
@@ -51,13 +62,16 @@ def keep(unit: Any, name: str, library: Any) -> None:
     if path is None:
         return
     needed = [f.name for f in library._final_module.functions if f.is_declaration and not f.name.startswith("llvm.")]
-    content = pickle.dumps((name, needed, bytes(library._get_compiled_object())))
-    head = _versions() + pickle.dumps(digests(unit.sources))
+    about = {"versions": _versions(), "sources": digests(unit.sources), "name": name, "needed": needed}
+    content = json.dumps(about).encode() + b"\n" + bytes(library._get_compiled_object())
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        _write(path, head + hashlib.sha256(content).digest() + content)
+        path.parent.mkdir(OWN_FOLDER, parents=True, exist_ok=True)
+        check_folder(path.parent)
+        _write(path, hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
+    except UntrustedError as error:
+        _not_kept(f"{error}, {EXPECTED}")
     except OSError as error:
-        _say(f"it cannot be written into {path.parent}, got {(error.strerror or str(error)).lower()}")
+        _not_kept(f"it cannot be written into {path.parent}, got {(error.strerror or str(error)).lower()}")
 
 
 def is_kept(unit: Any) -> bool:
@@ -104,18 +118,21 @@ def _engine() -> Any:
 
 
 @cache
-def _versions() -> bytes:
+def _versions() -> str:
     import llvmlite
 
-    return f"numba {version('numba')}, llvmlite {llvmlite.__version__}\n".encode()
+    return f"numba {version('numba')}, llvmlite {llvmlite.__version__}"
 
 
 @cache
 def _processor() -> str:
+    """What numba translates for: this processor, unless one of its settings names another or less of this one."""
     import llvmlite.binding as llvm
 
-    options = [os.environ.get(name) for name in OPTIONS]
-    return repr((llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten(), options))
+    settings = sorted(item for item in os.environ.items() if item[0].startswith("NUMBA_") and item[0] not in NO_MATTER)
+    in_file = SETTINGS_FILE.read_bytes() if SETTINGS_FILE.is_file() else b""
+    host = llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+    return repr((host, settings, in_file))
 
 
 def sources_for(module: str) -> dict[str, SourceText] | None:
@@ -144,11 +161,12 @@ def _folder(beside: Path) -> Path | None:
         return Path(os.environ["NUMBA_CACHE_DIR"]).absolute()
     home = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or str(Path.home() / ".cache")
     for folder in (beside / "__pycache__", Path(home) / "tline"):
-        with suppress(OSError):
-            folder.mkdir(parents=True, exist_ok=True)
+        with suppress(OSError, UntrustedError):
+            folder.mkdir(OWN_FOLDER, parents=True, exist_ok=True)
+            check_folder(folder)
             if os.access(folder, os.W_OK):
                 return folder
-    _say("no folder for it can be written, expected NUMBA_CACHE_DIR to name one")
+    _not_kept("no folder for it can be written, expected NUMBA_CACHE_DIR to name one")
     return None
 
 
@@ -156,7 +174,8 @@ def _write(path: Path, content: bytes) -> None:
     """Write a file that others see whole or not at all."""
     passing = path.with_name(f"{uuid4().hex}.tmp")
     try:
-        passing.write_bytes(content)
+        with open(os.open(passing, os.O_WRONLY | os.O_CREAT | os.O_EXCL, OWN_FILE), "wb") as file:
+            file.write(content)
         os.replace(passing, path)
     except OSError:
         with suppress(OSError):
@@ -164,11 +183,14 @@ def _write(path: Path, content: bytes) -> None:
         raise
 
 
-def _say(reason: str) -> None:
-    """Warn once that each process compiles for itself."""
+def _not_kept(reason: str) -> None:
+    _say(f"compiled code is not kept, so every process compiles anew: {reason}")
+
+
+def _say(text: str) -> None:
+    """Warn, once in a process."""
     from tline.errors import NotKeptWarning
 
     if not _said:
-        _said.add(reason)
-        text = f"compiled code is not kept, so every process compiles anew: {reason}"
+        _said.add(text)
         warnings.warn(text, NotKeptWarning, stacklevel=2)

@@ -28,7 +28,10 @@ COMMANDS = (
     ["eye", "--probe", "p", "--bit", "2 ns", "--rise", "0.2 ns", "--bits", "5"], ["run", "--csv", "out.csv"],
     ["run", "--envelope",
     "out.csv"],
-    ["many", "--vary", "lines.l0.z0=uniform(40, 60)", "--runs", "20"], ["run", "--order", "3", "--slab", "1 ns"],
+    ["sweep", "--vary", "lines.l0.z0=uniform(40, 60)", "--sample", "random:20", "--workers", "1"],
+    ["sweep", "--vary", "lines.l0.z0=40,60", "--workers", "1", "--csv", "out.csv"],
+    ["surge", "--for", "2 s"], ["crosstalk", "--rise", "1 ns"], ["design", "separation"],
+    ["run", "--order", "3", "--slab", "1 ns"],
 )  # fmt: skip
 RARE = (
     ["run", "--animate", "out.html"], ["run", "--plot", "out.svg"], ["run", "--map", "out.svg"], ["run",

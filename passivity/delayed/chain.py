@@ -24,11 +24,11 @@ from passivity.one_port.verdict import Verdict, Witness
 from passivity.one_port.witness import from_axis, from_root
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
-from passivity.status import Kind, Status
+from passivity.status import Decided, Kind, Status
 
 
 @dataclass(frozen=True)
-class Step:
+class Step(Decided):
     """One link of the chain: what is claimed, how that ended, and why."""
 
     claim: str
@@ -37,7 +37,7 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Chain:
+class Chain(Decided):
     """Whether the input port of a line with a load is passive.
 
     Parameters

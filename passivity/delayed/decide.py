@@ -26,14 +26,14 @@ from passivity.one_port import positive_real
 from passivity.one_port.verdict import Verdict
 from passivity.rational.evaluate import Exact, is_rational, of_tree, with_values
 from passivity.rational.function import RationalFunction
-from passivity.status import Kind, Status
+from passivity.status import Decided, Kind, Status
 
 _EACH = VERDICT // 2
 _PLACES = (acb(37, 29), acb(5, 3) / 7, acb(1, 70) / 13)
 
 
 @dataclass(frozen=True)
-class ExpressionVerdict:
+class ExpressionVerdict(Decided):
     """Answer to whether an expression is positive real or bounded real.
 
     Parameters
@@ -72,7 +72,7 @@ class ExpressionVerdict:
     @property
     def why(self) -> str:
         """The reason in one sentence."""
-        if self.rational:
+        if self.rational is not None:
             return self.rational.why
         if self.proof:
             return f"composed of parts that are proved: {self.proof}"
@@ -93,7 +93,7 @@ class ExpressionVerdict:
     @cached_property
     def margin(self) -> AxisValue | None:
         """Smallest Re Z(jω), or largest |H(jω)|; None where the axis has no values, or where `rational` has them."""
-        return None if self.rational else if_affordable(ASIDE, axis_value, self.kind, self.form, self.proof)
+        return None if self.rational is not None else if_affordable(ASIDE, axis_value, self.kind, self.form, self.proof)
 
 
 def check_expression(text: str, kind: Kind, parameters: Mapping[str, Exact] | None = None) -> ExpressionVerdict:
@@ -163,7 +163,7 @@ def _decided(kind: Kind, form: Form) -> ExpressionVerdict:
                 found = way(kind, form)
         except UndecidedError as error:
             found, _ = None, missing.append(str(error))
-        if found:
+        if found is not None:
             return found
     unresolved = f"no rule applies, no counterexample was found, and balls do not settle it: {'; '.join(missing)}"
     return ExpressionVerdict(kind, form, Status.UNDECIDED, unresolved=unresolved)

@@ -13,11 +13,11 @@ from passivity.delayed.chain import Chain, check_line
 from passivity.errors import ExpressionError, shown
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
-from passivity.status import Status
+from passivity.status import Decided, Status
 
 
 @dataclass(frozen=True)
-class LineVerdict:
+class LineVerdict(Decided):
     """Answer to whether the matrix of a line is positive real.
 
     Parameters

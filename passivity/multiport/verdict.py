@@ -12,7 +12,7 @@ from passivity.multiport.matrix import RationalMatrix
 from passivity.multiport.polynomial_matrix import PolynomialMatrix
 from passivity.multiport.state_space import StateSpace
 from passivity.one_port.polynomial_sign import SignProof
-from passivity.status import Kind, Status
+from passivity.status import Decided, Kind, Status
 
 Network: TypeAlias = RationalMatrix | StateSpace
 
@@ -123,7 +123,7 @@ class MatrixWitness:
 
 
 @dataclass(frozen=True)
-class MatrixVerdict:
+class MatrixVerdict(Decided):
     """Answer to whether a matrix is positive real or bounded real.
 
     Parameters

@@ -10,7 +10,7 @@ from flint import arb, fmpz_poly
 from passivity.budget import ASIDE, if_affordable
 from passivity.one_port.polynomial_sign import SignProof
 from passivity.rational.function import RationalFunction
-from passivity.status import Kind, Status
+from passivity.status import Decided, Kind, Status
 
 if TYPE_CHECKING:
     from passivity.one_port.margin import Margins
@@ -59,7 +59,7 @@ class Witness:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Verdict(Decided):
     """Answer to whether a function is positive real or bounded real.
 
     Parameters

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from passivity.errors import ExpressionError, shorten, shown
 from passivity.sampled.response import LARGEST, Parameter, SampledResponse, array
-from passivity.status import Status
+from passivity.status import Decided, Status
 
 ROUNDING = 2.0**-48  # 16 units in the last place: the error bar that every sample has
 
@@ -59,7 +59,7 @@ class SampleWitness(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class SampleVerdict:
+class SampleVerdict(Decided):
     """What was seen in samples.
 
     Parameters

@@ -8,7 +8,7 @@ from flint import fmpz_mpoly
 
 from passivity.errors import ExpressionError, shorten, shown
 from passivity.rational.evaluate import Exact, exact
-from passivity.status import Kind, Status
+from passivity.status import Decided, Kind, Status
 from passivity.symbolic.assumption import Range
 from passivity.symbolic.counterexample import Counterexample
 from passivity.symbolic.domain import coefficients
@@ -60,7 +60,7 @@ class Condition:
 
 
 @dataclass(frozen=True)
-class SymbolicVerdict:
+class SymbolicVerdict(Decided):
     """The answer for all values of the parameters.
 
     Parameters

@@ -1,8 +1,11 @@
 """The surface of `tline sweep`: numbers, files, mistakes."""
 
 import json
+import random
 import re
 import shlex
+from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 import click
@@ -13,6 +16,8 @@ from click.testing import CliRunner
 
 from tline.cli.main import main
 from tline.cli.sweep import sweep
+from tline.errors import InputError
+from tline.sweeps.work import SweepWork
 
 CABLE = """
 medium = "electrical"
@@ -118,12 +123,64 @@ def test_a_tolerance_not_met_exits_with_1(folder: Path) -> None:
     assert done.stderr.startswith("note: 2 runs missed the tolerance, estimated errors up to ")
 
 
+def test_ctrl_c_before_anything_is_done_writes_nothing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("tline.sweeps.vectorised.side_by_side", interrupted)
+    before = sorted(folder.iterdir())
+    done = run(f"sweep cable.toml {Z0} --sample random:30 --csv r.csv --npz r.npz --plot r.svg --resume go.npz")
+    assert (done.exit_code, done.stdout, done.stderr.strip()) == (130, "", "interrupted")
+    assert sorted(folder.iterdir()) == before
+
+
+def test_ctrl_c_later_keeps_what_is_done_and_exits_with_130(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def batches(*_: object) -> Iterator[object]:
+        yield from islice(made(*_), 1)
+        raise KeyboardInterrupt
+
+    made = SweepWork.batches
+    monkeypatch.setattr(SweepWork, "batches", batches)
+    monkeypatch.setattr("tline.sweeps.vectorised.side_by_side", refused)
+    line = "sweep cable.toml --vary lines.cable.z0=40:60:5 --resume go.npz --csv r.csv"
+    done = run(line)
+    assert done.exit_code == 130
+    assert done.stderr == "note: interrupted: 4 of 5 runs are not made\n"
+    with np.load("go.npz") as saved:
+        assert saved["done"].sum() == 1
+
+
+def refused(*_: object) -> None:
+    raise InputError("scene", "is made one at a time")
+
+
 def test_it_goes_on_from_a_file(folder: Path) -> None:
     line = f"sweep cable.toml {Z0} --sample random:30 --resume r.npz --keep '0 ns:8 ns:3'"
     assert run(line).exit_code == 0
     done = run(line)
     assert done.stdout.startswith("30 runs in ")
     assert (run(f"{line} --seed 3").exit_code, run(f"{line} --tol 1e-3").exit_code) == (2, 2)
+
+
+def test_a_damaged_file_is_refused_or_read_rightly(folder: Path) -> None:
+    """Byte by byte in its directory, and here and there in front of it."""
+    line = "sweep cable.toml --vary lines.cable.z0=40,60 --resume r.npz --csv r.csv"
+    assert run(line).exit_code == 0
+    whole, right = Path("r.npz").read_bytes(), Path("r.csv").read_bytes()
+    directory = whole.index(b"PK\1\2")
+    chance = random.Random(3)
+    places = [*range(directory, directory + 60), *chance.sample(range(len(whole)), 60)]
+    for place in places:
+        for byte in (5, 132):
+            Path("r.npz").write_bytes(whole[:place] + bytes([byte]) + whole[place + 1 :])
+            done = run(line)
+            if done.exit_code == 0:
+                assert Path("r.csv").read_bytes() == right
+            else:
+                assert done.exit_code == 2
+                assert re.fullmatch(
+                    r"r\.npz: (is no file of a sweep|holds another sweep), expected [^\n]*\n", done.stderr
+                )
 
 
 @pytest.mark.parametrize(

@@ -71,6 +71,19 @@ def test_what_is_missing_is_compiled_once(folder: Path):
     assert told["folders"] == [str(folder / "kept")]
 
 
+def test_a_folder_of_others_is_named_in_one_line(folder: Path):
+    (folder / "kept").mkdir()
+    (folder / "kept").chmod(0o1777)
+    done = warm_up(folder)
+    assert done.returncode == 1
+    assert done.stderr.startswith("note: compiled code is not ")
+    assert done.stderr.endswith(
+        f"other users may write to {folder / 'kept'}, expected a folder of your own to which nobody else may write\n"
+    )
+    assert done.stderr.count("\n") == 1
+    assert list((folder / "kept").iterdir()) == []
+
+
 def test_what_cannot_be_kept_is_named(folder: Path):
     (folder / "file").write_text("")
     done = warm_up(folder, kept="file/below")

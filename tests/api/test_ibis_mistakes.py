@@ -2,9 +2,11 @@
 
 import random
 
+import numpy as np
 import pytest
 
 from tline.errors import InputError, SceneError
+from tline.scene.ibis.switching import _kept
 from tline.scene.scene import Scene
 from tline.shipped import FOLDER
 from tline.solver.simulate import simulate
@@ -53,6 +55,24 @@ def test_in_the_scene(load, message):
         ("R_fixture = 50", "", "loads.u1.file: 'bad.ibs': line 154: a waveform without R_fixture"),
         ("L_pkg 0.9nH", "L_pkg -9nH", "loads.u1.file: 'bad.ibs': R, L or C of the package is negative"),
         ("1.2000e-10 ", "0.0000e-10 ", "loads.u1.file: 'bad.ibs': line 154: times of the waveform do not rise"),
+        ("-0.300 -8.577608e-03", "--0.300 -8.577608e-03", "loads.u1.file: 'bad.ibs': line 32: not a number"),
+        ("-6.862087e-03 -1.029313e-02\n-0.2", "--6.8e-03 -1.02e-02\n-0.2", "loads.u1.file: 'bad.ibs': line 32: not a"),
+        (
+            "-0.300 -8.577608e-03",
+            "-0.300 6.9e16",
+            "loads.u1.file: 'bad.ibs': line 32: not plausible, expected at most 10",
+        ),
+        (
+            "1.2000e-10 ",
+            "1.2000e-10 1.15e14 ",
+            "loads.u1.file: 'bad.ibs': line 171: not plausible, expected at most 1000 V",
+        ),
+        (
+            "1.2000e-10 ",
+            "1.2000e-10 77 ",
+            "loads.u1.file: 'bad.ibs': line 154: the waveform is not plausible, expected at",
+        ),
+        ("C_comp 1.3e-12", "C_comp 1.3", "loads.u1.file: 'bad.ibs': line 20: not plausible, expected at most 0.001 F"),
         ("dV/dt_r", "dU/dt_r", ""),
     ],
 )
@@ -65,6 +85,18 @@ def test_in_the_file(old, new, message, tmp_path):
     with pytest.raises(SceneError) as found:
         scene(tmp_path, file="bad.ibs", model="DQ", **SENDS)
     assert str(found.value).startswith(message)
+
+
+@pytest.mark.parametrize("size", [1e14, 1.15e14, 6.9e16, 1e300])
+def test_an_edge_of_any_size_is_thinned_out_in_finite_time(size):
+    """Though rounding makes an end point the farthest from the line through it."""
+    chance = np.random.default_rng(1)
+    for _ in range(50):
+        t, y = np.cumsum(chance.uniform(1e-11, 2e-11, 40)), chance.uniform(0.0, 1.0, 40)
+        y[chance.integers(0, 40, 3)] *= size
+        kept = _kept(t, y)
+        assert kept[[0, -1]].tolist() == [0, 39]
+        assert (np.diff(kept) > 0).all()
 
 
 def test_torn_files_are_refused_or_read(tmp_path):
@@ -122,6 +154,10 @@ def test_a_curve_from_a_file(tmp_path):
         tables = {"lines": lines, "sources": source, "loads": loads, "probes": {"p": {"at": "b"}}}
         return simulate(Scene(tmp_path, medium="electrical", t_end="9 ns", **tables)).probes["p"].u[-1]
 
+    for first in ("--1,-0.02", "1_0,2", "+-1,0", "-,-", "0x1,0"):
+        (tmp_path / "loose.csv").write_text(f"{first}\n11,1\n12,2\n", encoding="utf-8")
+        with pytest.raises(SceneError, match=r"line 1 of .*loose.csv' is not a point, expected two finite numbers"):
+            end(file="loose.csv")
     assert end(file="curve.csv") == pytest.approx(end(points=[[0, 0], [1, 0.02]]), rel=1e-12)
     assert end(points=[[0, 0], [1, 0.02]], scale=0.5) == pytest.approx(end(points=[[0, 0], [1, 0.01]]), rel=1e-12)
     for load, message in (

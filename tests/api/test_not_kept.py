@@ -14,8 +14,8 @@ from tline.cli.main import COMMANDS, main
 @click.command()
 def compiling() -> None:
     """A command whose kernels find no folder, twice."""
-    object_code._say("no folder for it can be written")
-    object_code._say("no folder for it can be written")
+    object_code._not_kept("no folder for it can be written")
+    object_code._not_kept("no folder for it can be written")
     click.echo("42")
 
 

@@ -194,7 +194,7 @@ PASSIVITY = {
 
 
 def with_verdict(network):
-    assert network.verdict
+    assert network.verdict.proved
     return network
 
 

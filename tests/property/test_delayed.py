@@ -70,7 +70,7 @@ def excess(kind, found):
 def test_networks_are_proved(text):
     verdict = check_expression(text, Kind.PR)
     assert verdict.status is Status.PROVED
-    assert verdict.rational or verify_proof(verdict.proof)
+    assert verdict.rational is not None or verify_proof(verdict.proof)
 
 
 @settings(max_examples=30, deadline=None)

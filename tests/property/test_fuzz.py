@@ -1,14 +1,18 @@
 """Hostile input through every door, as many as seconds allow; `python -m benchmarks.fuzz` takes a million."""
 
+from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 
+import click
 import pytest
 
+from benchmarks.fuzz import flags, scenes, warm
 from benchmarks.fuzz.case import Case
 from benchmarks.fuzz.doors import DOORS, case_of
 from benchmarks.fuzz.judge import verdict
 from benchmarks.fuzz.warm import LOWER
+from tline.cli.main import main
 
 SEED = 5
 CASES = dict.fromkeys(DOORS, 60) | {"scenes": 20, "matrices": 20, "touchstone": 10, "flags": 10} | {
@@ -30,6 +34,31 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_input_is_answered_or_refused_in_a_sentence_and_touches_nothing_else(door, folder):
     for index in range(CASES[door]):
         assert not verdict(case_of(SEED, door, index), folder), f"--seed {SEED} --door {door} --first {index}"
+
+
+def test_all_commands_are_driven_and_none_that_are_gone():
+    """By the tree of commands itself: each with its options, and each that reads a scene with scenes."""
+    tree = set(_leaves((), main))
+    assert set(flags.commands()) == tree
+    begun = {case_of(SEED, "flags", index).args[0] for index in range(1000)}
+    assert begun >= {words[0] for words in tree}
+    listed = [*scenes.COMMANDS, *scenes.RARE, *warm.COMMANDS]
+    assert {tuple(each[:1]) for each in listed} <= {words[:1] for words in tree}
+    reading = {
+        words for words, command in flags.commands().items() if "scene" in [each.name for each in command.params]
+    }
+    driven = {words for words in tree for each in scenes.COMMANDS if tuple(each[: len(words)]) == words}
+    assert reading - {("chart", "peers"), ("chart", "work-precision")} <= driven  # charts measure for minutes
+
+
+def _leaves(words: tuple[str, ...], command: click.Command) -> Iterator[tuple[str, ...]]:
+    if not isinstance(command, click.Group):
+        yield words
+        return
+    for name in command.list_commands(click.Context(command)):
+        inner = command.get_command(click.Context(command), name)
+        assert inner is not None
+        yield from _leaves((*words, name), inner)
 
 
 def test_a_case_is_the_same_whatever_ran_before():

@@ -79,7 +79,7 @@ def test_the_value_at_the_witness(case):
 @pytest.mark.parametrize("case", [case for case in DECIDED if case["verdict"]], ids=name)
 def test_the_margin_is_attained_and_bounded(case):
     verdict = check_expression(case["expression"], Kind[case["kind"]])
-    if verdict.rational:
+    if verdict.rational is not None:
         return
     margin, frequency = verdict.margin, Fraction(verdict.margin.frequency)
     with mpmath.workdps(60):

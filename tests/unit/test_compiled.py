@@ -5,6 +5,7 @@ import os
 import pickle
 import subprocess
 import sys
+from hashlib import sha256
 from importlib.machinery import ModuleSpec
 from pathlib import Path
 from zipfile import ZipFile
@@ -177,21 +178,43 @@ def test_the_folder_does_not_grow(package):
 @pytest.mark.parametrize("part", ["numba", "llvmlite"])
 def test_another_version_of_the_compiler_compiles_anew(package, monkeypatch, part):
     package.answer()
-    versions = object_code._versions().replace(part.encode(), b"another " + part.encode())
+    versions = object_code._versions().replace(part, f"another {part}")
     monkeypatch.setattr(object_code, "_versions", lambda: versions)
     assert package.answer() == (161.0, ["less", "answer"])
 
 
-@pytest.mark.parametrize("setting", ["NUMBA_OPT", "NUMBA_BOUNDSCHECK", "processor"])
-def test_other_processors_and_settings_have_code_of_their_own(package, monkeypatch, setting):
+@pytest.mark.parametrize(
+    ("setting", "value"),
+    [
+        ("NUMBA_OPT", "1"),
+        ("NUMBA_BOUNDSCHECK", "1"),
+        ("NUMBA_CPU_NAME", "generic"),
+        ("NUMBA_CPU_FEATURES", ""),
+        ("NUMBA_ENABLE_AVX", "0"),
+        ("NUMBA_EXTEND_VARIABLE_LIFETIMES", "1"),
+        ("processor", ""),
+        ("file", ""),
+    ],
+)
+def test_other_processors_and_settings_have_code_of_their_own(package, monkeypatch, setting, value):
     package.answer()
     with monkeypatch.context() as patch:
-        patch.setenv(setting, "1")
+        patch.setenv(setting, value)
+        if setting == "file":  # of numba's settings, in the folder where the program runs
+            patch.chdir(package.folder)
+            (package.folder / ".numba_config.yaml").write_text("loop_vectorize: 1\n")
         if setting == "processor":
             patch.setattr("llvmlite.binding.get_host_cpu_name", lambda: "generic")
         object_code._processor.cache_clear()
         assert package.answer() == (161.0, ["less", "answer"])
         assert package.answer() == (161.0, [])
+    object_code._processor.cache_clear()
+    assert package.answer() == (161.0, [])
+
+
+def test_settings_that_do_not_change_code_share_it(package, monkeypatch):
+    package.answer()
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "1")
     object_code._processor.cache_clear()
     assert package.answer() == (161.0, [])
 
@@ -202,11 +225,86 @@ def test_broken_and_foreign_files_are_compiled_anew(package):
     content = whole.read_bytes()
     flipped = bytearray(content)
     flipped[-100] ^= 1
-    head = content[: content.index(b"\n") + 1]
-    for wrong in (b"", content[:20], content[:300], content[:-1], flipped, b"#!/bin/sh\n", head + pickle.dumps(None)):
+    for told in (b"", b"null", b"[]", b"{}", b'{"versions": 1}', b"\x80\x05N."):
+        headed = sha256(told + b"\n").hexdigest().encode() + b"\n" + told + b"\n"
+        for wrong in (headed, told):
+            whole.write_bytes(wrong)
+            assert package.answer() == (161.0, ["answer"])
+    for wrong in (content[:20], content[:300], content[:-1], flipped, b"#!/bin/sh\n"):
         whole.write_bytes(wrong)
         assert package.answer() == (161.0, ["answer"])
         assert package.answer() == (161.0, [])
+
+
+class Command:
+    """What runs a command when it is unpickled."""
+
+    def __init__(self, command):
+        self.command = command
+
+    def __reduce__(self):
+        return os.system, (self.command,)
+
+
+def test_what_a_stranger_puts_there_does_not_run(package):
+    """Whatever file it takes its place of, at whatever place in it."""
+    package.answer()
+    ran = package.folder.parent / "ran"
+    hostile = pickle.dumps(Command(f"touch {ran}"))
+    made = package.load()
+    for unit in (made.answer, importlib.import_module("made.called").less):
+        path = object_code.path_of(unit)
+        content = path.read_bytes()
+        for end in [0, *(k + 1 for k, byte in enumerate(content) if byte == ord("\n"))][:20]:
+            path.write_bytes(content[:end] + hostile)
+            assert object_code.load(unit) is None
+    assert not ran.exists()
+
+
+def test_a_file_that_another_user_can_have_written_is_replaced(package):
+    package.answer()
+    path = next(path for path in package.kept() if "answer" in path.name)
+    path.chmod(0o664)
+    with pytest.warns(NotKeptWarning, match="compiled code is not read, but compiled anew: other users .*answer"):
+        assert package.answer() == (161.0, ["answer"])
+    assert path.stat().st_mode & 0o777 == 0o644
+    assert package.answer() == (161.0, [])
+
+
+def test_a_folder_that_others_may_write_is_neither_read_nor_written(package):
+    """As /tmp, where what a stranger puts under the name of a file that is not there yet would be read."""
+    package.answer()
+    kept = package.kept()
+    kept[0].parent.chmod(0o1777)
+    for path in kept[:1]:
+        path.unlink()
+    with pytest.warns(
+        NotKeptWarning, match="not (read|kept).*other users may write to .*cache, expected a fol"
+    ) as said:
+        assert package.answer() == (161.0, ["less", "answer"])
+    assert len(said) == 1
+    assert package.kept() == kept[1:]
+
+
+def test_whatever_the_umask_others_may_not_write_what_is_kept(package):
+    before = os.umask(0)
+    try:
+        package.answer()
+    finally:
+        os.umask(before)
+    assert package.answer() == (161.0, [])
+    assert {path.stat().st_mode & 0o777 for path in package.kept()} == {0o644}
+
+
+def test_a_folder_beside_the_program_that_others_may_write_is_passed_over(package, monkeypatch):
+    """As where the umask lets the group write; there is the user's own cache."""
+    monkeypatch.delenv("NUMBA_CACHE_DIR")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(package.folder.parent / "cache"))
+    (package.folder / "__pycache__").mkdir()
+    (package.folder / "__pycache__").chmod(0o775)
+    assert package.answer() == (161.0, ["less", "answer"])
+    assert {path.parent for path in package.kept()} == {package.folder.parent / "cache" / "tline"}
+    assert package.answer() == (161.0, [])
 
 
 def test_a_symbol_that_is_nowhere_is_left_to_the_compiler(package, monkeypatch):

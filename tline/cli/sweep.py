@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from tline.sweeps import Sweep
 
 OPTIONS = ("sample", "seed", "keep", "tol", "workers", "resume")
+INTERRUPTED = 130  # exit status, as of any command
 EXAMPLES = """\b
 Examples:
   tline sweep cable.toml --vary "lines.cable.z0=40 ohm:60 ohm:5"
@@ -67,8 +68,8 @@ def sweep(
     Without distributions every value of a path meets every one of the others (a grid); with --sample list, values stand
     side by side. Distributions need a count: --sample random:1000, latin:100 (hypercube) or sobol:128.
 
-    A run that fails is a row with a sentence. After Ctrl-C there is what was done until then. Where runs failed, were
-    not made, or missed the tolerance, a note says so, and the exit status is 1.
+    A run that fails is a row with a sentence. Where runs failed or missed the tolerance, a note says so, and the exit
+    status is 1. After Ctrl-C there is what was done until then, with a note, and the exit status is 130.
     """
     files = {name: given.pop(name) for name in ("npz", "netcdf", "csv", "plot")}
     suffixes = ((".npz",), (".nc",), (".csv",), PICTURE)
@@ -102,7 +103,7 @@ def sweep(
     else:
         click.echo("\n".join([*as_text(found), *(f"wrote {file}" for file in written)]))
     if told:
-        sys.exit(1)
+        sys.exit(1 if found.done.all() else INTERRUPTED)
 
 
 def _wanted(vary: tuple[str, ...]) -> dict[str, str]:

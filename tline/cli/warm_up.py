@@ -22,7 +22,7 @@ WITH_UNITS = (  # packages and modules
 EXAMPLES = """\b
 Examples:
   tline warm-up
-  NUMBA_CACHE_DIR=/var/cache/tline tline warm-up --json
+  NUMBA_CACHE_DIR=~/compiled tline warm-up --json
 """
 
 
@@ -33,6 +33,9 @@ def warm_up(as_json: bool) -> None:
 
     What a scene needs is otherwise compiled when a scene first needs it. It is kept where NUMBA_CACHE_DIR says, else
     beside the program, else in your own cache, until the program changes. A second call finds nothing to do.
+
+    Code is read only from folders and files that are yours, or root's, and to which nobody else may write. For all
+    users of a computer, let root warm up a folder that they can read.
     """
     from tline.object_code import is_kept, path_of
 
@@ -72,19 +75,19 @@ def found() -> Iterator[tuple[tuple[str, str], "Unit"]]:
 
 def _compile_all(units: Any) -> None:
     """Compile units, each in one of as many processes as there are processors."""
-    from concurrent.futures import ProcessPoolExecutor, as_completed
-    from multiprocessing import get_context
+    from concurrent.futures import as_completed
 
     from tline.progress import Progress
+    from tline.workers import Workers
 
-    workers = min(os.cpu_count() or 1, len(units))
-    with (
-        ProcessPoolExecutor(workers, get_context("spawn")) as pool,
-        Progress(len(units), "unit", sys.stderr.isatty(), "compiling") as bar,
-    ):
-        for done in as_completed([pool.submit(_compile, *where) for where in units]):
-            done.result()
-            bar.update()
+    pool = Workers(min(os.cpu_count() or 1, len(units)))
+    try:
+        with Progress(len(units), "unit", sys.stderr.isatty(), "compiling") as bar:
+            for done in as_completed([pool.submit(_compile, *where) for where in units]):
+                done.result()
+                bar.update()
+    finally:
+        pool.end()
 
 
 def _compile(module: str, name: str) -> None:

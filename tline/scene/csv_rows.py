@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -9,6 +10,9 @@ from tline.errors import InputError
 from tline.printable import one_line
 from tline.scene.quantity import LARGEST
 from tline.scene.text_file import read_text
+
+NUMBER = re.compile(r"\s*[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\s*", re.ASCII)
+NO_WORD = re.compile(r"\s*[-+.\d]")  # how a cell of a heading does not begin
 
 
 def read_rows(path: Path, where: str, what: str, columns: Mapping[int, str]) -> list[tuple[float, ...]]:
@@ -35,7 +39,7 @@ def read_rows(path: Path, where: str, what: str, columns: Mapping[int, str]) -> 
     rows = csv.reader(io.StringIO(read_text(path, where)))
     try:
         for row in rows:
-            if not row or row[0].lstrip().startswith("#") or (rows.line_num == 1 and not any(map(_is_number, row))):
+            if not row or row[0].lstrip().startswith("#") or (rows.line_num == 1 and not any(map(NO_WORD.match, row))):
                 continue
             known = {len(found[0]): columns[len(found[0])]} if found else columns
             if len(row) not in known or not all(map(_is_number, row)):
@@ -48,7 +52,4 @@ def read_rows(path: Path, where: str, what: str, columns: Mapping[int, str]) -> 
 
 
 def _is_number(cell: str) -> bool:
-    try:
-        return abs(float(cell)) <= LARGEST
-    except ValueError:
-        return False
+    return bool(NUMBER.fullmatch(cell)) and abs(float(cell)) <= LARGEST

@@ -1,10 +1,8 @@
 """Batches on executors: in this process, on processes of our own, or on any executor of `concurrent.futures`."""
 
 import os
-import signal
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
-from multiprocessing import get_context
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from typing import Any
 
 import numpy as np
@@ -12,6 +10,7 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.sweeps.batches import Batch, sentence
+from tline.workers import Workers
 
 SECONDS = 1.0  # that a batch shall take
 FIRST = 1  # runs in a batch of unknown cost
@@ -86,7 +85,7 @@ def on_processes(queue: Queue, workers: int, submit: Submit) -> Iterator[tuple[N
     """
     waiting: dict[Future[Batch], NDArray] = {}
     deaths, suspects, worked = 0, [], False
-    pool = _pool(workers)
+    pool = Workers(workers)
     try:
         while queue or waiting or suspects:
             if suspects and not waiting:
@@ -105,8 +104,8 @@ def on_processes(queue: Queue, workers: int, submit: Submit) -> Iterator[tuple[N
                     raise NoWorkers
                 lost, alone = list(waiting.values()), len(waiting) == 1 and deaths > 1
                 waiting.clear()
-                _end(pool)
-                pool = _pool(workers)
+                pool.end()
+                pool = Workers(workers)
                 if alone and len(lost[0]) == 1:
                     yield lost[0], Batch([], {}, {0: DIED}, 0.0)
                 elif deaths == 1:
@@ -118,7 +117,7 @@ def on_processes(queue: Queue, workers: int, submit: Submit) -> Iterator[tuple[N
         yield from _finished(waiting)
         raise
     finally:
-        _end(pool)
+        pool.end()
 
 
 class NoWorkers(InputError):
@@ -168,20 +167,3 @@ def _finished(waiting: "dict[Future[Batch], NDArray]") -> Iterator[tuple[NDArray
     for future, rows in list(waiting.items()):
         if future.done() and not future.cancelled() and future.exception() is None:
             yield rows, future.result()
-
-
-def _pool(workers: int) -> ProcessPoolExecutor:
-    return ProcessPoolExecutor(workers, get_context("spawn"), _ignore_interrupts)
-
-
-def _ignore_interrupts() -> None:
-    """Leave Ctrl-C to the process that waits for this one."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-def _end(pool: ProcessPoolExecutor) -> None:
-    """End the processes of a pool, whatever they do."""
-    processes = list((pool._processes or {}).values())
-    pool.shutdown(wait=False, cancel_futures=True)
-    for process in processes:
-        process.terminate()

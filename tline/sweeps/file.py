@@ -1,7 +1,6 @@
 """Sweeps in files: NPZ, from which a sweep goes on, NetCDF and CSV."""
 
 import json
-import zipfile
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -60,10 +59,10 @@ def take_over(sweep: Sweep, path: str | Path) -> None:
         The file cannot be read, or is of another sweep.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with open(path, "rb") as whole, np.load(whole, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
             about = json.loads(str(arrays[ABOUT]))
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
+    except Exception as error:  # noqa: BLE001 (zip files, arrays and JSON each fail in ways of their own)
         raise InputError(str(path), "is no file of a sweep", "one that a sweep wrote", _reason(error)) from None
     mine = _arrays(sweep)
     same = all(

@@ -20,6 +20,7 @@ from tline.sweeps.file import save, take_over
 from tline.sweeps.keep import kept_of
 from tline.sweeps.table import Sweep
 from tline.sweeps.work import SweepWork
+from tline.workers import interrupts_deferred
 
 SAVED, SHARE = 10.0, 20  # s between writing the file, and times that writing took
 MOST_WORKERS = 4096
@@ -85,7 +86,7 @@ def sweep(
     Sweep
         All inputs, and what was kept. A run that fails has a sentence in place of numbers. The numbers do not depend on
         where and in which batches runs are made: every search for order and slab begins where that of one run in the
-        middle ended. After Ctrl-C, what was done until then, with a warning.
+        middle ended. After Ctrl-C, what was done until then, with a warning; KeyboardInterrupt if that is nothing.
 
     Raises
     ------
@@ -131,15 +132,19 @@ def sweep(
         bar.update(int(table.done.sum()))
         try:
             for rows, batch in work.batches():
-                table.put(rows[batch.done], batch.kept, {int(rows[k]): text for k, text in batch.errors.items()})
-                table.unresolved |= {int(rows[k]): text for k, text in batch.unresolved.items()}
+                with interrupts_deferred():  # lest half of it is taken over
+                    table.put(rows[batch.done], batch.kept, {int(rows[k]): text for k, text in batch.errors.items()})
+                    table.unresolved |= {int(rows[k]): text for k, text in batch.unresolved.items()}
                 bar.update(len(rows))
                 file.write_now_and_then()
         except KeyboardInterrupt:
             interrupted = True
         finally:
             table.seconds = time.perf_counter() - started
-            file.write()
+            with interrupts_deferred():
+                file.write()
+    if interrupted and not table.done.any():
+        raise KeyboardInterrupt
     if table.unresolved:
         warnings.warn(table.told_unresolved, UnresolvedWarning, stacklevel=2)
     if interrupted:
@@ -166,7 +171,7 @@ class _File:
 
     def write(self) -> None:
         """Write it."""
-        if self._path is not None:
+        if self._path is not None and self._table.done.any():
             started = time.monotonic()
             save(self._table, self._path)
             ended = time.monotonic()

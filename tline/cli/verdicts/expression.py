@@ -26,7 +26,7 @@ def answer(text: str, asked: Asked) -> Answer:
         asked.refuse("parameters without values", "z0", "delay", "within")
         return _symbolic(check_symbolic(text, kind, assumed, known))
     verdict = check_expression(text, kind, known)
-    if verdict.rational:
+    if verdict.rational is not None:
         return one_port.answer(verdict.rational.function, asked)
     asked.refuse("functions that are not rational", "z0", "delay", "within")
     return _delayed(verdict)

@@ -35,9 +35,9 @@ def answer(function: "RationalFunction", asked: Asked) -> Answer:
     tolerance = None if asked.within is None else _tolerance(asked.within)
     robust = None if tolerance is None or verdict.status is Status.UNDECIDED else robustness(verdict, tolerance)
     chain = None if asked.delay is None else check_line(function, z0, asked.delay)
-    lines = _text(verdict, found, robust, z0) + missing + (_derivation(chain) if chain else [])
-    status = chain.status if chain else verdict.status
-    draw = None if chain else lambda: _draw(verdict, found, z0)
+    lines = _text(verdict, found, robust, z0) + missing + ([] if chain is None else _derivation(chain))
+    status = verdict.status if chain is None else chain.status
+    draw = None if chain is not None else lambda: _draw(verdict, found, z0)
     return Answer(status.value, lines, as_dict(verdict, found, robust, chain), draw)
 
 

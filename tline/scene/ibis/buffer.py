@@ -13,7 +13,13 @@ from tline.scene.text_file import read_text
 from tline.wording import nearest, shown
 
 TABLES = ("pullup", "pulldown", "power clamp", "gnd clamp")
-FIXTURE = ("r_fixture", "v_fixture", "c_fixture", "l_fixture", "r_dut", "l_dut", "c_dut")
+RLC = ("ohm", "H", "F")
+FIXTURE = {
+    "r_fixture": "ohm", "v_fixture": "V", "c_fixture": "F", "l_fixture": "H", "r_dut": "ohm", "l_dut": "H",
+    "c_dut": "F",
+}  # fmt: skip
+LEFT_OUT_OF_WAVEFORMS = ("l_fixture", "r_dut", "l_dut", "c_dut")
+BEYOND = 10  # times the larger of supply and fixture that a waveform may plausibly reach
 WORDS = frozenset((*FIXTURE, "v_fixture_min", "v_fixture_max"))
 OPEN = {"open_drain", "open_sink", "open_source"}
 DRIVING = {"output", "3-state", "i/o", *OPEN, *(f"i/o_{word}" for word in OPEN)}
@@ -128,13 +134,13 @@ def _package(own: Sequence[Section], corner: str, pin: str | None) -> tuple[floa
         if each.keyword == "package":
             for k, name in enumerate(("R_pkg", "L_pkg", "C_pkg")):
                 if row := each.find(name):
-                    found[k] = at_corner(row[1], corner, row[0])
+                    found[k] = at_corner(row[1], corner, row[0], RLC[k])
     if pin is not None and pin in (pins := _rows_of_pins(own)):
         line, row, columns = pins[pin]
         for k, name in enumerate(("r_pin", "l_pin", "c_pin")):
             at = columns.index(name) + 1 if name in columns else len(row)
             if at < len(row) and row[at].upper() != "NA":
-                found[k] = number_of(row[at], line)
+                found[k] = number_of(row[at], line, RLC[k])
     if min(found) < 0:
         raise InputError("file", "R, L or C of the package is negative", "zero or more", f"{min(found):g}")
     return found[0], found[1], found[2]
@@ -150,10 +156,10 @@ def _buffer(own: Sequence[Section], corner: str, package: tuple[float, float, fl
     row = head.find("C_comp")
     if row is None:
         raise InputError("file", f"line {head.line}: the model has no C_comp", "C_comp and its capacitance")
-    capacitance = at_corner(row[1], corner, row[0])
+    capacitance = at_corner(row[1], corner, row[0], "F")
     if capacitance <= 0:
         raise InputError("file", f"line {row[0]}: C_comp is not above zero", "a capacitance", " ".join(row[1]))
-    volts = {each.keyword: at_corner(each.words, corner, each.line) for each in own if _is_voltage(each)}
+    volts = {each.keyword: at_corner(each.words, corner, each.line, "V") for each in own if _is_voltage(each)}
     supply = volts.get("voltage range", volts.get("pullup reference"))
     if supply is None:
         raise InputError("file", f"line {head.line}: the model has no supply", "[Voltage Range]")
@@ -168,7 +174,7 @@ def _buffer(own: Sequence[Section], corner: str, package: tuple[float, float, fl
     }
     ramps = next((_ramps(each, corner) for each in own if each.keyword == "ramp"), {})
     edges = ("rising waveform", "falling waveform")
-    waveforms = [_waveform(each, corner, notes) for each in own if each.keyword in edges]
+    waveforms = [_waveform(each, corner, supply, notes) for each in own if each.keyword in edges]
     name = head.words[0] if head.words else ""
     return Buffer(name, kind, capacitance, supply, tables, ramps, waveforms, package, list(dict.fromkeys(notes)))
 
@@ -179,7 +185,7 @@ def _is_voltage(section: Section) -> bool:
 
 def _table(section: Section, corner: str, reference: float, notes: list[str]) -> CurrentTable:
     """A table whose current grows with the voltage toward its reference: the nearest such one."""
-    rows = sorted(dict(table_of(section, corner)).items())
+    rows = sorted(dict(table_of(section, corner, ("V", "A"))).items())
     volts, amps = np.array(rows).T
     if len(rows) < 2:
         raise InputError("file", f"line {section.line}: [{section.keyword}] has one voltage only", "two or more")
@@ -220,24 +226,30 @@ def _ramps(section: Section, corner: str) -> dict[bool, float]:
             k = ("typ", "min", "max").index(corner)
             word = words[k] if k < len(words) and words[k].upper() != "NA" else words[0] if words else ""
             _, _, duration = word.partition("/")
-            time = number_of(duration, line)
+            time = number_of(duration, line, "s")
             if time <= 0:
                 raise InputError("file", f"line {line}: an edge takes no time", "volts over seconds", shown(word))
             found[rises] = time / 0.6
     return found
 
 
-def _waveform(section: Section, corner: str, notes: list[str]) -> EdgeWaveform:
+def _waveform(section: Section, corner: str, supply: float, notes: list[str]) -> EdgeWaveform:
     """A table of voltage over time with its fixture."""
     known = {name: section.find(name) for name in FIXTURE}
-    value = {name: number_of(row[1][0], row[0]) if row and row[1] else 0.0 for name, row in known.items()}
+    value = {
+        name: number_of(row[1][0], row[0], FIXTURE[name]) if row and row[1] else 0.0 for name, row in known.items()
+    }
     if (row := section.find(f"v_fixture_{corner}")) and row[1] and row[1][0].upper() != "NA":
-        value["v_fixture"] = number_of(row[1][0], row[0])
+        value["v_fixture"] = number_of(row[1][0], row[0], "V")
     if value["r_fixture"] <= 0:
         raise InputError("file", f"line {section.line}: a waveform without R_fixture", "R_fixture = and a resistance")
-    notes += [f"{name} of a waveform is left out" for name in FIXTURE[3:] if value[name]]
-    t, u = np.array(table_of(section, corner, WORDS)).T
+    notes += [f"{name} of a waveform is left out" for name in LEFT_OUT_OF_WAVEFORMS if value[name]]
+    t, u = np.array(table_of(section, corner, ("s", "V"), WORDS)).T
     if (np.diff(t) <= 0).any():
         raise InputError("file", f"line {section.line}: times of the waveform do not rise", "instants in order")
+    largest = BEYOND * max(abs(supply), abs(value["v_fixture"]))
+    if np.abs(u).max() > largest:
+        problem = f"line {section.line}: the waveform is not plausible"
+        raise InputError("file", problem, f"at most {largest:g} V in size", f"{u[np.abs(u).argmax()]:g}")
     rises = section.keyword == "rising waveform"
     return EdgeWaveform(rises, value["r_fixture"], value["v_fixture"], value["c_fixture"], t, u)

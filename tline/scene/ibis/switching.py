@@ -90,9 +90,9 @@ def _kept(t: NDArray, y: NDArray) -> NDArray:
     while parts:
         low, high = parts.pop()
         line = y[low] + (y[high] - y[low]) * (t[low : high + 1] - t[low]) / (t[high] - t[low])
-        off = np.abs(y[low : high + 1] - line)
-        k = low + int(off.argmax())
-        if off[k - low] > STRAIGHT:
+        off = np.abs(y[low : high + 1] - line)[1:-1]  # each part is shorter than what it is of, whatever rounding does
+        if off.size and off.max() > STRAIGHT:
+            k = low + 1 + int(off.argmax())
             kept.add(k)
             parts += [(low, k), (k, high)]
     return np.array(sorted(kept))

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Sequence
-from math import inf, isfinite
 from typing import NamedTuple
 
 from tline.errors import InputError
@@ -13,7 +12,7 @@ NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)([TGMkmunpf]?)[
 KEYWORD = re.compile(r"\[([^\[\]]*)\](.*)")
 MISSING = "NA"  # in place of a number
 CORNERS = ("typ", "min", "max")
-LARGEST = 1e30
+MOST = {"V": 1e3, "A": 1e3, "s": 1.0, "ohm": 1e9, "F": 1e-3, "H": 1.0}  # that a pin may plausibly have, in size
 MOST_ROWS = 100_000  # below one keyword
 
 
@@ -66,47 +65,51 @@ def sections_of(text: str) -> list[Section]:
     return found
 
 
-def number_of(word: str, line: int) -> float:
-    """A number with a letter for its scale and perhaps a unit.
+def number_of(word: str, line: int, unit: str) -> float:
+    """A number in SI, with a letter for its scale and perhaps a unit.
 
     Raises
     ------
     InputError
-        It is none, or too large.
+        It is none, or larger than anything of this unit at a pin.
 
     Examples
     --------
-    >>> number_of("2.5pF", 1), number_of("-40mA", 1), number_of("1.8V", 1)
+    >>> number_of("2.5pF", 1, "F"), number_of("-40mA", 1, "A"), number_of("1.8V", 1, "V")
     (2.5e-12, -0.04, 1.8)
     """
     matched = NUMBER.fullmatch(word)
-    value = float(matched[1]) * SCALES[matched[2]] if matched else inf
-    if not (isfinite(value) and abs(value) < LARGEST):
+    if matched is None:
         raise InputError("file", f"line {line}: not a number", "such as 2.5pF", shown(word))
+    value = float(matched[1]) * SCALES[matched[2]]
+    if abs(value) > MOST[unit]:
+        raise InputError("file", f"line {line}: not plausible", f"at most {MOST[unit]:g} {unit} in size", shown(word))
     return value
 
 
-def at_corner(words: Sequence[str], corner: str, line: int) -> float:
+def at_corner(words: Sequence[str], corner: str, line: int, unit: str) -> float:
     """That of typical, smallest and largest value; the typical one where the other is not known.
 
     Raises
     ------
     InputError
-        There is no typical value.
+        There is no typical value, or one of them is no number.
 
     Examples
     --------
-    >>> at_corner(["1pF", "NA", "2pF"], "min", 1), at_corner(["1pF"], "max", 1)
+    >>> at_corner(["1pF", "NA", "2pF"], "min", 1, "F"), at_corner(["1pF"], "max", 1, "F")
     (1e-12, 1e-12)
     """
-    k = CORNERS.index(corner)
-    chosen = words[k] if k < len(words) and words[k].upper() != MISSING else words[0] if words else MISSING
-    if chosen.upper() == MISSING:
+    values = [None if word.upper() == MISSING else number_of(word, line, unit) for word in words[: len(CORNERS)]]
+    if not values or values[0] is None:
         raise InputError("file", f"line {line}: there is no typical value", "a number", " ".join(words) or "none")
-    return number_of(chosen, line)
+    chosen = values[CORNERS.index(corner)] if len(values) > CORNERS.index(corner) else None
+    return values[0] if chosen is None else chosen
 
 
-def table_of(section: Section, corner: str, words: frozenset[str] = frozenset()) -> list[tuple[float, float]]:
+def table_of(
+    section: Section, corner: str, units: tuple[str, str], words: frozenset[str] = frozenset()
+) -> list[tuple[float, float]]:
     """Rows of a table: what stands in its first column, and the value at a corner; rows that name values are skipped.
 
     Raises
@@ -118,7 +121,7 @@ def table_of(section: Section, corner: str, words: frozenset[str] = frozenset())
     for line, row in section.rows:
         if row[0].lower() in words:
             continue
-        rows.append((number_of(row[0], line), at_corner(row[1:], corner, line)))
+        rows.append((number_of(row[0], line, units[0]), at_corner(row[1:], corner, line, units[1])))
     if len(rows) < 2:
         raise InputError("file", f"line {section.line}: [{section.keyword}] has too few rows", "two or more")
     return rows

@@ -7,28 +7,31 @@ passive there is passive with them too.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from statistics import median
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from passivity.status import Decided, Status
 from tline.solver.description.components import parts
 from tline.solver.description.exact_elements import ExactElement, exact_elements
 from tline.solver.description.given import Scene
 
 if TYPE_CHECKING:
-    from passivity import RationalFunction, RationalMatrix, Status
+    from passivity import RationalFunction, RationalMatrix
 
 MOST_PORTS = 12  # as many as are decided
 
 
-class CircuitVerdict(NamedTuple):
+@dataclass(frozen=True)
+class CircuitVerdict(Decided):
     """Whether a circuit is passive, seen from its ports, and its scattering matrix there if that was needed."""
 
     elements: Sequence[str]
     nodes: Sequence[str]
-    status: "Status"
+    status: Status
     why: str
     ports: Sequence[str] = ()
     z0: Fraction = Fraction(1)
@@ -44,7 +47,6 @@ def passive_circuits(scene: Scene, active: set[str]) -> list[CircuitVerdict]:
     active : set of str
         Places of the elements that are refuted to be passive, or may not be.
     """
-    from passivity import Status
 
     elements = list(exact_elements(scene))
     names = list(dict.fromkeys(node for element in elements for node in element.nodes))
@@ -68,7 +70,7 @@ def passive_circuits(scene: Scene, active: set[str]) -> list[CircuitVerdict]:
 
 
 def _decided(scene: Scene, nodes: Sequence[str], elements: Sequence[ExactElement]) -> CircuitVerdict:
-    from passivity import Status, check_bounded_real_matrix
+    from passivity import check_bounded_real_matrix
     from passivity.budget import VERDICT, UndecidedError, budget
 
     where = [element.where for element in elements]

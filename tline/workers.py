@@ -1,0 +1,54 @@
+"""Processes that work for this one, and leave Ctrl-C to it from their birth, though a terminal sends it to them all."""
+
+import signal
+from collections.abc import Iterator
+from concurrent.futures import Future, ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import get_context
+from threading import current_thread, main_thread
+from typing import Any
+
+
+class Workers(ProcessPoolExecutor):
+    """As many processes, each begun when there is work for it."""
+
+    def __init__(self, count: int):
+        super().__init__(count, get_context("spawn"), _ignore_interrupts)
+
+    def submit(self, *task: Any, **named: Any) -> "Future[Any]":
+        """Let a process do something; those that this begins inherit that interrupts are blocked."""
+        with interrupts_deferred():
+            return super().submit(*task, **named)
+
+    def end(self) -> None:
+        """End all processes, whatever they do."""
+        with interrupts_deferred():
+            processes = list((self._processes or {}).values())
+            self.shutdown(wait=False, cancel_futures=True)
+            for process in processes:
+                process.terminate()
+
+
+@contextmanager
+def interrupts_deferred() -> Iterator[None]:
+    """Let Ctrl-C wait until this is left, and block it in processes that are begun meanwhile."""
+    caught: list[int] = []
+    handler = signal.getsignal(signal.SIGINT)
+    ours = handler is not None and current_thread() is main_thread()  # no other thread is interrupted
+    if ours:
+        signal.signal(signal.SIGINT, lambda number, _: caught.append(number))
+    if hasattr(signal, "pthread_sigmask"):  # not on Windows
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        if hasattr(signal, "pthread_sigmask"):
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        if ours:
+            signal.signal(signal.SIGINT, handler)
+        if caught:
+            signal.raise_signal(signal.SIGINT)
+
+
+def _ignore_interrupts() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
