@@ -31,28 +31,81 @@ class Mutant(NamedTuple):
     wrong: str
 
 
+BACK = "if row == SAME_MAP:\n        network.step_row[g] = max(network.step_row[g] - 1, 0)\n    else:"
 MUTANTS = (
     Mutant("moves inside slabs are lost", "fronts/events.py", "if row != SAME_MAP:", "if row < SAME_MAP:"),
-    Mutant("a move is forgotten where a law kinks", "fronts/events.py", "if row != SAME_MAP:", "if row == SAME_MAP:\n        network.step_row[g] = max(network.step_row[g] - 1, 0)\n    else:"),
+    Mutant("a move is forgotten where a law kinks", "fronts/events.py", "if row != SAME_MAP:", BACK),
     Mutant("moves happen in the next slab", "fronts/events.py", "<= begin + MERGE", "<= begin - 1.0"),
-    Mutant("flow of an orifice doubled", "laws/quadratic.py", "    return i, capacity**2", "    return 2.0 * i, capacity**2"),
+    Mutant(
+        "flow of an orifice doubled",
+        "laws/quadratic.py",
+        "    return i, capacity**2",
+        "    return 2.0 * i, capacity**2",
+    ),
     Mutant("an orifice lets flow pass one way", "laws/quadratic.py", "(one_way > 0.0 and d < 0.0)", "d < 0.0"),
     Mutant("laws see the sample before", "laws/sampled.py", "v[i] - c[at], z", "v[max(i - 1, 0)] - c[at], z"),
     Mutant("openings are of the sample before", "laws/sampled.py", "control[i], v[i]", "control[0], v[i]"),
     Mutant("relief valve without its band", "laws/relief.py", "if d - z * i >= high:", "if d >= least:"),
     Mutant("demand without a limit", "laws/outflow.py", "if d - z * control * c[at + 1] >= c[at + 2]:", "if False:"),
-    Mutant("table continued flat", "laws/table.py", "return last - slope * (stop - d), slope", "return min(last - slope * (stop - d), last), slope"),
-    Mutant("diode at twice its temperature", "laws/diode.py", "c[at + 1], c[at + 2], d", "c[at + 1], 2.0 * c[at + 2], d"),
-    Mutant("a tank half as wide", "stores/tank.py", "return y, 1.0, y, 1.0 / c[at + 2]", "return y, 1.0, y, 2.0 / c[at + 2]"),
-    Mutant("gas of half the volume", "stores/gas.py", "c[at + 2] * effort, ratio / c[at + 3]", "c[at + 2] * effort, 2.0 * ratio / c[at + 3]"),
-    Mutant("wrong sign of a store", "stores/tank.py", "return y, 1.0, y, 1.0 / c[at + 2]", "return y, 1.0, -y, 1.0 / c[at + 2]"),
-    Mutant("a circuit forgets its state", "load.py", "states[np.uint64(x + i)] = 0.0 if abs(total) < TINY else total", "states[np.uint64(x + i)] = 0.5 * total"),
-    Mutant("a rest of a delay is left out", "delay.py", "history[j, k + 1] + then * history[j, k]\n\n\n@function\ndef add_two", "history[j, k + 1] + then * history[j, k + 1]\n\n\n@function\ndef add_two"),
-    Mutant("fronts of sources are skipped", "fronts/gather.py", "if n < place.size and (sources.start[j] > 0.0 or sources.anew[now]):", "if False:"),
-    Mutant("travelling fronts are skipped", "fronts/gather.py", "if strength > 0.0 and -MERGE / 2", "if strength < 0.0 and -MERGE / 2"),
+    Mutant(
+        "table continued flat",
+        "laws/table.py",
+        "return last - slope * (stop - d), slope",
+        "return min(last - slope * (stop - d), last), slope",
+    ),
+    Mutant(
+        "diode at twice its temperature", "laws/diode.py", "c[at + 1], c[at + 2], d", "c[at + 1], 2.0 * c[at + 2], d"
+    ),
+    Mutant(
+        "a tank half as wide",
+        "stores/tank.py",
+        "return y, 1.0, y, 1.0 / c[at + 2]",
+        "return y, 1.0, y, 2.0 / c[at + 2]",
+    ),
+    Mutant(
+        "gas of half the volume",
+        "stores/gas.py",
+        "c[at + 2] * effort, ratio / c[at + 3]",
+        "c[at + 2] * effort, 2.0 * ratio / c[at + 3]",
+    ),
+    Mutant(
+        "wrong sign of a store",
+        "stores/tank.py",
+        "return y, 1.0, y, 1.0 / c[at + 2]",
+        "return y, 1.0, -y, 1.0 / c[at + 2]",
+    ),
+    Mutant(
+        "a circuit forgets its state",
+        "load.py",
+        "states[np.uint64(x + i)] = 0.0 if abs(total) < TINY else total",
+        "states[np.uint64(x + i)] = 0.5 * total",
+    ),
+    Mutant(
+        "a rest of a delay is left out",
+        "delay.py",
+        "row[k] += now * history[j, k + 1] + then * history[j, k]",
+        "row[k] += now * history[j, k + 1] + then * history[j, k + 1]",
+    ),
+    Mutant(
+        "fronts of sources are skipped",
+        "fronts/gather.py",
+        "if n < place.size and (sources.start[j] > 0.0 or sources.anew[now]):",
+        "if False:",
+    ),
+    Mutant(
+        "travelling fronts are skipped",
+        "fronts/gather.py",
+        "if strength > 0.0 and -MERGE / 2",
+        "if strength < 0.0 and -MERGE / 2",
+    ),
     Mutant("a wave comes back with half its effort", "scatter.py", "back = 2.0 * u[q", "back = 1.98 * u[q"),
-    Mutant("a piece is restricted at the wrong place", "fronts/gather.py", "project(coef[j], span[j, 0], span[j, 1], edges[k], edges[k + 1]", "project(coef[j], span[j, 0], span[j, 1], edges[k] * 0.99, edges[k + 1]"),
-)  # fmt: skip
+    Mutant(
+        "a piece is restricted at the wrong place",
+        "fronts/gather.py",
+        "span[j, 1], edges[k], edges[k + 1]",
+        "span[j, 1], edges[k] * 0.99, edges[k + 1]",
+    ),
+)
 
 
 def water(loads: dict[str, Any], **more: Any) -> dict[str, Any]:
@@ -60,7 +113,9 @@ def water(loads: dict[str, Any], **more: Any) -> dict[str, Any]:
     pipe = {"wave_speed": "1000 m/s", "diameter": "0.2 m", "density": "1000 kg/m^3"}
     return {
         "medium": "hydraulic", "t_end": "1 s", "start": "steady", "probes": {"end": {"at": "c"}, "mid": {"at": "b"}},
-        "lines": {"p": pipe | {"nodes": ["a", "b"], "length": "100 m"}, "q": pipe | {"nodes": ["b", "c"], "length": "87 m"}},
+        "lines": {
+            "p": pipe | {"nodes": ["a", "b"], "length": "100 m"}, "q": pipe | {"nodes": ["b", "c"], "length": "87 m"},
+        },
         "loads": {"lake": {"at": "a", "kind": "reservoir", "pressure": "2 bar"}} | loads,
     } | more  # fmt: skip
 
@@ -176,10 +231,10 @@ def main(chosen: list[int]) -> None:
     if not chosen:
         head = (
             "# Faults put into the kernel by hand\n\n"
-            f"Each row is one wrong line of the kernel, each column a scene run to {TOL:g}. *same*: the answer is that "
-            "of the right kernel within the tolerance; *witness*: two methods disagreed, and the run said so; *not met*: "
-            "the run said itself that it did not come to rest; *ends*: it ended with an error. Anything else is a wrong "
-            "answer that says that it is right. Written by `python -m benchmarks.mutants`.\n\n"
+            f"Each row is one wrong line of the kernel, each column a scene run to {TOL:g}. *same*: the answer is\n"
+            "that of the right kernel within the tolerance; *witness*: two methods disagreed, and the run said so;\n"
+            "*not met*: the run said by itself that it is not as accurate as asked; *ends*: it ended with an error.\n"
+            "Anything else is a wrong answer that says that it is right. Written by `python -m benchmarks.mutants`.\n\n"
         )
         (ROOT / "docs" / "benchmarks-mutants.md").write_text(head + "\n".join(rows) + "\n")
 

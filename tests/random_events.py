@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tline.scene.scene import Scene
 
 HALVINGS, INNER = 52, 50
+ROUNDING = 1e-9, 2e-7  # of exact values, and behind a link: its flow is the root of a small difference
 Flow = Callable[[NDArray, NDArray], NDArray]  # of effort and time
 INSTANTS = (0.3, 0.5, 0.7, 1.0)  # shared ones; delays are about 1
 

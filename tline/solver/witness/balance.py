@@ -47,10 +47,10 @@ def line_doubts(seen: Seen) -> Iterator[Doubt]:
             continue
         (a1, b1), (a2, b2) = record.at_end1, record.at_end2
         for sent, arrived in ((a1, a2), (b2, b1)):
-            wrong = _is_another(seen, sent, arrived, record.delay)
+            wrong = _is_another(seen, sent, arrived, line.delay)
             if wrong.sum() > MOST_ASIDE:
                 pair = (record.a1, record.a2) if sent is a1 else (record.b2, record.b1)
-                wrong &= _is_another(seen, *pair, record.delay)
+                wrong &= _is_another(seen, *pair, line.delay)
             yield from _doubt(seen, wrong, f"lines.{name}", "a wave does not arrive as it left")
 
 

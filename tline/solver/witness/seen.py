@@ -13,8 +13,8 @@ from tline.solver.witness.equations import Flow
 from tline.solver.witness.nodes import Balance, Term
 
 INSTANTS, WINDOWS = 64, 4  # drawn at random, one in each part of the run
-SLABS = 24  # of a window, at most
-POINTS = leggauss(6)  # of a piece of a window
+SLABS = 100  # of a window, at most: the longer, the less does it matter how far off an effort may be
+POINTS = leggauss(5)  # of a piece of a window
 MARGIN = 3.0  # times the tolerance, that efforts and flows may be off
 ROUNDING = 1e-10  # of what a node sees, for flows are small differences of waves
 FAINT = 1e-6  # of the largest effort of all, below which nothing is told
