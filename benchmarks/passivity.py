@@ -28,9 +28,8 @@ HEAD = """# Benchmarks of the verdicts
 Written by `make bench`; medians of 7 runs on one core, after import. python-control's `ispassive` solves a linear
 matrix inequality in doubles, and is not asked beyond degree 20 (RC ladders of degree 25, 30 and 40,
 asked by hand, took it 0.7, 1.5 and 5.1 s and up to 263 MB, and it called all three active, which they are
-not); scikit-rf's `is_passive` looks at 2001 samples of the reflection from 10⁻⁶ to 10⁶ rad/s. Neither can be right about what lies
-between
-samples or within a tolerance; what they are asked is what they offer.
+not); scikit-rf's `is_passive` looks at 2001 samples of the reflection from 10⁻⁶ to 10⁶ rad/s. Neither can
+be right about what lies between samples or within a tolerance; what they are asked is what they offer.
 
 ![Time against degree, and right answers](pictures/passivity_benchmark.png)
 """
