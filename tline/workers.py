@@ -37,13 +37,13 @@ def interrupts_deferred() -> Iterator[None]:
     ours = handler is not None and current_thread() is main_thread()  # no other thread is interrupted
     if ours:
         signal.signal(signal.SIGINT, lambda number, _: caught.append(number))
-    if hasattr(signal, "pthread_sigmask"):  # not on Windows
-        mask = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    block = getattr(signal, "pthread_sigmask", None)  # not on Windows
+    mask = block(signal.SIG_BLOCK, [signal.SIGINT]) if block else set()
     try:
         yield
     finally:
-        if hasattr(signal, "pthread_sigmask"):
-            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        if block:
+            block(signal.SIG_SETMASK, mask)
         if ours:
             signal.signal(signal.SIGINT, handler)
         if caught:

@@ -54,7 +54,7 @@ def test_verdict_and_evidence(case):
     verdict = check_expression(case["expression"], Kind[case["kind"]])
     assert verdict.status is (Status.PROVED if case["verdict"] else Status.REFUTED)
     if verdict.status is Status.PROVED:
-        evidence = [verdict.rational and verify(verdict.rational.certificate)]
+        evidence = [None if verdict.rational is None else verify(verdict.rational.certificate)]
         evidence += [verdict.proof and verify_proof(verdict.proof), verdict.balls and holds(verdict.balls)]
         assert [kept for kept in evidence if kept is not None] == [True]
         assert not any(broken(case, Fraction(a, 8), Fraction(b, 3)) for a in (1, 9, 60) for b in (0, 1, 5, 19))
