@@ -224,9 +224,9 @@ have faded. EPANET solves the file anew, with demands as emitters, for those of 
 of the mean head of the run's last tenth from EPANET's, at up to {SHOWN} nodes, and *moving* what moves there then. The
 accuracy is that which files ask of EPANET: {1e3 * ACCURATE:g} mm and {FILE:g} of the change. A file takes no part where
 demands flow in or have no pressure, emitters have another exponent, EPANET finds no steady flow, or no head changes by
-{1e3 * LEAST:g} mm. Two things beside friction go beyond the accuracy: a regulating valve that does not regulate at
-first is held as it stands, while EPANET's begins to when a pump runs; and a pump whose curve has many points follows
-a smooth curve through them, not EPANET's chords.
+{1e3 * LEAST:g} mm. What goes beyond the accuracy has regulating valves that do not regulate at first, or pumps with
+curves of many points, which follow a smooth curve through them and not EPANET's chords; whether that is all of it has
+not been isolated.
 
 """
 TABLE = """

@@ -64,7 +64,7 @@ class Chain(Decided):
     input: acb | None = None
 
     @property
-    def status(self) -> Status:
+    def status(self) -> Status:  # pyright: ignore[reportIncompatibleVariableOverride]
         """How the last step ended."""
         return self.steps[-1].status
 
