@@ -66,7 +66,7 @@ TABLES = {
     "0,1\n1,1e400\n": POINT.format(2),
     "0,1,2\n1,2,3\n": POINT.format(1),
     "t,u\ns,V\n0,1\n": POINT.format(2),
-    "0;1\n1;2\n": POINT.format(2),
+    "0;1\n1;2\n": POINT.format(1),
     "t,1\n0,1\n1,2\n": POINT.format(1),
     "0,1\n2,1\n1,3\n": "point 3 lies before the one in front of it, expected times in order, got 1 s",
     "0,1\n1,2\n1,3\n1,4\n": "point 4 is the third at one time, expected at most two, for a jump, got 1 s",

@@ -246,7 +246,7 @@ def test_scenes_with_losses_that_say_the_same_are_equal(file):
 def test_laws_are_equal_by_what_they_are_made_of():
     assert SkinEffect(0, 1e-3) + ConstantLoss(1, 2) == SkinEffect(0, 1e-3) + ConstantLoss(1, 2)
     one, other = Foster(0.3, 0, [1, 2], [3, 4]), Foster(0.3, 0, [1, 2], [3, 4])
-    assert one.verdict
+    assert one.verdict.proved
     assert one == other
     assert hash(one) == hash(other)
     assert one != Foster(0.3, 0, [1, 2], [3, 5])
