@@ -40,7 +40,6 @@ OTHER = (
     ("water", "loads.tank.tank_diameter", 0.021),
     ("water", "loads.lake.pressure", 2.01e5),
     ("water", "lines.q.length", 88),
-    ("gas", "loads.tank.gas_volume", 0.013),
     ("gas", "loads.tank.flow", 0.002),
     ("cable", "loads.c.capacitance", 21e-12),
     ("cable", "loads.c.resistance", 105),

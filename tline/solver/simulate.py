@@ -182,7 +182,7 @@ def _searched(description: Description, how: _How, tol: float | None, whole: Des
         result = replace(result, accuracy=tol and _by_hand(result, tol))
     else:
         more = {"envelope": how.envelope, "start": how.start, "whole": whole}
-        witness = None if how.start else Witness(description)
+        witness = None if how.start else Witness(description, how.record)
         record = [*how.record, *(witness.lines if witness else ())]
         search = Search(description, tol, record, how.progress, **more)
         result = convolved(search) or (with_losses if description.dispersive else within)(search)

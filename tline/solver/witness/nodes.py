@@ -117,11 +117,14 @@ def _drive(found: Mapping[str, Balance], source: Source, weights: Mapping[str, f
             found[here].add(Term(equation, there, weight=weight))
 
 
-def watched(description: Description) -> list[Balance]:
-    """Nodes whose balance is looked at: those at probes and where something moves or remembers, some of the others."""
+def watched(description: Description, lumped: Collection[str]) -> list[Balance]:
+    """Nodes whose balance is looked at: those at probes and where something moves or remembers, some of the others.
+
+    Waves in lines that are lumped are not known.
+    """
     found = balances_of(description)
     probed = {node for name in description.probed for node in description.lines[name].nodes}
-    good = [one for one in found.values() if one.can_be_checked and _seen(one, found)]
+    good = [one for one in found.values() if one.can_be_checked and _seen(one, found, lumped)]
 
     def first(one: Balance) -> tuple[bool, bool, int]:
         busy = len(one.flows) + len(one.stores)
@@ -130,10 +133,11 @@ def watched(description: Description) -> list[Balance]:
     return sorted(good, key=first)[:MOST_NODES]
 
 
-def _seen(one: Balance, found: Mapping[str, Balance]) -> bool:
-    """Whether efforts beyond its links are known: a line ends there."""
+def _seen(one: Balance, found: Mapping[str, Balance], lumped: Collection[str]) -> bool:
+    """Whether waves at the node and efforts beyond its links are known: lines end there, and none is lumped."""
     beyond = {term.beyond for term in (*one.flows, *one.stores) if term.beyond is not None}
-    return all(node in found and found[node].ends for node in beyond)
+    each = [one, *(found[node] for node in beyond if node in found)]
+    return len(each) == len(beyond) + 1 and not any(name in lumped for here in each for name, _ in here.ends)
 
 
 def lines_at(nodes: Collection[Balance], description: Description) -> list[str]:

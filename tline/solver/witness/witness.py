@@ -1,10 +1,11 @@
 """The witness of a run to a tolerance: what is given out is held against equations that share nothing with the run."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from itertools import islice
 
 from tline.solver.description.description import Description
+from tline.solver.description.short_lines import short_lines
 from tline.solver.result.result import Result
 from tline.solver.witness.balance import Doubt, balance_doubts, line_doubts
 from tline.solver.witness.nodes import lines_at, watched
@@ -16,6 +17,12 @@ from tline.solver.witness.stores import store_doubts
 class Witness:
     """Looks at some nodes of a scene; made before its runs, for these keep the waves that it needs.
 
+    Parameters
+    ----------
+    description : Description
+    kept : collection of str
+        Lines whose waves are kept anyway, so that they are not lumped.
+
     Attributes
     ----------
     nodes : list of Balance
@@ -23,8 +30,9 @@ class Witness:
         Whose waves it needs.
     """
 
-    def __init__(self, description: Description):
-        self.description, self.nodes = description, watched(description)
+    def __init__(self, description: Description, kept: Collection[str] = ()):
+        lumped, _ = short_lines(description, kept)
+        self.description, self.nodes = description, watched(description, lumped)
         self.lines = lines_at(self.nodes, description)
 
     def heard(self, result: Result) -> Result:
