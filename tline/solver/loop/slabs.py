@@ -1,5 +1,6 @@
 """The slabs of a run, of which the last may reach beyond its end."""
 
+from functools import lru_cache
 from math import ceil, floor
 from typing import NamedTuple
 
@@ -48,7 +49,13 @@ class Slabs(NamedTuple):
     @property
     def ends(self) -> NDArray:
         """Instants at which slabs begin or end, s: 0, h, 2h, … and the end of the run."""
-        return np.append(np.arange(self.whole + (self.rest > 0)) * self.width, self.end)
+        return _ends(self)
+
+
+@lru_cache(maxsize=8)
+def _ends(slabs: Slabs) -> NDArray:
+    """One array for all probes of a run."""
+    return np.append(np.arange(slabs.whole + (slabs.rest > 0)) * slabs.width, slabs.end)
 
 
 def cut_at_end(slabs: Slabs, values: NDArray, pieces: Noted, order: Basis) -> tuple[Noted, Noted]:

@@ -213,7 +213,7 @@ class ProbeResult:
         """At the ends of slabs in the run, t = 0 included: where values are most accurate."""
         record, n = self.record, self.slabs.whole + 1
         a, b = (record.a1, record.b1) if self.share == 0.0 else (record.a2, record.b2)
-        t = self.slabs.ends[:n]
+        t = self.slabs.ends[:n] if self.slabs.rest else self.slabs.ends  # one array for all probes
         if self.share not in (0.0, 1.0) or self.slabs.number != len(a.values):
             return self.at(t)
         return self._samples(t, a.at_slab_ends()[:n], b.at_slab_ends()[:n])
