@@ -31,7 +31,7 @@ def exact(scene: Scene, t, where: str, load: float, digits: int = 13, drive: Dri
 def at_ends(result, chosen: int = 12) -> np.ndarray:
     """Some slab ends over the whole run, among them those right behind fronts, but none that a front passes."""
     per_delay = round(float(result.scene.lines["line"].parameters.delay) / result.resolution.h)
-    n = len(result.t) - 1
+    n = result.slabs.whole
     k = np.unique([1, 2, per_delay + 1, 2 * per_delay + 1, *np.linspace(3, n, chosen).astype(int)])
     return k[k % per_delay > 0]
 
