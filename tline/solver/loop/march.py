@@ -127,7 +127,8 @@ class Signals:
     def __init__(self, assembly: Assembly, n: int):
         self.of, self.h, self.basis = assembly.excitations, assembly.resolution.h, assembly.basis
         self.n, self.follows, self.plain = n, assembly.follows_edges, assembly.resolution.plain
-        self.places = [_inside(places_of(p, n * self.h, self.h), self.follows) for p in self.of if not self.plain]
+        places = [np.empty(0) if self.plain else places_of(p, n * self.h, self.h) for p in self.of]
+        self.places = [_inside(each, self.follows) for each in places]
         self.few = len(self.of) * n * self.basis.s <= FEW
         self._samples: NDArray | None = None
         self._pieces: list[Broken] | None = None
