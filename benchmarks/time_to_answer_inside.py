@@ -82,7 +82,7 @@ def in_compiled_code() -> list[float]:
             if type(value).__name__ == "CPUDispatcher":
                 setattr(module, name, counted(value))
     with suppress(ImportError):
-        from tline.unit import Unit
+        from tline.compiled.unit import Unit
 
         Unit.__call__ = counted(Unit.__call__)
     return spent

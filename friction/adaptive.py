@@ -12,7 +12,7 @@ from friction import kernel
 from friction.kernel import BUDGET, DONE, FA, FF, FREE, MODE, STALLED
 from friction.models import Model
 from friction.testbench import Testbench
-from tline.structure import pack
+from tline.compiled.structure import pack
 
 
 class Motion:

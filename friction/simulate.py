@@ -11,8 +11,8 @@ from friction.models import Model
 from friction.number import check_number
 from friction.result import COLUMNS, Result, Status, events_of
 from friction.testbench import Testbench
+from tline.compiled.structure import pack
 from tline.errors import InputError
-from tline.structure import pack
 
 if TYPE_CHECKING:
     from friction.kernel import Drive, Law

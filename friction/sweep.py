@@ -11,8 +11,8 @@ from friction.methods import SMOOTH
 from friction.models import LEAST, Model
 from friction.number import check_number
 from friction.testbench import Testbench
+from tline.compiled.structure import pack
 from tline.errors import InputError
-from tline.structure import pack
 
 LAW_COLUMN = {  # of kernel.Law
     "F_c": 1, "F_s": 2, "F_v": 3, "sigma2": 3, "v_s": 4, "sigma0": 6, "sigma1": 7, "z_ba": 8, "epsilon": 9

@@ -35,7 +35,7 @@ from friction.kernel.taylor import (
     expand,
     trusted_step,
 )
-from tline.unit import function, unit
+from tline.compiled.unit import function, unit
 
 FOREVER = 1e13  # s, more than any run may last
 MOST_IDLE = 10  # changes of mode at one instant

@@ -29,7 +29,7 @@ from friction.kernel.law import (
 )
 from friction.kernel.rodas import STAGES, continue_into, inside, rodas
 from friction.kernel.structures import EVENTS, REFUSED, RUN, STEPS, STRIDE
-from tline.unit import function
+from tline.compiled.unit import function
 
 MOST_TRIES = 9  # to land on a reversal
 EARLY = 2e-3  # first step at a tolerance of 1, of the time scale of the contact

@@ -21,7 +21,7 @@ from friction.kernel.law import (
     steady,
 )
 from friction.kernel.structures import EVENTS, STEPS, FixedRun
-from tline.unit import function, unit
+from tline.compiled.unit import function, unit
 
 EULER, RK4, MOREAU, EXPONENTIAL = range(4)
 

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tline.structure import Floats
-from tline.unit import function
+from tline.compiled.structure import Floats
+from tline.compiled.unit import function
 
 SIGN, ZONE, BRISTLE, TANH = range(4)  # kinds of law
 DONE, BUDGET, BLOWN_UP, STALLED, INACCURATE = range(5)  # how a run can end

@@ -3,7 +3,7 @@
 import numpy as np
 
 from friction.kernel.law import applied, jacobian, respond
-from tline.unit import function
+from tline.compiled.unit import function
 
 # Rodas5P, Steinebach, BIT Numerical Mathematics 63 (2023) 27, doi:10.1007/s10543-023-00967-x: order 5, L-stable, and
 # no loss of order on z, which follows the stiff balance of bristles

@@ -2,7 +2,7 @@
 
 from math import inf
 
-from tline.unit import function
+from tline.compiled.unit import function
 
 MOST_HALVINGS = 2000
 

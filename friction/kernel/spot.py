@@ -2,7 +2,7 @@
 
 from friction.kernel.law import applied, friction, mode_of, piece, steady
 from friction.kernel.structures import Spot
-from tline.unit import unit
+from tline.compiled.unit import unit
 
 FREE = 9  # mode of a solver that looks at the law alone
 

@@ -7,7 +7,7 @@ import numpy as np
 from friction.kernel.law import Drive, Law
 from friction.kernel.rodas import STAGES
 from friction.kernel.taylor import ROWS, STATE, N
-from tline.structure import Floats, Floats2, Floats3, Integers
+from tline.compiled.structure import Floats, Floats2, Floats3, Integers
 
 STEPS, REFUSED, EVENTS, RUN, STRIDE = range(5)  # counts: steps made and refused, events met, which of two runs is
 # given, steps from one instant to the next at which runs are compared

@@ -9,7 +9,7 @@ from math import copysign, cos, exp, expm1, factorial, isnan, pi, sin
 import numpy as np
 
 from friction.kernel.roots import first_root_within
-from tline.unit import function
+from tline.compiled.unit import function
 
 STUCK, SLIDING, PUSHED = 0, 1, 2  # modes, with the sign of the motion; pushed: within a dead zone, but too hard to hold
 N = 20  # terms of a series

@@ -5,7 +5,7 @@ from math import inf
 from friction.kernel.bristles import rosenbrock
 from friction.kernel.law import DONE, FA, FF, INACCURATE, MODE, STALLED, WA, WF, Drive, Law, T, V, X, Z
 from friction.kernel.structures import EVENTS, RUN, STEPS, Bench, SmoothRun, Sweep
-from tline.unit import function, unit
+from tline.compiled.unit import function, unit
 
 FINEST, ROUGHEST = 1e-14, 0.1  # tolerances of single steps
 START = 0.1  # tolerance of single steps, of that of the run, to begin with

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+HEAD = "from tline.compiled.unit import unit\n\n\n@unit\n"
 UNITS = {
     "one": "def double(n: int) -> int:\n    return 2 * n\n",
     "two": "def triple(n: int) -> int:\n    return 3 * n\n",
@@ -47,7 +48,7 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "made").mkdir()
     (tmp_path / "made" / "__init__.py").write_text("")
     for module, text in UNITS.items():
-        (tmp_path / "made" / f"{module}.py").write_text(f"from tline.unit import unit\n\n\n@unit\n{text}")
+        (tmp_path / "made" / f"{module}.py").write_text(HEAD + text)
     (tmp_path / "call.py").write_text(CALL)
     return tmp_path
 
@@ -65,7 +66,7 @@ def test_what_is_missing_is_compiled_once(folder: Path):
     assert first.stdout.endswith(f" s, kept in {folder / 'kept'}\n")
     assert len(list((folder / "kept").iterdir())) == 2
     assert warm_up(folder).stdout == f"nothing to do: all 2 units are compiled, kept in {folder / 'kept'}\n"
-    (folder / "made" / "two.py").write_text(f"from tline.unit import unit\n\n\n@unit\n{UNITS['two'].replace('3', '4')}")
+    (folder / "made" / "two.py").write_text(HEAD + UNITS["two"].replace("3", "4"))
     told = json.loads(warm_up(folder, "--json").stdout)
     assert {key: told[key] for key in ("units", "compiled", "not_kept")} == {"units": 2, "compiled": 1, "not_kept": []}
     assert told["folders"] == [str(folder / "kept")]

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import click
 from click.testing import CliRunner
 
-from tline import object_code
 from tline.cli.main import COMMANDS, main
+from tline.compiled import object_code
 
 
 @click.command()

@@ -14,8 +14,8 @@ from click.testing import CliRunner
 
 from tline.cli.main import COMMANDS, main
 from tline.errors import SceneError
-from tline.printable import CONTROL
 from tline.scene.file import read_scene
+from tline.words.printable import CONTROL
 
 PAGE = (Path(__file__).parents[2] / "docs" / "trust.md").read_text(encoding="utf-8")
 CABLE = """

@@ -11,7 +11,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tline.printable import one_line
 from tline.scene.file import scene_from, scene_text, schema
 from tline.scene.line import Cable, Pipe
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
@@ -29,6 +28,7 @@ from tline.scene.rational_load import Capacitor, Impedance, Inductor, Parallel, 
 from tline.scene.scene import Scene, Solver
 from tline.scene.source import Source
 from tline.scene.switch import Switch, SwitchLink
+from tline.words.printable import one_line
 
 
 def quantity(*units: str, least: float = 1e-3, most: float = 1e3, signed: bool = False):

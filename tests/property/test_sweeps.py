@@ -10,7 +10,7 @@ import pytest
 import tline as tl
 from tline.scene.quantity import Quantity
 from tline.solver.result.dense_output import extremes
-from tline.wording import place
+from tline.words.wording import place
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 SCENES = Path(__file__).parents[2] / "scenes"

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
+from tline.compiled.structure import pack
 from tline.scene.scene import Scene
 from tline.solver.many.kernel.extremes import extremes, find_extremes
 from tline.solver.many.period import slab_edges
 from tline.solver.radau import basis
-from tline.structure import pack
 from tline.study.reference import Solution
 from tline.sweeps import sweep
 

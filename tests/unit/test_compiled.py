@@ -13,20 +13,20 @@ from zipfile import ZipFile
 import numpy as np
 import pytest
 
-from tline import compiler, object_code
+from tline.compiled import compiler, object_code
+from tline.compiled.stamp import sources_of
+from tline.compiled.structure import pack
 from tline.errors import NotKeptWarning
-from tline.sources import sources_of
-from tline.structure import pack
 
 ROOT = Path(__file__).parents[2]
-HEAD = "from made.structures import Pair\nfrom tline.unit import function, unit\n\n"
+HEAD = "from made.structures import Pair\nfrom tline.compiled.unit import function, unit\n\n"
 FILES = {
     "constants": '"""Numbers."""\nFOUR = 4.0\nlater = 0\n',
     "shared": "from made.constants import (\n    FOUR,\n)\n\nWEIGHT = 10.0 * FOUR\n",
-    "inner": 'from tline.unit import function\n\n@function\ndef grow(x):\n    """Larger."""\n    return 2.0 * x\n',
+    "inner": 'from tline.compiled.unit import function\n\n@function\ndef grow(x):\n    """Larger."""\n    return 2.0 * x\n',  # noqa: E501
     "structures": """
 from typing import NamedTuple
-from tline.structure import Floats
+from tline.compiled.structure import Floats
 
 class Pair(NamedTuple):
     x: float
@@ -39,7 +39,7 @@ class Pair(NamedTuple):
 from math import exp, tanh
 from made.inner import grow
 from made.shared import WEIGHT
-from tline.unit import invoke
+from tline.compiled.unit import invoke
 {HEAD}
 @unit
 def answer(pair: Pair, n: int) -> int:
@@ -62,7 +62,7 @@ import numpy as np
 from made.called import less
 from made.structures import Pair
 from made.unit import answer
-from tline.structure import pack
+from tline.compiled.structure import pack
 out = np.zeros(1)
 answer(pack(Pair(3.0, 1.0, less.address, out)), 1)
 print(out[0].hex(), "numba" in sys.modules)

@@ -32,7 +32,7 @@ from friction import (
     sweep,
     tanh_creep,
 )
-from tline.structure import pack
+from tline.compiled.structure import pack
 
 SMOOTH = [LuGre(sigma1=3.0), Dahl(), ElastoPlastic(sigma1=2.0), Tanh()]
 

@@ -3,13 +3,13 @@ import sys
 
 import pytest
 
-from tline import progress
-from tline.progress import Progress
+from tline.words import progress
+from tline.words.progress import Progress
 
 
 def test_short_work_shows_no_bar_and_does_not_import_one():
     code = (
-        "import sys; from tline.progress import Progress\n"
+        "import sys; from tline.words.progress import Progress\n"
         "with Progress(3, 'slab', True) as bar: bar.update(); bar.update(2)\n"
         "print('tqdm' in sys.modules)"
     )

@@ -27,7 +27,7 @@ from tline.scene.source import Source
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import resolution
 from tline.solver.description.slab import CHEAP, MOST_KEPT
-from tline.wording import nearest, place, shown
+from tline.words.wording import nearest, place, shown
 
 SCENES = sorted((Path(__file__).parents[2] / "scenes").glob("*.toml"))
 

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from tline.structure import Floats, Floats2, pack
-from tline.unit import function, unit
+from tline.compiled.structure import Floats, Floats2, pack
+from tline.compiled.unit import function, unit
 
 
 class Row(NamedTuple):

@@ -8,9 +8,9 @@ import pytest
 from numba.core.codegen import JITCodeLibrary
 from numba.core.registry import cpu_target
 
-from tline import compiler, object_code
 from tline.cli.warm_up import found
-from tline.sources import are_unchanged, digests
+from tline.compiled import compiler, object_code
+from tline.compiled.stamp import are_unchanged, digests
 
 ROOT = Path(__file__).parents[2]
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tline.aligned import aligned
 from tline.errors import InputError
+from tline.words.aligned import aligned
 
 if TYPE_CHECKING:
     from tline.study.charts.table import ChartTable

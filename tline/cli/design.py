@@ -187,7 +187,7 @@ def _write(found: "Sizing", files: dict[str, str | None]) -> None:
 
 
 def _text(found: "Sizing") -> list[str]:
-    from tline.aligned import aligned
+    from tline.words.aligned import aligned
 
     limits, trial = found.limits, found.found
     per, unit = (BAR, "bar") if limits.per_metre is None else (limits.per_metre, "m")

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from tline.aligned import aligned
 from tline.pictures.handy import handy
 from tline.solver.ledger.ledger import COLUMNS, TOLERANCE, Entry, Ledger
+from tline.words.aligned import aligned
 
 SHOWN = 30  # accounts; of more, those with the largest numbers
 QUIET = 1e-9  # of the turnover; accounts with nothing beyond it are left out

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tline.aligned import aligned
 from tline.cli.options import confined_option
 from tline.errors import InputError
 from tline.scene.medium import MEDIA
+from tline.words.aligned import aligned
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -4,12 +4,12 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from tline.aligned import aligned
 from tline.errors import InputError
 from tline.line import ElectricalLine
 from tline.line.electrical import in_air
 from tline.line.parameters import LineQuantity, read
 from tline.units import engineering
+from tline.words.aligned import aligned
 
 if TYPE_CHECKING:
     from tline.loss import LossyLine

@@ -7,7 +7,6 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from tline.aligned import aligned
 from tline.cli.energies import ledger_as_dict
 from tline.cli.measured import model_as_dict, model_in_words, network_as_dict, network_in_words
 from tline.pictures.handy import handy
@@ -24,7 +23,8 @@ from tline.solver.result.dense_output import extremes
 from tline.solver.result.quantities import Bounds, in_tables
 from tline.solver.result.result import ProbeResult, Result
 from tline.solver.simulate import judged
-from tline.wording import place
+from tline.words.aligned import aligned
+from tline.words.wording import place
 
 SMALL = 1e8  # line-end samples of a run fixed by hand that is worth another one, only to judge it
 

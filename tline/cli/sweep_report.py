@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.aligned import aligned
 from tline.pictures.handy import handy
 from tline.scene.heights import words
 from tline.sweeps import Sweep
+from tline.words.aligned import aligned
 
 QUANTILES = (0.05, 0.5, 0.95)
 FEW = 24  # runs that are told one by one

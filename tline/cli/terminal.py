@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import TextIO
 
-from tline.printable import printable
+from tline.words.printable import printable
 
 
 class UnreadError(Exception):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from tline.unit import Unit
+    from tline.compiled.unit import Unit
 
 WITH_UNITS = (  # packages and modules
     "tline.solver.kernel",
@@ -37,7 +37,7 @@ def warm_up(as_json: bool) -> None:
     Code is read only from folders and files that are yours, or root's, and to which nobody else may write. For all
     users of a computer, let root warm up a folder that they can read.
     """
-    from tline.object_code import is_kept, path_of
+    from tline.compiled.object_code import is_kept, path_of
 
     begun, units = time.perf_counter(), dict(found())
     missing = {where: unit for where, unit in units.items() if not is_kept(unit)}
@@ -60,8 +60,8 @@ def found() -> Iterator[tuple[tuple[str, str], "Unit"]]:
     from importlib import import_module
     from pkgutil import walk_packages
 
-    from tline.sources import sources_of
-    from tline.unit import Unit
+    from tline.compiled.stamp import sources_of
+    from tline.compiled.unit import Unit
 
     units: dict[tuple[str, str], Unit] = {}
     for outer in WITH_UNITS:
@@ -77,7 +77,7 @@ def _compile_all(units: Any) -> None:
     """Compile units, each in one of as many processes as there are processors."""
     from concurrent.futures import as_completed
 
-    from tline.progress import Progress
+    from tline.words.progress import Progress
     from tline.workers import Workers
 
     pool = Workers(min(os.cpu_count() or 1, len(units)))

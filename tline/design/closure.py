@@ -16,7 +16,7 @@ from tline.scene.shape import Shape
 from tline.scene.valve import Orifice, OrificeLink
 from tline.solver.description.excitation import just_before
 from tline.units import to_si
-from tline.wording import nearest, place
+from tline.words.wording import nearest, place
 
 TIMES = 0.15, 0.3, 0.5, 0.7  # shares of the time after which a second stage begins, at first
 LEVELS = 0.1, 0.25, 0.4, 0.6, 0.8  # and of the travel that is left there

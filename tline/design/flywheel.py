@@ -9,7 +9,7 @@ from tline.errors import InputError
 from tline.scene.file import as_scene
 from tline.scene.pump import Pump
 from tline.scene.scene import Scene
-from tline.wording import nearest, place
+from tline.words.wording import nearest, place
 
 
 def flywheel(

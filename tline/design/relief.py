@@ -15,7 +15,7 @@ from tline.scene.valve import ReliefValve
 from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import above_level
 from tline.units import to_si
-from tline.wording import nearest, place
+from tline.words.wording import nearest, place
 
 USUAL_SET = 0.9  # of the highest pressure; it is wide open there
 

@@ -10,13 +10,13 @@ from typing import Any, NamedTuple
 from tline.design.limits import Limits
 from tline.design.search import SizeSearch, Trial, smallest
 from tline.errors import InputError
-from tline.progress import Progress
 from tline.scene.scene import Scene
 from tline.solver.prepared import Prepared, prepare
 from tline.solver.result.atomic import write_table
 from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning
 from tline.units import engineering
+from tline.words.progress import Progress
 
 USUAL_TOL, USUAL_RUNS = 1e-3, 20
 NO_SEARCH = "even the smallest size that was tried keeps the limits"

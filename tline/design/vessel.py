@@ -13,7 +13,7 @@ from tline.scene.vessel import AirVessel
 from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import above_level
 from tline.units import to_si
-from tline.wording import nearest, place
+from tline.words.wording import nearest, place
 
 RESERVE = 0.1  # of the shell: liquid left in it when the gas is largest
 SWING = 10.0  # times the compliance of the lines that of the first gas

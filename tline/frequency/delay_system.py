@@ -14,7 +14,7 @@ from tline.scene.scene import Scene
 from tline.scene.switch import Switch, SwitchLink
 from tline.solver.description.description import describe
 from tline.solver.stability.growth import growth
-from tline.wording import nearest
+from tline.words.wording import nearest
 
 if TYPE_CHECKING:
     from control import StateSpace

@@ -11,7 +11,7 @@ from tline.solver.description.description import describe
 from tline.solver.stability.answers import answers
 from tline.solver.stability.scattering import Scattering
 from tline.units import to_si
-from tline.wording import nearest, shown
+from tline.words.wording import nearest, shown
 
 
 def scattering_parameters(

@@ -11,7 +11,7 @@ from tline.solver.description.description import describe
 from tline.solver.stability.answers import answers
 from tline.solver.stability.lossy_line import inside
 from tline.solver.stability.scattering import Scattering
-from tline.wording import nearest, place
+from tline.words.wording import nearest, place
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from tline.errors import InputError, LeftOutWarning
 from tline.scene.file import EPANET, SPICE, read_scene
 from tline.scene.scene import Scene
 from tline.scene.text_file import check_ordinary
-from tline.wording import shown
+from tline.words.wording import shown
 
 
 def read(

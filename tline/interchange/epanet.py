@@ -27,7 +27,7 @@ from tline.interchange.water_network import (
     listed,
 )
 from tline.scene.site import GRAVITY as STANDARD
-from tline.wording import shown
+from tline.words.wording import shown
 
 WATER, VISCOSITY = 1000.0, 1.1e-5 * FOOT**2  # kg/m³ and m²/s, EPANET's
 LAST_HOUR = 8784.0  # of a year

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tline.errors import InputError
 from tline.scene.text_file import LARGEST
-from tline.wording import shown
+from tline.words.wording import shown
 
 LONGEST = 1000  # bytes of a line; EPANET's buffer has 1024
 TITLE = 200  # characters

@@ -7,7 +7,7 @@ from tline.errors import InputError
 from tline.interchange.spice_names import Names
 from tline.scene.link import Link
 from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Junction, Multiport, Transformer
-from tline.wording import place
+from tline.words.wording import place
 
 LARGEST = 1e12  # condition number of 1 + S, beyond which there is no admittance
 ROUNDING = 1e-15  # of the largest admittance; less is none

@@ -16,7 +16,7 @@ from tline.scene.load import Matched, NoFlow, Resistor, Short
 from tline.scene.rational_link import RationalLink
 from tline.scene.rational_load import Rational
 from tline.scene.scene import Scene
-from tline.wording import place
+from tline.words.wording import place
 
 SECTIONS = {"title", "medium", "t_end", "start", "solver", "lines", "sources", "loads", "links", "probes", "measures"}
 STEPS = 20  # in the shortest delay

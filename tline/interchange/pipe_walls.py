@@ -11,7 +11,7 @@ from tline.interchange.water_network import listed
 from tline.line.walls import WALLS
 from tline.scene.quantity import Quantity
 from tline.scene.text_file import read_text
-from tline.wording import shown
+from tline.words.wording import shown
 
 USUAL = "1000 m/s"  # of pipes of which nothing is said
 EVERY = "*"  # for all pipes that have no row of their own

@@ -21,7 +21,7 @@ from tline.interchange.subcircuits import opened
 from tline.interchange.tidy import connected, folded, with_open_ends, without_idle_capacitors
 from tline.scene.file import scene_from
 from tline.scene.scene import Scene
-from tline.wording import nearest, place
+from tline.words.wording import nearest, place
 
 ANY = Transient(0.0, 1.0, True)  # in place of a run that is not given, so that other mistakes are found
 

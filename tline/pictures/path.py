@@ -13,7 +13,7 @@ from tline.pictures.handy import handy
 from tline.scene.coupled import refuse_coupled
 from tline.scene.link import linked_pairs
 from tline.scene.scene import Scene
-from tline.wording import nearest
+from tline.words.wording import nearest
 
 
 class Leg(NamedTuple):

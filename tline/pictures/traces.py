@@ -16,7 +16,7 @@ from tline.solver.result.dense_output import curve
 from tline.solver.result.quantities import Quantity, in_tables
 from tline.solver.result.result import Result
 from tline.units import to_si
-from tline.wording import nearest, shown
+from tline.words.wording import nearest, shown
 
 WIDTH, HEIGHT, MORE = 8.0, 5.2, 2.2  # inches; more for a third panel
 ONE = 3.6  # for a single panel

@@ -12,7 +12,7 @@ from tline.pictures.style import COLOURS, DASHES, Picture, figure, name_nodes, s
 from tline.solver.result.dense_output import curve
 from tline.solver.result.interior import inside
 from tline.solver.result.result import Result
-from tline.wording import nearest, shown
+from tline.words.wording import nearest, shown
 
 PIXELS = 300, 600  # places, instants
 LABELS = ("a = u + z0·y, toward end 2", "b = u - z0·y, toward end 1")

@@ -11,7 +11,7 @@ from tline.errors import InputError
 from tline.scene.attenuation_fit import Laws, Sheet, fitted
 from tline.scene.element import Element
 from tline.scene.quantity import Frequency, Quantity, Role
-from tline.wording import shown
+from tline.words.wording import shown
 
 DECIBEL = 20 / np.log(10)  # in a neper
 UNITS = "dB/m, dB/100m, dB/km, dB/ft, dB/100ft, dB/kft or dB/mi"

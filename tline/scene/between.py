@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from tline.errors import InputError
 from tline.scene.element import Element, Name
 from tline.scene.line import two_nodes
-from tline.wording import shown
+from tline.words.wording import shown
 
 
 class Between(Element):

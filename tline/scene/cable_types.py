@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from tline.errors import InputError
-from tline.wording import nearest, shown
+from tline.words.wording import nearest, shown
 
 
 class CableType(NamedTuple):

@@ -8,7 +8,7 @@ from pydantic import Field
 from tline.errors import InputError
 from tline.scene.quantity import Quantity, Role, Whole
 from tline.scene.vessel import Boiling
-from tline.wording import place
+from tline.words.wording import place
 
 if TYPE_CHECKING:
     from tline.scene.line import SceneLine

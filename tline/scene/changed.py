@@ -14,7 +14,7 @@ from tline.scene.element import Element
 from tline.scene.medium import MEDIA
 from tline.scene.scene import Scene
 from tline.scene.user_defined import user_elements
-from tline.wording import nearest, shown
+from tline.words.wording import nearest, shown
 
 SECTIONS = "lines", "sources", "loads", "links", "probes", "measures", "nodes"
 PLACES = "at", "nodes", "line"  # keys of an element

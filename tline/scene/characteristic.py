@@ -13,7 +13,7 @@ from tline.scene.factor import ALWAYS, Factor
 from tline.scene.law import ElementLaw, NonLinear
 from tline.scene.named_file import beside
 from tline.scene.quantity import Quantity, Role
-from tline.wording import shown
+from tline.words.wording import shown
 
 BOLTZMANN, CHARGE = 1.380649e-23, 1.602176634e-19  # J/K, C; exact in the SI
 Saturation = Annotated[Quantity, Role("flow", at_least=1e-30, at_most=1e3)]

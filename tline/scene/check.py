@@ -22,7 +22,7 @@ from tline.scene.regulating import RegulatingValve
 from tline.scene.stretches import Stretches, stretches_of
 from tline.scene.touchstone import Touchstone
 from tline.scene.vessel import SurgeTank
-from tline.wording import nearest, place, shown
+from tline.words.wording import nearest, place, shown
 
 if TYPE_CHECKING:
     from tline.scene.probe import Probe

@@ -13,7 +13,7 @@ from tline.scene.element import Element, Name
 from tline.scene.line import Cable, SceneLine
 from tline.scene.mistakes import mistakes
 from tline.scene.quantity import LARGEST, SMALLEST, Frequency, Quantity, Role
-from tline.wording import place, shown
+from tline.words.wording import place, shown
 
 MOST = 16  # conductors
 Row = list[Annotated[Quantity, Role("inductance per length", "H/m")]]

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from tline.errors import InputError
-from tline.printable import one_line
 from tline.scene.quantity import LARGEST
 from tline.scene.text_file import read_text
+from tline.words.printable import one_line
 
 NUMBER = re.compile(r"\s*[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\s*", re.ASCII)
 NO_WORD = re.compile(r"\s*[-+.\d]")  # how a cell of a heading does not begin

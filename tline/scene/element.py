@@ -7,7 +7,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from tline.errors import InputError, SceneError
 from tline.scene.choice import validator
 from tline.scene.mistakes import MOST, WORDS, limited, mistakes, register
-from tline.wording import shown
+from tline.words.wording import shown
 
 
 def is_name(name: Any) -> bool:

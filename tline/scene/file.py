@@ -9,7 +9,7 @@ from tline.scene.named_file import Folder
 from tline.scene.scene import Scene
 from tline.scene.text_file import read_toml
 from tline.scene.user_defined import user_elements
-from tline.wording import shown
+from tline.words.wording import shown
 
 SPICE, EPANET = (".cir", ".ckt", ".net", ".sp", ".spi"), (".inp",)  # suffixes of files that are imported
 PLAIN = bool, int, float, str, list, tuple, dict  # what TOML knows

@@ -16,7 +16,7 @@ from tline.scene.choice import Read, validator
 from tline.scene.element import Element
 from tline.scene.quantity import Quantity, Role
 from tline.scene.site import GRAVITY
-from tline.wording import nearest, shown
+from tline.words.wording import nearest, shown
 
 FOOT = 0.3048  # m; Hazen's and Williams' law as EPANET has it is made for feet
 

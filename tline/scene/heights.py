@@ -12,7 +12,7 @@ from tline.scene.medium import MEDIA, Medium
 from tline.scene.multiport import Multiport
 from tline.scene.probe import Probe
 from tline.scene.site import GRAVITY
-from tline.wording import place
+from tline.words.wording import place
 
 if TYPE_CHECKING:
     from tline.scene.scene import Scene

@@ -12,7 +12,7 @@ from tline.scene.load import Reservoir, Resistor, Short
 from tline.scene.rational import RationalImpedance
 from tline.scene.rational_load import Rational
 from tline.scene.switch import Switch, SwitchLink
-from tline.wording import place
+from tline.words.wording import place
 
 if TYPE_CHECKING:
     from tline.scene.scene import Scene

@@ -27,7 +27,7 @@ from tline.scene.element import Element, Name
 from tline.scene.friction import AnyFriction
 from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
 from tline.scene.site import Place
-from tline.wording import shown
+from tline.words.wording import shown
 
 ROUNDING = 1e-9  # of a storage, that laws may miss of the lossless line's
 LOSSES = ("resistance", "conductance", "skin", "wire", "earth", "loss_tangent", "tabulated", "attenuation", "cable")

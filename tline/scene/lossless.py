@@ -2,7 +2,7 @@
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.wording import place
+from tline.words.wording import place
 
 
 def refuse_losses(scene: Scene, what: str) -> None:

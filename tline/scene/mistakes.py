@@ -6,7 +6,7 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 
 from tline.errors import InputError
-from tline.wording import listed, nearest, place, shown
+from tline.words.wording import listed, nearest, place, shown
 
 UNKNOWN, MISSING = "unknown key", "is missing"
 WORDS = {"kind", "shape"}  # keys that tell apart what may stand in one place

@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from tline.errors import InputError
 from tline.scene.element import Element, Name
 from tline.scene.quantity import Inductance, PositiveResistance, Quantity, Resistance, Role
-from tline.wording import shown
+from tline.words.wording import shown
 
 MOST_PORTS = 16
 TIGHTEST = 0.999999  # coupling of windings

@@ -7,7 +7,7 @@ from pydantic import ValidationInfo
 
 from tline.errors import InputError
 from tline.scene.text_file import check_ordinary
-from tline.wording import shown
+from tline.words.wording import shown
 
 
 class Folder(NamedTuple):

@@ -11,7 +11,7 @@ from tline.scene.heights import taken_as_zero
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.scene.switch import Switch, SwitchLink
-from tline.wording import place
+from tline.words.wording import place
 
 EVERYDAY = {"ohm", "V", "A", ""}  # units in which a bare number is what people mean
 LISTED = 3

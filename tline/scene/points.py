@@ -13,7 +13,7 @@ from tline.scene.csv_rows import read_rows
 from tline.scene.named_file import beside
 from tline.scene.quantity import ZERO, Duration, Level, Time
 from tline.scene.shape import Floats, Shape
-from tline.wording import shown
+from tline.words.wording import shown
 
 
 class Lines(NamedTuple):

@@ -9,7 +9,7 @@ from tline.scene.element import Element, Name
 from tline.scene.line import SceneLine
 from tline.scene.quantity import Position
 from tline.units import to_si
-from tline.wording import shown
+from tline.words.wording import shown
 
 
 class Probe(Element):

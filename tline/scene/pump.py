@@ -15,7 +15,7 @@ from tline.scene.pump_pieces import PumpPieces, backward, parabola, smooth
 from tline.scene.quantity import Quantity, Role
 from tline.scene.shape import Step
 from tline.scene.suter import in_four_quadrants
-from tline.wording import shown
+from tline.words.wording import shown
 
 MOST_OF_A_PARABOLA = 3  # points
 EFFICIENCY = 0.75  # of which nothing is said

@@ -9,7 +9,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from tline.errors import InputError
 from tline.units import to_si
-from tline.wording import shown
+from tline.words.wording import shown
 
 # sizes beyond these, in SI, are no physics, and products of a few of them would leave the range of floats
 SMALLEST, LARGEST = 1e-100, 1e100

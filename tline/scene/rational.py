@@ -11,7 +11,7 @@ from tline.errors import InputError
 from tline.scene.element import Element
 from tline.scene.quantity import LARGEST, SMALLEST, Capacitance, Inductance, Parameter, PositiveResistance
 from tline.scene.ratio import Ratio
-from tline.wording import shown
+from tline.words.wording import shown
 
 if TYPE_CHECKING:
     from passivity import RationalFunction

@@ -20,8 +20,6 @@ from pydantic import (
 
 from tline.errors import InputError, SceneError
 from tline.gc_paused import gc_paused
-from tline.printable import one_line
-from tline.progress import Progress
 from tline.scene.cavities import refuse_cavities
 from tline.scene.check import conflicts, misplaced
 from tline.scene.choice import Read, validator
@@ -46,7 +44,9 @@ from tline.scene.site import GRAVITY, Site
 from tline.scene.source import Source
 from tline.scene.touchstone import Touchstone
 from tline.scene.user_defined import user_elements
-from tline.wording import place, shown
+from tline.words.printable import one_line
+from tline.words.progress import Progress
+from tline.words.wording import place, shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Field
 from tline.errors import InputError
 from tline.scene.element import Element
 from tline.scene.quantity import Quantity, Role
-from tline.wording import shown
+from tline.words.wording import shown
 
 GRAVITY = 9.80665  # m/s²
 

@@ -19,7 +19,7 @@ from tline.scene.line import two_nodes
 from tline.scene.medium import MEDIA
 from tline.scene.quantity import Resistance
 from tline.scene.waveform import Shape, Waveform, read_waveform
-from tline.wording import place, shown
+from tline.words.wording import place, shown
 
 UNITS = {word: m.units[role] for m in MEDIA.values() for word, role in ((m.effort, "effort"), (m.flow, "flow"))}
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from tline.errors import InputError
-from tline.printable import one_line
+from tline.words.printable import one_line
 
 LARGEST = 100_000_000  # bytes
 

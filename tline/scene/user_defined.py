@@ -19,7 +19,7 @@ from tline.scene.between import Between
 from tline.scene.element import AtNode
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.law import ElementLaw, NonLinear
-from tline.wording import place
+from tline.words.wording import place
 
 if TYPE_CHECKING:
     from tline.scene.scene import Scene

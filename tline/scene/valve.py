@@ -23,7 +23,7 @@ from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.rating import Rated
 from tline.scene.shape import Shape
 from tline.scene.travel import ADDED, Kind, shares
-from tline.wording import shown
+from tline.words.wording import shown
 
 Share = Annotated[Quantity, Role("share", "", at_least=0, at_most=1)]
 Back = Annotated[Quantity, Role("pressure", "Pa")]

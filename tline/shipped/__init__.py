@@ -8,7 +8,7 @@ from pathlib import Path
 from tline.errors import InputError
 from tline.scene.file import read_scene
 from tline.scene.scene import Scene
-from tline.wording import nearest, shown
+from tline.words.wording import nearest, shown
 
 _HERE = Path(__file__).parent / "scenes"  # in a wheel
 FOLDER = _HERE if _HERE.is_dir() else Path(__file__).parents[2] / "scenes"  # in a clone

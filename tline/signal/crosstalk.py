@@ -14,7 +14,7 @@ from tline.scene.scene import Scene
 from tline.solver.result.atomic import replacing
 from tline.solver.result.dense_output import curve
 from tline.solver.simulate import simulate
-from tline.wording import nearest, place, shown
+from tline.words.wording import nearest, place, shown
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from tline.scene.ibis.element import Ibis
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
 from tline.units import to_si
-from tline.wording import nearest, shown
+from tline.words.wording import nearest, shown
 
 FINE = 128  # instants in a bit
 LONGEST = 4096  # bits

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.signal.eye_diagram import Eye
 from tline.units import to_si
-from tline.wording import shown
+from tline.words.wording import shown
 
 
 class Jitter(NamedTuple):

@@ -13,7 +13,7 @@ from tline.solver.result.atomic import replacing
 from tline.solver.result.dense_output import curve
 from tline.solver.simulate import simulate
 from tline.units import to_si
-from tline.wording import nearest, shown
+from tline.words.wording import nearest, shown
 
 TOL = 1e-6
 MOST = 1.01  # of the energy of the step, in what comes back; the rest is rounding and tolerance

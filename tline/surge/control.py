@@ -12,7 +12,7 @@ from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
 from tline.solver.result.result import ProbeResult, Result
 from tline.surge.event import TURNED, Event, read_event, with_unit
-from tline.wording import nearest
+from tline.words.wording import nearest
 
 WATER = 1000.0  # kg/m³, of levels
 FORM = re.compile(r"(?P<node>[^<>]+)(?P<sign>[<>])(?P<value>[^:]+):\s*(?P<kind>\w+)\s+(?P<what>.+)")

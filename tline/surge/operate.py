@@ -21,7 +21,7 @@ from tline.surge.demands import as_one_each
 from tline.surge.event import FLOWING, Event
 from tline.surge.inertia import RATED_SPEED, usual_inertia
 from tline.units import engineering
-from tline.wording import nearest, place
+from tline.words.wording import nearest, place
 
 Table = dict[str, Any]
 LEAST = 1e3  # Pa; an outflow is told by the gauge pressure of its node, and by no less than that

@@ -22,7 +22,7 @@ from tline.surge.file_controls import acting
 from tline.surge.operate import operated
 from tline.surge.report import as_dict, as_text
 from tline.surge.worst import Extreme, Worst, extremes, worst
-from tline.wording import nearest, shown
+from tline.words.wording import nearest, shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

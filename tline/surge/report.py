@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from tline.aligned import aligned
 from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.result import Result
 from tline.surge.worst import Extreme, Worst
+from tline.words.aligned import aligned
 
 BAR, NAMED = 1e5, 5  # Pa; nodes in a sentence
 HEAD = ["node", "before [bar]", "highest", "±", "at [s]", "rise", "lowest", "±", "at [s]", "fall [bar]"]

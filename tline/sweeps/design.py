@@ -12,7 +12,7 @@ from tline.scene.changed import parts_of
 from tline.scene.quantity import Whole
 from tline.solver.description.given import Scene
 from tline.sweeps.values import Distribution, values_or_distribution
-from tline.wording import listed, place, shown
+from tline.words.wording import listed, place, shown
 
 Floats = NDArray[np.float64]
 MOST_RUNS = 10_000_000

@@ -14,7 +14,7 @@ from tline.solver.result.quantities import QUANTITIES, in_sweeps
 from tline.solver.result.result import Result
 from tline.sweeps.values import values_or_distribution
 from tline.units import to_si
-from tline.wording import shown
+from tline.words.wording import shown
 
 Floats = NDArray[np.float64]
 EXTREMES = ("lowest", "lowest_at", "highest", "highest_at")

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from tline.errors import InputError
-from tline.progress import Progress
 from tline.scene.file import as_scene
 from tline.solver.description.given import Scene
 from tline.solver.prepared import prepare
@@ -20,6 +19,7 @@ from tline.sweeps.file import save, take_over
 from tline.sweeps.keep import kept_of
 from tline.sweeps.table import Sweep
 from tline.sweeps.work import SweepWork
+from tline.words.progress import Progress
 from tline.workers import interrupts_deferred
 
 SAVED, SHARE = 10.0, 20  # s between writing the file, and times that writing took

@@ -13,7 +13,7 @@ from tline.scene.heights import words
 from tline.solver.description.given import Scene
 from tline.solver.result.quantities import Quantity, in_sweeps
 from tline.sweeps.keep import ESTIMATE, EXTREMES
-from tline.wording import nearest, shown
+from tline.words.wording import nearest, shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

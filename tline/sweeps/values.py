@@ -12,7 +12,7 @@ from tline.scene.changed import changed, parts_of
 from tline.scene.quantity import Quantity, Whole
 from tline.solver.description.given import Scene
 from tline.units import CELSIUS, to_si
-from tline.wording import shown
+from tline.words.wording import shown
 
 Floats = NDArray[np.float64]
 CALL = re.compile(r"\s*(\w+)\s*\(([^()]*(?:\([^()]*\)[^()]*)*)\)\s*")  # units may have parentheses of their own

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from tline.cli.verdicts.answer import Answer, Asked
-from tline.wording import place
+from tline.words.wording import place
 
 if TYPE_CHECKING:
     from tline.solver.description.passive import CircuitVerdict

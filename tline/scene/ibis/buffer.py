@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.scene.ibis.text import Section, at_corner, number_of, sections_of, table_of
 from tline.scene.text_file import read_text
-from tline.wording import nearest, shown
+from tline.words.wording import nearest, shown
 
 TABLES = ("pullup", "pulldown", "power clamp", "gnd clamp")
 RLC = ("ohm", "H", "F")

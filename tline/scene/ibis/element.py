@@ -23,7 +23,7 @@ from tline.scene.rational_load import Capacitor, Rational
 from tline.scene.shape import Shape
 from tline.scene.source import Source
 from tline.scene.touchstone import electrical
-from tline.wording import shown
+from tline.words.wording import shown
 
 LONGEST = 8192  # bits
 Parts = dict[str, dict[str, Any]]  # elements by section and name

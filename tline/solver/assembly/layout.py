@@ -10,7 +10,6 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.progress import Progress
 from tline.solver.assembly.blocks import blocks_of
 from tline.solver.assembly.loss_elements import loss_elements_of
 from tline.solver.assembly.lossy_segments import SegmentedLine, segmented_lines, segments_of
@@ -29,6 +28,7 @@ from tline.solver.kernel.network import Blocks, Laws, LossElements, Segments
 from tline.solver.radau import basis
 from tline.solver.steady.lossy_lines import FrictionTable
 from tline.solver.steady.steady_state import Before, above_level, rest
+from tline.words.progress import Progress
 
 LAYOUTS = 2  # of a scene that are kept
 STAGES = 3  # lines, state before t = 0, nodes

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from tline.compiled.structure import pack
 from tline.solver.assembly.settling import SUBSTEPS
 from tline.solver.kernel.fronts.structures import Steps, Workspace
 from tline.solver.kernel.losses.passing import ABREAST
 from tline.solver.kernel.network import CircuitWork, Crossing, GovernWork, Laws, Network, State, Store, Tools, Work
-from tline.structure import pack
 
 SAMPLES = 512  # per tile
 AT_LAWS = "given", "aimed", "start", "safe", "trial", "sent", "flow", "other", "slope", "rest", "drive"  # of a circuit

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from tline.scene.multiport import ControlledSource
 from tline.scene.rational import AnyImpedance
 from tline.solver.description.given import ElementLaw, Scene
-from tline.wording import place
+from tline.words.wording import place
 
 if TYPE_CHECKING:
     from passivity import Verdict

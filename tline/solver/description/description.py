@@ -30,7 +30,7 @@ from tline.solver.description.links import branches_of, inductive, resistive
 from tline.solver.description.nodes import NONE, Node, nodes_anew, nodes_of
 from tline.solver.description.probes import ProbePlace, probes_of
 from tline.solver.description.scales import filling_times, time_scales
-from tline.wording import place
+from tline.words.wording import place
 
 BESIDE = "description"  # what it is called among a scene's attributes
 FEW = 1000  # lines of a scene that keeps it

@@ -7,7 +7,7 @@ import numpy as np
 
 from tline.solver.description.given import ElementLaw, Governor, Scene
 from tline.solver.description.nodes import Node
-from tline.wording import place
+from tline.words.wording import place
 
 BREAKING = {"vapour", "air"}  # kinds that send fronts at instants of their own, which are not followed
 

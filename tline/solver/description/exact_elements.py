@@ -13,7 +13,7 @@ from tline.scene.multiport import Junction, Multiport
 from tline.scene.rational import RationalImpedance
 from tline.scene.touchstone import Touchstone
 from tline.solver.description.given import Scene
-from tline.wording import place
+from tline.words.wording import place
 
 if TYPE_CHECKING:
     from passivity import RationalFunction

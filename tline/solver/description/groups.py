@@ -19,7 +19,7 @@ from tline.solver.description.lines import Line
 from tline.solver.description.load_step import StateSpace, load_step
 from tline.solver.description.nodes import Node
 from tline.solver.radau import Basis
-from tline.wording import place
+from tline.words.wording import place
 
 
 class LumpedLine(NamedTuple):

@@ -18,7 +18,7 @@ from tline.solver.description.excitation import places_of
 from tline.solver.description.given import Shape
 from tline.solver.description.groups import Group
 from tline.solver.description.nodes import Node, lowered
-from tline.wording import place
+from tline.words.wording import place
 
 SUPPLIED, DISSIPATED, STORED, TAKEN = range(4)  # what an element is expected to do with energy
 GIVING = {"pump", "rotor"}  # kinds of laws

@@ -13,7 +13,7 @@ from tline.solver.description.excitation import just_before
 from tline.solver.description.given import ElementLaw, Ports, Scene
 from tline.solver.description.load_step import reflection
 from tline.solver.description.nodes import Node
-from tline.wording import place
+from tline.words.wording import place
 
 
 def branches_of(scene: Scene, nodes: Mapping[str, Node]) -> Iterator[PlacedBranch]:

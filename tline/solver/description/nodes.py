@@ -28,7 +28,7 @@ from tline.solver.description.given import Constant, End, Height, Ratio, Scene, 
 from tline.solver.description.lines import Line
 from tline.solver.description.load_step import StateSpace, reflection
 from tline.solver.description.partial_fractions import reflection_of_poles
-from tline.wording import place
+from tline.words.wording import place
 
 SEA_LEVEL = Height()
 

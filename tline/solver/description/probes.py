@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from tline.errors import InputError
 from tline.solver.description.given import End, Height, Probe, Scene
-from tline.wording import place
+from tline.words.wording import place
 
 
 class Conductor(NamedTuple):

@@ -7,7 +7,7 @@ from tline.errors import InputError
 from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
 from tline.solver.description.slab import ORDER, WHOLE, slab_of
-from tline.wording import place
+from tline.words.wording import place
 
 FIT = 1e-7
 HELD = 0.5  # cycles per slab up to which circuits hold

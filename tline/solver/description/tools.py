@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from tline.compiled.structure import pack
 from tline.solver.kernel.network import Tools
 from tline.solver.radau import Basis, gauss
-from tline.structure import pack
 
 
 @lru_cache

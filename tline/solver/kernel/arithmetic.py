@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tline.unit import function
+from tline.compiled.unit import function
 
 TINY = 1e-150  # waves below are flushed to zero: subnormal numbers are slow, and their squares vanish anyway
 

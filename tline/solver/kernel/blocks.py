@@ -6,9 +6,9 @@ once (`tline.solver.kernel.scatter`).
 
 import numpy as np
 
+from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.network import Run
 from tline.solver.kernel.scatter import FAR, NEAR
-from tline.unit import function, invoke, unit
 
 
 @function

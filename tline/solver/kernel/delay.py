@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from tline.compiled.unit import function, unit
 from tline.solver.kernel.network import Run
-from tline.unit import function, unit
 
 
 @function

@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
+from tline.compiled.structure import Floats2, Floats3
+from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import clear
-from tline.structure import Floats2, Floats3
-from tline.unit import function, unit
 
 BLOCK = 128  # slabs that are compared side by side
 

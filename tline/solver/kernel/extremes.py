@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tline.structure import Floats2, Floats3, Integers, Integers2, Integers3
-from tline.unit import function, unit
+from tline.compiled.structure import Floats2, Floats3, Integers, Integers2, Integers3
+from tline.compiled.unit import function, unit
 
 ROUNDING = 1e-12  # what tops an extreme by less, relatively, is the same one again
 CANDIDATES = 4  # slabs with the highest places that are told of each row, beside the first one as high as any

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from tline.compiled.unit import function
 from tline.solver.kernel.arithmetic import TINY
-from tline.unit import function
 
 
 @function

@@ -2,8 +2,8 @@
 
 from typing import NamedTuple
 
-from tline.structure import Flags, Floats, Floats2, Floats3
-from tline.unit import function, unit
+from tline.compiled.structure import Flags, Floats, Floats2, Floats3
+from tline.compiled.unit import function, unit
 
 EXPECTED = 4.0  # times what the change of the highest coefficient lets expect, that a start may be off
 FALLS = 0.1  # of a change of the start, that a shared polynomial may change at most

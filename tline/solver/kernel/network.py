@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tline.structure import Flags, Floats, Floats2, Floats3, Floats4, Integers
+from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Floats4, Integers
 
 CONSTANT, SQUARED, TABLED, REMEMBERED = range(4)  # kinds of loss elements
 QUADRATIC, PUMP, RELIEF, LEAK, DEMAND, DIODE, TABLE, GAS, TANK, ROTOR, VAPOUR, AIR, USER_DEFINED = range(13)  # elements

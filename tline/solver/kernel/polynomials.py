@@ -1,7 +1,7 @@
 """Polynomials on intervals, held by their Legendre coefficients."""
 
+from tline.compiled.unit import function
 from tline.solver.kernel.arithmetic import clear
-from tline.unit import function
 
 LOOKS, HALVINGS = 4, 60  # at a slab for roots, per point; and of an interval with a root
 ROUNDING = 1e-9  # of a look

@@ -7,10 +7,10 @@ do not vectorise.
 
 import numpy as np
 
+from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import TINY
 from tline.solver.kernel.load import load
 from tline.solver.kernel.network import Run
-from tline.unit import function, invoke, unit
 
 FAR, NEAR = -1, -2  # groups of a block
 

@@ -14,7 +14,7 @@ from tline.solver.ledger.ledger import COLUMNS, GRAVITY, Entry, Ledger
 from tline.solver.ledger.stored import stored
 from tline.solver.loop.march import Noted
 from tline.solver.loop.slabs import Slabs, cut_at_end
-from tline.wording import place
+from tline.words.wording import place
 
 BLOCK = 100_000  # samples of a group's line ends looked at together
 NET = np.array([-1.0, 1.0, 1.0, 1.0, 0.0])  # what an account takes, of its columns

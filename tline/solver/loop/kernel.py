@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.compiled.structure import pack
 from tline.solver.assembly.workspace import work_for
 from tline.solver.kernel import blocks
 from tline.solver.kernel.fronts.structures import DONE, FrontRun, Fronts, Sources
 from tline.solver.kernel.network import NO_LOSSES, Network, Run, State
 from tline.solver.kernel.units import units_of
-from tline.structure import pack
 
 PACKED_NO_LOSSES = pack(NO_LOSSES)
 NOTHING = np.empty((0, 0)), np.empty((0, 2, 0))

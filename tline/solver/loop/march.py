@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError, NoFlowError
-from tline.progress import Progress
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.events import Event
 from tline.solver.assembly.fronts import LULL, Tally, fronts_of, sources_of, tally
@@ -20,6 +19,7 @@ from tline.solver.assembly.layout import Excitation
 from tline.solver.description.excitation import EDGE, Broken, averaged, broken, places_of, sampled
 from tline.solver.kernel.fronts.structures import BEGIN, END, LATE, LIVE, NOTED, Fronts
 from tline.solver.loop.kernel import Kernel
+from tline.words.progress import Progress
 
 CHUNK = 2e7  # line-end samples between two looks at the progress bar
 LOOK = 2e6  # between two looks of observers, who want all pieces too

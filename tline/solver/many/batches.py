@@ -6,6 +6,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.compiled.structure import pack
 from tline.errors import InputError
 from tline.solver.description.description import Description
 from tline.solver.description.given import Height
@@ -13,8 +14,7 @@ from tline.solver.many.copies import Copies
 from tline.solver.many.period import driven_waves, modes_of
 from tline.solver.radau import basis
 from tline.solver.result.result import Samples
-from tline.structure import pack
-from tline.wording import place
+from tline.words.wording import place
 
 Floats = NDArray[np.float64]
 BATCH = 64  # copies in the kernel at once

@@ -17,7 +17,7 @@ from tline.solver.description.given import Scene, Shape
 from tline.solver.description.nodes import UNIT, Node, lowered
 from tline.solver.description.slab import WHOLE, common_parts
 from tline.solver.many.load import Load, parallel, series
-from tline.wording import place
+from tline.words.wording import place
 
 Floats = NDArray[np.float64]
 ELEMENTS = ("resistance", "inductance", "capacitance")

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.compiled.structure import pack
 from tline.errors import InputError
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.description.given import Height
@@ -13,7 +14,6 @@ from tline.solver.kernel.extremes import CANDIDATES, ROUNDING, Seen, find_extrem
 from tline.solver.loop.march import Noted, concatenated
 from tline.solver.loop.slabs import Slabs, cut_at_end
 from tline.solver.radau import Basis, chebyshev
-from tline.structure import pack
 
 SEARCHED = np.linspace(0.0, 1.0, 129)  # places of a slab where its extreme is looked for
 

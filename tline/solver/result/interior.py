@@ -20,7 +20,7 @@ from tline.solver.description.given import Stretches
 from tline.solver.result.dense_output import drawable
 from tline.solver.result.merged import CutRecord
 from tline.solver.result.result import LineRecord, Result
-from tline.wording import place
+from tline.words.wording import place
 
 CELLS = 16
 INSTANTS = 2000  # at least, where extremes on a lossless line are looked for; slab ends are among them

@@ -11,7 +11,7 @@ from tline.solver.description.given import Scene, Stretches
 from tline.solver.ledger.ledger import Entry, Ledger
 from tline.solver.result.envelope import COLUMNS, Envelope
 from tline.solver.result.result import LineRecord, Result
-from tline.wording import place
+from tline.words.wording import place
 
 NOTHING = [0.0] * (len(Entry._fields) - 1)  # in all columns
 

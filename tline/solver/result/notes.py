@@ -12,7 +12,7 @@ from tline.solver.result.envelope import Envelope
 from tline.solver.result.limits import beyond_limits
 from tline.solver.result.result import ProbeResult, Result
 from tline.solver.result.surge import surges
-from tline.wording import place
+from tline.words.wording import place
 
 LISTED = 4  # names
 VISIBLE = 1e-6  # of the largest wave

@@ -21,7 +21,7 @@ from tline.solver.result.display import Display, shortly
 from tline.solver.result.envelope import Envelope
 from tline.solver.result.export import Export
 from tline.solver.result.superconvergence import superconvergent
-from tline.wording import place
+from tline.words.wording import place
 
 if TYPE_CHECKING:
     from tline.solver.result.measures import Measured

@@ -25,9 +25,9 @@ import numpy as np
 from numpy.polynomial.legendre import legvander
 from numpy.typing import NDArray
 
+from tline.compiled.structure import pack
 from tline.solver.kernel.neighbours import UNEQUAL, Joined, Shared, join, share
 from tline.solver.radau import basis, gauss
-from tline.structure import pack
 
 if TYPE_CHECKING:
     from tline.solver.result.result import Wave

@@ -11,7 +11,7 @@ from tline.solver.result.envelope import Envelope
 from tline.solver.result.limits import first_of, worst_first
 from tline.solver.result.result import ProbeResult
 from tline.units import engineering
-from tline.wording import place
+from tline.words.wording import place
 
 LISTED = 3  # elements
 MARGIN = 1.01

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.loss import LossyLine
 from tline.solver.description.lines import Line
-from tline.wording import place
+from tline.words.wording import place
 
 
 def losses_of(name: str, line: Line) -> LossyLine:

@@ -14,7 +14,7 @@ from tline.solver.steady.balance import EdgeLaws
 from tline.solver.steady.flows import flows_through
 from tline.solver.steady.lossy_lines import Falls, FrictionTable
 from tline.solver.steady.pockets import held_drops
-from tline.wording import place
+from tline.words.wording import place
 
 NOTHING = 1e-11  # of the largest flow: so little passes where it is rounded or leaks
 TIGHT, TIGHTEST = 1e2, 1e12  # drop over flow of a valve, in impedances of its nodes

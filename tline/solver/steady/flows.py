@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.compiled.structure import pack
 from tline.solver.kernel.network import Crossing, Laws
 from tline.solver.kernel.units import law_addresses
-from tline.structure import pack
 
 
 def flows_through(laws: Laws, v: NDArray) -> tuple[NDArray, NDArray]:

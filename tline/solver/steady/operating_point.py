@@ -26,7 +26,7 @@ from tline.solver.description.nodes import Node
 from tline.solver.steady.edges import FILLED, Edges
 from tline.solver.steady.lossy_lines import FrictionTable, pi
 from tline.solver.steady.slow_limit import Limit, Pencil, slow_limit
-from tline.wording import place
+from tline.words.wording import place
 
 STEPS, SHORTEST = 200, 1e-9  # of Newton, and the shortest share of one
 CLOSE = 1e-10  # residuals, of the largest effort

@@ -23,7 +23,7 @@ from tline.solver.steady.lossy_lines import FrictionTable, pi
 from tline.solver.steady.openings import openings_at_rest, still
 from tline.solver.steady.operating_point import operating_point
 from tline.solver.steady.pockets import settled
-from tline.wording import place
+from tline.words.wording import place
 
 SAME = 1e-9  # efforts that differ by less than this, relatively, are equal
 LAST_DIGITS = 1e-14  # of the level, which efforts have lost by counting from it

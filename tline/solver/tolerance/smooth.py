@@ -5,10 +5,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.compiled.structure import pack
 from tline.solver.kernel.difference import BLOCK, Compared, find_difference
 from tline.solver.radau import Matrix, basis
 from tline.solver.result.result import ProbeResult
-from tline.structure import pack
 
 
 def is_smooth(coarse: ProbeResult, fine: ProbeResult) -> bool:

@@ -11,7 +11,7 @@ from tline.solver.steady.steady_state import rest, steady_state
 from tline.study.baseline.kernel.grid import Grid, advance_grid
 from tline.study.baseline.method import BaselineRun
 from tline.study.baseline.steps import MOST_WORK, count_steps, delays_of, impedances_of, shortest_delay, stepped, within
-from tline.wording import place
+from tline.words.wording import place
 
 
 def moc_grid(scene: Scene, n: float) -> BaselineRun:

@@ -10,7 +10,7 @@ from tline.errors import InputError
 from tline.loss.losses import Losses
 from tline.scene.cavities import with_cavities
 from tline.scene.scene import Scene
-from tline.wording import place
+from tline.words.wording import place
 
 
 class BaselineRun(NamedTuple):

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.study.charts import water
-from tline.wording import nearest
+from tline.words.wording import nearest
 
 
 class ChartScene(NamedTuple):

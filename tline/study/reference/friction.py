@@ -21,7 +21,7 @@ from tline.scene.source import refuse_floating
 from tline.study.reference.grid import Pipes, joined, march, steady
 from tline.study.reference.network import decimal
 from tline.study.reference.waveforms import straight
-from tline.wording import place
+from tline.words.wording import place
 
 MOST_WORK = 500_000_000  # reaches times steps of the finest grid
 DEGREE = 5  # of splines between fronts

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.structure import Floats, Floats2, Integers, pack
-from tline.unit import function, unit
+from tline.compiled.structure import Floats, Floats2, Integers, pack
+from tline.compiled.unit import function, unit
 
 ROUNDS = 60  # of Newton's method for the steady state
 CLOSE = 1e-9  # a step of Newton's method at a node, relative to what arrives; what is left is its square

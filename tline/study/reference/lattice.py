@@ -8,7 +8,7 @@ from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.study.reference.network import ReferenceNetwork, ReferenceNode, decimal, switched
 from tline.study.reference.waveforms import level, straight
-from tline.wording import place
+from tline.words.wording import place
 
 MOST_WAVES = 500_000
 

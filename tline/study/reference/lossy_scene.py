@@ -21,7 +21,7 @@ from tline.study.reference.lattice import instant
 from tline.study.reference.lossy import Drive, lossy_response
 from tline.study.reference.network import decimal
 from tline.study.reference.waveforms import straight
-from tline.wording import place
+from tline.words.wording import place
 
 
 class LossySolution:

@@ -15,7 +15,7 @@ from tline.scene.scene import Scene
 from tline.scene.source import refuse_floating
 from tline.scene.switch import Switch
 from tline.scene.waveform import Constant, Shape
-from tline.wording import nearest, place
+from tline.words.wording import nearest, place
 
 
 def decimal(value: float) -> Fraction:

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.blocks import lose, rotate
 from tline.solver.kernel.fronts.gather import drives_front
 from tline.solver.kernel.fronts.structures import DONE, LIVE, MERGE, NOTED, FrontRun
-from tline.unit import function, invoke, unit
 
 
 @function

@@ -1,5 +1,6 @@
 """Where fronts are no longer followed: slabs in pieces are projected on whole slabs."""
 
+from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import clear, times
 from tline.solver.kernel.fronts.events import happen
 from tline.solver.kernel.fronts.gather import drives_front
@@ -7,7 +8,6 @@ from tline.solver.kernel.fronts.send import release
 from tline.solver.kernel.fronts.structures import DROPPED, LOST, FrontRun
 from tline.solver.kernel.losses.passing import passing
 from tline.solver.kernel.polynomials import project
-from tline.unit import function, unit
 
 
 @function

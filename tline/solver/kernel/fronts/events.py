@@ -1,7 +1,7 @@
 """What happens at a group, in order of time: what is due at an instant happens there, or counts as late."""
 
+from tline.compiled.unit import function
 from tline.solver.kernel.fronts.structures import LATE, MERGE, SAME_MAP
-from tline.unit import function
 
 
 @function

@@ -1,9 +1,9 @@
 """Which breakpoints a wave needs: pieces that continue each other are one."""
 
+from tline.compiled.unit import function
 from tline.solver.kernel.arithmetic import TINY, clear, copy, distance, weakest
 from tline.solver.kernel.fronts.structures import DISSOLVED, DROPPED, LOST, SCALE
 from tline.solver.kernel.polynomials import project
-from tline.unit import function
 
 
 @function

@@ -2,13 +2,13 @@
 
 import numpy as np
 
+from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import clear, copy, times
 from tline.solver.kernel.fronts.gather import driven, fronts_at, regrouped, unfold, united
 from tline.solver.kernel.fronts.respond import respond
 from tline.solver.kernel.fronts.send import keep, release, send
 from tline.solver.kernel.fronts.settle import rejoin, settling
 from tline.solver.kernel.fronts.structures import SCALE, FrontRun
-from tline.unit import function, unit
 
 
 @function

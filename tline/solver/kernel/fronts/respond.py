@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.fronts.events import happen_until
 from tline.solver.kernel.fronts.settle import collocate, collocate_finely, map_of
 from tline.solver.kernel.fronts.structures import BEGIN, END, MERGE, FrontRun
 from tline.solver.kernel.laws.passing import pass_laws
 from tline.solver.kernel.load import load
-from tline.unit import function, invoke, unit
 
 
 @unit

@@ -1,10 +1,10 @@
 """Waves in pieces on their way: put on a line, recorded, given up."""
 
+from tline.compiled.unit import function
 from tline.solver.kernel.arithmetic import TINY, copy, times
 from tline.solver.kernel.fronts.merge import front_size, thinned
 from tline.solver.kernel.fronts.structures import DISSOLVED, DROPPED, LIVE, LOST, NOTED, PEAK
 from tline.solver.kernel.polynomials import series
-from tline.unit import function
 
 
 @function

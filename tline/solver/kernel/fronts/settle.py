@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from tline.compiled.unit import function
 from tline.solver.kernel.arithmetic import eliminate, eliminate_all, times
 from tline.solver.kernel.fronts.gather import regrouped
 from tline.solver.kernel.fronts.structures import DROPPED, MERGE
-from tline.unit import function
 
 
 @function

@@ -7,8 +7,8 @@ marked as starting anew: on a line with a fractional rest its start becomes a br
 
 from typing import NamedTuple
 
+from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Integers, Integers2
 from tline.solver.kernel.network import Run, Tools
-from tline.structure import Flags, Floats, Floats2, Floats3, Integers, Integers2
 
 LIVE, PEAK, MERGED, DISSOLVED, DROPPED, NOTED, DONE, LATE = range(8)  # places in the counts
 SCALE, LOST, BEGIN, END = range(4)  # places in the sizes

@@ -1,9 +1,9 @@
 """What the laws of a group answer to waves: flows, what is left of the equations, and the system of a Newton step."""
 
+from tline.compiled.unit import function, invoke
 from tline.solver.kernel.arithmetic import TINY, eliminate
 from tline.solver.kernel.network import AIR, MISSES
 from tline.solver.kernel.newton import FAINT
-from tline.unit import function, invoke
 
 DIFFERENCE = 1e-7  # of waves, for the slopes of stores
 

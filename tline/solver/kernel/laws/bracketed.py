@@ -1,7 +1,7 @@
 """A law that gives its flow as a function of the effort, behind an impedance: a root between two efforts."""
 
+from tline.compiled.unit import function
 from tline.solver.kernel.newton import STEPS, ULPS
-from tline.unit import function
 
 
 @function

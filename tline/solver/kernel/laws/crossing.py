@@ -4,8 +4,8 @@ It sees a Thévenin source: the effort v behind the impedance z of its nodes. It
 own, asked once for all samples.
 """
 
+from tline.compiled.unit import invoke, unit
 from tline.solver.kernel.network import DIVIDED, MISSES, Run
-from tline.unit import invoke, unit
 
 
 @unit

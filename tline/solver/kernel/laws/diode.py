@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from tline.compiled.unit import function, unit
 from tline.solver.kernel.laws.sampled import sampled
 from tline.solver.kernel.network import Crossing
 from tline.solver.kernel.newton import STEPS
-from tline.unit import function, unit
 
 
 @function

@@ -17,9 +17,9 @@ doi:10.1090/S0025-5718-1965-0198670-6.
 
 import numpy as np
 
+from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import AIR, Run
-from tline.unit import function, invoke, unit
 
 AT_ONCE, IN_TURN = 40, 40  # tries; passes through all rates
 SPARE, CLOSE = 1e-15, 1e-11  # of an opening: where to stop, and what will do

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.network import Run
-from tline.unit import function, invoke, unit
 
 
 @function

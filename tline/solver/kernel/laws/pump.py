@@ -9,9 +9,9 @@ over the rated one.
 
 import numpy as np
 
+from tline.compiled.unit import function, unit
 from tline.solver.kernel.laws.sampled import sampled
 from tline.solver.kernel.network import Crossing
-from tline.unit import function, unit
 
 MOTOR, NOW, TABLES = 7, 8, 9  # the last where the pieces begin
 

@@ -5,9 +5,9 @@ Constants: effort beyond the element, capacity, 1 if it passes flow one way only
 
 import numpy as np
 
+from tline.compiled.unit import function, unit
 from tline.solver.kernel.laws.sampled import sampled
 from tline.solver.kernel.network import Crossing
-from tline.unit import function, unit
 
 
 @function

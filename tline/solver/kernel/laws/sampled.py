@@ -1,6 +1,6 @@
 """A law at many samples."""
 
-from tline.unit import function
+from tline.compiled.unit import function
 
 
 @function

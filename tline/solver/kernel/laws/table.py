@@ -3,9 +3,9 @@
 Constants: effort beyond the element, number n, n efforts, n flows.
 """
 
+from tline.compiled.unit import function, unit
 from tline.solver.kernel.laws.sampled import sampled
 from tline.solver.kernel.network import Crossing
-from tline.unit import function, unit
 
 
 @function

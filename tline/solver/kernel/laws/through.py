@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tline.compiled.structure import Floats, Integers
+from tline.compiled.unit import invoke, unit
 from tline.solver.kernel.network import Crossing
-from tline.structure import Floats, Integers
-from tline.unit import invoke, unit
 
 
 class Through(NamedTuple):

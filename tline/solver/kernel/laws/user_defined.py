@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from tline.compiled.unit import callback, function, unit
 from tline.solver.kernel.arithmetic import TINY
 from tline.solver.kernel.laws.sampled import sampled
 from tline.solver.kernel.network import Crossing
 from tline.solver.kernel.newton import STEPS, ULPS
-from tline.unit import callback, function, unit
 
 
 @function

@@ -7,10 +7,10 @@ log2 of c |w|.
 
 import numpy as np
 
+from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import TINY
 from tline.solver.kernel.losses.passing import ABREAST, passing
 from tline.solver.kernel.network import CONSTANT, TABLED, Run
-from tline.unit import function, unit
 
 FEW = 24  # samples that are not worth gathering
 

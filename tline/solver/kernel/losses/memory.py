@@ -5,10 +5,10 @@ A row's circuits share their maps: e = D w + C x, and x' = B w + decay x from sl
 
 import numpy as np
 
+from tline.compiled.unit import unit
 from tline.solver.kernel.arithmetic import TINY
 from tline.solver.kernel.losses.passing import ABREAST, passing
 from tline.solver.kernel.network import Run
-from tline.unit import unit
 
 
 @unit

@@ -1,6 +1,6 @@
 """Where loss elements find the waves that meet at them, and how many are worked on at once."""
 
-from tline.unit import function
+from tline.compiled.unit import function
 
 ABREAST = 64  # loss elements advanced together
 

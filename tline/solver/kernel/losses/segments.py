@@ -1,8 +1,8 @@
 """Lossy lines in segments one slab long, advanced slab by slab."""
 
+from tline.compiled.unit import unit
 from tline.solver.kernel.arithmetic import TINY, add_product
 from tline.solver.kernel.network import Run
-from tline.unit import unit
 
 
 @unit

@@ -6,12 +6,12 @@ Constants: effort beyond the element, pressure outside, flow of air in and out t
 
 import numpy as np
 
+from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import clear, eliminate, times
 from tline.solver.kernel.network import Store
 from tline.solver.kernel.newton import CLOSE, SPARE, TRIES
 from tline.solver.kernel.polynomials import HALVINGS, after, fallen, project
 from tline.solver.kernel.stores.gas import expanded
-from tline.unit import function, unit
 
 CHOKES, CHOKED = 1 - (5 / 6) ** 3.5, 1.4**0.5 * (5 / 6) ** 3  # 1 - ratio of pressures where air chokes; its flow then
 

@@ -1,8 +1,8 @@
 """A slab that is far too long for what has a volume: many steps of Euler's implicit method."""
 
+from tline.compiled.unit import function
 from tline.solver.kernel.arithmetic import clear, times
 from tline.solver.kernel.polynomials import integrated, project, series
-from tline.unit import function
 
 PARTS = 64
 

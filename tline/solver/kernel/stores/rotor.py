@@ -6,10 +6,10 @@ Constants: those of a pump (`laws.pump`).
 
 import numpy as np
 
+from tline.compiled.unit import function, unit
 from tline.solver.kernel.laws.pump import MOTOR, NOW, pumped, resting, torque
 from tline.solver.kernel.network import Store
 from tline.solver.kernel.stores.fill import fill, filling
-from tline.unit import function, unit
 
 
 @function

@@ -5,10 +5,10 @@ Constants: effort beyond the element, capacity of the orifice, capacitance.
 
 import numpy as np
 
+from tline.compiled.unit import function, unit
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import Store
 from tline.solver.kernel.stores.fill import fill
-from tline.unit import function, unit
 
 
 @function

@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
+from tline.compiled.structure import Floats2, Floats3, Floats4, Floats5, Integers
+from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import TINY
-from tline.structure import Floats2, Floats3, Floats4, Floats5, Integers
-from tline.unit import function, unit
 
 
 class CopiesRun(NamedTuple):

@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tline.compiled.structure import Floats, Floats2, Floats3
+from tline.compiled.unit import function, unit
 from tline.solver.many.kernel.polynomials import fill, powers
-from tline.structure import Floats, Floats2, Floats3
-from tline.unit import function, unit
 
 NEWTON = 3  # steps from the best point of a slab to the extreme of its polynomial
 SAME = 1e-12  # what is larger by less, relatively, is the same extreme

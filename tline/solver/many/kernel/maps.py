@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.structure import Complexes, Complexes2, Complexes3, Floats, Floats2, Floats3, Floats4
-from tline.unit import function, unit
+from tline.compiled.structure import Complexes, Complexes2, Complexes3, Floats, Floats2, Floats3, Floats4
+from tline.compiled.unit import function, unit
 
 
 class LoadMaps(NamedTuple):

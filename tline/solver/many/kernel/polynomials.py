@@ -1,6 +1,6 @@
 """Polynomials of single copies within a slab."""
 
-from tline.unit import function
+from tline.compiled.unit import function
 
 
 @function

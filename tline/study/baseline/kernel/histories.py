@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tline.structure import Floats2, Integers, pack
+from tline.compiled.structure import Floats2, Integers, pack
+from tline.compiled.unit import unit
 from tline.study.baseline.kernel.nodes import NodeScattering, NodeState, at_rest, scatter
 from tline.study.baseline.kernel.signals import BaselineSignals
-from tline.unit import unit
 
 
 class Histories(NamedTuple):

@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tline.structure import Floats, Floats2, Floats3, Integers
+from tline.compiled.structure import Floats, Floats2, Floats3, Integers
+from tline.compiled.unit import function
 from tline.study.baseline.kernel.signals import put
-from tline.unit import function
 
 TINY = 1e-150  # waves below are flushed to zero, as in the production kernel
 

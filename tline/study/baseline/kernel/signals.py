@@ -2,8 +2,8 @@
 
 from typing import NamedTuple
 
-from tline.structure import Floats2, Integers
-from tline.unit import function
+from tline.compiled.structure import Floats2, Integers
+from tline.compiled.unit import function
 
 
 class BaselineSignals(NamedTuple):

@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tline.structure import Flags, Floats, Floats2, Floats3, Integers, pack
+from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Integers, pack
+from tline.compiled.unit import unit
 from tline.study.baseline.kernel.signals import BaselineSignals, put
-from tline.unit import unit
 
 
 class Staggered(NamedTuple):

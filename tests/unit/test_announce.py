@@ -3,8 +3,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from tline import compiling
-from tline.compiling import announced
+from tline.compiled import announce
+from tline.compiled.announce import announced
 
 
 class Terminal(io.StringIO):
@@ -33,10 +33,10 @@ class Clock:
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     """Of a process that has compiled nothing."""
     clock = Clock()
-    monkeypatch.setattr(compiling, "_spent", {})
-    monkeypatch.setattr(compiling, "_said", set())
-    monkeypatch.setattr(compiling, "Timer", clock.timer)
-    monkeypatch.setattr(compiling, "time", SimpleNamespace(perf_counter=lambda: clock.now))
+    monkeypatch.setattr(announce, "_spent", {})
+    monkeypatch.setattr(announce, "_said", set())
+    monkeypatch.setattr(announce, "Timer", clock.timer)
+    monkeypatch.setattr(announce, "time", SimpleNamespace(perf_counter=lambda: clock.now))
     return clock
 
 

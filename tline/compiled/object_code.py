@@ -1,8 +1,8 @@
 """Object code of compiled units on disk: found, checked, and loaded by llvmlite alone, without numba.
 
-A file is valid while all source code that the unit is made of means the same (`tline.sources`), for one processor,
-one version of numba and one set of its options. It is read only if nobody else can have written it
-(`tline.trusted_file`). What it leaves to the C library must be found before it is loaded.
+A file is valid while all source code that the unit is made of means the same (`tline.compiled.stamp`), for one
+processor, one version of numba and one set of its options. It is read only if nobody else can have written it
+(`tline.compiled.trusted_file`). What it leaves to the C library must be found before it is loaded.
 """
 
 import ctypes
@@ -18,10 +18,10 @@ from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
-from tline.sources import SourceText, are_unchanged, digests, sources_of
-from tline.trusted_file import UntrustedError, check_folder, read_trusted
+from tline.compiled.stamp import SourceText, are_unchanged, digests, sources_of
+from tline.compiled.trusted_file import UntrustedError, check_folder, read_trusted
 
-COMPILING = "tline.by_reference", "tline.compiler"  # what any code is made with, though no unit imports it
+COMPILING = "tline.compiled.by_reference", "tline.compiled.compiler"  # make any code, though no unit imports them
 NO_MATTER = {"NUMBA_CACHE_DIR", "NUMBA_NUM_THREADS", "NUMBA_THREADING_LAYER"}  # of numba's settings, for code
 SETTINGS_FILE = Path(".numba_config.yaml")  # of numba, in the folder where the program runs
 EXPECTED = "expected a folder of your own to which nobody else may write"

@@ -74,8 +74,8 @@ def sources_of(*modules: str) -> dict[str, SourceText] | None:
 
     Examples
     --------
-    >>> sorted(sources_of("tline.sources"))
-    ['tline.sources']
+    >>> sorted(sources_of("tline.compiled.stamp"))
+    ['tline.compiled.stamp']
     """
     found: dict[str, SourceText] = {}
     waiting = [*modules]

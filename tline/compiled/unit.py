@@ -1,7 +1,8 @@
 """Compiled units: C functions of addresses and numbers, kept as object code that loads without numba.
 
 A unit is compiled at its first call, with all functions that it calls by name; other units it calls by address. What
-is compiled is kept on disk (`tline.object_code`), valid while all source code that it is made of means the same.
+is compiled is kept on disk (`tline.compiled.object_code`), valid while all source code that it is made of means the
+same.
 """
 
 import ctypes
@@ -10,8 +11,8 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import Any, get_type_hints
 
-from tline.object_code import keep, load, sources_for
-from tline.structure import Packed
+from tline.compiled.object_code import keep, load, sources_for
+from tline.compiled.structure import Packed
 
 
 class Function:
@@ -26,7 +27,7 @@ class Function:
 
     @cached_property
     def _dispatcher(self) -> Any:
-        from tline.compiler import dispatcher_of
+        from tline.compiled.compiler import dispatcher_of
 
         return dispatcher_of(self.py_func)
 
@@ -42,14 +43,14 @@ def function(code: Callable[..., Any]) -> Any:
 
 
 class _Intrinsic:
-    """A name in compiled code whose meaning is in `tline.by_reference`."""
+    """A name in compiled code whose meaning is in `tline.compiled.by_reference`."""
 
     def __init__(self, name: str):
         self._name = name
 
     @property
     def _numba_type_(self) -> Any:
-        from tline import by_reference
+        from tline.compiled import by_reference
 
         return by_reference.type_of(getattr(by_reference, self._name))
 
@@ -64,8 +65,8 @@ class Unit:
     Parameters
     ----------
     code : function
-        Its parameters are annotated: `int`, `float`, or the class of a structure (`tline.structure`), which it gets by
-        reference. It returns an `int`, allocates nothing, and raises nothing.
+        Its parameters are annotated: `int`, `float`, or the class of a structure (`tline.compiled.structure`), which it
+        gets by reference. It returns an `int`, allocates nothing, and raises nothing.
     """
 
     def __init__(self, code: Callable[..., Any]):
@@ -103,8 +104,8 @@ class Unit:
         return result.value
 
     def _compiled(self) -> tuple[int, Any]:
-        from tline.compiler import compile_unit
-        from tline.compiling import announced
+        from tline.compiled.announce import announced
+        from tline.compiled.compiler import compile_unit
 
         with announced(self.__module__):
             result = compile_unit(self.code, self.parameters)

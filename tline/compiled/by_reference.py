@@ -1,4 +1,4 @@
-"""How numba sees what `tline.structure` packs, and how compiled units call each other by address.
+"""How numba sees what `tline.compiled.structure` packs, and how compiled units call each other by address.
 
 Members are read from memory when they are used: nothing is unpacked at the border, no references are counted, and
 the code of a function grows with what it reads, not with what there is.
@@ -16,7 +16,7 @@ from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, models, register_model
 from numba.np.numpy_support import from_dtype
 
-from tline.structure import Field, fields
+from tline.compiled.structure import Field, fields
 
 WORD, BYTES = ir.IntType(64), 8
 INVARIANT = "invariant.load"  # no word changes while compiled code runs
