@@ -86,6 +86,7 @@ def _compile_all(units: Any) -> None:
             for done in as_completed([pool.submit(_compile, *where) for where in units]):
                 done.result()
                 bar.update()
+        pool.shutdown()  # all are idle; else the thread that ends them may still be writing when this process ends
     finally:
         pool.end()
 
