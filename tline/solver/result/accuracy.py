@@ -86,7 +86,7 @@ class Accuracy:
         The same with the time in which lumped lines settle after a front, and that beside a jump into lines that
         remember; what they do there is not resolved, and no tolerance is asked of it.
     attempts : tuple of Attempt
-        All runs; that of the result is the one before the finest that it was compared with.
+        All runs. Of two that are compared the finer is the result; the estimate of the coarser is its bound.
     limit : str
         What kept the tolerance from being met; empty if nothing did.
     """

@@ -117,7 +117,7 @@ def _refined(search: Search) -> tuple[Result, Result]:
         attempts.append(Attempt.of(last))
         stale = stale + 1 if gained(accuracy, found) >= 1.0 else 0
         if better(found, accuracy):
-            result, accuracy = with_errors(seen, finer, by), found
+            result, accuracy = with_errors(finer, seen, by), found
         if found.met and len(attempts) > 2:
             break
         limit = limit_of(attempts, stale, search.description.collapses, search.most) or inside_limit(attempts, found)

@@ -105,7 +105,7 @@ def _cost_of_lines(description: Description) -> tuple[float, str]:
 
 
 def refined(search: Search, sections: Mapping[str, int]) -> Result:
-    """Raise the order and narrow the slab until the next finer run differs by no more than the tolerance.
+    """Raise the order and narrow the slab until the next finer run, which is the result, differs by no more than asked.
 
     From where that is so on, lumped lines have twice as many in each finer run: the last must have. Slab ends come
     first; what is left inside slabs is worked on while that promises to be enough. Where laws kink, slabs are cut in
@@ -149,7 +149,7 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
         attempts[-1] = replace(attempts[-1], estimate=told.worst)
         attempts.append(Attempt.of(finer))
         if better(told, accuracy):
-            best, accuracy, judged = with_errors(result, finer, by), told, pair
+            best, accuracy, judged = with_errors(finer, result, by), told, pair
         blind = finer.resolution.blind
         doubled = finer.resolution.sections != result.resolution.sections or not sections
         first = CLEAR if search.start is None else 1.0
