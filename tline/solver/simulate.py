@@ -48,10 +48,10 @@ def simulate(
 
     Order and slab are raised and narrowed until the estimated error of all probes, at any instant, is within the
     tolerance. The error of a run is its difference to the next finer one, which is the result: it is better by far,
-    and what it differs by is a bound. Where a higher order leaves more than half of the difference, the slab is halved instead; where laws kink, slabs
-    are cut in pieces. Lines far shorter than a
-    slab are lumped, each in as many LC sections as the tolerance needs: the next finer run has twice as many. A
-    scene that fixes order or slab by hand and asks for no tolerance is run once.
+    and what it differs by is a bound. Where a higher order leaves more than half of the difference, the slab is
+    halved instead; where laws kink, slabs are cut in pieces. Lines far shorter than a slab are lumped, each in as many
+    LC sections as the tolerance needs: the next finer run has twice as many. A scene that fixes order or slab by hand
+    and asks for no tolerance is run once.
 
     Losses are lumped inside lines, a loss element every two slabs. With them, slabs are halved and the runs
     extrapolated; the error is the difference to the entry before in Richardson's table
