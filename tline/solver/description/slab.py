@@ -12,7 +12,7 @@ from tline.solver.description.description import Description
 from tline.solver.description.families import MOST as MOST_FAMILIES
 from tline.solver.description.families import leads
 
-SLABS_PER_DELAY, SLABS_PER_RUN = 4, 150  # at least, where they cost little
+SLABS_PER_DELAY, SLABS_PER_RUN = 4, 500  # at least, where they cost little
 SLABS_FOR_FRONTS = 20_000  # at most, to give the short pieces of waveforms slabs of their own
 CHEAP = 1e7  # line-end samples computed without asking whether that fine is needed
 CHEAP_IN_BLOCKS = 1e9  # the same where a slab divides all delays: without fronts inside slabs some hundred times faster

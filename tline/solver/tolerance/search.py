@@ -18,8 +18,7 @@ from tline.solver.tolerance.compare import compare, with_errors
 from tline.solver.tolerance.kinks import halved, kinking, kinks_of, together
 from tline.solver.tolerance.limits import MOST_SAMPLES, foretells, inside_limit, inside_slabs, limit_of
 
-FIRST, FIRST_WITH_LAWS = 4, 2  # orders of the first run: comparing runs costs more than marching, but where laws stand
-LAST, LAST_BEHIND = 12, 16  # orders; the second where what decays behind fronts is followed
+FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where what decays behind fronts is followed
 DIGITS = 3  # of the tolerance beyond three, for which the first order is one higher
 FOLLOWED = 1e-3  # of the tolerance: what is left of what decays behind a front, where it is no longer followed
 MOST_FOLLOWED = 1e6  # slabs at line ends; of more, what decays behind fronts is not followed: that takes seconds
@@ -173,10 +172,9 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
     return replace(best, elements={}, unresolved=unresolved, accuracy=accuracy)
 
 
-def first_order(description: Description, tol: float) -> int:
+def first_order(tol: float) -> int:
     """Order of the first run: of a lower one little would be within the tolerance."""
-    least = FIRST_WITH_LAWS if description.elements else FIRST
-    return least + max(int(-log10(tol) / DIGITS + 1e-9) - 1, 0)
+    return FIRST + max(int(-log10(tol) / DIGITS + 1e-9) - 1, 0)
 
 
 def rank(found: Accuracy) -> tuple[float, float]:
@@ -206,7 +204,7 @@ def _finer(search: Search, sections: Mapping[str, int]) -> Generator[Resolution,
     lumped lines slabs are not narrowed: fronts are blurred there for a time of its own.
     """
     description, given = search.description, search.description.scene.solver
-    s = given.order or (search.start.order if search.start else first_order(description, search.tol))
+    s = given.order or (search.start.order if search.start else first_order(search.tol))
     chosen = resolution(description, s, sections=sections, settle=search.settle)
     if search.halved:
         chosen = resolution(description, s, chosen.h / 2**search.halved, sections, search.settle)
