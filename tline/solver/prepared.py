@@ -3,11 +3,13 @@
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 from tline.scene.file import as_scene
-from tline.solver.description.description import describe
+from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene
+from tline.solver.plan import Plan, planned
 from tline.solver.result.accuracy import SLOWEST, Accuracy
 from tline.solver.result.result import Result
 from tline.solver.simulate import asked, simulated
@@ -34,6 +36,9 @@ class Prepared:
         self.scene, self.description = scene, describe(scene)
         self.starts: dict[float, Start] = {}
         self._fixed = False
+        self._plans: dict[float, Plan | None] = {}
+        self._repeated: set[float] = set()  # tolerances of several searches
+        self._lock = Lock()  # of plans, which write in place
 
     def fix(self, starts: Mapping[float, Start] | None = None) -> "Prepared":
         """Begin all further searches where they begin now, or at `starts`, so that no run depends on those before."""
@@ -77,6 +82,9 @@ class Prepared:
         """
         description = self.description.changed(values) if values else self.description
         wanted = asked(description.scene, tol)
+        how = bool(envelope or ledger or active or progress or [*record])
+        if values and wanted and not how and (result := self._planned(description, wanted)):
+            return result
         result = simulated(
             description,
             tol=wanted,
@@ -91,6 +99,19 @@ class Prepared:
             self._learn(wanted, result.accuracy)
         return result
 
+    def _planned(self, description: Description, tol: float) -> Result | None:
+        """The result by a plan, for other values at the nodes; None where there is none, or it is not for these.
+
+        A plan is made once a search has begun where another had ended.
+        """
+        if description.lines is not self.description.lines or not (tol in self._repeated or self._fixed):
+            return None
+        with self._lock:
+            if tol not in self._plans:
+                self._plans[tol] = planned(self.description, tol)
+            plan = self._plans[tol]
+            return plan and plan.run(description)
+
     def _learn(self, tol: float, accuracy: Accuracy) -> None:
         """Remember the order of a result, and how fast its search converged, if that was by the order alone."""
         attempts = accuracy.attempts
@@ -99,6 +120,7 @@ class Prepared:
             self.starts.pop(tol, None)
             return
         known, told = self.starts.get(tol), [a.estimate for a in attempts if a.estimate]
+        self._repeated.update([tol] if known else [])
         left, order = known.left if known else SLOWEST, attempts[-2].order
         if len(told) > 1:
             left = min(SLOWER * told[-1] / told[-2], SLOWEST)

@@ -21,6 +21,7 @@ from tline.solver.ledger.recorder import Recorder
 from tline.solver.loop.march import March, Observer, march
 from tline.solver.loop.slabs import Slabs
 from tline.solver.loop.superposed import Family, families_of, superposed
+from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.conductor import record_of
 from tline.solver.result.envelope import watch
 from tline.solver.result.notes import VISIBLE, smeared
@@ -83,16 +84,37 @@ def _run(
     progress: bool,
     laws: Collection[str],
 ) -> Result:
-    s, n = chosen.s, slabs.number
+    n = slabs.number
     with gc_paused():
         assembly = assemble(description, kept, chosen, laws=laws, progress=progress)
     families = [] if ledger else families_of(assembly)
     if not families:
         assembly.events = sorted([*assembly.events, *_cuts(assembly, kinks)])
-    _check_record(len(kept), n, s)
+    _check_record(len(kept), n, chosen.s)
     recorder = Recorder(assembly, slabs) if ledger else None
     extremes = watch(assembly, slabs) if envelope else None
     waves, done = _stepped(assembly, families, n, [each for each in (extremes, recorder) if each], progress)
+    result = given_out(description, assembly, slabs, waves, done, kinks, families=max(len(families), 1))
+    if extremes:
+        result = replace(result, envelope=extremes.envelope(description.heights))
+    return replace(result, accounts=recorder.ledger(done.final_fronts)) if recorder else result
+
+
+def given_out(
+    description: Description,
+    assembly: Assembly,
+    slabs: Slabs,
+    waves: NDArray,
+    done: March,
+    kinks: Kinks = NO_KINKS,
+    *,
+    families: int = 1,
+    accuracy: Accuracy | None = None,
+) -> Result:
+    """What a run is to its user, of an assembled scene and the record of its march.
+
+    `kinks` are those at which it was cut in pieces, `families` those of fronts that were added up.
+    """
     smears = done.fronts.lost > VISIBLE or description.blurred
     lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
     alone = {node: _at_node(assembly, node, waves, done, smears) for node in assembly.recorded_nodes}
@@ -101,23 +123,22 @@ def _run(
         name: ProbeResult(name, at.line, at.share, seen[name], slabs, at.height)
         for name, at in description.probes.items()
     }
-    segments = int((assembly.network.segments.number - 1).sum())  # beyond one a line
-    samples = (len(assembly.network.ends) + 2 * segments) * n * s * max(len(families), 1)
+    chosen, segments = assembly.resolution, int((assembly.network.segments.number - 1).sum())  # beyond one a line
+    samples = (len(assembly.network.ends) + 2 * segments) * slabs.number * chosen.s * families
     work = samples + EACH_NODE * len(assembly.nodes)
-    again = Again(description.scene, chosen, n, dict(kinks), work, bool(description.coupled))
     return Result(
         description.scene,
         slabs,
         probes,
         lines,
-        assembly.resolution,
+        chosen,
         (*chosen.notes, *smeared(done.fronts)),
         assembly.start,
         samples,
         done.seconds,
         done.fronts,
-        envelope=extremes and extremes.envelope(description.heights),
-        accounts=recorder.ledger(done.final_fronts) if recorder else again,
+        accuracy,
+        accounts=Again(description.scene, chosen, slabs.number, dict(kinks), work, bool(description.coupled)),
         circuits=assembly.circuits,
         elements={where: _into(assembly, where, waves, done) for where in assembly.recorded_laws},
         slams=_slams(assembly),

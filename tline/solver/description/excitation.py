@@ -1,5 +1,6 @@
 """Waveforms on slabs: sampled at the points, piece by piece in slabs that hold a jump or a corner."""
 
+from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -58,7 +59,7 @@ class Broken(NamedTuple):
         return Broken(*(part[slabs] for part in self[:3]), *(part[pieces] for part in self[3:]))
 
 
-def places_of(parts: list[tuple[Waveform, float]], t_end: float, h: float) -> NDArray:
+def places_of(parts: Sequence[tuple[Waveform, float]], t_end: float, h: float) -> NDArray:
     """Instants in slabs, sorted, at which the waveforms of one excitation row jump or bend; t = 0 is always one."""
     places = np.concatenate([[0.0], *(waveform.breaks(t_end) for waveform, _ in parts)]) / h
     near = np.round(places)

@@ -33,7 +33,7 @@ def smooth_difference(
     a, b = (np.ascontiguousarray(wave.values[:count]) for wave in coarse.waves)
     c, d = (np.ascontiguousarray(wave.values[: count * every]) for wave in fine.waves)
     work = np.empty((2, s, BLOCK)), np.empty((2, other, BLOCK)), np.empty((4, BLOCK)), most
-    find_difference(pack(Compared(a, b, c, d, *_matrices(s, other, every, places), 2 * weight, *work)))
+    find_difference(pack(Compared(a, b, c, d, *at_same_places(s, other, every, places), 2 * weight, *work)))
     at_ends, inside, largest = most.max(axis=1).reshape(3, 2) / 2
     (a, b), (c, d) = ([wave.before for wave in probe.waves] for probe in (fine, coarse))
     at_ends = np.maximum(at_ends, np.abs([a - c + b - d, a - c - b + d]) / 2)
@@ -41,7 +41,7 @@ def smooth_difference(
 
 
 @lru_cache
-def _matrices(coarse: int, fine: int, every: int, places: int) -> tuple[Matrix, Matrix]:
+def at_same_places(coarse: int, fine: int, every: int, places: int) -> tuple[Matrix, Matrix]:
     """From values at the points of a slab of either order to values at the places."""
     x = np.append((1 - np.cos(np.pi * np.arange(places) / places)) / 2, 1.0)
     spread = (np.arange(every)[:, None] + x).ravel() / every

@@ -1,0 +1,208 @@
+"""A plan of a scene: all that no value touches is found and packed once, and a run writes down what its values change.
+
+Two runs of orders s and s + 1 on the same slabs are compared as the polynomials they are, at Chebyshev's places in each
+slab, and the finer one is the result. A plan is for scenes from rest without laws, losses, switches, elevations and
+lumped lines, whose fronts lie at edges of slabs.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from tline.compiled.structure import pack
+from tline.solver.assembly.assemble import assemble
+from tline.solver.assembly.fronts import Tally
+from tline.solver.description.description import Description
+from tline.solver.description.excitation import Shape, places_of, sampled
+from tline.solver.description.groups import Group
+from tline.solver.description.load_step import StateSpace, load_step
+from tline.solver.description.resolution import resolution
+from tline.solver.description.slab import whole_slabs
+from tline.solver.kernel.difference import BLOCK, Compared, find_difference
+from tline.solver.loop.march import March, Stepper, concatenated
+from tline.solver.loop.slabs import Slabs
+from tline.solver.radau import chebyshev
+from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
+from tline.solver.result.result import Result
+from tline.solver.run import given_out, with_ledger
+from tline.solver.tolerance.compare import BETWEEN, relative
+from tline.solver.tolerance.difference import Difference
+from tline.solver.tolerance.smooth import at_same_places
+
+WIDEST = 4  # slabs, over those of a search, which are for low orders
+LOWEST, HIGHEST = 5, 10  # order of the coarser run: below, what they differ by falls slowly
+SPARE = 0.1  # of the tolerance: what a plan is to tell of the scene as it was given
+CAUTION = BETWEEN / (1 - SLOWEST)  # errors between places over differences
+
+
+Excitations = list[tuple[Shape, float]]
+
+
+class OneOrder:
+    """A scene at one order, packed."""
+
+    def __init__(self, description: Description, order: int, h: float):
+        chosen = resolution(description, order, h)
+        self.slabs = Slabs.until(description.t_end, chosen.h)
+        self.assembly = assemble(description, set(description.probed), chosen)
+        self.record = np.empty((self.assembly.kept, 2, self.slabs.number * order))
+        stepper = Stepper(self.assembly, self.slabs.number, self.record)
+        stepper.compile()
+        self.kernel = stepper.kernel
+        self.smooth = stepper.fronts is None and not stepper.at_edges and not self.assembly.follows_edges
+        self.excitation = stepper.signals.sampled(0, self.slabs.number).copy()
+        self.initial = self.assembly.state._replace(load=self.assembly.state.load.copy())
+        self.z0 = np.array([line.z0 for line in self.assembly.lines.values()])
+
+    @property
+    def attempt(self) -> Attempt:
+        """As one of a search."""
+        s, ends = self.assembly.basis.s, len(self.assembly.network.ends)
+        return Attempt(s, self.slabs.width, None, ends * self.slabs.number * s, 0.0)
+
+    def write(self, g: int, group: Group, system: StateSpace | None) -> None:
+        """Put what now stands at a group of nodes, and its state space if it has one, in place of what stood there."""
+        network, order, h = self.assembly.network, self.assembly.basis, self.assembly.resolution.h
+        if system is not None:
+            row, at = network.step_row[g], network.load_at[g]
+            step = load_step(system, order, h) if network.step_whole[row] else system.d
+            network.step[network.step_at[row] :][: step.size] = step.ravel()
+            self.initial.load[at : at + len(system.A)] = group.at_rest()
+        for k, node in enumerate(group.nodes, int(network.group[g])):
+            network.weight[network.first[k] : network.first[k + 1]] = node.weights(self.z0)
+            if node.excitations:
+                parts = [share * sampled(shape, order, h, 0, self.slabs.number) for shape, share in node.excitations]
+                self.excitation[network.excitation_row[k]] = np.sum(parts, axis=0).ravel()
+
+    def march(self) -> bool:
+        """Advance from rest to the end; whether all waves are finite."""
+        state = self.assembly.state
+        for part in state:
+            part[...] = 0.0
+        state.load[...] = self.initial.load
+        return self.kernel.blocks(self.slabs.number, self.excitation, self.record, 0) < 0
+
+
+class Plan:
+    """Two orders of a described scene on slabs of one width, for runs of it with other values.
+
+    Parameters
+    ----------
+    description : Description
+    tol : float
+        Of all runs.
+    order : int
+        Of the coarser run.
+    h : float
+        Width of slabs, s.
+    """
+
+    def __init__(self, description: Description, tol: float, order: int, h: float):
+        self.description, self.tol = description, tol
+        self.coarse, self.fine = (OneOrder(description, s, h) for s in (order, order + 1))
+        self.groups = list(description.grouped()[0])
+        self.compared = {name: self._compared(name) for name in description.probes}
+        self.packed = {name: pack(compared) for name, compared in self.compared.items()}
+
+    @property
+    def smooth(self) -> bool:
+        """Whether no run needs pieces of slabs, nor ends within a slab."""
+        return self.coarse.smooth and self.fine.smooth and not self.fine.slabs.rest
+
+    def _compared(self, name: str) -> Compared:
+        """What compares the waves a and b at a probe in both runs."""
+        probe, orders = self.description.probes[name], (self.coarse, self.fine)
+        row, n = self.fine.assembly.recorded[probe.line] + int(probe.share), self.fine.slabs.number
+        sides = (1, 0) if probe.share == 0.0 else (0, 1)  # of the record, which has what arrived first
+        a, b, c, d = (one.record[row, side].reshape(n, -1) for one in orders for side in sides)
+        s, other = (one.assembly.basis.s for one in orders)
+        work = np.empty((2, s, BLOCK)), np.empty((2, other, BLOCK)), np.empty((4, BLOCK)), np.zeros((6, BLOCK))
+        return Compared(a, b, c, d, *at_same_places(s, other, 1, len(chebyshev(other))), 0.0, *work)
+
+    def run(self, description: Description) -> Result | None:
+        """The result for the scene with other values; None if these make it another scene, or if it is not accurate.
+
+        Parameters
+        ----------
+        description : Description
+            Changed from the plan's own.
+        """
+        if description.active or not self._written(description):
+            return None
+        if not (self.coarse.march() and self.fine.march()):
+            return None
+        accuracy = self._accuracy()
+        if not accuracy.met:
+            return None
+        assembly, slabs = self.fine.assembly, self.fine.slabs
+        done = March(0.0, concatenated([], assembly.basis.s), Tally(), None)
+        result = given_out(description, assembly, slabs, self.fine.record.copy(), done, accuracy=accuracy)
+        return with_ledger(result, None)
+
+    def _accuracy(self) -> Accuracy:
+        """Errors of the coarser run by its differences to the finer one, which bound those of this."""
+        found = {}
+        for name, compared in self.compared.items():
+            compared.most[...] = 0.0
+            find_difference(self.packed[name])
+            at_ends, inside, largest = compared.most.max(axis=1).reshape(3, 2) / 2
+            inside = np.maximum(inside, at_ends)
+            found[name] = Difference(at_ends, inside, inside, largest)
+        told = Accuracy(self.tol, *relative(found)).times(CAUTION, CAUTION)
+        coarse, fine = (one.attempt for one in (self.coarse, self.fine))
+        return replace(told, attempts=(replace(coarse, estimate=told.worst), fine))
+
+    def _written(self, description: Description) -> bool:
+        """Write down what other values change; whether that could be done."""
+        groups = description.grouped()[0]
+        for g, (group, old) in enumerate(zip(groups, self.groups, strict=True)):
+            if group is old:
+                continue
+            row = self.fine.assembly.network.step_row[g]
+            system = group.circuits()[0].system if row >= 0 else None
+            if not self._takes(group, old, system):
+                return False
+            for one in (self.coarse, self.fine):
+                one.write(g, group, system)
+            self.groups[g] = group
+        return True
+
+    def _takes(self, group: Group, old: Group, system: StateSpace | None) -> bool:
+        """Whether a group of nodes differs from that before in numbers alone, and is slow enough for the slabs."""
+        if group.dynamic != old.dynamic or (system and len(system.A) != len(old.circuits()[0].system.A)):
+            return False
+        if group.poles is not None and self.coarse.assembly.resolution.resolved * np.abs(group.poles).max() > 1.0:
+            return False
+        pairs = zip(group.nodes, old.nodes, strict=True)
+        return all(self._follows(node.excitations, before.excitations) for node, before in pairs)
+
+    def _follows(self, excitations: Excitations, before: Excitations) -> bool:
+        """Whether what drives a node is slow enough, and breaks at edges of slabs alone, if as much did before."""
+        slabs, resolved = self.fine.slabs, self.coarse.assembly.resolution.resolved
+        if len(excitations) != len(before):
+            return False
+        if all(shape is other for (shape, _), (other, _) in zip(excitations, before, strict=True)):
+            return True
+        whole = not np.any(places_of(excitations, slabs.end, slabs.width) % 1)
+        return whole and all(shape.fastest() >= resolved for shape, _ in excitations)
+
+
+def planned(description: Description, tol: float) -> Plan | None:
+    """A plan of a scene for a tolerance, if it is one for that; of the lowest order with some room for other values."""
+    once = description.steady or description.elements or description.lossy or description.heights
+    if once or description.stretches or description.switched or description.own:
+        return None
+    if not all(probe.line in description.lines and probe.share in (0.0, 1.0) for probe in description.probes.values()):
+        return None
+    h, delays = resolution(description, LOWEST).h, [line.delay for line in description.lines.values()]
+    for wider in range(WIDEST, 0, -1):
+        if not whole_slabs(wider * h, delays) or resolution(description, LOWEST, wider * h).notes:
+            continue
+        for order in range(LOWEST, HIGHEST + 1):
+            plan = Plan(description, tol, order, wider * h)
+            if not plan.smooth:
+                break
+            result = plan.run(description)
+            if result is not None and result.accuracy and result.accuracy.worst <= SPARE * tol:
+                return plan
+    return None
