@@ -45,8 +45,8 @@ def test_the_table_says_what_the_probes_saw() -> None:
     result = ran("run valve.toml")
     title, chosen, accuracy, empty, *table = result.stdout.splitlines()
     assert title == "Closing valve"
-    told = r"order 3, 500 slabs of 4 ms, 3,000 line-end samples in [0-9.e-]+ s; "
-    grid = "common tick of delays and fronts, predicted cost 3,000 samples without fronts"
+    told = r"order 4, 500 slabs of 4 ms, 4,000 line-end samples in [0-9.e-]+ s; "
+    grid = "common tick of delays and fronts, predicted cost 4,000 samples without fronts"
     assert re.fullmatch(told + grid, chosen)
     reached = (
         r"estimated error [0-9.e-]+ of the amplitude at '(probe|middle)', 1e-06 asked and met; 2 runs in [0-9.e-]+ s"
