@@ -10,14 +10,16 @@ unwinds the integrals with their own integral time (back-calculation; Astrom and
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import inf
 
 import numpy as np
 from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 
-from drives.control import Design, decoupler
+from drives.by_hand import Control
+from drives.control import PI, Design, decoupler
 from drives.discretise import legs, propagate
 from drives.energy import Energy, Rows, energy_of, open_torques, powers, stored_in
 from drives.integrate import integrate
@@ -27,6 +29,7 @@ from drives.state_space import StateSpace, floats
 from drives.symbolic import OUTPUTS
 from drives.torque import ZERO, Torque
 from drives.torque_limit import unreachable
+from drives.witness import doubts
 from tline.errors import InputError
 
 Motors = Callable[[NDArray, NDArray], tuple[NDArray, NDArray]]
@@ -141,7 +144,8 @@ def simulate_control(
             x, energy = ends[way.sampled], energy_of(drives, loop, _torque_rows(loop), ends, way)
             outputs = named(loop.outputs, x @ loop.C.T + u @ loop.D.T)
         _within_floats(t, np.column_stack([x, energy.stored, energy.dissipated, energy.supplied]), verdict)
-        return Run(t, named(loop.states, x), outputs, energy, pushing(t, outputs["tension"]), verdict)
+        run = Run(t, named(loop.states, x), outputs, energy, pushing(t, outputs["tension"]), verdict)
+        return _heard(run, design, inputs)
     motors, rates = _saturated(design, float(positive(limit, "limit")), antiwindup)
     verdict += tuple(unreachable(drives, *inputs, limit=limit, end=float(t[-1])))
     found = integrate(rates, np.append(x0, [0.0, 0.0]), inputs, t)
@@ -150,7 +154,18 @@ def simulate_control(
     plant = drives.state_space()
     outputs = named(loop.outputs, np.hstack([x[:, : len(drives.states)] @ plant.C.T, given]))
     energy = Energy(stored_in(drives, x), heat, work)
-    return Run(t, named(loop.states, x), outputs, energy, pushing(t, outputs["tension"]), verdict)
+    run = Run(t, named(loop.states, x), outputs, energy, pushing(t, outputs["tension"]), verdict)
+    return _heard(run, design, inputs, float(limit), antiwindup)
+
+
+def _heard(run: Run, design: Design, inputs: tuple[Torque, ...], limit: float = inf, antiwindup: bool = True) -> Run:
+    """The run with what its witness says."""
+
+    def numbers(controller: PI) -> tuple[float, float]:
+        return float(controller.gain), float(controller.integral_time)
+
+    control = Control(numbers(design.speed), numbers(design.tension), limit, antiwindup)
+    return replace(run, verdicts=run.verdicts + doubts(design.drives, inputs, run, control))
 
 
 def _within_floats(t: NDArray, values: NDArray, verdict: tuple[str, ...]) -> None:

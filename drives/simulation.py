@@ -1,7 +1,7 @@
 """Simulation of the linear model: exact at the samples, whatever the step."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from drives.discretise import legs, propagate
 from drives.energy import Energy, energy_of, open_torques
 from drives.number import exact, finite, positive
 from drives.torque import ZERO, Torque
+from drives.witness import doubts
 from tline.errors import InputError
 
 MOST_STEPS = 1_000_000
@@ -33,7 +34,8 @@ class Run:
     notes : tuple of str
         What to know beside the numbers: where the belt pushes.
     verdicts : tuple of str
-        What was asked for and cannot be had: set points that the limit does not hold, a stable loop.
+        What was asked for and cannot be had: set points that the limit does not hold, a stable loop; and where this run
+        does not fit the equations of motion, see `drives.witness`: then it is wrong.
     """
 
     t: NDArray[np.float64]
@@ -82,7 +84,8 @@ def simulate(
     seen = x[way.sampled]
     states, outputs = named(drives.states, seen), named(model.outputs, seen @ model.C.T)
     energy = energy_of(drives, model, open_torques(drives), x, way)
-    return Run(t, states, outputs, energy, pushing(t, outputs["tension"]))
+    run = Run(t, states, outputs, energy, pushing(t, outputs["tension"]))
+    return replace(run, verdicts=doubts(drives, (T1, T2), run))
 
 
 def pushing(t: NDArray, tension: NDArray) -> tuple[str, ...]:

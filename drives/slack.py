@@ -5,6 +5,7 @@ relax at their own rate K/B, and the spools turn freely until it is taken up.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from drives.energy import Energy, stored_in
 from drives.integrate import integrate
 from drives.simulation import Run, initial_state, named, sample_times
 from drives.torque import ZERO, Torque
+from drives.witness import doubts
 
 
 def simulate_slack(
@@ -55,4 +57,5 @@ def simulate_slack(
         outputs[name] = np.where(pushed, 0.0, outputs[name])
     tight = seen.copy()
     tight[pushed, drives.states.index("e_p")] = 0.0  # slack stores nothing
-    return Run(t, named(drives.states, seen), outputs, Energy(stored_in(drives, tight), x[:, -2], x[:, -1]))
+    run = Run(t, named(drives.states, seen), outputs, Energy(stored_in(drives, tight), x[:, -2], x[:, -1]))
+    return replace(run, verdicts=doubts(drives, (T1, T2), run, slack=True))

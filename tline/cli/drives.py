@@ -221,6 +221,7 @@ def step(
     say_notes(run)
     save_table(table_file, as_json, {"t": run.t} | run.outputs)
     save_picture(plot, as_json, lambda: draw_run(run.t, run.outputs, ("x_k", "tension", "belt_speed")))
+    say_verdicts(run.verdicts, as_json)
 
 
 CONTROL_OPTIONS = [
@@ -271,7 +272,7 @@ def control(found: "CoupledDrives", table_file: str | None, plot: str | None, as
     made, run, limit = _controlled(found, **given)
     verdicts = (*made.verdicts, *run.verdicts)
     if as_json:
-        print_json({"design": design_data(made)} | run_data(run) | {"verdicts": list(verdicts)})
+        print_json({"design": design_data(made)} | run_data(run) | {"verdicts": verdicts})
     else:
         click.echo("\n".join(design_text(made)))
         click.echo(run_text(run))

@@ -63,7 +63,8 @@ def run_data(run: "Run") -> dict[str, Any]:
         "t": run.t.tolist(),
         "outputs": {name: values.tolist() for name, values in run.outputs.items()},
         "energy": _balance(run),
-        "notes": list(run.notes),
+        "notes": run.notes,
+        "verdicts": run.verdicts,
     }
 
 

@@ -1,0 +1,177 @@
+"""The equations of motion as one writes them on paper, from the parts alone; made for `drives.witness`.
+
+No matrix and no model of the rest of the package is used here. The state is
+
+    x = (phi1, w1, w2, e_p, e of each damped belt, q_speed and q_tension under control, phi2),
+
+in which phi2 is an angle of its own, so that the positions' constraint is something to check. The inputs u are T1 and
+T2, or under control the set points of belt speed and tension and the disturbing torques d1 and d2. Each of x and u is
+a sequence of floats, or, where no torque is limited, of arrays with an entry for each sample.
+"""
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from math import cos, inf
+from typing import Any, NamedTuple, Protocol
+
+from numpy.typing import NDArray
+
+from drives.parts import Belt, Pulley, Spool
+
+Row = Sequence[Any] | NDArray[Any]
+Product = tuple[float, Any, Any]  # coefficient*a*b, a power
+
+
+class Control(NamedTuple):
+    """PI controllers of belt speed and tension, each with gain and integral time, and what the motors can do."""
+
+    speed: tuple[Any, Any]
+    tension: tuple[Any, Any]
+    limit: float = inf
+    antiwindup: bool = True
+
+
+class Parts(Protocol):
+    """What a mechanism is made of."""
+
+    @property
+    def left(self) -> Spool:
+        """Spool 1."""
+        ...
+
+    @property
+    def right(self) -> Spool:
+        """Spool 2."""
+        ...
+
+    @property
+    def left_belt(self) -> Belt:
+        """Between spool 1 and pulley."""
+        ...
+
+    @property
+    def right_belt(self) -> Belt:
+        """Between pulley and spool 2."""
+        ...
+
+    @property
+    def pulley(self) -> Pulley:
+        """In the middle."""
+        ...
+
+
+class Equations:
+    """What the mechanism does at an instant.
+
+    Parameters
+    ----------
+    parts : Parts
+    control : Control, optional
+        Without it the inputs are torques.
+    slack : bool
+        Whether the belt cannot push.
+    number : callable
+        What to compute in.
+    """
+
+    def __init__(self, parts: Parts, control: Control | None = None, slack: bool = False, number: Callable = float):
+        belts = {"e1": parts.left_belt, "e2": parts.right_belt}
+        given = {name: (number(one.stiffness), number(one.damping)) for name, one in belts.items()}
+        spools = parts.left, parts.right
+        self.spools = [(number(one.inertia), number(one.friction), number(one.radius)) for one in spools]
+        self.belts = [(k, b) for k, b in given.values() if b]
+        self.k, self.cosine = number(parts.pulley.stiffness), number(cos(parts.pulley.angle))
+        self.spring = 1 / (4 * self.cosine**2 / self.k + sum(1 / k for k, b in given.values() if not b))
+        self.parts, self.control, self.slack = parts, control, slack
+        integrals = ("q_speed", "q_tension") if control else ()
+        self.states = ("phi1", "w1", "w2", "e_p", *(name for name in given if given[name][1]), *integrals)
+
+    @property
+    def freed(self) -> "Equations":
+        """The same without slack and limit: linear in x and u.
+
+        Under control in fractions: what makes unequal spools alike cancels nearly all of the torques it is added to.
+        """
+        if self.control is None:
+            return Equations(self.parts)
+        (k_v, t_v), (k_f, t_f), *_ = self.control
+        control = Control((Fraction(k_v), Fraction(t_v)), (Fraction(k_f), Fraction(t_f)))
+        return Equations(self.parts, control, number=Fraction)
+
+    @property
+    def linear(self) -> bool:
+        """Whether nothing is to be freed of."""
+        return not self.slack and (self.control is None or self.control.limit == inf)
+
+    def tension(self, x: Row) -> Any:
+        """The belt's tension, N."""
+        return self.spring * ((x[3] + abs(x[3])) / 2 if self.slack else x[3])
+
+    def at(self, x: Row, u: Row) -> tuple[list[Any], list[Product], list[Product]]:
+        """dx/dt, heat flow and supplied power."""
+        (j1, b1, r1), (j2, b2, r2) = self.spools
+        w1, w2, f, integrals = x[1], x[2], self.tension(x), []
+        T1, T2 = u[0], u[1]
+        if self.control:
+            motors, integrals = self._controlled(self.control, x, u)
+            T1, T2 = motors[0] + u[2], motors[1] + u[3]
+        stretching = [(f - k * e) / b for (k, b), e in zip(self.belts, x[4:], strict=False)]
+        turning = (r1 * f - T1 - b1 * w1) / j1, (T2 - b2 * w2 - r2 * f) / j2
+        rates = [w1, *turning, r2 * w2 - r1 * w1 - sum(stretching), *stretching, *integrals, w2]
+        heat = [(b1, w1, w1), (b2, w2, w2), *((b, v, v) for (_, b), v in zip(self.belts, stretching, strict=True))]
+        return rates, heat, [(-1.0, T1, w1), (1.0, T2, w2)]
+
+    def stored(self, x: Row) -> Any:
+        """Energy in spools and springs, J."""
+        (j1, _, _), (j2, _, _) = self.spools
+        belts = sum(k * e**2 for (k, _), e in zip(self.belts, x[4:], strict=False))
+        return (j1 * x[1] ** 2 + j2 * x[2] ** 2 + self.tension(x) ** 2 / self.spring + belts) / 2
+
+    def outputs(self, x: Row, u: Row) -> dict[str, Any]:
+        """What is given out, by its name."""
+        (_, _, r1), (_, _, r2) = self.spools
+        f = self.tension(x)
+        found = {"tension": f, "x_k": -2 * self.cosine * f / self.k, "belt_speed": (r1 * x[1] + r2 * x[2]) / 2}
+        found |= {"phi1": x[0], "w1": x[1], "w2": x[2], "phi2": (r1 * x[0] + sum(x[3 : 4 + len(self.belts)])) / r2}
+        if self.control:
+            found["T1"], found["T2"] = self._controlled(self.control, x, u)[0]
+        return found
+
+    def _controlled(self, control: Control, x: Row, u: Row) -> tuple[tuple[Any, Any], list[Any]]:
+        """Torques of the motors, and dq/dt.
+
+        Each spool is to move as one of the mean M = J/r^2 and D = B/r^2 would under the pull p = (tau_f -+ tau_v)/(2
+        r_m): M u' = -p1 - D u + f on the left, M u' = p2 - D u - f on the right, with u = r w.
+        """
+        (j1, b1, r1), (j2, b2, r2) = self.spools
+        m1, m2, d1, d2 = j1 / r1**2, j2 / r2**2, b1 / r1**2, b2 / r2**2
+        m, d, mean = (m1 + m2) / 2, (d1 + d2) / 2, (r1 + r2) / 2
+        u1, u2, f = r1 * x[1], r2 * x[2], self.tension(x)
+        errors = u[0] - (u1 + u2) / 2, u[1] - f
+        (k_v, t_v), (k_f, t_f) = control.speed, control.tension
+        tau_v, tau_f = k_v * (errors[0] + x[-3] / t_v), k_f * (errors[1] + x[-2] / t_f)
+        a1, a2 = r1 * m1 / m, r2 * m2 / m  # torque for a pull
+        rest1 = a1 * (tau_f / (2 * mean) + d * u1 - f) + r1 * (f - d1 * u1)
+        rest2 = a2 * (tau_f / (2 * mean) - d * u2 - f) + r2 * (f + d2 * u2)
+        pull = tau_v / (2 * mean)
+        wanted = rest1 - a1 * pull, rest2 + a2 * pull
+        if control.limit == inf:
+            return wanted, list(errors)
+        given = limited(control.limit, pull, (-a1, rest1), (a2, rest2))
+        if not control.antiwindup:
+            return given, list(errors)
+        less1, less2 = (given[0] - wanted[0]) / a1, (given[1] - wanted[1]) / a2
+        return given, [errors[0] + mean * (less2 - less1) / k_v, errors[1] + mean * (less1 + less2) / k_f]
+
+
+def limited(limit: float, pull: Any, *motors: tuple[float, Any]) -> tuple[Any, Any]:
+    """The torques slope*pull + rest of both motors, with the pull cut until neither is beyond the limit.
+
+    If no pull does that they give what they can at the one that is between what either would need.
+    """
+    reach = [(-rest / slope, limit / abs(slope)) for slope, rest in motors]
+    low, high = max(*(middle - half for middle, half in reach)), min(*(middle + half for middle, half in reach))
+    between = (low + high) / 2
+    cut = min(max(pull, min(low, between)), max(high, between))
+    first, second = (min(max(slope * cut + rest, -limit), limit) for slope, rest in motors)
+    return first, second

@@ -1,0 +1,187 @@
+"""From samples of a run to later ones by the equations of motion, and how far off that can be.
+
+What is linear is followed from every sample to the next, exactly in time (`drives.doubled`); of the stretches in which
+an input has a corner some are. What is not linear is integrated by another method than the run's, for a part of the
+run where most happens and for some at random.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drives.by_hand import Equations, Product
+from drives.doubled import Motion, motion
+from drives.torque import Torque
+
+CLOSE = 1e-9  # relative to the terms of a sum: far more than rounding, far less than 1 % of a parameter
+SPREAD = 30.0  # times the distance of two ways to the same motion in floats
+STRAIGHT, BENT, CORNERS = 2000, 4, 3  # stretches without and with corners that are followed, and corners in each
+WINDOWS, PARTS, MOST_RATES = 3, 200, 3000  # of what is integrated: windows, their part of the run, evaluations
+TIGHT, TIGHTER = 1e-7, 1e-10  # relative to the largest values: asked of the integration, and once more if in doubt
+LOOSE, PROMISED = 1e-6, 1e-12  # and what counts as another result; of runs that are integrated, absolute
+
+
+class Record:
+    """A run as rows.
+
+    Parameters
+    ----------
+    t : numpy.ndarray
+        Times of the samples, s, shape (n,).
+    x, energies : numpy.ndarray
+        The state by hand; heat and work since the start; shapes (states, n) and (2, n).
+    inputs : sequence of Torque
+    """
+
+    def __init__(self, t: NDArray, x: NDArray, energies: NDArray, inputs: Sequence[Torque]):
+        self.t, self.x, self.rows, self.inputs = t, x, np.vstack([x, energies]), inputs
+        self.u = np.array([one.pieces(t)[0] for one in inputs])
+
+    @property
+    def beside(self) -> float:
+        """So close to a sample a corner of an input is at it, s."""
+        return 64 * float(np.spacing(self.t[-1]))
+
+    def forced(self, t: NDArray) -> NDArray:
+        """Inputs just after the times t, then their slopes."""
+        values, slopes = zip(*(one.pieces(t + self.beside) for one in self.inputs), strict=True)
+        return np.array([*(v - self.beside * s for v, s in zip(values, slopes, strict=True)), *slopes])
+
+
+class Steps(NamedTuple):
+    """What is found at some samples from earlier ones, rows as in a record, and what it can be off."""
+
+    starts: NDArray[np.intp]
+    ends: NDArray[np.intp]
+    found: NDArray[np.float64]
+    off: NDArray[np.float64]
+
+
+class Rows:
+    """The equations freed of what is not linear, as coefficients over z = (x, u, du/dt).
+
+    Attributes
+    ----------
+    rates : numpy.ndarray
+        F of dz/dt = F z.
+    heat, work : numpy.ndarray
+        Heat flow and supplied power as quadratic forms.
+    outputs : dict of str to numpy.ndarray
+    """
+
+    def __init__(self, equations: Equations, n: int, m: int):
+        free, size = equations.freed, n + 2 * m
+        units = [[int(i == k) for k in range(size)] for i in range(size)]
+        rates, heat, work = zip(*(free.at(one[:n], one[n : n + m]) for one in units), strict=True)
+        self.rates = np.vstack([np.array(rates, float).T, np.eye(2 * m, size, n + m)])
+        self.heat, self.work = _form(heat), _form(work)
+        seen = [free.outputs(one[:n], one[n : n + m]) for one in units]
+        self.outputs = {name: np.array([one[name] for one in seen], float) for name in seen[0]}
+
+
+def _form(products: Sequence[list[Product]]) -> NDArray[np.float64]:
+    """A sum of products as a symmetric matrix, from the products at each unit vector."""
+    c, a, b = np.moveaxis(np.array(products, float), -1, 0)
+    form = (c * a) @ b.T
+    return (form + form.T) / 2
+
+
+def follow(equations: Equations, rows: Rows, record: Record) -> Iterator[Steps]:
+    """Steps of a run."""
+    yield from _doubled(rows, record) if equations.linear else _integrated(equations, record)
+
+
+def _doubled(rows: Rows, record: Record) -> Iterator[Steps]:
+    t, beside = record.t, record.beside
+    corners = np.unique([time for one in record.inputs for time in one.times])
+    first, last = (np.searchsorted(corners, at) for at in (t[:-1] + beside, t[1:] - beside))
+    few = np.flatnonzero((first < last) & (last - first <= CORNERS))
+    random = np.random.default_rng(len(t))
+    bent = random.permutation(few)[:BENT]
+    ways = [np.array([t[k], *corners[first[k] : last[k]], t[k + 1]]) for k in bent]
+    lengths = [t[1] - t[0], *(length for way in ways for length in np.diff(way))]
+    one, other = (motion(rows.rates, (rows.heat, rows.work), lengths, more) for more in (0, 1))
+    if one is None or other is None:
+        return
+    legs, straight = _Legs(record, one, other), random.permutation(np.flatnonzero(first == last))[:STRAIGHT]
+    if len(straight):
+        yield legs.along(straight, [0], t[straight][None])
+    begin = 1
+    for k, way in zip(bent, ways, strict=True):
+        yield legs.along(np.array([k]), range(begin, begin + len(way) - 1), way[:-1, None])
+        begin += len(way) - 1
+
+
+class _Legs:
+    """Linear motion over some lengths of time, from states with an uncertainty."""
+
+    def __init__(self, record: Record, one: Motion, other: Motion):
+        self.record, self.motion = record, one
+        rough = Motion(*(np.abs(x - y) for x, y in zip(one, other, strict=True)))
+        largest = np.abs(np.vstack([record.x, record.forced(record.t)])).max(axis=1)
+        self.noise = SPREAD * (rough.change @ largest)
+        self.noise_energies = SPREAD * (rough.integrals @ largest @ largest)
+
+    def along(self, samples: NDArray, legs: Sequence[int], begins: NDArray) -> Steps:
+        """From samples over legs that begin at some times to the next samples."""
+        n, found = len(self.record.x), self.record.rows[:, samples]
+        x, energies = found[:n], found[n:]
+        off, off_energies = np.zeros_like(x), np.zeros_like(energies)
+        for leg, at in zip(legs, begins, strict=True):
+            z, change = np.vstack([x, self.record.forced(at)]), self.motion.change[leg]
+            sizes = np.abs(z)
+            for row, form in enumerate(self.motion.integrals[:, leg]):
+                energies[row] += ((form @ z) * z).sum(axis=0)
+                slopes = np.abs(form) @ sizes
+                off_energies[row] += CLOSE * (slopes * sizes).sum(axis=0) + 2 * (slopes[:n] * off).sum(axis=0)
+            off_energies += self.noise_energies[:, leg, None]
+            off += np.abs(change[:n, :n]) @ off + CLOSE * (np.abs(change[:n]) @ sizes) + self.noise[leg, :n, None]
+            x += change[:n] @ z
+        return Steps(samples, samples + 1, found, np.vstack([off, off_energies]))
+
+
+class _TooLong(Exception):
+    """An integration that costs more than a look is worth."""
+
+
+def _integrated(equations: Equations, record: Record) -> Iterator[Steps]:
+    from scipy.integrate import solve_ivp
+
+    y, t = record.rows, record.t
+    n, scale, last, left = len(record.x), np.abs(y).max(axis=1), len(t) - 1, [MOST_RATES]
+    scale[scale == 0] = 1.0
+    off, stride = LOOSE * scale + PROMISED, max(last // PARTS, 1)
+    moved = (np.abs(y[:, stride:] - y[:, :-stride]) / scale[:, None]).max(axis=0)
+    chosen = [
+        *np.argsort(-moved)[: (WINDOWS + 1) // 2],
+        *np.random.default_rng(last).integers(0, last - stride + 1, WINDOWS),
+    ]
+
+    def rates(time: float, state: NDArray, begin: float, u: NDArray, slope: NDArray) -> list[float]:
+        if not left[0]:
+            raise _TooLong
+        left[0] -= 1
+        x, u = (state * scale)[:n].tolist(), (u + slope * (time - begin)).tolist()
+        found, *powers = equations.at(x, u)
+        return np.array([*found, *(sum(c * a * b for c, a, b in one) for one in powers)]) / scale
+
+    def after(k: int, tolerance: float) -> NDArray:
+        found, end = y[:, k] / scale, t[k + stride]
+        corners = {time for one in record.inputs for time in one.times if t[k] + record.beside < time < end}
+        for begin, stop in pairwise([t[k], *sorted(corners), end]):
+            u, slope = np.split(record.forced(np.array([begin]))[:, 0], 2)
+            how = {"method": "Radau", "t_eval": [stop], "rtol": tolerance, "atol": tolerance}
+            found = solve_ivp(rates, (begin, stop), found, args=(begin, u, slope), **how).y[:, -1]
+        return found * scale
+
+    for k in dict.fromkeys(int(k) for k in chosen[:WINDOWS]):
+        try:
+            found = after(k, TIGHT)
+            if (np.abs(found - y[:, k + stride]) > off).any():
+                found = after(k, TIGHTER)
+        except _TooLong:
+            return
+        yield Steps(np.array([k]), np.array([k + stride]), found[:, None], off[:, None])
