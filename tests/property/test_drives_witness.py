@@ -4,11 +4,8 @@ import random
 from dataclasses import replace
 from functools import cache
 
-import numpy as np
 import pytest
-from flint import fmpq_mat
 
-import drives.simulation
 from drives import (
     Belt,
     CoupledDrives,
@@ -22,7 +19,6 @@ from drives import (
     simulate_slack,
 )
 from drives.by_hand import Control
-from drives.discretise import Legs
 from drives.witness import doubts
 
 SAID = "two methods disagree at "

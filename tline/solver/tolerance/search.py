@@ -109,12 +109,14 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
 
     From where that is so on, lumped lines have twice as many in each finer run: the last must have. Slab ends come
     first; what is left inside slabs is worked on while that promises to be enough. Where laws kink, slabs are cut in
-    pieces where they did in the run before. Where no flow is found on the first slabs, the search begins with narrower
-    ones. Two comparisons tell how fast runs converge; one is enough if it leaves
-    some room, or that is known of the scene with other values, and no law kinks.
+    pieces where they did in the run before; openings that move by themselves begin and end to do so inside slabs, which
+    runs of another order on the same slabs have wrong alike, so slabs are halved with each step. Where no flow is found
+    on the first slabs, the search begins with narrower ones. Two comparisons tell how fast runs converge; one is enough
+    if it leaves some room, or that is known of the scene with other values, and no law kinks.
     """
     steps, limit, stale, helps = _finer(search, sections), "", 0, True
     kinked, missed, cuts = kinking(search.description), 0, NO_KINKS
+    governed = any(element.governor is not None for element in search.description.elements)
     search = search._replace(laws=[element.where for element in search.description.elements])
     try:
         result = best = search.run(next(steps))
@@ -129,7 +131,8 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
             layered = result.resolution.layers > 0  # the pieces behind fronts do not become more on narrower slabs
             layers = FOLLOWED * search.tol if kinked or result.samples <= MOST_FOLLOWED * result.resolution.s else 0.0
             parts = halved(result, search.description.elements, cuts)
-            chosen = steps.send((helps or layered, layered, told.met, parts.differ))._replace(layers=layers)
+            helped = (helps or layered) and not governed
+            chosen = steps.send((helped, layered, told.met, parts.differ or governed))._replace(layers=layers)
             if chosen.h < result.resolution.h:
                 cuts = parts.steep if chosen.s > result.resolution.s else parts.every
             finer = search.run(chosen, kinks=together(kinks_of(result, kinked), cuts))
