@@ -5,6 +5,7 @@ import inspect
 import json
 import shlex
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -141,6 +142,21 @@ def test_what_cannot_be_had_is_said_and_exits_1(options, verdict, tmp_path, monk
     assert verdict in plain.stdout.splitlines()[-1]
     assert [verdict in one for one in json.loads(table.stdout)["verdicts"]] == [True]
     assert (tmp_path / "run.csv").exists()
+
+
+@pytest.mark.parametrize("options", ["step", "step --slack", "control", "control --limit '2 N m'"])
+def test_a_run_that_does_not_fit_the_equations_is_said_and_exits_1(options, monkeypatch):
+    right = CoupledDrives.state_space
+
+    def faulty(self, *ports):
+        model = right(self, *ports)
+        return replace(model, c=2 * model.c)
+
+    monkeypatch.setattr(CoupledDrives, "state_space", faulty)
+    plain, table = run(options), run(f"{options} --json")
+    assert (plain.exit_code, table.exit_code) == (1, 1)
+    assert plain.stdout.splitlines()[-1].startswith("two methods disagree at ")
+    assert plain.stdout.splitlines()[-1] in json.loads(table.stdout)["verdicts"]
 
 
 def test_what_is_asked_for_is_reached():
