@@ -108,6 +108,13 @@ def test_what_makes_it_another_scene_is_run_as_that(values):
     assert error(again, exact) <= again.accuracy.worst
 
 
+@pytest.mark.parametrize(
+    "change", [{"solver": {"order": 3}}, {"solver": {"slab": "1 ns"}}, {"t_end": "1 ms"}, {"lines.line.delay": "1 ps"}]
+)
+def test_what_is_fixed_by_hand_or_long_has_no_plan(change):
+    assert planned(prepare(cable(capacitance="10 pF").change(change)), {"loads.c.capacitance": 11e-12}) is None
+
+
 def test_an_active_load_is_refused_by_a_plan_too():
     load = {"at": "far", "kind": "impedance", "numerator": [1, 300], "denominator": [1, 1]}
     prepared = prepare(cable(capacitance="10 pF").change({"loads.z": load}))

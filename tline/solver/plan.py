@@ -17,6 +17,7 @@ from tline.solver.description.excitation import Shape, places_of, sampled
 from tline.solver.description.groups import Group
 from tline.solver.description.load_step import StateSpace, load_step
 from tline.solver.description.resolution import resolution
+from tline.solver.description.short_lines import short_lines
 from tline.solver.description.slab import whole_slabs
 from tline.solver.kernel.difference import BLOCK, Compared, find_difference
 from tline.solver.loop.march import March, Stepper, concatenated
@@ -31,6 +32,7 @@ from tline.solver.tolerance.smooth import at_same_places
 
 WIDEST = 4  # slabs, over those of a search, which are for low orders
 LOWEST, HIGHEST = 5, 10  # order of the coarser run: below, what they differ by falls slowly
+MOST_SAMPLES = 1e6  # at line ends; in longer runs what a plan saves is little
 SPARE = 0.1  # of the tolerance: what a plan is to tell of the scene as it was given
 CAUTION = BETWEEN / (1 - SLOWEST)  # errors between places over differences
 
@@ -189,12 +191,17 @@ class Plan:
 
 def planned(description: Description, tol: float) -> Plan | None:
     """A plan of a scene for a tolerance, if it is one for that; of the lowest order with some room for other values."""
+    by_hand = description.scene.solver.order or description.scene.solver.slab
     once = description.steady or description.elements or description.lossy or description.heights
-    if once or description.stretches or description.switched or description.own:
+    if by_hand or once or description.stretches or description.switched or description.own:
+        return None
+    if short_lines(description, ())[0]:  # which a search may lump
         return None
     if not all(probe.line in description.lines and probe.share in (0.0, 1.0) for probe in description.probes.values()):
         return None
     h, delays = resolution(description, LOWEST).h, [line.delay for line in description.lines.values()]
+    if 2 * len(delays) * description.t_end / h * LOWEST > MOST_SAMPLES:
+        return None
     for wider in range(WIDEST, 0, -1):
         if not whole_slabs(wider * h, delays) or resolution(description, LOWEST, wider * h).notes:
             continue
