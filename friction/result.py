@@ -38,6 +38,7 @@ class Status(StrEnum):
     BLOWN_UP = "stopped: the velocity grows without bound"
     STALLED = "stopped: the step has shrunk to nothing"
     INACCURATE = "done, but the tolerance is not met"
+    DOUBTED = "done, but two methods disagree"
 
 
 class Ledger(NamedTuple):
@@ -86,6 +87,8 @@ class Result:
         From `rosenbrock`, an estimate for each column: its largest error in the run, relative to its largest magnitude
         there; at "t" that of the instants of events, relative to t_end, 1 if events differ
         between runs that are compared. Empty for other methods: `events` is exact to rounding, the rest have none.
+    doubt : str or None
+        Where and how a run by `events` or `rosenbrock` misses Newton's law or the law of friction, if it does.
     """
 
     model: Model
@@ -107,6 +110,7 @@ class Result:
     event_count: int
     tol: float | None
     errors: dict[str, float]
+    doubt: str | None = None
 
     @property
     def worst(self) -> tuple[str, float] | None:

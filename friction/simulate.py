@@ -1,11 +1,13 @@
 """One run on the testbench, by any method."""
 
-from collections.abc import Sized
+from collections.abc import Callable, Sized
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from friction import witness
 from friction.methods import Method, method_for
 from friction.models import Model
 from friction.number import check_number
@@ -90,13 +92,15 @@ def simulate(
         check_number("budget", budget, least=1)
     steps = min(int(budget or default), MOST_STEPS)
     if chosen.step == "events":
-        return _events(model, bench, t_end, at, chosen, steps)
+        return _heard(model, bench, t_end, at, lambda all_times: _events(model, bench, t_end, all_times, chosen, steps))
     if tol is not None:
         check_number("tol", tol, least=1e-14 if chosen.name == "rosenbrock" else 1e-13)
         if tol > 0.1:
             raise InputError("tol", "too large", "at most 0.1", f"{tol:g}")
     if chosen.name == "rosenbrock":
-        return _rosenbrock(model, bench, t_end, at, chosen, tol, steps)
+        return _heard(
+            model, bench, t_end, at, lambda all_times: _rosenbrock(model, bench, t_end, all_times, chosen, tol, steps)
+        )
     return _scipy(model, bench, t_end, at, chosen, 1e-6 if tol is None else tol, steps)
 
 
@@ -143,6 +147,20 @@ def _scipy(
     solver, with_events = method.name.removesuffix("-events"), method.name.endswith("-events")
     status, made, record, met = adaptive(model, bench, t_end, times, tol, budget, solver, with_events)
     return _packed(model, bench, method, status, np.array([made, 0, len(met)]), record, np.reshape(met, (-1, 4)))
+
+
+def _heard(model: Model, bench: Testbench, t_end: float, times: NDArray, run: Callable[[NDArray], Result]) -> Result:
+    """A run at these times, heard by the witness at others too."""
+    windows = witness.windows(model, bench, t_end)
+    all_times = np.union1d(times, windows)
+    result = run(all_times)
+    columns, doubt = {name: getattr(result, name) for name in COLUMNS}, None
+    if result.status is Status.DONE and result.event_count == len(result.events):
+        heard, events = np.searchsorted(all_times, windows), [event.t for event in result.events]
+        doubt = witness.doubt(model, bench, columns, heard, result.errors, events)
+    asked = np.searchsorted(all_times, times)
+    kept = {name: column[asked[asked < column.size]] for name, column in columns.items()}
+    return replace(result, **kept, doubt=doubt, status=Status.DOUBTED if doubt else result.status)
 
 
 def _rosenbrock(

@@ -269,6 +269,7 @@ def _told(result: "Result") -> dict[str, Any]:
         "energy": ledger,
         "tol": result.tol,
         "errors": result.errors or None,
+        "doubt": result.doubt,
     }
 
 
@@ -285,7 +286,7 @@ def _text(result: "Result") -> str:
             f"t = {end['t']:.6g} s: x = {end['x']:.10g} m, v = {end['v']:.10g} m/s, F_f = {end['F_f']:.10g} N",
             f"work in {ledger.applied:.6g} J = friction {ledger.friction:.6g} J + kinetic {ledger.kinetic_gain:.6g} J, "
             f"residual {ledger.residual:.1e}; {ledger.bristle_gain:.3g} J in bristles",
-            _errors(result),
+            f"NOT met: {result.doubt}" if result.doubt else _errors(result),
         ]
     )
 

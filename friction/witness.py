@@ -1,0 +1,182 @@
+"""Whether what a run gives out fits Newton's law and the friction law, by code that shares nothing with what made it.
+
+At all samples forces and energy are held against their definitions. Over short windows the changes of place, speed,
+deflection and works are held against integrals of what drives them, by two rules of Clenshaw and Curtis: how far these
+differ is not held against the run, and windows with an event in them prove nothing.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction.models import Coulomb, ElastoPlastic, Karnopp, Model, Tanh
+from friction.testbench import Force, Ramp, Sine, Steps, Table, Testbench
+
+WINDOWS, SEED = 32, 5
+NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)  # of a window; every second one is a node of the rougher rule
+DIGITS = 1e-10  # of the largest magnitude of each column: what exact runs are held to
+TIMES_TOLD = 10.0  # by which estimates may be wrong, at single instants
+UNCERTAIN = 10.0  # share of the difference of two rules that is not held against a run
+
+
+def _weights(n: int) -> NDArray:
+    """Of the rule of Clenshaw and Curtis with so many nodes, on an interval of length 1."""
+    nodes = 0.5 - 0.5 * np.cos(np.pi * np.arange(n) / (n - 1))
+    return np.linalg.solve(np.vander(nodes, increasing=True).T, 1.0 / np.arange(1, n + 1))
+
+
+FINE, ROUGH = _weights(9), _weights(5)
+Columns = Mapping[str, NDArray]
+
+
+def windows(model: Model, bench: Testbench, t_end: float) -> NDArray:
+    """Instants [s] at which a run is to be heard, shape (WINDOWS, 9), in windows no wider than what happens there."""
+    widest = 0.01 * t_end
+    if isinstance(model, Tanh):
+        widest = min(widest, bench.mass * model.epsilon / model.F_c)
+    elif not isinstance(model, Coulomb | Karnopp):
+        widest = min(widest, float(np.sqrt(bench.mass / _of(model, "sigma0"))))
+    if isinstance(bench.force, Sine):
+        widest = min(widest, 0.25 / bench.force.frequency)
+    random = np.random.default_rng(SEED)
+    starts = np.sort(random.uniform(0.0, t_end - widest, WINDOWS))
+    return starts[:, None] + widest * random.uniform(0.3, 1.0, WINDOWS)[:, None] * NODES
+
+
+def doubt(
+    model: Model, bench: Testbench, run: Columns, heard: NDArray, told: Mapping[str, float], events: Sequence[float]
+) -> str | None:
+    """A sentence, if this is not a run of this model on this bench.
+
+    Parameters
+    ----------
+    model : Model
+    bench : Testbench
+    run : mapping of str to ndarray
+        Columns of the result, by name.
+    heard : ndarray
+        Their rows in each window, shape (n, 9).
+    told : mapping of str to float
+        Estimates of errors, relative to the largest magnitude of each column; what is not told is exact.
+    events : sequence of float
+        Instants at which the run says that the motion changes.
+    """
+    with np.errstate(all="ignore"):  # what leaves the range of floats is not judged
+        for found in (_of_forces(model, bench, run), _of_motion(model, bench, run, heard, told, events)):
+            for name, given, other, off in found:
+                t = run["t"] if given.size == run["t"].size else run["t"][heard[:, 0]]
+                far = np.abs(given - other) / off
+                if (far > 1.0).any():
+                    k = int(np.nanargmax(far))
+                    value = f"{name} is {given[k]:.6g}, by Newton's law and the law of friction {other[k]:.6g}"
+                    return f"two methods disagree at {t[k]:.6g} s: {value}"
+    return None
+
+
+def _of(model: Model, name: str) -> float:
+    return float(getattr(model, name, 0.0))
+
+
+def _applied(force: Force, t: NDArray) -> NDArray:
+    """The force of a user [N]."""
+    if isinstance(force, Ramp):
+        return force.offset + force.slope * t
+    if isinstance(force, Sine):
+        return force.offset + force.amplitude * np.sin(2.0 * np.pi * force.frequency * t + force.phase)
+    if isinstance(force, Table):
+        return np.interp(t, force.times, force.values)
+    if isinstance(force, Steps):
+        return np.r_[0.0, force.values][np.searchsorted(force.times, t, side="right")]
+    return np.full(t.size, np.nan)  # another one; not judged
+
+
+def _steady(model: Model, v: NDArray) -> NDArray:
+    """Stribeck curve [N]."""
+    return model.sliding + (model.stiction - model.sliding) * np.exp(-((v / (_of(model, "v_s") or 1.0)) ** 2))
+
+
+def _slip(model: Model, v: NDArray, z: NDArray) -> NDArray:
+    """ż [m/s] of laws with bristles."""
+    limit = _steady(model, v) / _of(model, "sigma0")
+    share = 1.0
+    if isinstance(model, ElastoPlastic):
+        angle = np.pi * np.clip((np.abs(z) - model.z_ba) / (limit - model.z_ba), 0.0, 1.0)
+        share = np.where(v * z > 0.0, 0.5 - 0.5 * np.cos(angle), 0.0)
+    return v - share * np.abs(v) * z / limit
+
+
+def _of_forces(model: Model, bench: Testbench, run: Columns) -> Iterator[tuple[str, NDArray, NDArray, NDArray]]:
+    """Applied force, friction and energy at each sample."""
+    t, x, v, z, mode, f_a = (run[name] for name in ("t", "x", "v", "z", "mode", "F_a"))
+    pull = bench.spring.stiffness * (bench.spring.speed * t - x) if bench.spring else 0.0 * t
+    found = _applied(bench.force, t) + pull
+    grain = DIGITS * (np.abs(found).max() + np.abs(x).max() * (bench.spring.stiffness if bench.spring else 0.0))
+    if isinstance(bench.force, Steps | Table):  # at jumps both values are right
+        corners = np.array(bench.force.times, float)
+        after = np.minimum(np.searchsorted(corners, t), corners.size - 1)
+        near = np.minimum(np.abs(t - corners[after]), np.abs(t - corners[after - 1])) <= 1e-9 * t[-1]
+        found = np.where(near, f_a, found)
+    yield "F_a", f_a, found, np.full(t.size, grain)
+    size = np.abs(run["F_f"]).max() + model.stiction
+    viscous = (_of(model, "F_v") + _of(model, "sigma2")) * v
+    if isinstance(model, Tanh):
+        f_f = _steady(model, v) * np.tanh(v / model.epsilon) + viscous
+    elif isinstance(model, Coulomb | Karnopp):
+        sliding, pushed = _steady(model, v) * np.sign(mode) + viscous, model.stiction * np.sign(mode)
+        f_f = np.choose(np.abs(mode), [f_a, sliding, pushed])
+        held, zone = mode == 0, _of(model, "delta")
+        speeds = np.full(t.size, DIGITS * np.abs(v).max() + np.finfo(float).tiny)
+        yield "the speed while stuck", v, np.where(held, np.clip(v, -zone, zone), v), speeds
+        yield "the speed of sliding", v, np.where(np.abs(mode) == 1, np.sign(mode) * np.abs(v), v), speeds
+        within = np.clip(f_a, -model.stiction, model.stiction)
+        yield "the force that holds", f_a, np.where(held, within, f_a), np.full(t.size, grain + DIGITS * size)
+    else:
+        rate = _slip(model, v, z)
+        size += _of(model, "sigma1") * np.abs(rate).max() + _of(model, "sigma0") * np.abs(z).max()
+        f_f = _of(model, "sigma0") * z + _of(model, "sigma1") * rate + viscous
+    yield "F_f", run["F_f"], f_f, np.full(t.size, DIGITS * size)
+
+
+def _of_motion(
+    model: Model, bench: Testbench, run: Columns, heard: NDArray, told: Mapping[str, float], events: Sequence[float]
+) -> Iterator[tuple[str, NDArray, NDArray, NDArray]]:
+    """Energy at each sample, and changes over windows against integrals."""
+    m, v = bench.mass, run["v"]
+    peak = {name: np.abs(column).max() for name, column in run.items()}
+    off = {name: (DIGITS + TIMES_TOLD * told.get(name, 0.0)) * peak[name] for name in peak}
+    gain = 0.5 * m * (v**2 - np.square(bench.v0))
+    bar = off["W_a"] + off["W_f"] + m * peak["v"] * off["v"] + DIGITS * m * peak["v"] ** 2
+    yield "the gain of energy", gain, run["W_a"] - run["W_f"], np.full(v.size, bar)
+    at = {name: column[heard] for name, column in run.items()}
+    width = at["t"][:, -1] - at["t"][:, 0]
+    thrust = off["F_a"] + off["F_f"]
+    rates = [
+        ("x", at["v"], off["v"]),
+        ("v", (at["F_a"] - at["F_f"]) / m, thrust / m),
+        ("W_a", at["F_a"] * at["v"], off["F_a"] * peak["v"] + off["v"] * peak["F_a"]),
+        ("W_f", at["F_f"] * at["v"], off["F_f"] * peak["v"] + off["v"] * peak["F_f"]),
+    ]
+    stiffness = _of(model, "sigma0")
+    if stiffness:
+        slip = _slip(model, at["v"], at["z"])
+        soft = 1.0 + stiffness * peak["z"] / _of(model, "F_c")
+        if isinstance(model, ElastoPlastic):
+            soft *= 1.0 + np.pi * stiffness * peak["z"] / (model.F_c - stiffness * model.z_ba)
+        rates.append(("z", slip, soft * (off["v"] + stiffness * peak["v"] / _of(model, "F_c") * off["z"])))
+    even = _undisturbed(bench.force, at, events)
+    for name, rate, wrong in rates:
+        change = width * (rate @ FINE)
+        unsure = UNCERTAIN * np.abs(change - width * (rate[:, ::2] @ ROUGH))
+        given = at[name][:, -1] - at[name][:, 0]
+        bar = 2.0 * off[name] + width * wrong + unsure + np.finfo(float).tiny
+        yield f"the change of {name} in {width.max():.2g} s", given, np.where(even, change, given), bar
+
+
+def _undisturbed(force: Force, at: Columns, events: Sequence[float]) -> NDArray:
+    """Windows in which neither the motion changes, nor the force its law."""
+    t, v = at["t"], at["v"]
+    hit = np.zeros(len(t), bool)
+    for instants in (events, force.times if isinstance(force, Steps | Table) else []):
+        hit |= np.searchsorted(instants, t[:, 0]) != np.searchsorted(instants, t[:, -1], side="right")
+    return ~hit & ((v >= 0.0).all(axis=1) | (v <= 0.0).all(axis=1))
