@@ -111,9 +111,9 @@ def test_nothing_is_more_wrong_than_told(seed):
                 assert np.abs(found - true).max() <= 3 * min(error, tol) * amplitude + rounding
 
 
-@pytest.mark.parametrize("seed", [374, 853, 3358, *range(8)])
+@pytest.mark.parametrize("seed", [374, 853, 3358, 9120, *range(8)])
 def test_nothing_is_more_wrong_than_told_beside_what_has_a_state(seed):
-    """Regulating valves that leave an end of their travel (374, 853, 3358) were wrong alike at all orders of a slab."""
+    """Regulators that leave an end of their travel (all but the last eight) were wrong alike at all orders."""
     result = simulate(random_stores(seed), tol=1e-3)
     assert result.accuracy.met
     assert excess(result) <= MOST

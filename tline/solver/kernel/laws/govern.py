@@ -41,11 +41,20 @@ def share_of(c, at, x):
 
 @function
 def opened(run, e, rate, o, j, h):
-    """Opening of element e at point j, under the rates from place o on."""
-    radau, x = run.network.laws.tools.radau, run.state.load[run.network.laws.governor_state[e]]
-    for i in range(radau.shape[0]):
-        x += h * radau[j, i] * rate[o + i]
-    return min(max(x, 0.0), 1.0)
+    """Opening of element e at point j, under the rates from place o on; at an end it stays until these turn."""
+    tools, x = run.network.laws.tools, run.state.load[run.network.laws.governor_state[e]]
+    radau, c, n = tools.radau, tools.c, tools.c.size
+    begin, first = 0.0, rate[o] + (rate[o] - rate[o + 1]) * c[0] / (c[1] - c[0]) if n > 1 else rate[o]
+    for k in range(j + 1):
+        last, change, until = rate[o + k], 0.0, 0.0
+        for i in range(n):
+            change += h * (radau[k, i] - (radau[k - 1, i] if k > 0 else 0.0)) * rate[o + i]
+        if first * last < 0.0:
+            until = 0.5 * h * (c[k] - begin) * first * first / (first - last)
+        x = min(max(x + until, 0.0), 1.0)
+        x = min(max(x + change - until, 0.0), 1.0)
+        begin, first = c[k], last
+    return x
 
 
 @function
