@@ -75,7 +75,28 @@ def still(elements: Sequence[PlacedLaw], solve: "Callable[[dict[str, float]], Be
             return before
         y[moved] = np.clip(y[moved] - step, low, 0.0)
         last = size
+    if (settled := _in_turn(at, y)) is not None:
+        return settled
     raise InputError(worst.where, "no opening is found at which it keeps its value", "its opening, or start = 'rest'")
+
+
+def _in_turn(at: "Callable[[NDArray], tuple[Before, NDArray]]", y: NDArray) -> "Before | None":
+    """One opening after the other until none moves any more, or nothing; one that rises lowers its own drive."""
+    from scipy.optimize import brentq
+
+    low = np.log(LEAST)
+    for _ in range(STEPS):
+        begun = y.copy()
+        for k in range(y.size):
+
+            def drive(value: float, k: int = k) -> float:
+                y[k] = value
+                return at(y)[1][k]
+
+            y[k] = low if drive(low) <= 0.0 else 0.0 if drive(0.0) >= 0.0 else brentq(drive, low, 0.0, xtol=SETTLED)
+        if np.abs(y - begun).max() <= ROUNDED:
+            return at(y)[0]
+    return None
 
 
 def _opening(y: float) -> float:
