@@ -117,3 +117,11 @@ def test_nothing_is_more_wrong_than_told_beside_what_has_a_state(seed):
     result = simulate(random_stores(seed), tol=1e-3)
     assert result.accuracy.met
     assert excess(result) <= MOST
+
+
+@pytest.mark.parametrize("seed", [6345, 9498])
+def test_fronts_too_small_to_be_followed_count_as_errors(seed):
+    """Two runs that leave out the same fronts do not differ by them."""
+    result = simulate(random_stores(seed), tol=1e-2)
+    assert result.accuracy.met
+    assert excess(result) <= MOST

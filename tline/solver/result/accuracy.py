@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from tline.solver.result.result import Result
 
 SLOWEST = 0.5  # share of a difference that a step counts as leaving, at most
+EXACT = 1e-12  # errors told below it are rounding
 
 
 @dataclass(frozen=True)
@@ -120,6 +121,17 @@ class Accuracy:
             for each, factor in ((self.estimates, at_ends), (self.inside, by), (self.blurred, by))
         )
         return replace(self, estimates=estimates, inside=inside, blurred=blurred)
+
+    def at_least(self, error: float) -> "Accuracy":
+        """The same where no error at any instant is told to be smaller, but of what is exact."""
+        inside, blurred = (
+            {
+                name: Estimate(*(max(e, error) if e > EXACT else e for e in (told.u, told.y)))
+                for name, told in each.items()
+            }
+            for each in (self.inside, self.blurred)
+        )
+        return replace(self, inside=inside, blurred=blurred)
 
     @property
     def met(self) -> bool:

@@ -24,11 +24,12 @@ class Comparison(NamedTuple):
 
     differences: Accuracy  # taken for errors
     by: float  # errors at any instant over differences
+    merged: float  # of the largest wave: fronts that both runs leave out if they are smaller
 
     @property
     def errors(self) -> Accuracy:
         """Estimated errors of the coarser run."""
-        return self.differences.times(self.by)
+        return self.differences.times(self.by).at_least(self.merged)
 
 
 def compare(
@@ -62,7 +63,8 @@ def compare(
     """
     found = Accuracy(tol, *differences(coarse, fine, None if whole else tol))
     by = caution(found, before[-1] if before else None, unknown)
-    return Comparison(found, by * magnified(description, coarse, fine, [*(each.worst for each in before), found.worst]))
+    by *= magnified(description, coarse, fine, [*(each.worst for each in before), found.worst])
+    return Comparison(found, by, fine.resolution.layers)
 
 
 def differences(
