@@ -63,6 +63,8 @@ class Description:
         Lines cut in slabs, which scenes with other values at the nodes share; kept by `tline.solver.assembly`.
     slab : float
         That delays were rounded to, s; 0 where they are the scene's.
+    known : dict
+        What searches to a tolerance found, for the next one of this scene; kept by `tline.solver.simulate`.
     """
 
     scene: Scene
@@ -74,6 +76,7 @@ class Description:
     heights: Mapping[str, Height]
     grids: dict[Hashable, Any] = field(default_factory=dict, repr=False)
     slab: float = 0.0
+    known: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
 
     def changed(self, values: Mapping[str, Any]) -> "Description":
         """The description of the scene with other values at dotted paths; lines that stay are not read again.
