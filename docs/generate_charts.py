@@ -1,11 +1,11 @@
-"""Measures the charts of speed against accuracy and draws them into docs/charts/. Run: python docs/generate_charts.py.
+"""Measures the charts of speed against accuracy and draws them: python -m docs.generate_charts [NAME…].
 
 Without arguments all; with names, those scenes or "growth" or "stability" only.
 """
 
 import sys
-from pathlib import Path
 
+from benchmarks.harness import DOCS
 from tline.pictures.style import save_figure
 from tline.study.charts import growth, stability
 from tline.study.charts.peers import peers
@@ -14,7 +14,7 @@ from tline.study.charts.scenes import NAMES
 from tline.study.charts.table import ChartTable
 from tline.study.charts.work_precision import work_precision
 
-FOLDER = Path(__file__).parent / "charts"
+FOLDER = DOCS / "charts"
 BESIDE_PEERS = ("rc", "rlc", "lossy", "y", "chain", "inductor", "hammer", "friction", "network")
 
 

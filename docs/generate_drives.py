@@ -1,4 +1,4 @@
-"""Writes the pictures of docs/drives.md. Run: python docs/generate_drives.py."""
+"""Writes the pictures of docs/drives.md. Run: python -m docs.generate drives."""
 
 from pathlib import Path
 

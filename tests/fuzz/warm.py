@@ -7,8 +7,8 @@ import tempfile
 from importlib import import_module
 from pathlib import Path
 
-from benchmarks.fuzz.case import SCENES
-from benchmarks.fuzz.scenes import RARE, SMALL
+from fuzz.case import SCENES
+from fuzz.scenes import RARE, SMALL
 
 COMMANDS = (
     ["passivity", "1/(1+s)"], ["passivity", "tanh(s)"], ["passivity", "R + s", "--param", "R>0"], ["passivity",

@@ -12,7 +12,7 @@ from shutil import rmtree
 
 import matplotlib.font_manager  # noqa: F401 (makes folders of its own when it is imported)
 
-from benchmarks.fuzz.case import Case
+from fuzz.case import Case
 from tline.interchange import epanet_run
 
 EXITS = {0, 1, 2}

@@ -2,8 +2,8 @@
 
 from random import Random
 
-from benchmarks.fuzz.case import Case
-from benchmarks.fuzz.mutate import damaged, number
+from fuzz.case import Case
+from fuzz.mutate import damaged, number
 
 LINE = '[lines.l]\nnodes = ["a", "b"]\nz0 = 50\ndelay = 1e-9\n'
 HEAD = 'medium = "electrical"\nt_end = 5e-9\n[probes.p]\nat = "b"\n'

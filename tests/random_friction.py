@@ -1,19 +1,14 @@
-"""Events of the static laws over random runs: python -m benchmarks.friction_events [runs].
+"""Random runs of the static laws, and whether their events can be.
 
-Each run is made again to another end and with other samples: its events have to be the first of the longer run, to the
-bit. Ramps, sines, rigs (a spring pulls), and noisy tables at 1 kHz; most runs are short, some have 10⁵ events.
+Ramps, sines, rigs (a spring pulls), and noisy tables at 1 kHz; most runs are short, some have 10⁵ events.
 """
 
-import sys
-import time
-from collections import Counter
 from itertools import pairwise
 
 import numpy as np
 
-from friction import Coulomb, Event, Karnopp, Kind, Model, Ramp, Sine, Spring, Status, Table, Testbench, simulate
+from friction import Coulomb, Event, Karnopp, Kind, Model, Ramp, Sine, Spring, Table, Testbench
 
-SEED, RUNS = 20, 10_000
 KINDS = ("ramp", "sine", "rig", "table")
 
 
@@ -51,29 +46,3 @@ def sound(events: list[Event]) -> bool:
     """Whether no event lasts no time, and each may follow the one before."""
     later = all(first.t < second.t for first, second in pairwise(events))
     return later and all((a.kind is Kind.STOP) == (b.kind is Kind.BREAK_AWAY) for a, b in pairwise(events))
-
-
-def main() -> None:
-    runs, began = int(sys.argv[1]) if len(sys.argv) > 1 else RUNS, time.process_time()
-    made, done, same, true, met = Counter(), Counter(), Counter(), Counter(), {kind: [] for kind in KINDS}
-    for n in range(runs):
-        kind, rng = KINDS[n % 4], np.random.default_rng((SEED, n))
-        model, bench, t_end = random_run(rng, kind)
-        run, part = simulate(model, bench, t_end, times=[t_end]), t_end * float(rng.uniform(0.1, 1.0))
-        again = simulate(model, bench, part, times=np.unique(rng.uniform(0.0, part, 7)))
-        made[kind] += 1
-        done[kind] += run.status is Status.DONE and again.status is Status.DONE
-        same[kind] += again.events == [event for event in run.events if event.t <= part]
-        true[kind] += sound(run.events)
-        met[kind].append(run.event_count)
-        if not (run.status is Status.DONE and again.events == run.events[: len(again.events)] and sound(run.events)):
-            print(f"run {n}: {run.status}, {run.event_count} events and {again.event_count}", flush=True)
-    print(f"seed ({SEED}, n), {runs:,} runs, {time.process_time() - began:.0f} s of processor time", "")
-    print("| force | runs | done | same events | sound | events | most in a run |", "|---|" + "---:|" * 6, sep="\n")
-    for kind in KINDS:
-        counts = [made[kind], done[kind], same[kind], true[kind], sum(met[kind]), max(met[kind])]
-        print(f"| {kind} | {' | '.join(f'{count:,}' for count in counts)} |")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,17 +1,14 @@
-"""Errors that runs of bristle laws tell, against true ones: python -m benchmarks.friction_scales [runs].
+"""Errors that runs of bristle laws tell, against true ones.
 
 LuGre, Dahl and elasto-plastic contacts, v_s from 1e-3 to 100 m/s, 0.01 to 1000 kg, loads of 0.1 to 90 % of F_c,
-tolerances from 1e-1 to 1e-9; the reference is `benchmarks.friction_series`. A true error is the largest difference
-between 0 and the end relative to the largest magnitude of that column. Writes docs/friction-scales.md.
+tolerances from 1e-1 to 1e-9; the reference is `friction_series`. A true error is the largest difference between 0
+and the end relative to the largest magnitude of that column.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
+from friction_series import COLUMNS, reference
 from numpy.typing import NDArray
 
-from benchmarks.friction_series import COLUMNS, reference
 from friction import (
     Dahl,
     ElastoPlastic,
@@ -28,9 +25,8 @@ from friction import (
     simulate,
 )  # fmt: skip
 
-SEED, RUNS, SAMPLES = 31, 600, 400
+SEED, SAMPLES = 31, 400
 FORCES = ("ramp", "held", "sine", "steps", "noise", "rig")
-PAGE = Path(__file__).parent.parent / "docs" / "friction-scales.md"
 
 
 def power(rng: np.random.Generator, low: float, high: float) -> float:
@@ -86,40 +82,3 @@ def judge(n: int, seed: int = SEED) -> tuple[Result, float, float]:
         return run, np.nan, np.nan
     true, floor = true_errors(run, reference(model, bench, run.t)), 1e-12 + 1e-15 * bench.force.sine[1] * end
     return run, max(true.values()) / tol, max(true[name] / (run.errors[name] + floor) for name in COLUMNS)
-
-
-def page(runs: int) -> str:
-    """The table, by force and by tolerance."""
-    rows: dict[str, list[tuple[bool, float, float]]] = {}
-    for n in range(runs):
-        run, share, over = judge(n)
-        decade = int(np.floor(np.log10(run.tol or 1.0) / 2.0)) * 2
-        for kind in (FORCES[n % len(FORCES)], f"1e{decade} to 1e{decade + 2}", "all"):
-            rows.setdefault(kind, []).append((run.status is Status.DONE, share, over))
-    lines = [
-        "# Told and true errors of friction", "",
-        f"Written by `python -m benchmarks.friction_scales`: {runs} runs (seeds ({SEED}, n)) of LuGre, Dahl and",
-        "elasto-plastic contacts, v_s from 1e-3 to 100 m/s, 0.01 to 1000 kg, loads of 0.1 to 90 % of F_c, tolerances",
-        "from 1e-1 to 1e-9, against Taylor series of order 26 that share no code with the package. The true error of a",
-        "column is its largest difference between 0 and the end, relative to its largest magnitude there; each is set",
-        "beside the error told of the same column, and the worst column of a run counts.", "",
-        "| force, or tolerance | runs | done | beyond told | beyond 3 × told | true over told, median | most "
-        "| true over tolerance, most |",
-        "|---|" + "---:|" * 7,
-    ]  # fmt: skip
-    for kind in (*FORCES, *sorted(set(rows) - {*FORCES, "all"}, key=lambda kind: float(kind.split()[0])), "all"):
-        done, share, over = np.array(rows[kind], float).T
-        share, over = share[done == 1.0], over[done == 1.0]
-        counts = done.size, int(done.sum()), int(np.sum(~(over <= 1.0))), int(np.sum(~(over <= 3.0)))
-        numbers = np.median(over), over.max(), share.max()
-        shown = [*(str(count) for count in counts), *(f"{number:.2g}" for number in numbers)]
-        lines.append(f"| {kind} | {' | '.join(shown)} |")
-    return "\n".join([*lines, ""])
-
-
-def main() -> None:
-    PAGE.write_text(page(int(sys.argv[1]) if len(sys.argv) > 1 else RUNS), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()

@@ -6,8 +6,8 @@ from typing import Any
 
 import click
 
-from benchmarks.fuzz.case import Case, shipped
-from benchmarks.fuzz.mutate import damaged, value
+from fuzz.case import Case, shipped
+from fuzz.mutate import damaged, value
 
 WORDS = {  # likely values by what an option stands for
     "z0": ("50", "75 ohm"), "delay": ("1 ns", "2e-9"), "length": ("10 m", "300 m"), "radius": ("10 cm", "5 mm"),

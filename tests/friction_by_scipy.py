@@ -1,12 +1,10 @@
-"""Errors of the smooth laws over their tolerance: python -m benchmarks.friction_accuracy [models].
+"""Errors of the smooth laws over their tolerance.
 
 Random models and forces against a reference that shares nothing with the package: the laws are written out here, and
 SciPy's DOP853 runs at 1e-13, with short steps for its dense output, started afresh at each reversal and each corner of
 the force.
 """
 
-import sys
-import time
 from math import copysign, cos, exp, inf, pi, sin, tanh
 
 import numpy as np
@@ -17,7 +15,7 @@ from scipy.optimize import brentq
 
 from friction import Dahl, ElastoPlastic, LuGre, Model, Ramp, Sine, Spring, Status, Table, Tanh, Testbench, simulate
 
-SEED, MODELS, TOLS = 5, 60, (1e-3, 1e-5, 1e-7, 1e-9)
+TOLS = 1e-3, 1e-5, 1e-7, 1e-9
 END = 2.0  # s
 COLUMNS = ("x", "v", "z", "F_a", "F_f", "W_a", "W_f")
 
@@ -122,33 +120,3 @@ def largest_errors(model: Model, bench: Testbench, exact: NDArray, times: NDArra
     got = np.column_stack([getattr(run, name) for name in COLUMNS])
     sizes = np.maximum(np.abs(exact).max(axis=0), np.finfo(float).tiny)
     return np.abs(got - exact).max(axis=0) / sizes, max(run.errors[name] for name in COLUMNS)
-
-
-def main() -> None:
-    models, began = int(sys.argv[1]) if len(sys.argv) > 1 else MODELS, time.process_time()
-    times, told = np.linspace(0.0, END, 401), {tol: [] for tol in TOLS}
-    for n in range(models):
-        model, bench = random_case(np.random.default_rng((SEED, n)))
-        exact = reference(model, bench, times)
-        for tol in TOLS:
-            errors, estimate = largest_errors(model, bench, exact, times, tol)
-            told[tol].append((errors.max() / tol, estimate / tol))
-            if errors.max() > tol:
-                worst = COLUMNS[int(errors.argmax())]
-                print(
-                    f"model {n}, tolerance {tol:g}: {worst} {errors.max() / tol:.2g} times, said {estimate / tol:.2g}"
-                )
-    print(f"seed ({SEED}, n), {models} models of {END:g} s, {time.process_time() - began:.0f} s of processor time", "")
-    print("| tolerance | done | within | median | 99 % | most | estimate over error, median | least |")
-    print("|---:|" + "---:|" * 7)
-    for tol, rows in told.items():
-        error, estimate = np.array([row for row in rows if row[0] == row[0]]).T
-        shown = [*np.quantile(error, (0.5, 0.99)), error.max()]
-        shown += [np.median(estimate / error), np.min(estimate / error)]
-        print(
-            f"| {tol:g} | {error.size} | {np.sum(error <= 1.0)} | {' | '.join(f'{number:.2g}' for number in shown)} |"
-        )
-
-
-if __name__ == "__main__":
-    main()

@@ -4,8 +4,8 @@ from functools import lru_cache
 from random import Random
 from typing import Any
 
-from benchmarks.fuzz.case import Case, shipped
-from benchmarks.fuzz.mutate import TEXTS, damaged, value
+from fuzz.case import Case, shipped
+from fuzz.mutate import TEXTS, damaged, value
 
 SMALL = (
     "air_vessel", "antenna", "cable_mismatch", "cable_rc", "cable_rlc", "column_separation", "coupled_pair",

@@ -1,16 +1,12 @@
-"""Decks with words and lines torn out, doubled and moved: python -m benchmarks.mutated_decks [--number 100000].
+"""Decks with words and lines torn out, doubled and moved.
 
 Each of tests/decks is changed in one to five places, imported, and what the solver has to know of the scene is
 found, in this process. A deck is read, or refused in a sentence, within some seconds; anything else is a fault of the
-program, printed with its seed.
+program.
 """
 
-import argparse
 import signal
-import sys
-import tempfile
 import traceback
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,7 +16,7 @@ from tline.errors import InputError
 from tline.interchange.spice import read_spice
 from tline.solver.description.description import describe
 
-FOLDER = Path(__file__).parent.parent / "tests" / "decks"
+FOLDER = Path(__file__).parent / "decks"
 DECKS = {path.stem: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("*.cir"))}
 DIALECTS = {path.stem: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("dialects/*.cir"))}
 SECONDS = 5
@@ -109,27 +105,3 @@ def outcome(text: str, folder: Path) -> str:
         at = traceback.extract_tb(error.__traceback__)[-1]
         return f"fault: {type(error).__name__} in line {at.lineno} of {Path(at.filename).name}: {error!s:.100}"
     return "read"
-
-
-def main() -> int:
-    """Count outcomes, and print each kind of fault with its first seed."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--number", type=int, default=1000)
-    parser.add_argument("--first", type=int, default=0)
-    asked = parser.parse_args()
-    counts: Counter[str] = Counter()
-    with tempfile.TemporaryDirectory() as folder:
-        for seed in range(asked.first, asked.first + asked.number):
-            name, text = mutated(seed)
-            found = outcome(text, Path(folder))
-            counts[found] += 1
-            if found.startswith("fault") and counts[found] == 1:
-                print(f"seed {seed}, {name}: {found}", flush=True)
-            if seed % 1000 == 999:
-                print(f"{seed + 1 - asked.first}: {counts['read']} read, {counts['refused']} refused", flush=True)
-    print(*(f"{number:7} {what}" for what, number in counts.most_common()), sep="\n")
-    return int(any(what.startswith("fault") for what in counts))
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,16 +1,8 @@
-"""Imported networks after a start-up, a burst and a closing, against EPANET: python -m benchmarks.settling_networks
-[FILE...].
-
-Each network is operated, run until its waves have faded, and compared with EPANET's own steady state of what is left.
-Prints a table and writes it to docs/benchmarks-settling.md. Each network is run in a process of its own; needs
-tline[epanet].
+"""Imported networks after a start-up, a burst and a closing: run until their waves have faded, against EPANET's own
+steady state of what is left.
 """
 
-import json
-import subprocess
-import sys
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.random_waterworks import waterworks
 from tline.errors import InputError
 from tline.interchange.epanet import read_epanet
 from tline.interchange.pipe_walls import wave_speeds
@@ -30,7 +21,6 @@ from tline.solver.simulate import simulate
 from tline.surge.event import Event
 from tline.surge.operate import operated
 
-ROOT = Path(__file__).parent.parent
 WALLS = wave_speeds("1000 m/s", None)
 BEGIN, TAKES = 1.0, 10.0  # s
 HORIZONS = (100.0, 300.0, 1000.0, 3000.0)  # s, until what still moves is
@@ -40,8 +30,6 @@ FILE = 2e-3  # of the largest change: the accuracy that EPANET's files ask of fl
 LEAST = 0.01  # m; a change that is smaller tells nothing
 SHOWN = 40  # nodes
 DRAWN = 0.2  # a burst lets out so much of all demands
-SHIPPED, RANDOM = ("library/networks", "tests/networks_for_testing"), 15
-SECONDS = 240  # of a network
 
 
 @dataclass(frozen=True)
@@ -164,84 +152,5 @@ def measured(path: Path) -> Iterator[dict[str, Any]]:
         }
 
 
-def networks(folder: Path) -> dict[str, Path]:
-    """All files that come with wntr and have a pipe of their own, and random ones, by name."""
-    import wntr
-
-    home = Path(wntr.__file__).parent
-    found = {path.stem: path for place in SHIPPED for path in sorted((home / place).glob("*.inp"))}
-    for seed in range(RANDOM):
-        path = folder / f"random {seed}.inp"
-        path.write_text(waterworks(seed))
-        found[path.stem] = path
-    return found
-
-
-def in_a_process(path: Path) -> list[dict[str, Any]]:
-    """Figures, or none of a file that cannot be read."""
-    call = [sys.executable, "-W", "ignore", "-m", "benchmarks.settling_networks", "one", str(path)]
-    done = subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT, text=True)
-    try:
-        out, _ = done.communicate(timeout=SECONDS)
-    except subprocess.TimeoutExpired:
-        done.kill()
-        out, _ = done.communicate()
-    return [json.loads(line) for line in out.splitlines()]
-
-
 def good(found: dict[str, Any]) -> bool:
     return abs(found["off"]) <= ACCURATE + FILE * abs(found["change"])
-
-
-def report(found: dict[str, list[dict[str, Any]]]) -> str:
-    """The page."""
-    kinds = {"start": "pump started", "burst": "burst", "close": "pipe shut"}
-    rows = [
-        f"| {name} | {one['pipes']:,} | {one['still']:,} | {one['formula']} | {kinds[one['kind']]} "
-        f"| {one['change']:+.3g} | {one['off']:+.1g} | {one['moving']:.0e} | {one['t_end']:g} "
-        f"| {'yes' if good(one) else 'no'} |"
-        for name, all_of in found.items()
-        for one in all_of
-        if "kind" in one
-    ]
-    used = [name for name, all_of in found.items() if any("kind" in one for one in all_of)]
-    met = sum(good(one) for all_of in found.values() for one in all_of if "kind" in one)
-    others = ", ".join(f"`{name}`" for name in found if name not in used)
-    words = f"{len(used)} networks, {len(rows)} operations, {met} of them within the accuracy."
-    outside = f"\nNothing could be compared in {SECONDS} s, or at all, for: {others}.\n" if others else ""
-    return INTRODUCTION + words + TABLE + "\n".join(rows) + "\n" + outside
-
-
-INTRODUCTION = f"""# Networks that settle, against EPANET
-
-Written by `python -m benchmarks.settling_networks`. The files that come with wntr, and {RANDOM} random ones of
-`benchmarks/random_waterworks.py`, are imported as they stand at the start of time, and operated within {TAKES:g} s: a
-pump that stands is started, a hole lets out {100 * DRAWN:g} % of all demands at a dead end, and the pipe with the
-largest flow is shut of which EPANET says that everything else still flows. One run of order 1 lasts until the waves
-have faded. EPANET solves the file anew, with demands as emitters, for those of a scene follow the pressure.
-
-*Still* are pipes with less than 1 cm/s before. *Change* is the largest change of a head, *off* the largest difference
-of the mean head of the run's last tenth from EPANET's, at up to {SHOWN} nodes, and *moving* what moves there then. The
-accuracy is that which files ask of EPANET: {1e3 * ACCURATE:g} mm and {FILE:g} of the change. A file takes no part where
-demands flow in or have no pressure, emitters have another exponent, EPANET finds no steady flow, or no head changes by
-{1e3 * LEAST:g} mm. What goes beyond the accuracy has regulating valves that do not regulate at first, or pumps with
-curves of many points, which follow a smooth curve through them and not EPANET's chords; whether that is all of it has
-not been isolated.
-
-"""
-TABLE = """
-
-| network | pipes | still | formula | operated | change, m | off, m | moving, m | after, s | within the accuracy |
-|---|---:|---:|---|---|---:|---:|---:|---:|---|
-"""
-
-if __name__ == "__main__":
-    if sys.argv[1:2] == ["one"]:
-        for one in measured(Path(sys.argv[2])):
-            print(json.dumps(one), flush=True)
-    else:
-        with TemporaryDirectory() as place, ThreadPoolExecutor(2) as pool:
-            paths = networks(Path(place))
-            text = report(dict(zip(paths, pool.map(in_a_process, paths.values()), strict=True)))
-        print(text)
-        (ROOT / "docs" / "benchmarks-settling.md").write_text(text, encoding="utf-8")

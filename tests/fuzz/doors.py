@@ -4,8 +4,8 @@ from collections.abc import Callable
 from functools import partial
 from random import Random
 
-from benchmarks.fuzz import flags, networks, scenes, tables, verdicts
-from benchmarks.fuzz.case import Case
+from fuzz import flags, networks, scenes, tables, verdicts
+from fuzz.case import Case
 
 DOORS: dict[
     str, tuple[Callable[[Random], Case], int]

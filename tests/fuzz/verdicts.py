@@ -2,8 +2,8 @@
 
 from random import Random
 
-from benchmarks.fuzz.case import Case
-from benchmarks.fuzz.mutate import damaged, number, value
+from fuzz.case import Case
+from fuzz.mutate import damaged, number, value
 
 NAMES = ("s", "s", "s", "R", "L", "C", "k", "j", "i", "pi", "e", "x_1", "Ω", "import", "lambda", "é")
 FUNCTIONS = ("sqrt", "exp", "log", "tanh", "sinh", "cosh", "coth", "eval", "abs", "max")

@@ -3,8 +3,8 @@
 from functools import lru_cache
 from random import Random
 
-from benchmarks.fuzz.case import Case, shipped
-from benchmarks.fuzz.mutate import damaged, number, value
+from fuzz.case import Case, shipped
+from fuzz.mutate import damaged, number, value
 
 NODES = ("0", "a", "b", "c", "gnd", "1")
 SHAPES = (
