@@ -70,3 +70,19 @@ class Quadrature:
         """Values, shape (n, s, k), of transforms of shape (points, k)."""
         sums = self._from_eigen @ transforms.reshape(*self._from_eigen.shape[:2], -1)
         return np.fft.irfft(sums, self.length, axis=0)[: self.n] / self.decay[:, None, None]
+
+    def weights(self, transfer: NDArray) -> NDArray:
+        """Weights S_0, S_1, … by which values of slabs send others, shape (n, K s, K s), port by port.
+
+        Parameters
+        ----------
+        transfer : ndarray of complex, shape (points, K, K)
+            Of K ports.
+        """
+        K, (places, s, _) = transfer.shape[1], self._from_eigen.shape
+        at, found = transfer.reshape(places, s, K, K), np.empty((self.n, K, s, K, s))
+        for a in range(K):
+            for b in range(K):
+                sums = (self._from_eigen * at[:, None, :, a, b]) @ self._to_eigen
+                found[:, a, :, b] = np.fft.irfft(sums, self.length, axis=0)[: self.n] / self.decay[:, None, None]
+        return found.reshape(self.n, K * s, K * s)

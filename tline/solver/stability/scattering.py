@@ -34,8 +34,7 @@ class Scattering:
     """
 
     def __init__(self, description: Description, terminations: Mapping[str, float] | None = None):
-        description.check_linear("transfer functions and growth rates")
-        description.refuse_coupled("a transfer function")
+        self._check(description)
         lines = list(description.lines.values())
         delays = np.array([line.delay for line in lines])
         self.second = float(delays.min())
@@ -57,6 +56,11 @@ class Scattering:
         edges = np.cumsum([0, *(len(group.nodes) for group in groups)])
         last = [[branch.before(np.inf) for branch in group.branches] for group in groups]
         self.groups = [(np.arange(*span), branches) for span, branches in zip(pairwise(edges), last, strict=True)]
+
+    @staticmethod
+    def _check(description: Description) -> None:
+        description.check_linear("transfer functions and growth rates")
+        description.refuse_coupled("a transfer function")
 
     def _polynomials(self, node: Node, total: float, held: bool) -> tuple[NDArray, NDArray]:
         """Coefficients of p and of f = Y p + q, one scale for both; p = 0 where the effort is held."""
