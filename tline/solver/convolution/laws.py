@@ -20,9 +20,11 @@ from tline.errors import NoFlowError
 from tline.solver.assembly.workspace import work_for
 from tline.solver.convolution.nodal import Efforts, LinearRest
 from tline.solver.convolution.quadrature import Quadrature
+from tline.solver.convolution.switches import Moving
 from tline.solver.description.components import parts
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import Shape
+from tline.solver.description.groups import Group
 from tline.solver.description.laws import laws_of, started, states_of, with_basis
 from tline.solver.kernel.laws.convolved import Convolution, advance_convolved
 from tline.solver.kernel.network import NO_LOSSES, Blocks, Laws, Network, Run, Segments, State, Units
@@ -34,13 +36,8 @@ BLOCK = 32  # slabs, whose past is added up as it stands
 APART = 1e-11  # of a wave; laws that send each other less within a slab do not see each other at once
 
 
-def impedances_of(description: Description, h: float) -> list[float]:
-    """Behind which the elements are seen: about what they see of the rest where all changes in a time h."""
-    return [z for group in description.grouped()[0] for z in group.matched(1 / h)]
-
-
 class LawsAtPorts:
-    """The elements of a scene, and what there is before t = 0.
+    """The laws and switches of a scene, and what there is before t = 0.
 
     Parameters
     ----------
@@ -50,10 +47,23 @@ class LawsAtPorts:
     """
 
     def __init__(self, description: Description, network: LinearRest, before: Before):
-        self.network, self.before = network, before
-        self.groups = description.grouped()[0]
-        self.elements = [element for group in self.groups for element in group.elements]
+        self.network, self.elements = network, network.laws
+        effort: dict[str | None, float] = {**before.effort, None: 0.0}
+        across = np.array([effort[e.from_node] - effort[e.to_node] for e in self.elements])
+        through = dict(before.through)
+        for element, e in zip(self.elements, across.tolist(), strict=True):
+            if isinstance(element.law.factor, Moving):
+                through[element.where] = element.law.factor.before * (e - element.above_level)
+        laws = Group([*description.nodes.values()], [], self.elements, [])
+        packed, self.controls = laws_of([laws], network.impedances.tolist(), 0, 0)
+        self.packed = started(packed, self.elements, before.effort, through, before.openings)
         self.states = states_of(self.elements, before.effort, before.openings)
+        self.sent_before = 2 * across - self.packed.before
+
+    def moves(self, t_end: float) -> NDArray:
+        """Instants at which control signals jump or bend, s."""
+        moves = np.unique(np.concatenate([np.empty(0), *(control.breaks(t_end) for control in self.controls)]))
+        return moves[moves > 0]
 
     def waves(self, rule: Quadrature, order: Basis, h: float, ahead: float, efforts: Efforts) -> NDArray:
         """Transforms of the waves out of all laws, beyond those before t = 0, shape (points, K).
@@ -76,7 +86,8 @@ class LawsAtPorts:
         given = rule.backward(2 * efforts.driven @ ports.T)
         weights = rule.weights(2 * ports @ efforts.from_laws - np.eye(K))
         seen = np.abs(weights[0].reshape(K, order.s, K, order.s)).max(axis=(1, 3)) > APART
-        part = parts(*np.nonzero(seen), K)
+        here, there = np.nonzero(seen)
+        part = parts(here, there, K)
         chosen = np.argsort(part, kind="stable")
         points = (chosen[:, None] * order.s + np.arange(order.s)).ravel()
         weights = np.ascontiguousarray(weights[:, points[:, None], points])
@@ -87,31 +98,26 @@ class LawsAtPorts:
         back[:, :, chosen] = sent.reshape(rule.n, K, order.s).transpose(0, 2, 1)
         return rule.forward(back)
 
-    def _laws(self, order: Basis, h: float, chosen: NDArray, first: NDArray) -> tuple[Laws, list[Shape]]:
+    def _laws(self, order: Basis, h: float, chosen: NDArray, first: NDArray) -> Laws:
         """The elements as the kernel reads them, in this order and these groups."""
-        laws, controls = laws_of(self.groups, [law.impedance for law in self.network.laws], 0, 0)
-        laws = started(laws, self.elements, self.before.effort, self.before.through, self.before.openings)
-        laws = with_basis(laws, order, h, laws.record_row)
+        laws = with_basis(self.packed, order, h, self.packed.record_row)
         each = "kind from_node to_node excitation_row control at state_at governor governor_state source_impedance"
         moved = {name: getattr(laws, name)[chosen] for name in (*each.split(), "before", "record_row")}
-        return laws._replace(first=first, governed=np.zeros(len(first) - 1, bool), **moved), controls
+        return laws._replace(first=first, governed=np.zeros(len(first) - 1, bool), **moved)
 
     def _marched(
         self, weights: NDArray, given: NDArray, grouped: tuple[NDArray, NDArray], order: Basis, h: float, ahead: float
     ) -> NDArray:
         """Waves out of the laws, beyond those before t = 0, shape (n, K s)."""
         (chosen, first), s, n = grouped, order.s, len(given)
-        laws, controls = self._laws(order, h, chosen, first)
-        effort = self.before.effort | {None: 0.0}
-        across = np.array([effort[e.from_node] - effort[e.to_node] for e in self.elements])[chosen]
-        rest = np.repeat(2 * across - laws.before, s)
+        laws, rest = self._laws(order, h, chosen, first), np.repeat(self.sent_before[chosen], s)
         maps, given = [], given + np.repeat(laws.before, s)
         for low, high in zip(first[:-1] * s, first[1:] * s, strict=True):
             at_once = weights[0, low:high, low:high]
             maps.append((np.eye(high - low) + at_once).ravel() / 2)
             given[:, low:high] -= at_once @ rest[low:high]
         map_at, sent = np.cumsum([0, *map(len, maps)])[:-1], np.zeros_like(given)
-        signals = [controls[row] if row >= 0 else None for row in laws.excitation_row]
+        signals = [self.controls[row] if row >= 0 else None for row in laws.excitation_row]
         each = zip(signals, laws.control.tolist(), strict=True)
         control = np.array([_over_time(signal, now, order, h, ahead, n) for signal, now in each])
         run = _run(laws, np.concatenate(maps), self.states.copy(), s)
@@ -178,7 +184,7 @@ def _run(laws: Laws, step: NDArray, states: NDArray, s: int) -> Run:
         blocks=Blocks(1, 1, none, none, none, none, none, none, whole),
     )
     state = State(np.zeros(0), none, none, np.zeros((1, s)), states, np.zeros(0), np.zeros(0))
-    units = Units(*[0] * len(Units._fields))._replace(law=law_addresses(laws.kind), loss=none)
+    units = Units(0, 0, 0, 0, 0, 0, 0, law_addresses(laws.kind), none, 0, 0, 0, 0, 0, 0)
     return Run(network, state, units, work_for(network, state), np.empty((0, 0)), np.empty((0, 2, 0)))
 
 

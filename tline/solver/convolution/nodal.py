@@ -10,18 +10,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.convolution.switches import switches_of
+from tline.solver.description.branches import Branch
 from tline.solver.description.description import Description
+from tline.solver.description.groups import Group
+from tline.solver.description.nodes import Node
 from tline.solver.stability.scattering import Scattering
 
 CHUNK = 1e6  # complex entries of matrices held at once
-
-
-class Port(NamedTuple):
-    """Where a law stands: numbers of its nodes, -1 for the reference, and the impedance behind which it is seen."""
-
-    from_node: int
-    to_node: int
-    impedance: float
 
 
 class Efforts(NamedTuple):
@@ -32,37 +28,48 @@ class Efforts(NamedTuple):
 
 
 class LinearRest(Scattering):
-    """A scene in s without its laws, of which each is a resistance and a source of waves.
+    """A scene in s without its laws and switches, of which each is a resistance and a source of waves.
 
     Parameters
     ----------
     description : Description
-    impedances : sequence of float
-        Behind which its elements are seen, in the order of groups.
+
+    Attributes
+    ----------
+    laws : list of PlacedLaw
+        Elements in the order of groups, then switches.
+    impedances : ndarray, shape (K,)
+        Behind which they are seen: about what they see of the rest within the shortest delay.
+    ports : ndarray, shape (K, N)
+        From efforts at nodes to those across laws.
     """
 
-    def __init__(self, description: Description, impedances: list[float]):
+    def __init__(self, description: Description):
         super().__init__(description)
-        at: dict[str | None, int] = {name: k for k, name in enumerate(self.names)} | {None: -1}
-        elements = [element for group in description.grouped()[0] for element in group.elements]
-        self.laws = [Port(at[e.from_node], at[e.to_node], z) for e, z in zip(elements, impedances, strict=True)]
+        groups, switches = description.grouped()[0], list(switches_of(description))
+        self.laws = [*(element for group in groups for element in group.elements), *switches]
+        seen = [z for group in groups for z in group.matched(1 / self.second)]
+        usual = float(self.z0.mean())
+        self.impedances = np.array([*seen, *(switch.seen(description.nodes) or usual for switch in switches)])
+        self.ports = np.zeros((len(self.laws), len(self.names)))
+        at = {name: k for k, name in enumerate(self.names)}
+        for row, law in zip(self.ports, self.laws, strict=True):
+            for node, sign in ((law.from_node, 1.0), (law.to_node, -1.0)):
+                if node is not None:
+                    row[at[node]] += sign
         self.node_of = np.empty(self.size, int)
         for node, ends in enumerate(self.ends):
             self.node_of[ends] = node
 
-    @staticmethod
-    def _check(description: Description) -> None:
+    def _check(self, description: Description) -> None:
         """Laws stand behind their impedances, and modes of conductors are lines."""
 
-    @property
-    def ports(self) -> NDArray:
-        """From efforts at nodes to those across laws, shape (K, N)."""
-        found = np.zeros((len(self.laws), len(self.names)))
-        for row, law in zip(found, self.laws, strict=True):
-            for node, sign in ((law.from_node, 1.0), (law.to_node, -1.0)):
-                if node >= 0:
-                    row[node] += sign
-        return found
+    def _last(self, node: Node) -> float:
+        """Conductance of switches, which are laws."""
+        return 0.0
+
+    def _branches(self, group: Group) -> list[Branch]:
+        return [branch for branch in group.branches if branch.switch is None]
 
     def admittances(self, s: NDArray, late: NDArray) -> tuple[NDArray, NDArray]:
         """Y11 and Y12 of all lines, each of shape (n, lines); `late`, likewise, is what their delays are beyond sT."""
@@ -107,12 +114,10 @@ class LinearRest(Scattering):
                 matrix[:, here, there] += p[:, here] * other[:, k]
         right = np.zeros((len(s), size, 1 + len(self.laws)), complex)
         right[:, :nodes, 0] = held + p * flows
-        for k, (law, row_of) in enumerate(zip(self.laws, self.ports, strict=True), 1):
-            for node in (law.from_node, law.to_node):
-                if node >= 0:
-                    scaled = p[:, node] * row_of[node] / law.impedance
-                    right[:, node, k] = scaled
-                    matrix[:, node, :nodes] += scaled[:, None] * row_of
+        for k, (port, impedance) in enumerate(zip(self.ports, self.impedances, strict=True), 1):
+            for node in np.flatnonzero(port):
+                right[:, node, k] = p[:, node] * port[node] / impedance
+                matrix[:, node, :nodes] += right[:, node, k, None] * port
         found = np.linalg.solve(matrix, right)[:, :nodes]
         return Efforts(found[:, :, 0], found[:, :, 1:])
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tline.solver.assembly.fronts import Tally
 from tline.solver.assembly.layout import Excitation
-from tline.solver.convolution.laws import LawsAtPorts, impedances_of
+from tline.solver.convolution.laws import LawsAtPorts
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.passive import gain
 from tline.solver.convolution.quadrature import Quadrature
@@ -39,8 +39,8 @@ class Convolved:
         self.lines = [name for name in description.lines if name in {*record, *description.probed}]
         self.before: Before = above_level(description) if description.steady else rest(description)
         nodes = description.grouped()[1].values()
-        self.network = LinearRest(description, impedances_of(description, min(line.delay for line in description.lines.values())))
-        self.laws = LawsAtPorts(description, self.network, self.before) if description.elements else None
+        self.network = LinearRest(description)
+        self.laws = LawsAtPorts(description, self.network, self.before) if self.network.laws else None
         self.held = [[] if node.held is None else [self._changes(node.held, 1.0)] for node in nodes]
         self.flows = [[self._changes(*flow) for flow in node.flows] for node in nodes]
 
@@ -53,10 +53,14 @@ class Convolved:
         return [changes for parts in (*self.held, *self.flows) for changes, _ in parts]
 
     def leads(self, h: float) -> NDArray:
-        """By how many slabs of width h slabs have to begin earlier, so that each front is once at an edge."""
-        found = leads(np.concatenate([np.empty(0), *(changes.at / h for changes in self.changes)]))
-        several = self.laws is not None and len(found) > 1
-        return found if len(found) and not several else np.zeros(1)
+        """By how many slabs of width h slabs have to begin earlier, so that each front is once at an edge.
+
+        Beside laws waves are no sums over fronts: there is one lead, for moves of laws before fronts of sources.
+        """
+        fronts = np.concatenate([np.empty(0), *(changes.at for changes in self.changes)])
+        moves = self.laws.moves(self.description.t_end) if self.laws else np.empty(0)
+        found = leads((moves if len(moves) else fronts) / h)
+        return found if len(found) and not (self.laws and len(found) > 1) else np.zeros(1)
 
     def run(self, chosen: Resolution) -> Result:
         """The result on slabs of a given order and width."""

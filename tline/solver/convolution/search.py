@@ -6,7 +6,7 @@ from math import ceil, inf, log2
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.errors import InputError
+from tline.errors import InputError, NoFlowError
 from tline.solver.assembly.lossy_segments import fits
 from tline.solver.convolution.envelope import envelope_of
 from tline.solver.convolution.jumps import arrivals
@@ -59,7 +59,10 @@ def convolved(search: Search) -> Result | None:
         return None
     settle = BLURRED * min(line.delay for line in description.lines.values() if line.losses is not None)
     chosen, jumps = Resolution(s, h, settle=settle, convolved=True), arrivals(description)
-    result = before = scene.run(chosen)
+    try:
+        result = before = scene.run(chosen)
+    except NoFlowError:
+        return None
     attempts, share, last, accuracy, limit = [Attempt.of(result)], SLOWEST, inf, Accuracy(search.tol), ""
     by = inf
     while accuracy.worst > search.tol and not limit:
@@ -99,10 +102,10 @@ def _suits(search: Search) -> bool:
     lifted = description.heights and not description.steady
     if not losses or not all(each.linear for each in losses) or moving or lifted:
         return False
-    if search.tol < CLOSEST or description.switched or description.active:
+    if search.tol < CLOSEST or description.active:
         return False
     remember = any(each.constant is None for each in losses)
-    return remember or (_fits_not(search) and not description.elements)
+    return remember or (_fits_not(search) and not (description.elements or description.switched))
 
 
 def _fits_not(search: Search) -> bool:
