@@ -20,12 +20,12 @@ from tline.errors import NoFlowError
 from tline.solver.assembly.workspace import work_for
 from tline.solver.convolution.nodal import Efforts, LinearRest
 from tline.solver.convolution.quadrature import Quadrature
-from tline.solver.convolution.switches import Moving
 from tline.solver.description.components import parts
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import Shape
 from tline.solver.description.groups import Group
 from tline.solver.description.laws import laws_of, started, states_of, with_basis
+from tline.solver.description.switches import Moving
 from tline.solver.kernel.laws.convolved import Convolution, advance_convolved
 from tline.solver.kernel.network import NO_LOSSES, Blocks, Laws, Network, Run, Segments, State, Units
 from tline.solver.kernel.units import law_addresses
