@@ -1,0 +1,84 @@
+"""Arguments of functions and what their numpydoc docstrings say of them, read as source text: nothing is imported."""
+
+import ast
+import inspect
+import re
+from functools import lru_cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, NamedTuple
+
+REQUIRED = ...  # in place of a default
+
+
+class Argument(NamedTuple):
+    """What is known of an argument: annotation, default, help and type in words."""
+
+    annotation: Any
+    default: Any
+    help: str = ""
+    kind: str = ""
+
+
+UNKNOWN = Argument("", None)
+
+
+@lru_cache
+def arguments_of(source: str) -> dict[str, Argument]:
+    """Arguments of a function, or what is documented of a class, by name.
+
+    Parameters
+    ----------
+    source : str
+        Module and name, as ``"tline.signal.tdr:reflectometry"``.
+
+    Examples
+    --------
+    >>> arguments_of("tline.signal.tdr:reflectometry")["rise"].help
+    'Time that the step takes, a straight ramp, s, above zero.'
+    """
+    module, _, name = source.partition(":")
+    tree = ast.parse(_file(module).read_text(encoding="utf-8"))
+    found = next(each for each in tree.body if isinstance(each, ast.FunctionDef | ast.ClassDef) and each.name == name)
+    documented = documented_in(inspect.cleandoc(ast.get_docstring(found) or ""))
+    if isinstance(found, ast.ClassDef):
+        return documented
+    named = [each for each in tree.body if isinstance(each, ast.Assign) and isinstance(each.targets[0], ast.Name)]
+    constants = {each.targets[0].id: each.value for each in named if isinstance(each.targets[0], ast.Name)}
+    given = found.args
+    without = [None] * (len(given.args) - len(given.defaults))
+    told = {}
+    for each, default in zip(
+        [*given.args, *given.kwonlyargs], [*without, *given.defaults, *given.kw_defaults], strict=True
+    ):
+        node = constants.get(default.id) if isinstance(default, ast.Name) else default
+        known, annotation = documented.get(each.arg, UNKNOWN), ast.unparse(each.annotation) if each.annotation else ""
+        told[each.arg] = known._replace(
+            annotation=annotation, default=REQUIRED if node is None else ast.literal_eval(node)
+        )
+    return told
+
+
+def documented_in(text: str) -> dict[str, Argument]:
+    """Help and type in words by argument, from the section of parameters of a docstring."""
+    section = re.split(r"\n\n\S+\n-+\n", text.partition("Parameters\n----------\n")[2])[0]
+    entries = re.findall(r"^(\w.*?)(?: : (.*))?\n((?:[ ]+.*\n?|\n)*)", f"{section}\n", re.MULTILINE)
+    told = {}
+    for names, kind, lines in entries:
+        words = " ".join(lines.replace("`", "").split())
+        for name in names.split(", "):
+            told[name] = Argument("", None, "" if re.search(r"\bas of\b", words, re.IGNORECASE) else words, kind)
+    return told
+
+
+def without_sections(text: str) -> str:
+    """The first paragraphs of a docstring."""
+    return re.split(r"^[A-Z]\w+\n-+$", text, maxsplit=1, flags=re.MULTILINE)[0].strip()
+
+
+def _file(module: str) -> Path:
+    root, *inner = module.split(".")
+    spec = find_spec(root)  # of a package only: what is in it is not imported
+    assert spec is not None
+    assert spec.submodule_search_locations
+    return Path(spec.submodule_search_locations[0], *inner).with_suffix(".py")
