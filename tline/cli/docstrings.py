@@ -38,7 +38,7 @@ def arguments_of(source: str) -> dict[str, Argument]:
     'Time that the step takes, a straight ramp, s, above zero.'
     """
     module, _, name = source.partition(":")
-    tree = ast.parse(_file(module).read_text(encoding="utf-8"))
+    tree = ast.parse(_folder(module).with_suffix(".py").read_text(encoding="utf-8"))
     found = next(each for each in tree.body if isinstance(each, ast.FunctionDef | ast.ClassDef) and each.name == name)
     documented = documented_in(inspect.cleandoc(ast.get_docstring(found) or ""))
     if isinstance(found, ast.ClassDef):
@@ -60,14 +60,19 @@ def arguments_of(source: str) -> dict[str, Argument]:
 
 
 def documented_in(text: str) -> dict[str, Argument]:
-    """Help and type in words by argument, from the section of parameters of a docstring."""
+    """Help and type in words by argument, from the section of parameters of a docstring.
+
+    Where it says "As of" another function of the package, what that says.
+    """
     section = re.split(r"\n\n\S+\n-+\n", text.partition("Parameters\n----------\n")[2])[0]
     entries = re.findall(r"^(\w.*?)(?: : (.*))?\n((?:[ ]+.*\n?|\n)*)", f"{section}\n", re.MULTILINE)
     told = {}
     for names, kind, lines in entries:
-        words = " ".join(lines.replace("`", "").split())
+        words = " ".join(lines.split())
+        elsewhere = re.search(r"\bas of `(\w+(?:\.\w+)*)\.(\w+)`", words, re.IGNORECASE)
+        others = arguments_of(_public(*elsewhere.groups())) if elsewhere else {}
         for name in names.split(", "):
-            told[name] = Argument("", None, "" if re.search(r"\bas of\b", words, re.IGNORECASE) else words, kind)
+            told[name] = others.get(name) or Argument("", None, words.replace("`", ""), kind)
     return told
 
 
@@ -76,9 +81,17 @@ def without_sections(text: str) -> str:
     return re.split(r"^[A-Z]\w+\n-+$", text, maxsplit=1, flags=re.MULTILINE)[0].strip()
 
 
-def _file(module: str) -> Path:
+def _public(package: str, name: str) -> str:
+    """Source of a public name: the stub of its package says where that is."""
+    stub = _folder(package).joinpath("__init__.pyi").read_text(encoding="utf-8")
+    found = re.search(rf"^from (\S+) import {name} as {name}$", stub, re.MULTILINE)
+    assert found is not None, f"{package}.{name}"
+    return f"{found[1]}:{name}"
+
+
+def _folder(module: str) -> Path:
     root, *inner = module.split(".")
     spec = find_spec(root)  # of a package only: what is in it is not imported
     assert spec is not None
     assert spec.submodule_search_locations
-    return Path(spec.submodule_search_locations[0], *inner).with_suffix(".py")
+    return Path(spec.submodule_search_locations[0], *inner)

@@ -8,6 +8,7 @@ which says it first.
 
 import inspect
 import json
+import re
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager
 from importlib import import_module
@@ -21,7 +22,7 @@ from tline.cli.options import CSV, PICTURE, check_files, options_named
 
 WORDS = {  # metavariables by name of the argument
     "TIME": "t_end rise period begin",
-    "NUMBER": "tol seed workers exponent reserve points kv",
+    "NUMBER": "tol seed workers exponent reserve points kv stages",
     "NODE": "node at",
     "SPEED": "wave_speed rated_speed",
     "PRESSURE": "set_pressure band rating",
@@ -136,11 +137,13 @@ class Command(click.Command):
             return click.Option([both, name], default=None, help=found.help)
         several, kind = told.annotation in (tuple[str, ...], "Texts"), _type(told.annotation)
         more: dict[str, Any] = {"multiple": True} if several else {"required": told.default is REQUIRED}
-        if not several and told.default not in (REQUIRED, None, ""):
+        if not several and told.default not in (REQUIRED, None, "", ()):
             text = f"{told.default:g}" if isinstance(told.default, float) else str(told.default)
             more |= {"default": text, "show_default": "not given" not in found.help}
         if kind is str or kind is int:
-            more["metavar"] = found.kind if name in documented[0] else METAVARS.get(name, "NAME")
+            quoted = re.search('"(.+)"', found.kind)
+            written = quoted[1] if quoted else METAVARS.get(name, "NAME")
+            more["metavar"] = found.kind if name in documented[0] else written
         return click.Option([*flags, name], type=kind, help=found.help, **more)
 
     def _run(self, as_json: bool = False, **given: Any) -> None:
@@ -223,7 +226,9 @@ def _flags(name: str) -> list[str]:
 def _type(annotation: Any) -> Any:
     if get_origin(annotation) is Literal:
         return click.Choice(get_args(annotation))
-    return get_args(annotation)[1] if get_origin(annotation) is Annotated else int if annotation is int else str
+    return (
+        get_args(annotation)[1] if get_origin(annotation) is Annotated else int if annotation in (int, "int") else str
+    )
 
 
 def _tell(output: Output, files: Mapping[str, str], as_json: bool) -> None:

@@ -42,12 +42,17 @@ def print_or_write(text: str, file: str | None) -> None:
     """Print a document, or write it to a file and say so."""
     if file is None:
         click.echo(text, nl=False)
-        return
+    else:
+        write_text(text, file)
+        click.echo(f"wrote {file}")
+
+
+def write_text(text: str, file: str) -> None:
+    """Write a document to a file."""
     from tline.solver.result.atomic import replacing
 
     with replacing(file) as temporary:
         temporary.write_text(text, encoding="utf-8")
-    click.echo(f"wrote {file}")
 
 
 def check_readable(file: str) -> None:
