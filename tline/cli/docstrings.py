@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 REQUIRED = ...  # in place of a default
+Given = tuple[str, ast.expr | None, ast.expr | None]  # name, annotation, default of an argument
 
 
 class Argument(NamedTuple):
@@ -25,7 +26,7 @@ UNKNOWN = Argument("", None)
 
 @lru_cache
 def arguments_of(source: str) -> dict[str, Argument]:
-    """Arguments of a function, or what is documented of a class, by name.
+    """Arguments of a function, or fields of a dataclass, by name.
 
     Parameters
     ----------
@@ -41,22 +42,32 @@ def arguments_of(source: str) -> dict[str, Argument]:
     tree = ast.parse(_folder(module).with_suffix(".py").read_text(encoding="utf-8"))
     found = next(each for each in tree.body if isinstance(each, ast.FunctionDef | ast.ClassDef) and each.name == name)
     documented = documented_in(inspect.cleandoc(ast.get_docstring(found) or ""))
-    if isinstance(found, ast.ClassDef):
-        return documented
     named = [each for each in tree.body if isinstance(each, ast.Assign) and isinstance(each.targets[0], ast.Name)]
     constants = {each.targets[0].id: each.value for each in named if isinstance(each.targets[0], ast.Name)}
-    given = found.args
-    without = [None] * (len(given.args) - len(given.defaults))
     told = {}
-    for each, default in zip(
-        [*given.args, *given.kwonlyargs], [*without, *given.defaults, *given.kw_defaults], strict=True
-    ):
+    for argument, annotation, default in _fields(found) if isinstance(found, ast.ClassDef) else _signature(found):
         node = constants.get(default.id) if isinstance(default, ast.Name) else default
-        known, annotation = documented.get(each.arg, UNKNOWN), ast.unparse(each.annotation) if each.annotation else ""
-        told[each.arg] = known._replace(
-            annotation=annotation, default=REQUIRED if node is None else ast.literal_eval(node)
-        )
+        value = REQUIRED if node is None else ast.literal_eval(node)
+        words = ast.unparse(annotation) if annotation else ""
+        told[argument] = documented.get(argument, UNKNOWN)._replace(annotation=words, default=value)
     return told
+
+
+def _signature(function: ast.FunctionDef) -> list[Given]:
+    given = function.args
+    defaults = [*[None] * (len(given.args) - len(given.defaults)), *given.defaults, *given.kw_defaults]
+    together = zip([*given.args, *given.kwonlyargs], defaults, strict=True)
+    return [(each.arg, each.annotation, default) for each, default in together]
+
+
+def _fields(record: ast.ClassDef) -> list[Given]:
+    """Of a dataclass whose defaults are numbers."""
+    found = [each for each in record.body if isinstance(each, ast.AnnAssign) and isinstance(each.target, ast.Name)]
+    return [
+        (each.target.id, each.annotation, each.value if isinstance(each.value, ast.Constant) else None)
+        for each in found
+        if isinstance(each.target, ast.Name)
+    ]
 
 
 def documented_in(text: str) -> dict[str, Argument]:
@@ -82,7 +93,9 @@ def without_sections(text: str) -> str:
 
 
 def _public(package: str, name: str) -> str:
-    """Source of a public name: the stub of its package says where that is."""
+    """Source of a public name of a package, whose stub says where that is, or of one in a module."""
+    if not _folder(package).is_dir():
+        return f"{package}:{name}"
     stub = _folder(package).joinpath("__init__.pyi").read_text(encoding="utf-8")
     found = re.search(rf"^from (\S+) import {name} as {name}$", stub, re.MULTILINE)
     assert found is not None, f"{package}.{name}"

@@ -19,9 +19,10 @@ from click.core import ParameterSource
 
 from tline.cli.docstrings import REQUIRED, UNKNOWN, Argument, arguments_of, documented_in, without_sections
 from tline.cli.options import CSV, PICTURE, check_files, options_named
+from tline.units import to_si
 
 WORDS = {  # metavariables by name of the argument
-    "TIME": "t_end rise period begin",
+    "TIME": "t_end rise period begin h step",
     "NUMBER": "tol seed workers exponent reserve points kv stages",
     "NODE": "node at",
     "SPEED": "wave_speed rated_speed",
@@ -36,6 +37,10 @@ WORDS = {  # metavariables by name of the argument
     "FILE": "output",
     "FILE.csv": "material",
     "HOURS": "hour",
+    "KIND[:COUNT]": "sample",
+    "FILE.npz": "resume",
+    "KG": "mass",
+    "m/s": "v0",
 }
 METAVARS = {name: metavar for metavar, names in WORDS.items() for name in names.split()}
 COMMON = {  # options of many commands
@@ -97,7 +102,8 @@ class Command(click.Command):
             elif each.kind is each.POSITIONAL_OR_KEYWORD:
                 needed = each.default is each.empty
                 several = get_origin(each.annotation) is tuple
-                params[name] = click.Argument([name], nargs=-1 if several else 1, required=needed)
+                default = {} if needed else {"default": each.default}
+                params[name] = click.Argument([name], nargs=-1 if several else 1, required=needed, **default)
             elif name != "files":
                 default = REQUIRED if each.default is each.empty else each.default
                 params[name] = self._option(name, Argument(each.annotation, default), [own, *given])
@@ -124,6 +130,22 @@ class Command(click.Command):
         """Let errors within name the option where the library names its argument, or the key of a scene."""
         options = [param for param in self.params if isinstance(param, click.Option)]
         return options_named({str(each.name): each.opts[-1] for each in options} | more)
+
+    def in_si(self, given: Mapping[str, str | None]) -> dict[str, float]:
+        """Values of options whose help names a unit in brackets, in SI, of those that are given.
+
+        Raises
+        ------
+        InputError
+            Naming the option.
+        """
+        options = {str(each.name): each for each in self.params if isinstance(each, click.Option)}
+        found = {name: re.search(r"\[([^\]]+)\]", options[name].help or "") for name in given}
+        return {
+            name: to_si(text, found[name][1], options[name].opts[-1])
+            for name, text in given.items()
+            if text is not None and found[name]
+        }
 
     def _option(self, name: str, told: Argument, documented: list[dict[str, Argument]]) -> click.Option:
         said = [each[name] for each in documented if name in each and each[name].help]
