@@ -125,7 +125,7 @@ def run(
     with run.named(**NAMED):
         pulled = _spring(si)
         loaded = Testbench(_force(si, table, pulled is not None), spring=pulled, **bench)
-        steps = {key: si[key] for key in ("t_end", "h") if key in si}
+        steps: dict[str, Any] = {key: si[key] for key in ("t_end", "h") if key in si}
         result = simulate(law, loaded, method=method, tol=tol, **steps)
     files = {
         "csv": lambda file: write_table(

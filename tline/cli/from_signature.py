@@ -141,11 +141,8 @@ class Command(click.Command):
         """
         options = {str(each.name): each for each in self.params if isinstance(each, click.Option)}
         found = {name: re.search(r"\[([^\]]+)\]", options[name].help or "") for name in given}
-        return {
-            name: to_si(text, found[name][1], options[name].opts[-1])
-            for name, text in given.items()
-            if text is not None and found[name]
-        }
+        units = {name: unit[1] for name, unit in found.items() if unit and given[name] is not None}
+        return {name: to_si(str(given[name]), unit, options[name].opts[-1]) for name, unit in units.items()}
 
     def _option(self, name: str, told: Argument, documented: list[dict[str, Argument]]) -> click.Option:
         said = [each[name] for each in documented if name in each and each[name].help]

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 from tline.units import engineering
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
     from passivity import DelayedModel, MeasuredNetwork
@@ -26,7 +27,7 @@ def as_dict(found: "DelayedModel | MeasuredNetwork") -> dict[str, Any]:
         "z0": float(samples.z0[0]) if one else samples.z0.tolist(),
         "poles": _parts(model.poles),
         "residues": _parts(model.residues),
-        "constant": model.constant if isinstance(model.constant, float) else model.constant.tolist(),
+        "constant": found.model.constant if isinstance(found, DelayedModel) else found.model.constant.tolist(),
         "order": found.order if one else found.model.order,
         "error": found.error,
         "cost": found.cost,
@@ -52,7 +53,7 @@ def in_words(found: "DelayedModel | MeasuredNetwork") -> str:
     return f"{told}, |ΔS| up to {found.error:.2g}{cost} ({len(samples.f)} samples, {first} to {last})"
 
 
-def _parts(values: "NDArray") -> list[Any]:
+def _parts(values: "NDArray[np.complex128]") -> list[Any]:
     """Real and imaginary part of each."""
     import numpy as np
 
