@@ -24,12 +24,27 @@ def written(table: ChartTable, name: str) -> None:
     save_figure(draw(table), FOLDER / f"{name}.png")
 
 
+def written_growth() -> None:
+    """growth.png and growth.csv."""
+    curves = growth.error_growth(progress=True)
+    growth.save(curves, FOLDER / "growth.csv")
+    save_figure(growth.draw(curves), FOLDER / "growth.png")
+
+
+def written_maps() -> None:
+    """stability_*.png, stability.csv and stability_boundaries.csv."""
+    found = [stability.stability(name, progress=True) for name in stability.MAPS]
+    for one in found:
+        save_figure(stability.draw(one), FOLDER / f"stability_{one.map.name}.png")
+    stability.save(found, FOLDER / "stability.csv")
+    stability.save_boundaries(found, FOLDER / "stability_boundaries.csv")
+
+
 if __name__ == "__main__":
-    wanted = sys.argv[1:] or [*NAMES, "growth", "stability"]
-    FOLDER.mkdir(exist_ok=True)
-    for name in wanted:
-        if name in ("growth", "stability"):
-            {"growth": growth, "stability": stability}[name].generate(FOLDER)
+    others = {"growth": written_growth, "stability": written_maps}
+    for name in sys.argv[1:] or [*NAMES, *others]:
+        if name in others:
+            others[name]()
             continue
         written(work_precision(name, progress=True), f"work_precision_{name}")
         if name in BESIDE_PEERS:
