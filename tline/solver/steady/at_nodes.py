@@ -9,10 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.rational_link import RationalLink
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
-from tline.solver.description.given import Ratio
+from tline.solver.description.links import admittance
 from tline.solver.steady.lossy_lines import falling, pi
 
 
@@ -70,7 +69,7 @@ def at_nodes(description: Description, number: Mapping[str, int], lines: Lines) 
                 inertia = node.load.numerator[-2] / node.load.denominator[-1]
                 given[k], tie[k] = node.above_level, 1 / inertia if inertia else np.inf
             elif node.load is not None:
-                conducted, capacity[k] = _admittance(node.load)
+                conducted, capacity[k] = admittance(node.load)
                 conductance[k] += conducted
                 driven[k] += conducted * node.above_level
     for name, effort in description.tanks.items():
@@ -79,18 +78,6 @@ def at_nodes(description: Description, number: Mapping[str, int], lines: Lines) 
         conductance += np.bincount(end, lines.leak, n)
         capacity += np.bincount(end, lines.delay / lines.z0 / 2, n)
     return AtNodes(given, conductance, driven, capacity, tie)
-
-
-def _admittance(impedance: Ratio) -> tuple[float, float]:
-    """1/Z = conductance + s·capacity + ..., of one that is no short."""
-    (n1, n0), (d1, d0) = ((0, *side)[-2:] for side in impedance)
-    return 1 / impedance.at_zero(), (d1 * n0 - d0 * n1) / (n0 * n0)
-
-
-def capacities_between(description: Description) -> list[tuple[tuple[str, str], float]]:
-    """Links that are no shorts: their nodes and capacities."""
-    links = [link for link in description.scene.links.values() if isinstance(link, RationalLink)]
-    return [(link.nodes, _admittance(link.ratio)[1]) for link in links if link.ratio.at_zero()]
 
 
 def joins_of(description: Description, number: Mapping[str, int], lines: Lines) -> Joins:

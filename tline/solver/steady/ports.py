@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from tline.errors import InputError
 from tline.solver.description.branches import PlacedBranch, conductors
 from tline.solver.description.description import Description
-from tline.solver.steady.at_nodes import AtNodes, Joins, capacities_between
+from tline.solver.description.links import capacitive
+from tline.solver.steady.at_nodes import AtNodes, Joins
 from tline.solver.steady.balance import Linear
 from tline.solver.steady.slow_limit import Limit, Sparse
 from tline.words.wording import place
@@ -92,7 +93,7 @@ def ported(
 
     entries.add(np.arange(len(falls)), np.arange(len(falls)), slow=falls * rate)
     store(np.arange(n), None, at.capacity)
-    for (one, other), capacity in capacities_between(description):
+    for (one, other), capacity in capacitive(description.scene):
         store(number[one], number[other], capacity)
     for branch in branches_with_ports(description):
         M, N, E, Q, P, R = branch.ports

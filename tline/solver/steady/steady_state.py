@@ -91,12 +91,12 @@ def _under(description: Description, tables: Mapping[str, FrictionTable], openin
     number, n = {name: k for k, name in enumerate(nodes)}, len(nodes)
     lines = lines_of(description, number)
     at, joins = at_nodes(description, number, lines), joins_of(description, number, lines)
-    parted = _Parts(description, number, lines, at, joins, parts(*joins.ends.T, n))
+    parted = _Parts(description, number, lines, at, joins, parts(joins.ends[:, 0], joins.ends[:, 1], n))
     _check_held(description, parted.part, at.given)
     _check_between(description, parted.part, number)
     edges = Edges(description, number, tables, openings, lines.falls)
-    solve = _with_ports if description.coupled or description.multiports else _without_ports
-    effort, y, flow = solve(parted, edges)
+    coupled = description.coupled or description.multiports
+    effort, y, flow = _with_ports(parted, edges) if coupled else _without_ports(parted, edges)
     lossy = int(lines.falls.sum())
     along = np.empty(len(lines.z0))
     along[lines.falls], along[~lines.falls] = flow[:lossy], y[: len(joins.names)]
