@@ -10,7 +10,7 @@ from tline.scene.switch import SwitchLink
 from tline.solver.description.branches import PlacedBranch, between, one_port, resistance
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import just_before
-from tline.solver.description.given import ElementLaw, Ports, Scene
+from tline.solver.description.given import ElementLaw, Ports, Ratio, Scene
 from tline.solver.description.load_step import reflection
 from tline.solver.description.nodes import Node
 from tline.words.wording import place
@@ -85,3 +85,15 @@ def inductive(scene: Scene) -> list[tuple[str, str, float]]:
         if isinstance(link, RationalLink) and link.ratio.at_zero() == 0:
             found.append((*link.nodes, link.ratio.numerator[-2] / link.ratio.denominator[-1]))
     return found
+
+
+def capacitive(scene: Scene) -> list[tuple[tuple[str, str], float]]:
+    """Nodes of links that are no shorts to a steady flow, and their capacities."""
+    links = [link for link in scene.links.values() if isinstance(link, RationalLink)]
+    return [(link.nodes, admittance(link.ratio)[1]) for link in links if link.ratio.at_zero()]
+
+
+def admittance(impedance: Ratio) -> tuple[float, float]:
+    """1/Z = conductance + s·capacity + ..., of one that is no short to a steady flow."""
+    n1, n0, d1, d0 = (a for side in impedance for a in (0, *side)[-2:])
+    return 1 / impedance.at_zero(), (d1 * n0 - d0 * n1) / (n0 * n0)

@@ -1,6 +1,6 @@
 """What lies between the lossless parts of a network in the steady state: lossy lines, and elements without a state."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,15 +36,15 @@ class Edges:
         self,
         description: Description,
         number: Mapping[str, int],
-        lossy: NDArray,
         tables: Mapping[str, FrictionTable],
         openings: Mapping[str, float],
-        resistive: Sequence[PlacedLaw],
+        falls: NDArray,
     ):
-        lines = {name: line for (name, line), falls in zip(description.lines.items(), lossy, strict=True) if falls}
+        each = zip(description.lines.items(), falls.tolist(), strict=True)
+        lines = {name: line for (name, line), kept in each if kept}
         self.falls = Falls(lines, tables)
         self.elements = [_running(e) for e in description.elements if e.law.kind not in FILLED]
-        self.elements += resistive
+        self.elements += description.resistive
         self.where = [place("lines", name) for name in lines] + [element.where for element in self.elements]
         pairs = [line.nodes for line in lines.values()] + [
             (element.from_node, element.to_node) for element in self.elements
@@ -76,7 +76,7 @@ class Edges:
             ends[self.from_node],
             ends[self.to_node],
             np.concatenate([self.falls.z0, self.packed.source_impedance]),
-            self._solved,
+            self.solved,
         )
 
     def holding(
@@ -88,7 +88,7 @@ class Edges:
         passing = (low == high) | (np.abs(flow) > NOTHING * scale)
         return (ends[self.from_node], ends[self.to_node]), passing, (low, high)
 
-    def _solved(self, a: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    def solved(self, a: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """Drops and flows, and their slopes over the efforts a behind the impedances."""
         count = len(self.falls.z0)
         fall, y, steep, dy = self.falls.solved(a[:count])
