@@ -77,7 +77,7 @@ class ChartTable:
             The file cannot be written.
         """
         head = [column.name for column in fields(Row)]
-        write_csv(path, head, map(astuple, self.rows), (self.title, *self.notes))
+        write_csv(path, head, (astuple(row) for row in self.rows), (self.title, *self.notes))
 
 
 def write_csv(
