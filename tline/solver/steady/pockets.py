@@ -3,8 +3,8 @@
 A valve that holds bounds the difference of efforts across it: so much may lie on a check valve before it opens, and
 anything on one that is shut. Of all efforts within these bounds a pocket has the one that it is said to start with, or
 else the least at which nothing opens toward it, as if it had been filled from there, or the largest at which nothing
-opens out of it; but the nearest to that of a neighbour where these are below the reference, or there are none, and to the
-reference where no neighbour is known.
+opens out of it; but the nearest to that of a neighbour where these are below the reference, or there are none, and to
+that of the reference where no neighbour is known.
 """
 
 from typing import NamedTuple
