@@ -3,7 +3,8 @@
 A valve that holds bounds the difference of efforts across it: so much may lie on a check valve before it opens, and
 anything on one that is shut. Of all efforts within these bounds a pocket has the one that it is said to start with, or
 else the least at which nothing opens toward it, as if it had been filled from there, or the largest at which nothing
-opens out of it; but the nearest to that of a neighbour where these are below the reference, or there are none.
+opens out of it; but the nearest to that of a neighbour where these are below the reference, or there are none, and to
+that of the reference where no neighbour is known.
 """
 
 from typing import NamedTuple
@@ -141,6 +142,6 @@ def _beside(u: NDArray, group: NDArray, shift: NDArray, fixed: NDArray, beside: 
     found = [pair if group[pair[0]] == g else pair[::-1] for pair in beside if g in (group[pair[0]], group[pair[1]])]
     found = [(own, by) for own, by in found if fixed[group[by]]]
     if not found:
-        return 0.0
+        return -float(u[np.flatnonzero(group == g)[0]])
     own, by = min(found, key=lambda pair: pair[1] == len(u) - 1)
     return float(u[by] + shift[group[by]] - u[own])
