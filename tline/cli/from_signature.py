@@ -40,6 +40,8 @@ WORDS = {  # metavariables by name of the argument
     "KIND[:COUNT]": "sample",
     "FILE.npz": "resume",
     "KG": "mass",
+    "ω": "speed_bandwidth tension_bandwidth",
+    "TORQUE": "limit",
     "m/s": "v0",
 }
 METAVARS = {name: metavar for metavar, names in WORDS.items() for name in names.split()}
@@ -147,10 +149,14 @@ class Command(click.Command):
     def _option(self, name: str, told: Argument, documented: list[dict[str, Argument]]) -> click.Option:
         said = [each[name] for each in documented if name in each and each[name].help]
         found = said[0] if said else UNKNOWN._replace(help=COMMON[name])
-        flags = [*_flags(self.names.get(name, "json" if name == "as_json" else name))]
+        short = _flags(name)[:-1] if name not in self.names else []
+        flags = [*short, _flags(self.names.get(name, "json" if name == "as_json" else name))[-1]]
         if told.annotation in (bool, "bool"):
             shown = [flags[-1].replace("--", "--no-")] if told.default else flags
-            return click.Option([*shown, name], is_flag=True, flag_value=not told.default, help=found.help)
+            text = f"Do not {found.help[0].lower()}{found.help[1:]}" if told.default else found.help
+            return click.Option(
+                [*shown, name], is_flag=True, flag_value=not told.default, default=told.default, help=text
+            )
         if told.annotation in (bool | None, "bool | None"):
             both = f"{flags[-1]}/{flags[-1].replace('--', '--no-')}"
             return click.Option([both, name], default=None, help=found.help)
