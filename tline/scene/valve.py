@@ -1,8 +1,10 @@
 """Valves: flow = opening·C·sqrt(pressure drop), in both directions or in one."""
 
-from math import inf
+from math import inf, sqrt
 from typing import Annotated, Any, Literal
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import (
     BeforeValidator,
     Field,
@@ -18,6 +20,7 @@ from tline.errors import InputError
 from tline.scene.between import Between
 from tline.scene.element import AtNode, Element
 from tline.scene.factor import ALWAYS, Characterised, Factor
+from tline.scene.kind import ANY_DROP, Bend, LawKind
 from tline.scene.law import ElementLaw, Governor, OfLiquids
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.rating import Rated
@@ -26,6 +29,7 @@ from tline.scene.travel import ADDED, Kind, shares
 from tline.words.wording import shown
 
 Share = Annotated[Quantity, Role("share", "", at_least=0, at_most=1)]
+PRESSURE_BEHIND = "has a pressure behind it, which is a source"
 Back = Annotated[Quantity, Role("pressure", "Pa")]
 
 
@@ -51,6 +55,60 @@ Points = list[Annotated[tuple[Share, Share], BeforeValidator(_pair)]]
 Characteristic = Annotated[
     Points, WrapValidator(_named_or_points, json_schema_input_type=Points | Kind), WrapSerializer(_as_typed)
 ]
+
+
+def rooted(drop: NDArray, capacity: float) -> NDArray:
+    """Flow through an orifice."""
+    return capacity * np.sign(drop) * np.sqrt(np.abs(drop))
+
+
+class Root(LawKind):
+    """Constants: effort beyond the element, capacity, whether flow passes one way only."""
+
+    name, unit = "quadratic", "laws.quadratic.quadratic"
+
+    def bends(self, c, rho):  # noqa: D102
+        yield Bend(c[0])
+
+    def holds(self, c, control):  # noqa: D102
+        if c[1] * control == 0:
+            return ANY_DROP
+        return (-inf, c[0]) if c[2] else (0.0, 0.0)
+
+    def tightness(self, c, control, largest):  # noqa: D102
+        return sqrt(largest) / (c[1] * control) if c[1] * control > 0 else 0.0
+
+    def source(self, c):  # noqa: D102
+        behind = c[0] < 0 or (c[0] > 0 and not c[2])
+        return PRESSURE_BEHIND if behind else ""
+
+    def flow(self, c):  # noqa: D102
+        _, capacity, one_way = c
+        if capacity == inf:
+            return None
+        return lambda d: rooted(np.maximum(d, 0.0) if one_way else d, capacity)
+
+
+class Relieving(LawKind):
+    """Constants: effort beyond the element, capacity, drop at which it begins to open, further drop to wide open."""
+
+    name, unit = "relief", "laws.relief.relief"
+
+    def bends(self, c, rho):  # noqa: D102
+        yield Bend(c[0] + c[2])
+        yield Bend(c[0] + c[2] + c[3], rho * c[1] * sqrt(c[2] + c[3]))
+
+    def holds(self, c, control):  # noqa: D102
+        return -inf, c[0] + c[2] if control else inf
+
+    def source(self, c):  # noqa: D102
+        return PRESSURE_BEHIND if c[0] + c[2] < 0 else ""
+
+    def flow(self, c):  # noqa: D102
+        _, capacity, opens, band = c
+        if capacity == inf:
+            return None
+        return lambda d: rooted(np.maximum(d, 0.0), capacity) * np.clip((d - opens) / band, 0.0, 1.0)
 
 
 class CharacterisedValve(Rated, OfLiquids):

@@ -58,7 +58,7 @@ def work_for(network: Network, state: State) -> Work:
         crossing=crossing,
         store=store,
         circuit=circuit,
-        govern=_of_governors(elements * s if laws.governed.any() else 0, nodes * s, states, elements),
+        govern=_of_governors(laws, elements * s if laws.governed.any() else 0, nodes * s, states, elements),
         map=np.empty((ports * s + states) ** 2 if elements and states else 0),
         pair=np.empty(s * ABREAST),
         out=np.empty(s * ABREAST),
@@ -87,17 +87,17 @@ def _of_elements(laws: Laws, state: State, elements: int, tile: int) -> tuple[Cr
         answer=np.zeros((elements * s, s)),
         system=np.zeros((elements * s, elements * s + 1)),
         control=np.zeros((elements, s)),
-        kept=np.zeros((elements, 2)),
+        kept=np.zeros((elements, int(laws.states.max(initial=0)))),
         waves=np.repeat(laws.before, s),
         width=np.zeros(1, np.int64),
     )
     return Crossing(laws.constants, *np.empty((4, tile * s))), store, circuit
 
 
-def _of_governors(points: int, samples: int, states: int, elements: int) -> GovernWork:
+def _of_governors(laws: Laws, points: int, samples: int, states: int, elements: int) -> GovernWork:
     """Workspace of openings at so many points, in a group of so many samples, states and elements."""
     each = {name: np.zeros(points) for name in ("rate", "rest", "last", "step", "turned")}
-    kept = np.zeros((elements, 2))
+    kept = np.zeros((elements, int(laws.states.max(initial=0))))
     return GovernWork(np.empty(samples), np.empty(states), kept, **each, inverse=np.zeros((points, points)))
 
 

@@ -13,7 +13,6 @@ from tline.solver.convolution.jumps import arrivals
 from tline.solver.convolution.quadrature import ROUNDING
 from tline.solver.convolution.run import Convolved
 from tline.solver.description.description import Description
-from tline.solver.description.elements import BREAKING
 from tline.solver.description.families import MOST as MOST_FAMILIES
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
@@ -98,7 +97,7 @@ def _suits(search: Search) -> bool:
     """Whether a scene is linear and the same at all times, and one of its lines remembers, or fits no segments."""
     description = search.description
     losses = [line.losses for line in description.lines.values() if line.losses is not None]
-    moving = any(e.governor is not None or e.law.kind in BREAKING for e in description.elements)
+    moving = any(e.governor is not None or e.kind.breaks for e in description.elements)
     lifted = description.heights and not description.steady
     if not losses or not all(each.linear for each in losses) or moving or lifted:
         return False

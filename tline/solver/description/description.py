@@ -20,7 +20,7 @@ from tline.scene.user_defined import user_elements
 from tline.scene.vessel import Boiling, SurgeTank
 from tline.solver.description.active import active_parts
 from tline.solver.description.branches import PlacedBranch
-from tline.solver.description.elements import BREAKING, PlacedLaw, elements_of
+from tline.solver.description.elements import PlacedLaw, elements_of
 from tline.solver.description.excitation import Shape
 from tline.solver.description.families import Changes, changes_of
 from tline.solver.description.given import MEDIA, End, Height, Medium, Scene, Stretches, stretches_of
@@ -127,7 +127,7 @@ class Description:
     @cached_property
     def blurred(self) -> bool:
         """Whether elements send fronts at instants of their own."""
-        return any(law.kind in BREAKING for law in self.scene.laws.values())
+        return any(law.of_kind.breaks for law in self.scene.laws.values())
 
     @property
     def collapses(self) -> bool:

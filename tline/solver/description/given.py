@@ -2,6 +2,7 @@
 
 from tline.scene.coupled import End
 from tline.scene.heights import NO_HEIGHT, Height
+from tline.scene.kind import Bend, LawKind, Volume, kinds_numbered
 from tline.scene.law import ElementLaw, Governor
 from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Signal
 from tline.scene.medium import MEDIA, Medium
@@ -18,6 +19,7 @@ from tline.scene.touchstone import Touchstone
 __all__ = [
     "MEDIA",
     "NO_HEIGHT",
+    "Bend",
     "Constant",
     "ElementLaw",
     "End",
@@ -25,6 +27,7 @@ __all__ = [
     "Governor",
     "Height",
     "Interval",
+    "LawKind",
     "LevelCrossing",
     "Measure",
     "Medium",
@@ -38,5 +41,7 @@ __all__ = [
     "Stretches",
     "SwitchLink",
     "Touchstone",
+    "Volume",
+    "kinds_numbered",
     "stretches_of",
 ]

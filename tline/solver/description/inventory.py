@@ -21,8 +21,6 @@ from tline.solver.description.nodes import Node, lowered
 from tline.words.wording import place
 
 SUPPLIED, DISSIPATED, STORED, TAKEN = range(4)  # what an element is expected to do with energy
-GIVING = {"pump", "rotor"}  # kinds of laws
-STORING = {"gas", "tank", "table"}  # those that may give what they held; a table may hold a source
 
 
 class Member(NamedTuple):
@@ -144,7 +142,7 @@ def _resistances(one: RationalImpedance) -> tuple[float, float]:
 
 def _non_linear(element: PlacedLaw) -> Member:
     """A valve, pump, vessel, diode or table; beyond a valve may be a pressure."""
-    kind, back = element.law.kind, element.law.constants[0] if element.to_node is None else 0.0
-    column = SUPPLIED if kind in GIVING else TAKEN if kind in STORING or back else DISSIPATED
+    kind, back = element.kind, element.law.constants[0] if element.to_node is None else 0.0
+    column = SUPPLIED if kind.supplies else TAKEN if kind.returns or back else DISSIPATED
     between = len(element.nodes) == 2
     return Member(element.where, tuple(element.nodes), column, column != DISSIPATED, between, to_air=not between)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.description.components import parts
-from tline.solver.description.laws import KINDS
+from tline.solver.description.given import kinds_numbered
 from tline.solver.kernel.network import Laws as Elements
 
 WITHIN = 1e-4  # of the largest effort: how exactly a start has to be known
@@ -39,23 +39,9 @@ class Holding(NamedTuple):
 def held_drops(elements: Elements) -> tuple[NDArray, NDArray]:
     """Least and largest drop at which nothing passes each element; both zero of what nothing but balance stops."""
     low, high = np.zeros(len(elements.kind)), np.zeros(len(elements.kind))
-    for e, kind in enumerate(elements.kind):
-        name, factor, c = KINDS[kind], max(float(elements.control[e]), 0.0), elements.constants[elements.at[e] :]
-        if name == "quadratic" and c[1] * factor == 0:
-            low[e], high[e] = -np.inf, np.inf
-        elif name == "quadratic" and c[2]:
-            low[e], high[e] = -np.inf, c[0]
-        elif name == "pump" and c[2]:
-            low[e], high[e] = -np.inf, c[0] - factor**2 * c[1]
-        elif name in ("relief", "leak", "demand"):
-            least = c[2] if name == "relief" else 0.0
-            low[e], high[e] = -np.inf, c[0] + least if factor else np.inf
-        elif name == "table" and not factor:
-            low[e], high[e] = -np.inf, np.inf
-        elif name == "table":
-            drops, flows = np.split(c[2 : 2 + 2 * int(c[1])], 2)
-            still = drops[flows == 0]
-            low[e], high[e] = (c[0] + still.min(), c[0] + still.max()) if still.size else (0.0, 0.0)
+    for e, kind in enumerate(kinds_numbered(elements.kind.tolist())):
+        constants, control = elements.constants[elements.at[e] :], max(float(elements.control[e]), 0.0)
+        low[e], high[e] = kind.holds(constants, control)
     return low, high
 
 
