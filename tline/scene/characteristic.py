@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
-from tline.scene.between import Between
 from tline.scene.csv_rows import read_rows
 from tline.scene.element import AtNode
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.kind import ANY_DROP, Bend, Constants, LawKind
 from tline.scene.law import ElementLaw, NonLinear
 from tline.scene.named_file import beside
+from tline.scene.placed import Placed
 from tline.scene.quantity import Quantity, Role
 from tline.words.wording import shown
 
@@ -37,31 +37,33 @@ class Shockley(LawKind):
         return lambda d: saturation * np.expm1(np.minimum(d / thermal, HOTTEST_JUNCTION))
 
 
-class _Diode(NonLinear):
+class Reversible(AtNode):
+    """What may point either way."""
+
+    reverse: bool = Field(default=False, description="whether it points from the reference to the node")
+
+
+class Diode(NonLinear, Placed, load=Reversible):
+    """A diode from the node to the reference, or from the first node to the second: i = Is·(exp(u/(n·k·T/q)) - 1).
+
+    References
+    ----------
+    W. Shockley: The theory of p-n junctions in semiconductors and p-n junction transistors. Bell Syst. Tech. J. 28
+    (1949) 435-489.
+    """
+
+    kind: Literal["diode"] = "diode"
     saturation: Saturation = Field(description="current that flows backwards, Is")
     emission: Emission = Field(default=Quantity(1, ""), description="n")
     temperature: Annotated[Quantity, Role("temperature", "K", at_least=COLDEST, at_most=HOTTEST)] = Field(
         default=Quantity("300.15 K", "K"), description="of the junction"
     )
 
-    def law(self) -> ElementLaw:
+    def law(self) -> ElementLaw:  # noqa: D102
         thermal = self.emission * BOLTZMANN * self.temperature / CHARGE
         return ElementLaw(
             "diode", (0.0, float(self.saturation), float(thermal)), reverse=getattr(self, "reverse", False)
         )
-
-
-class Diode(_Diode, AtNode):
-    """A diode from the node to the reference: i = Is·(exp(u/(n·k·T/q)) - 1) (W. Shockley 1949)."""
-
-    kind: Literal["diode"] = "diode"
-    reverse: bool = Field(default=False, description="whether it points from the reference to the node")
-
-
-class DiodeLink(_Diode, Between):
-    """A diode from the first node to the second: i = Is·(exp(u/(n·k·T/q)) - 1) (W. Shockley 1949)."""
-
-    kind: Literal["diode"] = "diode"
 
 
 def _pair(point: Any) -> Any:
@@ -126,7 +128,10 @@ def through_origin(efforts: NDArray, flows: NDArray) -> bool:
     return bool((begin & end & (efforts[:-1] * flows[1:] == efforts[1:] * flows[:-1])).any())
 
 
-class _Curve(NonLinear):
+class Curve(NonLinear, Placed):
+    """Flow over effort, to the reference or from node to node: straight lines between points, continued beyond."""
+
+    kind: Literal["table"] = "table"
     points: list[Point] | None = Field(
         default=None, min_length=2, max_length=MOST, description="pairs [effort, flow], neither of which may fall"
     )
@@ -149,7 +154,7 @@ class _Curve(NonLinear):
                 raise InputError(where, "the curve falls or stands still", "points that rise", got)
         return self
 
-    def law(self) -> ElementLaw:
+    def law(self) -> ElementLaw:  # noqa: D102
         efforts, flows = zip(*self._curve, strict=True)
         return ElementLaw("table", (0.0, float(len(efforts)), *map(float, efforts), *map(float, flows)), self.scale)
 
@@ -160,15 +165,3 @@ def _read(file: str, info: ValidationInfo) -> tuple[tuple[float, ...], ...]:
     if not 2 <= len(rows) <= MOST:
         raise InputError("file", f"not the points of a curve in '{file}'", f"2 to {MOST} lines", str(len(rows)))
     return tuple(rows)
-
-
-class Curve(_Curve, AtNode):
-    """Flow from the node to the reference over effort: straight lines between points, continued beyond the last."""
-
-    kind: Literal["table"] = "table"
-
-
-class CurveLink(_Curve, Between):
-    """Flow from node to node over the difference of efforts: straight lines between points, continued beyond."""
-
-    kind: Literal["table"] = "table"

@@ -10,8 +10,7 @@ from tline.errors import InputError
 from tline.scene.between import Between
 from tline.scene.load import Reservoir, Resistor, Short
 from tline.scene.rational import RationalImpedance
-from tline.scene.rational_load import Rational
-from tline.scene.switch import Switch, SwitchLink
+from tline.scene.switch import Switch
 from tline.words.wording import place
 
 if TYPE_CHECKING:
@@ -70,7 +69,7 @@ def conflicting_holds(scene: Scene) -> Iterator[InputError]:
     for where, terminals in capacitive:
         held.join(where, terminals)
     for at, element in scene.placed:
-        if isinstance(element, Switch | SwitchLink) and 0 in (element.before, element.after):
+        if isinstance(element, Switch) and 0 in (element.before, element.after):
             terminals = terminals_of(element)
             if held.joins(terminals):
                 problem = f"shorts {_told(terminals)}, which {held.holder(terminals)} holds"
@@ -102,7 +101,7 @@ def _is_ideal(load: Any) -> bool:
     return (
         isinstance(load, Short | Reservoir)
         or (isinstance(load, Resistor) and load.resistance == 0)
-        or (isinstance(load, Rational) and load.ratio.is_zero)
+        or (isinstance(load, RationalImpedance) and load.ratio.is_zero)
     )
 
 

@@ -6,7 +6,7 @@ from typing import ClassVar, NamedTuple
 
 from numpy.typing import NDArray
 
-Constants = Sequence[float]
+Constants = Sequence[float] | NDArray
 
 
 class Bend(NamedTuple):

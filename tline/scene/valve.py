@@ -22,6 +22,7 @@ from tline.scene.element import AtNode, Element
 from tline.scene.factor import ALWAYS, Characterised, Factor
 from tline.scene.kind import ANY_DROP, Bend, LawKind
 from tline.scene.law import ElementLaw, Governor, OfLiquids
+from tline.scene.placed import Placed
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.rating import Rated
 from tline.scene.shape import Shape
@@ -146,7 +147,20 @@ class CharacterisedValve(Rated, OfLiquids):
         return self
 
 
-class _Orifice(CharacterisedValve):
+class Behind(AtNode):
+    """What leads to the outside."""
+
+    back_pressure: Pressure = Field(default=ZERO, description="gauge pressure on the other side; 0 is the open air")
+
+
+def _behind(element: Element) -> float:
+    return float(getattr(element, "back_pressure", 0.0))
+
+
+class Orifice(CharacterisedValve, Placed, load=Behind):
+    """An orifice, a minor loss or a control valve: flow = share·C·sqrt(drop), in both directions."""
+
+    kind: Literal["orifice"] = "orifice"
     opening: Factor = Field(default=ALWAYS, description="0 (shut) to 1 (wide open), constant or over time")
     _share: Characterised | None = PrivateAttr(default=None)
 
@@ -159,76 +173,13 @@ class _Orifice(CharacterisedValve):
             self._share = Characterised.model_construct(opening=self.opening, shares=self._points)
         return self._share
 
-    def law(self) -> ElementLaw:
+    def law(self) -> ElementLaw:  # noqa: D102
         return ElementLaw("quadratic", (_behind(self), self.capacity or inf, 0.0), self.share)
 
 
-class _CheckValve(Rated, OfLiquids):
-    cracking_pressure: Annotated[Quantity, Role("pressure", "Pa", at_least=0)] = Field(
-        default=ZERO, description="drop at which it begins to open"
-    )
+class WithDisc(Between):
+    """What may have a disc with a mass."""
 
-    @property
-    def _may_lack_a_loss(self) -> bool:
-        return True
-
-    def law(self) -> ElementLaw:
-        return ElementLaw("quadratic", (self.cracking_pressure + _behind(self), self.capacity or inf, 1.0))
-
-
-class _ReliefValve(Rated, OfLiquids):
-    set_pressure: Annotated[Quantity, Role("pressure", "Pa", at_least=0)] = Field(
-        description="drop at which it begins to open"
-    )
-    band: Annotated[Quantity, Role("pressure", "Pa", above=0)] = Field(
-        description="further drop over which it opens in proportion, up to its full capacity"
-    )
-
-    def law(self) -> ElementLaw:
-        constants = (_behind(self), self.capacity or inf, float(self.set_pressure), float(self.band))
-        return ElementLaw("relief", constants)
-
-
-class _Behind(AtNode):
-    back_pressure: Pressure = Field(default=ZERO, description="gauge pressure on the other side; 0 is the open air")
-
-
-def _behind(element: Element) -> float:
-    return float(getattr(element, "back_pressure", 0.0))
-
-
-class Orifice(_Orifice, _Behind):
-    """An orifice or control valve to the outside: flow = share·C·sqrt(drop), in both directions."""
-
-    kind: Literal["orifice"] = "orifice"
-
-
-class OrificeLink(_Orifice, Between):
-    """An orifice, a minor loss or a control valve between two nodes: flow = share·C·sqrt(drop), in both directions."""
-
-    kind: Literal["orifice"] = "orifice"
-
-
-class CheckValve(_CheckValve, _Behind):
-    """A valve to the outside that lets nothing in."""
-
-    kind: Literal["check valve"] = "check valve"
-
-
-class CheckValveLink(_CheckValve, Between):
-    """A valve that lets flow pass from the first node to the second only; without a capacity it has no loss.
-
-    With a disc_mass it shuts late, and slams: disc_mass·travel·x'' = area·(drop - closing pressure) -
-    damping·travel·x', with x from 0 (shut) to 1, to which the capacity is in proportion. The closing pressure rises
-    from the cracking_pressure at x = 0 to the open_pressure at x = 1, by a spring or a weight. Of a disc that swings
-    the mass is its moment of inertia over the square of its arm, that of the liquid that moves with it included.
-
-    References
-    ----------
-    A. R. D. Thorley: Fluid Transients in Pipeline Systems, 2nd edition, Professional Engineering Publishing (2004).
-    """
-
-    kind: Literal["check valve"] = "check valve"
     disc_mass: Annotated[Quantity, Role("mass", "kg", above=0)] | None = Field(
         default=None, description="of all that moves; without it the valve shuts as soon as the flow turns"
     )
@@ -242,12 +193,38 @@ class CheckValveLink(_CheckValve, Between):
         default=None, description="force on the disc over its speed; none if not given"
     )
 
+
+class CheckValve(Rated, OfLiquids, Placed, load=Behind, link=WithDisc):
+    """A valve that lets flow pass out of its node, or from the first node to the second, only.
+
+    Without a capacity it has no loss. Between nodes, with a disc_mass, it shuts late, and slams:
+    disc_mass·travel·x'' = area·(drop - closing pressure) - damping·travel·x', with x from 0 (shut) to 1, to which the
+    capacity is in proportion. The closing pressure rises from the cracking_pressure at x = 0 to the open_pressure at
+    x = 1, by a spring or a weight. Of a disc that swings the mass is its moment of inertia over the square of its arm,
+    that of the liquid that moves with it included.
+
+    References
+    ----------
+    A. R. D. Thorley: Fluid Transients in Pipeline Systems, 2nd edition, Professional Engineering Publishing (2004).
+    """
+
+    kind: Literal["check valve"] = "check valve"
+    cracking_pressure: Annotated[Quantity, Role("pressure", "Pa", at_least=0)] = Field(
+        default=ZERO, description="drop at which it begins to open"
+    )
+
+    @property
+    def _may_lack_a_loss(self) -> bool:
+        return True
+
     @property
     def _may_have_a_bore(self) -> bool:
-        return self.disc_mass is not None
+        return isinstance(self, WithDisc) and self.disc_mass is not None
 
     @model_validator(mode="after")
     def _moves(self):
+        if not isinstance(self, WithDisc):
+            return self
         of_discs = "travel", "open_pressure", "damping"
         given = [key for key in of_discs if getattr(self, key) is not None]
         if self.disc_mass is None:
@@ -264,8 +241,8 @@ class CheckValveLink(_CheckValve, Between):
         return self
 
     def law(self) -> ElementLaw:  # noqa: D102
-        if self.disc_mass is None or self.travel is None:
-            return super().law()
+        if not isinstance(self, WithDisc) or self.disc_mass is None or self.travel is None:
+            return ElementLaw("quadratic", (self.cracking_pressure + _behind(self), self.capacity or inf, 1.0))
         length_over_area = float(self.travel / (self.bore or inf))
         cracking, opened = float(self.cracking_pressure), float(self.open_pressure or self.cracking_pressure)
         disc = Governor(
@@ -279,13 +256,17 @@ class CheckValveLink(_CheckValve, Between):
         return ElementLaw("quadratic", (0.0, self.capacity or inf, 0.0), governor=disc)
 
 
-class ReliefValve(_ReliefValve, _Behind):
-    """A relief valve to the outside: shut up to the set pressure, wide open a band above it."""
+class ReliefValve(Rated, OfLiquids, Placed, load=Behind):
+    """A relief valve: shut up to the set pressure, wide open a band above it."""
 
     kind: Literal["relief valve"] = "relief valve"
+    set_pressure: Annotated[Quantity, Role("pressure", "Pa", at_least=0)] = Field(
+        description="drop at which it begins to open"
+    )
+    band: Annotated[Quantity, Role("pressure", "Pa", above=0)] = Field(
+        description="further drop over which it opens in proportion, up to its full capacity"
+    )
 
-
-class ReliefValveLink(_ReliefValve, Between):
-    """A relief valve from the first node to the second: shut up to the set pressure, wide open a band above it."""
-
-    kind: Literal["relief valve"] = "relief valve"
+    def law(self) -> ElementLaw:  # noqa: D102
+        constants = (_behind(self), self.capacity or inf, float(self.set_pressure), float(self.band))
+        return ElementLaw("relief", constants)

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from tline.scene.multiport import ControlledSource
-from tline.scene.rational import AnyImpedance
+from tline.scene.rational import Impedance
 from tline.solver.description.given import Scene
 from tline.words.wording import place
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 def active_impedances(scene: Scene) -> "dict[str, Verdict]":
     """Loads and links whose impedance is refuted to be positive real, by place; R, L and C above zero need no test."""
-    given = {place(*at): x for at, x in scene.placed if isinstance(x, AnyImpedance)}
+    given = {place(*at): x for at, x in scene.placed if isinstance(x, Impedance)}
     if not given:
         return {}
     from passivity import Status, check_positive_real

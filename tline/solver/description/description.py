@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from tline.scene.changed import SINGLE, changed, parts_of
 from tline.scene.coupled import Coupled, ends_of, refuse_coupled
 from tline.scene.expanded import expanded
-from tline.scene.load import Switch
 from tline.scene.multiport import Multiport
 from tline.scene.plausible import plausibility_notes
-from tline.scene.rational_link import RationalLink
-from tline.scene.switch import SwitchLink
+from tline.scene.rational import RationalImpedance
+from tline.scene.switch import Switch
 from tline.scene.user_defined import user_elements
 from tline.scene.vessel import Boiling, SurgeTank
 from tline.solver.description.active import active_parts
@@ -206,7 +205,7 @@ class Description:
     @cached_property
     def switched(self) -> dict[str, float]:
         """Instants of switches by place, s."""
-        return {place(*at): float(one.time) for at, one in self.scene.placed if isinstance(one, Switch | SwitchLink)}
+        return {place(*at): float(one.time) for at, one in self.scene.placed if isinstance(one, Switch)}
 
     @cached_property
     def time_scales(self) -> dict[str, tuple[float, float]]:
@@ -308,7 +307,7 @@ class Description:
         InputError
             Naming the first.
         """
-        self.scene.check_linear(what, besides=Multiport | RationalLink | SwitchLink)
+        self.scene.check_linear(what, besides=Multiport | RationalImpedance | Switch)
 
     def refuse_coupled(self, what: str) -> None:
         """Refuse coupled conductors where something does not know them.

@@ -13,7 +13,7 @@ from tline.scene.scene import Scene
 from tline.scene.shape import Constant, Shape
 from tline.scene.source import Source
 from tline.scene.stretches import Stretches, stretches_of
-from tline.scene.switch import SwitchLink
+from tline.scene.switch import Switch
 from tline.scene.touchstone import Touchstone
 
 __all__ = [
@@ -39,7 +39,7 @@ __all__ = [
     "Signal",
     "Source",
     "Stretches",
-    "SwitchLink",
+    "Switch",
     "Touchstone",
     "Volume",
     "kinds_numbered",

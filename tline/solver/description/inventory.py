@@ -8,10 +8,8 @@ from numpy.typing import NDArray
 
 from tline.scene.between import Between
 from tline.scene.load import Matched, Reservoir, Resistor, Short
-from tline.scene.rational import OneCapacitance, OneInductance, ParallelRLC, RationalImpedance, SeriesRLC
-from tline.scene.rational_link import RationalLink
-from tline.scene.rational_load import Rational
-from tline.scene.switch import Switch, SwitchLink
+from tline.scene.rational import Capacitor, Inductor, Parallel, RationalImpedance, Series
+from tline.scene.switch import Switch
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import places_of
@@ -115,8 +113,8 @@ def _at_node(node: Node, steady: bool, h: float, t_end: float) -> Iterator[Membe
                 yield Member(where, (name,), DISSIPATED, False)
             case Reservoir():
                 yield Member(where, (name,), SUPPLIED, True, to_air=False)
-            case Rational() if node.held is None:
-                stores = isinstance(load, SeriesRLC | ParallelRLC | OneInductance | OneCapacitance)
+            case RationalImpedance() if node.held is None:
+                stores = isinstance(load, Series | Parallel | Inductor | Capacitor)
                 series, beside = _resistances(load)
                 yield Member(where, (name,), STORED if stores else TAKEN, steady, series=series, beside=beside)
 
@@ -125,11 +123,11 @@ def _linear(where: str, nodes: tuple[str, ...], link: Between | None, may_give: 
     """A linear link, a lumped line, or a source between two nodes."""
     if link is None and where.startswith("sources."):
         return Member(where, nodes[:2], SUPPLIED, True, through=True, to_air=False)
-    if not isinstance(link, RationalLink | SwitchLink):
+    if not isinstance(link, RationalImpedance | Switch):
         return Member(where, nodes, TAKEN, may_give, to_air=to_air)
-    if isinstance(link, SwitchLink) or link.ratio.degree == 0:
+    if isinstance(link, Switch) or link.ratio.degree == 0:
         return Member(where, nodes, DISSIPATED, may_give, through=True, to_air=False)
-    column = STORED if isinstance(link, SeriesRLC | ParallelRLC | OneInductance | OneCapacitance) else TAKEN
+    column = STORED if isinstance(link, Series | Parallel | Inductor | Capacitor) else TAKEN
     series, beside = _resistances(link)
     return Member(where, nodes, column, may_give, through=True, to_air=False, series=series, beside=beside)
 
@@ -137,7 +135,7 @@ def _linear(where: str, nodes: tuple[str, ...], link: Between | None, may_give: 
 def _resistances(one: RationalImpedance) -> tuple[float, float]:
     """Resistance in series with what stores, and conductance beside it."""
     r = float(getattr(one, "resistance", None) or 0.0)
-    return (r if isinstance(one, SeriesRLC) else 0.0), (1 / r if isinstance(one, ParallelRLC) and r else 0.0)
+    return (r if isinstance(one, Series) else 0.0), (1 / r if isinstance(one, Parallel) and r else 0.0)
 
 
 def _non_linear(element: PlacedLaw) -> Member:

@@ -5,8 +5,8 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from tline.scene.multiport import Multiport
-from tline.scene.rational_link import RationalLink
-from tline.scene.switch import SwitchLink
+from tline.scene.rational import RationalImpedance
+from tline.scene.switch import Switch
 from tline.solver.description.branches import PlacedBranch, between, one_port, resistance
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import just_before
@@ -23,9 +23,9 @@ def branches_of(scene: Scene, nodes: Mapping[str, Node]) -> Iterator[PlacedBranc
         match link:
             case Multiport():
                 yield PlacedBranch(where, link.nodes, link.ports(), to_air=link.is_grounded)
-            case RationalLink():
+            case RationalImpedance():
                 yield PlacedBranch(where, link.nodes, _across(link, 1 / nodes[link.nodes[0]].alone, where))
-            case SwitchLink():
+            case Switch():
                 yield PlacedBranch(where, link.nodes, between(resistance(float(link.before))), switch=link)
     for name, source in scene.sources.items():
         if source.nodes is not None:
@@ -36,7 +36,7 @@ def branches_of(scene: Scene, nodes: Mapping[str, Node]) -> Iterator[PlacedBranc
                 yield PlacedBranch(where, source.nodes, between(resistance(r)))
 
 
-def _across(link: RationalLink, z: float, where: str) -> Ports:
+def _across(link: RationalImpedance, z: float, where: str) -> Ports:
     """Equations of an impedance between two nodes, realised by its reflection against z."""
     impedance = link.ratio
     if impedance.degree == 0:
@@ -59,11 +59,11 @@ def resistive(scene: Scene, nodes: Mapping[str, Node]) -> list[PlacedLaw]:
 
 def _resistive(scene: Scene) -> Iterator[PlacedLaw]:
     for name, link in scene.links.items():
-        if isinstance(link, RationalLink):
+        if isinstance(link, RationalImpedance):
             r = link.ratio.at_zero()
             if 0 < abs(r) < float("inf"):
                 yield _straight(place("links", name), link.nodes, 0.0, r)
-        elif isinstance(link, SwitchLink):
+        elif isinstance(link, Switch):
             r = float(link.after if link.time < 0 else link.before)
             if r < float("inf"):
                 yield _straight(place("links", name), link.nodes, 0.0, r)
@@ -82,7 +82,7 @@ def inductive(scene: Scene) -> list[tuple[str, str, float]]:
     """Nodes of links that are shorts to a steady flow, and their inductances."""
     found = []
     for link in scene.links.values():
-        if isinstance(link, RationalLink) and link.ratio.at_zero() == 0:
+        if isinstance(link, RationalImpedance) and link.ratio.at_zero() == 0:
             found.append((*link.nodes, link.ratio.numerator[-2] / link.ratio.denominator[-1]))
     return found
 

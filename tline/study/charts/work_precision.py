@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tline.errors import InputError
-from tline.scene.rational_load import Rational
+from tline.scene.rational import RationalImpedance
 from tline.scene.scene import Scene
 from tline.study.charts.clock import FULL, QUICK, Effort, TimedRun, timed
 from tline.study.charts.judge import Judge
@@ -54,7 +54,7 @@ def work_precision(name: str, quick: bool = False, progress: bool = False) -> Ch
         begun = begin(name, quick)
         (scene, judge), table = begun[:2], begun.table()
         bar.update()
-        dynamic = any(isinstance(load, Rational) for load in scene.loads.values())
+        dynamic = any(isinstance(load, RationalImpedance) for load in scene.loads.values())
         for key, method in BASELINES.items():
             idle = key.endswith("_euler") and not dynamic
             why = method.incompatibility(scene) or ("no load to integrate" if idle else "")
