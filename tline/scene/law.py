@@ -1,7 +1,7 @@
 """What an element of a scene tells the solver: the kind of its law, its constants, and what scales it over time."""
 
 from math import inf
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from pydantic import ValidationInfo, field_validator
 
@@ -75,8 +75,23 @@ class NonLinear(Element):
         raise NotImplementedError
 
 
+class OfCables(NonLinear):
+    """One that only cables have."""
+
+    medium: ClassVar[str] = "electrical"
+
+    @field_validator("kind", check_fields=False)
+    @classmethod
+    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
+        if (info.context or {}).get("medium") == "hydraulic":
+            raise InputError("", "not a word of hydraulic scenes", "such as 'orifice' or 'table'", f"'{kind}'")
+        return kind
+
+
 class OfLiquids(NonLinear):
     """One that only pipes have."""
+
+    medium: ClassVar[str] = "hydraulic"
 
     @field_validator("kind", check_fields=False)
     @classmethod

@@ -1,0 +1,78 @@
+"""Accumulators whose piston rests on a spring."""
+
+from math import inf, pi
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from tline.scene.element import AtNode
+from tline.scene.kind import Bend, LawKind, Volume
+from tline.scene.law import ElementLaw, OfLiquids
+from tline.scene.quantity import Quantity, Role
+from tline.scene.rating import Rated
+
+NEAR = 1e-9  # of the way between stops
+
+
+class Sprung(LawKind):
+    """Constants: effort beyond the element, capacity of its orifice, capacitance, efforts inside at its two stops.
+
+    The state is the effort inside.
+    """
+
+    name, unit = "spring", "stores.spring.spring"
+    states = 1
+    returns = fills = steep = True
+
+    def at_rest(self, c, effort, control):  # noqa: D102
+        return (effort - c[0],)
+
+    def capacity(self, c, effort):
+        """As between its stops."""
+        return c[2]
+
+    def bends(self, c, rho):
+        """Just before it meets a stop, and just after it has left one: there its spring moves, and bends."""
+        _, _, _, first, last = c
+        near = NEAR * (last - first if last < inf else abs(first))
+        yield from (Bend(at) for at in (first + near, last - near) if abs(at) < inf)
+
+    def volume(self, c):  # noqa: D102
+        beyond, capacity, per_effort, first, last = c
+        return Volume(lambda p: per_effort * (np.clip(p - beyond, first, last) - first), capacity)
+
+
+class SpringAccumulator(Rated, AtNode, OfLiquids):
+    """An accumulator at a node: a piston on a spring with a preload, behind a loss if its capacity is given.
+
+    The piston begins to move where the gauge pressure exceeds the preload, and stops at the end of its stroke. It has
+    neither mass nor friction; at its stops nothing flows.
+    """
+
+    kind: Literal["spring accumulator"] = "spring accumulator"
+    piston_diameter: Annotated[Quantity, Role("diameter", "m", above=0)] = Field(description="diameter of the piston")
+    stiffness: Annotated[Quantity, Role("stiffness", "N/m", above=0)] = Field(
+        description="force of the spring over way"
+    )
+    preload: Annotated[Quantity, Role("pressure", "Pa")] = Field(
+        description="gauge pressure at which the piston begins to move"
+    )
+    stroke: Annotated[Quantity, Role("length", "m", above=0)] | None = Field(
+        default=None, description="way of the piston; without it as long as it takes"
+    )
+    example: ClassVar[str] = """\
+kind = "spring accumulator"
+piston_diameter = "10 cm"
+stiffness = 2e5           # N/m
+preload = "4 bar"
+"""
+
+    @property
+    def _may_lack_a_loss(self) -> bool:
+        return True
+
+    def law(self) -> ElementLaw:  # noqa: D102
+        area, preload = pi / 4 * float(self.piston_diameter) ** 2, float(self.preload)
+        full = inf if self.stroke is None else preload + float(self.stiffness * self.stroke) / area
+        return ElementLaw("spring", (0.0, self.capacity or inf, area**2 / float(self.stiffness), preload, full))
