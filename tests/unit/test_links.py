@@ -50,7 +50,7 @@ def test_they_are_those_of_the_loads_of_that_kind(element, given):
 def test_systems_of_others_become_links():
     from scipy.signal import lti
 
-    link = Impedance.from_system(lti([2.0, 5.0], [1.0]), BETWEEN)
+    link = Impedance.from_system(lti([2.0, 5.0], [1.0]), nodes=BETWEEN)
     assert link.nodes == BETWEEN
     assert link.rational()(3.0) == pytest.approx(11)
 

@@ -9,6 +9,7 @@ from tline.scene.characteristic import Diode as Diode
 from tline.scene.coupled import Coupled as Coupled
 from tline.scene.coupled import OneMode as OneMode
 from tline.scene.coupled import SkinMatrix as SkinMatrix
+from tline.scene.elements import *  # noqa: F403
 from tline.scene.file import schema as schema
 from tline.scene.friction import Darcy as Darcy
 from tline.scene.friction import Laminar as Laminar

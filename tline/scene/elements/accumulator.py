@@ -10,13 +10,12 @@ from tline.scene.element import AtNode
 from tline.scene.kind import Bend, LawKind, Volume
 from tline.scene.law import ElementLaw, OfLiquids
 from tline.scene.quantity import Quantity, Role
-from tline.scene.rating import Rated
 
 NEAR = 1e-9  # of the way between stops
 
 
 class Sprung(LawKind):
-    """Constants: effort beyond the element, capacity of its orifice, capacitance, efforts inside at its two stops.
+    """Constants: effort beyond the element, capacitance, efforts inside at its two stops.
 
     The state is the effort inside.
     """
@@ -30,24 +29,24 @@ class Sprung(LawKind):
 
     def capacity(self, c, effort):
         """As between its stops."""
-        return c[2]
+        return c[1]
 
     def bends(self, c, rho):
         """Just before it meets a stop, and just after it has left one: there its spring moves, and bends."""
-        _, _, _, first, last = c
+        _, _, first, last = c
         near = NEAR * (last - first if last < inf else abs(first))
         yield from (Bend(at) for at in (first + near, last - near) if abs(at) < inf)
 
     def volume(self, c):  # noqa: D102
-        beyond, capacity, per_effort, first, last = c
-        return Volume(lambda p: per_effort * (np.clip(p - beyond, first, last) - first), capacity)
+        beyond, per_effort, first, last = c
+        return Volume(lambda p: per_effort * (np.clip(p - beyond, first, last) - first), inf)
 
 
-class SpringAccumulator(Rated, AtNode, OfLiquids):
-    """An accumulator at a node: a piston on a spring with a preload, behind a loss if its capacity is given.
+class SpringAccumulator(AtNode, OfLiquids):
+    """An accumulator at a node: a piston on a spring with a preload.
 
     The piston begins to move where the gauge pressure exceeds the preload, and stops at the end of its stroke. It has
-    neither mass nor friction; at its stops nothing flows.
+    neither mass nor friction, and at its stops nothing flows. A loss in front of it is an orifice between two nodes.
     """
 
     kind: Literal["spring accumulator"] = "spring accumulator"
@@ -68,11 +67,7 @@ stiffness = 2e5           # N/m
 preload = "4 bar"
 """
 
-    @property
-    def _may_lack_a_loss(self) -> bool:
-        return True
-
     def law(self) -> ElementLaw:  # noqa: D102
         area, preload = pi / 4 * float(self.piston_diameter) ** 2, float(self.preload)
         full = inf if self.stroke is None else preload + float(self.stiffness * self.stroke) / area
-        return ElementLaw("spring", (0.0, self.capacity or inf, area**2 / float(self.stiffness), preload, full))
+        return ElementLaw("spring", (0.0, area**2 / float(self.stiffness), preload, full))

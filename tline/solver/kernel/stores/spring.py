@@ -1,6 +1,6 @@
-"""Liquid on a spring with a preload, between two stops, behind an orifice. Its state is its effort.
+"""Liquid on a spring with a preload, between two stops. Its state is its effort.
 
-Constants: effort beyond the element, capacity of the orifice, capacitance, efforts at its two stops.
+Constants: effort beyond the element, capacitance, efforts at its two stops.
 """
 
 import numpy as np
@@ -8,14 +8,19 @@ import numpy as np
 from tline.compiled.unit import function, unit
 from tline.solver.kernel.network import Store
 from tline.solver.kernel.stores.fill import fill
-from tline.solver.kernel.stores.tank import entering
 
 
 @function
 def stored(c, at, y):
     """X, dX/dy, effort, and dX/dt over the flow: at a stop X stays what it is, whatever the effort."""
-    x = min(max(y, c[at + 3]), c[at + 4])
-    return x, 1.0 if x == y else 0.0, y, 1.0 / c[at + 2]
+    x = min(max(y, c[at + 2]), c[at + 3])
+    return x, 1.0 if x == y else 0.0, y, 1.0 / c[at + 1]
+
+
+@function
+def entering(c, at, y, share, d, z):
+    """Flow, and dX/dt."""
+    return d / z, share * d / z
 
 
 @unit
