@@ -108,3 +108,8 @@ class AtNode(Element):
     """An element between a node and the reference (earth, or the open air at the node's height)."""
 
     at: Name = Field(description="node")
+
+    @property
+    def terminals(self) -> tuple[str, None]:
+        """Its node, and the reference."""
+        return self.at, None

@@ -7,7 +7,6 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError
-from tline.scene.between import Between
 from tline.scene.load import Reservoir, Resistor, Short
 from tline.scene.rational import RationalImpedance
 from tline.scene.switch import Switch
@@ -57,7 +56,7 @@ def conflicting_holds(scene: Scene) -> Iterator[InputError]:
         else:
             held.join(where, terminals)
     capacitive = [
-        (place(*at), terminals_of(element))
+        (place(*at), element.terminals)
         for at, element in scene.placed
         if isinstance(element, RationalImpedance) and is_capacitive(element)
     ]
@@ -70,7 +69,7 @@ def conflicting_holds(scene: Scene) -> Iterator[InputError]:
         held.join(where, terminals)
     for at, element in scene.placed:
         if isinstance(element, Switch) and 0 in (element.before, element.after):
-            terminals = terminals_of(element)
+            terminals = element.terminals
             if held.joins(terminals):
                 problem = f"shorts {_told(terminals)}, which {held.holder(terminals)} holds"
                 yield InputError(place(*at), problem, "a resistance above zero")
@@ -85,11 +84,6 @@ def ideal_efforts(scene: Scene) -> list[tuple[str, Terminals]]:
 def held_nodes(scene: Scene) -> set[str]:
     """Nodes whose effort against the reference is prescribed."""
     return {node for _, (node, other) in ideal_efforts(scene) if other is None}
-
-
-def terminals_of(element: Any) -> Terminals:
-    """Where a two-terminal element stands: its nodes, or its node and the reference."""
-    return element.nodes if isinstance(element, Between) else (element.at, None)
 
 
 def _told(terminals: Terminals) -> str:

@@ -47,8 +47,6 @@ class LawKind:
         Whether no steady flow passes it.
     steep : bool
         Whether its flow may change behind a front faster than slabs resolve.
-    starts : bool
-        Whether its element may say at which effort it starts.
     breaks : bool
         Whether it sends fronts at instants of its own, which are not followed.
     steady : str
@@ -65,7 +63,6 @@ class LawKind:
     returns: ClassVar[bool] = False
     fills: ClassVar[bool] = False
     steep: ClassVar[bool] = False
-    starts: ClassVar[bool] = False
     breaks: ClassVar[bool] = False
     steady: ClassVar[str] = ""
     number: ClassVar[int]

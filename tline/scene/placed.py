@@ -17,6 +17,11 @@ class Placed(Element):
         at: Name = ""
         nodes: tuple[Name, Name] = ("", "")
 
+        @property
+        def terminals(self) -> tuple[str, str | None]:
+            """Its nodes, or its node and the reference."""
+            return self.nodes
+
     load: ClassVar[type["Placed"]]
     link: ClassVar[type["Placed"]]
 

@@ -62,7 +62,7 @@ class Tank(LawKind):
 
     name, unit = "tank", "stores.tank.tank"
     states = 1
-    returns = fills = steep = starts = True
+    returns = fills = steep = True
 
     def at_rest(self, c, effort, control):  # noqa: D102
         return (effort - c[0],)

@@ -65,7 +65,7 @@ def elements_of(scene: Scene, nodes: Mapping[str, Node]) -> list[PlacedLaw]:
     """Those elements of a scene that are seen by anything: not those between efforts that are held."""
     found = []
     for (part, name), law in scene.laws.items():
-        ends = scene.links[name].nodes if part == "links" else (scene.loads[name].at, None)
+        ends = (scene.links if part == "links" else scene.loads)[name].terminals
         if any(node is not None and nodes[node].held is None for node in ends):
             from_node, to_node = reversed(ends) if law.reverse else ends
             levels = [nodes[node].above_level if node is not None else 0.0 for node in (from_node, to_node)]

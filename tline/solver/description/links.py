@@ -89,7 +89,7 @@ def inductive(scene: Scene) -> list[tuple[str, str, float]]:
 
 def capacitive(scene: Scene) -> list[tuple[tuple[str, str], float]]:
     """Nodes of links that are no shorts to a steady flow, and their capacities."""
-    links = [link for link in scene.links.values() if isinstance(link, RationalLink)]
+    links = [link for link in scene.links.values() if isinstance(link, RationalImpedance)]
     return [(link.nodes, admittance(link.ratio)[1]) for link in links if link.ratio.at_zero()]
 
 

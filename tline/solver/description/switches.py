@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.load import Switch
-from tline.scene.switch import SwitchLink
+from tline.scene.switch import Switch
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import ElementLaw
@@ -40,9 +39,9 @@ class Moving(NamedTuple):
 def switches_of(description: Description) -> Iterator[PlacedLaw]:
     """Switches of a scene at nodes whose effort is not held."""
     for at, one in description.scene.placed:
-        if not isinstance(one, Switch | SwitchLink):
+        if not isinstance(one, Switch):
             continue
-        ends = one.nodes if isinstance(one, SwitchLink) else (one.at, None)
+        ends = one.terminals
         free = [node for node in ends if node is not None and description.nodes[node].held is None]
         if free:
             impedance = max(1 / description.nodes[node].total for node in free)
