@@ -3,7 +3,7 @@
 import math
 import numbers
 from fractions import Fraction
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
@@ -31,8 +31,19 @@ MOST_STATES = 20  # degree up to which double precision holds ladders of L and C
 
 
 class RationalImpedance(Element):
-    """An element that is a rational impedance between its two terminals."""
+    """An element that is a rational impedance between its two terminals.
 
+    Attributes
+    ----------
+    stores : bool
+        Whether it holds what does not flow through its resistance.
+    series, beside : float
+        Resistance that all its flow passes, and conductance beside the rest.
+    """
+
+    stores: ClassVar[bool] = False
+    series: ClassVar[float] = 0.0
+    beside: ClassVar[float] = 0.0
     _ratio: Ratio = PrivateAttr()
     _rational: "RationalFunction | None" = PrivateAttr(default=None)
 
@@ -92,6 +103,7 @@ class Inductor(RationalImpedance, Placed):
     """An inductance, Z(s) = sL."""
 
     kind: Literal["inductor"] = "inductor"
+    stores = True
     inductance: Inductance = Field(description="L")
 
     def _find_ratio(self) -> Ratio:
@@ -108,6 +120,7 @@ class Capacitor(RationalImpedance, Placed):
     """
 
     kind: Literal["capacitor"] = "capacitor"
+    stores = True
     capacitance: Capacitance = Field(description="C")
 
     def _find_ratio(self) -> Ratio:
@@ -130,6 +143,11 @@ class Series(_RLC, Placed):
     """R, L and C one after the other, Z(s) = R + sL + 1/(sC); those not given are absent."""
 
     kind: Literal["series"] = "series"
+    stores = True
+
+    @property
+    def series(self) -> float:  # noqa: D102
+        return float(self.resistance or 0.0)
 
     def _find_ratio(self) -> Ratio:
         r, ind, c = self._exact_values()
@@ -142,6 +160,11 @@ class Parallel(_RLC, Placed):
     """R, L and C side by side, 1/Z(s) = 1/R + 1/(sL) + sC; those not given are absent."""
 
     kind: Literal["parallel"] = "parallel"
+    stores = True
+
+    @property
+    def beside(self) -> float:  # noqa: D102
+        return float(1 / self.resistance) if self.resistance else 0.0
 
     def _find_ratio(self) -> Ratio:
         r, ind, c = self._exact_values()

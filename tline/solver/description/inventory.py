@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from tline.scene.between import Between
 from tline.scene.load import Matched, Reservoir, Resistor, Short
-from tline.scene.rational import Capacitor, Inductor, Parallel, RationalImpedance, Series
+from tline.scene.rational import RationalImpedance
 from tline.scene.switch import Switch
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
@@ -114,9 +114,8 @@ def _at_node(node: Node, steady: bool, h: float, t_end: float) -> Iterator[Membe
             case Reservoir():
                 yield Member(where, (name,), SUPPLIED, True, to_air=False)
             case RationalImpedance() if node.held is None:
-                stores = isinstance(load, Series | Parallel | Inductor | Capacitor)
-                series, beside = _resistances(load)
-                yield Member(where, (name,), STORED if stores else TAKEN, steady, series=series, beside=beside)
+                column = STORED if load.stores else TAKEN
+                yield Member(where, (name,), column, steady, series=load.series, beside=load.beside)
 
 
 def _linear(where: str, nodes: tuple[str, ...], link: Between | None, may_give: bool, to_air: bool) -> Member:
@@ -127,15 +126,8 @@ def _linear(where: str, nodes: tuple[str, ...], link: Between | None, may_give: 
         return Member(where, nodes, TAKEN, may_give, to_air=to_air)
     if isinstance(link, Switch) or link.ratio.degree == 0:
         return Member(where, nodes, DISSIPATED, may_give, through=True, to_air=False)
-    column = STORED if isinstance(link, Series | Parallel | Inductor | Capacitor) else TAKEN
-    series, beside = _resistances(link)
+    column, series, beside = STORED if link.stores else TAKEN, link.series, link.beside
     return Member(where, nodes, column, may_give, through=True, to_air=False, series=series, beside=beside)
-
-
-def _resistances(one: RationalImpedance) -> tuple[float, float]:
-    """Resistance in series with what stores, and conductance beside it."""
-    r = float(getattr(one, "resistance", None) or 0.0)
-    return (r if isinstance(one, Series) else 0.0), (1 / r if isinstance(one, Parallel) and r else 0.0)
 
 
 def _non_linear(element: PlacedLaw) -> Member:
