@@ -22,7 +22,7 @@ def test_the_map_lists_every_folder():
 
 @pytest.mark.parametrize("name", NAMED)
 def test_what_add_a_node_names_is_there(name):
-    """A path from the root or beside the last one named; a class, constant or attribute; a method with its parameters."""
+    """A path from the root or beside the last one named; a class, constant, attribute; a method with its parameters."""
     if "/" in name or name.endswith(".py"):
         assert (ROOT / name).exists() or (ROOT / "tline" / "scene" / name).exists()
     elif "(" in name:
