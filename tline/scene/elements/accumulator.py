@@ -15,9 +15,9 @@ NEAR = 1e-9  # of the way between stops
 
 
 class Sprung(LawKind):
-    """Constants: effort beyond the element, capacitance, efforts inside at its two stops.
+    """Constants: effort beyond the element, capacitance, efforts of the spring at its two stops.
 
-    The state is the effort inside.
+    The state is the effort of the spring.
     """
 
     name, unit = "spring", "stores.spring.spring"
@@ -25,7 +25,7 @@ class Sprung(LawKind):
     returns = fills = steep = True
 
     def at_rest(self, c, effort, control):  # noqa: D102
-        return (effort - c[0],)
+        return (min(max(effort - c[0], c[2]), c[3]),)
 
     def capacity(self, c, effort):
         """As between its stops."""
