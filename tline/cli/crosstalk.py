@@ -39,7 +39,7 @@ def crosstalk(scene: str, *, confined: bool = False, **given: Any) -> Output:
     }
     files = {
         "csv": lambda file: measured.save_crosstalk(seen, file),
-        "plot": drawn("tline.pictures.crosstalk:plot_crosstalk", seen, read.title),
+        "plot": drawn("tline.pictures.signals:plot_crosstalk", seen, read.title),
     }
     told = {"line": seen.line, "driven": seen.driven, "swing": seen.swing, "near": seen.near, "far": seen.far}
     return Output(_text(seen, modes), lambda: told | {"modes": modes}, files)

@@ -6,15 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import click
 
 from tline.cli.drives_input import MECHANISM, SET_POINTS, mechanism, numbers_of, quantity, torques
-from tline.cli.from_signature import Command, Output, command, drawn, picture, table
+from tline.cli.from_signature import Command, Output, command, drawn, picture, table, tabled
 from tline.errors import InputError
 from tline.words.aligned import aligned
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
     from drives import CoupledDrives, Design, Run
 
 EXAMPLES = """\b
@@ -133,7 +129,7 @@ def bode(
     columns = {f"{n} {key}": np.array(values) for n, answer in answers.items() for key, values in answer.items()}
     smooth, both = np.logspace(np.log10(first), np.log10(last), 400), list(seen.values())
     files = {
-        "csv": lambda file: _write(file, {"omega": omega} | columns),
+        "csv": tabled({"omega": omega} | columns),
         "plot": drawn("drives.picture:draw_bode", both, smooth),
         "poles": drawn("drives.picture:draw_poles", both),
     }
@@ -211,7 +207,7 @@ def step_(
     with step_.named():
         run = (simulate_slack if slack else simulate)(found, *applied, t_end=last, step=h)
     plot = drawn("drives.picture:draw_run", run.t, run.outputs, ("x_k", "tension", "belt_speed"))
-    files = {"csv": lambda file: _write(file, {"t": run.t} | run.outputs), "plot": plot}
+    files = {"csv": tabled({"t": run.t} | run.outputs), "plot": plot}
     return Output(_text(run, run.verdicts), lambda: _data(run), files, run.notes, int(bool(run.verdicts)))
 
 
@@ -244,7 +240,7 @@ def control(*, t_end: str = "2 s", **given: Any) -> Output:
     verdicts = (*made.verdicts, *run.verdicts)
     lines = {"belt_speed": np.full(len(run.t), speed), "tension": np.full(len(run.t), tension)}
     files = {
-        "csv": lambda file: _write(file, {"t": run.t} | run.outputs),
+        "csv": tabled({"t": run.t} | run.outputs),
         "plot": drawn("drives.picture:draw_closed_loop", run.t, run.outputs, lines, limit),
     }
     return Output(
@@ -337,9 +333,3 @@ def _energies(run: "Run") -> dict[str, float]:
     """At the end, J."""
     names = ("stored", "dissipated", "supplied", "imbalance")
     return {name: float(getattr(run.energy, name)[-1]) for name in names}
-
-
-def _write(file: str, columns: "Mapping[str, NDArray]") -> None:
-    from tline.solver.result.atomic import write_table
-
-    write_table(file, [*columns], zip(*(column.tolist() for column in columns.values()), strict=True))

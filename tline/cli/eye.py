@@ -49,7 +49,7 @@ def eye(scene: str, *, mask: str | None = None, confined: bool = False, **given:
     told = {"height": seen.height, "width": seen.width, "instant": seen.instant, "threshold": seen.threshold}
     told |= {"jitter": spread.peak_to_peak, "jitter_rms": spread.rms} | ({"mask_hits": hits} if hexagon else {})
     told |= {"bits": len(seen.bits), "period": seen.period, "unit": unit}
-    files = {"plot": drawn("tline.pictures.eye:plot_eye", seen, medium, read.title, hexagon)}
+    files = {"plot": drawn("tline.pictures.signals:plot_eye", seen, medium, read.title, hexagon)}
     return Output(_text(given["probe"], told), lambda: told, files, exit_code=int(seen.height <= 0 or hits > 0))
 
 

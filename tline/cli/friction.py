@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tline.cli.from_signature import Output, command, drawn, picture, table
+from tline.cli.from_signature import Output, command, drawn, picture, table, tabled
 from tline.cli.options import options_named
 from tline.errors import InputError
 from tline.units import to_si
@@ -115,7 +115,6 @@ def run(
     """
     from friction import Status, Testbench, simulate
     from friction.result import COLUMNS
-    from tline.solver.result.atomic import write_table
 
     shape = {"slope": slope, "sine": sine, "frequency": frequency, "spring": spring, "pull": pull}
     si = run.in_si(shape | given)
@@ -128,9 +127,7 @@ def run(
         steps: dict[str, Any] = {key: si[key] for key in ("t_end", "h") if key in si}
         result = simulate(law, loaded, method=method, tol=tol, **steps)
     files = {
-        "csv": lambda file: write_table(
-            file, COLUMNS, zip(*(getattr(result, x).tolist() for x in COLUMNS), strict=True)
-        ),
+        "csv": tabled({name: getattr(result, name) for name in COLUMNS}),
         "plot": drawn("friction.pictures:draw_runs", {f"{model}, {result.method.name}": result}),
     }
     return Output(_text(result), lambda: _told(result), files, exit_code=int(result.status is not Status.DONE))

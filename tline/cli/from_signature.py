@@ -244,6 +244,17 @@ def drawn(function: str, *args: Any, **more: Any) -> Callable[[str], None]:
     return save
 
 
+def tabled(columns: Mapping[str, Any]) -> Callable[[str], None]:
+    """What writes arrays beside each other as a table."""
+
+    def save(file: str) -> None:
+        from tline.solver.result.atomic import write_columns
+
+        write_columns(file, columns)
+
+    return save
+
+
 def _flags(name: str) -> list[str]:
     return [*(["-o"] if name == "output" else []), f"--{name.replace('_', '-')}"]
 

@@ -11,10 +11,6 @@ from tline.errors import ActiveError, InputError, SceneError
 PICTURE, CSV = (".png", ".svg", ".pdf"), (".csv",)
 confined_option = click.option("--confined", is_flag=True, help="Read no files outside of the scene's folder.")
 
-tol_option = click.option(
-    "--tol", metavar="NUMBER", help="Largest error, relative to the amplitude; the scene's, or 1e-6, if not given."
-)
-
 
 def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None:
     """Refuse files that could not be written, by option with its suffixes, before time is spent on them.

@@ -36,7 +36,7 @@ def tdr(scene: str, *, confined: bool = False, **given: Any) -> Output:
     medium = MEDIA[read.medium]
     files = {
         "csv": lambda file: save_reflections(seen, file),
-        "plot": drawn("tline.pictures.reflections:plot_reflections", seen, medium, read.title),
+        "plot": drawn("tline.pictures.signals:plot_reflections", seen, medium, read.title),
     }
     return Output(_text(given["node"], seen, medium.units["resistance"]), lambda: _data(seen), files)
 
