@@ -22,7 +22,7 @@ from tline.solver.convolution.nodal import Efforts, LinearRest
 from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.description.components import parts
 from tline.solver.description.description import Description
-from tline.solver.description.excitation import Shape
+from tline.solver.description.excitation import EDGE, Shape
 from tline.solver.description.groups import Group
 from tline.solver.description.laws import laws_of, started, states_of, with_basis
 from tline.solver.description.switches import Moving
@@ -192,5 +192,6 @@ def _over_time(signal: Shape | None, now: float, order: Basis, h: float, ahead: 
     """A control signal at the points of n slabs, or the value that it always has."""
     if signal is None:
         return np.full(n * order.s, now)
-    t = ((np.arange(n)[:, None] + order.c - ahead) * h).ravel()
-    return np.where(t < 0, now, signal.value(np.maximum(t, 0.0), np.maximum(t, 0.0)))
+    slab, inside = np.arange(n)[:, None] - ahead, np.minimum(order.c, 1 - EDGE)  # at a slab's end what was before it
+    t, inside = (((slab + places) * h).ravel() for places in (order.c, inside))
+    return np.where(inside < 0, now, signal.value(np.maximum(t, 0.0), np.maximum(inside, 0.0)))

@@ -89,7 +89,7 @@ class Quadrature:
     """
 
     def __init__(self, basis: Basis, h: float, n: int):
-        self.n, self.length = n, PADDED * n
+        self.n, self.h, self.length = n, h, PADDED * n
         radius = EPS ** (1 / (n * (PADDED + 1)))  # what wraps around is then as small as rounding makes the last slabs
         self.decay = radius ** np.arange(n)
         zeta = radius * np.exp(-2j * np.pi * np.arange(self.length // 2 + 1) / self.length)
