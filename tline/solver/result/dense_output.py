@@ -14,7 +14,7 @@ AFTER = 1e-8  # slabs behind an edge where the value just after it is taken
 ROUGH = 1e-2  # of the wave's range: larger in the highest degrees, and at a slab's edge, means a front inside it
 NOISE = 1e-13  # of the largest wave; a smaller effort, or flow times z0, is zero
 PLACES = 5  # in a slab, at least, where extremes are looked for
-CANDIDATES, AROUND, ZOOMS = 16, 17, 7  # samples from which polynomials are searched, places round each, and how often
+CANDIDATES, AROUND, ZOOMS = 16, 17, 7  # samples round which is searched, places round each, and how often
 WIDEST = 4  # slabs over which a front may have spread
 
 
@@ -169,7 +169,13 @@ def extremes(probe: ProbeResult, key: str) -> tuple[tuple[float, float], tuple[f
 
 
 def highest(
-    at: Callable[[NDArray], NDArray], t: NDArray, values: NDArray, sign: int, noise: float, width: float
+    at: Callable[[NDArray], NDArray],
+    t: NDArray,
+    values: NDArray,
+    sign: int,
+    noise: float,
+    width: float,
+    candidates: int = CANDIDATES,
 ) -> tuple[float, float]:
     """The largest value (sign 1) or the smallest (sign -1) of a signal that is known at samples, and when.
 
@@ -185,13 +191,15 @@ def highest(
         What a value found between samples must exceed theirs by.
     width : float
         Time between samples, s.
+    candidates : int
+        Samples round which is searched, and as many of the highest parabolas.
     """
     rising = sign * values
     fall = 2 * rising[1:-1] - rising[2:] - rising[:-2]
     top = (rising[1:-1] >= rising[2:]) & (rising[1:-1] >= rising[:-2]) & (fall > 0)
     gain = np.zeros(len(rising))
     gain[1:-1][top] = (rising[2:] - rising[:-2])[top] ** 2 / (8 * fall[top])
-    few = min(CANDIDATES, len(t))
+    few = min(candidates, len(t))
     best = np.unique(np.concatenate([np.argpartition(-each, few - 1)[:few] for each in (rising, rising + gain)]))
     found, heights = t[best], rising[best]
     around = np.linspace(-1.0, 1.0, AROUND)

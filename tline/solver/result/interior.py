@@ -25,6 +25,7 @@ from tline.words.wording import place
 
 CELLS = 16
 INSTANTS = 2000  # at least, where extremes on a lossless line are looked for; slab ends are among them
+PEAKS = 2  # of the samples, round which extremes are looked for
 MOST_INSTANTS = 20_000  # of a lattice, if it has more than one cell
 ROUGHLY = 1e-5  # tolerance of circuits where a run had none
 CLOSE, MOST_ROUNDS = 1e-6, 200  # of the largest wave, where the iteration ends
@@ -79,9 +80,13 @@ class Inside:
             late = [slab_ends, slab_ends + way, slab_ends + self.record.delay - way, self.t]
             at = np.unique(np.concatenate(late))
             at = at[at <= slab_ends[-1]]
-            u, effort = self.effort(at, share), partial(self.effort, share=share)
-            noise, width = NOISE * float(np.abs(u).max()), float(np.diff(at).max(initial=0.0))
-            seen.append((u[0], *(highest(effort, at, u, sign, noise, width)[0] for sign in (-1, 1))))
+            u = self.effort(at, share)
+            low, high = u.min(), u.max()
+            if self.lost is None:  # what is lost is known on its lattice alone
+                effort = partial(self.effort, share=share)
+                noise, width = NOISE * float(np.abs(u).max()), float(np.diff(at).max(initial=0.0))
+                low, high = (highest(effort, at, u, sign, noise, width, PEAKS)[0] for sign in (-1, 1))
+            seen.append((u[0], low, high))
         return np.array(seen).T
 
 
