@@ -5,7 +5,6 @@ from itertools import pairwise
 import mpmath as mp
 import numpy as np
 import pytest
-from method_of_steps import NODES, WEIGHTS
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -196,8 +195,7 @@ def test_a_surge_tank_swings_as_its_characteristic_equation_says():
 def in_steps(rhs, send, first: float, start: float, back: float, t_end: float) -> list:
     """Integrate x' = rhs(t, x, a) where a(t) = 2·HEAD - send(t - 2T), one round trip after the other.
 
-    Waves that were sent are polynomials through 12 points of each step. Steps are short, for DOP853 overlooks the error
-    of a long one in which a flow turns.
+    Steps are short, for DOP853 overlooks the error of a long one in which a flow turns.
     """
     pieces = [lambda t: (np.full(np.shape(t), first), np.full(np.shape(t), back))]
     x, t = start, 0.0
@@ -212,16 +210,9 @@ def in_steps(rhs, send, first: float, start: float, back: float, t_end: float) -
             dense_output=True, rtol=1e-13, atol=1e-15, max_step=DELAY / 100,
         )  # fmt: skip
 
-        begins, ends = done.t[:-1, None], done.t[1:, None]
-        nodes = begins + (ends - begins) * NODES
-        sent = send(nodes, done.sol(nodes.ravel())[0].reshape(nodes.shape), arriving(nodes))
-
-        def piece(s, starts=done.t, nodes=nodes, sent=sent):
-            """What was sent, by a polynomial on each step; only that is asked for."""
-            row = np.clip(np.searchsorted(starts, s, side="right") - 1, 0, len(nodes) - 1)
-            apart = np.asarray(s)[..., None] - nodes[row]
-            share = WEIGHTS / np.where(apart == 0.0, 1e-300, apart)
-            return None, (share * sent[row]).sum(axis=-1) / share.sum(axis=-1)
+        def piece(s, done=done, arriving=arriving):
+            x, a = done.sol(s)[0], arriving(s)
+            return x, send(s, x, a)
 
         pieces.append(piece)
         x, t = done.y[0, -1], t + 2 * DELAY
