@@ -18,7 +18,7 @@ from tline.solver.loop.march import Stepper
 from tline.solver.run import run
 from tline.solver.simulate import simulate
 
-SLABS, SCENES = 40, 15
+SLABS, SCENES = 40, 8
 AT_ONCE = 1e-13  # of the energy at the start, in one slab: roundings
 SAME = 1e-11  # of the largest wave
 

@@ -1,5 +1,7 @@
 """Behind fronts, laws beside inductors and capacitors answer at rates that follow from no element alone."""
 
+from functools import cached_property
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -42,6 +44,7 @@ class Clamp:
         b = v if self.C else 1.0 - i
         return b, b - THERMAL * np.log1p(np.maximum(i / self.saturation, -1 + 1e-12))
 
+    @cached_property
     def exact(self) -> dict[str, NDArray]:
         """Voltages at b and m so long after the front, by an integrator of SciPy."""
 
@@ -57,7 +60,7 @@ def off(clamp: Clamp, result) -> dict[str, float]:
     """Largest errors at the probes, over their amplitudes."""
     return {
         name: float(np.abs(result.probes[name].at(1.0 + AT + AFTER).u - exact).max() / np.abs(exact).max())
-        for name, exact in clamp.exact().items()
+        for name, exact in clamp.exact.items()
     }
 
 
@@ -72,7 +75,7 @@ def test_a_diode_before_an_inductor_is_met_where_it_is_said_to_be(saturation, to
         assert error <= FACTOR * result.accuracy.inside[name].u + KNOWN
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(6))
 def test_clamps_of_any_rates_are_as_told(seed):
     """Rates over ten decades, most of them far beyond those of the slabs; to a tolerance, and fixed by hand."""
     rng = np.random.default_rng(seed)

@@ -38,7 +38,7 @@ def adds_up(ledger: Ledger) -> None:
             assert entry.unaccounted >= -close
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1), order=st.integers(1, 8), slab=st.floats(0.05, 0.45), jumps=st.booleans(),
     start=st.sampled_from(["rest", "steady"]),
@@ -50,13 +50,13 @@ def test_linear_networks(seed, order, slab, jumps, start):
     adds_up(kept(Scene(**table)))
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), order=st.integers(1, 8), slab=st.floats(0.06, 0.49))
 def test_networks_with_valves_and_vessels(seed, order, slab):
     adds_up(kept(random_elements(seed, driven=True, start="steady", solver={"order": order, "slab": slab})))
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), order=st.integers(1, 5), slab=st.sampled_from([0.1, 0.23]), whole=st.booleans())
 def test_networks_with_losses(seed, order, slab, whole):
     """Whole delays are cut into segments, others have loss elements."""

@@ -62,7 +62,7 @@ def in_losses(assembly: Assembly) -> float:
     return total
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1),
     make=st.sampled_from([lossy, with_friction]),

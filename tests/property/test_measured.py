@@ -51,7 +51,7 @@ def check_never_gains(scene, seed, blocks=60, slabs=50):
     return on_lines(assembly) / start
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), order=st.integers(1, 8), slab=st.floats(0.02, 0.69))
 def test_energy_never_grows_beside_an_antenna(seed, order, slab):
     left = check_never_gains(network(SHIPPED, order=order, slab=slab * 1e-9), seed)
@@ -78,7 +78,7 @@ def test_fits_of_a_plain_line_are_proved_or_refused(order, end, tmp_path, monkey
     touchstone.model_of.cache_clear()
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=3, deadline=None)
 @given(delay=st.floats(0.2, 3.0), end=st.sampled_from([-1.0, 1.0, 0.5]))
 def test_a_plain_line_is_its_delay(delay, end):
     f = frequencies(2e9, 100)

@@ -29,7 +29,7 @@ def chattering(seed):
 
 @pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")  # corners of the pulse
 @pytest.mark.parametrize("order", [1, 2, 3, 5])
-@pytest.mark.parametrize(("seed", "t_end"), [*((k, 8) for k in range(6)), *map(chattering, (127, 155, 171))])
+@pytest.mark.parametrize(("seed", "t_end"), [*((k, 8) for k in range(3)), *map(chattering, (127, 155, 171))])
 def test_energy_never_grows(order, seed, t_end):
     """Three pipes and two of them in a row, after a pulse at one end; both ends are dead."""
     rng = np.random.default_rng(seed)

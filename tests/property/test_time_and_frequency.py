@@ -29,14 +29,14 @@ def transform(result, values_at, s):
     return np.array([(values * np.exp(-z * t) * weights * width).sum() for z in s])
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_they_agree(seed):
     scene = random_scene(seed, sources=True, switches=False, solver={"order": 6, "slab": 0.1})
     agree(Scene(**scene.table() | {"t_end": T_END}))
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(table=multiport_scenes())
 def test_they_agree_past_multiports(table):
     sine = {"shape": "sine", "amplitude": 1, "frequency": 0.2, "until": 5.0}
