@@ -154,8 +154,8 @@ class Plan:
             (b1, a1), (a2, b2) = waves[row], waves[row + 1]  # what arrived first
             line = known.lines[name]
             pairs = (line.a1, a1), (line.b1, b1), (line.a2, a2), (line.b2, b2)
-            each = (Wave(values, 0.0, old.basis, old.h, old.pieces) for old, values in pairs)
-            lines[name] = LineRecord(line.z0, line.delay, *each, line.smeared, blurred=line.blurred)
+            a1, b1, a2, b2 = (Wave(values, 0.0, old.basis, old.h, old.pieces) for old, values in pairs)
+            lines[name] = LineRecord(line.z0, line.delay, a1, b1, a2, b2, line.smeared, blurred=line.blurred)
         probes = {
             name: ProbeResult(name, old.line, old.share, lines[old.line], old.slabs, old.height)
             for name, old in known.probes.items()
