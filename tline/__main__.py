@@ -1,5 +1,5 @@
 """``python -m tline`` is ``tline``."""
 
-from tline.cli.main import main
+from tline.cli.program import program
 
-main()
+program()

@@ -1,7 +1,7 @@
 """A scene with other values at dotted paths: only the elements that change are read and checked anew."""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from functools import lru_cache
 from typing import Any
@@ -11,15 +11,22 @@ from pydantic import TypeAdapter, ValidationError
 from tline.errors import InputError, SceneError
 from tline.scene.check import conflict_alike, conflicts
 from tline.scene.element import Element
+from tline.scene.ibis.element import Ibis
+from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.medium import MEDIA
+from tline.scene.number import with_number
 from tline.scene.scene import Scene
-from tline.scene.user_defined import user_elements
+from tline.scene.touchstone import Touchstone
+from tline.scene.user_defined import UserElement
 from tline.words.wording import nearest, shown
 
 SECTIONS = "lines", "sources", "loads", "links", "probes", "measures", "nodes"
+ALONE = "sources", "loads", "links"  # whose elements take their numbers as they are
+NOT_ALONE = Touchstone | MeasuredMultiport | Ibis | UserElement  # made of others by a file, or a user's own
 PLACES = "at", "nodes", "line"  # keys of an element
 SINGLE = 2  # parts of the path of an element
 DERIVED = "heights", "single_lines"  # what a scene has found of itself
+Found = dict[str, dict[str, Any]]
 
 
 def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
@@ -53,19 +60,15 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
         raise InputError("", "not values by path", "a dict such as {'lines.cable.z0': 60}", shown(values))
     if not values:
         return scene
-    if scene.composed or user_elements(scene):
+    if any(isinstance(element, NOT_ALONE) for part in (scene.loads, scene.links) for element in part.values()):
         return _read_anew(scene, values)
-    tables: dict[str, dict[str, Any]] = {}
-    for path, value in values.items():
-        section, *names = parts_of(path)
-        if section not in SECTIONS or len(names) < SINGLE:
-            return _read_anew(scene, values)
-        name, *keys = names
-        old = _element(scene, path, section, name)
-        _put(tables.setdefault(section, {}).setdefault(name, deepcopy(old.table())), path, keys, value)
+    places = [(path, *parts_of(path)) for path in values]
+    if not all(section in SECTIONS and len(names) >= SINGLE for _, section, *names in places):
+        return _read_anew(scene, values)
+    for path, section, name, *_ in places:
+        _element(scene, path, section, name)
     try:
-        context = _context(scene)
-        found = {part: _ADAPTERS[part].validate_python(each, context=context) for part, each in tables.items()}
+        found = _numbers(scene, places, values) or _elements(scene, places, values)
     except (ValidationError, InputError):
         return _read_anew(scene, values)  # which tells what is wrong
     pairs = [(getattr(scene, part)[name], new) for part, each in found.items() for name, new in each.items()]
@@ -78,6 +81,29 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
         for mistake in conflicts(new):
             raise _at(mistake, values)
     return new
+
+
+def _numbers(scene: Scene, places: Sequence[tuple[str, ...]], values: Mapping[str, Any]) -> Found | None:
+    """Elements with other numbers in them, by section and name; None if a value is no number in place of another."""
+    found: Found = {}
+    for path, section, name, *keys in places:
+        here = found.setdefault(section, {})
+        element = here.get(name, getattr(scene, section)[name])
+        new = with_number(element, keys, values[path]) if section in ALONE else None
+        if new is None:
+            return None
+        here[name] = new
+    return found
+
+
+def _elements(scene: Scene, places: Sequence[tuple[str, ...]], values: Mapping[str, Any]) -> Found:
+    """Elements read anew from their tables with other values in them, by section and name."""
+    tables: Found = {}
+    for path, section, name, *keys in places:
+        here = tables.setdefault(section, {})
+        _put(here.setdefault(name, deepcopy(getattr(scene, section)[name].table())), path, keys, values[path])
+    context = _context(scene)
+    return {part: _ADAPTERS[part].validate_python(each, context=context) for part, each in tables.items()}
 
 
 @lru_cache(maxsize=1024)

@@ -101,4 +101,5 @@ def _is_ideal(load: Any) -> bool:
 
 def is_capacitive(element: RationalImpedance) -> bool:
     """Whether the effort across it cannot jump, while it is no short."""
-    return not element.ratio.is_zero and element.ratio.at_infinity() == 0
+    ratio = element.ratio
+    return not ratio.is_zero and ratio.at_infinity() == 0

@@ -26,7 +26,7 @@ class Ratio(NamedTuple):
     def of_fractions(cls, *sides: Sequence[Fraction | int]) -> "Ratio":
         """That of exact coefficients; leading ones may be zero."""
         common = lcm(*(a.denominator for side in sides for a in side))
-        whole = [[int(a * common) for a in side] for side in sides]
+        whole = [[a.numerator * (common // a.denominator) for a in side] for side in sides]
         return cls(*(tuple(side[next((k for k, a in enumerate(side) if a), len(side) - 1) :]) for side in whole))
 
     @classmethod

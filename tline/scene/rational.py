@@ -3,6 +3,7 @@
 import math
 import numbers
 from fractions import Fraction
+from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
@@ -67,6 +68,7 @@ class RationalImpedance(Element):
         return self
 
 
+@lru_cache(maxsize=1024)
 def exact(value: float) -> Fraction:
     """The shortest decimal that is this float: what was typed."""
     return Fraction(repr(float(value)))

@@ -8,12 +8,14 @@ lumped lines, whose fronts lie at edges of slabs.
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
 from tline.solver.assembly.assemble import assemble
 from tline.solver.assembly.fronts import Tally
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import Shape, places_of, sampled
+from tline.solver.description.given import Scene
 from tline.solver.description.groups import Group
 from tline.solver.description.load_step import StateSpace, load_step
 from tline.solver.description.resolution import resolution
@@ -24,8 +26,8 @@ from tline.solver.loop.march import March, Stepper, concatenated
 from tline.solver.loop.slabs import Slabs
 from tline.solver.radau import chebyshev
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
-from tline.solver.result.result import Result
-from tline.solver.run import given_out, with_ledger
+from tline.solver.result.result import LineRecord, ProbeResult, Result, Wave
+from tline.solver.run import Again, given_out, with_ledger
 from tline.solver.tolerance.compare import BETWEEN, relative
 from tline.solver.tolerance.difference import Difference
 from tline.solver.tolerance.smooth import at_same_places
@@ -37,6 +39,7 @@ SPARE = 0.1  # of the tolerance: what a plan is to tell of the scene as it was g
 CAUTION = BETWEEN / (1 - SLOWEST)  # errors between places over differences
 
 
+NOTHING = np.empty(0)
 Excitations = list[tuple[Shape, float]]
 
 
@@ -53,8 +56,7 @@ class OneOrder:
         self.kernel = stepper.kernel
         self.smooth = stepper.fronts is None and not stepper.at_edges and not self.assembly.follows_edges
         self.excitation = stepper.signals.sampled(0, self.slabs.number).copy()
-        self.initial = self.assembly.state._replace(load=self.assembly.state.load.copy())
-        self.z0 = np.array([line.z0 for line in self.assembly.lines.values()])
+        self.initial = self.assembly.state.load.copy()
 
     @property
     def attempt(self) -> Attempt:
@@ -62,16 +64,16 @@ class OneOrder:
         s, ends = self.assembly.basis.s, len(self.assembly.network.ends)
         return Attempt(s, self.slabs.width, None, ends * self.slabs.number * s, 0.0)
 
-    def write(self, g: int, group: Group, system: StateSpace | None) -> None:
+    def write(self, g: int, group: Group, system: StateSpace | None, at_rest: NDArray, weights: list[NDArray]) -> None:
         """Put what now stands at a group of nodes, and its state space if it has one, in place of what stood there."""
         network, order, h = self.assembly.network, self.assembly.basis, self.assembly.resolution.h
         if system is not None:
             row, at = network.step_row[g], network.load_at[g]
             step = load_step(system, order, h) if network.step_whole[row] else system.d
             network.step[network.step_at[row] :][: step.size] = step.ravel()
-            self.initial.load[at : at + len(system.A)] = group.at_rest()
-        for k, node in enumerate(group.nodes, int(network.group[g])):
-            network.weight[network.first[k] : network.first[k + 1]] = node.weights(self.z0)
+            self.initial[at : at + len(system.A)] = at_rest
+        for k, (node, weight) in enumerate(zip(group.nodes, weights, strict=True), int(network.group[g])):
+            network.weight[network.first[k] : network.first[k + 1]] = weight
             if node.excitations:
                 parts = [share * sampled(shape, order, h, 0, self.slabs.number) for shape, share in node.excitations]
                 self.excitation[network.excitation_row[k]] = np.sum(parts, axis=0).ravel()
@@ -79,9 +81,9 @@ class OneOrder:
     def march(self) -> bool:
         """Advance from rest to the end; whether all waves are finite."""
         state = self.assembly.state
-        for part in state:
-            part[...] = 0.0
-        state.load[...] = self.initial.load
+        for part in (state.waves, state.slot, state.side, state.before):
+            part.fill(0)
+        state.load[...] = self.initial
         return self.kernel.blocks(self.slabs.number, self.excitation, self.record, 0) < 0
 
 
@@ -103,6 +105,8 @@ class Plan:
         self.description, self.tol = description, tol
         self.coarse, self.fine = (OneOrder(description, s, h) for s in (order, order + 1))
         self.groups = list(description.grouped()[0])
+        self.z0 = np.array([line.z0 for line in description.lines.values()])
+        self.result, self.attempts = self._given_out(), (self.coarse.attempt, self.fine.attempt)
         self.compared = {name: self._compared(name) for name in description.probes}
         self.packed = {name: pack(compared) for name, compared in self.compared.items()}
 
@@ -134,25 +138,43 @@ class Plan:
         if not (self.coarse.march() and self.fine.march()):
             return None
         accuracy = self._accuracy()
-        if not accuracy.met:
-            return None
+        return self._result(description.scene, accuracy) if accuracy.met else None
+
+    def _given_out(self) -> Result:
+        """The result of the finer run, but for its waves."""
         assembly, slabs = self.fine.assembly, self.fine.slabs
         done = March(0.0, concatenated([], assembly.basis.s), Tally(), None)
-        result = given_out(description, assembly, slabs, self.fine.record.copy(), done, accuracy=accuracy)
-        return with_ledger(result, None)
+        return with_ledger(given_out(self.description, assembly, slabs, self.fine.record, done), None)
+
+    def _result(self, scene: Scene, accuracy: Accuracy) -> Result:
+        """The result of the finer run, with its waves."""
+        known, record, lines = self.result, self.fine.record.copy(), {}
+        waves = record.reshape(len(record), 2, self.fine.slabs.number, -1)
+        for name, row in self.fine.assembly.recorded.items():
+            (b1, a1), (a2, b2) = waves[row], waves[row + 1]  # what arrived first
+            line = known.lines[name]
+            pairs = (line.a1, a1), (line.b1, b1), (line.a2, a2), (line.b2, b2)
+            a1, b1, a2, b2 = (Wave(values, 0.0, old.basis, old.h, old.pieces) for old, values in pairs)
+            lines[name] = LineRecord(line.z0, line.delay, a1, b1, a2, b2, line.smeared, blurred=line.blurred)
+        probes = {
+            name: ProbeResult(name, old.line, old.share, lines[old.line], old.slabs, old.height)
+            for name, old in known.probes.items()
+        }
+        again = known.accounts._replace(scene=scene) if isinstance(known.accounts, Again) else None
+        return replace(known, scene=scene, lines=lines, probes=probes, accuracy=accuracy, accounts=again)
 
     def _accuracy(self) -> Accuracy:
         """Errors of the coarser run by its differences to the finer one, which bound those of this."""
         found = {}
         for name, compared in self.compared.items():
-            compared.most[...] = 0.0
+            compared.most.fill(0.0)
             find_difference(self.packed[name])
-            at_ends, inside, largest = compared.most.max(axis=1).reshape(3, 2) / 2
-            inside = np.maximum(inside, at_ends)
-            found[name] = Difference(at_ends, inside, inside, largest)
-        told = Accuracy(self.tol, *relative(found)).times(CAUTION, CAUTION)
-        coarse, fine = (one.attempt for one in (self.coarse, self.fine))
-        return replace(told, attempts=(replace(coarse, estimate=told.worst), fine))
+            at_ends, inside, largest = compared.most.max(axis=1).reshape(3, 2)
+            inside = CAUTION * np.maximum(inside, at_ends)
+            found[name] = Difference(CAUTION * at_ends, inside, inside, largest)
+        told = relative(found)
+        worst = max(estimate.worst for estimate in told[1].values())
+        return Accuracy(self.tol, *told, attempts=(replace(self.attempts[0], estimate=worst), self.attempts[1]))
 
     def _written(self, description: Description) -> bool:
         """Write down what other values change; whether that could be done."""
@@ -164,8 +186,10 @@ class Plan:
             system = group.circuits()[0].system if row >= 0 else None
             if not self._takes(group, old, system):
                 return False
+            at_rest = NOTHING if system is None else group.at_rest()
+            weights = [node.weights(self.z0) for node in group.nodes]
             for one in (self.coarse, self.fine):
-                one.write(g, group, system)
+                one.write(g, group, system, at_rest, weights)
             self.groups[g] = group
         return True
 

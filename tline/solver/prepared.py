@@ -1,7 +1,8 @@
 """A scene that is run again and again with other values: what they do not touch is read and found once."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
+from math import log2
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -10,7 +11,7 @@ from tline.scene.file import as_scene
 from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene
 from tline.solver.plan import Plan, planned
-from tline.solver.result.accuracy import SLOWEST, Accuracy
+from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import Result
 from tline.solver.simulate import asked, simulated
 from tline.solver.tolerance.search import Start
@@ -113,19 +114,29 @@ class Prepared:
             return plan and plan.run(description)
 
     def _learn(self, tol: float, accuracy: Accuracy) -> None:
-        """Remember the order of a result, and how fast its search converged, if that was by the order alone."""
+        """Remember the grid that a search ended with, and how fast it converged, if that was by the order alone."""
         attempts = accuracy.attempts
-        by_order = all(b.order == a.order + 1 and b.slab == a.slab for a, b in pairwise(attempts))
-        if not accuracy.met or not by_order or any(attempt.sections for attempt in attempts):
+        if not accuracy.met or any(attempt.sections for attempt in attempts) or not _is_ladder(attempts):
             self.starts.pop(tol, None)
             return
         known, told = self.starts.get(tol), [a.estimate for a in attempts if a.estimate]
+        halved = round(log2(attempts[0].slab / attempts[-2].slab)) + (known.halved if known else 0)
         self._repeated.update([tol] if known else [])
         left, order = known.left if known else SLOWEST, attempts[-2].order
-        if len(told) > 1:
+        if halved:
+            left = SLOWEST
+        elif len(told) > 1:
             left = min(SLOWER * told[-1] / told[-2], SLOWEST)
-        spare = known is not None and told and told[-1] <= ROOM * tol * left
-        self.starts[tol] = Start(order - 1 if spare else order, left)
+        spare = known is not None and told and told[-1] <= ROOM * tol * left and not halved
+        self.starts[tol] = Start(order - 1 if spare else order, left, halved)
+
+
+def _is_ladder(attempts: Sequence[Attempt]) -> bool:
+    """Whether each run had a higher order than the one before, or half its slab, or both."""
+    return len(attempts) > 1 and all(
+        (b.order, b.slab) != (a.order, a.slab) and b.order - a.order in (0, 1) and b.slab in (a.slab, a.slab / 2)
+        for a, b in pairwise(attempts)
+    )
 
 
 def _restored(scene: Scene, starts: Mapping[float, Start], fixed: bool) -> Prepared:

@@ -90,7 +90,7 @@ class SweepWork:
             told["starts"] = [[tol, *start] for tol, start in prepared.starts.items()]
         shapes = {name: array.shape[1:] for name, array in self._table.kept.items()}
         self._task = self._task._replace(shapes=shapes)
-        prepared.fix({tol: Start(order, left) for tol, order, left in told["starts"]})
+        prepared.fix({tol: Start(*start) for tol, *start in told["starts"]})
 
     def _here(self) -> Batches:
         """In this process, until so much is left that others are worth starting."""

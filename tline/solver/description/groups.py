@@ -62,6 +62,14 @@ class Group:
         return bool(self.branches) or any(node.held is None and (node.load or node.switches) for node in self.nodes)
 
     @cached_property
+    def single(self) -> bool:
+        """Whether it is one node with nothing but line ends, resistors, sources and loads: u = (w + its echo)/2."""
+        node, beside = self.nodes[0], (self.branches, self.elements, self.nodes[1:])
+        if any(beside) or node.held is not None or node.switches or node.dead or node.above_level:
+            return False
+        return node.load is not None
+
+    @cached_property
     def simple(self) -> bool:
         """Whether one law alone stands behind line ends, resistors and sources."""
         return len(self.elements) == 1 and not self.dynamic and not any(node.dead for node in self.nodes)
@@ -92,6 +100,9 @@ class Group:
         impedances : sequence of float
             Behind which its laws are seen; without them it has none.
         """
+        if self.single:
+            A, b, c, d = self.nodes[0].reflection
+            return Circuit(StateSpace(A, b, c / 2, (1.0 + d) / 2), np.arange(len(A)))
         branches = [*self.loads, *(branch.before(t) for branch in self.branches)]
         return circuit(self.nodes, branches, self.ports(impedances), [node.switched(t) for node in self.nodes])
 
@@ -123,7 +134,9 @@ class Group:
             if not self.elements:
                 raise
             return None  # only laws tie some efforts
-        return np.concatenate([np.linalg.eigvals(system.A) for system in systems])
+        return np.concatenate(
+            [system.A[0] if len(system.A) == 1 else np.linalg.eigvals(system.A) for system in systems]
+        )
 
     @cached_property
     def _alone(self) -> list[float]:
@@ -170,6 +183,8 @@ class Group:
     def at_rest(self) -> NDArray:
         """State while the liquid stands still."""
         own = [node.state_at_rest() for node in self.nodes if node.load is not None and node.held is None]
+        if self.single:
+            return own[0]
         return self._kept(np.concatenate([np.zeros(0), *own]))
 
     def at_rest_under(

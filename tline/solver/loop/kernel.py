@@ -73,7 +73,9 @@ class Kernel:
 
     def run(self, excitation: NDArray, record: NDArray) -> Any:
         """What units get, packed."""
-        self._run.write(self._run.values._replace(excitation=excitation, record=record))
+        now = self._run.values
+        if excitation is not now.excitation or record is not now.record:
+            self._run.write(now._replace(excitation=excitation, record=record))
         return self._run
 
     def blocks(self, n_slabs: int, excitation: NDArray, record: NDArray, column: int) -> int:

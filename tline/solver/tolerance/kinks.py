@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import Bend
+from tline.solver.description.resolution import Resolution
 from tline.solver.radau import Basis, basis
 from tline.solver.result.result import Result, Wave
-from tline.solver.run import Kinks
+from tline.solver.run import NO_KINKS, Kinks
 
 MOST = 2000  # instants of an element; where there are more, none is followed
 MOST_HALVED = 50_000  # the same of middles of pieces
@@ -34,6 +35,35 @@ class PiecewiseQuantity(NamedTuple):
     width: NDArray  # (pieces,) s
     values: NDArray  # (pieces, s) at the Radau points
     before: float
+
+
+class Cuts:
+    """Where slabs of the next finer run are cut in pieces at elements with laws.
+
+    Attributes
+    ----------
+    kinked : list of PlacedLaw
+        Elements whose laws kink.
+    governed : bool
+        Whether openings move by themselves.
+    places : list of str
+        Elements whose waves runs are to record.
+    """
+
+    def __init__(self, description: Description):
+        self.elements, self.kinked, self._middles = description.elements, kinking(description), NO_KINKS
+        self.governed = any(element.governor is not None for element in self.elements)
+        self.places = [element.where for element in self.elements]
+
+    def halved(self, last: Result) -> "Halved":
+        """Where pieces of the last run are halved if its slabs are."""
+        return halved(last, self.elements, self._middles)
+
+    def ahead(self, last: Result, parts: "Halved", chosen: Resolution) -> Kinks:
+        """Where those of the next run are cut: where laws kinked in the last one, and where pieces are halved."""
+        if chosen.h < last.resolution.h:
+            self._middles = parts.steep if chosen.s > last.resolution.s else parts.every
+        return together(kinks_of(last, self.kinked), self._middles)
 
 
 def kinking(description: Description) -> list[PlacedLaw]:

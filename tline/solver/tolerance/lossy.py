@@ -17,9 +17,10 @@ from tline.solver.result.result import Result
 from tline.solver.tolerance.alike import alike
 from tline.solver.tolerance.compare import added, caution, differences, magnified, with_errors
 from tline.solver.tolerance.extrapolate import extrapolated, seen_at_ends
+from tline.solver.tolerance.ladder import better, gained, rank
 from tline.solver.tolerance.limits import inside_limit, inside_slabs, limit_of
 from tline.solver.tolerance.rounded_delays import may_round, with_rounded_delays
-from tline.solver.tolerance.search import Search, better, gained, rank, refined
+from tline.solver.tolerance.search import Search, refined
 
 ORDER, ORDER_IN_SEGMENTS = 3, 6
 TABLE = ((2,), (2, 4), (2, 4, 6), (1,), (1, 2), (1, 2, 3), (1, 2, 3, 4))  # powers of h taken out, smooth and not

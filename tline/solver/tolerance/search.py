@@ -11,23 +11,24 @@ from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import FIT, Resolution, resolution
 from tline.solver.description.short_lines import short_lines
 from tline.solver.loop.slabs import Slabs
-from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
+from tline.solver.result.accuracy import SLOWEST
 from tline.solver.result.result import Result
 from tline.solver.run import NO_KINKS, Kinks, run
-from tline.solver.tolerance.compare import compare, with_errors
-from tline.solver.tolerance.kinks import halved, kinking, kinks_of, together
-from tline.solver.tolerance.limits import MOST_SAMPLES, foretells, inside_limit, inside_slabs, limit_of
+from tline.solver.tolerance.kinks import Cuts
+from tline.solver.tolerance.ladder import Ladder
+from tline.solver.tolerance.limits import MOST_SAMPLES
 
 FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where what decays behind fronts is followed
 DIGITS = 3  # of the tolerance beyond three, for which the first order is one higher
 FOLLOWED = 1e-3  # of the tolerance: what is left of what decays behind a front, where it is no longer followed
 MOST_FOLLOWED = 1e6  # slabs at line ends; of more, what decays behind fronts is not followed: that takes seconds
 CLEAR = 1 / 3  # of the tolerance: an error told by the first two runs alone is to be below
-HELPS = 0.5  # a step that leaves more of the difference than this does not converge
 HALVED = 4  # times that a slab is halved at most to find a flow
 MOST_SECTIONS = 8  # of a lumped line
 AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones for the sake of what is behind fronts
 ALIKE = 10  # times the difference of runs with more sections there: they err alike
+
+Grids = Generator[Resolution, tuple[bool, bool, bool, bool]]
 
 
 class Start(NamedTuple):
@@ -35,6 +36,7 @@ class Start(NamedTuple):
 
     order: int
     left: float  # of a difference, by a step of the order
+    halved: int = 0  # how often the slab is, that suits the scene
 
 
 class Search(NamedTuple):
@@ -111,68 +113,57 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
     first; what is left inside slabs is worked on while that promises to be enough. Where laws kink, slabs are cut in
     pieces where they did in the run before; openings that move by themselves begin and end to do so inside slabs, which
     runs of another order on the same slabs have wrong alike, so slabs are halved with each step. Where no flow is found
-    on the first slabs, the search begins with narrower ones. Two comparisons tell how fast runs converge; one is enough
-    if it leaves some room, or that is known of the scene with other values, and no law kinks.
+    on the first slabs, the search begins with narrower ones.
     """
-    steps, limit, stale, helps = _finer(search, sections), "", 0, True
-    kinked, missed, cuts = kinking(search.description), 0, NO_KINKS
-    governed = any(element.governor is not None for element in search.description.elements)
-    search = search._replace(laws=[element.where for element in search.description.elements])
+    grids, cuts, missed, limit = _finer(search, sections), Cuts(search.description), 0, ""
+    search = search._replace(laws=cuts.places)
     try:
-        result = best = search.run(next(steps))
+        first = search.run(next(grids))
     except NoFlowError:
         if search.halved >= HALVED or search.description.scene.solver.slab is not None or sections:
             raise
         return refined(search._replace(halved=search.halved + 2), sections)
-    attempts, accuracy, judged = [Attempt.of(result)], Accuracy(search.tol), None
-    told, found, left = accuracy, [accuracy], search.start.left if search.start else SLOWEST
+    ladder = Ladder(search.description, first, search.tol, search.start.left if search.start else SLOWEST)
     while not limit:
         try:
-            layered = result.resolution.layers > 0  # the pieces behind fronts do not become more on narrower slabs
-            layers = FOLLOWED * search.tol if kinked or result.samples <= MOST_FOLLOWED * result.resolution.s else 0.0
-            parts = halved(result, search.description.elements, cuts)
-            helped = (helps or layered) and not governed
-            chosen = steps.send((helped, layered, told.met, parts.differ or governed))._replace(layers=layers)
-            if chosen.h < result.resolution.h:
-                cuts = parts.steep if chosen.s > result.resolution.s else parts.every
-            finer = search.run(chosen, kinks=together(kinks_of(result, kinked), cuts))
+            ladder.climb(_next(search, grids, ladder, cuts))
         except StopIteration:
             limit = "order and slab are as fine as they may be"
-            break
         except NoFlowError as error:
-            missed, helps = missed + 1, False
+            missed, ladder.helps = missed + 1, False
             limit = f"{error.where}: {error.problem}" if missed > HALVED else ""
-            continue
         except InputError as error:
             limit = f"{error.where}: {error.problem}"
-            break
-        pair = search.description, result, finer, search.tol, found[1:], left
-        comparison = compare(*pair)
-        told, by, found = comparison.errors, comparison.by, [*found, comparison.differences]
-        attempts[-1] = replace(attempts[-1], estimate=told.worst)
-        attempts.append(Attempt.of(finer))
-        if better(told, accuracy):
-            best, accuracy, judged = with_errors(finer, result, by), told, pair
-        blind = finer.resolution.blind
-        doubled = finer.resolution.sections != result.resolution.sections or not sections
-        first = CLEAR if search.start is None else 1.0
-        sure = len(found) > 2 or (told.worst <= first * search.tol and not kinked)
-        if sure and told.met and doubled and not blind:
-            break
-        narrowed = finer.resolution.h < result.resolution.h
-        helps = not blind and gained(*found[-2:]) <= HELPS
-        stale = stale + 1 if narrowed and not blind and gained(*found[-2:]) >= 1.0 else 0
-        foretell = foretells(attempts, search.description)
-        limit = limit_of(attempts, foretell * stale, search.description.collapses, search.most)
-        limit = limit or (not blind and inside_limit(attempts, told, foretell))
-        result = finer
-    if judged and accuracy.at_slab_ends > search.tol:
-        accuracy = compare(*judged, whole=True).errors
-    damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
-    unresolved = tuple(note for note in best.unresolved if note not in damped)
-    limit = limit and (inside_slabs(accuracy) or limit)
-    accuracy = replace(accuracy, attempts=tuple(attempts), limit=limit)
-    return replace(best, elements={}, unresolved=unresolved, accuracy=accuracy)
+        else:
+            doubled = not sections or ladder.last.resolution.sections != sections
+            if doubled and _is_enough(search, ladder, bool(cuts.kinked)):
+                break
+            limit = ladder.limit(search.most)
+    return ladder.result(limit)
+
+
+def _next(search: Search, grids: Grids, ladder: Ladder, cuts: Cuts) -> Result:
+    """The run on the next finer grid."""
+    last = ladder.last
+    layered = last.resolution.layers > 0  # the pieces behind fronts do not become more on narrower slabs
+    follow = cuts.kinked or last.samples <= MOST_FOLLOWED * last.resolution.s
+    parts = cuts.halved(last)
+    helped, differ = (ladder.helps or layered) and not cuts.governed, parts.differ or cuts.governed
+    chosen = grids.send((helped, layered, ladder.told.met, differ))
+    return search.run(
+        chosen._replace(layers=FOLLOWED * search.tol if follow else 0.0), kinks=cuts.ahead(last, parts, chosen)
+    )
+
+
+def _is_enough(search: Search, ladder: Ladder, kinks: bool) -> bool:
+    """Whether the tolerance is met, as far as is known how fast runs converge.
+
+    Two comparisons tell that; one is enough if it leaves some room, or that is known of the scene with other values.
+    Where laws kink that takes both.
+    """
+    room = 1.0 if search.start and not kinks else CLEAR
+    sure = ladder.told.worst <= room * search.tol and (search.start is not None or not kinks)
+    return (ladder.compared > 1 or sure) and ladder.told.met and not ladder.last.resolution.blind
 
 
 def first_order(tol: float) -> int:
@@ -180,27 +171,7 @@ def first_order(tol: float) -> int:
     return FIRST + max(int(-log10(tol) / DIGITS + 1e-9) - 1, 0)
 
 
-def rank(found: Accuracy) -> tuple[float, float]:
-    """What orders runs by their accuracy: slab ends first, as long as these are not as asked; then any instant."""
-    assert found.tol is not None
-    return max(found.at_slab_ends, found.tol), found.worst
-
-
-def better(found: Accuracy, best: Accuracy) -> bool:
-    """Whether a run is at least as accurate as another."""
-    return rank(found) <= rank(best)
-
-
-def gained(before: Accuracy, found: Accuracy) -> float:
-    """What a step left of the difference: at slab ends as long as these are not as asked, and then inside."""
-    assert found.tol is not None
-    here, there = (
-        (accuracy.at_slab_ends if found.at_slab_ends > found.tol else accuracy.worst) for accuracy in (found, before)
-    )
-    return here / there if there > 0 else inf
-
-
-def _finer(search: Search, sections: Mapping[str, int]) -> Generator[Resolution, tuple[bool, bool, bool, bool]]:
+def _finer(search: Search, sections: Mapping[str, int]) -> Grids:
     """Ever finer orders and slabs; what is sent in tells whether the last step helped, follows fronts, and met all.
 
     It also tells whether pieces may stay as wide as they are when slabs are halved: then the order rises, too. Beside
@@ -209,8 +180,9 @@ def _finer(search: Search, sections: Mapping[str, int]) -> Generator[Resolution,
     description, given = search.description, search.description.scene.solver
     s = given.order or (search.start.order if search.start else first_order(search.tol))
     chosen = resolution(description, s, sections=sections, settle=search.settle)
-    if search.halved:
-        chosen = resolution(description, s, chosen.h / 2**search.halved, sections, search.settle)
+    halved = search.halved + (search.start.halved if search.start else 0)
+    if halved and given.slab is None and not sections:
+        chosen = resolution(description, s, chosen.h / 2**halved, sections, search.settle)
     h, fixed, enough = chosen.h, given.slab is not None or bool(sections), False
     while True:
         helped, layered, met, stay = yield chosen._replace(fit=search.fit)
