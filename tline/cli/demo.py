@@ -4,6 +4,8 @@ from pathlib import Path
 
 import click
 
+from tline.cli.from_signature import command
+
 FILES = {
     "plot": "pressure.png",
     "space-time": "space_time.png",
@@ -13,13 +15,16 @@ FILES = {
 }
 
 
-@click.command("demo")
-@click.option("-o", "--output", metavar="FOLDER", default="tline-demo", show_default=True, help="Made if missing.")
-@click.pass_context
-def demo(context: click.Context, output: str) -> None:
+@command()
+def demo(*, output: str = "tline-demo") -> None:
     """Run the scene water_pipe of `tline examples`, with all that can be drawn of it.
 
     The first time, what it needs is compiled, which takes some seconds.
+
+    Parameters
+    ----------
+    output : FOLDER
+        Made if missing.
     """
     from tline.cli.run import run
     from tline.errors import InputError
@@ -31,4 +36,4 @@ def demo(context: click.Context, output: str) -> None:
         raise InputError(output, "cannot be made", "a folder", (error.strerror or str(error)).lower()) from None
     scene = examples.path("water_pipe")
     options = [word for option, file in FILES.items() for word in (f"--{option}", str(Path(output, file)))]
-    run.main([str(scene), *options], prog_name="tline run", standalone_mode=False, parent=context)
+    run.main([str(scene), *options], prog_name="tline run", standalone_mode=False, parent=click.get_current_context())

@@ -1,13 +1,12 @@
 """`tline warm-up`: everything that runs may need is compiled ahead, in as many processes as there are processors."""
 
-import json
 import os
 import sys
 import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-import click
+from tline.cli.from_signature import Output, command
 
 if TYPE_CHECKING:
     from tline.compiled.unit import Unit
@@ -26,9 +25,8 @@ Examples:
 """
 
 
-@click.command("warm-up", epilog=EXAMPLES)
-@click.option("--json", "as_json", is_flag=True, help="Print what was done as JSON.")
-def warm_up(as_json: bool) -> None:
+@command(epilog=EXAMPLES)
+def warm_up() -> Output:
     """Compile ahead what runs may need.
 
     What a scene needs is otherwise compiled when a scene first needs it. It is kept where NUMBA_CACHE_DIR says, else
@@ -36,6 +34,11 @@ def warm_up(as_json: bool) -> None:
 
     Code is read only from folders and files that are yours, or root's, and to which nobody else may write. For all
     users of a computer, let root warm up a folder that they can read.
+
+    Parameters
+    ----------
+    as_json
+        Print what was done as JSON.
     """
     from tline.compiled.object_code import is_kept, path_of
 
@@ -47,12 +50,7 @@ def warm_up(as_json: bool) -> None:
     folders = sorted({str(path.parent) for unit in units.values() if (path := path_of(unit))})
     told = {"units": len(units), "compiled": len(missing), "not_kept": unkept, "folders": folders}
     told["seconds"] = time.perf_counter() - begun
-    if as_json:
-        click.echo(json.dumps(told, indent=2, ensure_ascii=False))
-    else:
-        click.echo(_in_words(told))
-    if unkept:
-        sys.exit(1)
+    return Output([_in_words(told)], lambda: told, exit_code=int(bool(unkept)))
 
 
 def found() -> Iterator[tuple[tuple[str, str], "Unit"]]:
