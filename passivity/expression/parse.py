@@ -3,7 +3,7 @@
 from passivity.errors import ExpressionError, shorten
 from passivity.expression.quantity import decimal, unit
 from passivity.expression.tokens import Token, tokens
-from passivity.expression.tree import Add, Call, Divide, Multiply, Negate, Node, Number, Power, Symbol, symbols
+from passivity.expression.tree import Add, Call, Divide, Line, Multiply, Negate, Node, Number, Power, Symbol, symbols
 
 MAX_CHARACTERS = 10_000
 MAX_DEPTH = 100  # nested parentheses, signs and powers
@@ -117,6 +117,8 @@ class _Parser:
             if self.token.text != "(":
                 self.fail_unless(self.token.kind not in ("name", "number"), "an operator such as *")
                 return Symbol(token.text)
+            if token.text == "line":
+                return self.line(depth)
             if token.text not in FUNCTIONS:
                 name = shorten(token.text)
                 expected = f"{', '.join(FUNCTIONS)}, or {name}*(...) for a product"
@@ -127,6 +129,17 @@ class _Parser:
         self.fail_unless(self.token.text == ")", "an operator such as * or ')'")
         self.take()
         return Call(token.text, inside) if token.kind == "name" else inside
+
+    def line(self, depth: int) -> Line:
+        parts, expected = [], "'(', as in line(z0, T*s, load)"
+        for after in ("',' and the propagation along the line, such as T*s", "',' and the load", "an operator or ')'"):
+            self.fail_unless(self.token.text == ("," if parts else "("), expected)
+            self.take()
+            parts.append(self.sum(depth + 1))
+            expected = after
+        self.fail_unless(self.token.text == ")", expected)
+        self.take()
+        return Line(*parts)
 
     def number(self) -> Number:
         token = self.take()
