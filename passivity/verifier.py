@@ -48,7 +48,7 @@ def scaled(fact, c):
     if not c:
         return ("real", ZERO, ZERO)
     if fact[0] == "arg":
-        return fact if c > 0 else None
+        return fact if c > 0 else ("disc", -inf, ZERO) if fact[1] <= 1 else None
     return (fact[0], *sorted(times(x, c) for x in fact[1:]))
 
 
@@ -345,14 +345,27 @@ def power(graph, n, known, data):
 
 @rule
 def square(graph, n, known, data):
-    """w^2 = w_1, where w > 0 for real s, without zeros and poles, so that w is the root of w_1."""
-    (m, fact), *parts = known
-    total = {}
-    for e, (b, f) in zip(data, parts, strict=True):
+    """w^2 = c w_1, c > 0, where w > 0 for real s, without zeros and poles, so that w is the root of c w_1."""
+    ((m, fact), *parts), (c, exponents), total = known, data, {}
+    for e, (b, f) in zip(exponents, parts, strict=True):
         total = added(total, {x: e * k for x, k in graph.powers(b).items()}) if turn(f) is not None else {}
-    (p, q), (u, v) = graph.fraction(ONE, n, ()), graph.fraction(ONE, m, ())
-    twice = graph.multiplied(graph.multiplied(p, p), v) == graph.multiplied(graph.multiplied(q, q), u)
-    need(p and u and twice and total == graph.powers(n) and turn(fact) is not None and turn(fact) <= 2, "not its root")
+    (u, v), p, q = graph.fraction(Fraction(c), m, ()), {(): ONE}, {(): ONE}
+    for b, e in graph.powers(n).items():  # w^2, roots being squared
+        kind, inner = graph.nodes[b]
+        f, g = graph.fraction(*(inner[0] if kind == "sqrt" else (ONE, b)), ())[:: 1 if e > 0 else -1]
+        for _ in range(abs(e) * (2 - (kind == "sqrt"))):
+            p, q = graph.multiplied(p, f), graph.multiplied(q, g)
+    twice = graph.multiplied(p, v) == graph.multiplied(q, u)
+    need(
+        Fraction(c) > 0
+        and p
+        and u
+        and twice
+        and total == graph.powers(n)
+        and turn(fact) is not None
+        and turn(fact) <= 2,
+        "not its root",
+    )
     return [("arg", turn(fact) / 2)]
 
 

@@ -146,7 +146,9 @@ class Graph(Nodes):
         check_size(0, max(map(abs, kept.values()), default=0))
         if len(arguments) > 1 or (arguments and next(iter(arguments))[0] and folded):
             c, n = self.function("exp", self.sum(arguments))
-            return self.product([(c, n), self._product(kept, {}), *(v for v, _ in folded)], [1, 1, *(e for _, e in folded)])
+            return self.product(
+                [(c, n), self._product(kept, {}), *(v for v, _ in folded)], [1, 1, *(e for _, e in folded)]
+            )
         if arguments:
             c, n = self.function("exp", arguments[0])
             kept |= {n: 1} if n else {}
@@ -198,6 +200,11 @@ class Graph(Nodes):
         found = Fraction(1), self.node("line", (z0, propagation, load))
         self.mark(found)
         return found
+
+    def share(self, other: "Graph") -> None:
+        """Begin with the nodes and marks of another graph."""
+        self.nodes, self.moves, self.is_rational = list(other.nodes), list(other.moves), list(other.is_rational)
+        self._number, self.marks, self.roots = dict(other._number), list(other.marks), dict(other.roots)
 
     def mark(self, value: Value) -> None:
         """Remember a value that is to be proved before what is made of it."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
-from flint import fmpq, fmpq_poly, fmpz_poly
+from flint import fmpz_poly
 
 from passivity.calculus.graph import Fact, Graph
 from passivity.delayed.leaf import leaves
@@ -17,12 +17,15 @@ def rational_facts(graph: Graph, n: int) -> Iterator[tuple[Fact, dict[str, Any]]
         if c := step.certificate:
             claim = step.claim
             fact = ("arg", claim) if isinstance(claim, Fraction) else ("disc", claim.low, claim.high)
-            yield fact, {
-                "p": [str(x) for x in c.function.p.coeffs()],
-                "q": [str(x) for x in c.function.q.coeffs()],
-                "factors": [[[str(x) for x in f.coeffs()], e] for f, e in c.sign.factors],
-                "breaks": [str(x) for x in c.sign.breaks],
-            }
+            yield (
+                fact,
+                {
+                    "p": [str(x) for x in c.function.p.coeffs()],
+                    "q": [str(x) for x in c.function.q.coeffs()],
+                    "factors": [[[str(x) for x in f.coeffs()], e] for f, e in c.sign.factors],
+                    "breaks": [str(x) for x in c.sign.breaks],
+                },
+            )
 
 
 def function_of(graph: Graph, n: int) -> RationalFunction:

@@ -6,7 +6,7 @@ from fractions import Fraction
 from typing import Any
 
 from passivity.budget import spend
-from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, UNIT, Fact, Graph, Value
+from passivity.calculus.graph import POSITIVE_REAL, Fact, Graph, Value
 from passivity.calculus.leaf import rational_facts
 from passivity.calculus.rewrite import rewritings
 from passivity.errors import ExpressionError
@@ -24,6 +24,7 @@ class Prover:
 
     Examples
     --------
+    >>> from passivity.calculus.graph import BOUNDED_REAL
     >>> graph = Graph({"Z2": POSITIVE_REAL})
     >>> z = graph.line((Fraction(50), 0), graph.scaled(graph.s, 3), graph.name("Z2"))
     >>> prover = Prover(graph)
@@ -82,7 +83,7 @@ class Prover:
             self.known[n] = []
             for _ in self.direct(n):
                 pass
-            if self.graph.moves[n] and not any(disc(self.steps[k][1]) for k in self.known[n]):
+            if not any(disc(self.steps[k][1]) for k in self.known[n]):
                 next(self.rewrite(n), None)
         return self.known[n]
 
@@ -194,9 +195,9 @@ class Prover:
         angles = [min(((_angle(self.steps[k][1]), k) for k in self.facts(m)), default=(math.inf, 0)) for m, _ in pieces]
         if all(x < math.inf for x, _ in angles):
             c, squared = graph.product([(Fraction(1), n)], [2])
-            if c == 1 and squared != n and graph.is_rational[squared]:
+            if c > 0 and squared != n and graph.is_rational[squared]:
                 for k in list(self.facts(squared)):
-                    yield from self.follow(n, "square", [k, *(k for _, k in angles)], [e for _, e in pieces])
+                    yield from self.follow(n, "square", [k, *(x for _, x in angles)], [str(c), [e for _, e in pieces]])
 
     def pieces(self, n: int, powers: dict[int, int]) -> list[tuple[int, int]]:
         """Constants together, what is rational together, quotients of sums that differ in signs, and single powers."""
@@ -236,7 +237,7 @@ class Prover:
 
     def rewrite(self, n: int) -> Iterator[int]:
         """Facts about the same function, or its inverse, written differently."""
-        if self.depth >= self.most or not self.graph.moves[n] or self.graph.is_rational[n]:
+        if self.depth >= self.most or self.graph.is_rational[n]:
             return
         self.depth += 1
         try:

@@ -1,6 +1,6 @@
 """Text to graph: an expression, or `let` statements and an expression at the end.
 
-    let h2 = (Z2 - z0)/(Z2 + z0); let h1 = exp(-2*T*s)*h2; (1 - h1)/(1 + h1)
+let h2 = (Z2 - z0)/(Z2 + z0); let h1 = exp(-2*T*s)*h2; (1 - h1)/(1 + h1)
 """
 
 import re
@@ -62,7 +62,7 @@ def read(graph: Graph, text: str, values: Mapping[str, Fraction] | None = None) 
     value, given = graph.s, statements(text)
     for name, expression in given:
         try:
-            value = _Reader(graph, known).value(parse(expression))
+            value = _Reader(graph, known).value(parse(expression, lines=True))
         except ExpressionError as error:
             if len(given) == 1:
                 raise

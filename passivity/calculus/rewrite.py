@@ -12,8 +12,11 @@ Rewriting = tuple[bool, Value, list[int]]  # of the inverse instead; the value; 
 def rewritings(graph: Graph, n: int) -> Iterator[Rewriting]:
     """Other ways to write a node, the promising first."""
     powers = graph.powers(n)
-    sums = sorted((b for b in powers if graph.nodes[b][0] == "sum" and graph.moves[b]), reverse=True)
+    sums = sorted((b for b in powers if graph.nodes[b][0] == "sum"), reverse=True)
     yield from _cayley(graph, powers, sums)
+    if not graph.moves[n]:
+        return
+    sums = [b for b in sums if graph.moves[b]]
     yield from _lines(graph, n, sums)
     yield from _spread(graph, powers, sums)
 
@@ -42,16 +45,15 @@ def _spread(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[R
         if e not in (1, -1) or len(powers) == 1:
             continue
         rest = [((Fraction(1), m), e * k) for m, k in powers.items() if m != b]
-        terms = [
-            graph.product([term, *(v for v, _ in rest)], [1, *(k for _, k in rest)])
-            for term in graph.nodes[b][1]
-        ]
+        terms = [graph.product([term, *(v for v, _ in rest)], [1, *(k for _, k in rest)]) for term in graph.nodes[b][1]]
         yield e < 0, graph.sum(terms), _atoms(graph, [b, *(m for (_, m), _ in rest)], deeper=b)
 
 
 def _lines(graph: Graph, n: int, sums: list[int]) -> Iterator[Rewriting]:
     """A line with a load Z: w at tanh B = 0 is Z, at tanh B = 1 the characteristic impedance; or 1/w is one."""
-    cut = sorted({x for b in sums for m in graph.terms(b) for x in graph.powers(m) if graph.nodes[x][0] in ("sum", "line")})
+    cut = sorted(
+        {x for b in sums for m in graph.terms(b) for x in graph.powers(m) if graph.nodes[x][0] in ("sum", "line")}
+    )
     for t in _hyperbolic(graph, n, sums):
         kind, parts = graph.nodes[t]
         through = parts[0] if kind == "tanh" else graph.scaled(parts[0], Fraction(-1, 2))
