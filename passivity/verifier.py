@@ -1,3 +1,4 @@
+# type: ignore -- facts are plain tuples of two shapes, told apart by their first entry
 """Check a proof of passivity from its file: `python verifier.py proof.json`, with the standard library alone.
 
 A proof is a list of nodes, each an operation on earlier ones, and of steps: node, fact, rule, steps it rests on, data.

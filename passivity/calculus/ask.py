@@ -190,9 +190,7 @@ def assumed(assume: Iterable[str]) -> dict[str, Fact]:
             opaque[found[1]] = POSITIVE_REAL if found[2] else BOUNDED_REAL
         else:
             ranges.append(text)
-    facts: dict[str, Fact] = {}
-    for name, r in collect(ranges).items():
-        facts[name] = ("real", float("-inf") if r.low is None else r.low, float("inf") if r.high is None else r.high)
+    facts: dict[str, Fact] = {name: r.fact for name, r in collect(ranges).items()}
     if both := opaque.keys() & facts.keys():
         raise ExpressionError(f"assumption {min(both)}", "a function and a number at once", "one of them")
     return facts | opaque

@@ -85,11 +85,11 @@ def in_words(fact: list[str]) -> str:
     low, high = ends
     if kind == "real":
         return (
-            f"constant, = {low}"
+            f"the constant {low}"
             if low == high
-            else f"constant, >= {low}"
+            else f"a constant >= {low}"
             if high == "inf"
-            else f"constant in [{low}, {high}]"
+            else f"a constant in [{low}, {high}]"
         )
     if high == "inf":
         return f"Re >= {low}"

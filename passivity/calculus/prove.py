@@ -15,6 +15,7 @@ from passivity.verifier import RULES, disc, implies, inverse, scaled, turn
 DEPTHS = (2, 4, 6)  # of rewritings within rewritings, tried in turn
 MAX_REWRITINGS = 60  # of what one mark needs
 _COST = 60_000
+_SMALL = 150  # nodes of a graph in which equalities are also multiplied out in full
 
 Step = tuple[int, Fact, str, list[int], Any]  # node, fact, rule, the steps it rests on, data
 
@@ -132,8 +133,9 @@ class Prover:
         plain = [(Fraction(1), through[1]), (Fraction(1), z0[1])]
         products = [self.graph.product(plain, [1, e])[1] for e in (1, -1)]
         chosen = [self.right(m) for m in (load[1] if load[0] else 0, *products)]
-        if None not in chosen:
-            yield from self.follow(n, "line", chosen)
+        known = [k for k in chosen if k is not None]
+        if len(known) == 3:
+            yield from self.follow(n, "line", known)
 
     def right(self, n: int) -> int | None:
         """A step that says Re w >= 0."""
@@ -235,6 +237,11 @@ class Prover:
                 for k in self.discs(x):
                     yield from self.follow(n, "mean", [k], str(c))
 
+    def equal(self, n: int, k: int, c: str, cut: list[int]) -> list[int]:
+        """A fact of a multiple; where sums have merged with those that are cut off, in full if that is small."""
+        found = self.follow(n, "equal", [k], [c, cut])
+        return found or (self.follow(n, "equal", [k], [c, []]) if cut and len(self.graph.nodes) < _SMALL else [])
+
     def rewrite(self, n: int) -> Iterator[int]:
         """Facts about the same function, or its inverse, written differently."""
         if self.depth >= self.most or self.graph.is_rational[n]:
@@ -247,7 +254,7 @@ class Prover:
                     return
                 target = self.graph.inverse((Fraction(1), n))[1] if upside_down else n
                 for k in list(self.facts(m)):
-                    for found in self.follow(target, "equal", [k], [str(c), cut]):
+                    for found in self.equal(target, k, str(c), cut):
                         yield from [found] if target == n else self.follow(n, "reciprocal", [found])
         except ExpressionError:  # a division by zero on the way
             return
@@ -270,7 +277,8 @@ def _written(fact: Fact) -> list[str]:
 
 
 def _inverted(fact: Fact) -> Fact:
-    ends = disc(fact) and inverse(*disc(fact))
+    known = disc(fact)
+    ends = known and inverse(*known)
     return (fact[0] if fact[0] == "real" else "disc", *ends) if ends else ("disc", -math.inf, math.inf)
 
 

@@ -107,7 +107,7 @@ impedances = st.recursive(
         st.builds("line({}, {}*s, {})".format, positive, positive, x),
         st.builds("(1 + k*exp(-2*s)*({0} - R)/({0} + R))/(1 - k*exp(-2*s)*({0} - R)/({0} + R))".format, x),
     ),
-    max_leaves=3,
+    max_leaves=2,
 )
 
 
