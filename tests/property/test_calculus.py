@@ -111,7 +111,7 @@ impedances = st.recursive(
 )
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(impedances, st.integers(0, 999))
 def test_networks_are_proved_and_each_step_agrees_with_values(text, seed):
     """And what follows from that: the Cayley transform and exp(-x) bounded real, tanh(x) positive real."""
@@ -155,7 +155,7 @@ def test_tampered_proofs_are_refused():
     """A claim or a fact made stronger, a rule renamed, a step at another node or left out, the root changed."""
     proofs = [ask(text, ASSUME).proof for text, ask in EXAMPLES]
     random, refused = Random(7), 0
-    for _ in range(1000):
+    for _ in range(300):
         proof = copy.deepcopy(random.choice(proofs))
         proof = json.loads(json.dumps(proof))
         step = random.choice(proof["steps"])
@@ -173,4 +173,4 @@ def test_tampered_proofs_are_refused():
         else:
             proof["root"][0] = random.choice(("-1", "nan", "-7/2"))
         refused += check(proof) is not None
-    assert refused == 1000
+    assert refused == 300
