@@ -1,3 +1,8 @@
+from passivity.calculus.ask import Conclusion as Conclusion
+from passivity.calculus.ask import is_bounded_real as is_bounded_real
+from passivity.calculus.ask import is_positive_real as is_positive_real
+from passivity.calculus.derivation import Derivation as Derivation
+from passivity.calculus.derivation import derive as derive
 from passivity.delayed.chain import Chain as Chain
 from passivity.delayed.chain import Step as Step
 from passivity.delayed.chain import check_line as check_line

@@ -3,7 +3,7 @@
 from passivity.errors import ExpressionError, shorten
 from passivity.expression.quantity import decimal, unit
 from passivity.expression.tokens import Token, tokens
-from passivity.expression.tree import Add, Call, Divide, Multiply, Negate, Node, Number, Power, Symbol, symbols
+from passivity.expression.tree import Add, Call, Divide, Line, Multiply, Negate, Node, Number, Power, Symbol, symbols
 
 MAX_CHARACTERS = 10_000
 MAX_DEPTH = 100  # nested parentheses, signs and powers
@@ -11,7 +11,7 @@ MAX_EXPONENT = 200  # of a power: s^200
 FUNCTIONS = ("exp", "log", "sqrt", "sinh", "cosh", "tanh", "coth", "sech", "csch")
 
 
-def parse(text: str) -> Node:
+def parse(text: str, lines: bool = False) -> Node:
     """Tree of an impedance expression in the Laplace variable ``s``.
 
     Parameters
@@ -21,6 +21,8 @@ def parse(text: str) -> Node:
         ``log`` is the natural logarithm.
         Decimals are exact. A number may end in an SI prefix (``4.7k``) or carry a unit (``10 nH``,
         ``50 ohm``), which scales it to SI and is then forgotten; `s` is always the Laplace variable.
+    lines : bool
+        Whether ``line(z0, gamma, load)``, the input impedance of a line, is known.
 
     Returns
     -------
@@ -44,7 +46,7 @@ def parse(text: str) -> Node:
     if len(text) > MAX_CHARACTERS:
         expected = f"at most {MAX_CHARACTERS} characters"
         raise ExpressionError("", "the expression is too long", expected, f"{len(text)}")
-    parser = _Parser(text)
+    parser = _Parser(text, lines)
     node = parser.sum(0)
     parser.fail_unless(parser.token.kind == "end", "an operator such as *")
     names = symbols(node)
@@ -58,8 +60,8 @@ def parse(text: str) -> Node:
 class _Parser:
     """Recursive descent: sum, product, operand (sign and power), atom; one method each."""
 
-    def __init__(self, text: str):
-        self.tokens, self.position = list(tokens(text)), 0
+    def __init__(self, text: str, lines: bool):
+        self.tokens, self.position, self.lines = list(tokens(text)), 0, lines
         self.units: list[Token] = []
 
     @property
@@ -117,6 +119,8 @@ class _Parser:
             if self.token.text != "(":
                 self.fail_unless(self.token.kind not in ("name", "number"), "an operator such as *")
                 return Symbol(token.text)
+            if token.text == "line" and self.lines:
+                return self.line(depth)
             if token.text not in FUNCTIONS:
                 name = shorten(token.text)
                 expected = f"{', '.join(FUNCTIONS)}, or {name}*(...) for a product"
@@ -127,6 +131,17 @@ class _Parser:
         self.fail_unless(self.token.text == ")", "an operator such as * or ')'")
         self.take()
         return Call(token.text, inside) if token.kind == "name" else inside
+
+    def line(self, depth: int) -> Line:
+        parts, expected = [], "'(', as in line(z0, T*s, load)"
+        for after in ("',' and the propagation along the line, such as T*s", "',' and the load", "an operator or ')'"):
+            self.fail_unless(self.token.text == ("," if parts else "("), expected)
+            self.take()
+            parts.append(self.sum(depth + 1))
+            expected = after
+        self.fail_unless(self.token.text == ")", expected)
+        self.take()
+        return Line(*parts)
 
     def number(self) -> Number:
         token = self.take()

@@ -9,7 +9,7 @@ from passivity.errors import ExpressionError
 _LETTERS = r"A-Za-z_\u00b5\u03bc\u03a9\u2126"  # micro, mu, omega and ohm sign count as letters
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
-    rf"|(?P<name>[{_LETTERS}][{_LETTERS}0-9]*)|(?P<operator>\*\*|[-+*/^()])|(?P<end>\Z)|(?P<other>.))",
+    rf"|(?P<name>[{_LETTERS}][{_LETTERS}0-9]*)|(?P<operator>\*\*|[-+*/^(),])|(?P<end>\Z)|(?P<other>.))",
     re.DOTALL,
 )
 

@@ -65,7 +65,16 @@ class Call:
     argument: "Node"
 
 
-Node: TypeAlias = Number | Symbol | Negate | Add | Multiply | Divide | Power | Call
+@dataclass(frozen=True, slots=True)
+class Line:
+    """The input impedance of a line: ``line(z0, gamma, load)``, gamma the propagation along all of it."""
+
+    z0: "Node"
+    propagation: "Node"
+    load: "Node"
+
+
+Node: TypeAlias = Number | Symbol | Negate | Add | Multiply | Divide | Power | Call | Line
 
 
 def symbols(node: Node) -> set[str]:
@@ -87,4 +96,6 @@ def symbols(node: Node) -> set[str]:
                 stack += [numerator, denominator]
             case Negate(child) | Power(child, _) | Call(_, child):
                 stack.append(child)
+            case Line(z0, propagation, load):
+                stack += [z0, propagation, load]
     return found

@@ -21,12 +21,14 @@ from passivity.multiport.hidden import hidden_modes
 from passivity.multiport.refutation import refuted_or_undecided
 from passivity.multiport.state_space import StateSpace
 from passivity.multiport.storage import lossless_storage
-from passivity.multiport.verdict import MatrixVerdict, MinorCertificate, MinorSum, Network
+from passivity.multiport.verdict import MatrixVerdict, MinorCertificate, MinorSum, Network, StrictCertificate
 from passivity.multiport.witness import beside_axis, first_witness, near_root
 from passivity.one_port.axis import product
 from passivity.one_port.hurwitz import routh_column
 from passivity.one_port.polynomial_sign import UndecidedError, find_sign
 from passivity.status import Kind, Status
+
+_STORAGE_FIRST = 12  # states from which a storage function is looked for before the minors are
 
 
 def check_positive_real_matrix(z: Network) -> MatrixVerdict:
@@ -71,6 +73,15 @@ def check(network: Network, kind: Kind) -> MatrixVerdict:
     if not isinstance(network, Network):
         expected = "a RationalMatrix or a StateSpace"
         raise ExpressionError("network", "not a network with several ports", expected, type(network).__name__)
+    if kind is Kind.BR and isinstance(network, StateSpace) and network.states >= _STORAGE_FIRST:
+        from passivity.multiport.strict_storage import strict_storage
+
+        try:
+            storage = strict_storage(network)
+        except (OverflowError, ValueError):  # beyond the range of doubles, or eigenvalues do not converge
+            storage = None
+        if storage is not None:
+            return MatrixVerdict(kind, network, Status.PROVED, StrictCertificate(network, storage))
     try:
         answer = _decided(kind, network)
     except UndecidedError as error:

@@ -15,6 +15,7 @@ from fractions import Fraction
 from flint import fmpz_poly
 
 from passivity.budget import VERDICT, budget
+from passivity.errors import ExpressionError
 from passivity.one_port.axis import allowance
 from passivity.one_port.hurwitz import routh_column
 from passivity.one_port.polynomial_sign import UndecidedError, coprime, find_sign
@@ -24,12 +25,12 @@ from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 
 
-def check_positive_real(z: RationalFunction) -> Verdict:
+def check_positive_real(z: RationalFunction | str) -> Verdict:
     """Is Z analytic with Re Z >= 0 in the right half plane, that is, is a one-port with this impedance passive?
 
     Parameters
     ----------
-    z : RationalFunction
+    z : RationalFunction or str
         An impedance or an admittance; open and short circuit included. Taken exactly as given.
 
     Examples
@@ -44,12 +45,12 @@ def check_positive_real(z: RationalFunction) -> Verdict:
     return check(z, Kind.PR)
 
 
-def check_bounded_real(h: RationalFunction) -> Verdict:
+def check_bounded_real(h: RationalFunction | str) -> Verdict:
     """Is H analytic with |H| <= 1 in the right half plane, that is, does a reflection never return more than came?
 
     Parameters
     ----------
-    h : RationalFunction
+    h : RationalFunction or str
         Taken exactly as given.
 
     Examples
@@ -60,8 +61,13 @@ def check_bounded_real(h: RationalFunction) -> Verdict:
     return check(h, Kind.BR)
 
 
-def check(function: RationalFunction, kind: Kind) -> Verdict:
+def check(function: RationalFunction | str, kind: Kind) -> Verdict:
     """The verdict of one of the two functions above."""
+    if isinstance(function, str):
+        function = RationalFunction.from_expression(function)
+    elif not isinstance(function, RationalFunction):
+        expected = "a RationalFunction or the text of one; passivity.is_positive_real takes more"
+        raise ExpressionError("function", "not a rational function", expected, type(function).__name__)
     p, q = function.p, function.q
     with budget(VERDICT):
         return _checked(function, kind, p, q)

@@ -1,5 +1,6 @@
 """What is assumed of a parameter: ``R > 0``, ``k real``, ``0 < k < 1`` or ``R = 50 ohm``, as an interval."""
 
+import math
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -38,6 +39,12 @@ class Range:
     def is_point(self) -> bool:
         """Whether there is one value only."""
         return self.low is not None and self.low == self.high
+
+    @property
+    def fact(self) -> tuple[str, Fraction | float, Fraction | float]:
+        """The range as a fact of the calculus."""
+        low, high = -math.inf if self.low is None else self.low, math.inf if self.high is None else self.high
+        return "real", low, high
 
     def __contains__(self, value: Fraction) -> bool:
         above = self.low is None or value > self.low or (value == self.low and not self.open_low)

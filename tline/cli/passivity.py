@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from tline.cli.options import confined_option
+from tline.cli.verdicts import structure
 from tline.cli.verdicts.answer import Answer, Asked
 from tline.errors import InputError
 
@@ -21,6 +22,10 @@ Examples:
   tline passivity "-(1 - s)/(1 + s)" --kind br --json
   tline passivity "25 + 1n*s" --kind chain --z0 50 --delay "3 ns"
   tline passivity "sqrt((1 + 2*s)/(3 + s))*tanh(sqrt((1 + 2*s)*(3 + s)))"
+  tline passivity "let z = Z2 + 1n*s; line(50, T*s, z)" --param "Z2 positive real" --param "T>0"
+  tline passivity Z2 --kind chain --param "Z2 positive real" --z0 z0 --delay T --param "z0>0" --param "T>0"
+  tline passivity "1 + exp(-s)" --certificate proof.json
+  tline passivity --verify proof.json
   tline passivity "[2*s + 1, s; s, 2*s]"
   tline passivity scene.toml
   tline passivity measured.s2p --error 0.001 --plot bands.png
@@ -41,7 +46,7 @@ class ExpressionCommand(click.Command):
 
 
 @click.command("passivity", cls=ExpressionCommand, epilog=EXAMPLES)
-@click.argument("what")
+@click.argument("what", required=False)
 @click.option(
     "--kind",
     type=click.Choice(["pr", "br", "chain"]),
@@ -52,7 +57,8 @@ class ExpressionCommand(click.Command):
     "parameters",
     metavar="NAME=VALUE",
     multiple=True,
-    help="Value of a name, such as R='50 ohm', or what is assumed of it, such as 'R>0', '0<k<=1' or 'k real'.",
+    help="Value of a name, such as R='50 ohm', or what is assumed of it, such as 'R>0', '0<k<=1' or 'k real'; of any"
+    " function, 'Z2 positive real' or 'H bounded real'.",
 )
 @click.option("--z0", metavar="OHM", help="Impedance against which an impedance reflects, 1 if not given.")
 @click.option("--delay", metavar="T", help="Look at the impedance through a lossless line of z0 and this delay.")
@@ -68,22 +74,29 @@ class ExpressionCommand(click.Command):
     help="Fit samples of one port and write the nearest passive model; the exit status is then its own.",
 )
 @click.option("--plot", metavar="FILE", help="Nyquist and Smith chart, |H(jω)|, or samples; .png, .svg or .pdf.")
+@click.option("--certificate", metavar="FILE.json", help="Write the proof along the expression, or the witness.")
+@click.option("--verify", metavar="FILE.json", help="Check such a file instead, by the rules alone.")
 @confined_option
 @click.option("--json", "as_json", is_flag=True, help="Print everything exactly, with the certificate.")
 @click.pass_context
-def passivity(ctx: click.Context, what: str, plot: str | None, as_json: bool, **given: Any) -> None:
+def passivity(
+    ctx: click.Context, what: str | None, plot: str | None, verify: str | None, as_json: bool, **given: Any
+) -> None:
     """Prove or refute that an impedance is positive real, or a reflection bounded real.
 
     WHAT is an expression in s with numbers (exact decimals, with SI prefix or unit), names, + - * / ^, parentheses,
-    exp, sqrt, log and hyperbolic functions; a matrix [a, b; c, d] of rational ones; a scene (.toml), whose loads are
+    exp, sqrt, log and hyperbolic functions, line(z0, T*s, load), after "let NAME = EXPRESSION;" as often as needed, or
+    a file (.txt) with such text; a matrix [a, b; c, d] of rational ones; a scene (.toml), whose loads are
     checked; or samples (.csv with the header f,re,im, or Touchstone). The answer is a proof, or a point s with
     Re s > 0 where the property fails, to be checked by hand; samples can only refute.
     """
     from passivity import ExpressionError
 
-    _check_files(plot, given["nearest"])
+    if (what is None) == (verify is None):
+        raise InputError("WHAT", "one question is needed", "an expression or a file, or --verify FILE.json alone")
+    _check_files(plot, given["nearest"], given["certificate"])
     try:
-        answer = _answer(what.strip(), Asked(**given))
+        answer = _answer(what.strip(), Asked(**given)) if what is not None else _verified(str(verify))
         drawn = _plot(answer, plot) if plot else []
     except ExpressionError as error:
         where = _option(error.where, "--within" if given["error"] is None else "--error")
@@ -101,9 +114,15 @@ def _answer(what: str, asked: Asked) -> Answer:
         kind = "scene"
     elif SAMPLES.search(what):
         kind = "samples"
+    elif structure.asks(what, asked):
+        kind = "structure"
     else:
         kind = "matrix" if what.startswith("[") else "expression"
     return import_module(f"tline.cli.verdicts.{kind}").answer(what, asked)
+
+
+def _verified(path: str) -> Answer:
+    return structure.verified(path)
 
 
 def _option(where: str, tolerance: str) -> str:
@@ -114,12 +133,16 @@ def _option(where: str, tolerance: str) -> str:
     return options.get(thing, named) + comma + place
 
 
-def _check_files(plot: str | None, nearest: str | None) -> None:
-    if plot is None and nearest is None:
+def _check_files(plot: str | None, nearest: str | None, certificate: str | None) -> None:
+    if plot is None and nearest is None and certificate is None:
         return
     from tline.solver.result.atomic import check_writable
 
-    for option, path, known in (("--plot", plot, PICTURE), ("--nearest", nearest, (".json",))):
+    for option, path, known in (
+        ("--plot", plot, PICTURE),
+        ("--nearest", nearest, (".json",)),
+        ("--certificate", certificate, (".json",)),
+    ):
         if path is not None:
             if not path.lower().endswith(known):
                 raise InputError(option, "unknown kind of file", " or ".join(known), f"'{path}'")

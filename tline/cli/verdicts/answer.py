@@ -26,6 +26,7 @@ class Asked:
     within: str | None
     error: str | None
     nearest: str | None
+    certificate: str | None = None
     confined: bool = False
 
     def refuse(self, about: str, *options: str) -> None:

@@ -1,0 +1,100 @@
+"""From the load of a line to its input port, each statement proved and each step of the algebra checked.
+
+u effort, y flow, both from the input (1) to the load (2): a = u + z0 y, b = u - z0 y; A2 = e^(-Ts) A1, B1 = e^(-Ts) B2.
+"""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+
+from passivity.calculus.ask import Conclusion, is_bounded_real, is_positive_real
+from passivity.calculus.graph import Graph
+from passivity.calculus.read import read
+from passivity.status import Decided, Status
+
+# name of the step, left side, right side, what is put in
+_ALGEBRA = (
+    ("a and b at the input", "(U1 - z0*Y1)/(U1 + z0*Y1)", "B1/A1", {"A1": "U1 + z0*Y1", "B1": "U1 - z0*Y1"}),
+    ("divide by U1", "(1 - z0*Y1/U1)/(1 + z0*Y1/U1)", "(U1 - z0*Y1)/(U1 + z0*Y1)", {}),
+    ("G1 = z0*Y1/U1", "H1", "(1 - G1)/(1 + G1)", {"H1": "(1 - z0*Y1/U1)/(1 + z0*Y1/U1)", "G1": "z0*Y1/U1"}),
+    ("multiply by 1 + G1", "H1*(1 + G1)", "1 - G1", {"H1": "(1 - G1)/(1 + G1)"}),
+    ("collect G1", "G1*(1 + H1)", "1 - H1", {"H1": "(1 - G1)/(1 + G1)"}),
+    ("divide by 1 + H1", "G1", "(1 - H1)/(1 + H1)", {"H1": "(1 - G1)/(1 + G1)"}),
+)
+
+
+@dataclass(frozen=True)
+class Derivation(Decided):
+    """The statements (a) to (d), and the algebra of G1 = (1 - H1)/(1 + H1) between (b) and (c).
+
+    Parameters
+    ----------
+    statements : tuple of (str, Conclusion)
+    algebra : tuple of (str, str, bool)
+        What is done, the equation, and whether it holds.
+    """
+
+    statements: tuple[tuple[str, Conclusion], ...]
+    algebra: tuple[tuple[str, str, bool], ...]
+
+    @property
+    def status(self) -> Status:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """That of the last statement."""
+        return self.statements[-1][1].status
+
+    def __str__(self) -> str:
+        told = []
+        for name, conclusion in self.statements:
+            told += [f"({name}) {conclusion.statement}: {conclusion.status.value}", f"    because {conclusion.why}"]
+            if name == "b":
+                told += [
+                    f"    {text:<52} [{what}{'' if holds else ': does not hold'}]" for what, text, holds in self.algebra
+                ]
+        return "\n".join(told)
+
+
+def derive(load: str = "Z2", z0: str = "z0", delay: str = "T", assume: Iterable[str] = ()) -> Derivation:
+    """Is the input port of a lossless line passive because its load is? Step by step, for any such load.
+
+    Parameters
+    ----------
+    load, z0, delay : str
+        Expressions; numbers, names, or for the load a function of s.
+    assume : iterable of str
+        As in `is_positive_real`, of the names in them; by default of Z2, z0 and T that they fit.
+
+    Examples
+    --------
+    >>> print(derive().status, [x.status.value for _, x in derive("25 + s", "50", "3").statements])
+    proved ['proved', 'proved', 'proved', 'proved']
+    """
+    known = {"Z2": "Z2 positive real", "z0": "z0 > 0", "T": "T >= 0"}
+    assume = list(assume) or [known[x] for x in (load, z0, delay) if x in known]
+    given = f"let Z2_ = {load}; let h2 = (Z2_/({z0}) - 1)/(Z2_/({z0}) + 1)"
+    h1 = f"{given}; let h1 = exp(-2*({delay})*s)*h2"
+    of_delay = [x for x in assume if set(re.findall(r"[^\W\d]\w*", x)) & set(re.findall(r"[^\W\d]\w*", delay))]
+    found = (
+        ("a", is_bounded_real("(G2 - 1)/(G2 + 1)", ["G2 positive real"])),
+        ("b", is_bounded_real(f"exp(-2*({delay})*s)*H2", ["H2 bounded real", *of_delay])),
+        ("c", is_positive_real("(1 - H1)/(1 + H1)", ["H1 bounded real"])),
+        ("d", is_positive_real(f"{h1}; (1 - h1)/(1 + h1)", assume)),
+    )
+    return Derivation(found, tuple(_checked(*step) for step in _ALGEBRA))
+
+
+def _checked(what: str, left: str, right: str, given: dict[str, str]) -> tuple[str, str, bool]:
+    """Both sides with what is given put in, multiplied out by the rule `equal` of the verifier."""
+    any_number = ("real", float("-inf"), float("inf"))
+    graph = Graph(dict.fromkeys(("U1", "Y1", "z0", "G1", "H1", "A1", "B1"), any_number))
+    lets = "".join(f"let {name}_ = {text}; " for name, text in given.items())
+
+    def side(text: str) -> tuple[dict, dict]:
+        for name in given:
+            text = text.replace(name, f"{name}_")
+        c, n = read(graph, lets + text)
+        p, q = graph.fraction(Fraction(1), n, ())
+        return {key: x * c for key, x in p.items()}, q
+
+    (p, q), (u, v) = side(left), side(right)
+    return what, f"{left} = {right}", graph.multiplied(p, v) == graph.multiplied(u, q)

@@ -1,0 +1,233 @@
+"""A graph of functions of s in which equal nodes are one node: constants, names, sums, products, functions, lines.
+
+A value is a pair (c, n), c times node n. Sums are flat and begin with the coefficient 1, products are flat and have no
+coefficient, what all terms of a sum have in common stands before it; so (a - b) and (b - a) are multiples of one node.
+"""
+
+from collections.abc import Iterable
+from fractions import Fraction
+from math import isqrt
+from typing import Any, TypeAlias
+
+from passivity.errors import ExpressionError
+from passivity.size import MAX_BITS, bits_of, check_size
+from passivity.verifier import Graph as Nodes
+
+Value: TypeAlias = tuple[Fraction, int]
+Fact: TypeAlias = tuple[Any, ...]  # as in `passivity.verifier`
+
+ZERO: Value = (Fraction(0), 0)
+UNIT: Value = (Fraction(1), 0)
+POSITIVE_REAL: Fact = ("disc", Fraction(0), float("inf"))
+BOUNDED_REAL: Fact = ("disc", Fraction(-1), Fraction(1))
+
+
+class Graph(Nodes):
+    """Nodes that are made once each, in the order in which they are needed.
+
+    Parameters
+    ----------
+    names : mapping of str to fact
+        What is assumed of each name: ``("real", low, high)`` of a parameter, ``("disc", low, high)`` of a function.
+
+    Examples
+    --------
+    >>> graph = Graph({"Z2": POSITIVE_REAL})
+    >>> z = graph.name("Z2")
+    >>> graph.sum([z, graph.scaled(z, 2)])
+    (Fraction(3, 1), 1)
+    """
+
+    def __init__(self, names: dict[str, Fact] | None = None):
+        super().__init__(dict(names or {}))
+        self._number: dict[tuple, int] = {("one", ()): 0}
+        self.moves, self.is_rational = [False], [True]  # whether s or an opaque function occurs; nothing but s does
+        self.marks: list[int] = []  # nodes to be proved one after the other: the ends of a chain
+
+    def node(self, kind: str, parts: tuple) -> int:
+        """The number of a node, which is made if it is new."""
+        found = self._number.get((kind, parts))
+        if found is None:
+            self.enter(kind, parts)
+            found = self._number[kind, parts] = len(self.nodes) - 1
+            ids = self.inner(found)
+            opaque = kind == "name" and self.names[parts[0]][0] != "real"
+            self.moves.append(kind in ("s", "ratio", "system") or opaque or any(self.moves[n] for n in ids))
+            plain = kind in ("s", "ratio", "sum", "mul")
+            self.is_rational.append(plain and all(self.is_rational[n] for n in ids))
+        return found
+
+    def inner(self, n: int) -> list[int]:
+        """The nodes that a node is made of."""
+        kind, parts = self.nodes[n]
+        if kind == "mul":
+            return [m for m, _ in parts]
+        return [m for _, m in parts] if kind not in ("one", "s", "name", "ratio", "system") else []
+
+    @property
+    def s(self) -> Value:
+        """The Laplace variable."""
+        return Fraction(1), self.node("s", ())
+
+    def name(self, name: str) -> Value:
+        """A parameter or an opaque function of `names`."""
+        return Fraction(1), self.node("name", (name,))
+
+    def ratio(self, p: Iterable[int], q: Iterable[int]) -> Value:
+        """A rational function of given coefficients, lowest power first."""
+        return Fraction(1), self.node("ratio", (tuple(p), tuple(q)))
+
+    def scaled(self, value: Value, c: Fraction | int) -> Value:
+        """A multiple."""
+        return _checked(value[0] * c), value[1] if c else 0
+
+    def sum(self, values: Iterable[Value]) -> Value:
+        """The sum of some values."""
+        total: dict[int, Fraction] = {}
+        for c, n in values:
+            kind, parts = self.nodes[n]
+            for x, m in parts if kind == "sum" else ((Fraction(1), n),):
+                total[m] = total.get(m, Fraction(0)) + c * x
+        terms = {n: _checked(c) for n, c in total.items() if c}
+        if len(terms) < 2:
+            return next(((c, n) for n, c in terms.items()), ZERO)
+        common = self._common(list(terms))
+        if common:
+            below = {b: -e for b, e in common.items()}
+            inner = self.sum((c * x, m) for n, c in terms.items() for x, m in [self._product(self.powers(n), below)])
+            return self.product([inner, self._product(common, {})])
+        order = sorted(terms)
+        first = terms[order[0]]
+        return first, self.node("sum", tuple((terms[n] / first, n) for n in order))
+
+    def _common(self, nodes: list[int]) -> dict[int, int]:
+        """The powers that all products have in common."""
+        found = self.powers(nodes[0])
+        for n in nodes[1:]:
+            if not found:
+                break
+            own = self.powers(n)
+            found = {b: (min if e > 0 else max)(e, own[b]) for b, e in found.items() if own.get(b, 0) * e > 0}
+        return {b: e for b, e in found.items() if self.nodes[b][0] != "exp"}
+
+    def product(self, values: Iterable[Value], exponents: Iterable[int] | None = None) -> Value:
+        """The product of some values to whole powers.
+
+        Raises
+        ------
+        ExpressionError
+            For a division by zero.
+        """
+        values = list(values)
+        powers: dict[int, int] = {}
+        c = Fraction(1)
+        for (x, n), e in zip(values, exponents or [1] * len(values), strict=True):
+            if not x and e < 0:
+                raise ExpressionError("", "division by zero", "a denominator that is not zero everywhere")
+            check_size(0, bits_of(x) * abs(e))
+            c = _checked(c * x**e)
+            for b, k in self.powers(n).items():
+                powers[b] = powers.get(b, 0) + k * e
+        factor, n = self._product(powers, {}) if c else ZERO
+        return _checked(c * factor), n
+
+    def _product(self, powers: dict[int, int], more: dict[int, int]) -> Value:
+        """A product in its one form: one exponential, roots of squares taken."""
+        powers = {b: powers.get(b, 0) + more.get(b, 0) for b in powers | more}
+        arguments, folded = [], []
+        for b, e in list(powers.items()):
+            kind, parts = self.nodes[b]
+            if kind == "exp" and e:
+                arguments.append(self.scaled(parts[0], powers.pop(b)))
+            elif kind == "sqrt" and abs(e) > 1:
+                folded.append((parts[0], int(e / 2)))
+                powers[b] -= 2 * int(e / 2)
+        kept = {b: e for b, e in powers.items() if e}
+        check_size(0, max(map(abs, kept.values()), default=0))
+        if len(arguments) > 1 or (arguments and next(iter(arguments))[0] and folded):
+            c, n = self.function("exp", self.sum(arguments))
+            return self.product(
+                [(c, n), self._product(kept, {}), *(v for v, _ in folded)], [1, 1, *(e for _, e in folded)]
+            )
+        if arguments:
+            c, n = self.function("exp", arguments[0])
+            kept |= {n: 1} if n else {}
+        if folded:
+            return self.product([self._product(kept, {}), *(v for v, _ in folded)], [1, *(e for _, e in folded)])
+        if len(kept) == 1 and next(iter(kept.values())) == 1:
+            return Fraction(1), next(iter(kept))
+        return Fraction(1), self.node("mul", tuple(sorted(kept.items()))) if kept else 0
+
+    def inverse(self, value: Value) -> Value:
+        """1 over a value."""
+        return self.product([value], [-1])
+
+    def function(self, name: str, value: Value) -> Value:
+        """A function at a value: exp, log, sqrt, sinh, cosh, tanh, coth, sech, csch.
+
+        Raises
+        ------
+        ExpressionError
+            Where there is no value: log(0), coth(0).
+        """
+        c, n = value
+        if name in ("coth", "sech", "csch", "sinh"):
+            other = self.function({"sech": "cosh"}.get(name, "tanh"), value)
+            if name in ("coth", "sech"):
+                return self.inverse(other)
+            return self.product([other, self.function("cosh", value)], [1, 1] if name == "sinh" else [-1, -1])
+        if not c:
+            if name == "log":
+                raise ExpressionError("", "log(0) has no value", "another argument")
+            return UNIT if name in ("exp", "cosh") else ZERO
+        if n == 0 and name == "sqrt" and c > 0 and all(isqrt(x) ** 2 == x for x in c.as_integer_ratio()):
+            return Fraction(isqrt(c.numerator), isqrt(c.denominator)), 0
+        if n == 0 and name == "log" and c == 1:
+            return ZERO
+        if name in ("tanh", "cosh") and not self.moves[n]:
+            once = self.function("exp", value)
+            if name == "cosh":
+                return self.scaled(self.sum([once, self.inverse(once)]), Fraction(1, 2))
+            below = self.sum([UNIT, self.product([once], [2])])
+            return self.sum([UNIT, self.scaled(self.inverse(below), -2)])
+        sign = -1 if name in ("tanh", "cosh") and c < 0 else 1
+        return Fraction(sign if name == "tanh" else 1), self.node(name, ((sign * c, n),))
+
+    def line(self, z0: Value, propagation: Value, load: Value) -> Value:
+        """Input impedance of a line: characteristic impedance, propagation times length (T s if lossless), load."""
+        if not propagation[0]:
+            return load
+        found = Fraction(1), self.node("line", (z0, propagation, load))
+        self.mark(found)
+        return found
+
+    def share(self, other: "Graph") -> None:
+        """Begin with the nodes and marks of another graph."""
+        self.nodes, self.moves, self.is_rational = list(other.nodes), list(other.moves), list(other.is_rational)
+        self._number, self.marks, self.roots = dict(other._number), list(other.marks), dict(other.roots)
+
+    def mark(self, value: Value) -> None:
+        """Remember a value that is to be proved before what is made of it."""
+        self.marks.append(value[1])
+
+    def replaced(self, n: int, old: int, new: Value) -> Value:
+        """A product with another value for one that is a factor of it, or of a term of the sums in it."""
+
+        def factor(b: int) -> Value:
+            kind, parts = self.nodes[b]
+            if kind != "sum":
+                return new if b == old else (Fraction(1), b)
+            terms = [(c, self.powers(m)) for c, m in parts]
+            return self.sum(
+                self.product([(c, 0), *(new if x == old else (Fraction(1), x) for x in powers)], [1, *powers.values()])
+                for c, powers in terms
+            )
+
+        powers = self.powers(n)
+        return self.product(map(factor, powers), powers.values())
+
+
+def _checked(c: Fraction) -> Fraction:
+    if c.denominator.bit_length() > MAX_BITS or c.numerator.bit_length() > MAX_BITS:
+        check_size(0, bits_of(c))
+    return c

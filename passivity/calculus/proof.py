@@ -1,0 +1,151 @@
+"""Proofs as files: the nodes and steps that lead to a claim, in the texts that the verifier reads."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from passivity.calculus.graph import Fact, Graph, Value
+from passivity.calculus.prove import Step
+from passivity.verifier import FORMAT, FUNCTIONS
+
+Proof = dict[str, Any]
+LONGEST = 400  # characters of a node in words
+
+
+def proof_of(graph: Graph, steps: list[Step], last: int, value: Value, claim: Fact, statement: str) -> Proof:
+    """The steps that lead to the last one, and the nodes that they speak of."""
+    used, stack = set(), [last]
+    while stack:
+        k = stack.pop()
+        if k not in used:
+            used.add(k)
+            stack += steps[k][3]
+    order = sorted(used)
+    nodes: set[int] = {0}
+    stack = [
+        value[1],
+        *(steps[k][0] for k in order),
+        *(n for k in order if steps[k][2] == "equal" for n in steps[k][4][1]),
+    ]
+    while stack:
+        n = stack.pop()
+        if n not in nodes:
+            nodes.add(n)
+            stack += graph.inner(n)
+    kept = sorted(nodes)
+    new, at = {n: k for k, n in enumerate(kept)}, {k: i for i, k in enumerate(order)}
+
+    def data(rule: str, given: Any) -> Any:
+        return [given[0], [new[n] for n in given[1]]] if rule == "equal" else given
+
+    names = {graph.nodes[n][1][0] for n in kept if graph.nodes[n][0] == "name"}
+    return {
+        "format": FORMAT,
+        "statement": statement,
+        "names": {name: written(graph.names[name]) for name in sorted(names)},
+        "nodes": [_node(graph, n, new) for n in kept],
+        "steps": [
+            [new[n], written(fact), rule, [at[m] for m in premises], data(rule, given)]
+            for n, fact, rule, premises, given in (steps[k] for k in order)
+        ],
+        "root": [str(value[0]), new[value[1]]],
+        "claim": written(claim),
+    }
+
+
+def _node(graph: Graph, n: int, new: dict[int, int]) -> list[Any]:
+    kind, parts = graph.nodes[n]
+    if kind == "mul":
+        return [kind, *([new[m], e] for m, e in parts)]
+    if kind in ("sum", "line", *FUNCTIONS):
+        return [kind, *([str(c), new[m]] for c, m in parts)]
+    return [kind, *(list(x) if isinstance(x, tuple) else x for x in parts)]
+
+
+def written(fact: Fact) -> list[str]:
+    """A fact in texts."""
+    return [str(x) for x in fact]
+
+
+def in_words(fact: list[str]) -> str:
+    """A fact in the words of the field.
+
+    Examples
+    --------
+    >>> in_words(["disc", "0", "inf"]), in_words(["disc", "0", "2"]), in_words(["arg", "1/2"])
+    ('positive real', 'in the disc on [0, 2]', '|arg| <= 90°*1/2')
+    """
+    known = {("disc", "0", "inf"): "positive real", ("disc", "-1", "1"): "bounded real", ("arg", "1"): "positive real"}
+    if tuple(fact) in known:
+        return known[tuple(fact)]
+    kind, *ends = fact
+    if kind == "arg":
+        return f"|arg| <= 90°*{ends[0]}"
+    low, high = ends
+    if kind == "real":
+        return (
+            f"the constant {low}"
+            if low == high
+            else f"a constant >= {low}"
+            if high == "inf"
+            else f"a constant in [{low}, {high}]"
+        )
+    if high == "inf":
+        return f"Re >= {low}"
+    return f"Re <= {high}" if low == "-inf" else f"in the disc on [{low}, {high}]"
+
+
+def lines(proof: Proof) -> Iterator[str]:
+    """A proof line by line: each function that it speaks of, the fact, the rule."""
+    texts = Texts(proof["nodes"])
+    for n, fact, rule, _, _ in proof["steps"]:
+        if n:
+            yield f"{texts.of(n)}: {in_words(fact)}   [{rule}]"
+
+
+class Texts:
+    """Nodes of a proof as expressions; what is long or used again stands for itself as #number."""
+
+    def __init__(self, nodes: list[Any]):
+        self.nodes = nodes
+        self._known: dict[int, str] = {}
+
+    def of(self, n: int) -> str:
+        """A node in text."""
+        if n not in self._known:
+            text = self._written(n)
+            self._known[n] = text if len(text) <= LONGEST else f"#{n}"
+        return self._known[n]
+
+    def _written(self, n: int) -> str:
+        kind, *parts = self.nodes[n]
+        if kind in ("one", "s", "name"):
+            return {"one": "1", "s": "s"}.get(kind) or parts[0]
+        if kind == "sum":
+            return " + ".join(self._scaled(c, m) for c, m in parts).replace("+ -", "- ")
+        if kind == "mul":
+            above = [self._power(m, e) for m, e in parts if e > 0]
+            below = [self._power(m, -e) for m, e in parts if e < 0]
+            under = f"/({'*'.join(below)})" if len(below) > 1 else f"/{below[0]}" if below else ""
+            return ("*".join(above) or "1") + under
+        if kind in ("ratio", "system"):
+            return f"#{n}"
+        return f"{kind}({', '.join(self._scaled(c, m) for c, m in parts)})"
+
+    def _scaled(self, c: str, m: int) -> str:
+        if m == 0:
+            return c
+        text = self.of(m)
+        inner = f"({text})" if self.nodes[m][0] == "sum" and text[0] != "#" else text
+        return text if c == "1" else f"-{inner}" if c == "-1" else f"{c}*{inner}"
+
+    def _power(self, m: int, e: int) -> str:
+        text = self.of(m)
+        inner = f"({text})" if self.nodes[m][0] == "sum" and text[0] != "#" else text
+        return inner if e == 1 else f"{inner}^{e}"
+
+
+def save(evidence: dict[str, Any], path: str | Path) -> None:
+    """Write a proof or a witness as JSON."""
+    Path(path).write_text(json.dumps(evidence, ensure_ascii=False) + "\n", encoding="utf-8")

@@ -1,0 +1,307 @@
+"""Facts about the nodes of a graph, by the rules of `passivity.verifier`: the prover only chooses which to apply."""
+
+import math
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+from passivity.budget import spend
+from passivity.calculus.graph import POSITIVE_REAL, Fact, Graph, Value
+from passivity.calculus.leaf import rational_facts
+from passivity.calculus.rewrite import rewritings
+from passivity.errors import ExpressionError
+from passivity.verifier import RULES, disc, implies, inverse, scaled, turn
+
+DEPTHS = (2, 4, 6)  # of rewritings within rewritings, tried in turn
+MAX_REWRITINGS = 60  # of what one mark needs
+_COST = 60_000
+_SMALL = 150  # nodes of a graph in which equalities are also multiplied out in full
+
+Step = tuple[int, Fact, str, list[int], Any]  # node, fact, rule, the steps it rests on, data
+
+
+class Prover:
+    """What is known about each node so far.
+
+    Examples
+    --------
+    >>> from passivity.calculus.graph import BOUNDED_REAL
+    >>> graph = Graph({"Z2": POSITIVE_REAL})
+    >>> z = graph.line((Fraction(50), 0), graph.scaled(graph.s, 3), graph.name("Z2"))
+    >>> prover = Prover(graph)
+    >>> prover.reach(z, POSITIVE_REAL) is not None, prover.reach(z, BOUNDED_REAL)
+    (True, None)
+    """
+
+    def __init__(self, graph: Graph):
+        self.graph, self.steps = graph, []
+        self.known: dict[int, list[int]] = {}
+        self.most, self.depth, self.rewritten = DEPTHS[0], 0, 0
+
+    def reach(self, value: Value, goal: Fact) -> int | None:
+        """The step that proves a fact about a value; None if the rules lead to none."""
+        for most in DEPTHS:
+            self.most = most
+            for n in [*self._marked(value[1]), value[1]]:
+                self.rewritten = 0
+                self.facts(n)
+            if (found := self._implying(value, goal)) is not None:
+                return found
+            self.rewritten = 0
+            if (found := self._rewritten_to(value, goal)) is not None:
+                return found
+            self.known = {n: steps for n, steps in self.known.items() if steps}
+        return None
+
+    def _marked(self, root: int) -> list[int]:
+        """The marks among what a node is made of, in order."""
+        seen, stack = set(), [root]
+        while stack:
+            n = stack.pop()
+            if n not in seen:
+                seen.add(n)
+                stack += self.graph.inner(n)
+        return sorted(seen.intersection(self.graph.marks))
+
+    def _implying(self, value: Value, goal: Fact) -> int | None:
+        for k in self.known.get(value[1], ()):
+            moved = scaled(self.steps[k][1], value[0])
+            if moved and implies(moved, goal):
+                return k
+        return None
+
+    def _rewritten_to(self, value: Value, goal: Fact) -> int | None:
+        for k in self.rewrite(value[1]):
+            moved = scaled(self.steps[k][1], value[0])
+            if moved and implies(moved, goal):
+                return k
+        return None
+
+    def facts(self, n: int) -> list[int]:
+        """Steps about a node, those that others imply left out."""
+        if n not in self.known:
+            spend(_COST, "a proof by composition")
+            self.known[n] = []
+            for _ in self.direct(n):
+                pass
+            if not any(disc(self.steps[k][1]) for k in self.known[n]):
+                next(self.rewrite(n), None)
+        return self.known[n]
+
+    def follow(self, n: int, rule: str, premises: list[int], data: Any = None) -> list[int]:
+        """Apply a rule, and keep what is new."""
+        try:
+            found = RULES[rule](self.graph, n, [self.steps[k][:2] for k in premises], data)
+        except (ValueError, TypeError, ZeroDivisionError):
+            return []
+        fresh = []
+        for fact in found:
+            if _useful(fact) and not any(implies(self.steps[k][1], fact) for k in self.known.setdefault(n, [])):
+                self.known[n] = [k for k in self.known[n] if not implies(fact, self.steps[k][1])]
+                self.steps.append((n, fact, rule, premises, data))
+                self.known[n].append(len(self.steps) - 1)
+                fresh.append(len(self.steps) - 1)
+        return fresh
+
+    def direct(self, n: int) -> Iterator[int]:
+        """Facts by the operation of a node itself."""
+        graph, (kind, parts) = self.graph, self.graph.nodes[n]
+        if kind in ("one", "s", "name"):
+            yield from self.follow(n, "leaf", [])
+        elif graph.moves[n] and graph.is_rational[n] and graph.powers(n) not in ({graph.s[1]: 1}, {graph.s[1]: -1}):
+            for fact, data in rational_facts(graph, n):
+                yield from self.follow(n, "rational", [], {"fact": _written(fact), **data})
+            if not self.known[n] and kind == "mul":
+                yield from self.product(n)
+        elif kind == "sum":
+            yield from self.sum(n)
+        elif kind == "mul":
+            yield from self.product(n)
+        elif kind == "line":
+            yield from self.line(n, parts)
+        elif kind in ("exp", "log", "sqrt", "tanh", "cosh"):
+            for k in list(self.facts(parts[0][1])):
+                yield from self.follow(n, "function", [k])
+            name, inner = graph.nodes[parts[0][1]]
+            if kind == "exp" and name == "log":
+                for k in list(self.facts(inner[0][1])):
+                    yield from self.follow(n, "power", [k])
+
+    def line(self, n: int, parts: tuple) -> Iterator[int]:
+        """A line, from its load, series impedance and shunt admittance."""
+        z0, through, load = parts
+        plain = [(Fraction(1), through[1]), (Fraction(1), z0[1])]
+        products = [self.graph.product(plain, [1, e])[1] for e in (1, -1)]
+        chosen = [self.right(m) for m in (load[1] if load[0] else 0, *products)]
+        known = [k for k in chosen if k is not None]
+        if len(known) == 3:
+            yield from self.follow(n, "line", known)
+
+    def right(self, n: int) -> int | None:
+        """A step that says Re w >= 0."""
+        self.facts(n)
+        return self._implying((Fraction(1), n), POSITIVE_REAL)
+
+    def discs(self, n: int) -> list[int]:
+        """Steps that tell of discs."""
+        return [k for k in self.facts(n) if disc(self.steps[k][1])]
+
+    def sum(self, n: int) -> Iterator[int]:
+        """A sum, from the sharpest facts about its terms, of which rational ones are taken together."""
+        graph, terms = self.graph, self.graph.nodes[n][1]
+        simple = [(c, m) for c, m in terms if graph.is_rational[m]]
+        if 1 < len(simple) < len(terms):
+            c, together = graph.sum(simple)
+            terms = [(c, together), *((c, m) for c, m in terms if not graph.is_rational[m])]
+        known = [[(scaled(self.steps[k][1], c), k) for k in self.facts(m)] for c, m in terms]
+        data = [str(c) for c, _ in terms]
+        for key in (_low, _high, _width, _angle):
+            best = [min(((key(f), k) for f, k in facts if f), default=(math.inf, 0)) for facts in known]
+            if all(x < math.inf for x, _ in best) and (key is not _angle or all(x <= 1 for x, _ in best)):
+                yield from self.follow(n, "combination", [k for _, k in best], data)
+
+    def product(self, n: int) -> Iterator[int]:
+        """A product, from facts about its inverse or its factors, of which those that belong together are kept so."""
+        graph, powers = self.graph, self.graph.powers(n)
+        opposite = graph.inverse((Fraction(1), n))[1]
+        if len(powers) == 1:
+            ((b, e),) = powers.items()
+            if e == -1:
+                self.facts(b)
+            if graph.nodes[b][0] == "cosh" and e == -1:
+                for k in list(self.facts(graph.nodes[b][1][0][1])):
+                    yield from self.follow(n, "function", [k])
+        for k in list(self.known.get(opposite, ())):
+            yield from self.follow(n, "reciprocal", [k])
+        yield from self.means(n, powers)
+        pieces = self.pieces(n, powers)
+        if len(pieces) < 2 and pieces[0][1] in (1, -1):
+            return
+        exponents = [e for _, e in pieces]
+        known = [[(self.steps[k][1], k) for k in self.facts(m)] for m, _ in pieces]
+        keys = [(_low, _low), (_size, _size)] if any(not graph.moves[m] for m, _ in pieces) else [(_size, _size)]
+        for up, _ in [*keys, (_angle, _angle)]:
+            best = []
+            for (_, e), facts in zip(pieces, known, strict=True):
+                usable = [(up(f) if e > 0 or up is _angle else up(_inverted(f)), k) for f, k in facts]
+                best.append(min(usable, default=(math.inf, 0)))
+            if all(x < math.inf for x, _ in best):
+                yield from self.follow(n, "product", [k for _, k in best], exponents)
+        yield from self.roots(n, pieces)
+
+    def roots(self, n: int, pieces: list[tuple[int, int]]) -> Iterator[int]:
+        """A product of roots, from its square."""
+        graph = self.graph
+        if not any(graph.nodes[m][0] == "sqrt" for m, _ in pieces):
+            return
+        angles = [min(((_angle(self.steps[k][1]), k) for k in self.facts(m)), default=(math.inf, 0)) for m, _ in pieces]
+        if all(x < math.inf for x, _ in angles):
+            c, squared = graph.product([(Fraction(1), n)], [2])
+            if c > 0 and squared != n and graph.is_rational[squared]:
+                for k in list(self.facts(squared)):
+                    yield from self.follow(n, "square", [k, *(x for _, x in angles)], [str(c), [e for _, e in pieces]])
+
+    def pieces(self, n: int, powers: dict[int, int]) -> list[tuple[int, int]]:
+        """Constants together, what is rational together, quotients of sums that differ in signs, and single powers."""
+        graph, left = self.graph, dict(powers)
+        found: list[tuple[int, int]] = []
+        for chosen in (
+            {b: e for b, e in left.items() if not graph.moves[b]},
+            {b: e for b, e in left.items() if graph.moves[b] and graph.is_rational[b]},
+        ):
+            if chosen and len(chosen) < len(powers):
+                found.append((graph.product([(Fraction(1), b) for b in chosen], chosen.values())[1], 1))
+                left = {b: e for b, e in left.items() if b not in chosen}
+        sums = [b for b in left if graph.nodes[b][0] == "sum" and graph.moves[b]]
+        for a in sums:
+            for b in sums:
+                if left.get(a, 0) > 0 > left.get(b, 0) and len(left) + len(found) > 2 and _alike(graph, a, b):
+                    found.append((graph.product([(Fraction(1), a), (Fraction(1), b)], [1, -1])[1], 1))
+                    left[a], left[b] = left[a] - 1, left[b] + 1
+        return found + [(b, e) for b, e in left.items() if e]
+
+    def means(self, n: int, powers: dict[int, int]) -> Iterator[int]:
+        """log(1 + X)/X and (1 - exp(-X))/X."""
+        graph = self.graph
+        for b, e in powers.items():
+            if e != 1 or graph.nodes[b][0] not in ("log", "sum"):
+                continue
+            if graph.nodes[b][0] == "log":
+                c, x = graph.sum([graph.nodes[b][1][0], (Fraction(-1), 0)])
+            else:
+                c, x = graph.sum([(Fraction(1), b), (Fraction(-1), 0)])
+                if c != -1 or graph.nodes[x][0] != "exp":
+                    continue
+                c, x = graph.scaled(graph.nodes[x][1][0], -1)
+            if {k: -v for k, v in graph.powers(x).items()} == {k: v for k, v in powers.items() if k != b}:
+                for k in self.discs(x):
+                    yield from self.follow(n, "mean", [k], str(c))
+
+    def equal(self, n: int, k: int, c: str, cut: list[int]) -> list[int]:
+        """A fact of a multiple; where sums have merged with those that are cut off, in full if that is small."""
+        found = self.follow(n, "equal", [k], [c, cut])
+        return found or (self.follow(n, "equal", [k], [c, []]) if cut and len(self.graph.nodes) < _SMALL else [])
+
+    def rewrite(self, n: int) -> Iterator[int]:
+        """Facts about the same function, or its inverse, written differently."""
+        if self.depth >= self.most or self.graph.is_rational[n]:
+            return
+        self.depth += 1
+        try:
+            for upside_down, (c, m), cut in rewritings(self.graph, n):
+                self.rewritten += 1
+                if self.rewritten > MAX_REWRITINGS:
+                    return
+                target = self.graph.inverse((Fraction(1), n))[1] if upside_down else n
+                for k in list(self.facts(m)):
+                    for found in self.equal(target, k, str(c), cut):
+                        yield from [found] if target == n else self.follow(n, "reciprocal", [found])
+        except ExpressionError:  # a division by zero on the way
+            return
+        finally:
+            self.depth -= 1
+
+
+def _alike(graph: Graph, a: int, b: int) -> bool:
+    """Whether two sums differ in the signs of their terms alone."""
+    up, down = graph.terms(a), graph.terms(b)
+    return up.keys() == down.keys() and all(abs(c) == abs(down[m]) for m, c in up.items())
+
+
+def _useful(fact: Fact) -> bool:
+    return fact[0] == "arg" or fact[1] > -math.inf or fact[2] < math.inf
+
+
+def _written(fact: Fact) -> list[str]:
+    return [str(x) for x in fact]
+
+
+def _inverted(fact: Fact) -> Fact:
+    known = disc(fact)
+    ends = known and inverse(*known)
+    return (fact[0] if fact[0] == "real" else "disc", *ends) if ends else ("disc", -math.inf, math.inf)
+
+
+def _low(fact: Fact) -> Any:
+    known = disc(fact)
+    return -known[0] if known else math.inf
+
+
+def _high(fact: Fact) -> Any:
+    known = disc(fact)
+    return known[1] if known else math.inf
+
+
+def _width(fact: Fact) -> Any:
+    known = disc(fact)
+    return known[1] - known[0] if known and math.inf not in (known[1], -known[0]) else math.inf
+
+
+def _size(fact: Fact) -> Any:
+    known = disc(fact)
+    return max(-known[0], known[1]) if known else math.inf
+
+
+def _angle(fact: Fact) -> Any:
+    found = turn(fact)
+    return math.inf if found is None else found
