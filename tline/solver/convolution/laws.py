@@ -24,7 +24,7 @@ from tline.solver.description.components import parts
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import EDGE, Shape
 from tline.solver.description.groups import Group
-from tline.solver.description.laws import laws_of, started, states_of, with_basis
+from tline.solver.description.laws import laws_of, started, states_of, units_of_laws, with_basis
 from tline.solver.description.switches import Moving
 from tline.solver.kernel.laws.convolved import Convolution, advance_convolved
 from tline.solver.kernel.network import NO_LOSSES, Blocks, Laws, Network, Run, Segments, State, Units
@@ -184,7 +184,7 @@ def _run(laws: Laws, step: NDArray, states: NDArray, s: int) -> Run:
         blocks=Blocks(1, 1, none, none, none, none, none, none, whole),
     )
     state = State(np.zeros(0), none, none, np.zeros((1, s)), states, np.zeros(0), np.zeros(0))
-    units = Units(0, 0, 0, 0, 0, 0, 0, law_addresses(laws.kind), none, 0, 0, 0, 0, 0, 0)
+    units = Units(0, 0, 0, 0, 0, 0, 0, law_addresses(units_of_laws(laws)), none, 0, 0, 0, 0, 0, 0)
     return Run(network, state, units, work_for(network, state), np.empty((0, 0)), np.empty((0, 2, 0)))
 
 
