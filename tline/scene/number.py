@@ -32,7 +32,7 @@ def with_number(element: Any, keys: Sequence[str], value: Any) -> Any:
 
     Examples
     --------
-    >>> from tline.scene.rational_load import Series
+    >>> from tline.scene.rational import Series
     >>> with_number(Series(at="far", resistance="5 ohm"), ["resistance"], "7 ohm").ratio
     Ratio(numerator=(7,), denominator=(1,))
     """
