@@ -32,8 +32,12 @@ def with_number(element: Any, keys: Sequence[str], value: Any) -> Any:
 
     Examples
     --------
-    >>> from tline.scene.rational import Series
-    >>> with_number(Series(at="far", resistance="5 ohm"), ["resistance"], "7 ohm").ratio
+    >>> from tline.scene import Scene
+    >>> scene = Scene(
+    ...     medium="electrical", t_end="40 ns", lines={"cable": {"nodes": ["near", "far"], "z0": 50, "delay": "5 ns"}},
+    ...     loads={"series": {"at": "far", "kind": "series", "resistance": "5 ohm"}}, probes={"far": {"at": "far"}},
+    ... )
+    >>> with_number(scene.loads["series"], ["resistance"], "7 ohm").ratio
     Ratio(numerator=(7,), denominator=(1,))
     """
     first, *rest = keys
