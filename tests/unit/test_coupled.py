@@ -117,9 +117,6 @@ def test_in_an_insulation_all_alike_modes_are_those_of_any_resistances():
         ({"inductance": [["1 nF/m", 0], [0, 1]], "capacitance": C, "length": 1}, "lines.pair.inductance[0][0]: "),
         (MODES | {"even": LOSSY}, "lines.pair.length: resistance needs its length, got none"),
         (MODES | {"resistance": L}, "lines.pair: is not given once, expected inductance"),
-        (MATRICES | {"skin": {"resistance": [[1, 0], [0, 2]], "frequency": 1}},
-         "lines.pair.skin: skin.resistance couples the modes of inductance and capacitance by 0.27 of its largest entry"
-         ", expected modes that do not see each other"),
         (MATRICES | {"resistance": [[1, 2], [2, 1]]}, "lines.pair.resistance: creates power"),
         (MATRICES | {"conductance": [[2, 1], [1, 2]]}, "lines.pair.conductance: positive beside its diagonal"),
         (MATRICES | {"skin": {"resistance": [[1]], "frequency": 1}},

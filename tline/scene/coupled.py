@@ -183,9 +183,7 @@ class Coupled(Element):
         conductances = {"conductance": self.conductance} if self.conductance else {}
         try:
             found = modes(L, C, length, resistances, conductances)
-        except MixedModesError as error:
-            if self.skin:
-                raise InputError("skin", f"{error.where} {error.problem}", "modes that do not see each other") from None
+        except MixedModesError:
             found, self._mixing = modes(L, C, length), True
         tables = []
         for k, (z0, delay) in enumerate(zip(found.z0.tolist(), found.delay.tolist(), strict=True)):

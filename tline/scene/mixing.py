@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.errors import InputError
 from tline.scene.coupled import Coupled
+from tline.words.wording import place
 
 if TYPE_CHECKING:
     from tline.scene.line import SceneLine
@@ -61,7 +63,19 @@ class Mixing(NamedTuple):
         }
 
     def links(self) -> dict[str, dict[str, Any]]:
-        """Tables of what is lost at the places: half of R, all of G, half of R."""
+        """Tables of what is lost at the places: half of R, all of G, half of R.
+
+        Raises
+        ------
+        InputError
+            A skin effect is no loss at a place.
+        """
+        if self.line.skin:
+            where, expected = (
+                f"{place('lines', self.name)}.skin",
+                "a run from rest to a tolerance of 1e-8 or more, without a ledger",
+            )
+            raise InputError(where, "it makes modes see each other, which other runs do not know", expected)
         R, G = (lost / self.places for lost in _lost(self.line))
         one, none = np.eye(len(R)), np.zeros_like(R)
         # u1 - R i1/2 = u2 - R i2/2 = v, i1 + i2 = G v

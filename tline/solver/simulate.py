@@ -158,7 +158,15 @@ class _How(NamedTuple):
 
 
 def _of_parts(description: Description, how: _How, tol: float | None) -> Result:
-    """Run what stands in place of lines in stretches."""
+    """Run what stands in place of lines in stretches, unless modes that mix can be convolved as they are."""
+    if (
+        asked(description.scene, tol)
+        and description.mixing
+        and all(each.mixing for each in description.stretches.values())
+    ):
+        found = _convolved(description, how, tol)
+        if found is not None:
+            return found
     how = how._replace(record=recorded(description, how.record), start=None)
 
     def parted(doublings: int, tol: float | None) -> Result:
@@ -167,6 +175,14 @@ def _of_parts(description: Description, how: _How, tol: float | None) -> Result:
 
     tol = asked(description.scene, tol)
     return with_mixed_modes(parted, tol) if tol and description.mixing else parted(0, tol)
+
+
+def _convolved(description: Description, how: _How, tol: float | None) -> Result | None:
+    """Run conductors whose losses mix the modes by matrix functions, if their scene is one for that."""
+    tol, scene = asked(description.scene, tol), description.scene
+    if tol is None or how.ledger or scene.solver.slab or user_elements(scene):
+        return None
+    return convolved(Search(description, tol, how.record, how.progress, envelope=how.envelope))
 
 
 def _searched(description: Description, how: _How, tol: float | None, whole: Description | None = None) -> Result:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.description.branches import Branch
+from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
 from tline.solver.description.groups import Group
 from tline.solver.description.nodes import Node
@@ -42,6 +43,10 @@ class LinearRest(Scattering):
         Behind which they are seen: about what they see of the rest within the shortest delay.
     ports : ndarray, shape (K, N)
         From efforts at nodes to those across laws.
+    bundles : dict of str to Bundle
+        Coupled conductors whose losses mix the modes.
+    pairs : ndarray, shape (P, 2)
+        Numbers of lines of which the second's efforts drive the first's flows: each line itself, and modes that mix.
     """
 
     def __init__(self, description: Description):
@@ -57,6 +62,14 @@ class LinearRest(Scattering):
             for node, sign in ((law.from_node, 1.0), (law.to_node, -1.0)):
                 if node is not None:
                     row[at[node]] += sign
+        self.bundles = bundles_of(description)
+        mixed = [
+            np.array(np.meshgrid(*2 * [each.lines], indexing="ij")).reshape(2, -1).T for each in self.bundles.values()
+        ]
+        alone = np.setdiff1d(
+            np.arange(len(self.z0)), np.concatenate([[-1], *(each.lines for each in self.bundles.values())])
+        )
+        self.alone, self.pairs = alone, np.concatenate([np.stack([alone, alone], axis=1), *mixed])
         self.node_of = np.empty(self.size, int)
         for node, ends in enumerate(self.ends):
             self.node_of[ends] = node
@@ -72,13 +85,19 @@ class LinearRest(Scattering):
         return [branch for branch in group.branches if branch.switch is None]
 
     def admittances(self, s: NDArray, late: NDArray) -> tuple[NDArray, NDArray]:
-        """Y11 and Y12 of all lines, each of shape (n, lines); `late`, likewise, is what their delays are beyond sT."""
+        """Y11 and Y12 of all pairs, each of shape (n, P); `late`, of shape (n, lines), is what delays are beyond sT."""
         total, impedance = np.outer(s, self.delays), np.broadcast_to(self.z0, (len(s), len(self.z0))).astype(complex)
         for k, line in self.lossy.items():
             series, shunt = (np.sqrt(law.at(s / self.second)) for law in (line.series, line.shunt))
             total[:, k], impedance[:, k] = series * shunt * line.length, series / shunt
-        passed, twice = np.exp(-total - late), -np.expm1(-2 * (total + late))
-        return (2 - twice) / (twice * impedance), -2 * passed / (twice * impedance)
+        total, impedance = (total + late)[:, self.alone], impedance[:, self.alone]
+        passed, twice = np.exp(-total), -np.expm1(-2 * total)
+        found = [((2 - twice) / (twice * impedance), -2 * passed / (twice * impedance))]
+        for bundle in self.bundles.values():
+            blocks = bundle.admittances(s / self.second, late[:, bundle.lines[0]])
+            found.append((blocks[0].reshape(len(s), -1), blocks[1].reshape(len(s), -1)))
+        own, other = zip(*found, strict=True)
+        return np.concatenate(own, axis=1), np.concatenate(other, axis=1)
 
     def efforts(self, s: NDArray, held: NDArray, flows: NDArray, lines: tuple[NDArray, NDArray]) -> Efforts:
         """Efforts under all sources, and under each law.
@@ -89,7 +108,7 @@ class LinearRest(Scattering):
             In the unit of the scattering.
         held, flows : ndarray, shape (n, N)
             Efforts that sources hold, and flows that they drive.
-        lines : pair of ndarray, shape (n, lines)
+        lines : pair of ndarray, shape (n, P)
             Their `admittances`.
         """
         size = len(self.names) + sum(len(branch.nodes) for _, branches in self.groups for branch in branches)
@@ -107,11 +126,13 @@ class LinearRest(Scattering):
             rows = np.concatenate([at, np.arange(row, row + branches)])
             matrix[:, rows[:, None], rows], p[:, at] = own, factor
             row += branches
-        for k, z0 in enumerate(self.z0):
-            ends = self.node_of[2 * k], self.node_of[2 * k + 1]
-            for here, there in (ends, ends[::-1]):
-                matrix[:, here, here] += p[:, here] * (same[:, k] - 1 / z0)
-                matrix[:, here, there] += p[:, here] * other[:, k]
+        at = self.node_of.reshape(-1, 2)
+        for pair, (k, j) in enumerate(self.pairs.tolist()):
+            own = same[:, pair] - (1 / self.z0[k] if k == j else 0.0)
+            for end in (0, 1):
+                here = at[k, end]
+                matrix[:, here, at[j, end]] += p[:, here] * own
+                matrix[:, here, at[j, 1 - end]] += p[:, here] * other[:, pair]
         right = np.zeros((len(s), size, 1 + len(self.laws)), complex)
         right[:, :nodes, 0] = held + p * flows
         for k, (port, impedance) in enumerate(zip(self.ports, self.impedances, strict=True), 1):
@@ -123,6 +144,10 @@ class LinearRest(Scattering):
 
     def arriving(self, efforts: NDArray, lines: tuple[NDArray, NDArray], ends: NDArray) -> NDArray:
         """Waves that arrive at some line ends, shape (n, ends), under efforts at all nodes."""
-        same, other = (each[:, ends // 2] for each in lines)
-        here, there = efforts[:, self.node_of[ends]], efforts[:, self.node_of[ends ^ 1]]
-        return here - self.z0[ends // 2] * (same * here + other * there)
+        found, at = efforts[:, self.node_of[ends]], self.node_of.reshape(-1, 2)
+        for column, (line, end) in enumerate(zip(*np.divmod(ends, 2), strict=True)):
+            here = np.flatnonzero(self.pairs[:, 0] == line)
+            beside = at[self.pairs[here, 1]]
+            flow = lines[0][:, here] * efforts[:, beside[:, end]] + lines[1][:, here] * efforts[:, beside[:, 1 - end]]
+            found[:, column] -= self.z0[line] * flow.sum(axis=1)
+        return found

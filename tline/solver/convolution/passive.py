@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from tline.loss import LossyLine
 from tline.solver.convolution.quadrature import derivative
+from tline.solver.description.bundle import Bundle
 from tline.solver.radau import Basis, basis
 from tline.solver.stability.lossy_line import carried
 
@@ -37,14 +38,27 @@ def gain(line: LossyLine, z0: float, order: Basis, h: float, slabs: float) -> fl
     slabs : float
         Whole ones, of the delay, that move waves as they are.
     """
-    rates, late, vectors, inverse = _circle(order.s)
+    rates, late, vectors, inverse = circle(order.s)
     across, back = carried(line, z0, rates.ravel() / h, slabs * late.ravel())
     modes = ((across + sign * back).reshape(-1, 1, order.s) for sign in (1, -1))  # of equal and opposite waves
     return max(float(np.linalg.norm((vectors * mode) @ inverse, 2, axis=(1, 2)).max()) for mode in modes)
 
 
+def gain_of_bundle(bundle: Bundle, order: Basis, h: float, slabs: float) -> float:
+    """The same of coupled conductors whose modes mix, in power waves."""
+    rates, late, vectors, inverse = circle(order.s)
+    own, other = bundle.admittances(rates.ravel() / h, slabs * late.ravel())
+    root, one, k, found = np.sqrt(bundle.z0), np.eye(len(bundle.z0)), len(bundle.z0), 0.0
+    for sign in (1, -1):  # of equal and opposite waves
+        seen = root[:, None] * (own + sign * other) * root
+        back = np.linalg.solve(one + seen, one - seen).reshape(-1, order.s, k, k)
+        whole = np.einsum("nij,njab,njl->nialb", vectors, back, inverse).reshape(-1, order.s * k, order.s * k)
+        found = max(found, float(np.linalg.norm(whole, 2, axis=(1, 2)).max()))
+    return found
+
+
 @lru_cache
-def _circle(s: int) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+def circle(s: int) -> tuple[NDArray, NDArray, NDArray, NDArray]:
     """Eigenvalues of D, what a slab's delay is beyond them, and eigenvectors with their inverse, in that norm."""
     order = basis(s)
     zeta = np.exp(-2j * np.pi * np.geomspace(SLOWEST, 0.5, PLACES))

@@ -13,7 +13,7 @@ from tline.solver.assembly.fronts import Tally
 from tline.solver.assembly.layout import Excitation
 from tline.solver.convolution.laws import LawsAtPorts
 from tline.solver.convolution.nodal import LinearRest
-from tline.solver.convolution.passive import gain
+from tline.solver.convolution.passive import gain, gain_of_bundle
 from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import Waveform, projected
@@ -144,6 +144,9 @@ class Convolved:
         for k, line in self.network.lossy.items():
             if gain(line, self.network.z0[k], order, h, slabs[k]) > MOST_GAIN:
                 slabs[k] = 0.0
+        for bundle in self.network.bundles.values():
+            whole = np.floor(bundle.delay / h * (1 + WHOLE))
+            slabs[bundle.lines] = whole if gain_of_bundle(bundle, order, h, whole) <= MOST_GAIN else 0.0
         return slabs
 
     def _start(self, line: int) -> NDArray:

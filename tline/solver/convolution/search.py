@@ -22,6 +22,7 @@ from tline.solver.run import Again
 from tline.solver.tolerance.compare import BETWEEN, relative
 from tline.solver.tolerance.difference import Difference, on_slabs
 from tline.solver.tolerance.search import Search
+from tline.words.wording import place
 
 ORDER = 5
 CLOSEST = 1e-8  # tolerance; transforms are as good as some 1e-10
@@ -32,6 +33,7 @@ ALIKE = 2  # times that two runs are off at most by more than they differ, so ne
 BLURRED = 0.01  # of the shortest delay of a lossy line: so near to a jump nothing is asked
 MOST_BLURRED = 0.25  # of a run
 DEAR = 10  # samples of line ends that one of a lossy line takes as long as
+MOST_BESIDE_LAWS = 2e7  # weights of convolutions, numbers
 MOST, FEW = 4e6, 8  # points at which the scene answers in one run, times its line ends; of more than these a cube
 
 
@@ -56,7 +58,9 @@ def convolved(search: Search) -> Result | None:
     h /= 2 ** max(ceil(log2(h * FIRST / min(shortest, description.t_end))), 0)
     if not _affordable(scene, s, h / 2):
         return None
-    settle = BLURRED * min(line.delay for line in description.lines.values() if line.losses is not None)
+    bundles = scene.network.bundles
+    lossy = [line.delay for line in description.lines.values() if line.losses is not None]
+    settle = BLURRED * min([*lossy, *(bundle.delay for bundle in bundles.values())])
     chosen, jumps = Resolution(s, h, settle=settle, convolved=True), arrivals(description)
     try:
         result = before = scene.run(chosen)
@@ -82,7 +86,9 @@ def convolved(search: Search) -> Result | None:
         result = replace(result, envelope=one.compared(other, by))
         kept = {*search.record, *search.description.probed}
         result = replace(result, lines={name: line for name, line in result.lines.items() if name in kept})
-    return replace(result, accuracy=accuracy, accounts=_accounts(search.description))
+    notes = tuple(f"{place('lines', name)}: its losses mix the modes: it is computed by matrices" for name in bundles)
+    accounts = None if bundles else _accounts(search.description)
+    return replace(result, accuracy=accuracy, accounts=accounts, warned=(*notes, *result.warned))
 
 
 def _accounts(description: Description) -> Again:
@@ -99,11 +105,12 @@ def _suits(search: Search) -> bool:
     losses = [line.losses for line in description.lines.values() if line.losses is not None]
     moving = any(e.governor is not None or e.kind.breaks for e in description.elements)
     lifted = description.heights and not description.steady
-    if not losses or not all(each.linear for each in losses) or moving or lifted:
+    mixing = description.mixing
+    if not (losses or mixing) or not all(each.linear for each in losses) or moving or lifted:
         return False
-    if search.tol < CLOSEST or description.active:
+    if search.tol < CLOSEST or description.active or (mixing and description.steady):
         return False
-    remember = any(each.constant is None for each in losses)
+    remember = mixing or any(each.constant is None for each in losses)
     return remember or (_fits_not(search) and not (description.elements or description.switched))
 
 
@@ -116,6 +123,9 @@ def _affordable(scene: Convolved, s: int, h: float) -> bool:
     leads = scene.leads(h)
     several = len(leads) > 1 and any(changes.curved and len(changes.at) > 1 for changes in scene.changes)
     points, ends = scene.description.t_end / h * s * len(leads), scene.network.size
+    weights = scene.description.t_end / h * (len(scene.network.laws) * s) ** 2
+    if weights > MOST_BESIDE_LAWS:
+        return False
     return not several and len(leads) <= MOST_FAMILIES and points * ends * max(ends / FEW, 1) ** 2 <= MOST
 
 
