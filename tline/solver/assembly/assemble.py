@@ -7,11 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.assembly.diamonds import diamonds_of
 from tline.solver.assembly.events import Event
 from tline.solver.assembly.layout import Excitation, Layout, layout_of, of_last
 from tline.solver.assembly.lossy_segments import SegmentedLine
 from tline.solver.assembly.node_maps import maps_of
-from tline.solver.assembly.start import fill_losses, fill_segments
+from tline.solver.assembly.start import fill_diamonds, fill_losses, fill_segments
 from tline.solver.description.circuits import Circuits
 from tline.solver.description.description import Description
 from tline.solver.description.groups import Group
@@ -94,12 +95,14 @@ def assemble(
         load=np.concatenate([layout.systems.states, layout.states]),
         segments=np.zeros(grid.held),
         loss_states=np.zeros(grid.memory),
+        halves=np.zeros((len(network.ends), len(network.diamonds.values)) if len(network.diamonds.line) else (0, 0)),
     )
     if description.steady and grid.circuits:
         ends = zip(grid.lines.values(), layout.u, layout.y, strict=True)
         flows = {k: Ends(line, u, y) for k, (line, u, y) in enumerate(ends) if line.losses is not None}
         fill_losses(network, state, flows, order)
         fill_segments(network, state, segmented, flows, order)
+        fill_diamonds(network, state, flows, order)
     return Assembly(
         description,
         chosen,
@@ -188,6 +191,7 @@ def _network(layout: Layout, order: Basis, rows: Rows) -> Network:
         laws=with_basis(layout.laws, order, grid.h, rows.laws),
         segments=grid.segments,
         losses=grid.losses,
+        diamonds=diamonds_of(grid, order, layout.junctions),
         blocks=layout.junctions.blocks,
     )
 

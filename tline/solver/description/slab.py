@@ -34,7 +34,7 @@ def slab_of(
 ) -> float:
     """A slab that is fine enough for what the scene holds, if that is affordable; lines are given by their delays."""
     delays = [*lines.values()]
-    lossy = [delay for name, delay in lines.items() if description.lines[name].dispersive]
+    lossy = [delay for name, delay in lines.items() if description.dispersive and description.lines[name].dispersive]
     shortest, breaks = min(delays), breaks_of(description)
     layered = description.t_end / SLABS_FOR_FRONTS  # decays beyond are followed behind fronts, not by narrow slabs
     slower = [scale for scale, period in scales.values() if lossy or period < inf or scale > layered]

@@ -39,6 +39,7 @@ def units_of(network: Network, *, fronts: bool) -> Units:
         return unit_at(path).address if needed else 0
 
     kind, losses, segments = network.laws.kind, network.losses.kind, len(network.segments.line)
+    diamonds = len(network.diamonds.line)
     laws, mapped = np.diff(network.laws.first) > 0, network.load_at >= 0
     constant = address("losses.dissipation.dissipation", len(losses) and (losses < REMEMBERED).any())
     remembered = address("losses.memory.memory", len(losses) and (losses == REMEMBERED).any())
@@ -53,6 +54,8 @@ def units_of(network: Network, *, fronts: bool) -> Units:
         law=law_addresses(kind) if len(kind) else np.zeros(0, np.int64),
         loss=np.where(losses == REMEMBERED, remembered, constant),
         segments=address("losses.segments.pass_segments", segments),
+        diamonds=address("diamonds.full.pass_diamonds", diamonds),
+        halves=address("diamonds.half.pass_halves", diamonds),
         pieces=address("fronts.pieces.scatter_pieces", fronts),
         respond=address("fronts.respond.respond_by_map", fronts and (mapped & ~laws).any()),
         respond_with_laws=address("fronts.respond.respond_with_laws", fronts and (mapped & laws).any()),
