@@ -154,4 +154,7 @@ def workspace_for(network: Network, s: int, most: int, parts: int) -> Workspace:
             np.zeros(nodes * s),
             np.zeros((1, s)),
         ),
+        left=np.zeros((ends, most, s)),
+        pair_edges=np.zeros((2, given + 1)),
+        pair=np.zeros((2, given, s)),
     )

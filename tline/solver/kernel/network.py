@@ -187,6 +187,8 @@ class Units(NamedTuple):
     segments: int  # lossy lines in segments
     diamonds: int  # lines that lose all along
     halves: int  # groups at which such lines end
+    diamonds_in_pieces: int  # the same where slabs are in pieces
+    halves_in_pieces: int
     pieces: int  # a group in a slab in pieces
     respond: int  # groups with a map and without laws, in pieces of a slab
     respond_with_laws: int  # groups with both

@@ -56,6 +56,8 @@ def units_of(network: Network, *, fronts: bool) -> Units:
         segments=address("losses.segments.pass_segments", segments),
         diamonds=address("diamonds.full.pass_diamonds", diamonds),
         halves=address("diamonds.half.pass_halves", diamonds),
+        diamonds_in_pieces=address("diamonds.pieces.pass_diamonds_in_pieces", fronts and diamonds),
+        halves_in_pieces=address("diamonds.half_pieces.scatter_half_pieces", fronts and diamonds),
         pieces=address("fronts.pieces.scatter_pieces", fronts),
         respond=address("fronts.respond.respond_by_map", fronts and (mapped & ~laws).any()),
         respond_with_laws=address("fronts.respond.respond_with_laws", fronts and (mapped & laws).any()),
