@@ -24,7 +24,8 @@ def flushed(x):
 def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
     """Advance s values of a from place p past s of b from place q, through a rectangle so many slabs wide and high.
 
-    Returns whether the iteration ended: each round takes a Newton step for the flow at each point alone.
+    Returns whether the iteration ended: each round takes a Newton step for the flow at each point alone, and leaves no
+    more of the last one than the slope of friction.
     """
     s, taken, along_a, along_b = radau.shape[0], work.taken, work.along_a, work.along_b
     size, last, reach = 0.0, 1e300, REACH * (wide + high)
@@ -34,7 +35,7 @@ def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
             taken[i, j] = lost(diamonds, row, a[p + i] - b[q + j])[0]
     done = False
     for turn in range(ROUNDS):
-        change = 0.0
+        change, steep = 0.0, 0.0
         for i in range(s):
             for j in range(s):
                 x, y = 0.0, 0.0
@@ -47,8 +48,8 @@ def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
                 value, slope = lost(diamonds, row, a[p + i] - along_a[i, j] - b[q + j] - along_b[i, j])
                 step = (value - taken[i, j]) / (1.0 + reach * slope)
                 taken[i, j] += step
-                change = max(change, abs(step))
-        if change <= EXACT * size or (change >= 0.5 * last and change <= ROUNDED * size):
+                change, steep = max(change, abs(step)), max(steep, slope)
+        if change * min(reach * steep, 1.0) <= EXACT * size or (change >= 0.5 * last and change <= ROUNDED * size):
             done = True
             break
         last = change
