@@ -48,11 +48,12 @@ def triangle(s: int) -> Triangle:
 
     def behind(p: NDArray, q: NDArray) -> NDArray:
         """Integrals of modes along what leaves, from the end p = q on."""
-        return sum(((q - p) * w)[:, None] * modes(p, p + (q - p) * x) for x, w in zip(*gauss(s + 1), strict=True))
+        parts = [((q - p) * w)[:, None] * modes(p, p + (q - p) * x) for x, w in zip(*gauss(s + 1), strict=True)]
+        return np.sum(parts, axis=0)
 
     def before(p: NDArray, q: NDArray) -> NDArray:
         """Integrals of modes along what arrives, from p = 0 on."""
-        return sum((p * w)[:, None] * modes(p * x, q) for x, w in zip(*gauss(s + 1), strict=True))
+        return np.sum([(p * w)[:, None] * modes(p * x, q) for x, w in zip(*gauss(s + 1), strict=True)], axis=0)
 
     order, here = basis(s), modes(p, q).T * weights
     sent, seen, inside = here @ order.evaluation(p), here @ order.evaluation(q), here @ (behind(p, q) + before(p, q))

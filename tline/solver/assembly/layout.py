@@ -174,7 +174,9 @@ def _grid(description: Description, chosen: Resolution) -> SlabGrid:
     elements, memory = loss_elements_of(lines, circuits, delay, order, h, chosen.loss_elements, without)
     z0 = np.array([line.z0 for line in lines.values()])
     segments, held = segments_of(segmented)
-    return SlabGrid(h, lines, z0, delay, shift_row, rests, circuits, segmented, segments, held, elements, diamonds, memory)
+    return SlabGrid(
+        h, lines, z0, delay, shift_row, rests, circuits, segmented, segments, held, elements, diamonds, memory
+    )
 
 
 def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar: Progress) -> Layout:

@@ -9,7 +9,18 @@ from tline.compiled.structure import pack
 from tline.solver.assembly.settling import SUBSTEPS
 from tline.solver.kernel.fronts.structures import Steps, Workspace
 from tline.solver.kernel.losses.passing import ABREAST
-from tline.solver.kernel.network import CircuitWork, Crossing, DiamondWork, GovernWork, Laws, Network, State, Store, Tools, Work
+from tline.solver.kernel.network import (
+    CircuitWork,
+    Crossing,
+    DiamondWork,
+    GovernWork,
+    Laws,
+    Network,
+    State,
+    Store,
+    Tools,
+    Work,
+)
 
 SAMPLES = 512  # per tile
 STATES_OF_LAWS = 5  # of a law at most, with its governor
@@ -72,10 +83,21 @@ def work_for(network: Network, state: State) -> Work:
 def _of_diamonds(network: Network, s: int, states: int, elements: int) -> DiamondWork:
     """Workspace of diamonds, beside groups of at most so many states and elements."""
     ends = int(np.diff(network.first[network.group]).max(initial=0)) if len(network.diamonds.line) else 0
-    modes, square = len(network.diamonds.moments), np.empty((3, s, s))
-    at_ends = np.empty((2, ends, s)), np.empty((2, ends, modes))
-    kept = np.empty(states + (STATES_OF_LAWS * elements if ends else 0))
-    return DiamondWork(*square, *at_ends[0], *at_ends[1], np.empty(modes), np.empty(s), kept, np.ones(1), np.zeros(ends, np.int64))
+    modes, kept = len(network.diamonds.moments), states + (STATES_OF_LAWS * elements if ends else 0)
+    return DiamondWork(
+        taken=np.empty((s, s)),
+        along_a=np.empty((s, s)),
+        along_b=np.empty((s, s)),
+        coming=np.empty((ends, s)),
+        tail=np.empty((ends, s)),
+        seen=np.empty((ends, modes)),
+        modes=np.empty((ends, modes)),
+        flow=np.empty(modes),
+        sent=np.empty(s),
+        kept=np.empty(kept),
+        width=np.ones(1),
+        projected=np.zeros(ends, np.int64),
+    )
 
 
 def _of_elements(laws: Laws, state: State, elements: int, tile: int) -> tuple[Crossing, Store, CircuitWork]:

@@ -53,7 +53,7 @@ def lost(diamonds, row, d):
     if kind == POWER:
         each = c * size ** constants[row, 3]
         return value + each * d, slope + (1.0 + constants[row, 3]) * each
-    if kind == SWAMEE_JAIN or kind == COLEBROOK:
+    if kind == SWAMEE_JAIN or kind == COLEBROOK:  # noqa: SIM109
         reynolds = max(constants[row, 3] * size, SLOWEST)
         if kind == COLEBROOK:
             factor, exponent = colebrook(diamonds.tables, diamonds.table_at[row], reynolds)

@@ -4,6 +4,8 @@ With ξ = t - τ and η = t + τ, τ the delay from end 1, a_η = -φ/2 and b_ξ
 along η at each point of ξ, b along ξ at each point of η.
 """
 
+import numpy as np
+
 from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import TINY
 from tline.solver.kernel.diamonds.friction import lost
@@ -11,7 +13,7 @@ from tline.solver.kernel.network import Run
 
 ROUNDS = 400
 EXACT, ROUNDED = 1e-15, 1e-12  # of the largest wave: changes that end an iteration, and with which none may go on
-REACH = 0.35  # about by how much what is lost at a place changes the flow there; any value leads to the same end
+REACH = 0.6  # about by how much what is lost at a place changes the flow there, of order 1; all lead to the same end
 
 
 @function
@@ -28,13 +30,13 @@ def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
     more of the last one than the slope of friction.
     """
     s, taken, along_a, along_b = radau.shape[0], work.taken, work.along_a, work.along_b
-    size, last, reach = 0.0, 1e300, REACH * (wide + high)
+    size, last, reach = 0.0, 1e300, REACH * (wide + high) / np.sqrt(s)
     for i in range(s):
         size = max(size, abs(a[p + i]), abs(b[q + i]))
         for j in range(s):
             taken[i, j] = lost(diamonds, row, a[p + i] - b[q + j])[0]
     done = False
-    for turn in range(ROUNDS):
+    for turn in range(ROUNDS):  # noqa: B007
         change, steep = 0.0, 0.0
         for i in range(s):
             for j in range(s):

@@ -1,9 +1,9 @@
 """Half diamonds at the ends of lines, solved with what stands at the node.
 
 With p along the wave that leaves an end and q along the one that arrives, 0 ≤ p ≤ q ≤ 1 is a triangle; the end is
-p = q. What friction takes is a polynomial of degree s there, the L2 projection of g(d) with d that of the flow. The node
-sees what arrives, the triangle what it sends; both are found in turns. Where the two waves leave the triangle with more
-energy than they bring, they are projected, and then they do not (docs/theory.md).
+p = q. What friction takes is a polynomial of degree s there, the L2 projection of g(d) with d that of the flow. The
+node sees what arrives, the triangle what it sends; both are found in turns. Where the two waves leave the triangle with
+more energy than they bring, they are projected, and then they do not (docs/theory.md).
 
 A delay of D + f slabs: what arrives in a slab of the end is the rest of the slab before, and the head of the next. The
 rest of that one, past which the wave goes that leaves, is a rectangle one slab wide and f high.
@@ -14,7 +14,7 @@ import numpy as np
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import times
 from tline.solver.kernel.diamonds.friction import lost
-from tline.solver.kernel.diamonds.full import EXACT, REACH, ROUNDED, ROUNDS, flushed, meet
+from tline.solver.kernel.diamonds.full import EXACT, ROUNDED, ROUNDS, flushed, meet
 from tline.solver.kernel.load import load
 from tline.solver.kernel.network import AIR, Run
 from tline.solver.kernel.scatter import begin, gather, note, note_effort, scatter
@@ -86,6 +86,7 @@ def arrive(diamonds, taken, e, coming, work, k, out, o):
 def lose_half(diamonds, row, taken, e, sent, work, k):
     """Let friction be what the flow asks for that comes of what is sent. Returns the largest change."""
     flow, modes, wide, change = work.flow, work.modes[k], work.width[0], 0.0
+    reach = wide / np.sqrt(sent.size)
     for i in range(modes.size):
         flow[i] = -work.seen[k, i]
     part_of(diamonds.sent, sent, 0, flow)
@@ -99,7 +100,7 @@ def lose_half(diamonds, row, taken, e, sent, work, k):
         for j in range(modes.size):
             d += diamonds.values[i, j] * flow[j]
         value, slope = lost(diamonds, row, d)
-        step = (value - taken[e, i]) / (1.0 + REACH * wide * slope)
+        step = (value - taken[e, i]) / (1.0 + reach * slope)
         taken[e, i] += step
         change = max(change, abs(step))
     return change
@@ -133,7 +134,13 @@ def makes_energy(diamonds, coming, arrived, sent, work, k):
 @function
 def prepare(run, g):
     """Put aside what is about to arrive at the ends of a group: at those with friction, the head of a slab."""
-    network, waves, before, diamonds, work = run.network, run.state.waves, run.state.before, run.network.diamonds, run.work.diamonds
+    network, waves, before, diamonds, work = (
+        run.network,
+        run.state.waves,
+        run.state.before,
+        run.network.diamonds,
+        run.work.diamonds,
+    )
     low, s, position = network.first[network.group[g]], run.state.before.shape[1], run.work.position
     for i in range(low, network.first[network.group[g + 1]]):
         e, k = network.ends[i], i - low

@@ -1,4 +1,4 @@
-"""Half diamonds of a slab in pieces: one after the other, with rectangles between what leaves and what arrives later."""
+"""Half diamonds of a slab in pieces: one after the other, with rectangles of what leaves and what arrives later."""
 
 import numpy as np
 
