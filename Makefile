@@ -19,27 +19,13 @@ lint: $(VENV)/ready-dev
 	$(BIN)/lint-imports
 
 bench: $(VENV)/ready-bench
-	$(BIN)/python -m benchmarks.time_to_answer
-	$(BIN)/python -m benchmarks.kernel
-	$(BIN)/python -m benchmarks.cheapest_grid
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmarks.sweeps
-	$(BIN)/python -m benchmarks.large_network
-	$(BIN)/python -m benchmarks.circuits
-	$(BIN)/python -m benchmarks.shipped_networks
-	$(BIN)/python -m benchmarks.settling_networks
-	$(BIN)/python -m benchmarks.passivity
-	$(BIN)/python -m benchmarks.touchstone
-	$(BIN)/python -m benchmarks.friction
+	$(BIN)/python -m benchmarks
 
 docs: $(VENV)/ready-dev
-	$(BIN)/python docs/generate.py
-	$(BIN)/python docs/generate_drives.py
-	$(BIN)/python docs/generate_losses.py
-	$(BIN)/python docs/generate_measured.py
-	$(BIN)/python docs/generate_tasks.py
+	$(BIN)/python -m docs.generate
 
 charts: $(VENV)/ready-dev
-	$(BIN)/python docs/generate_charts.py
+	$(BIN)/python -m docs.generate_charts
 
 wheel:
 	PYTHON=$(PYTHON) .ci/wheel

@@ -8,29 +8,26 @@ instants, against a run to a far smaller tolerance.
 
 import sys
 import warnings
-from collections.abc import Callable
-from pathlib import Path
 from statistics import median
-from time import process_time
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.cheapest_grid_scenes import scenes
+from benchmarks.harness import table, timed, write
 from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning, simulate
 
-PAGE = Path(__file__).parents[1] / "docs" / "benchmarks-grid.md"
 TOLERANCES = 1e-3, 1e-6
 FINEST = 1e-3, 1e-9  # of the tolerance, and the least: what is taken for the truth
 ORDERS = 1, 2, 3, 4, 5, 6, 8, 10, 12
 PARTS = 2.0 ** np.arange(-5, 8)  # of the automatic slab
 OF_DELAY = 1, 2, 4, 8  # parts of the shortest delay
-INSTANTS, REPEATED = 2000, 5
+INSTANTS = 2000
 NEAR = 1e-6  # of the run; jumps may lie so far from where the truth has them
 EXACT = 1e-11  # an error below is rounding
 MOST = 3.0
@@ -65,17 +62,6 @@ class Row(NamedTuple):
     def bare(self) -> float:
         """The same over the time of a run by hand that tells no error."""
         return self.automatic.seconds / self.by_hand.seconds
-
-
-def timed(call: Callable[[], Result], repeated: int = REPEATED) -> tuple[Result, float]:
-    """What a call gives, and the median of its processor times, s."""
-    spent, result = [], None
-    for _ in range(repeated):
-        begun = process_time()
-        result = call()
-        spent.append(process_time() - begun)
-    assert result is not None
-    return result, median(spent)
 
 
 def seen(result: Result, t: NDArray) -> dict[str, NDArray]:
@@ -138,49 +124,39 @@ def compared(name: str, scene: Scene, tol: float) -> Row:
 
 
 def page(rows: list[Row]) -> str:
-    """The table in Markdown."""
-    beyond = sum(row.ratio > MOST for row in rows)
+    """The sums and the table of the page."""
     ratios, bare = [row.ratio for row in rows], [row.bare for row in rows]
-    text = [
-        "# The automatic grid beside the best by hand",
-        "",
-        "Written by `python -m benchmarks.cheapest_grid`. Each scene is run to a tolerance, and once for each of many",
-        "orders and slabs by hand. The cheapest of those whose true error is at most that of the automatic choice",
-        "stands beside it: alone, and with the second run that tells its error (`tol` beside `order` and `slab`), "
-        "for what is",
-        "automatic tells its error, too. It includes all runs that it took.",
-        f"Times are of whole calls: processor time, medians of {REPEATED}. Errors are the largest of all probes at",
-        "random instants, over their amplitudes.",
-        "",
+    beyond = sum(ratio > MOST for ratio in ratios)
+    sums = (
         f"{len({row.name for row in rows})} scenes, {len(rows)} rows. Automatic over by hand, both with their errors: "
         f"median {median(ratios):.2g}, largest {max(ratios):.2g}, {beyond} beyond {MOST:g}. Over one run that tells "
-        f"no error: median {median(bare):.2g}, largest {max(bare):.2g}.",
-        "",
-        "| scene | asked | met | automatic | error | ms | by hand | error | ms | with its error, ms | times | bare |",
-        "|---|---:|---|---|---:|---:|---|---:|---:|---:|---:|---:|",
-    ]
-    for row in rows:
-        a, b = row.automatic, row.by_hand
-        text.append(
-            f"| {row.name} | {row.tol:.0e} | {'yes' if row.met else 'no'} | {a.order}, {a.slab:.3g} s | {a.error:.1e} "
-            f"| {1e3 * a.seconds:.3g} | {b.order}, {b.slab:.3g} s | {b.error:.1e} | {1e3 * b.seconds:.3g} "
-            f"| {1e3 * row.judged:.3g} | {row.ratio:.2g} | {row.bare:.2g} |"
-        )
-    return "\n".join(text) + "\n"
+        f"no error: median {median(bare):.2g}, largest {max(bare):.2g}.\n"
+    )
+    return sums + "\n" + table(COLUMNS, map(cells, rows))
+
+
+def cells(row: Row) -> list[str]:
+    """A row of the table."""
+    shown = [row.name, f"{row.tol:.0e}", "yes" if row.met else "no"]
+    for run in (row.automatic, row.by_hand):
+        shown += [f"{run.order}, {run.slab:.3g} s", f"{run.error:.1e}", f"{1e3 * run.seconds:.3g}"]
+    return [*shown, f"{1e3 * row.judged:.3g}", f"{row.ratio:.2g}", f"{row.bare:.2g}"]
+
+
+COLUMNS = "<scene|asked|<met|<automatic|error|ms|<by hand|error|ms|with its error, ms|times|bare"
 
 
 def main(names: list[str]) -> None:
     """Measure the scenes of these names, or all and write the page."""
     warnings.simplefilter("ignore", UnresolvedWarning)
-    rows: list[Any] = []
+    rows = []
     for name, scene in scenes().items():
-        if names and name not in names:
-            continue
-        for tol in TOLERANCES:
-            rows.append(compared(name, scene, tol))
-            print(page(rows[-1:]).splitlines()[-1], flush=True)
+        if not names or name in names:
+            for tol in TOLERANCES:
+                rows.append(compared(name, scene, tol))
+                print(*cells(rows[-1]), sep=" | ", flush=True)
     if not names:
-        PAGE.write_text(page(rows))
+        write("benchmarks-grid.md", page(rows), "measured")
 
 
 if __name__ == "__main__":

@@ -1,76 +1,83 @@
-"""The scenes with circuits against ngspice and SciPy: python -m benchmarks.circuits [NAME...].
+"""Scenes with circuits against SciPy and ngspice, imported decks against ngspice: ``python -m benchmarks.circuits``.
 
-Prints a table and writes it into docs/circuits.md. The equations that SciPy integrates are written by hand
-(tests/electrical_by_hand.py, tests/hydraulic_by_hand.py), and so are the decks of ngspice
-(tests/circuit_decks.py), whose largest step is halved until its result moves no more, or a run takes too long.
-Takes some minutes.
+Writes the tables of docs/circuits.md and docs/netlists.md. What SciPy integrates and what ngspice reads is written by
+hand (tests/electrical_by_hand.py, hydraulic_by_hand.py, circuit_decks.py, decks). The largest step of ngspice is halved
+until its result moves no more, moves more again, or a run takes too long. Takes some minutes.
 """
 
-import re
+import shutil
 import sys
 import time
-from pathlib import Path
-from statistics import median
+from collections.abc import Callable
+from typing import Any
 
+from circuit_decks import DECKS, in_ngspice
+from electrical_by_hand import ELECTRICAL
+from hydraulic_by_hand import HYDRAULIC
+from imported_decks import DECKS as FILES
+from imported_decks import change, distance
+from imported_decks import in_ngspice as deck_in_ngspice
+
+from benchmarks.harness import ROOT, table, timed, write
+from tline.errors import InputError
+from tline.interchange.spice import read_spice
 from tline.scene.file import read_scene
-from tline.solver.result.result import Result
 from tline.solver.simulate import simulate
 
-ROOT = Path(__file__).parent.parent
-sys.path.insert(0, str(ROOT / "tests"))
-
-from circuit_decks import DECKS, in_ngspice  # noqa: E402
-from electrical_by_hand import ELECTRICAL  # noqa: E402
-from hydraulic_by_hand import HYDRAULIC  # noqa: E402
-
-PAGE = ROOT / "docs" / "circuits.md"
-FINE, USUAL, REPEATED = 1e-9, 1e-6, 5
-STEPS, STILL, LONG = 40, 1e-7, 4.0  # in the shortest delay; change; s
+FINE, USUAL, LONG = 1e-9, 1e-6, 4.0  # s
+DECK_TOL, DECK_STEPS, DECK_STILL = 1e-3, 1000, 3e-5
+STEPS, STILL = 40, 1e-7  # in the shortest delay; change
 
 
-def refined(name: str, ours: Result) -> tuple[float, float, float]:
-    """Steps halved: the distance of the last run from ours, what halving them changed, and the run's seconds."""
-    steps, run = STEPS, in_ngspice(name, ours, STEPS)
-    while True:
-        steps *= 2
-        coarser, run = run, in_ngspice(name, ours, steps)
-        change = run.change(coarser)
-        if change < STILL or run.seconds > LONG:
-            return run.distance, change, run.seconds
-
-
-def row(name: str) -> str:
-    """Figures of a scene."""
-    scene = read_scene(ROOT / "scenes" / f"{name}.toml")
-    by_hand = (ELECTRICAL | HYDRAULIC)[name]
-    fine, usual, seconds = simulate(scene, tol=FINE), simulate(scene, tol=USUAL), []
-    for _ in range(REPEATED):
+def refined(
+    run: Callable[[int], Any], moved: Callable[[Any, Any], float], steps: int, still: float
+) -> tuple[Any, float, int, float]:
+    """The finest run with so many steps at least, what halving them changed, their number, and its seconds."""
+    found, change, seconds = run(steps), float("inf"), 0.0
+    while change > still and seconds < LONG:
         begun = time.perf_counter()
-        simulate(scene, tol=USUAL)
-        seconds.append(time.perf_counter() - begun)
+        try:
+            finer = run(2 * steps)
+        except InputError:
+            break
+        seconds, now = time.perf_counter() - begun, moved(finer, found)
+        if now > change:
+            break
+        steps, found, change = 2 * steps, finer, now
+    return found, change, steps, seconds
+
+
+def circuit(name: str) -> list[str]:
+    """Figures of a scene."""
+    scene, by_hand = read_scene(ROOT / "scenes" / f"{name}.toml"), (ELECTRICAL | HYDRAULIC)[name]
+    fine = simulate(scene, tol=FINE)
+    usual, seconds = timed(lambda: simulate(scene, tol=USUAL), clock=time.perf_counter)
     off = [f"{max(by_hand.differences(run.probes).values()):.0e}" for run in (usual, fine)]
-    figures = [*off, f"{1e3 * median(seconds):.0f}", f"{1e3 * fine.seconds:.1f}"]
-    if name in DECKS:
-        distance, change, seconds = refined(name, fine)
-        figures += [f"{distance:.0e}", f"{change:.0e}", f"{1e3 * seconds:.0f}"]
-    else:
-        figures += [""] * 3
-    return f"| `{name}` | " + " | ".join(figures) + " |"
+    figures = [f"`{name}`", *off, f"{1e3 * seconds:.0f}", f"{1e3 * fine.seconds:.1f}"]
+    if name not in DECKS:
+        return [*figures, "", "", ""]
+    run, moved, *_ = refined(lambda n: in_ngspice(name, fine, n), lambda a, b: a.change(b), STEPS, STILL)
+    return [*figures, f"{run.distance:.0e}", f"{moved:.0e}", f"{1e3 * run.seconds:.0f}"]
 
 
-HEAD = f"""| scene | from SciPy, at {USUAL:.0e} | at {FINE:.0e} | all of a run at {USUAL:.0e}, ms \
-| steps at {FINE:.0e}, ms | from ngspice | its last halving moves it by | its steps, ms |
-|---|---:|---:|---:|---:|---:|---:|---:|"""
+def deck(name: str) -> list[str]:
+    """Figures of an imported deck."""
+    scene, notes = read_spice(FILES / f"{name}.cir")
+    ours, seconds = timed(
+        lambda: simulate(scene.with_changes(solver={"tol": DECK_TOL}), active=True), 1, time.perf_counter
+    )
+    run, moved, steps, taken = refined(lambda n: deck_in_ngspice(name, ours, n), change, DECK_STEPS, DECK_STILL)
+    like = scene.title.partition(":")[0].partition("of ")[2]
+    figures = f"{distance(ours, run):.0e}", f"{moved:.0e}", f"{steps}", f"{seconds:.1f}", f"{taken:.1f}"
+    return [f"[`{name}`](../tests/decks/{name}.cir)", like, f"{len(notes)}", *figures]
 
 
 if __name__ == "__main__":
-    names = sys.argv[1:] or [*ELECTRICAL, *HYDRAULIC]
-    rows = [HEAD]
-    for each in names:
-        rows.append(row(each))
-        print(rows[-1], flush=True)
-    if not sys.argv[1:]:
-        page = PAGE.read_text(encoding="utf-8")
-        table = "\n".join(rows)
-        page = re.sub(r"(<!-- measured -->\n).*?(\n<!-- end -->)", rf"\g<1>{table}\g<2>", page, flags=re.DOTALL)
-        PAGE.write_text(page, encoding="utf-8")
+    if shutil.which("ngspice") is None:
+        sys.exit("ngspice is not installed")
+    head = f"<scene|from SciPy, at {USUAL:.0e}|at {FINE:.0e}|all of a run at {USUAL:.0e}, ms|steps at {FINE:.0e}, ms"
+    rows = map(circuit, [*ELECTRICAL, *HYDRAULIC])
+    write("circuits.md", table(f"{head}|from ngspice|its last halving moves it by|its steps, ms", rows), "measured")
+    head = f"<deck|<like|notes|from ngspice, ours at {DECK_TOL:.0e}|its last halving moves it by|its steps"
+    rows = map(deck, sorted(path.stem for path in FILES.glob("*.cir")))
+    write("netlists.md", table(f"{head}|our run, s|its run, s", rows), "decks")

@@ -9,29 +9,18 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from math import exp, nan
-from pathlib import Path
-from statistics import median
 
 import numpy as np
 from matplotlib.figure import Figure
 
 import friction
 from benchmarks.friction_failures import draw_failures, draw_maps, failure_rows
-from friction import (
-    ElastoPlastic,
-    Karnopp,
-    LuGre,
-    Ramp,
-    Status,
-    Testbench,
-    simulate,
-    sweep,
-)
+from benchmarks.harness import DOCS, RUNS, apart, table, timed, write
+from friction import ElastoPlastic, Karnopp, LuGre, Ramp, Status, Testbench, simulate, sweep
 from friction.pictures import COLOURS, draw_curves, draw_exercise
 
-ROOT = Path(__file__).parent.parent
-PICTURES = ROOT / "docs" / "pictures"
 END, ENDS = 10.0, {"stribeck": 13.963289889871819666, "lugre": 13.985389460013207159}
 TOLS = [10.0**-k for k in range(3, 13)]
 GREYS = ("#555555", "#777777", "#999999", "#AAAAAA", "#666666", "#888888", "#BBBBBB")
@@ -129,33 +118,32 @@ def knobs(who: str, solver: str) -> list[float]:
 
 def worker(case: str, who: str, solver: str) -> None:
     """One solver in this process: rows of (knob, ms, error)."""
-    began = time.perf_counter()
     run = MAKERS[who](case, solver)
-    run(knobs(who, solver)[0])
-    rows, first = [], time.perf_counter() - began
+    _, first = timed(lambda: run(knobs(who, solver)[0]), 1, time.perf_counter)
+    rows = []
     for knob in knobs(who, solver):
-        times, v = [], nan
-        for _ in range(5):
-            began = time.perf_counter()
-            try:
-                v = run(knob)
-            except Exception:  # noqa: BLE001
-                v = nan
-            times.append(1e3 * (time.perf_counter() - began))
-            if sum(times) > 1500.0:
-                break
-        rows.append((knob, median(times), abs(v - ENDS[case])))
+        call = partial(_or_nan, run, knob)
+        v, seconds = timed(call, 1, time.perf_counter)
+        if seconds < 0.3:
+            v, seconds = timed(call, RUNS, time.perf_counter)
+        rows.append((knob, 1e3 * seconds, abs(v - ENDS[case])))
     print(json.dumps({"rows": rows, "first": first}))
+
+
+def _or_nan(run: Callable[[float], float], knob: float) -> float:
+    try:
+        return run(knob)
+    except Exception:  # noqa: BLE001 (a failure is drawn as one)
+        return nan
 
 
 def measured(case: str) -> dict[tuple[str, str], dict]:
     found = {}
     for who, solver in [("tline", m) for m in OURS[case]] + SOLVERS[case]:
-        command = [sys.executable, "-m", "benchmarks.friction", case, who, solver]
-        done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, timeout=200)
-        if done.returncode == 0:
-            found[who, solver] = json.loads(done.stdout.strip().splitlines()[-1])
-        print(case, who, solver, "ok" if done.returncode == 0 else done.stderr.strip().splitlines()[-1:])
+        try:
+            found[who, solver] = apart("benchmarks.friction", case, who, solver, limit=200)
+        except subprocess.CalledProcessError:  # not installed
+            print(case, who, solver, "is left out")
     return found
 
 
@@ -165,18 +153,18 @@ def cost_at(rows: list, error: float) -> float:
     return min(good, default=nan)
 
 
-def cost_table(case: str, found: dict) -> list[str]:
-    head = ["| solver | ms at 1e-6 | ms at 1e-9 | first call [s] |", "|---|---:|---:|---:|"]
+def cost_table(found: dict) -> str:
     rows, best = [], {e: {True: nan, False: nan} for e in (1e-6, 1e-9)}
     for (who, solver), told in found.items():
         cells = []
-        for e in (1e-6, 1e-9):
+        for e in best:
             ms = cost_at(told["rows"], e)
             best[e][who == "tline"] = np.fmin(best[e][who == "tline"], ms)
             cells.append("not reached" if np.isnan(ms) else f"{ms:.3g}")
-        rows.append(f"| {who} {solver} | {' | '.join(cells)} | {told['first']:.2g} |")
+        rows.append((f"{who} {solver}", *cells, f"{told['first']:.2g}"))
     ratios = " and ".join(f"{best[e][False] / best[e][True]:.1f} at {e:.0e}" for e in best)
-    return [*head, *rows, "", f"Best peer over best of ours: {ratios}.", ""]
+    said = f"Best peer over best of ours: {ratios}."
+    return table("<solver|ms at 1e-6|ms at 1e-9|first call [s]", rows) + "\n\n" + said
 
 
 def draw_cost(all_found: dict[str, dict]) -> Figure:
@@ -204,7 +192,8 @@ def draw_cost(all_found: dict[str, dict]) -> Figure:
     return figure
 
 
-def many_runs() -> list[str]:
+def many_runs() -> str:
+    """Runs side by side against a loop over SciPy."""
     from scipy.integrate import solve_ivp
 
     rng, n = np.random.default_rng(1), 20_000
@@ -215,61 +204,35 @@ def many_runs() -> list[str]:
         "mass": rng.uniform(0.5, 2, n), "force": rng.uniform(0.5, 2, n),
     }  # fmt: skip
     sweep(LuGre(), Testbench(), 0.1, **columns)
-    seconds = []
-    for _ in range(3):
-        began, busy = time.perf_counter(), time.process_time()
-        found = sweep(LuGre(), Testbench(), **columns)
-        seconds.append((time.perf_counter() - began, time.process_time() - busy))
+    run = partial(sweep, LuGre(), Testbench(), **columns)
+    found, wall = timed(run, 3, time.perf_counter)
+    _, busy = timed(run, 3)
     few = {name: column[:500] for name, column in columns.items()}
     exact = sweep(LuGre(), Testbench(), tol=1e-11, **few)
     error = np.max(np.abs(found[:500, 1] - exact[:, 1]) / (0.1 + np.abs(exact[:, 1])))
-    began = time.process_time()
-    for _ in range(10):
-        solve_ivp(lugre_rates, (0.0, END), [0.0] * 3, "LSODA", rtol=1e-6, atol=1e-9)
-    loop = (time.process_time() - began) / 10 * n
-    best, busy = (min(column) for column in zip(*seconds, strict=True))
-    return [
-        f"{n:,} LuGre runs of 10 s with random parameters, tolerance 1e-6: {best:.2f} s on 2 cores, {busy:.2f} s of "
-        f"processor time, {n / busy:,.0f} runs per second of it; largest relative error of v among the first 500: "
-        f"{error:.1e}.",
-        f"A loop over `solve_ivp` (LSODA) at the same tolerance would take {loop:.0f} s of it: {loop / busy:,.0f} "
-        "times as long.",
-        "",
-    ]
-
-
-HEAD = """# Benchmarks of friction
-
-Written by `python -m benchmarks.friction`; medians of 5 runs on one core of a machine that others use too, after a
-warm-up whose time stands beside them. All solvers get the same right-hand side, compiled by numba; SciPy and
-scikit-sundae still call it through Python. A time is the least of those that met the error in v at 10 s. Solvers that
-do not install are left out.
-
-![Cost against error](pictures/friction_cost.png)
-"""
+    loop = n * timed(lambda: solve_ivp(lugre_rates, (0.0, END), [0.0] * 3, "LSODA", rtol=1e-6, atol=1e-9), 10)[1]
+    return f"""{n:,} LuGre runs of 10 s with random parameters, tolerance 1e-6: {wall:.2f} s on 2 cores, {busy:.2f} s of
+processor time, {n / busy:,.0f} runs per second of it; largest relative error of v among the first 500: {error:.1e}.
+A loop over `solve_ivp` (LSODA) at the same tolerance would take {loop:.0f} s of it:
+{loop / busy:,.0f} times as long."""
 
 
 def main() -> None:
-    costs = {case: measured(case) for case in ENDS}
-    draw_cost(costs).savefig(PICTURES / "friction_cost.png")
-    draw_maps().savefig(PICTURES / "friction_limits.png")
-    draw_failures(ENDS["stribeck"]).savefig(PICTURES / "friction_failures.png")
-    draw_exercise({letter: part() for letter, part in friction.PARTS.items()}).savefig(
-        PICTURES / "friction_exercise.png"
-    )
+    page, costs = "benchmarks-friction.md", {case: measured(case) for case in ENDS}
+    pictures = {"cost": draw_cost(costs), "limits": draw_maps(), "failures": draw_failures(ENDS["stribeck"])}
+    pictures["exercise"] = draw_exercise({letter: part() for letter, part in friction.PARTS.items()})
     models = {"LuGre": LuGre(sigma1=5.0), "elasto-plastic": ElastoPlastic(sigma1=5.0), "Karnopp": Karnopp()}
-    draw_curves(models).savefig(PICTURES / "friction_curves.png")
-    told = ["| failure | predicted | measured | off by |", "|---|---:|---:|---:|"]
+    pictures["curves"] = draw_curves(models)
+    for name, picture in pictures.items():
+        picture.savefig(DOCS / "pictures" / f"friction_{name}.png")
+    for case, found in costs.items():
+        write(page, cost_table(found), case)
+    write(page, many_runs(), "many")
+    rows = []
     for what, predicted, got in failure_rows():
         off = f"{100 * abs(got / predicted - 1.0):.2f} %" if predicted else "exact 0" if got == 0.0 else f"{got:.1g}"
-        told.append(f"| {what} | {predicted:.6g} | {got:.6g} | {off} |")
-    parts = [HEAD]
-    for case, found in costs.items():
-        parts += [f"## {'LuGre' if case == 'lugre' else 'Stribeck'}, ramp of 0.5 N/s", "", *cost_table(case, found)]
-    parts += ["## Many runs", "", *many_runs(), "## Failures, predicted and measured", "", *told, ""]
-    parts += ["![Failures](pictures/friction_failures.png)", "", "![Step limits](pictures/friction_limits.png)", ""]
-    (ROOT / "docs" / "benchmarks-friction.md").write_text("\n".join(parts), encoding="utf-8")
-    print("\n".join(parts))
+        rows.append((what, f"{predicted:.6g}", f"{got:.6g}", off))
+    write(page, table("<failure|predicted|measured|off by", rows), "failures")
 
 
 if __name__ == "__main__":

@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-ROOT = Path(__file__).parent.parent
+from benchmarks import harness
+
 KERNEL = "tline/solver/kernel"
 TOL, INSTANTS = 1e-4, 200
 COUNTED = 1.0  # times the tolerance, from which on an answer counts as changed
@@ -32,80 +33,38 @@ class Mutant(NamedTuple):
 
 
 BACK = "if row == SAME_MAP:\n        network.step_row[g] = max(network.step_row[g] - 1, 0)\n    else:"
+FILLING = "return y, 1.0, y, 1.0 / c[at + 2]"
 MUTANTS = (
     Mutant("moves inside slabs are lost", "fronts/events.py", "if row != SAME_MAP:", "if row < SAME_MAP:"),
     Mutant("a move is forgotten where a law kinks", "fronts/events.py", "if row != SAME_MAP:", BACK),
     Mutant("moves happen in the next slab", "fronts/events.py", "<= begin + MERGE", "<= begin - 1.0"),
-    Mutant(
-        "flow of an orifice doubled",
-        "laws/quadratic.py",
-        "    return i, capacity**2",
-        "    return 2.0 * i, capacity**2",
-    ),
+    Mutant("flow of an orifice doubled", "laws/quadratic.py",
+           "    return i, capacity**2", "    return 2.0 * i, capacity**2"),
     Mutant("an orifice lets flow pass one way", "laws/quadratic.py", "(one_way > 0.0 and d < 0.0)", "d < 0.0"),
     Mutant("laws see the sample before", "laws/sampled.py", "v[i] - c[at], z", "v[max(i - 1, 0)] - c[at], z"),
     Mutant("openings are of the sample before", "laws/sampled.py", "control[i], v[i]", "control[0], v[i]"),
     Mutant("relief valve without its band", "laws/relief.py", "if d - z * i >= high:", "if d >= least:"),
     Mutant("demand without a limit", "laws/outflow.py", "if d - z * control * c[at + 1] >= c[at + 2]:", "if False:"),
-    Mutant(
-        "table continued flat",
-        "laws/table.py",
-        "return last - slope * (stop - d), slope",
-        "return min(last - slope * (stop - d), last), slope",
-    ),
-    Mutant(
-        "diode at twice its temperature", "laws/diode.py", "c[at + 1], c[at + 2], d", "c[at + 1], 2.0 * c[at + 2], d"
-    ),
-    Mutant(
-        "a tank half as wide",
-        "stores/tank.py",
-        "return y, 1.0, y, 1.0 / c[at + 2]",
-        "return y, 1.0, y, 2.0 / c[at + 2]",
-    ),
-    Mutant(
-        "gas of half the volume",
-        "stores/gas.py",
-        "c[at + 2] * effort, ratio / c[at + 3]",
-        "c[at + 2] * effort, 2.0 * ratio / c[at + 3]",
-    ),
-    Mutant(
-        "wrong sign of a store",
-        "stores/tank.py",
-        "return y, 1.0, y, 1.0 / c[at + 2]",
-        "return y, 1.0, -y, 1.0 / c[at + 2]",
-    ),
-    Mutant(
-        "a circuit forgets its state",
-        "load.py",
-        "states[np.uint64(x + i)] = 0.0 if abs(total) < TINY else total",
-        "states[np.uint64(x + i)] = 0.5 * total",
-    ),
-    Mutant(
-        "a rest of a delay is left out",
-        "delay.py",
-        "row[k] += now * history[j, k + 1] + then * history[j, k]",
-        "row[k] += now * history[j, k + 1] + then * history[j, k + 1]",
-    ),
-    Mutant(
-        "fronts of sources are skipped",
-        "fronts/gather.py",
-        "if n < place.size and (sources.start[j] > 0.0 or sources.anew[now]):",
-        "if False:",
-    ),
-    Mutant(
-        "travelling fronts are skipped",
-        "fronts/gather.py",
-        "if strength > 0.0 and -MERGE / 2",
-        "if strength < 0.0 and -MERGE / 2",
-    ),
+    Mutant("table continued flat", "laws/table.py", "return last - slope * (stop - d), slope",
+           "return min(last - slope * (stop - d), last), slope"),
+    Mutant("diode at twice its temperature", "laws/diode.py", "c[at + 1], c[at + 2], d",
+           "c[at + 1], 2.0 * c[at + 2], d"),
+    Mutant("a tank half as wide", "stores/tank.py", FILLING, FILLING.replace("1.0 / c", "2.0 / c")),
+    Mutant("gas of half the volume", "stores/gas.py", "c[at + 2] * effort, ratio / c[at + 3]",
+           "c[at + 2] * effort, 2.0 * ratio / c[at + 3]"),
+    Mutant("wrong sign of a store", "stores/tank.py", FILLING, FILLING.replace("1.0, y", "1.0, -y")),
+    Mutant("a circuit forgets its state", "load.py", "states[np.uint64(x + i)] = 0.0 if abs(total) < TINY else total",
+           "states[np.uint64(x + i)] = 0.5 * total"),
+    Mutant("a rest of a delay is left out", "delay.py", "row[k] += now * history[j, k + 1] + then * history[j, k]",
+           "row[k] += now * history[j, k + 1] + then * history[j, k + 1]"),
+    Mutant("fronts of sources are skipped", "fronts/gather.py",
+           "if n < place.size and (sources.start[j] > 0.0 or sources.anew[now]):", "if False:"),
+    Mutant("travelling fronts are skipped", "fronts/gather.py", "if strength > 0.0 and -MERGE / 2",
+           "if strength < 0.0 and -MERGE / 2"),
     Mutant("a wave comes back with half its effort", "scatter.py", "back = 2.0 * u[q", "back = 1.98 * u[q"),
-    Mutant(
-        "a piece is restricted at the wrong place",
-        "fronts/gather.py",
-        "span[j, 1], edges[k], edges[k + 1]",
-        "span[j, 1], edges[k] * 0.99, edges[k + 1]",
-    ),
-)
+    Mutant("a piece is restricted at the wrong place", "fronts/gather.py", "span[j, 1], edges[k], edges[k + 1]",
+           "span[j, 1], edges[k] * 0.99, edges[k + 1]"),
+)  # fmt: skip
 
 
 def water(loads: dict[str, Any], **more: Any) -> dict[str, Any]:
@@ -178,20 +137,19 @@ def answers() -> dict[str, Any]:
 
 def ran(folder: Path) -> dict[str, Any]:
     """The answers of the package in a folder."""
-    command = [sys.executable, str(Path(__file__).resolve()), "--answers"]
-    done = subprocess.run(
-        command, capture_output=True, text=True, env=os.environ | {"PYTHONPATH": str(folder)}, cwd=folder, check=False
-    )
-    if done.returncode:
-        return {name: {"error": done.stderr.strip().splitlines()[-1]} for name in SCENES}
-    return json.loads(done.stdout.splitlines()[-1])
+    call = [sys.executable, "-P", str(Path(__file__).resolve()), "--answers"]
+    try:
+        said = harness.spent(call, {"PYTHONPATH": f"{folder}{os.pathsep}{harness.ROOT}"}).said
+    except subprocess.CalledProcessError:
+        return {name: {"error": "the process ended"} for name in SCENES}
+    return json.loads(said.splitlines()[-1])
 
 
 def copied(folder: Path, mutant: Mutant | None) -> Path:
     """The package with one line of the kernel changed."""
     skipped = shutil.ignore_patterns("__pycache__")
     for package in ("tline", "passivity", "friction", "drives"):
-        shutil.copytree(ROOT / package, folder / package, ignore=skipped)
+        shutil.copytree(harness.ROOT / package, folder / package, ignore=skipped)
     if mutant is not None:
         file = folder / KERNEL / mutant.file
         text = file.read_text()
@@ -221,22 +179,14 @@ def main(chosen: list[int]) -> None:
     with tempfile.TemporaryDirectory() as folder:
         true = ran(copied(Path(folder), None))
     assert all(each.get("met") for each in true.values()), true
-    rows = ["| mutant | " + " | ".join(SCENES) + " |", "|---|" + "---|" * len(SCENES)]
-    for number in chosen or range(len(MUTANTS)):
-        mutant = MUTANTS[number]
+    rows = []
+    for mutant in [MUTANTS[number] for number in chosen] or MUTANTS:
         with tempfile.TemporaryDirectory() as folder:
             given = weighed(true, ran(copied(Path(folder), mutant)))
-        rows.append(f"| {mutant.what} | " + " | ".join(given[name] for name in SCENES) + " |")
-        print(rows[-1], flush=True)
+        rows.append([mutant.what, *given.values()])
+        print(*rows[-1], sep=" | ", flush=True)
     if not chosen:
-        head = (
-            "# Faults put into the kernel by hand\n\n"
-            f"Each row is one wrong line of the kernel, each column a scene run to {TOL:g}. *same*: the answer is\n"
-            "that of the right kernel within the tolerance; *witness*: two methods disagreed, and the run said so;\n"
-            "*not met*: the run said by itself that it is not as accurate as asked; *ends*: it ended with an error.\n"
-            "Anything else is a wrong answer that says that it is right. Written by `python -m benchmarks.mutants`.\n\n"
-        )
-        (ROOT / "docs" / "benchmarks-mutants.md").write_text(head + "\n".join(rows) + "\n")
+        harness.write("benchmarks-mutants.md", harness.table("<mutant|<" + "|<".join(SCENES), rows), "measured")
 
 
 if __name__ == "__main__":

@@ -6,32 +6,21 @@ Beside it: python-control's `ispassive` and scikit-rf's test on samples. Every f
 import json
 import math
 import random
-import time
 import warnings
 from collections.abc import Callable
 from fractions import Fraction
-from pathlib import Path
 from statistics import median
 
 from flint import fmpq, fmpq_poly
 from matplotlib.figure import Figure
 
+from benchmarks.harness import DOCS, ROOT, table, timed, write
 from passivity import RationalFunction, Status, check_bounded_real, check_positive_real, verify
 
-ROOT = Path(__file__).parent.parent
 DEGREES = (5, 10, 20, 50, 100, 200)
 LIMITS = {20: 1.0, 100: 15.0, 200: 60.0}  # ms
 RUNS = 7
 S = fmpq_poly([0, 1])
-HEAD = """# Benchmarks of the verdicts
-
-Written by `make bench`; medians of 7 runs on one core, after import. python-control's `ispassive` solves a linear
-matrix inequality in doubles, and is not asked beyond degree 20: it takes seconds there, and calls RC ladders active.
-scikit-rf's `is_passive` looks at 2001 samples of the reflection from 10⁻⁶ to 10⁶ rad/s. Neither can be right about
-what lies between samples or within a tolerance; what they are asked is what they offer.
-
-![Time against degree, and right answers](pictures/passivity_benchmark.png)
-"""
 
 
 def rc_ladder(n: int) -> RationalFunction:
@@ -93,12 +82,7 @@ def function(p: fmpq_poly, q: fmpq_poly) -> RationalFunction:
 
 def milliseconds(work: Callable[[], object]) -> float:
     work()
-    times = []
-    for _ in range(RUNS):
-        started = time.perf_counter()
-        work()
-        times.append(1e3 * (time.perf_counter() - started))
-    return median(times)
+    return 1e3 * timed(work, RUNS)[1]
 
 
 def proper(z: RationalFunction) -> RationalFunction:
@@ -131,9 +115,9 @@ def skrf_answer(z: RationalFunction) -> bool:
 PEERS = {"python-control": control_answer, "scikit-rf": skrf_answer}
 
 
-def timing() -> tuple[list[str], dict[str, list[float]]]:
+def timing() -> tuple[str, dict[str, list[float]]]:
     curves: dict[str, list[float]] = {}
-    rows = ["| family | degree | bits | verdict | ms | ms to verify | limit |", "|---|---:|---:|---|---:|---:|---:|"]
+    rows: list[tuple] = []
     for name, make in FAMILIES.items():
         for n in DEGREES:
             z = make(n)
@@ -143,7 +127,7 @@ def timing() -> tuple[list[str], dict[str, list[float]]]:
             certificate = verdict.certificate
             again = f"{milliseconds(lambda c=certificate: verify(c)):.2f}" if certificate else ""
             bits = max(z.p.height_bits(), z.q.height_bits())
-            rows.append(f"| {name} | {n} | {bits} | {verdict.status} | {ms:.2f} | {again} | {LIMITS.get(n, '')} |")
+            rows.append((name, n, bits, verdict.status, f"{ms:.2f}", again, LIMITS.get(n, "")))
     for peer, answer in PEERS.items():
         for n in DEGREES[:3]:
             z = rlcg_ladder(n)
@@ -151,11 +135,11 @@ def timing() -> tuple[list[str], dict[str, list[float]]]:
                 curves.setdefault(f"{peer}, RLCG ladder", []).append(milliseconds(lambda z=z, a=answer: a(z)))
             except Exception as error:  # noqa: BLE001
                 curves[f"{peer}, RLCG ladder"].append(math.nan)
-                rows.append(f"| {peer}, RLCG ladder | {n} | | {type(error).__name__} | | | |")
-    return rows, curves
+                rows.append((f"{peer}, RLCG ladder", n, "", type(error).__name__, "", "", ""))
+    return table("<family|degree|bits|<verdict|ms|ms to verify|limit", rows), curves
 
 
-def right_answers() -> tuple[list[str], dict[str, float]]:
+def right_answers() -> tuple[str, dict[str, float]]:
     cases = json.loads((ROOT / "tests" / "truth" / "passivity_cases.json").read_text(encoding="utf-8"))["cases"]
     cases = [case for case in cases if case["verdict"] in (True, False)]
     right, crashed = dict.fromkeys(["tline", *PEERS], 0), dict.fromkeys(PEERS, 0)
@@ -171,12 +155,10 @@ def right_answers() -> tuple[list[str], dict[str, float]]:
                 right[peer] += answer(asked) == case["verdict"]
             except Exception:  # noqa: BLE001
                 crashed[peer] += 1
-    rows = ["| who | right | wrong | no answer |", "|---|---:|---:|---:|"]
-    for who, n in right.items():
-        none = crashed.get(who, 0)
-        rows.append(f"| {who} | {n} | {len(cases) - n - none} | {none} |")
-    answers = f"Median of {len(cases)} exact verdicts: {median(times):.3f} ms, slowest {max(times):.1f} ms."
-    return [*rows, "", answers], {who: n / len(cases) for who, n in right.items()}
+    rows = [(who, n, len(cases) - n - crashed.get(who, 0), crashed.get(who, 0)) for who, n in right.items()]
+    said = f"Median of {len(cases)} exact verdicts: {median(times):.3f} ms, slowest {max(times):.1f} ms."
+    found = table("<who|right|wrong|no answer", rows) + "\n\n" + said
+    return found, {who: n / len(cases) for who, n in right.items()}
 
 
 def draw(curves: dict[str, list[float]], shares: dict[str, float]) -> Figure:
@@ -198,14 +180,9 @@ def draw(curves: dict[str, list[float]], shares: dict[str, float]) -> Figure:
     return figure
 
 
-def main() -> None:
-    table, curves = timing()
-    answers, shares = right_answers()
-    draw(curves, shares).savefig(ROOT / "docs" / "pictures" / "passivity_benchmark.png")
-    text = "\n".join([HEAD, *table, "", *answers, ""])
-    (ROOT / "docs" / "benchmarks-passivity.md").write_text(text, encoding="utf-8")
-    print(text)
-
-
 if __name__ == "__main__":
-    main()
+    verdicts, curves = timing()
+    answers, shares = right_answers()
+    draw(curves, shares).savefig(DOCS / "pictures" / "passivity_benchmark.png")
+    write("benchmarks-passivity.md", verdicts, "verdicts")
+    write("benchmarks-passivity.md", answers, "answers")

@@ -6,6 +6,7 @@ import tempfile
 import tomllib
 from pathlib import Path
 
+from tline.scene.elements import ELEMENTS
 from tline.scene.file import scene_from
 
 LINES = {
@@ -18,9 +19,19 @@ HYDRAULIC, ELECTRICAL = (
 )
 
 
+def _own(model: str) -> tuple[str, str]:
+    """Medium and example of an element that has its own."""
+    element, link = ELEMENTS[model.removesuffix("Link")], model.endswith("Link")
+    stands = '[links.x]\nnodes = ["near", "far"]\n' if link else '[loads.x]\nat = "far"\n'
+    return element.medium, stands + element.example
+
+
 def example(model: str) -> str:
     """The example of a model, checked: read as part of a scene, without a mistake."""
-    medium, text = ("hydraulic", HYDRAULIC[model]) if model in HYDRAULIC else ("electrical", ELECTRICAL[model])
+    if model.removesuffix("Link") in ELEMENTS:
+        medium, text = _own(model)
+    else:
+        medium, text = ("hydraulic", HYDRAULIC[model]) if model in HYDRAULIC else ("electrical", ELECTRICAL[model])
     scene = {
         "medium": medium,
         "t_end": "20 ns",

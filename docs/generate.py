@@ -1,12 +1,11 @@
-"""Writes what in docs/ is generated: the scene reference and the pictures. Run: python docs/generate.py."""
+"""Writes what in docs/ is generated: ``python -m docs.generate [NAME…]``; with ``charts``, also the measured ones."""
 
-import re
 import runpy
-import warnings
+import sys
 from pathlib import Path
 from typing import Any
 
-from tline.scene.file import read_scene, schema
+from tline.scene.file import schema
 from tline.scene.medium import ELECTRICAL, HYDRAULIC
 
 DOCS = Path(__file__).parent
@@ -151,158 +150,9 @@ def _unit(node: dict[str, Any]) -> str:
     return "number or text"
 
 
-def pictures() -> None:
-    """The pictures of README and docs."""
-    import numpy as np
-
-    from passivity import RationalFunction, check_positive_real
-    from passivity.one_port.picture import draw_verdict
-    from tline.frequency.oscillations import resonances
-    from tline.frequency.response import respond
-    from tline.pictures.bode import plot_bode
-    from tline.pictures.lattice import plot_lattice
-    from tline.pictures.network import plot_network
-    from tline.pictures.path import route
-    from tline.pictures.space_time import plot_space_time
-    from tline.pictures.style import save_figure, styled
-    from tline.pictures.traces import plot
-    from tline.pictures.waves import plot_line_waves
-    from tline.solver.simulate import UnresolvedWarning, simulate
-
-    warnings.simplefilter("ignore", UnresolvedWarning)
-    scene = read_scene(DOCS.parent / "scenes" / "water_pipe.toml")
-    result, way = simulate(scene), route(scene)
-    (DOCS / "pictures").mkdir(exist_ok=True)
-    save_figure(plot(result), str(DOCS / "pictures" / "pressure.png"))
-    save_figure(plot_space_time(result, way), str(DOCS / "pictures" / "space_time.png"))
-    save_figure(plot_lattice(result), str(DOCS / "pictures" / "lattice.png"))
-    save_figure(plot_line_waves(result, "pipe"), str(DOCS / "pictures" / "waves.png"))
-    save_figure(plot_network(read_scene(DOCS.parent / "scenes" / "town.toml")), str(DOCS / "pictures" / "network.png"))
-    cable, f = read_scene(DOCS.parent / "scenes" / "cable_rlc.toml"), np.geomspace(1e6, 1e9, 1001)
-    seen = {name: probe.u for name, probe in respond(cable, 2j * np.pi * f).items()}
-    save_figure(
-        plot_bode(f, seen, "voltage / source", "V/V", resonances(cable, f[-1]), cable.title),
-        str(DOCS / "pictures" / "bode.png"),
-    )
-    _signals()
-    _network()
-    _sweep()
-    _design()
-    _oil()
-    _cavities()
-    _circuits()
-    refuted = check_positive_real(RationalFunction.from_expression("(s + 2)/(s^2 + s + 1)"))
-    save_figure(styled(draw_verdict)(refuted, refuted.margins), str(DOCS / "pictures" / "passivity.png"))
-
-
-def _signals() -> None:
-    """Crosstalk, reflectometry, an eye, load lines and a measured load."""
-    from tline.pictures.crosstalk import plot_crosstalk
-    from tline.pictures.eye import plot_eye
-    from tline.pictures.load_lines import plot_load_lines
-    from tline.pictures.misfit import plot_misfit
-    from tline.pictures.reflections import plot_reflections
-    from tline.pictures.style import save_figure
-    from tline.pictures.traces import plot
-    from tline.signal.crosstalk import crosstalk
-    from tline.signal.eye_diagram import eye
-    from tline.signal.load_line import bergeron
-    from tline.signal.tdr import reflectometry
-    from tline.solver.simulate import simulate
-
-    pair, cascade, ringing, antenna = (
-        read_scene(DOCS.parent / "scenes" / f"{name}.toml") for name in ("coupled_pair", "tdr", "load_lines", "antenna")
-    )
-    pair_with_skin, coax, net, overhead = (
-        read_scene(DOCS.parent / "scenes" / f"{name}.toml")
-        for name in ("skin_pair", "coax_fault", "ddr_ibis", "overhead_line")
-    )
-    seen = reflectometry(cascade, "near", "100 ps")
-    opened = eye(cascade, "far", "0.8 ns", "0.2 ns")
-    for name, picture in (
-        ("crosstalk", plot(simulate(pair))),
-        ("tdr", plot_reflections(seen, ELECTRICAL, cascade.title)),
-        ("eye", plot_eye(opened, ELECTRICAL, cascade.title)),
-        ("load_lines", plot_load_lines(bergeron(ringing), ELECTRICAL, ringing.title)),
-        ("fit", plot_misfit(antenna.loads["antenna"].model, "antenna.s1p")),
-        ("skin_pair", plot_crosstalk(crosstalk(pair_with_skin), pair_with_skin.title)),
-        ("coax_fault", plot_reflections(reflectometry(coax, "near", "5 ns"), ELECTRICAL, coax.title)),
-        ("overhead_line", plot(simulate(overhead))),
-        ("ddr_eye", plot_eye(eye(net, "die", "1 ns"), ELECTRICAL, net.title)),
-    ):
-        save_figure(picture, str(DOCS / "pictures" / f"{name}.png"))
-
-
-def _network() -> None:
-    """A profile and a map of a town."""
-    from tline.pictures.map import plot_map
-    from tline.pictures.path import route
-    from tline.pictures.profile import plot_profile
-    from tline.pictures.style import save_figure
-    from tline.solver.simulate import simulate
-
-    town = read_scene(DOCS.parent / "scenes" / "town.toml")
-    result = simulate(town, record=town.lines, envelope=True)
-    save_figure(plot_profile(result, route(town, "lake", "tower")), str(DOCS / "pictures" / "profile.png"))
-    save_figure(plot_map(result), str(DOCS / "pictures" / "map.png"))
-
-
-def _sweep() -> None:
-    from tline.pictures.style import save_figure
-    from tline.pictures.sweep import plot_sweep
-    from tline.sweeps import sweep
-
-    closure = read_scene(DOCS.parent / "scenes" / "valve_closure.toml")
-    found = sweep(closure, {"loads.valve.opening.duration": "0.5 s:3 s:26"})
-    save_figure(plot_sweep(found), str(DOCS / "pictures" / "sweep.png"))
-
-
-def _design() -> None:
-    from tline.design import vessel
-    from tline.pictures.style import save_figure
-
-    scene = read_scene(DOCS.parent / "scenes" / "air_vessel.toml").with_changes(t_end=40)
-    found = vessel(scene, "vessel", path=("pump", "tank"), lowest="2 bar", highest="7 bar")
-    save_figure(found.plot(), str(DOCS / "pictures" / "vessel.png"))
-
-
-def _oil() -> None:
-    """The scenes of docs/oil.md."""
-    from tline.pictures.style import save_figure
-    from tline.pictures.traces import plot
-    from tline.solver.simulate import simulate
-
-    for name in ("hydraulic_hose", "brake_line", "injection_pipe"):
-        picture = plot(simulate(read_scene(DOCS.parent / "scenes" / f"{name}.toml")))
-        save_figure(picture, str(DOCS / "pictures" / f"{name}.png"))
-
-
-def _cavities() -> None:
-    """Column separation in a pipe, with the highest pressure measured: 1015 kPa, absolute."""
-    from tline.pictures.style import INK, save_figure
-    from tline.pictures.traces import plot
-    from tline.solver.simulate import simulate
-
-    picture = plot(simulate(read_scene(DOCS.parent / "scenes" / "column_separation.toml")))
-    measured = (1015e3 - 101_325) / 1e5
-    axes = picture.axes[0]
-    axes.axhline(measured, color=INK, linestyle=":", linewidth=1.4)
-    axes.annotate("highest measured", (0.99, measured), (0, 3), ("axes fraction", "data"), "offset points", ha="right")
-    save_figure(picture, str(DOCS / "pictures" / "column_separation.png"))
-
-
-def _circuits() -> None:
-    """Every scene of which a page shows a picture named circuit_NAME."""
-    from tline.pictures.style import save_figure
-    from tline.pictures.traces import plot
-    from tline.solver.simulate import simulate
-
-    page = "".join(path.read_text(encoding="utf-8") for path in sorted(DOCS.glob("*.md")))
-    for name in re.findall(r"\(pictures/circuit_(\w+)\.png\)", page):
-        result = simulate(read_scene(DOCS.parent / "scenes" / f"{name}.toml"))
-        save_figure(plot(result), str(DOCS / "pictures" / f"circuit_{name}.png"))
-
+GENERATED = "pictures", "drives", "losses", "measured", "tasks"
 
 if __name__ == "__main__":
     (DOCS / "scene-reference.md").write_text(reference(), encoding="utf-8")
-    pictures()
+    for each in sys.argv[1:2] or GENERATED:
+        runpy.run_module(f"docs.generate_{each}", run_name="__main__", alter_sys=True)

@@ -1,11 +1,11 @@
-"""Measures the charts of speed against accuracy and draws them into docs/charts/. Run: python docs/generate_charts.py.
+"""Measures the charts of speed against accuracy and draws them: python -m docs.generate_charts [NAME…].
 
 Without arguments all; with names, those scenes or "growth" or "stability" only.
 """
 
 import sys
-from pathlib import Path
 
+from benchmarks.harness import DOCS
 from tline.pictures.style import save_figure
 from tline.study.charts import growth, stability
 from tline.study.charts.peers import peers
@@ -14,7 +14,7 @@ from tline.study.charts.scenes import NAMES
 from tline.study.charts.table import ChartTable
 from tline.study.charts.work_precision import work_precision
 
-FOLDER = Path(__file__).parent / "charts"
+FOLDER = DOCS / "charts"
 BESIDE_PEERS = ("rc", "rlc", "lossy", "y", "chain", "inductor", "hammer", "friction", "network")
 
 
@@ -24,12 +24,27 @@ def written(table: ChartTable, name: str) -> None:
     save_figure(draw(table), FOLDER / f"{name}.png")
 
 
+def written_growth() -> None:
+    """growth.png and growth.csv."""
+    curves = growth.error_growth(progress=True)
+    growth.save(curves, FOLDER / "growth.csv")
+    save_figure(growth.draw(curves), FOLDER / "growth.png")
+
+
+def written_maps() -> None:
+    """stability_*.png, stability.csv and stability_boundaries.csv."""
+    found = [stability.stability(name, progress=True) for name in stability.MAPS]
+    for one in found:
+        save_figure(stability.draw(one), FOLDER / f"stability_{one.map.name}.png")
+    stability.save(found, FOLDER / "stability.csv")
+    stability.save_boundaries(found, FOLDER / "stability_boundaries.csv")
+
+
 if __name__ == "__main__":
-    wanted = sys.argv[1:] or [*NAMES, "growth", "stability"]
-    FOLDER.mkdir(exist_ok=True)
-    for name in wanted:
-        if name in ("growth", "stability"):
-            {"growth": growth, "stability": stability}[name].generate(FOLDER)
+    others = {"growth": written_growth, "stability": written_maps}
+    for name in sys.argv[1:] or [*NAMES, *others]:
+        if name in others:
+            others[name]()
             continue
         written(work_precision(name, progress=True), f"work_precision_{name}")
         if name in BESIDE_PEERS:

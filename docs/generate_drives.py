@@ -1,4 +1,4 @@
-"""Writes the pictures of docs/drives.md. Run: python docs/generate_drives.py."""
+"""Writes the pictures of docs/drives.md. Run: python -m docs.generate drives."""
 
 from pathlib import Path
 
@@ -54,7 +54,7 @@ def poles() -> Figure:
 def step() -> Figure:
     """Both torques up, then one of them up more."""
     torques = Torque.step(0.1), Torque.table([0.0, 1.0, 1.2], [0.1, 0.1, 0.3])
-    run = simulate(EXERCISE, *torques, end=2.5, step=0.005)
+    run = simulate(EXERCISE, *torques, t_end=2.5, step=0.005)
     return draw_run(run.t, run.outputs, ("x_k", "tension", "belt_speed"))
 
 
@@ -62,7 +62,7 @@ def step() -> Figure:
 def control() -> Figure:
     """Set points, a disturbance at 1 s, and torques at their limit."""
     made, points = design(EXERCISE), (Torque.step(1.0), Torque.step(5.0))
-    run = simulate_control(made, *points, d1=Torque.step(0.3, 1.0), limit=2.0, end=2.0, step=0.005)
+    run = simulate_control(made, *points, d1=Torque.step(0.3, 1.0), limit=2.0, t_end=2.0, step=0.005)
     lines = {"belt_speed": np.full(len(run.t), 1.0), "tension": np.full(len(run.t), 5.0)}
     return draw_closed_loop(run.t, run.outputs, lines, 2.0)
 

@@ -1,13 +1,12 @@
-"""Writes the tables and pictures of docs/losses.md. Run: python docs/generate_losses.py."""
+"""Writes the tables and pictures of docs/losses.md. Run: python -m docs.generate losses."""
 
 import math
-import re
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from benchmarks.harness import DOCS, ROOT, table, write
 from tline.loss import (
     ConstantLoss,
     DielectricLoss,
@@ -28,9 +27,7 @@ from tline.scene.file import read_scene
 from tline.solver.simulate import simulate
 from tline.study.reference.lossy import lossy_response
 
-PAGE = Path(__file__).parent / "losses.md"
-SCENE = Path(__file__).parent.parent / "scenes" / "pipe_friction.toml"
-PICTURES = Path(__file__).parent / "pictures"
+SCENE = ROOT / "scenes" / "pipe_friction.toml"
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8)
 
 PIPE = {"density": 878.0, "viscosity": 0.0347, "radius": 12.7e-3}  # Holmboe and Rouleau (1967): oil, copper tube
@@ -69,24 +66,20 @@ CASES = {  # law, what it adds alone, lowest frequency of five decades
 
 def terms() -> str:
     """Number of terms for each tolerance over five decades, of the law and of what it adds alone."""
-    rows = [
-        "| over five decades | " + " | ".join(f"{tolerance:.0e}" for tolerance in TOLERANCES) + " |",
-        "|---|" + "---|" * len(TOLERANCES),
-    ]
+    rows = []
     for name, (law, alone, low) in CASES.items():
         counts = []
         for tolerance in TOLERANCES:
             both = (realise(each, (low, 1e5 * low), tolerance) for each in (law, alone))
             counts.append(" / ".join(str(len(found.circuit.rates)) for found in both))
-        rows.append(f"| {name} | " + " | ".join(counts) + " |")
-    return "\n".join(rows)
+        rows.append((name, *counts))
+    return table("<over five decades|<" + "|<".join(f"{tolerance:.0e}" for tolerance in TOLERANCES), rows)
 
 
 def responses() -> str:
     """What a realisation costs in time: the step response with the circuits against that with the laws."""
     tolerances = TOLERANCES[:3]
-    rows = ["| step response over 10 delays | " + " | ".join(f"{tolerance:.0e}" for tolerance in tolerances) + " |"]
-    rows.append("|---|" + "---|" * len(tolerances))
+    rows = []
     pipe = LossyLine(LAMINAR, ConstantLoss(0, COMPLIANCE), LENGTH)
     cable = LossyLine(WIRE + FIELD, INSULATION, 0.2)
     for name, line, source, load in (
@@ -102,8 +95,9 @@ def responses() -> str:
             near = LossyLine(series, shunt, line.length)
             found = lossy_response(near, times, line.length, source=source, load=load, digits=12).efforts
             errors.append(f"{np.abs(found - exact).max():.0e}")
-        rows.append(f"| {name} | " + " | ".join(errors) + " |")
-    return "\n".join(rows)
+        rows.append((name, *errors))
+    head = "<step response over 10 delays|<" + "|<".join(f"{tolerance:.0e}" for tolerance in tolerances)
+    return table(head, rows)
 
 
 @styled
@@ -142,16 +136,9 @@ def closing() -> Figure:
     return picture
 
 
-def page() -> str:
-    """The page with fresh tables."""
-    text = PAGE.read_text(encoding="utf-8")
-    for name, table in (("terms", terms()), ("responses", responses())):
-        text = re.sub(rf"(<!-- {name} -->\n).*?(\n<!-- end -->)", rf"\g<1>{table}\g<2>", text, flags=re.DOTALL)
-    return text
-
-
 if __name__ == "__main__":
-    PAGE.write_text(page(), encoding="utf-8")
-    save_figure(ripples(), PICTURES / "losses_ripples.png")
-    save_figure(closing(), PICTURES / "losses_step.png")
-    save_figure(plot(simulate(read_scene(SCENE))), PICTURES / "losses_pipe.png")
+    write("losses.md", terms(), "terms")
+    write("losses.md", responses(), "responses")
+    pictures = {"ripples": ripples(), "step": closing(), "pipe": plot(simulate(read_scene(SCENE)))}
+    for name, picture in pictures.items():
+        save_figure(picture, DOCS / "pictures" / f"losses_{name}.png")

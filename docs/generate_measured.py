@@ -1,21 +1,19 @@
-"""Writes the table and picture of docs/measured.md. Run: python docs/generate_measured.py."""
+"""Writes the table and picture of docs/measured.md. Run: python -m docs.generate measured."""
 
 import math
-import re
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from benchmarks.harness import DOCS, ROOT, table, write
 from tline.pictures.style import COLOURS, INK, figure, save_figure, styled
 from tline.scene.file import read_scene
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
 
-DOCS = Path(__file__).parent
-PAGE, SCENE = DOCS / "measured.md", DOCS.parent / "scenes" / "column_separation.toml"
+SCENE = ROOT / "scenes" / "column_separation.toml"
 DENSITY, G, VISCOSITY, AIR = 999.1, 9.80665, 1.14e-3, 101.325  # kg/m³, m/s², Pa s, kPa
 METRE = DENSITY * G  # of water, Pa
 LOW = -18.0  # kPa, what a cavity has in one of the figures that should be at the vapour's pressure, next to nothing
@@ -97,21 +95,21 @@ def off(experiment: Experiment, t: NDArray, u: NDArray) -> float:
     return float(np.sqrt(np.mean((here - np.clip(here, low, high)) ** 2)) / experiment.joukowsky)
 
 
-def table() -> str:
+def measured_and_computed() -> str:
     """Measured and computed, by experiment."""
-    rows = ["| | friction | first pulse, m | cavity gone, ms | highest then, m | at, ms | off by |"]
-    rows.append("|---|---|---:|---:|---:|---:|---:|")
+    rows = []
     cases = [(name, name, 31, False) for name in FRICTION]
     cases += [("63 places", FRICTION[0], 63, False), ("late valve", FRICTION[0], 31, True)]
     for one in EXPERIMENTS:
         level, gone, highest, when = figures(one, *one.measured())
-        rows.append(f"| {one.title} | measured | {level:.0f} | {1e3 * gone:.0f} | {highest:.0f} | {1e3 * when:.0f} | |")
+        said = f"{level:.0f}", f"{1e3 * gone:.0f}", f"{highest:.0f}", f"{1e3 * when:.0f}"
+        rows.append((one.title, "measured", *said, ""))
         for name, *case in cases:
             t, u = one.computed(*case)
             level, gone, highest, when = figures(one, t, u, u)
-            said = f"{level:.0f} | {1e3 * gone:.0f} | {highest:.0f} | {1e3 * when:.0f} | {100 * off(one, t, u):.0f} %"
-            rows.append(f"| | {name} | {said} |")
-    return "\n".join(rows)
+            said = f"{level:.0f}", f"{1e3 * gone:.0f}", f"{highest:.0f}", f"{1e3 * when:.0f}"
+            rows.append(("", name, *said, f"{100 * off(one, t, u):.0f} %"))
+    return table("<|<friction|first pulse, m|cavity gone, ms|highest then, m|at, ms|off by", rows)
 
 
 @styled
@@ -133,7 +131,5 @@ def overlay() -> Figure:
 
 
 if __name__ == "__main__":
-    text = PAGE.read_text(encoding="utf-8")
-    text = re.sub(r"(<!-- measured -->\n).*?(\n<!-- end -->)", rf"\g<1>{table()}\g<2>", text, flags=re.DOTALL)
-    PAGE.write_text(text, encoding="utf-8")
+    write("measured.md", measured_and_computed(), "measured")
     save_figure(overlay(), DOCS / "pictures" / "measured.png")

@@ -1,15 +1,15 @@
-"""Count what ten tasks take in five programs: python docs/generate_tasks.py writes docs/tasks.md."""
+"""Count what ten tasks take in five programs: python -m docs.generate tasks."""
 
 import ast
-from pathlib import Path
 
-DOCS = Path(__file__).parent
+from benchmarks.harness import DOCS, table, write
+
 PROGRAMS = "tline", "scikit-rf", "python-control", "wntr", "pybamm"
 MARK = "# task: "
 HEAD = """\
 # The same tasks in five programs
 
-Written by `python docs/generate_tasks.py`, which counts the lines of code and the import statements of
+Written by `python -m docs.generate tasks`, which counts the lines of code and the import statements of
 [docs/tasks](tasks); tests run each file where its program is installed. The programs do different things: a
 cable with a receiver in tline and python-control (with Padé's approximation of the delay), over frequency in
 scikit-rf, a water network over a day in wntr, a battery in PyBaMM. What is compared is what a session takes:
@@ -34,16 +34,16 @@ def counted(code: str) -> tuple[int, int]:
 def page() -> str:
     """The table: lines, and imports in brackets."""
     all_tasks = {program: tasks(program) for program in PROGRAMS}
-    rows = [f"| | {' | '.join(PROGRAMS)} |", "|---|" + "---:|" * len(PROGRAMS)]
+    rows = []
     for task in all_tasks["tline"]:
         cells = [_cell(found[task]) if task in found else "–" for found in all_tasks.values()]
-        rows.append(f"| {task} | {' | '.join(cells)} |")
+        rows.append((task, *cells))
     totals = []
     for found in all_tasks.values():
         lines, imports = (sum(each) for each in zip(*map(counted, found.values()), strict=True))
         totals.append(f"{lines} ({imports}), {len(found)} tasks")
-    rows.append(f"| all: lines (imports) | {' | '.join(totals)} |")
-    return HEAD + "\n".join(rows) + "\n"
+    rows.append(("all: lines (imports)", *totals))
+    return HEAD + table("<|" + "|".join(PROGRAMS), rows) + "\n"
 
 
 def _cell(code: str) -> str:
@@ -52,4 +52,4 @@ def _cell(code: str) -> str:
 
 
 if __name__ == "__main__":
-    (DOCS / "tasks.md").write_text(page(), encoding="utf-8")
+    write("tasks.md", page())

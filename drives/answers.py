@@ -168,7 +168,7 @@ def _control(drives: CoupledDrives) -> Answer:
     except InputError:
         lines.append("simulation: without friction nothing settles under constant torques")
     else:
-        run = simulate(drives, Torque.step(TORQUE), Torque.step(TORQUE), end=END, step=STEP)
+        run = simulate(drives, Torque.step(TORQUE), Torque.step(TORQUE), t_end=END, step=STEP)
         last, settled = run.outputs["tension"][-1], float(drives.spring) * rest["e_p"]
         data["simulation"] = {"torque": TORQUE, "t": END, "tension": float(last), "settled": settled}
         lines.append(
@@ -183,7 +183,7 @@ def _control(drives: CoupledDrives) -> Answer:
         found = design(drives)
     except InputError as error:
         return Answer("h", "simulation and control", (*lines, str(error)), data)
-    run = simulate_control(found, Torque.step(SPEED), Torque.step(TENSION), end=END, step=STEP)
+    run = simulate_control(found, Torque.step(SPEED), Torque.step(TENSION), t_end=END, step=STEP)
     speed, tension = (float(run.outputs[name][-1]) for name in ("belt_speed", "tension"))
     data |= design_data(found) | {"controlled": {"t": END, "belt_speed": speed, "tension": tension}}
     lines += design_text(found)

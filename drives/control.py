@@ -202,8 +202,8 @@ def design(
     ----------
     drives : CoupledDrives
     speed_bandwidth, tension_bandwidth : float, optional
-        rad/s; 5 times the slowest pole of the tension if not given. The margins may allow less: ``bandwidths`` of the
-        design has what was reached, and ``verdicts`` says so.
+        Of the loop, rad/s; 5 times the slowest pole of the tension if not given. The margins may allow less; it is said
+        what was reached.
 
     Raises
     ------

@@ -99,7 +99,7 @@ def simulate_control(
     d2: Torque = ZERO,
     limit: float | None = None,
     antiwindup: bool = True,
-    end: float,
+    t_end: float,
     step: float,
     initial: Mapping[str, float] | None = None,
 ) -> Run:
@@ -116,8 +116,8 @@ def simulate_control(
         Largest torque of each motor, N m; without it the run is linear and exact at the samples.
     antiwindup : bool
         Unwind the integrals while a motor is at its limit.
-    end, step, initial
-        As in `drives.simulation`; states q_speed and q_tension are the integrals.
+    t_end, step, initial
+        As of `drives.simulate`; states q_speed and q_tension are the integrals.
 
     Raises
     ------
@@ -128,12 +128,12 @@ def simulate_control(
     Examples
     --------
     >>> from drives import CoupledDrives, design
-    >>> run = simulate_control(design(CoupledDrives(), 20, 20), Torque.step(1.0), Torque.step(5.0), end=2.0, step=0.5)
+    >>> run = simulate_control(design(CoupledDrives(), 20, 20), Torque.step(1.0), Torque.step(5.0), t_end=2.0, step=0.5)
     >>> [round(float(v), 6) for v in run.outputs["belt_speed"]]
     [0.0, 0.999955, 1.0, 1.0, 1.0]
     """
     loop, inputs, drives = closed_loop(design), (belt_speed, tension, d1, d2), design.drives
-    t, x0 = sample_times(end, step), initial_state(loop.states, initial)
+    t, x0 = sample_times(t_end, step), initial_state(loop.states, initial)
     u = np.column_stack([one.pieces(t)[0] for one in inputs])
     fastest = loop.poles[-1]
     verdict = (f"the loop is unstable: a pole at {written(fastest)} rad/s",) if fastest.real > 0 else ()

@@ -23,11 +23,11 @@ class Spool:
     Parameters
     ----------
     inertia : number
-        J in kg m^2, more than 0.
+        Moment of inertia J of the spool, kg m^2, more than 0.
     friction : number
-        B in N m s/rad, 0 or more.
+        Friction B of its bearing, N m s/rad, 0 or more.
     radius : number
-        r in m, more than 0.
+        Radius r of the spool, m, more than 0.
 
     Raises
     ------
@@ -72,9 +72,9 @@ class Belt:
     Parameters
     ----------
     stiffness : number
-        K in N/m, more than 0.
+        Stiffness K of the section, N/m, more than 0.
     damping : number
-        B in N s/m, 0 or more.
+        Damping B of the section, N s/m, 0 or more.
 
     Raises
     ------
@@ -121,10 +121,10 @@ class Pulley:
     Parameters
     ----------
     stiffness : number
-        k in N/m, more than 0.
+        Stiffness k of the pulley's spring, N/m, more than 0.
     angle : number
-        theta in rad, between 0 and pi/2. For 30, 45 and 60 degrees cos(theta)^2 is exact, for 60 the cosine too;
-        else the cosine is the decimal of its float.
+        Angle theta between the belt and the pulley's way, rad, between 0 and pi/2. For 30, 45 and 60 degrees
+        cos(theta)^2 is exact, for 60 the cosine too; else the cosine is the decimal of its float.
 
     Raises
     ------

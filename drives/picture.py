@@ -7,14 +7,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
-from drives.symbolic import UNITS
+from drives.symbolic import ALL_UNITS, UNITS
 from drives.transfer import TransferFunction
 
 # Okabe and Ito's colours
 COLOURS, DASHES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7"), ("-", "--", ":", "-.")
 WIDE = 100  # largest over smallest real part from which on a linear scale shows only one of them
 NOISE = 1e-12  # nothing but rounding, not worth a scale of its own
-ALL_UNITS = UNITS | {"T1": "N m", "T2": "N m"}
 
 
 def draw_bode(transfers: Sequence[TransferFunction], omega: NDArray) -> Figure:

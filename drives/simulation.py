@@ -51,7 +51,7 @@ def simulate(
     T1: Torque = ZERO,
     T2: Torque = ZERO,
     *,
-    end: float,
+    t_end: float,
     step: float,
     initial: Mapping[str, float] | None = None,
 ) -> Run:
@@ -62,23 +62,25 @@ def simulate(
     drives : CoupledDrives
     T1, T2 : Torque
         Nothing if not given.
-    end, step : float
-        Length of the run and time between samples, s; at most `MOST_STEPS` steps. The step causes no error.
+    t_end : float
+        Length of the run, s.
+    step : float
+        Time between samples, s; at most `MOST_STEPS` steps. It causes no error.
     initial : mapping of str to float, optional
         Values of states, 0 for those not named; `steady_state` gives some.
 
     Raises
     ------
     InputError
-        A step or end that is not more than 0; too many samples; an unknown state.
+        A step or t_end that is not more than 0; too many samples; an unknown state.
 
     Examples
     --------
-    >>> run = simulate(CoupledDrives(), T1=Torque.step(0.1), T2=Torque.step(0.1), end=2.0, step=0.5)
+    >>> run = simulate(CoupledDrives(), T1=Torque.step(0.1), T2=Torque.step(0.1), t_end=2.0, step=0.5)
     >>> [round(float(x), 6) for x in run.outputs["tension"]]
     [0.0, 0.865756, 0.982125, 0.99762, 0.999683]
     """
-    t, x0 = sample_times(end, step), initial_state(drives.states, initial)
+    t, x0 = sample_times(t_end, step), initial_state(drives.states, initial)
     model, way = drives.state_space(), legs((T1, T2), float(step), len(t))
     x = propagate(model.a, model.b, x0, way)
     seen = x[way.sampled]
@@ -102,15 +104,15 @@ def named(names: tuple[str, ...], columns: NDArray) -> dict[str, NDArray[np.floa
     return dict(zip(names, columns.T, strict=True))
 
 
-def sample_times(end: float, step: float) -> NDArray[np.float64]:
-    """0, step, 2*step, ... up to end.
+def sample_times(t_end: float, step: float) -> NDArray[np.float64]:
+    """0, step, 2*step, ... up to t_end.
 
     Raises
     ------
     InputError
         Not more than 0, or too many.
     """
-    last, h = float(positive(end, "end")), float(positive(step, "step"))
+    last, h = float(positive(t_end, "t_end")), float(positive(step, "step"))
     steps = int(last / h * (1 + 1e-12))
     if not 1 <= steps <= MOST_STEPS:
         raise InputError("step", "unfit", f"from 1 to {MOST_STEPS} steps until {last:g} s", f"{h:g} s")

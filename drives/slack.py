@@ -23,7 +23,7 @@ def simulate_slack(
     T1: Torque = ZERO,
     T2: Torque = ZERO,
     *,
-    end: float,
+    t_end: float,
     step: float,
     initial: Mapping[str, float] | None = None,
 ) -> Run:
@@ -31,11 +31,11 @@ def simulate_slack(
 
     Examples
     --------
-    >>> run = simulate_slack(CoupledDrives(), T1=Torque.step(-0.1), T2=Torque.step(-0.1), end=1.0, step=0.5)
+    >>> run = simulate_slack(CoupledDrives(), T1=Torque.step(-0.1), T2=Torque.step(-0.1), t_end=1.0, step=0.5)
     >>> [float(f) for f in run.outputs["tension"]]
     [0.0, 0.0, 0.0]
     """
-    t, x0 = sample_times(end, step), initial_state(drives.states, initial)
+    t, x0 = sample_times(t_end, step), initial_state(drives.states, initial)
     left, right, belts = drives.left, drives.right, list(drives.damped.values())
     r1, r2, spring = float(left.radius), float(right.radius), float(drives.spring)
     damped = [(float(belt.stiffness), float(belt.damping)) for belt in belts]

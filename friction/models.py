@@ -17,6 +17,10 @@ from tline.errors import InputError
 if TYPE_CHECKING:
     from friction.kernel import Law
 
+UNITS = {
+    "F_c": "N", "F_s": "N", "F_v": "N s/m", "v_s": "m/s", "delta": "m/s", "sigma0": "N/m", "sigma1": "N s/m",
+    "sigma2": "N s/m", "z_ba": "m", "epsilon": "m/s",
+}  # fmt: skip
 LEAST = {"F_v": 0.0, "delta": 0.0, "sigma1": 0.0, "sigma2": 0.0, "z_ba": 0.0}  # all others are positive
 
 

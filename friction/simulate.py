@@ -46,7 +46,8 @@ def simulate(
     t_end : float, optional
         End [s], positive.
     method : str, optional
-        A name of `METHODS`; `events` for the static laws and `rosenbrock` for the others if not given.
+        A name of `METHODS`, such as euler or bdf-events; `events` for the static laws and `rosenbrock` for the others
+        if not given.
     h : float
         Step [s] of a fixed-step method; t_end is rounded to whole steps.
     tol : float, optional

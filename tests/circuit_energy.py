@@ -3,17 +3,18 @@
 import numpy as np
 from energy import on_lines, silent
 
+from tline.scene.kind import KINDS
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.description.branches import Branch
 from tline.solver.description.circuit import equations
 from tline.solver.description.given import Scene
 from tline.solver.description.groups import Group
 from tline.solver.description.load_step import StateSpace, reflection
-from tline.solver.kernel.network import GAS, TANK, VAPOUR
 from tline.solver.kernel.stores import gas, tank
 from tline.solver.loop.march import Stepper
 
 ROUNDED = 1e-9
+GAS, TANK, VAPOUR = (KINDS[name].number for name in ("gas", "tank", "vapour"))
 
 
 class InCircuits:

@@ -14,7 +14,8 @@ def lazy(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     ----------
     package : str
         Its ``__name__``. Beside its ``__init__.py`` stands an ``__init__.pyi`` of statements
-        ``from where import name as name`` or ``import module as module``, which type checkers and editors read, too.
+        ``from where import name as name``, ``from where import *`` or ``import module as module``, which type checkers
+        and editors read, too.
 
     Returns
     -------
@@ -41,7 +42,10 @@ def lazy(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
         for statement in ast.parse(get_data(package, "__init__.pyi") or b"").body:
             if isinstance(statement, ast.ImportFrom):
                 home = resolve_name("." * statement.level + (statement.module or ""), package)
-                found |= {alias.asname or alias.name: (home, alias.name) for alias in statement.names}
+                names = [(alias.asname or alias.name, alias.name) for alias in statement.names]
+                if names == [("*", "*")]:
+                    names = [(name, name) for name in import_module(home).__all__]
+                found |= {name: (home, inside) for name, inside in names}
             elif isinstance(statement, ast.Import):
                 found |= {alias.name: (alias.name, "") for alias in statement.names}
         return found

@@ -8,7 +8,7 @@ from tline.scene.line import Cable, Pipe
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.probe import Probe
 from tline.scene.pulses import Pulses
-from tline.scene.rational_load import Impedance, Parallel, Series
+from tline.scene.rational import Impedance, Parallel, Series
 from tline.scene.scene import Scene, Solver
 from tline.scene.shape import Step
 from tline.scene.source import Source

@@ -194,10 +194,10 @@ def test_runs_as_json_and_csv_are_the_library(tmp_path, monkeypatch):
     for hold in (False, True):
         command = f"step --table torques.csv {'--hold' * hold} {options} --csv run.csv --json"
         result = run(command)
-        assert result.stderr == "wrote run.csv\n"
+        assert result.stderr == ""
         seen = json.loads(result.stdout)
         torques = (Torque.table([0.0, 0.5], values, held=hold) for values in ([0.1, 0.1], [0.0, 0.3]))
-        own = drives.simulate(unequal, *torques, end=1.0, step=0.01)
+        own = drives.simulate(unequal, *torques, t_end=1.0, step=0.01)
         assert seen["outputs"] == {name: x.tolist() for name, x in own.outputs.items()}
         assert seen["energy"]["supplied"] == own.energy.supplied[-1]
         rows = list(csv.DictReader((tmp_path / "run.csv").read_text(encoding="utf-8").splitlines()))

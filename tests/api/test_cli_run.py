@@ -16,7 +16,8 @@ from click.testing import CliRunner, Result
 from run_scenes import FORK, VALVE
 
 from tline.cli.main import COMMANDS, main
-from tline.cli.run import ALONG, SUFFIXES, run
+from tline.cli.result_files import ALONG, FILES
+from tline.cli.run import run
 from tline.cli.schema import schema
 from tline.scene.file import read_scene, scene_from
 from tline.solver import simulate as simulation
@@ -111,7 +112,7 @@ def test_a_table_beside_the_scene_is_found_when_the_solver_is_overridden(folder:
 
 def test_all_files_are_written_and_named(folder: Path) -> None:
     resistive = {"load_lines"}  # these are for resistive ends, and not for a valve that moves
-    files = {kind: f"out-{kind}{suffixes[0]}" for kind, suffixes in SUFFIXES.items() if kind not in resistive}
+    files = {kind: f"out-{kind}{each.suffixes[0]}" for kind, each in FILES.items() if kind not in resistive}
     options = " ".join(f"--{kind.replace('_', '-')} {file}" for kind, file in files.items())
     result = ran(f"run valve.toml {options} --path valve,tank")
     assert result.stdout.splitlines()[-len(files) :] == [f"wrote {file}" for file in files.values()]
@@ -269,10 +270,10 @@ def test_help_teaches_with_examples_whose_options_exist() -> None:
         "--path",
         "--ledger",
         "--json",
-        *(f"--{k.replace('_', '-')}" for k in SUFFIXES),
+        *(f"--{k.replace('_', '-')}" for k in FILES),
     }
     assert {f"--{kind.replace('_', '-')}" for kind in ALONG} <= options
-    assert set(inspect.signature(run.callback).parameters) >= {"scene", "order", "slab", "path"}  # type: ignore[arg-type]
+    assert set(inspect.signature(run.function).parameters) >= {"scene", "order", "slab", "path"}  # type: ignore[arg-type]
 
 
 def test_schema_is_the_one_of_scene_files(folder: Path) -> None:
@@ -289,7 +290,7 @@ def test_schema_is_the_one_of_scene_files(folder: Path) -> None:
 def test_both_are_listed() -> None:
     text = ran("--help").stdout
     assert all(f"  {name} " in text for name in ("run", "schema"))
-    assert COMMANDS["schema"][0] == f"{schema.callback.__module__}:schema"  # type: ignore[union-attr]
+    assert COMMANDS["schema"][0] == f"{schema.function.__module__}:schema"  # type: ignore[union-attr]
 
 
 def imported(line: str) -> set[str]:

@@ -209,7 +209,7 @@ def test_a_damaged_file_is_refused_or_read_rightly(folder: Path) -> None:
         (f"{Z0} --sample sobol:100", "--sample: Sobol points are balanced by powers of two"),
         (f"{Z0} --sample dice:3", "--sample: unknown, expected one of 'grid', 'list', 'random:COUNT'"),
         (f"{Z0} --sample grid", "lines.cable.z0: a distribution, expected values for a grid"),
-        ("--vary lines.cable.z0=40,50 --vary loads.end.resistance=1,2,3 --sample list", "vary: not as many values"),
+        ("--vary lines.cable.z0=40,50 --vary loads.end.resistance=1,2,3 --sample list", "--vary: not as many values"),
         (f"{Z0} --sample latin:3 --seed -1", "--seed: not a whole number in range"),
         (f"{Z0} --sample latin:3 --tol 1e-15", "--tol: tolerance out of range"),
         (f"{Z0} --sample latin:3 --keep extreme", "--keep: unknown, expected 'extremes', instants in s"),

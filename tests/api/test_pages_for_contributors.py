@@ -22,7 +22,7 @@ def test_the_map_lists_every_folder():
 
 @pytest.mark.parametrize("name", NAMED)
 def test_what_add_a_node_names_is_there(name):
-    """A path from the root or beside the last one named; a class or a constant; a method with its parameters."""
+    """A path from the root or beside the last one named; a class, constant, attribute; a method with its parameters."""
     if "/" in name or name.endswith(".py"):
         assert (ROOT / name).exists() or (ROOT / "tline" / "scene" / name).exists()
     elif "(" in name:
@@ -31,4 +31,4 @@ def test_what_add_a_node_names_is_there(name):
         assert [each.split(":")[0] for each in parameters.split(", ")][: given.count(",") + 1] == given.split(", ")
     else:
         last = name.rpartition(".")[2]
-        assert re.search(rf"^ *(?:class|def) {last}\b|^{last} *[=:]", SOURCE, re.MULTILINE)
+        assert re.search(rf"^ *(?:class|def) {last}\b|^(?: {{4}})?{last} *[=:]", SOURCE, re.MULTILINE)

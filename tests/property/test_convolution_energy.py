@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
+from remembering_scenes import SCENES
 
 from tline.loss import ConstantLoss, DielectricLoss, EarthReturn, LaminarFriction, LossyLine, RoundWire, SkinEffect
+from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.passive import gain
 from tline.solver.convolution.quadrature import Quadrature
+from tline.solver.description.description import describe
 from tline.solver.radau import basis
 from tline.solver.stability.lossy_line import carried
 
@@ -66,3 +69,24 @@ def test_a_line_that_feeds_waves_would_be_found():
     line, z0, T = line_of("skin")
     line.series.laws[0].beyond = lambda s, arithmetic: 0 * s - 5.0
     assert gain(line, z0, basis(4), T / 16, 16.0) > 1.001
+
+
+@pytest.mark.parametrize("name", ["two_clamps", "tree_with_clamps", "breaker_beside_rg58", "lightning_and_arrester"])
+@pytest.mark.parametrize(("s", "slabs"), [(1, 1.7), (3, 7.3), (5, 40.0)])
+def test_a_rest_gives_laws_no_more_than_it_took(name, s, slabs):
+    """Of random waves from all laws over 40 slabs, summed up to every slab; and at once: the norm of S_0."""
+    description = describe(SCENES[name]())
+    rest, order, n = LinearRest(description), basis(s), 40
+    rule = Quadrature(order, min(line.delay for line in description.lines.values()) / slabs, n)
+    lines = [*description.lines.values()]
+    whole = np.array([floor(line.delay / rule.h) for line in lines])
+    nothing = np.zeros((len(rule.points), len(rest.names)))
+    at = rule.points * rest.second
+    found = rest.efforts(at, nothing, nothing, rest.admittances(at, np.outer(rule.late, whole)))
+    weights = rule.weights(2 * rest.ports @ found.from_laws - np.eye(len(rest.laws)))
+    share = np.tile(order.A[-1], len(rest.laws)) / np.repeat(rest.impedances, s)
+    scale = np.sqrt(share)
+    assert np.linalg.norm(weights[0] * scale[:, None] / scale, 2) <= 1 + 1e-9
+    sent = np.random.default_rng(s).normal(size=(n, len(share))) / scale
+    arrived = np.array([sum(weights[k - j] @ sent[j] for j in range(k + 1)) for k in range(n)])
+    assert np.cumsum((share * (sent**2 - arrived**2)).sum(axis=1)).min() > -1e-9 * (share * sent**2).sum()

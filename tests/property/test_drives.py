@@ -50,7 +50,7 @@ def test_nothing_grows_without_friction_either(drives):
 @given(mechanisms, torques, torques, st.sampled_from([1e-6, 1e-3, 0.1, 1.0]))
 def test_energy_is_in_balance(drives, T1, T2, step):
     start = dict.fromkeys(drives.states[1:], 0.5)
-    run = simulate(drives, T1, T2, end=30 * step, step=step, initial=start)
+    run = simulate(drives, T1, T2, t_end=30 * step, step=step, initial=start)
     energy = run.energy
     # what flows forth and back can be far larger than what is left of it
     speeds = np.abs(run.outputs["w1"]).max() + np.abs(run.outputs["w2"]).max()

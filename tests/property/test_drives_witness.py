@@ -54,7 +54,7 @@ def random_run(kind, seed):
     end = rng.choice([1, 3, 20]) * step
     first, second, third = (random_torque(rng, end, corners) for corners in (rng.randint(0, 2), 0, rng.randint(0, 1)))
     start = {name: rng.uniform(-0.5, 0.5) for name in made.states if rng.random() < 0.5}
-    how = {"end": end, "step": step, "initial": start}
+    how = {"t_end": end, "step": step, "initial": start}
     if kind in ("torques", "slack"):
         return {"torques": simulate, "slack": simulate_slack}[kind](made, first, second, **how)
     how |= {"d1": third, "limit": size(rng, 1) if kind == "limit" else None, "antiwindup": rng.random() < 0.7}
@@ -86,11 +86,11 @@ KINDS = ("torques", "long steps", "control", "slack", "limit")
 def heard(kind):
     """A run, and what the witness is told beside the parts."""
     if kind in ("torques", "long steps"):
-        return simulate(DRIVES, *TORQUES, end=2.0, step=0.4 if kind == "long steps" else 0.01), {"inputs": TORQUES}
+        return simulate(DRIVES, *TORQUES, t_end=2.0, step=0.4 if kind == "long steps" else 0.01), {"inputs": TORQUES}
     if kind == "slack":
-        return simulate_slack(DRIVES, *TORQUES, end=2.0, step=0.02), {"inputs": TORQUES, "slack": True}
+        return simulate_slack(DRIVES, *TORQUES, t_end=2.0, step=0.02), {"inputs": TORQUES, "slack": True}
     made, limit = design(DRIVES), 1.0 if kind == "limit" else None
-    run = simulate_control(made, *POINTS[:2], d1=POINTS[2], limit=limit, end=2.0, step=0.02)
+    run = simulate_control(made, *POINTS[:2], d1=POINTS[2], limit=limit, t_end=2.0, step=0.02)
     gains = [(float(one.gain), float(one.integral_time)) for one in (made.speed, made.tension)]
     control = Control(*gains) if limit is None else Control(*gains, limit)
     return run, {"inputs": POINTS, "control": control}
@@ -186,7 +186,7 @@ class Faulty(CoupledDrives):
     "run", [simulate, lambda *given, **how: simulate_control(design(given[0]), *POINTS[:2], **how)]
 )
 def test_a_fault_in_the_model_is_a_verdict_of_its_runs(run):
-    verdicts = run(Faulty(), *TORQUES, end=1.0, step=0.1).verdicts
+    verdicts = run(Faulty(), *TORQUES, t_end=1.0, step=0.1).verdicts
     assert [one[: len(SAID)] for one in verdicts] == [SAID]
 
 
@@ -196,10 +196,10 @@ def test_a_fault_in_the_way_is_a_verdict_of_the_run(monkeypatch):
         return replace(way, inputs=way.inputs * [1, 1, 0, 0])
 
     monkeypatch.setattr(drives.simulation, "legs", without_slopes)
-    (verdict,) = simulate(DRIVES, *TORQUES, end=2.0, step=0.1).verdicts
+    (verdict,) = simulate(DRIVES, *TORQUES, t_end=2.0, step=0.1).verdicts
     assert verdict.startswith(SAID)
 
 
 def test_numbers_that_floats_cannot_follow_are_not_judged():
     stiff = CoupledDrives(left_belt=Belt(1e20, 1e-20))
-    assert simulate(stiff, Torque.step(1.0), Torque.step(1.0), end=1.0, step=0.5).verdicts == ()
+    assert simulate(stiff, Torque.step(1.0), Torque.step(1.0), t_end=1.0, step=0.5).verdicts == ()

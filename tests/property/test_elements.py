@@ -8,13 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_elements import random_elements
 
+from tline.scene.kind import KINDS
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.description.description import describe
-from tline.solver.kernel.network import AIR, GAS, TANK, VAPOUR
 from tline.solver.kernel.stores import gas, rotor, tank
 from tline.solver.loop.march import Stepper
 from tline.solver.simulate import simulate
 
+AIR, GAS, TANK, VAPOUR = (KINDS[name].number for name in ("air", "gas", "tank", "vapour"))
 AT_ONCE = 2e-14  # of the energy at the start, in one slab: roundings of waves and of the laws' solutions
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from random_friction import KINDS, random_run, sound
 
-from benchmarks.friction_events import KINDS, random_run, sound
 from friction import (
     Coulomb,
     Dahl,

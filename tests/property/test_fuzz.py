@@ -6,12 +6,12 @@ from pathlib import Path
 
 import click
 import pytest
+from fuzz import flags, scenes, warm
+from fuzz.case import Case
+from fuzz.doors import DOORS, case_of
+from fuzz.judge import verdict
+from fuzz.warm import LOWER
 
-from benchmarks.fuzz import flags, scenes, warm
-from benchmarks.fuzz.case import Case
-from benchmarks.fuzz.doors import DOORS, case_of
-from benchmarks.fuzz.judge import verdict
-from benchmarks.fuzz.warm import LOWER
 from tline.cli.main import main
 
 SEED = 5

@@ -1,8 +1,7 @@
-"""Decks with words and lines torn out, doubled and moved; `python -m benchmarks.mutated_decks` takes 100,000."""
+"""Decks with words and lines torn out, doubled and moved; `python -m benchmarks.attack decks` takes thousands."""
 
 import pytest
-
-from benchmarks.mutated_decks import DECKS, DIALECTS, mutated, outcome
+from mutated_decks import DECKS, DIALECTS, mutated, outcome
 
 NUMBER, MANY = 300, 40
 

@@ -13,21 +13,13 @@ from hypothesis import strategies as st
 
 from tline.scene.file import scene_from, scene_text, schema
 from tline.scene.line import Cable, Pipe
-from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
+from tline.scene.load import Matched, NoFlow, Reservoir, Short
 from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Transformer
 from tline.scene.probe import Probe
-from tline.scene.rational_link import (
-    CapacitorLink,
-    ImpedanceLink,
-    InductorLink,
-    ParallelLink,
-    ResistorLink,
-    SeriesLink,
-)
-from tline.scene.rational_load import Capacitor, Impedance, Inductor, Parallel, Series
+from tline.scene.rational import Capacitor, Impedance, Inductor, Parallel, Resistor, Series
 from tline.scene.scene import Scene, Solver
 from tline.scene.source import Source
-from tline.scene.switch import Switch, SwitchLink
+from tline.scene.switch import Switch
 from tline.words.printable import one_line
 
 
@@ -238,8 +230,8 @@ LOADS = {
     "inductor": Inductor, "capacitor": Capacitor,
 }  # fmt: skip
 LINKS = {
-    "resistor": ResistorLink, "inductor": InductorLink, "capacitor": CapacitorLink, "series": SeriesLink,
-    "parallel": ParallelLink, "impedance": ImpedanceLink, "switch": SwitchLink, "valve": SwitchLink,
+    "resistor": Resistor, "inductor": Inductor, "capacitor": Capacitor, "series": Series,
+    "parallel": Parallel, "impedance": Impedance, "switch": Switch, "valve": Switch,
     "transformer": Transformer, "gyrator": Gyrator, "controlled source": ControlledSource,
     "coupled inductors": CoupledInductors,
 }  # fmt: skip

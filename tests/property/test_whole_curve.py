@@ -1,4 +1,4 @@
-"""A tolerance that is met is met wherever a user looks; `python -m benchmarks.whole_curve` tries hundreds of pairs."""
+"""A tolerance that is met is met wherever a user looks; `python -m benchmarks.attack curve` tries more."""
 
 import numpy as np
 import pytest

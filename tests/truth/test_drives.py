@@ -169,7 +169,7 @@ def step_answer(numerator, denominator, t):
 @every_drive
 @pytest.mark.parametrize(("step", "samples"), [(1e-6, 1000), (1e-3, 100), (1.0, 3)])
 def test_steps_of_a_microsecond_and_of_a_second_are_exact(drives, step, samples):
-    run = simulate(drives, T1=Torque.step(0.3), T2=Torque.step(0.2), end=samples * step, step=step)
+    run = simulate(drives, T1=Torque.step(0.3), T2=Torque.step(0.2), t_end=samples * step, step=step)
     with mpmath.workdps(50):
         t = precise(Fraction(step)) * samples
         for output in ("x_k", "tension", "belt_speed", "w1", "w2"):
@@ -184,7 +184,7 @@ def test_steps_of_a_microsecond_and_of_a_second_are_exact(drives, step, samples)
 
 def test_ramps_and_corners_between_samples_are_exact():
     coarse, fine = (
-        simulate(UNEQUAL, T2=Torque.table([0.1, 0.37, 0.4], [0.0, 1.0, -0.5]), end=2.0, step=h) for h in (0.25, 1e-3)
+        simulate(UNEQUAL, T2=Torque.table([0.1, 0.37, 0.4], [0.0, 1.0, -0.5]), t_end=2.0, step=h) for h in (0.25, 1e-3)
     )
     for name, values in coarse.outputs.items():
         assert np.abs(values - fine.outputs[name][::250]).max() < 1e-12 * np.abs(values).max()
@@ -206,7 +206,7 @@ def plus(a, b):
 @pytest.mark.parametrize("drives", [EXERCISE, UNEQUAL], ids=["exercise", "unequal"])
 def test_closed_loop_answers(drives):
     made = design(drives, 20, 20)
-    run = simulate_control(made, Torque.step(1.0), Torque.step(5.0), end=0.4, step=0.1)
+    run = simulate_control(made, Torque.step(1.0), Torque.step(5.0), t_end=0.4, step=0.1)
     loops = (("belt_speed", made.speed, made.speed_plant, 1), ("tension", made.tension, made.tension_plant, 5))
     with mpmath.workdps(50):
         for output, controller, plant, height in loops:
@@ -220,7 +220,7 @@ def test_closed_loop_answers(drives):
 
 def test_disturbances_under_control_by_inverse_laplace():
     made, height, t = design(EXERCISE, 20, 20), 0.05, 0.1
-    run = simulate_control(made, d1=Torque.step(height), end=0.4, step=t)
+    run = simulate_control(made, d1=Torque.step(height), t_end=0.4, step=t)
     with mpmath.workdps(40):
         n = Numbers(EXERCISE, precise)
         n.c = mpmath.sqrt(precise(EXERCISE.pulley.cosine_squared))

@@ -110,7 +110,7 @@ def test_under_a_limit_runs_end_where_the_limit_allows(drives):
     assert inside.holds
     assert inside.tension_at_speed is not None
     v, f = 0.3, inside.tension_at_speed[1] * 0.98
-    run = simulate_control(made, Torque.step(v), Torque.step(f), limit=limit, end=3.0, step=0.1)
+    run = simulate_control(made, Torque.step(v), Torque.step(f), limit=limit, t_end=3.0, step=0.1)
     assert run.verdicts == ()
     assert run.outputs["belt_speed"][-1] == pytest.approx(v, rel=1e-3)
     assert run.outputs["tension"][-1] == pytest.approx(f, rel=1e-3)
@@ -119,7 +119,7 @@ def test_under_a_limit_runs_end_where_the_limit_allows(drives):
     )
     # far too much of the tension: both motors at their limit hold the largest there is
     most = reach(drives, v, 1e3, limit)
-    run = simulate_control(made, Torque.step(v), Torque.step(1e3), limit=limit, end=3.0, step=0.1)
+    run = simulate_control(made, Torque.step(v), Torque.step(1e3), limit=limit, t_end=3.0, step=0.1)
     assert most.speed_at_tension is None
     assert run.outputs["tension"][-1] == pytest.approx(most.tension[1], rel=1e-3)
     assert run.verdicts[0].startswith(
@@ -128,7 +128,7 @@ def test_under_a_limit_runs_end_where_the_limit_allows(drives):
     # too much speed: the tension comes first and is held
     fast = reach(drives, 1e3, 3.0, limit)
     assert fast.speed_at_tension is not None
-    run = simulate_control(made, Torque.step(1e3), Torque.step(3.0), limit=limit, end=3.0, step=0.1)
+    run = simulate_control(made, Torque.step(1e3), Torque.step(3.0), limit=limit, t_end=3.0, step=0.1)
     assert run.outputs["tension"][-1] == pytest.approx(3.0, rel=1e-3)
     assert run.outputs["belt_speed"][-1] == pytest.approx(fast.speed_at_tension[1], rel=1e-3)
     assert len(run.verdicts) == 1
@@ -139,13 +139,13 @@ def test_an_unstable_design_is_called_so():
     bad = Design(made.drives, PI(-1, 0.01), made.tension, made.speed_plant, made.tension_plant)
     assert made.verdicts == ()
     assert bad.verdicts == ("the speed loop is unstable: a closed-loop pole at 50 rad/s",)
-    short = simulate_control(bad, Torque.step(1.0), end=1.0, step=0.1)
+    short = simulate_control(bad, Torque.step(1.0), t_end=1.0, step=0.1)
     assert short.verdicts == ("the loop is unstable: a pole at 50 rad/s",)
     growth = np.diff(np.log(np.abs(short.outputs["belt_speed"][5:])))
     assert growth == pytest.approx(np.full(len(growth), 5.0), rel=1e-9)  # it grows at the rate the verdict says
     with pytest.raises(
         ValueError, match=r"^simulation: beyond the range of floats.*a pole at 50 rad/s, lost at 7.* s$"
     ):
-        simulate_control(bad, Torque.step(1.0), end=200.0, step=0.1)
-    saturated = simulate_control(bad, Torque.step(1.0), limit=2.0, end=1.0, step=0.1)
+        simulate_control(bad, Torque.step(1.0), t_end=200.0, step=0.1)
+    saturated = simulate_control(bad, Torque.step(1.0), limit=2.0, t_end=1.0, step=0.1)
     assert saturated.verdicts == short.verdicts

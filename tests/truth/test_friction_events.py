@@ -5,8 +5,8 @@ from math import isqrt
 
 import numpy as np
 import pytest
+from friction_by_scipy import COLUMNS, END, TOLS, largest_errors, random_case, reference
 
-from benchmarks.friction_accuracy import COLUMNS, END, TOLS, largest_errors, random_case, reference
 from friction import Coulomb, Karnopp, Kind, LuGre, Ramp, Sine, Spring, Status, Table, Testbench, simulate
 
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from friction_by_scipy import reference as by_scipy
+from friction_scales import FORCES, judge, random_case, true_errors
+from friction_series import reference
 
-from benchmarks.friction_accuracy import reference as by_scipy
-from benchmarks.friction_scales import FORCES, judge, random_case, true_errors
-from benchmarks.friction_series import reference
 from friction import Dahl, ElastoPlastic, LuGre, Ramp, Sine, Status, Table, Testbench, simulate
 
 SLOW = LuGre(v_s=1.8, sigma0=6e4, sigma1=330.0)

@@ -23,7 +23,7 @@ def test_every_deck_is_imported(deck):
 @pytest.mark.skipif(shutil.which("ngspice") is None, reason="ngspice is not installed")
 @pytest.mark.parametrize("name", BOUNDS)
 def test_ngspice_agrees_within_its_own_error(name):
-    from benchmarks.imported_decks import distance, in_ngspice
+    from imported_decks import distance, in_ngspice
 
     scene, _ = read_spice(DECKS / f"{name}.cir")
     ours = simulate(scene.with_changes(solver={"tol": 1e-3 if name == "ltra_square" else 1e-5}))

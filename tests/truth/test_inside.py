@@ -75,6 +75,25 @@ def test_steady_flow_falls_as_a_straight_line() -> None:
         np.testing.assert_allclose(found, expected, rtol=2e-6)  # CLOSE of the iteration
 
 
+def test_extremes_on_a_lossless_line_are_those_of_a_standing_wave() -> None:
+    """Open at its end, u = A cos(w T (1 - x)) cos(w t) where waves of A/2 have met; peaks on no sample."""
+    frequency = 1.37e8
+    scene = Scene(
+        medium="electrical", t_end="60 ns", lines={"c": {"nodes": ["near", "far"], "z0": Z0, "delay": DELAY}},
+        sources={"s": {"at": "near", "kind": "voltage", "resistance": Z0,
+                       "value": {"shape": "sine", "amplitude": 2.0, "frequency": frequency}}},
+        probes={"far": {"at": "far"}},
+    )  # fmt: skip
+    seen = inside(simulate(scene, tol=1e-10, record=["c"]), "c")
+    phase = 2 * np.pi * frequency * DELAY * (1 - seen.places)
+    standing, alone = 2 * np.abs(np.cos(phase)), 2 * phase  # until that phase a wave is alone
+    _, low, high = seen.extremes(np.linspace(0, 60e-9, 3))
+    expected = np.maximum(standing, np.sin(np.minimum(alone, np.pi / 2)))
+    np.testing.assert_allclose(high, expected, rtol=1e-8)
+    expected = np.maximum(standing, -np.sin(np.clip(alone, 0, 3 * np.pi / 2)))
+    np.testing.assert_allclose(-low, expected, rtol=1e-8)
+
+
 LOSSES = {
     "darcy": {"friction": {"kind": "darcy", "factor": 0.03}},
     "quasi-steady": {"friction": {"kind": "quasi-steady", "viscosity": "1 mPa s", "roughness": 1e-4}},

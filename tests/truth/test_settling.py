@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import pytest
+from random_waterworks import waterworks
+from settling import ACCURATE, WALLS, good, measured
 
-from benchmarks.random_waterworks import waterworks
-from benchmarks.settling_networks import ACCURATE, WALLS, good, measured
 from tline.interchange.epanet import read_epanet
 from tline.interchange.water_scene import water_scene
 from tline.scene.scene import Scene

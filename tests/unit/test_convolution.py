@@ -16,8 +16,6 @@ from tline.solver.tolerance.search import Search
 from tline.study.reference.lossy import lossy_response
 
 SKIN = {"skin": {"resistance": "10 ohm/m", "frequency": "100 MHz"}}
-DIODE = {"d": {"at": "b", "kind": "diode", "saturation": "1 uA"}}
-SWITCH = {"w": {"at": "b", "kind": "switch", "time": "3 ns", "before": "inf", "after": 50}}
 ZIELKE = {"kind": "zielke", "viscosity": "0.0347 Pa s"}
 
 
@@ -30,8 +28,6 @@ def with_loads(loads) -> Scene:
     ("scene", "tol"),
     [
         (cable(resistance=20), 1e-4),  # no memory: segments are exact
-        (with_loads(DIODE), 1e-4),
-        (with_loads(SWITCH), 1e-4),
         (cable(**SKIN), 1e-9),  # finer than transforms are
         (pipe(friction={"kind": "darcy", "factor": 0.02}), 1e-4),
     ],
@@ -55,12 +51,12 @@ def test_an_envelope_has_all_nodes_and_errors():
             assert found[which] == pytest.approx(extreme, abs=max(3 * found[f"{which}_error"], 1e-4 * np.abs(u).max()))
 
 
-def test_a_switch_that_never_moves_in_time_is_no_convolution_but_gives_the_same():
+def test_a_switch_that_never_moves_in_time_gives_the_same():
     still = {"w": {"at": "b", "kind": "switch", "time": "1 s", "before": "inf", "after": 50}}
-    one, other = simulate(with_loads(still), tol=1e-3), simulate(cable(t_end="4 ns", **SKIN), tol=1e-5)
-    assert (one.resolution.convolved, other.resolution.convolved) == (False, True)
+    one, other = simulate(with_loads(still), tol=1e-5), simulate(cable(t_end="4 ns", **SKIN), tol=1e-5)
+    assert (one.resolution.convolved, other.resolution.convolved) == (True, True)
     t = np.array([1.3e-9, 1.9e-9, 3.5e-9])
-    assert one.probes["far"].at(t).u == pytest.approx(other.probes["far"].at(t).u, abs=1e-3)
+    assert one.probes["far"].at(t).u == pytest.approx(other.probes["far"].at(t).u, abs=1e-5)
 
 
 def test_jumps_arrive_after_every_delay():

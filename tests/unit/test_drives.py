@@ -133,13 +133,13 @@ def test_a_float_counts_as_the_decimal_it_shows():
         (lambda: Torque.table([0], [1, 1]), "torque table: wrong length"),
         (lambda: Torque.table([0, 1], [1, math.nan]), "values[1]: not finite"),
         (lambda: Torque.step(1, at=-1), "step: before the start"),
-        (lambda: simulate(EXERCISE, end=1, step=0), "step: not physical"),
-        (lambda: simulate(EXERCISE, end=1, step=1e-9), "step: unfit"),
-        (lambda: simulate(EXERCISE, end=1, step=2), "step: unfit"),
-        (lambda: simulate(EXERCISE, end=1, step=0.5, initial={"phi2": 1}), "initial.phi2: no such state"),
+        (lambda: simulate(EXERCISE, t_end=1, step=0), "step: not physical"),
+        (lambda: simulate(EXERCISE, t_end=1, step=1e-9), "step: unfit"),
+        (lambda: simulate(EXERCISE, t_end=1, step=2), "step: unfit"),
+        (lambda: simulate(EXERCISE, t_end=1, step=0.5, initial={"phi2": 1}), "initial.phi2: no such state"),
         (lambda: steady_state(CoupledDrives(Spool(1, 0, 1), Spool(1, 0, 1)), 1, 1), "friction: nothing settles"),
         (lambda: design(EXERCISE, -1), "speed_bandwidth: not physical"),
-        (lambda: simulate_control(design(EXERCISE), end=1, step=0.1, limit=0), "limit: not physical"),
+        (lambda: simulate_control(design(EXERCISE), t_end=1, step=0.1, limit=0), "limit: not physical"),
         (lambda: EXERCISE.transfer("phi1", "T1")(0), "s: a pole of phi1/T1"),
         (lambda: design(WITHOUT_DAMPING), "tension/tau_f: no PI controller of this rule has the margins"),
         (lambda: EXERCISE.transfer("x_k", "T1").phase([-1]), "omega: no angular frequencies"),
@@ -206,7 +206,7 @@ def test_a_step_matrix_and_an_energy_matrix_by_hand():
 
 def test_a_run_that_starts_settled_stays_there():
     start = steady_state(UNEQUAL, -0.2, 0.9)
-    run = simulate(UNEQUAL, Torque.step(-0.2), Torque.step(0.9), end=100.0, step=10.0, initial=start)
+    run = simulate(UNEQUAL, Torque.step(-0.2), Torque.step(0.9), t_end=100.0, step=10.0, initial=start)
     for name in ("tension", "w1", "w2", "x_k"):
         assert np.ptp(run.outputs[name]) < 1e-12 * np.abs(run.outputs[name]).max()
     assert np.allclose(run.outputs["phi1"], start["w1"] * run.t, rtol=1e-12)
@@ -214,19 +214,19 @@ def test_a_run_that_starts_settled_stays_there():
 
 def test_a_tight_belt_never_goes_slack():
     torques = Torque.step(0.3), Torque.table([0.0, 0.5, 1.0], [0.0, 1.0, 0.4])
-    straight, slack = (run(UNEQUAL, *torques, end=1.0, step=0.05) for run in (simulate, simulate_slack))
+    straight, slack = (run(UNEQUAL, *torques, t_end=1.0, step=0.05) for run in (simulate, simulate_slack))
     for name, values in slack.outputs.items():
         assert np.abs(values - straight.outputs[name]).max() < 1e-7 * np.abs(values).max()
 
 
 def test_a_belt_that_is_pushed_hangs_slack_and_tightens_again():
     torques = Torque.step(0.1), Torque.table([0.0, 0.3, 0.31, 0.5, 0.51, 2.0], [0.3, 0.3, -0.6, -0.6, 0.5, 0.5])
-    run = simulate_slack(EXERCISE, *torques, end=2.0, step=0.01)
+    run = simulate_slack(EXERCISE, *torques, t_end=2.0, step=0.01)
     tension = run.outputs["tension"]
     assert tension.min() == 0
     assert tension[-1] > 1
     assert tension[:10].max() > 0
-    assert simulate(EXERCISE, *torques, end=2.0, step=0.01).outputs["tension"].min() < 0
+    assert simulate(EXERCISE, *torques, t_end=2.0, step=0.01).outputs["tension"].min() < 0
     slack = tension == 0
     assert (run.outputs["x_k"][slack] == 0).all()
     assert np.ptp(run.energy.stored[slack]) > 0  # the spools still turn
@@ -263,7 +263,7 @@ def test_designs_keep_their_margins():
 @pytest.mark.parametrize("one", [EXERCISE, UNEQUAL])
 def test_control_settles_and_rejects_disturbances(one):
     run = simulate_control(
-        design(one, 20, 20), Torque.step(0.8), Torque.step(4.0, 0.5), d1=Torque.step(0.05, 1.5), end=6.0, step=0.01
+        design(one, 20, 20), Torque.step(0.8), Torque.step(4.0, 0.5), d1=Torque.step(0.05, 1.5), t_end=6.0, step=0.01
     )
     assert abs(run.outputs["belt_speed"][-1] - 0.8) < 1e-6
     assert abs(run.outputs["tension"][-1] - 4.0) < 1e-6
@@ -277,14 +277,14 @@ def test_saturation_keeps_limits_and_antiwindup_recovers_sooner():
     asked = {"belt_speed": Torque.table([0, 2, 2.001], [3, 3, 0.5]), "tension": Torque.step(4.0)}
     errors = []
     for antiwindup in (True, False):
-        run = simulate_control(made, **asked, limit=1.0, antiwindup=antiwindup, end=3.0, step=0.02)
+        run = simulate_control(made, **asked, limit=1.0, antiwindup=antiwindup, t_end=3.0, step=0.02)
         assert max(np.abs(run.outputs[name]).max() for name in ("T1", "T2")) <= 1.0
         assert np.abs(run.energy.imbalance).max() < 1e-10 * run.energy.dissipated[-1]
         late = run.t > 2.2
         errors.append(np.abs(run.outputs["belt_speed"][late] - 0.5).max())
     assert errors[0] < 0.05 < errors[1]
     free, wide = (
-        simulate_control(made, Torque.step(1.0), Torque.step(4.0), end=1.0, step=0.05, limit=x) for x in (None, 50.0)
+        simulate_control(made, Torque.step(1.0), Torque.step(4.0), t_end=1.0, step=0.05, limit=x) for x in (None, 50.0)
     )
     for name, values in free.outputs.items():
         assert np.abs(values - wide.outputs[name]).max() < 1e-6
@@ -304,7 +304,7 @@ def test_other_tools_take_the_models():
     assert isinstance(small.to_control(), control.StateSpace)
     assert np.allclose(signal.freqresp(h.to_scipy(), omega)[1], true, rtol=1e-12, atol=0)
     t, answer = signal.step(small.to_scipy(), N=50)  # not freqresp, which rounds a state space on its way
-    run = simulate(EXERCISE, Torque.step(1.0), end=t[-1], step=t[1])
+    run = simulate(EXERCISE, Torque.step(1.0), t_end=t[-1], step=t[1])
     assert np.abs(answer - run.outputs["x_k"]).max() < 1e-12
     full = EXERCISE.state_space().to_control()
     assert full.nstates == 6
@@ -314,7 +314,7 @@ def test_other_tools_take_the_models():
 def test_pictures_and_animations(tmp_path):
     from PIL import Image
 
-    run = simulate(EXERCISE, Torque.step(0.1), Torque.step(0.2), end=1.0, step=0.01)
+    run = simulate(EXERCISE, Torque.step(0.1), Torque.step(0.2), t_end=1.0, step=0.01)
     transfers = [EXERCISE.transfer("x_k", name) for name in ("T1", "T2")]
     for k, figure in enumerate(
         (
@@ -342,7 +342,7 @@ def test_what_has_no_damping_swings_for_ever():
     assert h.poles == [-20j, 20j]
     assert drives.peak(h) == drives.Peak(20.0, math.inf)
     # T1 = 0.1 N m on a mass of 0.1 kg: the tension is 0.5*(1 - cos(20 t)), the spools run away together
-    run = simulate(WITHOUT_DAMPING, Torque.step(0.1), end=10.0, step=0.01)
+    run = simulate(WITHOUT_DAMPING, Torque.step(0.1), t_end=10.0, step=0.01)
     assert np.abs(run.outputs["tension"] - 0.5 * (1 - np.cos(20 * run.t))).max() < 1e-12
     assert np.abs(run.outputs["belt_speed"] + run.t * 5).max() < 1e-12 * 50
     assert np.abs(run.energy.imbalance).max() < 1e-12 * run.energy.supplied[-1]

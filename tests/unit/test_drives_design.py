@@ -94,8 +94,8 @@ def test_a_limit_that_is_none_is_refused():
 
 
 def test_a_belt_that_pushes_is_noted():
-    pulled = simulate(EXERCISE, Torque.step(0.1), Torque.step(0.1), end=1.0, step=0.1)
-    pushed = simulate(EXERCISE, Torque.step(-0.1), Torque.step(0.0), end=1.0, step=0.1)
+    pulled = simulate(EXERCISE, Torque.step(0.1), Torque.step(0.1), t_end=1.0, step=0.1)
+    pushed = simulate(EXERCISE, Torque.step(-0.1), Torque.step(0.0), t_end=1.0, step=0.1)
     assert pulled.notes == ()
     assert pushed.notes == (
         "the tension falls to -0.4911 N at 1 s: there the belt pushes, which this linear model lets it do",

@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 
 from tline.scene.factor import Characterised
+from tline.scene.kind import KINDS
 from tline.scene.points import Ramp
 from tline.scene.pump import Pump
 from tline.scene.smooth import Sine
-from tline.solver.description.laws import KINDS, laws_of
-from tline.solver.kernel import network
+from tline.solver.description.laws import laws_of
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.stores.gas import expanded
-from tline.solver.kernel.units import OF_KIND
 from tline.solver.steady.flows import flows_through
 
 PUMP = Pump(nodes=("a", "b"), curve=[(0.0, 2.0), (0.5, 1.9), (1.0, 1.2), (1.5, 0.3)], efficiency=0.8)
@@ -28,7 +27,7 @@ LAWS = {
 
 def through(kind: str, v: float, z: float, factor: float = 1.0) -> tuple[float, float]:
     laws = laws_of([], [], 0, 0)[0]._replace(
-        kind=np.array([KINDS.index(kind)]), at=np.zeros(1, int), constants=np.array(LAWS[kind][0]),
+        kind=np.array([KINDS[kind].number]), at=np.zeros(1, int), constants=np.array(LAWS[kind][0]),
         control=np.array([factor]), source_impedance=np.array([z]),
     )  # fmt: skip
     flow, slope = flows_through(laws, np.array([v]))
@@ -102,11 +101,6 @@ def test_gas_stores_what_its_pressure_does(n):
         assert ratio * x == pytest.approx(effort, rel=1e-13, abs=1e-30)
 
 
-def test_kinds_are_numbered_alike():
-    numbers = [getattr(network, kind.upper()) for kind in KINDS]
-    assert numbers == list(range(len(KINDS))) == list(range(len(OF_KIND)))
-
-
 @pytest.mark.parametrize(
     ("curve", "parabola"),
     [
@@ -121,7 +115,7 @@ def test_a_curve_goes_through_its_points(curve, parabola):
     at_rest, b, c = parabola
     z, rise = 0.7, at_rest - 1.5 * b - 1.5**2 * c
     laws = laws_of([], [], 0, 0)[0]._replace(
-        kind=np.array([KINDS.index("pump")]), at=np.zeros(1, int), constants=np.array(pump.law().constants),
+        kind=np.array([KINDS["pump"].number]), at=np.zeros(1, int), constants=np.array(pump.law().constants),
         control=np.ones(1), source_impedance=np.array([z]),
     )  # fmt: skip
     assert flows_through(laws, np.array([1.5 * z - rise]))[0][0] == pytest.approx(1.5, abs=1e-12)

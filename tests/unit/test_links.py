@@ -7,15 +7,7 @@ import pytest
 
 from tline.scene.heights import taken_as_zero
 from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Ports, Transformer
-from tline.scene.rational_link import (
-    CapacitorLink,
-    ImpedanceLink,
-    InductorLink,
-    ParallelLink,
-    ResistorLink,
-    SeriesLink,
-)
-from tline.scene.rational_load import Capacitor, Impedance, Inductor, Parallel, Series
+from tline.scene.rational import Capacitor, Impedance, Inductor, Parallel, Resistor, Series
 from tline.scene.scene import Scene
 from tline.scene.source import Source
 from tline.solver.description.active import active_impedances
@@ -26,12 +18,12 @@ R, L, C, BETWEEN = 50.0, 2e-9, 3e-12, ("a", "b")
 @pytest.mark.parametrize(
     ("link", "z"),
     [
-        (ResistorLink(nodes=BETWEEN, resistance=R), lambda s: R),
-        (InductorLink(nodes=BETWEEN, inductance=L), lambda s: s * L),
-        (CapacitorLink(nodes=BETWEEN, capacitance=C), lambda s: 1 / (s * C)),
-        (SeriesLink(nodes=BETWEEN, resistance=R, inductance=L, capacitance=C), lambda s: R + s * L + 1 / (s * C)),
-        (ParallelLink(nodes=BETWEEN, resistance=R, capacitance=C), lambda s: 1 / (1 / R + s * C)),
-        (ImpedanceLink(nodes=BETWEEN, numerator=["2 nH", 50], denominator=[1]), lambda s: s * L + R),
+        (Resistor(nodes=BETWEEN, resistance=R), lambda s: R),
+        (Inductor(nodes=BETWEEN, inductance=L), lambda s: s * L),
+        (Capacitor(nodes=BETWEEN, capacitance=C), lambda s: 1 / (s * C)),
+        (Series(nodes=BETWEEN, resistance=R, inductance=L, capacitance=C), lambda s: R + s * L + 1 / (s * C)),
+        (Parallel(nodes=BETWEEN, resistance=R, capacitance=C), lambda s: 1 / (1 / R + s * C)),
+        (Impedance(nodes=BETWEEN, numerator=["2 nH", 50], denominator=[1]), lambda s: s * L + R),
     ],
 )
 def test_links_have_their_impedance(link, z):
@@ -40,17 +32,17 @@ def test_links_have_their_impedance(link, z):
 
 
 @pytest.mark.parametrize(
-    ("load", "link", "given"),
+    ("element", "given"),
     [
-        (Inductor, InductorLink, {"inductance": "2 nH"}),
-        (Capacitor, CapacitorLink, {"capacitance": "3 pF"}),
-        (Series, SeriesLink, {"resistance": 50, "capacitance": "3 pF"}),
-        (Parallel, ParallelLink, {"inductance": "2 nH", "capacitance": "3 pF"}),
-        (Impedance, ImpedanceLink, {"expression": "R + s*L", "parameters": {"R": 5, "L": "2 nH"}}),
+        (Inductor, {"inductance": "2 nH"}),
+        (Capacitor, {"capacitance": "3 pF"}),
+        (Series, {"resistance": 50, "capacitance": "3 pF"}),
+        (Parallel, {"inductance": "2 nH", "capacitance": "3 pF"}),
+        (Impedance, {"expression": "R + s*L", "parameters": {"R": 5, "L": "2 nH"}}),
     ],
 )
-def test_they_are_those_of_the_loads_of_that_kind(load, link, given):
-    between, at_node = link(nodes=BETWEEN, **given), load(at="a", **given)
+def test_they_are_those_of_the_loads_of_that_kind(element, given):
+    between, at_node = element(nodes=BETWEEN, **given), element(at="a", **given)
     assert between.rational() == at_node.rational()
     assert between.kind == at_node.kind
 
@@ -58,7 +50,7 @@ def test_they_are_those_of_the_loads_of_that_kind(load, link, given):
 def test_systems_of_others_become_links():
     from scipy.signal import lti
 
-    link = ImpedanceLink.from_system(lti([2.0, 5.0], [1.0]), BETWEEN)
+    link = Impedance.from_system(lti([2.0, 5.0], [1.0]), nodes=BETWEEN)
     assert link.nodes == BETWEEN
     assert link.rational()(3.0) == pytest.approx(11)
 
@@ -110,7 +102,7 @@ def test_a_common_return_is_named_twice():
 
 def test_an_active_impedance_is_found_between_nodes_too():
     line = {"nodes": BETWEEN, "z0": 50, "delay": 1}
-    links = {"x": ImpedanceLink(nodes=BETWEEN, expression="s - 2"), "r": ResistorLink(nodes=BETWEEN, resistance=2)}
+    links = {"x": Impedance(nodes=BETWEEN, expression="s - 2"), "r": Resistor(nodes=BETWEEN, resistance=2)}
     scene = Scene(medium="electrical", t_end=1, lines={"l": line}, links=links, probes={"p": {"at": "a"}})
     assert list(active_impedances(scene)) == ["links.x"]
 

@@ -20,7 +20,7 @@ from tline.scene.load import Resistor
 from tline.scene.points import Ramp
 from tline.scene.probe import Probe
 from tline.scene.quantity import Quantity
-from tline.scene.rational_load import Impedance, Parallel, Series
+from tline.scene.rational import Impedance, Parallel, Series
 from tline.scene.scene import Scene
 from tline.scene.shape import Step
 from tline.scene.source import Source

@@ -1,21 +1,20 @@
 """`tline chart`: speed against accuracy, error growth, and where methods blow up; measured while you wait."""
 
-import json
 import math
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from tline.errors import InputError
+from tline.cli.from_signature import Command, Output, command, drawn, picture, table
 from tline.words.aligned import aligned
 
 if TYPE_CHECKING:
     from tline.study.charts.table import ChartTable
 
-PICTURE = (".png", ".svg", ".pdf")
+FILES = {"csv": table("All numbers as a table"), "plot": picture("The chart")}
 EXAMPLES = """\b
 Examples:
   tline chart work-precision rc --quick
@@ -36,21 +35,13 @@ def chart() -> None:
     """
 
 
-def _options(command: Callable[..., None]) -> Callable[..., None]:
-    for option in (
-        click.option("--json", "as_json", is_flag=True, help="Print all numbers in full precision."),
-        click.option("--quick", is_flag=True, help="A look of seconds, not a measurement: coarse, short, run once."),
-        click.option("--csv", metavar="FILE.csv", help="All numbers as a table."),
-        click.option("--plot", metavar="FILE", help="The chart; .png, .svg or .pdf."),
-    ):
-        command = option(command)
-    return command
+def _chart(source: str) -> Callable[[Callable[..., Output | None]], Command]:
+    """A chart as a command, which passes on how much effort is made."""
+    return command(f"tline.study.charts.{source}", files=FILES, omit=("name",), group=chart, epilog=EXAMPLES)
 
 
-@chart.command("work-precision", epilog=EXAMPLES)
-@click.argument("scene", default="rc")
-@_options
-def work_precision(scene: str, plot: str | None, csv: str | None, quick: bool, as_json: bool) -> None:
+@_chart("work_precision:work_precision")
+def work_precision(scene: str = "rc", **given: Any) -> Output:
     """Error against run time of the production method, of runs to a tolerance, and of all baseline methods.
 
     SCENE is one of the scenes made for charts, rc if not given; a wrong name lists them. Errors are against exact
@@ -59,14 +50,11 @@ def work_precision(scene: str, plot: str | None, csv: str | None, quick: bool, a
     """
     from tline.study.charts.work_precision import work_precision as measure
 
-    _check_files(plot, csv)
-    _tell_table(measure(scene, quick=quick, progress=sys.stderr.isatty()), plot, csv, as_json)
+    return _table(measure(scene, **given, progress=sys.stderr.isatty()))
 
 
-@chart.command("peers", epilog=EXAMPLES)
-@click.argument("scene", default="rc")
-@_options
-def peers(scene: str, plot: str | None, csv: str | None, quick: bool, as_json: bool) -> None:
+@_chart("peers:peers")
+def peers(scene: str = "rc", **given: Any) -> Output:
     """Error against run time of other programs on the same scene, each measured now if it is installed.
 
     ngspice is looked for on the PATH; scikit-rf and rthym-moc among the installed packages; TSNet where the variable
@@ -74,40 +62,32 @@ def peers(scene: str, plot: str | None, csv: str | None, quick: bool, as_json: b
     """
     from tline.study.charts.peers import peers as measure
 
-    _check_files(plot, csv)
-    _tell_table(measure(scene, quick=quick, progress=sys.stderr.isatty()), plot, csv, as_json)
+    return _table(measure(scene, **given, progress=sys.stderr.isatty()))
 
 
-@chart.command("growth", epilog=EXAMPLES)
-@_options
-def growth(plot: str | None, csv: str | None, quick: bool, as_json: bool) -> None:
+@_chart("growth:error_growth")
+def growth(**given: Any) -> Output:
     """What ten thousand passes along a lightly damped line leave of a pulse: damping, phase and dispersion.
 
     Damping is the amplitude lost (negative: won), phase the delay in transits, dispersion the change of shape that no
     shift and scale explains. --quick makes 40 passes.
     """
-    from tline.study.charts.growth import KINDS, draw, error_growth, save
+    from tline.study.charts.growth import KINDS, error_growth, save
 
-    _check_files(plot, csv)
-    curves = error_growth(quick=quick, progress=sys.stderr.isatty())
-    if csv:
-        save(curves, csv)
-    if plot:
-        _save(draw(curves), plot)
-    if as_json:
-        _print_json({label: {k: _plain(v) for k, v in asdict(curve).items()} for label, curve in curves.items()})
-        return
+    curves = error_growth(**given, progress=sys.stderr.isatty())
     last = [
         (label, f"{c.transits[-1]:.0f}", *(f"{getattr(c, kind)[-1]:.1e}" for kind in KINDS))
         for label, c in curves.items()
     ]
-    _print_table([("method", "transits", *KINDS), *last], (plot, csv))
+    return Output(
+        aligned([("method", "transits", *KINDS), *last], 1),
+        lambda: {label: {k: _plain(v) for k, v in asdict(curve).items()} for label, curve in curves.items()},
+        {"csv": lambda file: save(curves, file), "plot": drawn("tline.study.charts.growth:draw", curves)},
+    )
 
 
-@chart.command("stability", epilog=EXAMPLES)
-@click.argument("name", metavar="MAP", default="courant")
-@_options
-def stability(name: str, plot: str | None, csv: str | None, quick: bool, as_json: bool) -> None:
+@_chart("stability:stability")
+def stability(map: str = "courant", **given: Any) -> Output:
     """Growth rates measured from runs, and the boundaries that theory predicts.
 
     \b
@@ -121,73 +101,50 @@ def stability(name: str, plot: str | None, csv: str | None, quick: bool, as_json
     """
     from tline.study.charts import stability as maps
 
-    _check_files(plot, csv)
-    found = maps.stability(name, quick=quick, progress=sys.stderr.isatty())
-    if csv:
-        maps.save([found], csv)
-    if plot:
-        _save(maps.draw(found), plot)
+    found = maps.stability(map, **given, progress=sys.stderr.isatty())
     rows = found.differences()
-    if as_json:
+
+    def data() -> dict[str, Any]:
         strips = {s.label: {k: _plain(v) for k, v in asdict(s).items() if k != "label"} for s in found.strips}
         heads = ("method", "predicted", "measured", "difference")
-        boundaries = [dict(zip(heads, map(_plain, row), strict=True)) for row in rows]
-        _print_json({"map": name, "boundaries": boundaries, "strips": strips})
-        return
+        boundaries = [dict(zip(heads, _plain(row), strict=True)) for row in rows]
+        return {"map": map, "boundaries": boundaries, "strips": strips}
+
     cells = [(label, _number(by_theory), _number(of_runs), _share(off)) for label, by_theory, of_runs, off in rows]
-    _print_table([("method", "boundary by theory", "of the runs", "off by (of the axis)"), *cells], (plot, csv))
+    return Output(
+        aligned([("method", "boundary by theory", "of the runs", "off by (of the axis)"), *cells], 1),
+        data,
+        {
+            "csv": lambda file: maps.save([found], file),
+            "plot": drawn("tline.study.charts.stability:draw", found),
+        },
+    )
 
 
-def _check_files(plot: str | None, csv: str | None) -> None:
-    from tline.solver.result.atomic import check_writable
-
-    for option, file, suffixes in (("--plot", plot, PICTURE), ("--csv", csv, (".csv",))):
-        if file is not None:
-            if not file.lower().endswith(suffixes):
-                raise InputError(option, "unknown kind of file", " or ".join(suffixes), f"'{file}'")
-            check_writable(file)
-
-
-def _tell_table(table: "ChartTable", plot: str | None, csv: str | None, as_json: bool) -> None:
-    if csv:
-        table.save(csv)
-    if plot:
-        from tline.study.charts.picture import draw
-
-        _save(draw(table), plot)
-    if as_json:
-        rows = [{k: _plain(v) for k, v in asdict(row).items()} for row in table.rows]
-        _print_json({"scene": table.name, "title": table.title, "notes": table.notes, "rows": rows})
-        return
-    for note in table.notes:
-        click.echo(f"note: {note}", err=True)
+def _table(found: "ChartTable") -> Output:
     rows = [
         (r.method, r.setting, f"{r.error:.1e}", f"{r.error_at_own:.1e}", f"{r.seconds:.1e}", f"{r.stepping:.1e}")
-        for r in table.rows
+        for r in found.rows
     ]
     head = ("method", "setting", "error", "at own instants", "time [s]", "of that stepping")
-    _print_table([head, *rows], (plot, csv))
-
-
-def _save(picture: Any, path: str) -> None:
-    from tline.pictures.style import save_figure
-
-    save_figure(picture, path)
+    told = {"scene": found.name, "title": found.title, "notes": found.notes}
+    return Output(
+        aligned([head, *rows], 1),
+        lambda: told | {"rows": [{k: _plain(v) for k, v in asdict(row).items()} for row in found.rows]},
+        {"csv": found.save, "plot": drawn("tline.study.charts.picture:draw", found)},
+        found.notes,
+    )
 
 
 def _plain(value: Any) -> Any:
     """As JSON can say it: infinities as text, no number as null."""
     if hasattr(value, "tolist"):
         value = value.tolist()
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return [_plain(each) for each in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None if math.isnan(value) else ("inf" if value > 0 else "-inf")
     return value
-
-
-def _print_json(told: dict[str, Any]) -> None:
-    click.echo(json.dumps(told, indent=2, ensure_ascii=False))
 
 
 def _number(value: float) -> str:
@@ -196,9 +153,3 @@ def _number(value: float) -> str:
 
 def _share(value: float) -> str:
     return f"{value:.2%}" if math.isfinite(value) else "disagree"
-
-
-def _print_table(rows: list[tuple[str, ...]], files: Iterable[str | None]) -> None:
-    click.echo("\n".join(aligned(rows, 1)))
-    for file in filter(None, files):
-        click.echo(f"wrote {file}")

@@ -1,16 +1,16 @@
 """`tline design`: how large what protects from a surge has to be."""
 
-import json
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from tline.cli.operating import OPERATING, operated_network, operating
-from tline.cli.options import PICTURE, check_files, confined_option, options_named, tolerance
+from tline.cli.from_signature import Command, FileKind, Output, command, drawn, picture, table
+from tline.cli.operating import NAMES, OPERATE, OPERATING, operated_network
+from tline.cli.options import tolerance, write_text
 
 if TYPE_CHECKING:
     from tline.design.sizing import Sizing
@@ -26,7 +26,11 @@ Examples:
   tline design flywheel pump.toml pump --path pump,tank --lowest "-2 m"
   tline design separation column_separation.toml
 """
-SUFFIXES = {"output": (".toml",), "plot": PICTURE, "csv": (".csv",)}
+FILES = {
+    "output": FileKind((".toml",), "Write the scene with what was found"),
+    "plot": picture("Extremes over the size"),
+    "csv": table("The same as a table, SI"),
+}
 BAR = 1e5  # Pa
 
 
@@ -41,152 +45,109 @@ def design() -> None:
     """
 
 
-def _common(command: Callable[..., None]) -> Callable[..., None]:
-    """Options of every search."""
-    command = operating(command)
-    options = (
-        click.option("--path", metavar="FROM,…,TO", help="Look all along this path instead of at all nodes."),
-        click.option("--highest", metavar="LIMIT", help="Highest gauge pressure or head."),
-        click.option("--for", "t_end", metavar="TIME", help="How long to run; 60 s, or as long as a scene says."),
-        click.option("--tol", metavar="NUMBER", help="Error of the runs relative to the amplitude; 1e-3 if not given."),
-        click.option("-o", "--output", metavar="SCENE.toml", help="Write the scene with what was found."),
-        click.option("--plot", metavar="FILE", help="Extremes over the size; .png, .svg or .pdf."),
-        click.option("--csv", metavar="FILE.csv", help="The same as a table, SI."),
-        confined_option,
-        click.option("--json", "as_json", is_flag=True, help="Print the numbers in SI and full precision."),
+def _search(function: Callable[..., Output]) -> Command:
+    """A search of `tline.design` as a command."""
+    sources = f"tline.design.{function.__name__}:{function.__name__}", OPERATE
+    omit = ("at", "order", "rating", "record", "network")
+    length = click.Option(
+        ["--for", "t_end"], metavar="TIME", help="How long to run; 60 s, or as long as a scene says, if not given."
     )
-    for option in reversed(options):
-        command = option(command)
-    return command
+    made = command(*sources, names=NAMES, files=FILES, omit=omit, more=[length], group=design, epilog=EXAMPLES)
+    return made(function)
 
 
-_lowest = click.option("--lowest", metavar="LIMIT", help="Lowest gauge pressure or head.")
-_at = click.option("--at", "at", required=True, metavar="NODE", help="Where it stands.")
+@_search
+def vessel(
+    network: str, *, at: str, kv: str | None = None, exponent: str | None = None, confined: bool = False, **given: Any
+) -> Output:
+    """The smallest air vessel at a node, and its precharge.
 
-
-@design.command("vessel")
-@click.argument("network")
-@_at
-@_lowest
-@click.option("--kv", help="Of the throttle between pipe and vessel, m³/h at 1 bar; none if not given.")
-@click.option("--exponent", help="Of the gas: 1.2 if not given.")
-@click.option("--reserve", default="0.1", show_default=True, help="Share of liquid when the gas is largest.")
-@_common
-def vessel(network: str, kv: str | None, exponent: str | None, **given: Any) -> None:
-    """The smallest air vessel at a node, and its precharge."""
+    Parameters
+    ----------
+    at : NODE
+        Where it stands.
+    kv : NUMBER
+        Of the throttle between pipe and vessel, m³/h at 1 bar; none if not given.
+    exponent : NUMBER
+        Of the gas: 1.2 if not given.
+    """
     more = {key: value for key, value in (("kv", kv), ("exponent", exponent)) if value is not None}
-    _design("vessel", network, given | more)
+    return _found(vessel, network, confined, given | more | {"at": at})
 
 
-@design.command("closure")
-@click.argument("network")
-@click.argument("valve")
-@_lowest
-@click.option("--stages", type=click.IntRange(1, 2), default=1, show_default=True, help="Straight stages.")
-@click.option("--begin", metavar="TIME", help="When it begins, instead of what the scene says.")
-@_common
-def closure(network: str, **given: Any) -> None:
+@_search
+def closure(network: str, valve: str, *, confined: bool = False, **given: Any) -> Output:
     """The shortest closure of a valve under a pressure rating."""
-    _design("closure", network, given)
+    return _found(closure, network, confined, given | {"valve": valve})
 
 
-@design.command("relief")
-@click.argument("network")
-@_at
-@click.option("--set-pressure", metavar="PRESSURE", help="At which it begins to open; 0.9 of the highest if not given.")
-@click.option("--band", metavar="PRESSURE", help="Over which it opens; what is left to the highest if not given.")
-@click.option("--kv", help="Its capacity, m³/h at 1 bar: then the highest set pressure is searched.")
-@_common
-def relief(network: str, **given: Any) -> None:
-    """The smallest relief valve at a node, or its set pressure."""
-    _design("relief", network, given)
+@_search
+def relief(network: str, *, at: str, confined: bool = False, **given: Any) -> Output:
+    """The smallest relief valve at a node, or its set pressure.
+
+    Parameters
+    ----------
+    at : NODE
+        Where it stands.
+    """
+    return _found(relief, network, confined, given | {"at": at})
 
 
-@design.command("flywheel")
-@click.argument("network")
-@click.argument("pump")
-@_lowest
-@_common
-def flywheel(network: str, **given: Any) -> None:
+@_search
+def flywheel(network: str, pump: str, *, confined: bool = False, **given: Any) -> Output:
     """The smallest inertia of a pump that trips."""
-    _design("flywheel", network, given)
+    return _found(flywheel, network, confined, given | {"pump": pump})
 
 
-@design.command("separation")
-@click.argument("scene")
-@confined_option
-@click.option("--json", "as_json", is_flag=True, help="Print the numbers in SI and full precision.")
-def separation(scene: str, confined: bool, as_json: bool) -> None:
+@command(group=design, epilog=EXAMPLES)
+def separation(scene: str, *, confined: bool = False) -> Output:
     """The highest pressure where columns separate, over three numbers of places."""
-    from tline.design.columns import separation
+    from tline.design.columns import separation as search
     from tline.scene.file import read_scene
 
-    found = separation(read_scene(scene, confined=confined))
-    for note in found.notes:
-        click.echo(f"note: {note}", err=True)
-    click.echo(json.dumps(found.table(), indent=2, ensure_ascii=False) if as_json else str(found))
+    found = search(read_scene(scene, confined=confined))
+    return Output([str(found)], found.table, notes=found.notes)
 
 
-def _design(kind: str, network: str, given: dict[str, Any]) -> None:
-    files = {key: given.pop(key) for key in SUFFIXES}
-    check_files({f"--{key}": (file, SUFFIXES[key]) for key, file in files.items()})
-    as_json, path, tol, t_end, confined = (given.pop(key) for key in ("as_json", "path", "tol", "t_end", "confined"))
-    operations = {key: given.pop(key) for key in OPERATING}
+def _found(search: Command, network: str, confined: bool, given: dict[str, Any]) -> Output:
     from tline import design as searches
+    from tline.scene.file import scene_text
     from tline.solver.simulate import UnresolvedWarning
 
-    scene, guesses = _operated(network, confined, t_end, tol, operations)
-    names = {key: f"--{key.replace('_', '-')}" for key in (*given, "path") if key not in ("valve", "pump")}
-    with warnings.catch_warnings(), options_named(names):
+    operations = {key: given.pop(key) for key in OPERATING if key in given}
+    tol, t_end = given.pop("tol", None), given.pop("t_end", None)
+    scene, guesses = _operated(search, network, confined, t_end, tol, operations)
+    given |= {"path": [node.strip() for node in given["path"].split(",")]} if "path" in given else {}
+    with warnings.catch_warnings(), search.named():
         warnings.simplefilter("ignore", UnresolvedWarning)  # said as notes
-        found = getattr(searches, kind)(
-            scene,
-            path=[node.strip() for node in path.split(",")] if path else (),
-            tol=None if tol is None else tolerance(tol),
-            progress=sys.stderr.isatty(),
-            **given,
+        found: Sizing = getattr(searches, str(search.name))(
+            scene, tol=None if tol is None else tolerance(tol), progress=sys.stderr.isatty(), **given
         )
-    for note in (*guesses, *found.notes):
-        click.echo(f"note: {note}", err=True)
-    _write(found, files)
-    if as_json:
-        click.echo(json.dumps(found.table(), indent=2, ensure_ascii=False))
-        return
-    click.echo("\n".join([*_text(found), *(f"wrote {file}" for file in files.values() if file)]))
+    files = {
+        "output": lambda file: write_text(scene_text(found.scene), file),
+        "plot": drawn("tline.design.picture:plot_sizing", found),
+        "csv": found.save,
+    }
+    return Output(_text(found), found.table, files, (*guesses, *found.notes))
 
 
 def _operated(
-    network: str, confined: bool, t_end: str | None, tol: str | None, operations: dict[str, Any]
+    search: Command, network: str, confined: bool, t_end: str | None, tol: str | None, operations: dict[str, Any]
 ) -> "tuple[Scene, tuple[str, ...]]":
     """The scene in which something is sized, and notes on what was guessed for it."""
     from tline.design.sizing import USUAL_TOL
     from tline.scene.file import EPANET, read_scene
 
     if Path(network).suffix.lower() in EPANET:
-        return operated_network(network, t_end=t_end or "60 s", tol=tol or USUAL_TOL, **operations)
+        return operated_network(search, network, t_end=t_end or "60 s", tol=tol or USUAL_TOL, **operations)
     scene = read_scene(network, confined=confined)
-    if any(operations.values()):
-        return operated_network(scene, t_end=t_end or scene.t_end, tol=tol or USUAL_TOL, **operations)
-    with options_named({"t_end": "--for"}):
+    if operations:
+        return operated_network(search, scene, t_end=t_end or scene.t_end, tol=tol or USUAL_TOL, **operations)
+    with search.named():
         return scene.with_changes(t_end=t_end) if t_end else scene, ()
 
 
-def _write(found: "Sizing", files: dict[str, str | None]) -> None:
-    if files["output"]:
-        from tline.scene.file import scene_text
-        from tline.solver.result.atomic import replacing
-
-        with replacing(files["output"]) as temporary:
-            temporary.write_text(scene_text(found.scene), encoding="utf-8")
-    if files["plot"]:
-        from tline.pictures.style import save_figure
-
-        save_figure(found.plot(), files["plot"])
-    if files["csv"]:
-        found.save(files["csv"])
-
-
-def _text(found: "Sizing") -> list[str]:
+def _text(found: "Sizing") -> Iterator[str]:
     from tline.words.aligned import aligned
 
     limits, trial = found.limits, found.found
@@ -197,11 +158,10 @@ def _text(found: "Sizing") -> list[str]:
         [str(size._replace(value=each.size)), *(f"{value / per:.4g}" for value in each[1:4])] for each in found.curve
     ]
     error = f", estimated error {trial.error / per:.1g} {unit}" if trial.error == trial.error else ""
-    return [
-        f"{found.scene.title or 'a scene'}: {found.kind}, {found.element}",
-        *aligned([[key, str(size)] for key, size in found.sizes.items()], 2),
+    yield f"{found.scene.title or 'a scene'}: {found.kind}, {found.element}"
+    yield from aligned([[key, str(size)] for key, size in found.sizes.items()], 2)
+    yield (
         f"{limits.word} {limits.where}: {limits.shown(trial.lowest)} to {limits.shown(trial.highest)}, "
-        f"margin {trial.margin / per:.2g} {unit}{error}",
-        "",
-        *aligned([head, *rows], 0),
-    ]
+        f"margin {trial.margin / per:.2g} {unit}{error}"
+    )
+    yield from ["", *aligned([head, *rows], 0)]

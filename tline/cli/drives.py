@@ -1,40 +1,34 @@
 """`tline drives`: the coupled drives, from the equations to Bode plot, controller and animation."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from functools import wraps
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import click
 
-from tline.cli.drives_input import PARAMETERS, build, quantity, torques
-from tline.cli.drives_output import (
-    check_files,
-    print_json,
-    run_data,
-    run_text,
-    save_picture,
-    save_table,
-    say_notes,
-    say_verdicts,
-)
+from tline.cli.drives_input import MECHANISM, SET_POINTS, mechanism, numbers_of, quantity, torques
+from tline.cli.from_signature import Command, Output, command, drawn, picture, table, tabled
 from tline.errors import InputError
+from tline.words.aligned import aligned
 
 if TYPE_CHECKING:
-    from drives import CoupledDrives
+    from drives import CoupledDrives, Design, Run
 
-
-@click.group(
-    "drives",
-    epilog="""\b
+EXAMPLES = """\b
 Examples:
   tline drives exercise
   tline drives bode --plot bode.png
   tline drives step --t1 "0.1 N m" --t2 "0.1 N m" --plot step.png
   tline drives control --speed "1 m/s" --tension "5 N" --limit "2 N m"
   tline drives animate mechanism.html
-""",
-)
+"""
+CONTROL, DESIGN = "drives.loop:simulate_control", "drives.control:design"
+PASSED_ON = ("design", "drives", "belt_speed", "d1", "d2", "step", "initial")  # arguments that commands give themselves
+FILES = {"csv": table("A table, SI, full precision"), "plot": picture("A picture")}
+Asked = tuple[float, float, float | None]
+SAMPLES = {"step": 200, "control": 400}  # of a run
+
+
+@click.group("drives", epilog=EXAMPLES)
 def drives() -> None:
     """Two spools, an elastic belt and a spring-mounted pulley that measures its tension.
 
@@ -42,30 +36,10 @@ def drives() -> None:
     """
 
 
-def parameters(command: Callable) -> Callable:
-    """Give a command the options for the mechanism; it gets the drives as its first argument."""
-
-    @wraps(command)
-    def with_drives(parameter_file: str | None, **given: Any) -> None:
-        values = {name: given.pop(name) for name in PARAMETERS}
-        with _errors_of_drives():
-            command(build(parameter_file, values), **given)
-
-    for name, (_, part, _, text) in reversed(PARAMETERS.items()):
-        note = "" if part == "pulley" else " Two with a comma between: left, right."
-        with_drives = click.option(f"--{name.replace('_', '-')}", name, metavar="VALUE", help=text + note)(with_drives)
-    text = "Parameters by the names of these options, as texts with units, or pairs of texts."
-    return click.option("--parameters", "parameter_file", metavar="FILE.toml", help=text)(with_drives)
-
-
-as_json_option = click.option("--json", "as_json", is_flag=True, help="Print the numbers in SI and full precision.")
-csv_option = click.option("--csv", "table_file", metavar="FILE.csv", help="Write a table, SI, full precision.")
-plot_option = click.option("--plot", metavar="FILE", help="Write a picture; .png, .svg or .pdf.")
-end_option = click.option("--end", metavar="TIME", default="2 s", show_default=True, help="Length of the run.")
-
-
-@drives.command(
-    "exercise",
+@command(
+    more=MECHANISM,
+    files={"plot": FILES["plot"]},
+    group=drives,
     epilog="""\b
 Examples:
   tline drives exercise
@@ -74,31 +48,35 @@ Examples:
   tline drives exercise --json
 """,
 )
-@parameters
-@click.option("--part", type=click.Choice(list("abcdefgh")), help="Only this part.")
-@plot_option
-@as_json_option
-def exercise(found: "CoupledDrives", part: str | None, plot: str | None, as_json: bool) -> None:
+def exercise(*, part: Literal["a", "b", "c", "d", "e", "f", "g", "h"] | None = None, **given: Any) -> Output:
     """Go through the exercise, (a) to (h): from the balances to Bode plot and control.
 
     Also says which claims of its text hold for the exact model, and shows where its unstable eigenvalues come from.
+
+    Parameters
+    ----------
+    part
+        Only this part.
     """
-    from drives import draw_bode
-    from drives.answers import OMEGA, exercise
+    from drives.answers import OMEGA
+    from drives.answers import exercise as answered
 
-    check_files(plot)
-    answers = [one for one in exercise(found) if part in (None, one.letter)]
-    if as_json:
-        print_json({one.letter: {"title": one.title, "lines": list(one.lines), **one.data} for one in answers})
-    else:
-        for one in answers:
-            click.echo("\n".join([f"({one.letter}) {one.title}", *(f"    {line}" for line in one.lines), ""]))
+    found = mechanism(given)
+    answers = [one for one in answered(found) if part in (None, one.letter)]
+    text = (line for one in answers for line in (f"({one.letter}) {one.title}", *(f"    {x}" for x in one.lines), ""))
     both = [found.transfer("x_k", source) for source in ("T1", "T2")]
-    save_picture(plot, as_json, lambda: draw_bode(both, OMEGA))
+    return Output(
+        text,
+        lambda: {one.letter: {"title": one.title, "lines": list(one.lines), **one.data} for one in answers},
+        {"plot": drawn("drives.picture:draw_bode", both, OMEGA)},
+    )
 
 
-@drives.command(
-    "bode",
+@command(
+    names={"output": "output", "low": "from", "high": "to"},  # no -o, which is for files
+    more=MECHANISM,
+    files={"poles": picture("Picture of poles and zeros"), **FILES},
+    group=drives,
     epilog="""\b
 Examples:
   tline drives bode
@@ -106,65 +84,77 @@ Examples:
   tline drives bode --angle "30 deg" --plot bode.png --poles poles.png
 """,
 )
-@parameters
-@click.option("--output", default="x_k", show_default=True, help="x_k, tension, belt_speed, w1, w2, phi1 or phi2.")
-@click.option("--from", "low", metavar="ω", default="0.1 rad/s", show_default=True, help="Smallest angular frequency.")
-@click.option("--to", "high", metavar="ω", default="1e4 rad/s", show_default=True, help="Largest angular frequency.")
-@click.option("--points", type=click.IntRange(2, 10_000), default=50, show_default=True, help="How many.")
-@click.option("--poles", metavar="FILE", help="Picture of poles and zeros.")
-@csv_option
-@plot_option
-@as_json_option
 def bode(
-    found: "CoupledDrives",
-    output: str,
-    low: str,
-    high: str,
-    points: int,
-    table_file: str | None,
-    plot: str | None,
-    poles: str | None,
-    as_json: bool,
-) -> None:
+    *,
+    output: str = "x_k",
+    low: str = "0.1 rad/s",
+    high: str = "1e4 rad/s",
+    points: Annotated[int, click.IntRange(2, 10_000)] = 50,
+    **given: Any,
+) -> Output:
     """Frequency response from both torques to an output.
 
     The phase has no jumps: it starts at 0° or −180°, by the sign of the DC gain, and is continuous from there.
+
+    Parameters
+    ----------
+    output : NAME
+        x_k, tension, belt_speed, w1, w2, phi1 or phi2.
+    low : ω
+        Smallest angular frequency.
+    high : ω
+        Largest angular frequency.
+    points
+        How many.
     """
     import numpy as np
 
-    from drives import draw_bode, draw_poles, hidden_modes
-    from drives.report import mode_data, response_data, transfer_data, transfer_text
+    from drives import hidden_modes
+    from drives.report import mode_data, response_data, transfer_data
 
-    check_files(plot, table_file)
-    check_files(poles)
+    found = mechanism(given)
     first, last = quantity("--from", low, "rad/s"), quantity("--to", high, "rad/s")
     if not 0 < first < last:
         raise InputError("--from", "no range", f"more than 0 and less than {high}", low)
     omega = np.logspace(np.log10(first), np.log10(last), points)
-    seen = {source: found.transfer(output, source) for source in ("T1", "T2")}
+    with bode.named():
+        seen = {source: found.transfer(output, source) for source in ("T1", "T2")}
     answers = {h.name: response_data(h, omega) for h in seen.values()}
-    if as_json:
-        told: dict[str, Any] = {"omega": omega.tolist()}
-        for source, h in seen.items():
-            hidden = [mode_data(mode) for mode in hidden_modes(found, output, source)]
-            told[h.name] = transfer_data(h) | answers[h.name] | {"hidden": hidden}
-        print_json(told)
-    else:
-        for h in seen.values():
-            click.echo(transfer_text(h))
-        click.echo("\n" + "ω [rad/s]".rjust(12) + "".join(f"{f'{n} [dB]':>16}{'phase [°]':>16}" for n in answers))
-        for k, w in enumerate(omega):
-            both = ((answer["decibel"][k], answer["degrees"][k]) for answer in answers.values())
-            click.echo(f"{w:12.5g}" + "".join(f"{size:16.6g}{phase:16.6g}" for size, phase in both))
+
+    def data() -> dict[str, Any]:
+        hidden = {source: [mode_data(mode) for mode in hidden_modes(found, output, source)] for source in seen}
+        told = {h.name: transfer_data(h) | answers[h.name] | {"hidden": hidden[key]} for key, h in seen.items()}
+        return {"omega": omega.tolist(), **told}
+
     columns = {f"{n} {key}": np.array(values) for n, answer in answers.items() for key, values in answer.items()}
-    save_table(table_file, as_json, {"omega": omega} | columns)
-    smooth = np.logspace(np.log10(first), np.log10(last), 400)
-    save_picture(plot, as_json, lambda: draw_bode(list(seen.values()), smooth))
-    save_picture(poles, as_json, lambda: draw_poles(list(seen.values())))
+    smooth, both = np.logspace(np.log10(first), np.log10(last), 400), list(seen.values())
+    files = {
+        "csv": tabled({"omega": omega} | columns),
+        "plot": drawn("drives.picture:draw_bode", both, smooth),
+        "poles": drawn("drives.picture:draw_poles", both),
+    }
+    return Output(_response(both, omega.tolist(), answers), data, files)
 
 
-@drives.command(
-    "step",
+def _response(transfers: list, omega: list[float], answers: dict[str, dict[str, list[float]]]) -> Iterator[str]:
+    from drives.report import transfer_text
+
+    yield from map(transfer_text, transfers)
+    head = ["ω [rad/s]", *(word for name in answers for word in (f"{name} [dB]", "phase [°]"))]
+    rows = []
+    for k, w in enumerate(omega):
+        numbers = [answer[key][k] for answer in answers.values() for key in ("decibel", "degrees")]
+        rows.append([f"{w:.5g}", *(f"{number:.6g}" for number in numbers)])
+    yield from ["", *aligned([head, *rows], 0)]
+
+
+@command(
+    "drives.simulation:simulate",
+    names={"t_end": "end"},
+    omit=("drives", "T1", "T2", "initial"),
+    more=MECHANISM,
+    files=FILES,
+    group=drives,
     epilog="""\b
 Examples:
   tline drives step
@@ -178,73 +168,57 @@ A table is a CSV file with the header t,T1,T2 and SI values, later times below e
   0.5,0.1,0.3
 """,
 )
-@parameters
-@click.option("--t1", metavar="TORQUE", help="Torque that brakes spool 1, '0.1 N m' if neither is given.")
-@click.option("--t2", metavar="TORQUE", help="Torque that drives spool 2.")
-@click.option("--rise", metavar="TIME", help="Let the torques rise in a straight line for this time.")
-@click.option("--table", metavar="FILE.csv", help="Torques over time instead, straight lines between.")
-@click.option("--hold", is_flag=True, help="Hold each row of the table until the next, instead of straight lines.")
-@click.option("--slack", is_flag=True, help="A belt that cannot push.")
-@end_option
-@click.option(
-    "--step", metavar="TIME", help="Time between samples, a 200th of the run if not given; it causes no error."
-)
-@csv_option
-@plot_option
-@as_json_option
-def step(
-    found: "CoupledDrives",
-    t1: str | None,
-    t2: str | None,
-    rise: str | None,
-    table: str | None,
-    hold: bool,
-    slack: bool,
-    end: str,
-    step: str | None,
-    table_file: str | None,
-    plot: str | None,
-    as_json: bool,
-) -> None:
-    """What torques do to the mechanism at rest: exact at the samples, with the balance of energy."""
-    from drives import draw_run, simulate, simulate_slack
+def step_(
+    *,
+    t1: str | None = None,
+    t2: str | None = None,
+    rise: str | None = None,
+    table: str | None = None,
+    hold: bool = False,
+    slack: bool = False,
+    t_end: str = "2 s",
+    step: str | None = None,
+    **given: Any,
+) -> Output:
+    """What torques do to the mechanism at rest: exact at the samples, with the balance of energy.
 
-    check_files(plot, table_file)
-    given = torques(t1, t2, rise, table, hold)
-    last = quantity("--end", end, "s")
-    h = quantity("--step", step, "s") if step else last / 200
-    run = (simulate_slack if slack else simulate)(found, *given, end=last, step=h)
-    if as_json:
-        print_json(run_data(run))
-    else:
-        click.echo(run_text(run))
-    say_notes(run)
-    save_table(table_file, as_json, {"t": run.t} | run.outputs)
-    save_picture(plot, as_json, lambda: draw_run(run.t, run.outputs, ("x_k", "tension", "belt_speed")))
-    say_verdicts(run.verdicts, as_json)
+    Parameters
+    ----------
+    t1 : TORQUE
+        Torque that brakes spool 1, '0.1 N m' if neither is given.
+    t2 : TORQUE
+        Torque that drives spool 2.
+    rise : TIME
+        Let the torques rise in a straight line for this time.
+    table : FILE.csv
+        Torques over time instead, straight lines between.
+    hold
+        Hold each row of the table until the next, instead of straight lines.
+    slack
+        A belt that cannot push.
+    step : TIME
+        Time between samples, a 200th of the run if not given; it causes no error.
+    """
+    from drives import simulate, simulate_slack
+
+    applied, last = torques(t1, t2, rise, table, hold), quantity("--end", t_end, "s")
+    h = quantity("--step", step, "s") if step else last / SAMPLES["step"]
+    found = mechanism(given)
+    with step_.named():
+        run = (simulate_slack if slack else simulate)(found, *applied, t_end=last, step=h)
+    plot = drawn("drives.picture:draw_run", run.t, run.outputs, ("x_k", "tension", "belt_speed"))
+    files = {"csv": tabled({"t": run.t} | run.outputs), "plot": plot}
+    return Output(_text(run, run.verdicts), lambda: _data(run), files, run.notes, int(bool(run.verdicts)))
 
 
-CONTROL_OPTIONS = [
-    click.option("--speed", metavar="SPEED", default="1 m/s", show_default=True, help="Set point of the belt speed."),
-    click.option("--tension", metavar="FORCE", default="5 N", show_default=True, help="Set point of the tension."),
-    click.option("--speed-bandwidth", metavar="ω", help="Of the speed loop, such as '20 rad/s'."),
-    click.option("--tension-bandwidth", metavar="ω", help="Of the tension loop."),
-    click.option("--disturbance", metavar="TORQUE", default="0 N m", help="On spool 1 from half of the run on."),
-    click.option("--limit", metavar="TORQUE", help="Largest torque of each motor."),
-    click.option("--no-antiwindup", is_flag=True, help="Let the integrals wind up at the limit."),
-    end_option,
-]
-
-
-def control_options(command: Callable) -> Callable:
-    """Give a command the options of a controlled run."""
-    for option in reversed(CONTROL_OPTIONS):
-        command = option(command)
-    return command
-
-
-@drives.command(
-    "control",
+@command(
+    CONTROL,
+    DESIGN,
+    names={"t_end": "end"},
+    omit=PASSED_ON,
+    more=(*SET_POINTS, *MECHANISM),
+    files=FILES,
+    group=drives,
     epilog="""\b
 Examples:
   tline drives control
@@ -252,12 +226,7 @@ Examples:
   tline drives control --disturbance "0.05 N m" --limit "2 N m" --plot loop.png
 """,
 )
-@parameters
-@control_options
-@csv_option
-@plot_option
-@as_json_option
-def control(found: "CoupledDrives", table_file: str | None, plot: str | None, as_json: bool, **given: Any) -> None:
+def control(*, t_end: str = "2 s", **given: Any) -> Output:
     """Design PI controllers for belt speed and tension behind a decoupler, and run them.
 
     Spools that differ are made alike by an inner feedback. Set points step at t = 0. At the limit the tension comes
@@ -265,85 +234,102 @@ def control(found: "CoupledDrives", table_file: str | None, plot: str | None, as
     """
     import numpy as np
 
-    from drives import draw_closed_loop
     from drives.report import design_data, design_text
 
-    check_files(plot, table_file)
-    made, run, limit = _controlled(found, **given)
+    _, made, run, (speed, tension, limit) = _controlled(control, t_end, given)
     verdicts = (*made.verdicts, *run.verdicts)
-    if as_json:
-        print_json({"design": design_data(made)} | run_data(run) | {"verdicts": verdicts})
-    else:
-        click.echo("\n".join(design_text(made)))
-        click.echo(run_text(run))
-    say_notes(run)
-    save_table(table_file, as_json, {"t": run.t} | run.outputs)
-    points = {"belt_speed": quantity("--speed", given["speed"], "m/s")}
-    points["tension"] = quantity("--tension", given["tension"], "N")
-    lines = {name: np.full(len(run.t), point) for name, point in points.items()}
-    save_picture(plot, as_json, lambda: draw_closed_loop(run.t, run.outputs, lines, limit))
-    say_verdicts(verdicts, as_json)
+    lines = {"belt_speed": np.full(len(run.t), speed), "tension": np.full(len(run.t), tension)}
+    files = {
+        "csv": tabled({"t": run.t} | run.outputs),
+        "plot": drawn("drives.picture:draw_closed_loop", run.t, run.outputs, lines, limit),
+    }
+    return Output(
+        [*design_text(made), *_text(run, verdicts)],
+        lambda: {"design": design_data(made)} | _data(run) | {"verdicts": verdicts},
+        files,
+        run.notes,
+        int(bool(verdicts)),
+    )
 
 
-@drives.command(
-    "animate",
+@command(
+    CONTROL,
+    DESIGN,
+    names={"t_end": "end"},
+    omit=PASSED_ON,
+    more=(*SET_POINTS, *MECHANISM),
+    group=drives,
     epilog="""\b
 Examples:
   tline drives animate mechanism.html
   tline drives animate mechanism.gif --speed "0.5 m/s" --tension "4 N" --end "1 s"
 """,
 )
-@click.argument("file")
-@parameters
-@control_options
-def animate(found: "CoupledDrives", file: str, **given: Any) -> None:
+def animate(file: str, *, t_end: str = "2 s", **given: Any) -> None:
     """Write an animation of the mechanism under control: FILE.html, a page of its own, or FILE.gif."""
-    from drives.animation import SUFFIXES, animate
+    from drives.animation import SUFFIXES
+    from drives.animation import animate as write
     from tline.solver.result.atomic import check_writable, replacing
 
     if not file.lower().endswith(SUFFIXES):
         raise InputError(file, "unknown kind of animation", " or ".join(SUFFIXES))
     check_writable(file)
-    made, run, _ = _controlled(found, **given)
+    found, made, run, _ = _controlled(animate, t_end, given)
     with replacing(file) as temporary:
-        animate(found, run.t, run.outputs, temporary)
+        write(found, run.t, run.outputs, temporary)
     click.echo(f"wrote {file}")
-    say_notes(run)
-    say_verdicts((*made.verdicts, *run.verdicts), quiet=False)
+    for note in run.notes:
+        click.echo(f"note: {note}", err=True)
+    if verdicts := (*made.verdicts, *run.verdicts):
+        click.echo("\n".join(verdicts))
+        raise click.exceptions.Exit(1)
 
 
-def _controlled(found: "CoupledDrives", **given: Any) -> tuple[Any, Any, float | None]:
-    """Design, run and limit, from the options."""
+def _controlled(asked: Command, t_end: str, given: dict[str, Any]) -> "tuple[CoupledDrives, Design, Run, Asked]":
+    """Mechanism, design, run, and the numbers asked for: set points of speed and tension, and limit or None."""
     from drives import Torque, design, simulate_control
 
-    bands = [
-        quantity(f"--{name.replace('_', '-')}", given[name], "rad/s") if given[name] else None
-        for name in ("speed_bandwidth", "tension_bandwidth")
-    ]
-    made = design(found, *bands)
-    end = quantity("--end", given["end"], "s")
-    limit = quantity("--limit", given["limit"], "N m") if given["limit"] else None
-    run = simulate_control(
-        made,
-        Torque.step(quantity("--speed", given["speed"], "m/s")),
-        Torque.step(quantity("--tension", given["tension"], "N")),
-        d1=Torque.step(quantity("--disturbance", given["disturbance"], "N m"), end / 2),
-        limit=limit,
-        antiwindup=not given["no_antiwindup"],
-        end=end,
-        step=end / 400,
-    )
-    return made, run, limit
+    found, end, antiwindup = mechanism(given), quantity("--end", t_end, "s"), given.pop("antiwindup", True)
+    numbers = numbers_of(given)
+    bands = {key: numbers.get(key) for key in ("speed_bandwidth", "tension_bandwidth")}
+    with asked.named():
+        made = design(found, **bands)
+        run = simulate_control(
+            made,
+            Torque.step(numbers["speed"]),
+            Torque.step(numbers["tension"]),
+            d1=Torque.step(numbers["disturbance"], end / 2),
+            limit=numbers.get("limit"),
+            antiwindup=antiwindup,
+            t_end=end,
+            step=end / SAMPLES["control"],
+        )
+    return found, made, run, (numbers["speed"], numbers["tension"], numbers.get("limit"))
 
 
-@contextmanager
-def _errors_of_drives() -> Iterator[None]:
-    """Say the errors of the package as errors of the command, by the names of its options."""
-    from drives import InputError as DrivesError
+def _text(run: "Run", verdicts: tuple[str, ...]) -> Iterator[str]:
+    """Smallest, largest and last of the samples of each output, the energy at the end, and what cannot be had."""
+    from drives.symbolic import ALL_UNITS
 
-    options = {"end": "--end", "step": "--step", "limit": "--limit", "output": "--output"}
-    options |= {"speed_bandwidth": "--speed-bandwidth", "tension_bandwidth": "--tension-bandwidth"}
-    try:
-        yield
-    except DrivesError as error:
-        raise InputError(options.get(error.where, error.where), error.problem, error.expected, error.got) from error
+    rows = [["output", "lowest sample", "highest sample", f"at {run.t[-1]:.6g} s"]]
+    for name, x in run.outputs.items():
+        rows.append([f"{name} [{ALL_UNITS[name]}]", *(f"{value:.6g}" for value in (x.min(), x.max(), x[-1]))])
+    yield from aligned(rows, 0)
+    yield "energy [J]: " + ", ".join(f"{key} {value:.6g}" for key, value in _energies(run).items())
+    yield from verdicts
+
+
+def _data(run: "Run") -> dict[str, Any]:
+    return {
+        "t": run.t.tolist(),
+        "outputs": {name: values.tolist() for name, values in run.outputs.items()},
+        "energy": _energies(run),
+        "notes": run.notes,
+        "verdicts": run.verdicts,
+    }
+
+
+def _energies(run: "Run") -> dict[str, float]:
+    """At the end, J."""
+    names = ("stored", "dissipated", "supplied", "imbalance")
+    return {name: float(getattr(run.energy, name)[-1]) for name in names}

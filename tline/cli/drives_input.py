@@ -2,10 +2,14 @@
 
 import csv
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+import click
+
+from tline.cli.docstrings import arguments_of
+from tline.cli.options import options_named
 from tline.errors import InputError
 from tline.scene.text_file import read_text, read_toml
 from tline.units import to_si
@@ -14,43 +18,85 @@ if TYPE_CHECKING:
     from drives import CoupledDrives, Torque
 
 BARE = re.compile(r"\s*[+-]?[0-9.]+(e[+-]?[0-9]+)?\s*", re.IGNORECASE)
-# key: unit, part, its field, help
+
+
+class Parameter(NamedTuple):
+    """A number of the mechanism: its unit, of which part, its name and class there, and the exercise's value."""
+
+    unit: str
+    part: str
+    name: str
+    kind: str
+    default: str
+
+    def option(self, key: str) -> click.Option:
+        """The option that gives it, explained as the part explains it."""
+        told = arguments_of(f"drives.parts:{self.kind}")[self.name].help.partition(". ")[0].rstrip(".")
+        two = "" if self.part == "pulley" else " Two with a comma between: left, right."
+        text = f"{told}; '{self.default}' if not given.{two}"
+        return click.Option([f"--{key.replace('_', '-')}", key], metavar="VALUE", help=text)
+
+
+class Asked(NamedTuple):
+    """A number that a run under control is asked for: its unit, the value if none is given, and its help."""
+
+    unit: str
+    default: str | None = None
+    help: str = ""
+
+
 PARAMETERS = {
-    "inertia": ("kg m^2", "spool", "inertia", "J of the spools, '1e-3 kg m^2' if not given."),
-    "friction": ("N m s/rad", "spool", "friction", "B of the spools, '0.1 N m s' if not given."),
-    "radius": ("m", "spool", "radius", "r of the spools, '10 cm' if not given."),
-    "belt_stiffness": ("N/m", "belt", "stiffness", "K of the belt's sections, '50 N/m' if not given."),
-    "belt_damping": ("N s/m", "belt", "damping", "Damping of the belt's sections, '0.5 N s/m' if not given."),
-    "pulley_stiffness": ("N/m", "pulley", "stiffness", "k of the pulley's spring, '200 N/m' if not given."),
-    "angle": ("rad", "pulley", "angle", "θ between belt and pulley's way, '45 deg' if not given."),
+    "inertia": Parameter("kg m^2", "spool", "inertia", "Spool", "1e-3 kg m^2"),
+    "friction": Parameter("N m s/rad", "spool", "friction", "Spool", "0.1 N m s"),
+    "radius": Parameter("m", "spool", "radius", "Spool", "10 cm"),
+    "belt_stiffness": Parameter("N/m", "belt", "stiffness", "Belt", "50 N/m"),
+    "belt_damping": Parameter("N s/m", "belt", "damping", "Belt", "0.5 N s/m"),
+    "pulley_stiffness": Parameter("N/m", "pulley", "stiffness", "Pulley", "200 N/m"),
+    "angle": Parameter("rad", "pulley", "angle", "Pulley", "45 deg"),
 }
-DEFAULTS = {
-    "inertia": "1e-3 kg m^2",
-    "friction": "0.1 N m s",
-    "radius": "10 cm",
-    "belt_stiffness": "50 N/m",
-    "belt_damping": "0.5 N s/m",
-    "pulley_stiffness": "200 N/m",
-    "angle": "45 deg",
+FROM_FILE = "Parameters by the names of these options, as texts with units, or pairs of texts."
+MECHANISM = (
+    click.Option(["--parameters"], metavar="FILE.toml", help=FROM_FILE),
+    *(each.option(key) for key, each in PARAMETERS.items()),
+)
+ASKED = {
+    "speed": Asked("m/s", "1 m/s", "Set point of the belt speed."),
+    "tension": Asked("N", "5 N", "Set point of the tension."),
+    "disturbance": Asked("N m", "0 N m", "Torque on spool 1 from half of the run on."),
+    "speed_bandwidth": Asked("rad/s"),  # what these are, the design and the run say
+    "tension_bandwidth": Asked("rad/s"),
+    "limit": Asked("N m"),
 }
+SET_POINTS = tuple(
+    click.Option([f"--{key}"], metavar=each.unit, default=each.default, show_default=True, help=each.help)
+    for key, each in ASKED.items()
+    if each.default
+)
 
 
-def build(file: str | None, given: dict[str, str | None]) -> "CoupledDrives":
-    """The mechanism from options over the file over the exercise."""
+def numbers_of(given: Mapping[str, str]) -> dict[str, float]:
+    """What a run under control is asked for, in SI."""
+    texts = {key: given.get(key, each.default) for key, each in ASKED.items()}
+    return {key: quantity(f"--{key.replace('_', '-')}", text, ASKED[key].unit) for key, text in texts.items() if text}
+
+
+def mechanism(given: dict[str, Any]) -> "CoupledDrives":
+    """The mechanism, whose parameters are taken out of what is given: options over the file over the exercise."""
     from drives import Belt, CoupledDrives, Pulley, Spool
 
+    file = given.pop("parameters", None)
     table = _read_parameters(file) if file else {}
     sides: dict[str, list[dict[str, Any]]] = {"spool": [{}, {}], "belt": [{}, {}], "pulley": [{}]}
-    for name, (unit, part, key, _) in PARAMETERS.items():
-        option = f"--{name.replace('_', '-')}"
-        where, value = (option, given[name]) if given[name] is not None else (f"{file}: {name}", table.get(name))
+    for name, each in PARAMETERS.items():
+        where, value = f"--{name.replace('_', '-')}", given.pop(name, None)
+        if value is None:
+            where, value = f"{file}: {name}", table.get(name, each.default)
         texts = value.split(",") if isinstance(value, str) else value if isinstance(value, list) else [value]
-        texts = [DEFAULTS[name]] if value is None else texts
-        if len(texts) not in (1, len(sides[part])):
-            expected = "one value" if part == "pulley" else "one value, or two: left, right"
+        if len(texts) not in (1, len(sides[each.part])):
+            expected = "one value" if each.part == "pulley" else "one value, or two: left, right"
             raise InputError(where, "the wrong number of values", expected, f"{len(texts)}")
-        for side, text in zip(sides[part], texts * 2, strict=False):
-            side[key] = where, quantity(where, text, unit)
+        for side, text in zip(sides[each.part], texts * 2, strict=False):
+            side[each.name] = where, quantity(where, text, each.unit)
     left, right = (_part(Spool, side) for side in sides["spool"])
     left_belt, right_belt = (_part(Belt, side) for side in sides["belt"])
     return CoupledDrives(left, right, left_belt, right_belt, _part(Pulley, sides["pulley"][0]))
@@ -58,12 +104,8 @@ def build(file: str | None, given: dict[str, str | None]) -> "CoupledDrives":
 
 def _part(kind: Callable, side: dict[str, tuple[str, float]]) -> Any:
     """A part, whose mistakes are named by the option or the key they come from."""
-    from drives import InputError as DrivesError
-
-    try:
+    with options_named({key: where for key, (where, _) in side.items()}):
         return kind(**{key: value for key, (_, value) in side.items()})
-    except DrivesError as error:
-        raise InputError(side[error.where][0], error.problem, error.expected, error.got) from error
 
 
 def _read_parameters(file: str) -> dict[str, Any]:
@@ -106,7 +148,6 @@ def torques(t1: str | None, t2: str | None, rise: str | None, table: str | None,
 
 
 def _table(file: str, hold: bool) -> "tuple[Torque, Torque]":
-    from drives import InputError as DrivesError
     from drives import Torque
 
     try:
@@ -115,20 +156,16 @@ def _table(file: str, hold: bool) -> "tuple[Torque, Torque]":
         raise InputError(file, f"cannot be read: {error}", "t,T1,T2") from None
     if not rows or [name.strip() for name in rows[0]] != ["t", "T1", "T2"]:
         raise InputError(file, "another header", "t,T1,T2", repr(",".join(rows[0]))[:40] if rows else "nothing")
+    values = []
+    for k, row in enumerate(rows[1:], 2):
+        try:
+            t, first, second = map(float, row)
+        except ValueError:
+            raise InputError(f"{file}, row {k}", "not three numbers", "t,T1,T2 in SI") from None
+        values.append((t, first, second))
+    times, *torques = zip(*values, strict=True) if values else ((), (), ())
     try:
-        values = [[float(x) for x in row] for row in rows[1:]]
-        t, first, second = zip(*values, strict=True)
-    except ValueError:
-        bad = next((k for k, row in enumerate(rows[1:], 2) if not _is_row(row)), 2)
-        raise InputError(f"{file}, row {bad}", "not three numbers", "t,T1,T2 in SI") from None
-    try:
-        return Torque.table(t, first, held=hold), Torque.table(t, second, held=hold)
-    except DrivesError as error:
+        first, second = (Torque.table(times, each, held=hold) for each in torques)
+    except InputError as error:
         raise InputError(f"{file}, {error.where}", error.problem, error.expected, error.got) from error
-
-
-def _is_row(row: list[str]) -> bool:
-    try:
-        return len([float(x) for x in row]) == 3
-    except ValueError:
-        return False
+    return first, second

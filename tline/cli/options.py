@@ -8,12 +8,8 @@ import click
 
 from tline.errors import ActiveError, InputError, SceneError
 
-PICTURE = (".png", ".svg", ".pdf")
+PICTURE, CSV = (".png", ".svg", ".pdf"), (".csv",)
 confined_option = click.option("--confined", is_flag=True, help="Read no files outside of the scene's folder.")
-
-tol_option = click.option(
-    "--tol", metavar="NUMBER", help="Largest error, relative to the amplitude; the scene's, or 1e-6, if not given."
-)
 
 
 def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None:
@@ -30,12 +26,29 @@ def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None
     for option, (file, suffixes) in files.items():
         if file is None:
             continue
-        if Path(file).suffix.lower() not in suffixes:
+        if suffixes and Path(file).suffix.lower() not in suffixes:
             raise InputError(option, "unknown kind of file", " or ".join(suffixes), f"'{file}'")
         other = seen.setdefault(Path(file).resolve(), option)
         if other != option:
             raise InputError(option, f"would overwrite what {other} writes", "another file", f"'{file}'")
         check_writable(file)
+
+
+def print_or_write(text: str, file: str | None) -> None:
+    """Print a document, or write it to a file and say so."""
+    if file is None:
+        click.echo(text, nl=False)
+    else:
+        write_text(text, file)
+        click.echo(f"wrote {file}")
+
+
+def write_text(text: str, file: str) -> None:
+    """Write a document to a file."""
+    from tline.solver.result.atomic import replacing
+
+    with replacing(file) as temporary:
+        temporary.write_text(text, encoding="utf-8")
 
 
 def check_readable(file: str) -> None:

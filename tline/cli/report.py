@@ -8,7 +8,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from tline.cli.energies import ledger_as_dict
-from tline.cli.measured import model_as_dict, model_in_words, network_as_dict, network_in_words
+from tline.cli.measured import as_dict, in_words
 from tline.pictures.handy import handy
 from tline.scene.ibis.element import Ibis
 from tline.scene.measured_multiport import MeasuredMultiport
@@ -67,12 +67,12 @@ def summary(result: Result, accuracy: Accuracy | None, times: NDArray | None = N
         "lumped": dict(result.resolution.sections),
         "losses": _losses(result),
         "measured": {
-            name: {"file": x.file} | model_as_dict(x.model)
+            name: {"file": x.file} | as_dict(x.model)
             for (_, name), x in result.scene.measured.items()
             if isinstance(x, Touchstone)
         },
         "measured_links": {
-            name: {"file": x.file, "delays": list(map(float, x.delays or ()))} | network_as_dict(x.model)
+            name: {"file": x.file, "delays": list(map(float, x.delays or ()))} | as_dict(x.model)
             for (_, name), x in result.scene.measured.items()
             if isinstance(x, MeasuredMultiport)
         },
@@ -111,11 +111,7 @@ def _samples(result: Result, times: NDArray) -> dict[str, Any]:
 def _measured_in_words(result: Result) -> list[str]:
     """Of each element from a Touchstone file a line of text."""
     drivers = [f"{place(*where)}: {x.summary}" for where, x in result.scene.composed.items() if isinstance(x, Ibis)]
-    return drivers + [
-        f"{place(*where)}: {x.file}, "
-        + (model_in_words(x.model) if isinstance(x, Touchstone) else network_in_words(x.model))
-        for where, x in result.scene.measured.items()
-    ]
+    return drivers + [f"{place(*where)}: {x.file}, {in_words(x.model)}" for where, x in result.scene.measured.items()]
 
 
 def _losses(result: Result) -> dict[str, Any]:

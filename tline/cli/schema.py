@@ -2,32 +2,28 @@
 
 import json
 
-import click
+from tline.cli.from_signature import command
+from tline.cli.options import print_or_write
 
-
-@click.command(
-    "schema",
-    epilog="""\b
+EXAMPLES = """\b
 Examples:
   tline schema -o scene.schema.json
   tline schema | head
-""",
-)
-@click.option("-o", "--output", metavar="FILE", help="Write to a file instead of printing.")
-def schema(output: str | None) -> None:
+"""
+
+
+@command(epilog=EXAMPLES)
+def schema(*, output: str | None = None) -> None:
     """Print the JSON schema of scene files.
 
     An editor with TOML support completes and checks scenes with it; the first line of the scene names it:
     `#:schema scene.schema.json`.
+
+    Parameters
+    ----------
+    output : FILE
+        Write to a file instead of printing.
     """
     from tline.scene.file import schema as describe
 
-    text = json.dumps(describe(), indent=2, ensure_ascii=False)
-    if output is None:
-        click.echo(text)
-        return
-    from tline.solver.result.atomic import replacing
-
-    with replacing(output) as temporary:
-        temporary.write_text(text + "\n", encoding="utf-8")
-    click.echo(f"wrote {output}")
+    print_or_write(json.dumps(describe(), indent=2, ensure_ascii=False) + "\n", output)

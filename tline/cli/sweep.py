@@ -1,23 +1,23 @@
 """`tline sweep`: a scene in many runs, with values of a grid or drawn from distributions."""
 
-import json
 import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-import click
-
-from tline.cli.options import PICTURE, check_files, confined_option, options_named
+from tline.cli.from_signature import FileKind, Output, command, drawn, picture, table
 from tline.errors import InputError, import_extra
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from tline.sweeps import Sweep
-
-OPTIONS = ("sample", "seed", "keep", "tol", "workers", "resume")
+FILES = {
+    "npz": FileKind((".npz",), "All inputs and what was kept as NumPy arrays, with the scene"),
+    "netcdf": FileKind((".nc",), "The same for xarray and others"),
+    "csv": table("A row for each run, SI, full precision"),
+    "plot": picture("Extremes over values, or histograms"),
+}
 INTERRUPTED = 130  # exit status, as of any command
 EXAMPLES = """\b
 Examples:
@@ -30,35 +30,17 @@ Examples:
 """
 
 
-@click.command("sweep", epilog=EXAMPLES)
-@click.argument("scene")
-@click.option("--vary", metavar="PATH=VALUES", multiple=True, help="What varies, and how; may be repeated.")
-@click.option("--sample", metavar="KIND[:COUNT]", help="grid, list, random:COUNT, latin:COUNT or sobol:COUNT.")
-@click.option("--seed", metavar="NUMBER", default="0", show_default=True, help="Another one draws other numbers.")
-@click.option("--keep", metavar="WHAT", multiple=True, help="extremes (if not given), or instants; may be repeated.")
-@click.option("--tol", metavar="NUMBER", help="Largest error, relative to a run's amplitude; the scene's, or 1e-6.")
-@click.option("--workers", metavar="NUMBER", help="Processes; as many as processors for long work if not given.")
-@click.option(
-    "--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster that makes the runs, such as tcp://host:8786."
-)
-@click.option("--resume", metavar="FILE.npz", help="Go on from this file, and write it meanwhile.")
-@click.option("--npz", metavar="FILE.npz", help="All inputs and what was kept as NumPy arrays, with the scene.")
-@click.option("--netcdf", metavar="FILE.nc", help="The same for xarray and others.")
-@click.option("--csv", metavar="FILE.csv", help="A row for each run, SI, full precision.")
-@click.option("--plot", metavar="FILE", help="Extremes over values, or histograms; .png, .svg or .pdf.")
-@click.option("--active", is_flag=True, help="Make runs with loads that are active, that is, not positive real.")
-@confined_option
-@click.option("--json", "as_json", is_flag=True, help="Print the numbers in SI and full precision.")
+@command("tline.sweeps.runs:sweep", files=FILES, omit=("executor",), epilog=EXAMPLES)
 def sweep(
     scene: str,
-    vary: tuple[str, ...],
-    keep: tuple[str, ...],
-    dask: str | None,
-    active: bool,
-    confined: bool,
-    as_json: bool,
+    *,
+    vary: tuple[str, ...] = (),
+    keep: tuple[str, ...] = (),
+    dask: str | None = None,
+    confined: bool = False,
+    files: dict[str, str],
     **given: Any,
-) -> None:
+) -> Output:
     """Run a scene with many values, and print the extremes at its probes.
 
     PATH is dotted, as in a scene file: lines.cable.z0, sources.pump.value.duration, t_end. VALUES are values with
@@ -70,40 +52,36 @@ def sweep(
 
     A run that fails is a row with a sentence. Where runs failed or missed the tolerance, a note says so, and the exit
     status is 1. After Ctrl-C there is what was done until then, with a note, and the exit status is 130.
+
+    Parameters
+    ----------
+    vary : PATH=VALUES
+        What varies, and how; may be repeated.
+    keep : WHAT
+        extremes (if not given), or instants; may be repeated.
+    dask : ADDRESS
+        Scheduler of a Dask cluster that makes the runs, such as tcp://host:8786.
     """
-    files = {name: given.pop(name) for name in ("npz", "netcdf", "csv", "plot")}
-    suffixes = ((".npz",), (".nc",), (".csv",), PICTURE)
-    check_files({f"--{name}": (file, kind) for (name, file), kind in zip(files.items(), suffixes, strict=True)})
-    wanted, written = _wanted(vary), [file for file in files.values() if file]
+    wanted = _wanted(vary)
     from tline import sweeps
     from tline.cli.sweep_report import as_text, notes, summary
     from tline.scene.file import read_scene
     from tline.solver.simulate import UnresolvedWarning
 
     read = read_scene(scene, confined=confined)
-    with _executor(dask) as executor, options_named({name: f"--{name}" for name in OPTIONS}):
-        with warnings.catch_warnings():
-            for said in (sweeps.InterruptedWarning, UnresolvedWarning):  # notes tell
-                warnings.simplefilter("ignore", said)
-            found = sweeps.sweep(
-                read,
-                wanted,
-                keep=list(keep) or "extremes",
-                executor=executor,
-                active=active,
-                progress=sys.stderr.isatty(),
-                **given,
-            )
-        _write(found, files)
+    with _executor(dask) as executor, sweep.named(), warnings.catch_warnings():
+        for said in (sweeps.InterruptedWarning, UnresolvedWarning):  # notes tell
+            warnings.simplefilter("ignore", said)
+        kept = list(keep) or "extremes"
+        found = sweeps.sweep(read, wanted, keep=kept, executor=executor, progress=sys.stderr.isatty(), **given)
     told = notes(found)
-    for note in (*told, *filter(None, [found.told_unresolved])):
-        click.echo(f"note: {note}", err=True)
-    if as_json:
-        click.echo(json.dumps(summary(found) | {"files": written}, indent=2, ensure_ascii=False))
-    else:
-        click.echo("\n".join([*as_text(found), *(f"wrote {file}" for file in written)]))
-    if told:
-        sys.exit(1 if found.done.all() else INTERRUPTED)
+    return Output(
+        as_text(found),
+        lambda: summary(found) | {"files": list(files.values())},
+        dict.fromkeys(("npz", "netcdf", "csv"), found.save) | {"plot": drawn("tline.pictures.sweep:plot_sweep", found)},
+        [*told, *filter(None, [found.told_unresolved])],
+        0 if not told else 1 if found.done.all() else INTERRUPTED,
+    )
 
 
 def _wanted(vary: tuple[str, ...]) -> dict[str, str]:
@@ -134,14 +112,3 @@ def _executor(dask: str | None) -> "Iterator[Executor | None]":
         raise InputError("--dask", "no scheduler answers", "such as tcp://host:8786", f"'{dask}' ({error})") from None
     with client:
         yield client.get_executor()
-
-
-def _write(found: "Sweep", files: dict[str, str | None]) -> None:
-    for name in ("npz", "netcdf", "csv"):
-        if file := files[name]:
-            found.save(file)
-    if plot := files["plot"]:
-        from tline.pictures.style import save_figure
-        from tline.pictures.sweep import plot_sweep
-
-        save_figure(plot_sweep(found), plot)

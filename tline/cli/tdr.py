@@ -1,70 +1,58 @@
 """`tline tdr`: time-domain reflectometry at a node of a scene."""
 
-import json
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
-import click
+from tline.cli.from_signature import Output, command, drawn, picture, table
 
-from tline.cli.options import PICTURE, check_files, confined_option, options_named, tol_option, tolerance
+if TYPE_CHECKING:
+    from tline.signal.tdr import Reflections
 
 EXAMPLES = """\b
 Examples:
   tline tdr cable.toml --port near --rise "50 ps" --plot tdr.png
   tline tdr cable.toml --port near --rise "50 ps" --z0 50 --csv tdr.csv
 """
+FILES = {
+    "csv": table("Time, incident and reflected wave per step, impedance"),
+    "plot": picture("Waves and impedance over time"),
+}
 
 
-@click.command("tdr", epilog=EXAMPLES)
-@click.argument("scene")
-@click.option("--port", metavar="NODE", required=True, help="Where the instrument is; sources there are taken away.")
-@click.option("--rise", metavar="TIME", required=True, help="What the step takes, such as '50 ps'.")
-@click.option("--z0", metavar="OHM", help="Resistance of the instrument; that of the first line there if not given.")
-@click.option("--to", "t_end", metavar="TIME", help="How long to look; until the scene's end if not given.")
-@click.option("--csv", metavar="FILE.csv", help="Time, incident and reflected wave per step, impedance.")
-@click.option("--plot", metavar="FILE", help="Waves and impedance over time; .png, .svg or .pdf.")
-@tol_option
-@confined_option
-@click.option("--json", "as_json", is_flag=True, help="Print all numbers.")
-def tdr(
-    scene: str,
-    port: str,
-    csv: str | None,
-    plot: str | None,
-    tol: str | None,
-    confined: bool,
-    as_json: bool,
-    **given: str | None,
-) -> None:
+@command("tline.signal.tdr:reflectometry", names={"node": "port", "t_end": "to"}, files=FILES, epilog=EXAMPLES)
+def tdr(scene: str, *, confined: bool = False, **given: Any) -> Output:
     """Send a step into a node of a scene, and show what comes back.
 
     The impedance is z0 (1 + ρ)/(1 - ρ) of the reflected wave ρ, as if each reflection had come back on its first way:
     exact up to the first discontinuity, misled by multiple reflections behind it. Other sources are silent.
     """
-    check_files({"--csv": (csv, (".csv",)), "--plot": (plot, PICTURE)})
     from tline.scene.file import read_scene
     from tline.scene.medium import MEDIA
     from tline.signal.tdr import reflectometry, save_reflections
 
     read = read_scene(scene, confined=confined)
-    with options_named({"node": "--port", "rise": "--rise", "z0": "--z0", "t_end": "--to"}):
-        chosen = {} if tol is None else {"tol": tolerance(tol)}
-        seen = reflectometry(read, port, given["rise"] or "", given["z0"], given["t_end"], **chosen, progress=True)
+    with tdr.named():
+        seen = reflectometry(read, **given, progress=True)
     medium = MEDIA[read.medium]
-    if csv:
-        save_reflections(seen, csv)
-    if plot:
-        from tline.pictures.reflections import plot_reflections
-        from tline.pictures.style import save_figure
+    files = {
+        "csv": lambda file: save_reflections(seen, file),
+        "plot": drawn("tline.pictures.signals:plot_reflections", seen, medium, read.title),
+    }
+    return Output(_text(given["node"], seen, medium.units["resistance"]), lambda: _data(seen), files)
 
-        save_figure(plot_reflections(seen, medium, read.title), plot)
-    z = [each if each < float("inf") else None for each in seen.impedance.tolist()]
-    if as_json:
-        waves = {"incident": seen.incident.tolist(), "reflected": seen.reflected.tolist()}
-        click.echo(json.dumps({"z0": seen.z0, "t": seen.t.tolist(), **waves, "impedance": z}))
-        return
-    unit = medium.units["resistance"]
-    click.echo(f"step into '{port}' from {seen.z0:.6g} {unit}, reflected wave per step:")
+
+def _impedances(seen: "Reflections") -> list[float | None]:
+    return [each if each < float("inf") else None for each in seen.impedance.tolist()]
+
+
+def _text(port: str, seen: "Reflections", unit: str) -> Iterator[str]:
+    yield f"step into '{port}' from {seen.z0:.6g} {unit}, reflected wave per step:"
+    z = _impedances(seen)
     for word, k in (("lowest", seen.reflected.argmin()), ("highest", seen.reflected.argmax())):
         size = "open" if z[k] is None else f"{z[k]:.6g} {unit}"
-        click.echo(f"  {word} {seen.reflected[k]:.6g} at {seen.t[k]:.6g} s: {size}")
-    for file in filter(None, (csv, plot)):
-        click.echo(f"wrote {file}")
+        yield f"  {word} {seen.reflected[k]:.6g} at {seen.t[k]:.6g} s: {size}"
+
+
+def _data(seen: "Reflections") -> dict[str, Any]:
+    waves = {"incident": seen.incident.tolist(), "reflected": seen.reflected.tolist()}
+    return {"z0": seen.z0, "t": seen.t.tolist(), **waves, "impedance": _impedances(seen)}

@@ -13,7 +13,7 @@ from tline.errors import InputError
 from tline.scene.file import as_scene
 from tline.scene.scene import Scene
 from tline.scene.shape import Shape
-from tline.scene.valve import Orifice, OrificeLink
+from tline.scene.valve import Orifice
 from tline.solver.description.excitation import just_before
 from tline.units import to_si
 from tline.words.wording import nearest, place
@@ -167,5 +167,5 @@ def _motion(scene: Scene, name: str, begin: float | str | None) -> Motion:
 
 
 def _openings(section: str, elements: Mapping[str, Any]) -> dict[str, tuple[str, Shape]]:
-    valves = {name: one for name, one in elements.items() if isinstance(one, Orifice | OrificeLink)}
+    valves = {name: one for name, one in elements.items() if isinstance(one, Orifice)}
     return {name: (place(section, name, "opening"), valve.opening) for name, valve in valves.items()}

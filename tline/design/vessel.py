@@ -44,13 +44,15 @@ def vessel(
     at : str
         A node.
     path : sequence of str
-        Nodes between which all places keep the limits; all nodes of the scene if there are none.
-    lowest, highest : float or str
-        Gauge pressures, Pa, or texts with units; metres are a head above the zero of heights. One may be missing.
+        Nodes between which all places keep the limits; all nodes of the scene if not given.
+    lowest : float or str, optional
+        Lowest gauge pressure, such as "0.5 bar" (numbers are Pa), or head above the zero of heights, such as "35 m".
+    highest : float or str, optional
+        Highest gauge pressure or head; one of both is needed.
     reserve : float or str, 0 to 0.9
         Share of the shell that is liquid when the gas is largest.
     tol : float, optional
-        Of the runs.
+        Largest error of the runs, relative to the amplitude; the scene's, or 1e-3, if not given.
     progress : bool
         Show a bar on stderr if it takes more than two seconds.
     **element

@@ -11,7 +11,7 @@ from tline.frequency.oscillations import Resonance, resonances
 from tline.frequency.response import respond, source_named
 from tline.scene.load import Reservoir
 from tline.scene.scene import Scene
-from tline.scene.switch import Switch, SwitchLink
+from tline.scene.switch import Switch
 from tline.solver.description.description import describe
 from tline.solver.stability.growth import growth
 from tline.words.wording import nearest
@@ -168,8 +168,9 @@ class DelaySystem:
             name: source | {"value": {"shape": "constant", "level": 0}} for name, source in table["sources"].items()
         }
         silent[self.source]["value"] = {"shape": "step", "to": 1}
-        still = {Switch: {"time": -1}, SwitchLink: {"time": -1}, Reservoir: {"pressure": 0}}
         changed: dict[str, dict[str, Any]] = {"loads": {}, "links": {}}
         for (part, name), element in self.scene.placed:
-            changed[part][name] = table[part][name] | still.get(type(element), {})
+            still = {"time": -1} if isinstance(element, Switch) else {}
+            still |= {"pressure": 0} if isinstance(element, Reservoir) else {}
+            changed[part][name] = table[part][name] | still
         return self.scene.with_changes(sources=silent, nodes={}, **changed)

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.frequency.response import Response
-from tline.solver.result.atomic import replacing
+from tline.solver.result.atomic import replacing, write_columns
 
 TOUCHSTONE = "s{}p"
+PARTS = {"re": np.real, "im": np.imag}
 
 
 def save_response(f: NDArray, probes: Mapping[str, Response], units: tuple[str, str], path: str | Path) -> None:
@@ -23,12 +24,14 @@ def save_response(f: NDArray, probes: Mapping[str, Response], units: tuple[str, 
     InputError
         The file cannot be written.
     """
-    columns, names = [f], ["frequency [Hz]"]
+    columns = {"frequency [Hz]": f}
     for name, seen in probes.items():
         for letter, values, unit in (("u", seen.u, units[0]), ("y", seen.y, units[1])):
-            columns += [np.real(values), np.imag(values)]
-            names += [f"{name} re {letter} [{unit}]", f"{name} im {letter} [{unit}]"]
-    _write(path, names, np.stack(columns, axis=1))
+            columns |= {
+                f"{name} re {letter} [{unit}]": np.real(values),
+                f"{name} im {letter} [{unit}]": np.imag(values),
+            }
+    write_columns(path, columns)
 
 
 def save_parameters(f: NDArray, S: NDArray, ports: Sequence[str], z0: float, path: str | Path) -> None:
@@ -41,9 +44,9 @@ def save_parameters(f: NDArray, S: NDArray, ports: Sequence[str], z0: float, pat
     """
     suffix, count = Path(path).suffix.lower(), len(ports)
     if suffix == ".csv":
-        names = [f"{part} S({i},{j}) [1]" for i in ports for j in ports for part in ("re", "im")]
-        flat = S.reshape(len(f), -1)
-        _write(path, ["frequency [Hz]", *names], np.column_stack([f, _interleaved(flat)]))
+        entries = {f"S({i},{j})": S[:, m, n] for m, i in enumerate(ports) for n, j in enumerate(ports)}
+        parts = {f"{part} {name} [1]": of(values) for name, values in entries.items() for part, of in PARTS.items()}
+        write_columns(path, {"frequency [Hz]": f} | parts)
         return
     if suffix != f".{TOUCHSTONE.format(count)}":
         raise InputError(str(path), "does not fit the number of ports", f".{TOUCHSTONE.format(count)} or .csv", suffix)
@@ -61,9 +64,3 @@ def save_parameters(f: NDArray, S: NDArray, ports: Sequence[str], z0: float, pat
 def _interleaved(values: NDArray) -> NDArray:
     """Real and imaginary parts beside each other, shape (n, 2 m)."""
     return np.stack([np.real(values), np.imag(values)], axis=2).reshape(len(values), -1)
-
-
-def _write(path: str | Path, names: list[str], rows: NDArray) -> None:
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8") as file:
-        file.write(",".join(f'"{name}"' if "," in name else name for name in names) + "\n")
-        np.savetxt(file, rows, fmt="%.17g", delimiter=",")

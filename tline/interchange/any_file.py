@@ -62,7 +62,14 @@ def read(
     return scene
 
 
-def read_foreign(path: Path, **water: Any) -> tuple[Scene, tuple[str, ...]]:
+def read_foreign(
+    path: Path,
+    *,
+    wave_speed: float | str | None = None,
+    material: str | None = None,
+    hour: float | None = None,
+    moving_tanks: bool | None = None,
+) -> tuple[Scene, tuple[str, ...]]:
     """Scene of another program's file, and notes on what is left out or taken otherwise.
 
     Raises
@@ -74,7 +81,7 @@ def read_foreign(path: Path, **water: Any) -> tuple[Scene, tuple[str, ...]]:
     if suffix not in (*SPICE, *EPANET):
         raise InputError(str(path), "unknown kind of file", " or ".join((*SPICE, *EPANET)), suffix or "no suffix")
     if suffix in SPICE:
-        refuse_water(water)
+        refuse_water({"wave_speed": wave_speed, "material": material, "hour": hour, "moving_tanks": moving_tanks})
     try:
         check_ordinary(path)
     except (OSError, ValueError) as error:  # a ValueError for a name with a null character
@@ -86,13 +93,7 @@ def read_foreign(path: Path, **water: Any) -> tuple[Scene, tuple[str, ...]]:
         return read_spice(path)
     from tline.interchange.water_scene import read_inp
 
-    return read_inp(
-        str(path),
-        water["wave_speed"],
-        material=water["material"],
-        hour=water["hour"] or 0.0,
-        moving_tanks=bool(water.get("moving_tanks")),
-    )
+    return read_inp(str(path), wave_speed, material=material, hour=hour or 0.0, moving_tanks=bool(moving_tanks))
 
 
 def refuse_water(given: Mapping[str, Any]) -> None:

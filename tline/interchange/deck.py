@@ -11,8 +11,7 @@ from typing import NamedTuple
 
 from tline.errors import InputError
 from tline.interchange.findings import Findings
-from tline.interchange.spice_expression import Parameters
-from tline.interchange.spice_number import parse_value
+from tline.interchange.spice_expression import Parameters, parse_value
 from tline.interchange.spice_parameters import PARAMETERS, assignments
 from tline.scene.named_file import Folder
 from tline.scene.text_file import read_text

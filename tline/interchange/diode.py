@@ -5,7 +5,7 @@ from typing import Any
 from tline.interchange.deck import Card
 from tline.interchange.findings import Findings
 from tline.interchange.spice_names import Names
-from tline.scene.characteristic import Diode, DiodeLink
+from tline.scene.characteristic import Diode
 
 KEYS = {"is": "saturation", "n": "emission", "js": "saturation"}
 DEFAULTS = {"saturation": 1e-14, "emission": 1.0}  # of SPICE
@@ -53,7 +53,7 @@ def diode(model: Card, found: Findings) -> tuple[dict[str, Any], float]:
     return table, series
 
 
-def diode_cards(element: Diode | DiodeLink, name: str, nodes: list[str], names: Names) -> list[str]:
+def diode_cards(element: Diode, name: str, nodes: list[str], names: Names) -> list[str]:
     """The element and its model; its temperature is part of the emission coefficient."""
     card, model = names.element("D", name), names.element("M", name)
     emission = float(element.emission) * float(element.temperature) / NOMINAL

@@ -10,11 +10,10 @@ from tline.interchange.diode import diode_cards
 from tline.interchange.multiports_text import multiport_cards
 from tline.interchange.spice_names import Names
 from tline.interchange.spice_waveform import spice_waveform
-from tline.scene.characteristic import Diode, DiodeLink
+from tline.scene.characteristic import Diode
 from tline.scene.coupled import refuse_coupled
 from tline.scene.load import Matched, NoFlow, Resistor, Short
-from tline.scene.rational_link import RationalLink
-from tline.scene.rational_load import Rational
+from tline.scene.rational import RationalImpedance
 from tline.scene.scene import Scene
 from tline.words.wording import place
 
@@ -76,9 +75,9 @@ def spice_text(scene: Scene, rise: float | None = None, step: float | None = Non
     for name, link in scene.links.items():
         nodes = [names.node[at] for at in link.nodes]
         match link:
-            case DiodeLink():
+            case Diode():
                 cards += diode_cards(link, name, nodes, names)
-            case RationalLink():
+            case RationalImpedance():
                 cards += _elements(as_load(link.rational()), name, nodes, names, place("links", name))
             case _:
                 cards += multiport_cards(link, name, names)
@@ -144,7 +143,7 @@ def _load(scene: Scene, name: str, names: Names) -> list[str]:
             return [f"{names.element('R', name)} {node} 0 {float(load.resistance)!r}"]
         case Diode():
             return diode_cards(load, name, ["0", node] if load.reverse else [node, "0"], names)
-        case Rational() if not load.rational().is_zero and not load.rational().is_infinite:
+        case RationalImpedance() if not load.rational().is_zero and not load.rational().is_infinite:
             return _elements(as_load(load.rational()), name, [node, "0"], names, where)
     raise InputError(where, f"a {load.kind} has no counterpart in a netlist", "R, L and C")
 

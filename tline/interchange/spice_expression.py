@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from itertools import count
 from typing import Any, NamedTuple
 
+from tline.errors import InputError
 from tline.interchange.spice_functions import FUNCTIONS, Defined
 
 NUMBER = r"(\d+\.?\d*|\.\d+)(?:e([+-]?\d{1,4}))?([a-zµμΩΩ]*)"  # what follows a suffix is a unit, and ignored
@@ -21,6 +22,7 @@ POWERS = {
     "t": 12, "g": 9, "meg": 6, "x": 6, "k": 3, "m": -3, "u": -6, "µ": -6, "μ": -6, "n": -9, "p": -12, "f": -15, "a": -18
 }  # fmt: skip
 MIL = 25.4e-6  # m
+LONGEST_EXPRESSION = 1000  # characters of an expression
 DEEPEST, MOST_CALLS = 50, 10_000  # brackets and signs in each other; calls of functions that the netlist defines
 BINARY: tuple[dict[str, Callable[[Any, Any], Any]], ...] = (  # from the loosest
     {"||": lambda x, y: float(bool(x) or bool(y))},
@@ -207,3 +209,46 @@ def _check_count(name: str, arguments: list[Value], least: int, most: int) -> No
     if not least <= len(arguments) <= most:
         said = f"{least}" if least == most else f"{least} or more"
         raise ValueError(f"'{name:.40}' takes {said} value{'s' * (least > 1)}")
+
+
+def parse_value(word: str, parameters: Parameters, where: str) -> float:
+    """Value of a number, of a parameter, or of an expression of both in braces or quotes.
+
+    Raises
+    ------
+    InputError
+        It is none of these, or not finite.
+
+    Examples
+    --------
+    >>> parse_value("{2*Z0 + 1k}", {"z0": 50.0}, "here")
+    1100.0
+    """
+    if word[:1] in ("{", "'", '"'):
+        value = computed(word[1:-1], parameters, where)
+    else:
+        value = parameters.get(word.lower(), number(word))
+    if not isinstance(value, float):
+        raise InputError(where, "not a value", "a number as 4.7n, a parameter, or {an expression}", f"'{word:.40}'")
+    if not math.isfinite(value):
+        raise InputError(where, "out of range", "a finite number", f"'{word:.40}'")
+    return value
+
+
+def computed(text: str, parameters: Parameters, where: str, signal: Signal | None = None) -> Value:
+    """Value of an expression.
+
+    Raises
+    ------
+    InputError
+        It is too long, or has no value.
+    """
+    if len(text) > LONGEST_EXPRESSION:
+        raise InputError(where, "an expression that long", f"at most {LONGEST_EXPRESSION} characters", f"{len(text)}")
+    try:
+        return expression(text, parameters, signal)
+    except TypeError:  # of a voltage or current in a function that takes numbers
+        problem, got = "not a sum of voltages and currents with constant factors", f"'{text:.40}'"
+        raise InputError(where, problem, got=got) from None
+    except (ValueError, ArithmeticError) as error:
+        raise InputError(where, f"not an expression that can be computed: {error}", got=f"'{text:.40}'") from None

@@ -7,8 +7,7 @@ from typing import NamedTuple
 from tline.errors import InputError
 from tline.interchange.deck import Card
 from tline.interchange.findings import Findings
-from tline.interchange.spice_expression import SIGNAL, number
-from tline.interchange.spice_number import computed
+from tline.interchange.spice_expression import SIGNAL, computed, number
 
 LAW = re.compile(r"(?<![\w.])(value|vol|cur|v|i)\s*=\s*(.+)", re.IGNORECASE)
 BY_LAW = "LAW"  # behind the nodes of such a source; then V or I, and the expression in braces

@@ -8,10 +8,9 @@ from itertools import count
 from tline.errors import InputError
 from tline.interchange.deck import DEEPEST, MOST_CARDS, Card, nodes_of
 from tline.interchange.findings import Findings
-from tline.interchange.spice_expression import Parameters
+from tline.interchange.spice_expression import Parameters, parse_value
 from tline.interchange.spice_functions import Defined
 from tline.interchange.spice_linear import BY_LAW, law_words, with_outside_names
-from tline.interchange.spice_number import parse_value
 from tline.interchange.spice_parameters import FUNCTION, PARAMETERS, function
 
 GROUND = {"0", "gnd", "gnd!", "ground"}

@@ -46,13 +46,13 @@ def read_inp(
     path : str
         An ``.inp`` file.
     wave_speed : number or text, optional
-        In all pipes of which the material is not told, such as ``"1000 m/s"``, which it is if nothing is said.
+        In the pipes of an .inp file whose material is not told; 1000 m/s if nothing is said.
     material : str, optional
-        A CSV file with rows ``pipe, wall, thickness`` or ``pipe, wave speed``; the pipe ``*`` is all others.
+        A CSV file with rows pipe, wall, thickness or pipe, wave speed; the pipe * is all others.
     hour : float
-        After the file's start of time, h.
+        Begin so many hours after an .inp file's start of time.
     moving_tanks : bool
-        Whether tanks fill and empty; else they hold their level.
+        Let tanks of an .inp file fill and empty, instead of holding their levels.
 
     Raises
     ------

@@ -1,7 +1,6 @@
 from tline.pictures.animation import Animation as Animation
 from tline.pictures.animation import animated as animated
 from tline.pictures.bode import plot_bode as plot_bode
-from tline.pictures.eye import plot_eye as plot_eye
 from tline.pictures.lattice import plot_lattice as plot_lattice
 from tline.pictures.load_lines import plot_load_lines as plot_load_lines
 from tline.pictures.map import plot_map as plot_map
@@ -10,7 +9,8 @@ from tline.pictures.network import plot_network as plot_network
 from tline.pictures.path import Route as Route
 from tline.pictures.path import route as route
 from tline.pictures.profile import plot_profile as plot_profile
-from tline.pictures.reflections import plot_reflections as plot_reflections
+from tline.pictures.signals import plot_eye as plot_eye
+from tline.pictures.signals import plot_reflections as plot_reflections
 from tline.pictures.space_time import plot_space_time as plot_space_time
 from tline.pictures.style import save_figure as save_figure
 from tline.pictures.surge import lines_to_map as lines_to_map

@@ -9,10 +9,9 @@ import numpy as np
 from tline.errors import InputError
 from tline.scene.cavities import refuse_cavities
 from tline.scene.coupled import refuse_coupled
-from tline.scene.held import terminals_of
 from tline.scene.lossless import refuse_losses
 from tline.scene.scene import Scene
-from tline.scene.switch import Switch, SwitchLink
+from tline.scene.switch import Switch
 from tline.solver.result.dense_output import AFTER, drawable
 from tline.solver.result.result import LineRecord, Result, Wave
 
@@ -94,8 +93,8 @@ def bounces(result: Result) -> Bounces:
 def _fronts(scene: Scene, record: LineRecord, nodes: tuple[str, str], t_end: float) -> list[Front]:
     """The first legs, in the order of their starts."""
     sources = [(float(t), source.terminals) for source in scene.sources.values() for t in source.value.breaks(t_end)]
-    moving = [element for _, element in scene.placed if isinstance(element, Switch | SwitchLink)]
-    starts = sources + [(float(switch.time), terminals_of(switch)) for switch in moving]
+    moving = [element for _, element in scene.placed if isinstance(element, Switch)]
+    starts = sources + [(float(switch.time), switch.terminals) for switch in moving]
     waiting = [(t, end) for t, at in starts if 0 <= t < t_end for end in (0, 1) if nodes[end] in at]
     heapq.heapify(waiting)
     fronts: list[Front] = []

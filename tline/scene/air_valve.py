@@ -5,13 +5,29 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from tline.errors import InputError
 from tline.scene.element import AtNode
+from tline.scene.kind import LawKind
 from tline.scene.law import ElementLaw, OfLiquids
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.vessel import ATMOSPHERE, Absolute
 
 GAS_CONSTANT = 287.05  # of air, J/(kg K)
 Diameter = Annotated[Quantity, Role("diameter", "m", above=0)]
+
+
+class Air(LawKind):
+    """Constants: effort beyond, pressure outside, and of inlet and outlet area times speed. States are two volumes:
+    of the air that is there, and that it would have outside."""
+
+    name, unit = "air", "stores.air.air"
+    states = 2
+    fills = breaks = True
+
+    def at_rest(self, c, effort, control):  # noqa: D102
+        if effort < c[0]:
+            raise InputError("", "no state at rest: it draws air")
+        return 0.0, 0.0
 
 
 class AirValve(AtNode, OfLiquids):

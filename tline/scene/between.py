@@ -16,6 +16,11 @@ class Between(Element):
     section: ClassVar[str] = "links"
     nodes: Annotated[tuple[Name, Name], BeforeValidator(two_nodes)] = Field(description="first node, second node")
 
+    @property
+    def terminals(self) -> tuple[str, str]:
+        """Its nodes."""
+        return self.nodes
+
     @model_validator(mode="after")
     def _apart(self):
         if self.nodes[0] == self.nodes[1]:

@@ -3,15 +3,18 @@
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
-from tline.scene.between import Between
 from tline.scene.csv_rows import read_rows
 from tline.scene.element import AtNode
 from tline.scene.factor import ALWAYS, Factor
+from tline.scene.kind import ANY_DROP, Bend, Constants, LawKind
 from tline.scene.law import ElementLaw, NonLinear
 from tline.scene.named_file import beside
+from tline.scene.placed import Placed
 from tline.scene.quantity import Quantity, Role
 from tline.words.wording import shown
 
@@ -20,33 +23,47 @@ Saturation = Annotated[Quantity, Role("flow", at_least=1e-30, at_most=1e3)]
 Emission = Annotated[Quantity, Role("emission", "", at_least=0.1, at_most=100)]
 MOST = 1000  # points of a curve
 COLDEST, HOTTEST = 1.0, 5000.0  # K
+HOTTEST_JUNCTION = 700.0  # times the thermal voltage, beyond which nothing conducts so much
+CURVED = 16  # points from which on a table is taken as a curve: narrower slabs cost less than fronts at all corners
 
 
-class _Diode(NonLinear):
+class Shockley(LawKind):
+    """Constants: effort beyond the element, saturation current, thermal voltage."""
+
+    name, unit = "diode", "laws.diode.diode"
+
+    def flow(self, c):  # noqa: D102
+        _, saturation, thermal = c
+        return lambda d: saturation * np.expm1(np.minimum(d / thermal, HOTTEST_JUNCTION))
+
+
+class Reversible(AtNode):
+    """What may point either way."""
+
+    reverse: bool = Field(default=False, description="whether it points from the reference to the node")
+
+
+class Diode(NonLinear, Placed, load=Reversible):
+    """A diode from the node to the reference, or from the first node to the second: i = Is·(exp(u/(n·k·T/q)) - 1).
+
+    References
+    ----------
+    W. Shockley: The theory of p-n junctions in semiconductors and p-n junction transistors. Bell Syst. Tech. J. 28
+    (1949) 435-489.
+    """
+
+    kind: Literal["diode"] = "diode"
     saturation: Saturation = Field(description="current that flows backwards, Is")
     emission: Emission = Field(default=Quantity(1, ""), description="n")
     temperature: Annotated[Quantity, Role("temperature", "K", at_least=COLDEST, at_most=HOTTEST)] = Field(
         default=Quantity("300.15 K", "K"), description="of the junction"
     )
 
-    def law(self) -> ElementLaw:
+    def law(self) -> ElementLaw:  # noqa: D102
         thermal = self.emission * BOLTZMANN * self.temperature / CHARGE
         return ElementLaw(
             "diode", (0.0, float(self.saturation), float(thermal)), reverse=getattr(self, "reverse", False)
         )
-
-
-class Diode(_Diode, AtNode):
-    """A diode from the node to the reference: i = Is·(exp(u/(n·k·T/q)) - 1) (W. Shockley 1949)."""
-
-    kind: Literal["diode"] = "diode"
-    reverse: bool = Field(default=False, description="whether it points from the reference to the node")
-
-
-class DiodeLink(_Diode, Between):
-    """A diode from the first node to the second: i = Is·(exp(u/(n·k·T/q)) - 1) (W. Shockley 1949)."""
-
-    kind: Literal["diode"] = "diode"
 
 
 def _pair(point: Any) -> Any:
@@ -58,7 +75,63 @@ def _pair(point: Any) -> Any:
 Point = Annotated[tuple[Annotated[Quantity, Role("effort")], Annotated[Quantity, Role("flow")]], BeforeValidator(_pair)]
 
 
-class _Curve(NonLinear):
+class Tabled(LawKind):
+    """Constants: effort beyond the element, number n, n efforts, n flows."""
+
+    name, unit = "table", "laws.table.table"
+    control = "scale"
+    returns = True  # as it may hold a source
+
+    def bends(self, c, rho):  # noqa: D102
+        if c[1] < CURVED:
+            for e, i in _columns(c).T[1:-1].tolist():
+                yield Bend(c[0] + e, rho * i)
+
+    def holds(self, c, control):  # noqa: D102
+        if not control:
+            return ANY_DROP
+        drops, flows = _columns(c)
+        still = drops[flows == 0]
+        return (c[0] + still.min(), c[0] + still.max()) if still.size else (0.0, 0.0)
+
+    def source(self, c):  # noqa: D102
+        return "" if through_origin(*_columns(c)) else "a table that misses the origin, so that it holds a source"
+
+    def flow(self, c):  # noqa: D102
+        efforts, flows = _columns(c)
+        if (np.diff(efforts) <= 0.0).any():
+            efforts = efforts + 1e-15 * np.ptp(efforts) * np.arange(len(efforts))  # where it is upright
+        first, last = ((flows[k + 1] - flows[k]) / (efforts[k + 1] - efforts[k]) for k in (0, -2))
+
+        def flow(d: NDArray) -> NDArray:
+            beyond = last * np.maximum(d - efforts[-1], 0.0) + first * np.minimum(d - efforts[0], 0.0)
+            return np.interp(d, efforts, flows) + beyond
+
+        return flow
+
+
+def _columns(c: Constants) -> NDArray:
+    """Efforts and flows of a table's constants."""
+    return np.reshape(c[2 : 2 + 2 * int(c[1])], (2, -1))
+
+
+def through_origin(efforts: NDArray, flows: NDArray) -> bool:
+    """Whether straight lines between points, the outer ones continued, meet the origin; neither effort nor flow falls.
+
+    Examples
+    --------
+    >>> through_origin(np.array([1.0, 2.0]), np.array([2.0, 4.0])), through_origin(np.ones(2), np.arange(2.0))
+    (True, False)
+    """
+    begin = (np.arange(len(efforts) - 1) == 0) | ((efforts[:-1] <= 0) & (flows[:-1] <= 0))
+    end = (np.arange(len(efforts) - 1) == len(efforts) - 2) | ((efforts[1:] >= 0) & (flows[1:] >= 0))
+    return bool((begin & end & (efforts[:-1] * flows[1:] == efforts[1:] * flows[:-1])).any())
+
+
+class Curve(NonLinear, Placed):
+    """Flow over effort, to the reference or from node to node: straight lines between points, continued beyond."""
+
+    kind: Literal["table"] = "table"
     points: list[Point] | None = Field(
         default=None, min_length=2, max_length=MOST, description="pairs [effort, flow], neither of which may fall"
     )
@@ -81,7 +154,7 @@ class _Curve(NonLinear):
                 raise InputError(where, "the curve falls or stands still", "points that rise", got)
         return self
 
-    def law(self) -> ElementLaw:
+    def law(self) -> ElementLaw:  # noqa: D102
         efforts, flows = zip(*self._curve, strict=True)
         return ElementLaw("table", (0.0, float(len(efforts)), *map(float, efforts), *map(float, flows)), self.scale)
 
@@ -92,15 +165,3 @@ def _read(file: str, info: ValidationInfo) -> tuple[tuple[float, ...], ...]:
     if not 2 <= len(rows) <= MOST:
         raise InputError("file", f"not the points of a curve in '{file}'", f"2 to {MOST} lines", str(len(rows)))
     return tuple(rows)
-
-
-class Curve(_Curve, AtNode):
-    """Flow from the node to the reference over effort: straight lines between points, continued beyond the last."""
-
-    kind: Literal["table"] = "table"
-
-
-class CurveLink(_Curve, Between):
-    """Flow from node to node over the difference of efforts: straight lines between points, continued beyond."""
-
-    kind: Literal["table"] = "table"

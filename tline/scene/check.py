@@ -17,7 +17,6 @@ from tline.scene.held import conflicting_holds, is_capacitive
 from tline.scene.ibis.element import die_of
 from tline.scene.load import Matched
 from tline.scene.rational import RationalImpedance
-from tline.scene.rational_load import Rational
 from tline.scene.regulating import RegulatingValve
 from tline.scene.stretches import Stretches, stretches_of
 from tline.scene.touchstone import Touchstone
@@ -225,7 +224,7 @@ def _measured(scene: Scene) -> Iterator[InputError]:
     """Measured one-ports beside loads with states: only alone they are as well conditioned as their fits."""
     at: dict[str, list[str]] = defaultdict(list)
     for name, load in scene.loads.items():
-        if isinstance(load, Rational):
+        if isinstance(load, RationalImpedance):
             at[load.at].append(name)
     for names in at.values():
         one = next((name for name in names if isinstance(scene.loads[name], Touchstone)), None)

@@ -1,7 +1,8 @@
 """What may stand in one place of a scene; a model is built when a scene first has it, for most scenes have few."""
 
 from collections.abc import Callable
-from functools import partial
+from functools import partial, reduce
+from operator import or_
 from threading import RLock
 from typing import Annotated, Any, get_args
 
@@ -28,24 +29,24 @@ class OneOf:
 
     Parameters
     ----------
-    models : union of types
+    models : union or sequence of types
     word : str
         The key.
     """
 
     def __init__(self, models: Any, word: str):
-        self.models, self.word = models, word
+        self.models, self.word = get_args(models) or tuple(models), word
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         choices: dict[Any, CoreSchema] = {
             value: core_schema.with_info_plain_validator_function(partial(_validated, model))
-            for model in get_args(self.models)
+            for model in self.models
             for value in get_args(model.model_fields[self.word].annotation)
         }
         return core_schema.tagged_union_schema(choices, self.word, from_attributes=True)
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        union: Any = Annotated[self.models, Field(discriminator=self.word)]
+        union: Any = Annotated[reduce(or_, self.models), Field(discriminator=self.word)]
         return handler(TypeAdapter(union).core_schema)
 
 

@@ -55,7 +55,7 @@ class Element(BaseModel):
         try:
             validator(type(self)).validate_python(data, self_instance=self)
         except ValidationError as error:
-            found = mistakes(error, type(self), within=type(self).__name__)
+            found = mistakes(error, type(self), within=self._title())
             raise SceneError(limited(found, error.error_count() - MOST)) from None
 
     # elements inside a scene are built without the wrapper above, so that their mistakes are told together
@@ -85,7 +85,12 @@ class Element(BaseModel):
 
     def __repr__(self) -> str:
         given = ", ".join(f"{key}={value!r}" for key, value in self.table().items())
-        return f"{type(self).__name__}({given})"
+        return f"{self._title()}({given})"
+
+    @classmethod
+    def _title(cls) -> str:
+        """Name of the class as it is written."""
+        return cls.__name__
 
     def __str__(self) -> str:
         return repr(self)
@@ -103,3 +108,8 @@ class AtNode(Element):
     """An element between a node and the reference (earth, or the open air at the node's height)."""
 
     at: Name = Field(description="node")
+
+    @property
+    def terminals(self) -> tuple[str, None]:
+        """Its node, and the reference."""
+        return self.at, None

@@ -7,11 +7,9 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError
-from tline.scene.between import Between
 from tline.scene.load import Reservoir, Resistor, Short
 from tline.scene.rational import RationalImpedance
-from tline.scene.rational_load import Rational
-from tline.scene.switch import Switch, SwitchLink
+from tline.scene.switch import Switch
 from tline.words.wording import place
 
 if TYPE_CHECKING:
@@ -58,7 +56,7 @@ def conflicting_holds(scene: Scene) -> Iterator[InputError]:
         else:
             held.join(where, terminals)
     capacitive = [
-        (place(*at), terminals_of(element))
+        (place(*at), element.terminals)
         for at, element in scene.placed
         if isinstance(element, RationalImpedance) and is_capacitive(element)
     ]
@@ -70,8 +68,8 @@ def conflicting_holds(scene: Scene) -> Iterator[InputError]:
     for where, terminals in capacitive:
         held.join(where, terminals)
     for at, element in scene.placed:
-        if isinstance(element, Switch | SwitchLink) and 0 in (element.before, element.after):
-            terminals = terminals_of(element)
+        if isinstance(element, Switch) and 0 in (element.before, element.after):
+            terminals = element.terminals
             if held.joins(terminals):
                 problem = f"shorts {_told(terminals)}, which {held.holder(terminals)} holds"
                 yield InputError(place(*at), problem, "a resistance above zero")
@@ -88,11 +86,6 @@ def held_nodes(scene: Scene) -> set[str]:
     return {node for _, (node, other) in ideal_efforts(scene) if other is None}
 
 
-def terminals_of(element: Any) -> Terminals:
-    """Where a two-terminal element stands: its nodes, or its node and the reference."""
-    return element.nodes if isinstance(element, Between) else (element.at, None)
-
-
 def _told(terminals: Terminals) -> str:
     first, second = terminals
     return f"node '{first}'" if second is None else f"what is between nodes '{first}' and '{second}'"
@@ -102,7 +95,7 @@ def _is_ideal(load: Any) -> bool:
     return (
         isinstance(load, Short | Reservoir)
         or (isinstance(load, Resistor) and load.resistance == 0)
-        or (isinstance(load, Rational) and load.ratio.is_zero)
+        or (isinstance(load, RationalImpedance) and load.ratio.is_zero)
     )
 
 

@@ -1,24 +1,14 @@
 """What an element of a scene tells the solver: the kind of its law, its constants, and what scales it over time."""
 
 from math import inf
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from pydantic import ValidationInfo, field_validator
 
 from tline.errors import InputError
 from tline.scene.element import Element
+from tline.scene.kind import KINDS, LawKind
 from tline.scene.shape import Shape
-
-# the key of what scales a kind over time
-FACTORS = {
-    "quadratic": "opening",
-    "leak": "opening",
-    "demand": "pattern",
-    "pump": "speed",
-    "rotor": "trip",
-    "table": "scale",
-    "user_defined": "opening",
-}
 
 
 class Governor(NamedTuple):
@@ -63,13 +53,18 @@ class Governor(NamedTuple):
 
 
 class ElementLaw(NamedTuple):
-    """Flow as a function of the effort across an element; the solver knows the kinds and what their constants mean."""
+    """Flow as a function of the effort across an element."""
 
     kind: str
     constants: tuple[float, ...]
     factor: Shape | None = None  # opening or speed over time, 1 without it
     reverse: bool = False  # whether it looks from the second node, or the reference, to the first
     governor: Governor | None = None  # of its opening, in place of a factor
+
+    @property
+    def of_kind(self) -> LawKind:
+        """What there is to know of its kind."""
+        return KINDS[self.kind]
 
 
 class NonLinear(Element):
@@ -80,8 +75,23 @@ class NonLinear(Element):
         raise NotImplementedError
 
 
+class OfCables(NonLinear):
+    """One that only cables have."""
+
+    medium: ClassVar[str] = "electrical"
+
+    @field_validator("kind", check_fields=False)
+    @classmethod
+    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
+        if (info.context or {}).get("medium") == "hydraulic":
+            raise InputError("", "not a word of hydraulic scenes", "such as 'orifice' or 'table'", f"'{kind}'")
+        return kind
+
+
 class OfLiquids(NonLinear):
     """One that only pipes have."""
+
+    medium: ClassVar[str] = "hydraulic"
 
     @field_validator("kind", check_fields=False)
     @classmethod

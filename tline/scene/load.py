@@ -1,10 +1,11 @@
 """Loads: what a node lets pass to the reference."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
 from tline.errors import InputError
+from tline.scene import elements
 from tline.scene.air_valve import AirValve
 from tline.scene.characteristic import Curve, Diode
 from tline.scene.choice import OneOf
@@ -12,8 +13,8 @@ from tline.scene.element import AtNode
 from tline.scene.ibis.element import Ibis
 from tline.scene.medium import check_word
 from tline.scene.outflow import Demand, Leak
-from tline.scene.quantity import LoadResistance, Pressure
-from tline.scene.rational_load import Capacitor, Impedance, Inductor, Parallel, Series
+from tline.scene.quantity import Pressure
+from tline.scene.rational import Capacitor, Impedance, Inductor, Parallel, Resistor, Series
 from tline.scene.switch import Switch
 from tline.scene.touchstone import Touchstone
 from tline.scene.user_defined import UserLoad, or_user_defined
@@ -60,17 +61,9 @@ class Matched(AtNode):
     kind: Literal["matched"] = "matched"
 
 
-class Resistor(AtNode):
-    """A resistance, zero and infinity included."""
-
-    kind: Literal["resistor"] = "resistor"
-    resistance: LoadResistance = Field(description="effort over flow")
-
-
-_Any = (
-    NoFlow | Short | Reservoir | Matched | Resistor | Inductor | Capacitor | Series | Parallel
-    | Impedance | Touchstone | Ibis | Switch
-    | Orifice | CheckValve | ReliefValve | Leak | Demand | Diode | Curve
-    | AirVessel | SurgeTank | Cavity | VapourCavity | AirValve
+LOADS = (
+    NoFlow, Short, Reservoir, Matched, Resistor.load, Inductor.load, Capacitor.load, Series.load, Parallel.load,
+    Impedance.load, Touchstone, Ibis, Switch.load, Orifice.load, CheckValve.load, ReliefValve.load, Leak, Demand,
+    Diode.load, Curve.load, AirVessel, SurgeTank, Cavity, VapourCavity, AirValve, *elements.loads(),
 )  # fmt: skip
-Load = Annotated[_Any, OneOf(_Any, "kind"), *or_user_defined(UserLoad)]
+Load = Annotated[Any, OneOf(LOADS, "kind"), *or_user_defined(UserLoad)]

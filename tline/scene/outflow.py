@@ -1,18 +1,53 @@
 """Outflows that depend on the pressure: leaks and demands."""
 
+from math import inf
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from tline.errors import InputError
 from tline.scene.element import AtNode
 from tline.scene.factor import ALWAYS, Factor
+from tline.scene.kind import Bend, LawKind
 from tline.scene.law import ElementLaw, OfLiquids
 from tline.scene.quantity import ZERO, Quantity, Role
 
 Exponent = Annotated[Quantity, Role("exponent", "", at_least=0.1, at_most=4)]
 Flow = Annotated[Quantity, Role("flow", "m^3/s", above=0)]
 SOME = Quantity("0.5", "")
+
+
+class Leaking(LawKind):
+    """Constants: effort beyond the element, flow at a pressure, that pressure, exponent."""
+
+    name, unit = "leak", "laws.outflow.leak"
+    steep = True  # behind an impedance its flow has no Taylor series where it begins
+
+    def bends(self, c, rho):  # noqa: D102
+        yield Bend(c[0])
+
+    def holds(self, c, control):  # noqa: D102
+        return -inf, c[0] if control else inf
+
+    def flow(self, c):  # noqa: D102
+        _, flow, pressure, exponent = c
+        return lambda d: flow * (np.maximum(d, 0.0) / pressure) ** exponent
+
+
+class Demanded(Leaking):
+    """Constants as those of a leak; above the pressure it is met in full."""
+
+    name, unit = "demand", "laws.outflow.demand"
+    control = "pattern"
+
+    def bends(self, c, rho):  # noqa: D102
+        yield Bend(c[0])
+        yield Bend(c[0] + c[2], rho * c[1])
+
+    def flow(self, c):  # noqa: D102
+        _, flow, pressure, exponent = c
+        return lambda d: flow * np.clip(d / pressure, 0.0, 1.0) ** exponent
 
 
 class Leak(AtNode, OfLiquids):

@@ -10,7 +10,7 @@ from tline.scene.element import Element
 from tline.scene.heights import taken_as_zero
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
-from tline.scene.switch import Switch, SwitchLink
+from tline.scene.switch import Switch
 from tline.words.wording import place
 
 EVERYDAY = {"ohm", "V", "A", ""}  # units in which a bare number is what people mean
@@ -62,7 +62,7 @@ def _rings(scene: Scene) -> list[str]:
 
 def _idle(scene: Scene) -> list[str]:
     """Valves and switches that do not move within the run, and waveforms that begin after it."""
-    moves = {place(*at): element.time for at, element in scene.placed if isinstance(element, Switch | SwitchLink)}
+    moves = {place(*at): element.time for at, element in scene.placed if isinstance(element, Switch)}
     begins = {place(part, name): getattr(shape, "at", 0.0) for (part, name, _), shape in scene.waveforms.items()}
     late = [f"{where} ({t:.6g} s)" for where, t in (moves | begins).items() if t >= scene.t_end]
     early = [f"{where} ({t:.6g} s)" for where, t in moves.items() if t < 0]

@@ -1,7 +1,7 @@
 """Pumps: a curve at rated speed, affinity laws, a prescribed speed, or a run-down or start with inertia."""
 
 from itertools import pairwise
-from math import pi
+from math import inf, pi
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 from tline.errors import InputError
 from tline.scene.between import Between
 from tline.scene.factor import ALWAYS, Factor
+from tline.scene.kind import Bend, LawKind
 from tline.scene.law import ElementLaw, OfLiquids
 from tline.scene.pump_pieces import PumpPieces, backward, parabola, smooth
 from tline.scene.quantity import Quantity, Role
@@ -30,6 +31,41 @@ def _pair(point: Any) -> Any:
     if not isinstance(point, list | tuple) or len(point) != 2:
         raise InputError("", "not a point", "a pair [flow, pressure rise]", shown(point))
     return point
+
+
+class Pumping(LawKind):
+    """Constants: effort beyond the element, rise at rest, whether a check valve is behind it; see `Pump._constants`."""
+
+    name, unit = "pump", "laws.pump.pump"
+    control = "speed"
+    supplies = True
+
+    def bends(self, c, rho):  # noqa: D102
+        if c[2] > 0:
+            yield Bend(c[0], -c[1], 2)
+
+    def holds(self, c, control):  # noqa: D102
+        return (-inf, c[0] - control**2 * c[1]) if c[2] else (0.0, 0.0)
+
+    def source(self, c):  # noqa: D102
+        return "a pump, which holds a source"
+
+
+class Running(Pumping):
+    """A pump with inertia, whose state is its speed; one that will run down still runs before, one that will start
+    stands."""
+
+    name, unit = "rotor", "stores.rotor.rotor"
+    control = "trip"
+    states = 1
+    steady = "pump"
+
+    def at_rest(self, c, effort, control):  # noqa: D102
+        return (control,)
+
+    def bends(self, c, rho):  # noqa: D102
+        if c[2] > 0:
+            yield Bend(0.0)  # where its flow stops
 
 
 class Pump(Between, OfLiquids):

@@ -3,13 +3,24 @@
 import math
 import numbers
 from fractions import Fraction
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from tline.errors import InputError
-from tline.scene.element import Element
-from tline.scene.quantity import LARGEST, SMALLEST, Capacitance, Inductance, Parameter, PositiveResistance
+from tline.scene.between import Between
+from tline.scene.element import AtNode, Element
+from tline.scene.placed import Placed
+from tline.scene.quantity import (
+    LARGEST,
+    SMALLEST,
+    Capacitance,
+    Inductance,
+    LoadResistance,
+    Parameter,
+    PositiveResistance,
+    Quantity,
+)
 from tline.scene.ratio import Ratio
 from tline.words.wording import shown
 
@@ -20,8 +31,19 @@ MOST_STATES = 20  # degree up to which double precision holds ladders of L and C
 
 
 class RationalImpedance(Element):
-    """An element that is a rational impedance between its two terminals."""
+    """An element that is a rational impedance between its two terminals.
 
+    Attributes
+    ----------
+    stores : bool
+        Whether it holds what does not flow through its resistance.
+    series, beside : float
+        Resistance that all its flow passes, and conductance beside the rest.
+    """
+
+    stores: ClassVar[bool] = False
+    series: ClassVar[float] = 0.0
+    beside: ClassVar[float] = 0.0
     _ratio: Ratio = PrivateAttr()
     _rational: "RationalFunction | None" = PrivateAttr(default=None)
 
@@ -54,8 +76,14 @@ def _as_typed(value: float | str) -> Fraction | float | str:
     return exact(value) if isinstance(value, float) and math.isfinite(value) else value
 
 
-class OneResistance(RationalImpedance):
-    """One resistor."""
+class AnyResistance(AtNode):
+    """A resistance from a node to the reference, zero and infinity included."""
+
+    resistance: LoadResistance = Field(description="effort over flow")
+
+
+class BetweenResistance(RationalImpedance, Between):
+    """A resistance between two nodes."""
 
     resistance: PositiveResistance = Field(description="R")
 
@@ -63,18 +91,36 @@ class OneResistance(RationalImpedance):
         return Ratio.of_fractions([exact(self.resistance)], [1])
 
 
-class OneInductance(RationalImpedance):
-    """One inductor, Z(s) = sL."""
+class Resistor(Placed, load=AnyResistance, link=BetweenResistance):
+    """A resistance; at a node zero and infinity included."""
 
+    kind: Literal["resistor"] = "resistor"
+    if TYPE_CHECKING:  # of both
+        resistance: Quantity = Quantity(0, "")
+
+
+class Inductor(RationalImpedance, Placed):
+    """An inductance, Z(s) = sL."""
+
+    kind: Literal["inductor"] = "inductor"
+    stores = True
     inductance: Inductance = Field(description="L")
 
     def _find_ratio(self) -> Ratio:
         return Ratio.of_fractions([exact(self.inductance), 0], [1])
 
 
-class OneCapacitance(RationalImpedance):
-    """One capacitor, Z(s) = 1/(sC)."""
+class Capacitor(RationalImpedance, Placed):
+    """A capacitance, Z(s) = 1/(sC): it blocks a steady flow.
 
+    Examples
+    --------
+    >>> Capacitor(nodes=["driver", "line"], capacitance="100 nF").rational().at_zero()
+    inf
+    """
+
+    kind: Literal["capacitor"] = "capacitor"
+    stores = True
     capacitance: Capacitance = Field(description="C")
 
     def _find_ratio(self) -> Ratio:
@@ -93,8 +139,15 @@ class _RLC(RationalImpedance):
         return r, ind, c
 
 
-class SeriesRLC(_RLC):
-    """R, L and C one after the other."""
+class Series(_RLC, Placed):
+    """R, L and C one after the other, Z(s) = R + sL + 1/(sC); those not given are absent."""
+
+    kind: Literal["series"] = "series"
+    stores = True
+
+    @property
+    def series(self) -> float:  # noqa: D102
+        return float(self.resistance or 0.0)
 
     def _find_ratio(self) -> Ratio:
         r, ind, c = self._exact_values()
@@ -103,8 +156,15 @@ class SeriesRLC(_RLC):
         return Ratio.of_fractions([c * (ind or 0), c * (r or 0), 1], [c, 0])
 
 
-class ParallelRLC(_RLC):
-    """R, L and C side by side."""
+class Parallel(_RLC, Placed):
+    """R, L and C side by side, 1/Z(s) = 1/R + 1/(sL) + sC; those not given are absent."""
+
+    kind: Literal["parallel"] = "parallel"
+    stores = True
+
+    @property
+    def beside(self) -> float:  # noqa: D102
+        return float(1 / self.resistance) if self.resistance else 0.0
 
     def _find_ratio(self) -> Ratio:
         r, ind, c = self._exact_values()
@@ -123,9 +183,16 @@ def _number_or_text(value: Any) -> Any:
 Coefficient = Annotated[int | float | str, BeforeValidator(_number_or_text)]
 
 
-class AnyImpedance(RationalImpedance):
-    """Any rational Z(s): an expression with its parameters, or coefficients with the highest power first."""
+class Impedance(RationalImpedance, Placed):
+    """Any rational Z(s): an expression with its parameters, or coefficients with the highest power first.
 
+    Examples
+    --------
+    >>> Impedance(at="far", expression="R + s*L", parameters={"R": 5, "L": "2 nH"}).rational()(0j)
+    (5+0j)
+    """
+
+    kind: Literal["impedance"] = "impedance"
     expression: str | None = Field(default=None, description="Z(s) in SI, such as 'R + s*L'")
     parameters: dict[str, Parameter] = Field(default_factory=dict, description="values of the names in the expression")
     numerator: list[Coefficient] | None = Field(default=None, description="coefficients, highest power first, SI")
@@ -136,6 +203,21 @@ class AnyImpedance(RationalImpedance):
         ratio = Ratio.of(self._rational)
         _check_limits(ratio)
         return ratio
+
+    @model_validator(mode="after")
+    def _parts(self):
+        if isinstance(self, Between) and self.ratio.is_zero:
+            raise InputError("", "its impedance is zero", "one node in place of the two")
+        return self
+
+    @classmethod
+    def from_system(cls, system: Any, at: str | None = None, nodes: tuple[str, str] | None = None) -> "Impedance":
+        """Z(s) at a node, or between two, from a system of scipy.signal or python-control from flow to effort."""
+        from passivity import RationalFunction
+
+        Z = RationalFunction.from_system(system)
+        sides = {"numerator": [str(a) for a in Z.numerator], "denominator": [str(a) for a in Z.denominator]}
+        return cls(**({"at": at} if nodes is None else {"nodes": nodes}), **sides)
 
     def _read(self) -> "RationalFunction":
         if self.expression is not None and self.numerator is None and self.denominator is None:
@@ -168,14 +250,6 @@ class AnyImpedance(RationalImpedance):
             return RationalFunction.from_coefficients(numerator, denominator)
         except ExpressionError as error:
             raise InputError(error.where, error.problem, error.expected, error.got) from None
-
-
-def coefficients_of(system: Any) -> dict[str, list[str]]:
-    """Numerator and denominator of a scipy.signal or python-control system from one input to one output."""
-    from passivity import RationalFunction
-
-    function = RationalFunction.from_system(system)
-    return {"numerator": [str(a) for a in function.numerator], "denominator": [str(a) for a in function.denominator]}
 
 
 def _check_limits(impedance: Ratio) -> None:

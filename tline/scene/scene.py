@@ -28,7 +28,7 @@ from tline.scene.display import as_html, as_text, drawn
 from tline.scene.element import Element, Name
 from tline.scene.heights import Height, heights_of
 from tline.scene.ibis.element import Ibis
-from tline.scene.law import FACTORS, ElementLaw, NonLinear
+from tline.scene.law import ElementLaw, NonLinear
 from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.link import Link
 from tline.scene.load import Load
@@ -366,7 +366,7 @@ class Scene(Element):
         given = {("sources", name, "value"): source.value for name, source in self.sources.items()}
         for (part, name), law in self.laws.items():
             if law.factor is not None:
-                given[part, name, FACTORS[law.kind]] = law.factor
+                given[part, name, law.of_kind.control] = law.factor
         return given
 
     def probed_line(self, probe: str) -> str | None:

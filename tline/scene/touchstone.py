@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
 from tline.errors import InputError
+from tline.scene.element import AtNode
 from tline.scene.line import Cable, SceneLine
 from tline.scene.named_file import beside
 from tline.scene.quantity import Quantity, Role, Tolerance
 from tline.scene.ratio import Ratio
-from tline.scene.rational_load import Rational
+from tline.scene.rational import RationalImpedance
 
 if TYPE_CHECKING:
     from passivity import DelayedModel, RationalFunction
@@ -22,7 +23,7 @@ Model = TypeVar("Model")
 Delay = Annotated[Quantity, Role("delay", "s", at_least=0)]
 
 
-class Touchstone(Rational):
+class Touchstone(RationalImpedance, AtNode):
     """A measured one-port, such as an antenna: the S-parameters of a Touchstone file.
 
     A rational model is fitted to the file's reflection, with as few poles as the tolerance takes; a delay in front, as

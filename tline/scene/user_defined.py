@@ -18,6 +18,7 @@ from tline.errors import InputError
 from tline.scene.between import Between
 from tline.scene.element import AtNode
 from tline.scene.factor import ALWAYS, Factor
+from tline.scene.kind import LawKind
 from tline.scene.law import ElementLaw, NonLinear
 from tline.words.wording import place
 
@@ -26,6 +27,15 @@ if TYPE_CHECKING:
 
 _SIGNATURE = CFUNCTYPE(c_double, c_double, c_double)
 _CALLED: dict[int, _Called] = {}  # of each element alive, by its identity: a copy is an element of its own
+
+
+class UserDefined(LawKind):
+    """Constants: effort beyond the element, address of its function."""
+
+    name, unit = "user_defined", "laws.user_defined.user_defined"
+
+    def source(self, c):  # noqa: D102
+        return "user-defined; passive if effort times flow is never negative"
 
 
 class UserElement(NonLinear):

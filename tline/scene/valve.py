@@ -1,8 +1,10 @@
 """Valves: flow = opening·C·sqrt(pressure drop), in both directions or in one."""
 
-from math import inf
+from math import inf, sqrt
 from typing import Annotated, Any, Literal
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import (
     BeforeValidator,
     Field,
@@ -18,7 +20,9 @@ from tline.errors import InputError
 from tline.scene.between import Between
 from tline.scene.element import AtNode, Element
 from tline.scene.factor import ALWAYS, Characterised, Factor
+from tline.scene.kind import ANY_DROP, Bend, LawKind
 from tline.scene.law import ElementLaw, Governor, OfLiquids
+from tline.scene.placed import Placed
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.rating import Rated
 from tline.scene.shape import Shape
@@ -26,6 +30,7 @@ from tline.scene.travel import ADDED, Kind, shares
 from tline.words.wording import shown
 
 Share = Annotated[Quantity, Role("share", "", at_least=0, at_most=1)]
+PRESSURE_BEHIND = "has a pressure behind it, which is a source"
 Back = Annotated[Quantity, Role("pressure", "Pa")]
 
 
@@ -51,6 +56,60 @@ Points = list[Annotated[tuple[Share, Share], BeforeValidator(_pair)]]
 Characteristic = Annotated[
     Points, WrapValidator(_named_or_points, json_schema_input_type=Points | Kind), WrapSerializer(_as_typed)
 ]
+
+
+def rooted(drop: NDArray, capacity: float) -> NDArray:
+    """Flow through an orifice."""
+    return capacity * np.sign(drop) * np.sqrt(np.abs(drop))
+
+
+class Root(LawKind):
+    """Constants: effort beyond the element, capacity, whether flow passes one way only."""
+
+    name, unit = "quadratic", "laws.quadratic.quadratic"
+
+    def bends(self, c, rho):  # noqa: D102
+        yield Bend(c[0])
+
+    def holds(self, c, control):  # noqa: D102
+        if c[1] * control == 0:
+            return ANY_DROP
+        return (-inf, c[0]) if c[2] else (0.0, 0.0)
+
+    def tightness(self, c, control, largest):  # noqa: D102
+        return sqrt(largest) / (c[1] * control) if c[1] * control > 0 else 0.0
+
+    def source(self, c):  # noqa: D102
+        behind = c[0] < 0 or (c[0] > 0 and not c[2])
+        return PRESSURE_BEHIND if behind else ""
+
+    def flow(self, c):  # noqa: D102
+        _, capacity, one_way = c
+        if capacity == inf:
+            return None
+        return lambda d: rooted(np.maximum(d, 0.0) if one_way else d, capacity)
+
+
+class Relieving(LawKind):
+    """Constants: effort beyond the element, capacity, drop at which it begins to open, further drop to wide open."""
+
+    name, unit = "relief", "laws.relief.relief"
+
+    def bends(self, c, rho):  # noqa: D102
+        yield Bend(c[0] + c[2])
+        yield Bend(c[0] + c[2] + c[3], rho * c[1] * sqrt(c[2] + c[3]))
+
+    def holds(self, c, control):  # noqa: D102
+        return -inf, c[0] + c[2] if control else inf
+
+    def source(self, c):  # noqa: D102
+        return PRESSURE_BEHIND if c[0] + c[2] < 0 else ""
+
+    def flow(self, c):  # noqa: D102
+        _, capacity, opens, band = c
+        if capacity == inf:
+            return None
+        return lambda d: rooted(np.maximum(d, 0.0), capacity) * np.clip((d - opens) / band, 0.0, 1.0)
 
 
 class CharacterisedValve(Rated, OfLiquids):
@@ -88,7 +147,20 @@ class CharacterisedValve(Rated, OfLiquids):
         return self
 
 
-class _Orifice(CharacterisedValve):
+class Behind(AtNode):
+    """What leads to the outside."""
+
+    back_pressure: Pressure = Field(default=ZERO, description="gauge pressure on the other side; 0 is the open air")
+
+
+def _behind(element: Element) -> float:
+    return float(getattr(element, "back_pressure", 0.0))
+
+
+class Orifice(CharacterisedValve, Placed, load=Behind):
+    """An orifice, a minor loss or a control valve: flow = share·C·sqrt(drop), in both directions."""
+
+    kind: Literal["orifice"] = "orifice"
     opening: Factor = Field(default=ALWAYS, description="0 (shut) to 1 (wide open), constant or over time")
     _share: Characterised | None = PrivateAttr(default=None)
 
@@ -101,76 +173,13 @@ class _Orifice(CharacterisedValve):
             self._share = Characterised.model_construct(opening=self.opening, shares=self._points)
         return self._share
 
-    def law(self) -> ElementLaw:
+    def law(self) -> ElementLaw:  # noqa: D102
         return ElementLaw("quadratic", (_behind(self), self.capacity or inf, 0.0), self.share)
 
 
-class _CheckValve(Rated, OfLiquids):
-    cracking_pressure: Annotated[Quantity, Role("pressure", "Pa", at_least=0)] = Field(
-        default=ZERO, description="drop at which it begins to open"
-    )
+class WithDisc(Between):
+    """What may have a disc with a mass."""
 
-    @property
-    def _may_lack_a_loss(self) -> bool:
-        return True
-
-    def law(self) -> ElementLaw:
-        return ElementLaw("quadratic", (self.cracking_pressure + _behind(self), self.capacity or inf, 1.0))
-
-
-class _ReliefValve(Rated, OfLiquids):
-    set_pressure: Annotated[Quantity, Role("pressure", "Pa", at_least=0)] = Field(
-        description="drop at which it begins to open"
-    )
-    band: Annotated[Quantity, Role("pressure", "Pa", above=0)] = Field(
-        description="further drop over which it opens in proportion, up to its full capacity"
-    )
-
-    def law(self) -> ElementLaw:
-        constants = (_behind(self), self.capacity or inf, float(self.set_pressure), float(self.band))
-        return ElementLaw("relief", constants)
-
-
-class _Behind(AtNode):
-    back_pressure: Pressure = Field(default=ZERO, description="gauge pressure on the other side; 0 is the open air")
-
-
-def _behind(element: Element) -> float:
-    return float(getattr(element, "back_pressure", 0.0))
-
-
-class Orifice(_Orifice, _Behind):
-    """An orifice or control valve to the outside: flow = share·C·sqrt(drop), in both directions."""
-
-    kind: Literal["orifice"] = "orifice"
-
-
-class OrificeLink(_Orifice, Between):
-    """An orifice, a minor loss or a control valve between two nodes: flow = share·C·sqrt(drop), in both directions."""
-
-    kind: Literal["orifice"] = "orifice"
-
-
-class CheckValve(_CheckValve, _Behind):
-    """A valve to the outside that lets nothing in."""
-
-    kind: Literal["check valve"] = "check valve"
-
-
-class CheckValveLink(_CheckValve, Between):
-    """A valve that lets flow pass from the first node to the second only; without a capacity it has no loss.
-
-    With a disc_mass it shuts late, and slams: disc_mass·travel·x'' = area·(drop - closing pressure) -
-    damping·travel·x', with x from 0 (shut) to 1, to which the capacity is in proportion. The closing pressure rises
-    from the cracking_pressure at x = 0 to the open_pressure at x = 1, by a spring or a weight. Of a disc that swings
-    the mass is its moment of inertia over the square of its arm, that of the liquid that moves with it included.
-
-    References
-    ----------
-    A. R. D. Thorley: Fluid Transients in Pipeline Systems, 2nd edition, Professional Engineering Publishing (2004).
-    """
-
-    kind: Literal["check valve"] = "check valve"
     disc_mass: Annotated[Quantity, Role("mass", "kg", above=0)] | None = Field(
         default=None, description="of all that moves; without it the valve shuts as soon as the flow turns"
     )
@@ -184,12 +193,38 @@ class CheckValveLink(_CheckValve, Between):
         default=None, description="force on the disc over its speed; none if not given"
     )
 
+
+class CheckValve(Rated, OfLiquids, Placed, load=Behind, link=WithDisc):
+    """A valve that lets flow pass out of its node, or from the first node to the second, only.
+
+    Without a capacity it has no loss. Between nodes, with a disc_mass, it shuts late, and slams:
+    disc_mass·travel·x'' = area·(drop - closing pressure) - damping·travel·x', with x from 0 (shut) to 1, to which the
+    capacity is in proportion. The closing pressure rises from the cracking_pressure at x = 0 to the open_pressure at
+    x = 1, by a spring or a weight. Of a disc that swings the mass is its moment of inertia over the square of its arm,
+    that of the liquid that moves with it included.
+
+    References
+    ----------
+    A. R. D. Thorley: Fluid Transients in Pipeline Systems, 2nd edition, Professional Engineering Publishing (2004).
+    """
+
+    kind: Literal["check valve"] = "check valve"
+    cracking_pressure: Annotated[Quantity, Role("pressure", "Pa", at_least=0)] = Field(
+        default=ZERO, description="drop at which it begins to open"
+    )
+
+    @property
+    def _may_lack_a_loss(self) -> bool:
+        return True
+
     @property
     def _may_have_a_bore(self) -> bool:
-        return self.disc_mass is not None
+        return isinstance(self, WithDisc) and self.disc_mass is not None
 
     @model_validator(mode="after")
     def _moves(self):
+        if not isinstance(self, WithDisc):
+            return self
         of_discs = "travel", "open_pressure", "damping"
         given = [key for key in of_discs if getattr(self, key) is not None]
         if self.disc_mass is None:
@@ -206,8 +241,8 @@ class CheckValveLink(_CheckValve, Between):
         return self
 
     def law(self) -> ElementLaw:  # noqa: D102
-        if self.disc_mass is None or self.travel is None:
-            return super().law()
+        if not isinstance(self, WithDisc) or self.disc_mass is None or self.travel is None:
+            return ElementLaw("quadratic", (self.cracking_pressure + _behind(self), self.capacity or inf, 1.0))
         length_over_area = float(self.travel / (self.bore or inf))
         cracking, opened = float(self.cracking_pressure), float(self.open_pressure or self.cracking_pressure)
         disc = Governor(
@@ -221,13 +256,17 @@ class CheckValveLink(_CheckValve, Between):
         return ElementLaw("quadratic", (0.0, self.capacity or inf, 0.0), governor=disc)
 
 
-class ReliefValve(_ReliefValve, _Behind):
-    """A relief valve to the outside: shut up to the set pressure, wide open a band above it."""
+class ReliefValve(Rated, OfLiquids, Placed, load=Behind):
+    """A relief valve: shut up to the set pressure, wide open a band above it."""
 
     kind: Literal["relief valve"] = "relief valve"
+    set_pressure: Annotated[Quantity, Role("pressure", "Pa", at_least=0)] = Field(
+        description="drop at which it begins to open"
+    )
+    band: Annotated[Quantity, Role("pressure", "Pa", above=0)] = Field(
+        description="further drop over which it opens in proportion, up to its full capacity"
+    )
 
-
-class ReliefValveLink(_ReliefValve, Between):
-    """A relief valve from the first node to the second: shut up to the set pressure, wide open a band above it."""
-
-    kind: Literal["relief valve"] = "relief valve"
+    def law(self) -> ElementLaw:  # noqa: D102
+        constants = (_behind(self), self.capacity or inf, float(self.set_pressure), float(self.band))
+        return ElementLaw("relief", constants)

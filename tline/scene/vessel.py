@@ -3,10 +3,13 @@
 from math import inf, pi
 from typing import Annotated, Literal
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from tline.errors import InputError
 from tline.scene.element import AtNode, Element
+from tline.scene.kind import Bend, LawKind, Volume
 from tline.scene.law import ElementLaw, OfLiquids
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.rating import Rated
@@ -15,6 +18,78 @@ ATMOSPHERE = Quantity(101_325, "Pa")
 GRAVITY = Quantity(9.80665, "m/s^2")
 Height = Annotated[Quantity, Role("height", "m")]
 Absolute = Annotated[Quantity, Role("pressure", "Pa", above=0)]
+
+
+class Gas(LawKind):
+    """Constants: effort beyond, capacity of the orifice, pressure outside, volume at zero effort, exponent n.
+
+    The state is ln(V / volume at zero effort).
+    """
+
+    name, unit = "gas", "stores.gas.gas"
+    states = 1
+    returns = fills = steep = True
+
+    def at_rest(self, c, effort, control):  # noqa: D102
+        above, outside, n = effort - c[0], c[2], c[4]
+        if above <= -outside:
+            raise InputError("", "no state at rest: the pressure is below vacuum")
+        return (float(-np.log1p(above / outside) / n),)
+
+    def capacity(self, c, effort):
+        """As at pressure 0 where it is lower."""
+        back, _, outside, at_zero, n = c
+        compressed = 1 + max(effort - back, 0.0) / outside
+        return at_zero / (n * outside) * compressed ** (-1 / n - 1)
+
+    def bends(self, c, rho):  # noqa: D102
+        if c[1] < inf:  # its flow turns in the orifice
+            yield Bend(0.0)
+
+    def volume(self, c):
+        """Liquid in place of gas: none where the gas fills what it does without effort."""
+        beyond, capacity, outside, at_zero, exponent = c
+
+        def held(p: NDArray) -> NDArray:
+            absolute = np.maximum(1.0 + (p - beyond) / outside, 1e-12)
+            return -at_zero * absolute ** (-1.0 / exponent)
+
+        return Volume(held, capacity)
+
+
+class Tank(LawKind):
+    """Constants: effort beyond the element, capacity of the orifice, capacitance. The state is the effort inside."""
+
+    name, unit = "tank", "stores.tank.tank"
+    states = 1
+    returns = fills = steep = True
+
+    def at_rest(self, c, effort, control):  # noqa: D102
+        return (effort - c[0],)
+
+    def capacity(self, c, effort):  # noqa: D102
+        return c[2]
+
+    def bends(self, c, rho):  # noqa: D102
+        if c[1] < inf:
+            yield Bend(0.0)
+
+    def volume(self, c):  # noqa: D102
+        beyond, capacity, per_effort = c
+        return Volume(lambda p: per_effort * (p - beyond), capacity)
+
+
+class Vapour(LawKind):
+    """Constant: effort at which the liquid boils. The state is the vapour's volume."""
+
+    name, unit = "vapour", "stores.vapour.vapour"
+    states = 1
+    fills = breaks = True
+
+    def at_rest(self, c, effort, control):  # noqa: D102
+        if effort < c[0]:
+            raise InputError("", "no state at rest: the liquid boils")
+        return (0.0,)
 
 
 class _Vessel(Rated, AtNode, OfLiquids):

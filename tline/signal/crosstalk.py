@@ -1,6 +1,5 @@
 """Crosstalk of coupled conductors: what one that is driven sends into the others, and modes of pairs."""
 
-import csv
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.scene.coupled import Coupled
 from tline.scene.scene import Scene
-from tline.solver.result.atomic import replacing
+from tline.solver.result.atomic import write_columns
 from tline.solver.result.dense_output import curve
 from tline.solver.simulate import simulate
 from tline.words.wording import nearest, place, shown
@@ -117,10 +116,7 @@ def save_crosstalk(seen: Crosstalk, path: str | Path) -> None:
     columns = {"time [s]": seen.t} | {f"{node} [V]": u for node, u in seen.voltages.items()}
     columns |= {f"{a} - {b} [V]": u for (a, b), u in seen.differential.items()}
     columns |= {f"mean of {a} and {b} [V]": u for (a, b), u in seen.common.items()}
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        rows = csv.writer(file)
-        rows.writerow(columns)
-        rows.writerows(np.stack([*columns.values()], axis=1).tolist())
+    write_columns(path, columns)
 
 
 def _line(scene: Scene, name: str | None) -> str:

@@ -98,8 +98,10 @@ def eye(
         Zeros and ones, at least one of each, at most 4096; or "prbs7".
     source : str, optional
         Name of the source, or of the load that is a driver; not needed if there is one only.
-    low, high : float or str
-        Levels of zero and one, of the source's quantity.
+    low : float or str
+        Level of a zero, of the source's quantity.
+    high : float or str
+        Level of a one.
     tol : float, optional
         Largest error of the probe, relative to its amplitude, instead of the scene's; 1e-6 where there is neither.
     progress : bool

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.scene.coupled import Coupled
 from tline.scene.scene import Scene
-from tline.solver.result.atomic import replacing
+from tline.solver.result.atomic import write_columns
 from tline.solver.result.dense_output import curve
 from tline.solver.simulate import simulate
 from tline.units import to_si
@@ -128,10 +128,8 @@ def save_reflections(seen: Reflections, path: str | Path) -> None:
     InputError
         The file cannot be written.
     """
-    rows = np.stack([seen.t, seen.incident, seen.reflected, seen.impedance], axis=1)
-    with replacing(path) as temporary:
-        head = "time [s],incident,reflected,impedance"
-        np.savetxt(temporary, rows, fmt="%.17g", delimiter=",", header=head, comments="", encoding="utf-8")
+    columns = {"time [s]": seen.t, "incident": seen.incident, "reflected": seen.reflected, "impedance": seen.impedance}
+    write_columns(path, columns)
 
 
 def _above_zero(value: float | str, unit: str | None, where: str) -> float:

@@ -165,7 +165,7 @@ def _check_record(lines: int, n: int, s: int) -> None:
 
 
 class Again(NamedTuple):
-    """The same run once more, to account for energies."""
+    """The same run once more, to account for energies or for a result of its own."""
 
     scene: Scene
     chosen: Resolution
@@ -177,6 +177,10 @@ class Again(NamedTuple):
     def __call__(self) -> Ledger | None:
         """What every line and element gave, took and stored."""
         return run(describe(self.scene), self.chosen, ledger=True, slabs=self.slabs, kinks=self.kinks).ledger
+
+    def result(self, description: Description, record: Iterable[str], progress: bool) -> Result:
+        """The result of the same description, with arrays of its own."""
+        return run(description, self.chosen, record, progress=progress, slabs=self.slabs, kinks=self.kinks)
 
     @property
     def is_cheap(self) -> bool:

@@ -1,7 +1,7 @@
 """Simulate a scene: to a tolerance, by runs of rising order or on narrower slabs, or once as fixed by hand."""
 
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,7 +17,7 @@ from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.result.accuracy import Accuracy, Attempt
 from tline.solver.result.merged import merged, recorded
 from tline.solver.result.result import Result
-from tline.solver.run import run, with_ledger
+from tline.solver.run import Again, run, with_ledger
 from tline.solver.tolerance.compare import caution, differences, magnified
 from tline.solver.tolerance.limits import inside_slabs
 from tline.solver.tolerance.lossy import with_losses
@@ -181,17 +181,47 @@ def _searched(description: Description, how: _How, tol: float | None, whole: Des
         result = run(description, chosen, how.record, envelope=how.envelope, ledger=bool(ledger), progress=how.progress)
         result = replace(result, accuracy=tol and _by_hand(result, tol))
     else:
-        more = {"envelope": how.envelope, "start": how.start, "whole": whole}
-        witness = None if how.start else Witness(description, how.record)
-        record = [*how.record, *(witness.lines if witness else ())]
-        search = Search(description, tol, record, how.progress, **more)
-        result = convolved(search) or (with_losses if description.dispersive else within)(search)
-        if witness is not None:
-            result = witness.heard(result)
-            kept = {*how.record, *description.probed}
-            result = replace(result, lines={name: line for name, line in result.lines.items() if name in kept})
+        key = tol, frozenset(how.record)
+        known = None if how.envelope or how.start else description.known.get(key)
+        result = known.result(description, how) if known else _found(description, how, tol, whole)
+        if not (known or how.envelope or how.start or description.dispersive or result.resolution.convolved):
+            description.known.update(_known(key, result))
     result = with_ledger(result, ledger)
     return replace(result, warned=tuple(warned)) if warned else result
+
+
+def _found(description: Description, how: _How, tol: float, whole: Description | None) -> Result:
+    """What a search for order and slab finds, as a second look by other means leaves it."""
+    witness = None if how.start else Witness(description, how.record)
+    record = [*how.record, *(witness.lines if witness else ())]
+    search = Search(description, tol, record, how.progress, envelope=how.envelope, start=how.start, whole=whole)
+    result = convolved(search) or (with_losses if description.dispersive else within)(search)
+    if witness is None:
+        return result
+    kept = {*how.record, *description.probed}
+    lines = {name: line for name, line in result.lines.items() if name in kept}
+    return replace(witness.heard(result), lines=lines)
+
+
+class _Known(NamedTuple):
+    """The run that a search ended with, to be made again for the same scene, and what is known of it."""
+
+    again: Again
+    accuracy: Accuracy | None
+    unresolved: tuple[str, ...]
+
+    def result(self, description: Description, how: _How) -> Result:
+        """That of the search, to the last bit."""
+        result = self.again.result(description, how.record, how.progress)
+        return replace(result, accuracy=self.accuracy, unresolved=self.unresolved)
+
+
+def _known(key: Hashable, result: Result) -> dict[Hashable, _Known]:
+    """What to keep of a result by a key: nothing where it is more than one run, or one of elements of a user."""
+    again = result.accounts
+    if not isinstance(again, Again) or user_elements(result.scene):
+        return {}
+    return {key: _Known(again, result.accuracy, result.unresolved)}
 
 
 def judged(result: Result) -> Accuracy:

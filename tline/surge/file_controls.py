@@ -8,7 +8,7 @@ from tline.interchange.water_network import listed
 from tline.scene.held import held_nodes
 from tline.scene.pump import Pump
 from tline.scene.scene import Scene
-from tline.scene.valve import OrificeLink
+from tline.scene.valve import Orifice
 from tline.solver.description.excitation import just_before
 from tline.surge.control import Control
 from tline.surge.event import Event
@@ -71,5 +71,5 @@ def _kind(scene: Scene, one: WaterControl) -> str:
     if isinstance(link, Pump):
         runs = just_before(link.speed) > 0
         return "" if runs == one.opens else "start" if one.opens else "trip"
-    opening = just_before(link.opening) if isinstance(link, OrificeLink) else None
+    opening = just_before(link.opening) if isinstance(link, Orifice) else None
     return "" if opening == float(bool(one.opens)) else "open" if one.opens else "close"

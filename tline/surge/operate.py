@@ -13,7 +13,7 @@ from tline.scene.quantity import Quantity
 from tline.scene.regulating import RegulatingValve
 from tline.scene.scene import Scene
 from tline.scene.travel import open_loss
-from tline.scene.valve import CheckValve, Orifice, OrificeLink
+from tline.scene.valve import CheckValve, Orifice
 from tline.solver.description.description import describe
 from tline.solver.description.excitation import just_before
 from tline.solver.steady.steady_state import above_level
@@ -162,10 +162,10 @@ class _Operated:
                 raise InputError(event.kind, f"pipe '{event.name}' is open already", "a valve that is not")
             self._put_valve(event.name, event.control(1.0, after))
             return
-        valve = load if isinstance(load, Orifice) else self._link(event, OrificeLink | RegulatingValve, VALVE)
+        valve = load if isinstance(load, Orifice) else self._link(event, Orifice | RegulatingValve, VALVE)
         part = self.tables["loads" if valve is load else "links"]
         if isinstance(valve, RegulatingValve):
-            kept = {key: value for key, value in part[event.name].items() if key in OrificeLink.model_fields}
+            kept = {key: value for key, value in part[event.name].items() if key in Orifice.link.model_fields}
             part[event.name] = kept | {"kind": "orifice"}
             before = self._before.openings[place("links", event.name)]
             self.notes.append(f"valve '{event.name}': it regulates no more, from its opening of {before:.3g} on")

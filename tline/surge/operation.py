@@ -129,31 +129,35 @@ def operate(
     ----------
     network : Scene, path or dict
         A hydraulic scene that starts in the steady state, or the path of one (.toml) or of a network of EPANET (.inp).
-    trip : str
-        Pumps whose motors fail: ``"PUMP@TIME"``.
-    start : str
-        Pumps that stand, and that their motors start: ``"PUMP@TIME"``, or evenly: ``"PUMP@TIME+DURATION"``.
-    stop : str
-        Pumps whose speed falls to nothing, linearly: ``"PUMP@TIME+DURATION"``.
-    close, open : str
-        Valves, or pipes that get a gate valve: ``"LINK@TIME+DURATION"``; with a second stage ``"V1@1s+2s:20%+8s"``, or
-        along a file of openings ``"V1@1s:shut.csv"``.
-    burst : str
-        Holes, with their flow at the pressure before: ``"NODE:FLOW@TIME+DURATION"``.
-    demand : str
-        Changes of what nodes draw: ``"NODE:+FLOW@TIME+DURATION"``, or ``-FLOW``.
-    when : str
-        What is operated once a gauge pressure is reached: ``"NODE>5 bar:close LINK+DURATION"``.
+    trip : str, "PUMP@TIME"
+        Pumps whose motors fail, and that run down.
+    start : str, "PUMP@TIME"
+        Pumps that stand, and that their motors start; +DURATION does so evenly.
+    stop : str, "PUMP@TIME+DURATION"
+        Pumps whose speed falls to nothing, linearly.
+    close : str, "LINK@TIME+DURATION"
+        Valves to shut, or pipes that get a gate valve; with :20%+8s a second stage from there, with :FILE.csv along a
+        file of openings.
+    open : str, "LINK@TIME+DURATION"
+        Valves to open.
+    burst : str, "NODE:FLOW@TIME"
+        Holes, with their flow at the pressure before.
+    demand : str, "NODE:±FLOW@TIME"
+        Nodes that draw more, or less; twice for a pulse.
+    when : str, "NODE>PRESSURE:close LINK+DURATION"
+        What is operated once a gauge pressure is reached, above or below (<).
     t_end : number or text
-        End of the run, s.
+        How long to run, s.
     tol : float, 1e-13 to 0.1
         Largest error at the probes, relative to their amplitudes; 0.01 if neither it nor `order` is given.
     order : int, 1 to 16
         One run of this order instead, in the slabs that suit it.
-    inertia, rated_speed : number or text, optional
-        Of the pumps that trip and start, kg m² and turns per second; what is usual for their power if they have none.
+    inertia : number or text, optional
+        Of pumps that trip or start, such as "2 kg m^2"; what is usual for their power if not given.
+    rated_speed : number or text, optional
+        Of pumps that trip or start, such as "1450 rpm"; a usual one if not given.
     rating : number or text, optional
-        Pressure that the pipes bear, Pa.
+        Pressure that the pipes bear, such as "16 bar".
     at : str
         Nodes to probe, instead of those that are operated.
     record : iterable of str, optional

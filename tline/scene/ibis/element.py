@@ -11,15 +11,14 @@ from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
 from tline.errors import InputError
-from tline.scene.characteristic import Curve, CurveLink
+from tline.scene.characteristic import Curve
+from tline.scene.element import AtNode
 from tline.scene.ibis.buffer import ALWAYS, Buffer, CurrentTable, read_buffer
 from tline.scene.ibis.switching import Edge, edge_of, over_time
 from tline.scene.named_file import beside
 from tline.scene.quantity import ZERO, Duration, Time
 from tline.scene.ratio import Ratio
-from tline.scene.rational import exact
-from tline.scene.rational_link import SeriesLink
-from tline.scene.rational_load import Capacitor, Rational
+from tline.scene.rational import Capacitor, RationalImpedance, Series, exact
 from tline.scene.shape import Shape
 from tline.scene.source import Source
 from tline.scene.touchstone import electrical
@@ -54,7 +53,7 @@ class Shares(Shape):
         return min(np.diff(self.t))
 
 
-class Ibis(Rational):
+class Ibis(RationalImpedance, AtNode):
     """A driver or a receiver as its maker publishes it: a model of an IBIS file at one of its corners.
 
     It becomes the capacitance of the die with tables of current over voltage, to ideal supplies, behind the package.
@@ -160,7 +159,7 @@ class Ibis(Rational):
         parts: Parts = {"sources": {}, "loads": {}, "links": {}}
         if R or L:
             values = {key: value for key, value in (("resistance", R), ("inductance", L)) if value}
-            parts["links"][f"{name}, package"] = SeriesLink(**{"nodes": (self.at, die), **values})
+            parts["links"][f"{name}, package"] = Series(**{"nodes": (self.at, die), **values})
         if C:
             parts["loads"][f"{name}, package"] = Capacitor(**{"at": self.at, "capacitance": C})
         scales = self._scales()
@@ -207,7 +206,7 @@ def _place(parts: Parts, name: str, table: CurrentTable, die: str, scale: Shares
     parts["sources"][name] = Source(**{"at": name, "kind": "voltage", "value": table.reference})
     ends, sign = ((name, die), -1.0) if table.downwards else ((die, name), 1.0)
     points = list(zip(table.volts.tolist(), (sign * table.amps).tolist(), strict=True))
-    parts["links"][name] = CurveLink(**{"nodes": ends, "points": points}).model_copy(update=scaled)
+    parts["links"][name] = Curve(**{"nodes": ends, "points": points}).model_copy(update=scaled)
 
 
 @lru_cache(maxsize=64)

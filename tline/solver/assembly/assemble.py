@@ -21,7 +21,6 @@ from tline.solver.description.lines import Line
 from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node
 from tline.solver.description.resolution import Resolution, resolution
-from tline.solver.description.scales import BENDING, FILLING
 from tline.solver.kernel.network import Network, State
 from tline.solver.radau import Basis, basis
 from tline.solver.steady.lossy_lines import Ends
@@ -200,7 +199,7 @@ def _network(layout: Layout, order: Basis, rows: Rows) -> Network:
 def _has_layers(description: Description, group: Group, chosen: Resolution) -> bool:
     """Whether efforts and flows may change behind a front faster than slabs resolve, as far as is known beforehand."""
     states = [branch.where for branch in (*group.loads, *group.branches) if len(branch.ports.Q)]
-    fills = any(element.law.kind in (*FILLING, *BENDING) for element in group.elements)
+    fills = any(element.kind.steep for element in group.elements)
     scales = description.time_scales
     fast = any(where in scales and scales[where][0] < chosen.resolved for where in states)
     return not group.lumped_lines and (fills or fast or bool(states and group.elements))

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.solver.assembly.events import Event
 from tline.solver.description.groups import Group
-from tline.solver.description.laws import STATES
 from tline.solver.description.load_step import StateSpace
 from tline.solver.radau import Basis
 
@@ -53,7 +52,7 @@ def systems_of(
             load_at[g], step_row[g] = filled, len(found.systems)
             states.append(group.at_rest() if before is None else group.at_rest_under(*before))
             filled += len(states[-1])
-            stores = any(element.law.kind in STATES for element in group.elements)
+            stores = any(element.kind.states for element in group.elements)
             _add(found, g, group, impedances, h, echoed or stores)
     step_states = np.array([len(system.A) for system in found.systems], int)
     return found._replace(step_states=step_states, states=np.concatenate(states), events=sorted(found.events))

@@ -23,7 +23,7 @@ from tline.solver.kernel.network import (
 )
 
 SAMPLES = 512  # per tile
-STATES_OF_LAWS = 5  # of a law at most, with its governor
+GOVERNED = 3  # states of an opening that moves
 AT_LAWS = "given", "aimed", "start", "safe", "trial", "sent", "flow", "other", "slope", "rest", "drive"  # of a circuit
 AT_POINTS = (
     "v",
@@ -70,7 +70,7 @@ def work_for(network: Network, state: State) -> Work:
         crossing=crossing,
         store=store,
         circuit=circuit,
-        govern=_of_governors(elements * s if laws.governed.any() else 0, nodes * s, states, elements),
+        govern=_of_governors(laws, elements * s if laws.governed.any() else 0, nodes * s, states, elements),
         map=np.empty((ports * s + states) ** 2 if elements and states else 0),
         pair=np.empty(s * ABREAST),
         out=np.empty(s * ABREAST),
@@ -83,7 +83,10 @@ def work_for(network: Network, state: State) -> Work:
 def _of_diamonds(network: Network, s: int, states: int, elements: int) -> DiamondWork:
     """Workspace of diamonds, beside groups of at most so many states and elements."""
     ends = int(np.diff(network.first[network.group]).max(initial=0)) if len(network.diamonds.line) else 0
-    modes, kept = len(network.diamonds.moments), states + (STATES_OF_LAWS * elements if ends else 0)
+    modes, kept = (
+        len(network.diamonds.moments),
+        states + (GOVERNED + int(network.laws.states.max(initial=0))) * elements,
+    )
     return DiamondWork(
         taken=np.empty((s, s)),
         along_a=np.empty((s, s)),
@@ -120,17 +123,17 @@ def _of_elements(laws: Laws, state: State, elements: int, tile: int) -> tuple[Cr
         answer=np.zeros((elements * s, s)),
         system=np.zeros((elements * s, elements * s + 1)),
         control=np.zeros((elements, s)),
-        kept=np.zeros((elements, 2)),
+        kept=np.zeros((elements, int(laws.states.max(initial=0)))),
         waves=np.repeat(laws.before, s),
         width=np.zeros(1, np.int64),
     )
     return Crossing(laws.constants, *np.empty((4, tile * s))), store, circuit
 
 
-def _of_governors(points: int, samples: int, states: int, elements: int) -> GovernWork:
+def _of_governors(laws: Laws, points: int, samples: int, states: int, elements: int) -> GovernWork:
     """Workspace of openings at so many points, in a group of so many samples, states and elements."""
     each = {name: np.zeros(points) for name in ("rate", "rest", "last", "step", "turned")}
-    kept = np.zeros((elements, 2))
+    kept = np.zeros((elements, int(laws.states.max(initial=0))))
     return GovernWork(np.empty(samples), np.empty(states), kept, **each, inverse=np.zeros((points, points)))
 
 

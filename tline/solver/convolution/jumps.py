@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
 from tline.solver.description.families import changes_of
+from tline.solver.description.switches import switches_of
 
 MOST = 10_000  # arrivals
 SAME = 1e-9  # of the shortest delay; arrivals so near are one
@@ -16,7 +17,7 @@ SAME = 1e-9  # of the shortest delay; arrivals so near are one
 def arrivals(description: Description) -> dict[str, NDArray]:
     """Instants until the end of the run at which each node meets a jump, s; none anywhere if they are too many.
 
-    Jumps are those of sources, and all that they become at other nodes, however small.
+    Jumps are those of sources and switches, and all that they become at other nodes, however small.
     """
     groups, nodes = description.grouped()
     names = list(nodes)
@@ -32,6 +33,9 @@ def arrivals(description: Description) -> dict[str, NDArray]:
         for waveform in (*([] if node.held is None else [node.held]), *(flow for flow, _ in node.flows)):
             changes = changes_of(waveform, description.steady, description.t_end)
             heap += [(float(t), group_of[name]) for t in changes.at[np.abs(changes.jump) > 0.0]]
+    for switch in switches_of(description):
+        moves = np.empty(0) if switch.law.factor is None else switch.law.factor.breaks(description.t_end)
+        heap += [(float(t), group_of[switch.nodes[0]]) for t in moves[moves >= 0]]
     same = SAME * min(line.delay for line in description.lines.values())
     heap, found = sorted(heap), [[-np.inf] for _ in groups]
     while heap:

@@ -48,6 +48,6 @@ def _circle(s: int) -> tuple[NDArray, NDArray, NDArray, NDArray]:
     """Eigenvalues of D, what a slab's delay is beyond them, and eigenvectors with their inverse, in that norm."""
     order = basis(s)
     zeta = np.exp(-2j * np.pi * np.geomspace(SLOWEST, 0.5, PLACES))
-    rates, vectors = derivative(order, zeta)
-    root = np.sqrt(order.A[-1])[:, None]
-    return rates, -np.log(zeta)[:, None] - rates, root * vectors, np.linalg.inv(root * vectors)
+    rates, vectors, inverse = derivative(order, zeta)
+    root = np.sqrt(order.A[-1])
+    return rates, -np.log(zeta)[:, None] - rates, root[:, None] * vectors, inverse / root

@@ -10,7 +10,7 @@ C. Lubich, A. Ostermann: Runge-Kutta methods for parabolic equations and convolu
 105-131, doi:10.1090/S0025-5718-1993-1153166-7.
 """
 
-from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,14 +18,54 @@ from numpy.typing import NDArray
 from tline.solver.radau import Basis
 
 PADDED = 3  # times the slabs that a transform has
+ANCHORS, STEPS = 64, 6  # places from which eigenvalues are followed, and steps of Newton's method
+WRONG = 1e-12  # of a product of eigenvectors and their inverses
 EPS = float(np.finfo(float).eps)
 ROUNDING = 1e3 * EPS ** (PADDED / (PADDED + 1))  # of the largest value: what wraps around, and rounding
 
 
-def derivative(basis: Basis, zeta: NDArray) -> tuple[NDArray, NDArray]:
-    """Eigenvalues of D, shape (n, s), and its eigenvectors, at n places ζ."""
+class Modes(NamedTuple):
+    """D at n places: eigenvalues (n, s), eigenvectors (n, s, s), and their inverses."""
+
+    rates: NDArray
+    vectors: NDArray
+    inverse: NDArray
+
+
+def derivative(basis: Basis, zeta: NDArray) -> Modes:
+    """D at places ζ that follow each other closely, such as those of a circle.
+
+    Its eigenvalues λ are the roots of R(λ) = 1/ζ, with R the stability function, by Newton's method from those at the
+    nearest of a few places; eigenvectors are (1 - λA)^-1 1, and from the left e^T A (1 - λA)^-1 / R'(λ).
+    """
+    anchors = np.arange(0, len(zeta), max(len(zeta) // ANCHORS, 1))
+    start = _by_decomposition(basis, zeta[anchors]).rates
+    rates = start[np.minimum((np.arange(len(zeta)) * len(anchors)) // len(zeta), len(anchors) - 1)]
+    alpha, X = np.linalg.eig(basis.A)
+    above, below = (np.real(np.poly(each)) for each in (np.linalg.eigvals(basis.A - basis.A[-1]), alpha))  # of 1/λ
+    sums = below - zeta[:, None] * above  # by rising powers of λ
+    for _ in range(STEPS):
+        value, slope = np.zeros_like(rates), np.zeros_like(rates)
+        for coef in sums.T[::-1]:
+            slope = slope * rates + value
+            value = value * rates + coef[:, None]
+        rates = rates - value / slope
+    one, last, back = np.linalg.solve(X, np.ones(basis.s)), X[-1] * alpha, np.linalg.inv(X)
+    share = 1 / (1 - rates[:, :, None] * alpha)
+    vectors = np.swapaxes(share @ (X * one).T, 1, 2)
+    inverse = (share @ (last[:, None] * back)) / ((share * share) @ (last * one))[:, :, None]
+    wrong = ~(np.abs(vectors @ inverse - np.eye(basis.s)).max(axis=(1, 2)) < WRONG)
+    if wrong.any():
+        for part, right in zip((rates, vectors, inverse), _by_decomposition(basis, zeta[wrong]), strict=True):
+            part[wrong] = right
+    return Modes(rates, vectors, inverse)
+
+
+def _by_decomposition(basis: Basis, zeta: NDArray) -> Modes:
+    """The same at any places."""
     inverse, last = np.linalg.inv(basis.A), np.eye(basis.s)[-1]
-    return np.linalg.eig(inverse - zeta[:, None, None] * np.outer(inverse.sum(axis=1), last))
+    rates, vectors = np.linalg.eig(inverse - zeta[:, None, None] * np.outer(inverse.sum(axis=1), last))
+    return Modes(rates, vectors, np.linalg.inv(vectors))
 
 
 class Quadrature:
@@ -49,17 +89,13 @@ class Quadrature:
     """
 
     def __init__(self, basis: Basis, h: float, n: int):
-        self.n, self.length = n, PADDED * n
+        self.n, self.h, self.length = n, h, PADDED * n
         radius = EPS ** (1 / (n * (PADDED + 1)))  # what wraps around is then as small as rounding makes the last slabs
         self.decay = radius ** np.arange(n)
         zeta = radius * np.exp(-2j * np.pi * np.arange(self.length // 2 + 1) / self.length)
-        rates, self._from_eigen = derivative(basis, zeta)
+        rates, self._from_eigen, self._to_eigen = derivative(basis, zeta)
         self.points: NDArray = rates.ravel() / h  # where transfer functions are needed, 1/s
         self.late: NDArray = (-np.log(zeta)[:, None] - rates).ravel()  # of a slab, what its delay is beyond sh
-
-    @cached_property
-    def _to_eigen(self) -> NDArray:
-        return np.linalg.inv(self._from_eigen)
 
     def forward(self, values: NDArray) -> NDArray:
         """Transforms at all points, shape (points, k), of values of shape (n, s, k)."""
@@ -70,3 +106,19 @@ class Quadrature:
         """Values, shape (n, s, k), of transforms of shape (points, k)."""
         sums = self._from_eigen @ transforms.reshape(*self._from_eigen.shape[:2], -1)
         return np.fft.irfft(sums, self.length, axis=0)[: self.n] / self.decay[:, None, None]
+
+    def weights(self, transfer: NDArray) -> NDArray:
+        """Weights S_0, S_1, … by which values of slabs send others, shape (n, K s, K s), port by port.
+
+        Parameters
+        ----------
+        transfer : ndarray of complex, shape (points, K, K)
+            Of K ports.
+        """
+        K, (places, s, _) = transfer.shape[1], self._from_eigen.shape
+        at, found = transfer.reshape(places, s, K, K), np.empty((self.n, K, s, K, s))
+        for a in range(K):
+            for b in range(K):
+                sums = (self._from_eigen * at[:, None, :, a, b]) @ self._to_eigen
+                found[:, a, :, b] = np.fft.irfft(sums, self.length, axis=0)[: self.n] / self.decay[:, None, None]
+        return found.reshape(self.n, K * s, K * s)

@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from tline.solver.assembly.fronts import Tally
 from tline.solver.assembly.layout import Excitation
+from tline.solver.convolution.laws import LawsAtPorts
+from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.passive import gain
 from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.description.description import Description
-from tline.solver.description.excitation import Waveform, sampled
+from tline.solver.description.excitation import Waveform, projected
 from tline.solver.description.families import Changes, changes_of, family_of, leads
 from tline.solver.description.given import Shape
 from tline.solver.description.resolution import WHOLE, Resolution
@@ -24,8 +26,6 @@ from tline.solver.loop.superposed import summed
 from tline.solver.radau import Basis, basis
 from tline.solver.result.conductor import record_of
 from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, Wave
-from tline.solver.stability.answers import answers
-from tline.solver.stability.scattering import Scattering
 from tline.solver.steady.steady_state import Before, above_level, rest
 
 MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
@@ -35,10 +35,12 @@ class Convolved:
     """A linear scene in s, and what its sources add to what they are before t = 0."""
 
     def __init__(self, description: Description, record: list[str]):
-        self.description, self.network = description, Scattering(description)
+        self.description = description
         self.lines = [name for name in description.lines if name in {*record, *description.probed}]
         self.before: Before = above_level(description) if description.steady else rest(description)
         nodes = description.grouped()[1].values()
+        self.network = LinearRest(description)
+        self.laws = LawsAtPorts(description, self.network, self.before) if self.network.laws else None
         self.held = [[] if node.held is None else [self._changes(node.held, 1.0)] for node in nodes]
         self.flows = [[self._changes(*flow) for flow in node.flows] for node in nodes]
 
@@ -51,9 +53,14 @@ class Convolved:
         return [changes for parts in (*self.held, *self.flows) for changes, _ in parts]
 
     def leads(self, h: float) -> NDArray:
-        """By how many slabs of width h slabs have to begin earlier, so that each front is once at an edge."""
-        found = leads(np.concatenate([np.empty(0), *(changes.at / h for changes in self.changes)]))
-        return found if len(found) else np.zeros(1)
+        """By how many slabs of width h slabs have to begin earlier, so that each front is once at an edge.
+
+        Beside laws waves are no sums over fronts: there is one lead, for moves of laws before fronts of sources.
+        """
+        fronts = np.concatenate([np.empty(0), *(changes.at for changes in self.changes)])
+        moves = self.laws.moves(self.description.t_end) if self.laws else np.empty(0)
+        found = leads((moves if len(moves) else fronts) / h)
+        return found if len(found) and not (self.laws and len(found) > 1) else np.zeros(1)
 
     def run(self, chosen: Resolution) -> Result:
         """The result on slabs of a given order and width."""
@@ -63,7 +70,7 @@ class Convolved:
         n = slabs.number
         rule = Quadrature(order, h, n + 1 if ahead.any() else n)
         late = np.outer(rule.late, self._whole(order, h))
-        records = (self._record(rule, order, h, late, self._parts(h, ahead, k)) for k in range(len(ahead)))
+        records = (self._record(rule, order, h, late, self._parts(h, ahead, k), lead) for k, lead in enumerate(ahead))
         if ahead.any():
             waves, noted = summed(records, ahead, n, order)
         else:
@@ -95,7 +102,13 @@ class Convolved:
         return held, flows
 
     def _record(
-        self, rule: Quadrature, order: Basis, h: float, late: NDArray, parts: tuple[list[Excitation], list[Excitation]]
+        self,
+        rule: Quadrature,
+        order: Basis,
+        h: float,
+        late: NDArray,
+        parts: tuple[list[Excitation], list[Excitation]],
+        ahead: float,
     ) -> NDArray:
         """What waveforms add, on as many slabs as the rule has: (rows, 2, slabs * s) what arrives, what leaves.
 
@@ -106,16 +119,22 @@ class Convolved:
             values = np.zeros((rule.n, order.s, len(rows)))
             for row, waveforms in enumerate(rows):
                 for waveform, share in waveforms:
-                    values[:, :, row] += share * sampled(waveform, order, h, 0, rule.n)
+                    values[:, :, row] += share * projected(waveform, order, h, rule.n)
             return rule.forward(values)
 
         held, flows = map(driven, parts)
-        arriving, efforts = answers(self.network, rule.points * self.network.second, held, flows, late)
+        s = rule.points * self.network.second
+        lines = self.network.admittances(s, late)
+        found = self.network.efforts(s, held, flows, lines)
+        efforts = found.driven
+        if self.laws is not None:
+            waves = self.laws.waves(rule, order, h, ahead, found)
+            efforts = efforts + (found.from_laws @ waves[:, :, None])[:, :, 0]
         numbers = {name: j for j, name in enumerate(self.description.lines)}
         ends = np.array([2 * numbers[name] + side for name in self.lines for side in (0, 1)], int)
         at = {int(end): node for node, each in enumerate(self.network.ends) for end in each}
         probed = [self.network.names.index(node) for node in self.description.probed_nodes]
-        arrives = rule.backward(np.hstack([arriving[:, ends], efforts[:, probed]]))
+        arrives = rule.backward(np.hstack([self.network.arriving(efforts, lines, ends), efforts[:, probed]]))
         u = rule.backward(efforts[:, [*(at[end] for end in ends.tolist()), *probed]])
         return np.stack([arrives, 2 * u - arrives]).transpose(3, 0, 1, 2).reshape(-1, 2, rule.n * order.s)
 

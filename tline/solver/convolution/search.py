@@ -6,7 +6,7 @@ from math import ceil, inf, log2
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.errors import InputError
+from tline.errors import InputError, NoFlowError
 from tline.solver.assembly.lossy_segments import fits
 from tline.solver.convolution.envelope import envelope_of
 from tline.solver.convolution.jumps import arrivals
@@ -58,7 +58,10 @@ def convolved(search: Search) -> Result | None:
         return None
     settle = BLURRED * min(line.delay for line in description.lines.values() if line.losses is not None)
     chosen, jumps = Resolution(s, h, settle=settle, convolved=True), arrivals(description)
-    result = before = scene.run(chosen)
+    try:
+        result = before = scene.run(chosen)
+    except NoFlowError:
+        return None
     attempts, share, last, accuracy, limit = [Attempt.of(result)], SLOWEST, inf, Accuracy(search.tol), ""
     by = inf
     while accuracy.worst > search.tol and not limit:
@@ -94,11 +97,14 @@ def _suits(search: Search) -> bool:
     """Whether a scene is linear and the same at all times, and one of its lines remembers, or fits no segments."""
     description = search.description
     losses = [line.losses for line in description.lines.values() if line.losses is not None]
-    varies = description.elements or description.switched or description.active
+    moving = any(e.governor is not None or e.kind.breaks for e in description.elements)
     lifted = description.heights and not description.steady
-    if not losses or not all(each.linear for each in losses) or varies or lifted:
+    if not losses or not all(each.linear for each in losses) or moving or lifted:
         return False
-    return search.tol >= CLOSEST and (any(each.constant is None for each in losses) or _fits_not(search))
+    if search.tol < CLOSEST or description.active:
+        return False
+    remember = any(each.constant is None for each in losses)
+    return remember or (_fits_not(search) and not (description.elements or description.switched))
 
 
 def _fits_not(search: Search) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.line.modes import Modes
-from tline.solver.description.given import Ports, SwitchLink
+from tline.solver.description.given import Ports, Switch
 from tline.solver.description.lines import Line
 from tline.solver.description.load_step import StateSpace
 
@@ -24,7 +24,7 @@ class Branch(NamedTuple):
     ports: Ports
     to_air: bool = False  # whether it sees the gauge pressure at its nodes
     flows: tuple[float, ...] = ()  # into its terminals before t = 0, where these are known
-    switch: SwitchLink | None = None  # if it is one
+    switch: Switch | None = None  # if it is one
 
     def before(self, t: float) -> "Branch":
         """The same just before an instant."""
@@ -41,7 +41,7 @@ class PlacedBranch(NamedTuple):
     nodes: Sequence[str]
     ports: Ports
     flows: tuple[float, ...] = ()
-    switch: SwitchLink | None = None
+    switch: Switch | None = None
     to_air: bool = False
 
     def among(self, places: NDArray) -> Branch:

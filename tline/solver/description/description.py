@@ -11,16 +11,15 @@ from numpy.typing import NDArray
 from tline.scene.changed import SINGLE, changed, parts_of
 from tline.scene.coupled import Coupled, ends_of, refuse_coupled
 from tline.scene.expanded import expanded
-from tline.scene.load import Switch
 from tline.scene.multiport import Multiport
 from tline.scene.plausible import plausibility_notes
-from tline.scene.rational_link import RationalLink
-from tline.scene.switch import SwitchLink
+from tline.scene.rational import RationalImpedance
+from tline.scene.switch import Switch
 from tline.scene.user_defined import user_elements
 from tline.scene.vessel import Boiling, SurgeTank
 from tline.solver.description.active import active_parts
 from tline.solver.description.branches import PlacedBranch
-from tline.solver.description.elements import BREAKING, PlacedLaw, elements_of
+from tline.solver.description.elements import PlacedLaw, elements_of
 from tline.solver.description.excitation import Shape
 from tline.solver.description.families import Changes, changes_of
 from tline.solver.description.given import MEDIA, End, Height, Medium, Scene, Stretches, stretches_of
@@ -63,6 +62,8 @@ class Description:
         Lines cut in slabs, which scenes with other values at the nodes share; kept by `tline.solver.assembly`.
     slab : float
         That delays were rounded to, s; 0 where they are the scene's.
+    known : dict
+        What searches to a tolerance found, for the next one of this scene; kept by `tline.solver.simulate`.
     """
 
     scene: Scene
@@ -74,6 +75,7 @@ class Description:
     heights: Mapping[str, Height]
     grids: dict[Hashable, Any] = field(default_factory=dict, repr=False)
     slab: float = 0.0
+    known: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
 
     def changed(self, values: Mapping[str, Any]) -> "Description":
         """The description of the scene with other values at dotted paths; lines that stay are not read again.
@@ -130,7 +132,7 @@ class Description:
     @cached_property
     def blurred(self) -> bool:
         """Whether elements send fronts at instants of their own."""
-        return any(law.kind in BREAKING for law in self.scene.laws.values())
+        return any(law.of_kind.breaks for law in self.scene.laws.values())
 
     @property
     def collapses(self) -> bool:
@@ -209,7 +211,7 @@ class Description:
     @cached_property
     def switched(self) -> dict[str, float]:
         """Instants of switches by place, s."""
-        return {place(*at): float(one.time) for at, one in self.scene.placed if isinstance(one, Switch | SwitchLink)}
+        return {place(*at): float(one.time) for at, one in self.scene.placed if isinstance(one, Switch)}
 
     @cached_property
     def time_scales(self) -> dict[str, tuple[float, float]]:
@@ -311,7 +313,7 @@ class Description:
         InputError
             Naming the first.
         """
-        self.scene.check_linear(what, besides=Multiport | RationalLink | SwitchLink)
+        self.scene.check_linear(what, besides=Multiport | RationalImpedance | Switch)
 
     def refuse_coupled(self, what: str) -> None:
         """Refuse coupled conductors where something does not know them.

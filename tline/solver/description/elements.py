@@ -5,11 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tline.solver.description.given import ElementLaw, Governor, Scene
+from tline.solver.description.given import ElementLaw, Governor, LawKind, Scene
 from tline.solver.description.nodes import Node
 from tline.words.wording import place
-
-BREAKING = {"vapour", "air"}  # kinds that send fronts at instants of their own, which are not followed
 
 
 class PlacedLaw(NamedTuple):
@@ -21,6 +19,11 @@ class PlacedLaw(NamedTuple):
     to_node: str | None
     above_level: float = 0.0  # of a node that it leads from to the open air; of one that it leads to, less than zero
     levels: tuple[float, float] = (0.0, 0.0)  # of its nodes, each where its gauge pressure is zero
+
+    @property
+    def kind(self) -> LawKind:
+        """What there is to know of its law."""
+        return self.law.of_kind
 
     @property
     def constants(self) -> tuple[float, ...]:
@@ -62,7 +65,7 @@ def elements_of(scene: Scene, nodes: Mapping[str, Node]) -> list[PlacedLaw]:
     """Those elements of a scene that are seen by anything: not those between efforts that are held."""
     found = []
     for (part, name), law in scene.laws.items():
-        ends = scene.links[name].nodes if part == "links" else (scene.loads[name].at, None)
+        ends = (scene.links if part == "links" else scene.loads)[name].terminals
         if any(node is not None and nodes[node].held is None for node in ends):
             from_node, to_node = reversed(ends) if law.reverse else ends
             levels = [nodes[node].above_level if node is not None else 0.0 for node in (from_node, to_node)]

@@ -35,6 +35,20 @@ def sampled(waveform: Waveform, basis: Basis, h: float, first: int, n: int) -> N
     return waveform.value(start + h * basis.c[:, None], start + h / 2).T  # loops over slabs are longer than over points
 
 
+def projected(waveform: Waveform, basis: Basis, h: float, n: int) -> NDArray:
+    """Values at the Radau points of n slabs from t = 0 on, shape (n, s); broken slabs hold L2 projections."""
+    found = sampled(waveform, basis, h, 0, n)
+    places = places_of([(waveform, 1.0)], n * h, h)
+    inside = places[places != np.floor(places)]
+    if len(inside):
+        cut = broken([(waveform, 1.0)], inside, basis, h, 0, n)
+        found[cut.slab] = 0.0
+        slabs = np.repeat(cut.slab, cut.parts)
+        for slab, start, stop, coef in zip(slabs, cut.start, cut.stop, cut.coef, strict=True):
+            found[slab] += basis.projection(float(start), float(stop)) @ (basis.to_points @ coef)
+    return found
+
+
 def averaged(waveform: Waveform, basis: Basis, h: float, first: int, n: int) -> NDArray:
     """Means over n slabs from number `first` on, of some instants in each, at all their points, shape (n, s)."""
     t = (first + np.arange(n) + (np.arange(MEANS)[:, None] + 0.5) / MEANS) * h

@@ -2,6 +2,7 @@
 
 from tline.scene.coupled import End
 from tline.scene.heights import NO_HEIGHT, Height
+from tline.scene.kind import Bend, LawKind, Volume, kinds_numbered
 from tline.scene.law import ElementLaw, Governor
 from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Signal
 from tline.scene.medium import MEDIA, Medium
@@ -12,12 +13,13 @@ from tline.scene.scene import Scene
 from tline.scene.shape import Constant, Shape
 from tline.scene.source import Source
 from tline.scene.stretches import Stretches, stretches_of
-from tline.scene.switch import SwitchLink
+from tline.scene.switch import Switch
 from tline.scene.touchstone import Touchstone
 
 __all__ = [
     "MEDIA",
     "NO_HEIGHT",
+    "Bend",
     "Constant",
     "ElementLaw",
     "End",
@@ -25,6 +27,7 @@ __all__ = [
     "Governor",
     "Height",
     "Interval",
+    "LawKind",
     "LevelCrossing",
     "Measure",
     "Medium",
@@ -36,7 +39,9 @@ __all__ = [
     "Signal",
     "Source",
     "Stretches",
-    "SwitchLink",
+    "Switch",
     "Touchstone",
+    "Volume",
+    "kinds_numbered",
     "stretches_of",
 ]

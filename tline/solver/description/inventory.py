@@ -8,10 +8,8 @@ from numpy.typing import NDArray
 
 from tline.scene.between import Between
 from tline.scene.load import Matched, Reservoir, Resistor, Short
-from tline.scene.rational import OneCapacitance, OneInductance, ParallelRLC, RationalImpedance, SeriesRLC
-from tline.scene.rational_link import RationalLink
-from tline.scene.rational_load import Rational
-from tline.scene.switch import Switch, SwitchLink
+from tline.scene.rational import RationalImpedance
+from tline.scene.switch import Switch
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import places_of
@@ -21,8 +19,6 @@ from tline.solver.description.nodes import Node, lowered
 from tline.words.wording import place
 
 SUPPLIED, DISSIPATED, STORED, TAKEN = range(4)  # what an element is expected to do with energy
-GIVING = {"pump", "rotor"}  # kinds of laws
-STORING = {"gas", "tank", "table"}  # those that may give what they held; a table may hold a source
 
 
 class Member(NamedTuple):
@@ -117,34 +113,26 @@ def _at_node(node: Node, steady: bool, h: float, t_end: float) -> Iterator[Membe
                 yield Member(where, (name,), DISSIPATED, False)
             case Reservoir():
                 yield Member(where, (name,), SUPPLIED, True, to_air=False)
-            case Rational() if node.held is None:
-                stores = isinstance(load, SeriesRLC | ParallelRLC | OneInductance | OneCapacitance)
-                series, beside = _resistances(load)
-                yield Member(where, (name,), STORED if stores else TAKEN, steady, series=series, beside=beside)
+            case RationalImpedance() if node.held is None:
+                column = STORED if load.stores else TAKEN
+                yield Member(where, (name,), column, steady, series=load.series, beside=load.beside)
 
 
 def _linear(where: str, nodes: tuple[str, ...], link: Between | None, may_give: bool, to_air: bool) -> Member:
     """A linear link, a lumped line, or a source between two nodes."""
     if link is None and where.startswith("sources."):
         return Member(where, nodes[:2], SUPPLIED, True, through=True, to_air=False)
-    if not isinstance(link, RationalLink | SwitchLink):
+    if not isinstance(link, RationalImpedance | Switch):
         return Member(where, nodes, TAKEN, may_give, to_air=to_air)
-    if isinstance(link, SwitchLink) or link.ratio.degree == 0:
+    if isinstance(link, Switch) or link.ratio.degree == 0:
         return Member(where, nodes, DISSIPATED, may_give, through=True, to_air=False)
-    column = STORED if isinstance(link, SeriesRLC | ParallelRLC | OneInductance | OneCapacitance) else TAKEN
-    series, beside = _resistances(link)
+    column, series, beside = STORED if link.stores else TAKEN, link.series, link.beside
     return Member(where, nodes, column, may_give, through=True, to_air=False, series=series, beside=beside)
-
-
-def _resistances(one: RationalImpedance) -> tuple[float, float]:
-    """Resistance in series with what stores, and conductance beside it."""
-    r = float(getattr(one, "resistance", None) or 0.0)
-    return (r if isinstance(one, SeriesRLC) else 0.0), (1 / r if isinstance(one, ParallelRLC) and r else 0.0)
 
 
 def _non_linear(element: PlacedLaw) -> Member:
     """A valve, pump, vessel, diode or table; beyond a valve may be a pressure."""
-    kind, back = element.law.kind, element.law.constants[0] if element.to_node is None else 0.0
-    column = SUPPLIED if kind in GIVING else TAKEN if kind in STORING or back else DISSIPATED
+    kind, back = element.kind, element.law.constants[0] if element.to_node is None else 0.0
+    column = SUPPLIED if kind.supplies else TAKEN if kind.returns or back else DISSIPATED
     between = len(element.nodes) == 2
     return Member(element.where, tuple(element.nodes), column, column != DISSIPATED, between, to_air=not between)

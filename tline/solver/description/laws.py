@@ -8,14 +8,13 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import Shape, just_before, varies
+from tline.solver.description.given import kinds_numbered
 from tline.solver.description.groups import Group
 from tline.solver.description.tools import tools_of
 from tline.solver.kernel.network import Laws
 from tline.solver.radau import Basis, basis
 
-STATES = {"gas": 1, "tank": 1, "rotor": 1, "vapour": 1, "air": 2}
 MOVING = 3  # states of an opening that moves
-KINDS = ("quadratic", "pump", "relief", "leak", "demand", "diode", "table", *STATES, "user_defined")
 
 
 def laws_of(
@@ -41,8 +40,8 @@ def laws_of(
         rows.append(first_row + len(excitations) if varies(factor) else -1)
         controls.append(1.0 if factor is None else just_before(factor))
         excitations += [factor] if factor is not None and varies(factor) else []
-        states.append(first_state if element.law.kind in STATES else -1)
-        first_state += STATES.get(element.law.kind, 0)
+        states.append(first_state if element.kind.states else -1)
+        first_state += element.kind.states
         moving.append(first_state if element.governor is not None else -1)
         first_state += MOVING if element.governor is not None else 0
     constants = [element.constants for element in flat]
@@ -52,7 +51,8 @@ def laws_of(
     ]
     laws = Laws(
         first=np.cumsum([0, *(len(group.elements) for group in groups)]),
-        kind=np.array([KINDS.index(element.law.kind) for element in flat], int),
+        kind=np.array([element.kind.number for element in flat], int),
+        states=np.array([element.kind.states for element in flat], int),
         from_node=np.array([place_of[e.from_node] for e in flat], int),
         to_node=np.array([place_of[e.to_node] for e in flat], int),
         excitation_row=np.array(rows, int),
@@ -71,6 +71,11 @@ def laws_of(
         step=0.0,
     )
     return laws, excitations
+
+
+def units_of_laws(laws: Laws) -> list[str]:
+    """Units in the kernel that tell the flows of these."""
+    return [kind.unit for kind in kinds_numbered(laws.kind.tolist())]
 
 
 def started(
@@ -118,28 +123,13 @@ def states_of(elements: list[PlacedLaw], effort: dict[str, float], openings: Map
     InputError
         A pressure is below what the gas in a vessel can have.
     """
-    states = []
+    states: list[float] = []
     for element in elements:
-        kind, constants = element.law.kind, element.constants
-        u = effort[element.nodes[0]]
-        gauge = f"{u - element.above_level:.6g} Pa"
-        if kind == "gas":
-            above, outside, n = u - constants[0], constants[2], constants[4]
-            if above <= -outside:
-                raise InputError(element.where, "no state at rest: the pressure is below vacuum", got=gauge)
-            states.append(-np.log1p(above / outside) / n)
-        elif kind == "tank":
-            states.append(u - constants[0])
-        elif kind == "rotor":
-            states.append(just_before(element.law.factor) if element.law.factor else 1.0)
-        elif kind == "vapour":
-            if u < constants[0]:
-                raise InputError(element.where, "no state at rest: the liquid boils", got=gauge)
-            states.append(0.0)
-        elif kind == "air":
-            if u < constants[0]:
-                raise InputError(element.where, "no state at rest: it draws air", got=gauge)
-            states += [0.0, 0.0]
+        u, factor = effort[element.nodes[0]], element.law.factor
+        try:
+            states += element.kind.at_rest(element.constants, u, 1.0 if factor is None else just_before(factor))
+        except InputError as error:
+            raise InputError(element.where, error.problem, got=f"{u - element.above_level:.6g} Pa") from None
         if element.governor is not None:
             states += [openings[element.where], 0.0, 0.0]
     return np.array(states, float)

@@ -5,12 +5,12 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from tline.scene.multiport import Multiport
-from tline.scene.rational_link import RationalLink
-from tline.scene.switch import SwitchLink
+from tline.scene.rational import RationalImpedance
+from tline.scene.switch import Switch
 from tline.solver.description.branches import PlacedBranch, between, one_port, resistance
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import just_before
-from tline.solver.description.given import ElementLaw, Ports, Scene
+from tline.solver.description.given import ElementLaw, Ports, Ratio, Scene
 from tline.solver.description.load_step import reflection
 from tline.solver.description.nodes import Node
 from tline.words.wording import place
@@ -23,9 +23,9 @@ def branches_of(scene: Scene, nodes: Mapping[str, Node]) -> Iterator[PlacedBranc
         match link:
             case Multiport():
                 yield PlacedBranch(where, link.nodes, link.ports(), to_air=link.is_grounded)
-            case RationalLink():
+            case RationalImpedance():
                 yield PlacedBranch(where, link.nodes, _across(link, 1 / nodes[link.nodes[0]].alone, where))
-            case SwitchLink():
+            case Switch():
                 yield PlacedBranch(where, link.nodes, between(resistance(float(link.before))), switch=link)
     for name, source in scene.sources.items():
         if source.nodes is not None:
@@ -36,7 +36,7 @@ def branches_of(scene: Scene, nodes: Mapping[str, Node]) -> Iterator[PlacedBranc
                 yield PlacedBranch(where, source.nodes, between(resistance(r)))
 
 
-def _across(link: RationalLink, z: float, where: str) -> Ports:
+def _across(link: RationalImpedance, z: float, where: str) -> Ports:
     """Equations of an impedance between two nodes, realised by its reflection against z."""
     impedance = link.ratio
     if impedance.degree == 0:
@@ -59,11 +59,11 @@ def resistive(scene: Scene, nodes: Mapping[str, Node]) -> list[PlacedLaw]:
 
 def _resistive(scene: Scene) -> Iterator[PlacedLaw]:
     for name, link in scene.links.items():
-        if isinstance(link, RationalLink):
+        if isinstance(link, RationalImpedance):
             r = link.ratio.at_zero()
             if 0 < abs(r) < float("inf"):
                 yield _straight(place("links", name), link.nodes, 0.0, r)
-        elif isinstance(link, SwitchLink):
+        elif isinstance(link, Switch):
             r = float(link.after if link.time < 0 else link.before)
             if r < float("inf"):
                 yield _straight(place("links", name), link.nodes, 0.0, r)
@@ -82,6 +82,18 @@ def inductive(scene: Scene) -> list[tuple[str, str, float]]:
     """Nodes of links that are shorts to a steady flow, and their inductances."""
     found = []
     for link in scene.links.values():
-        if isinstance(link, RationalLink) and link.ratio.at_zero() == 0:
+        if isinstance(link, RationalImpedance) and link.ratio.at_zero() == 0:
             found.append((*link.nodes, link.ratio.numerator[-2] / link.ratio.denominator[-1]))
     return found
+
+
+def capacitive(scene: Scene) -> list[tuple[tuple[str, str], float]]:
+    """Nodes of links that are no shorts to a steady flow, and their capacities."""
+    links = [link for link in scene.links.values() if isinstance(link, RationalImpedance)]
+    return [(link.nodes, admittance(link.ratio)[1]) for link in links if link.ratio.at_zero()]
+
+
+def admittance(impedance: Ratio) -> tuple[float, float]:
+    """1/Z = conductance + s·capacity + ..., of one that is no short to a steady flow."""
+    n1, n0, d1, d0 = (a for side in impedance for a in (0, *side)[-2:])
+    return 1 / impedance.at_zero(), (d1 * n0 - d0 * n1) / (n0 * n0)

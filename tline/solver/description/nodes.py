@@ -19,8 +19,7 @@ from tline.scene.cavities import refuse_cavities
 from tline.scene.heights import below
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.quantity import ZERO
-from tline.scene.rational import MOST_STATES
-from tline.scene.rational_load import Rational
+from tline.scene.rational import MOST_STATES, RationalImpedance
 from tline.scene.shape import Lowered
 from tline.scene.source import Source
 from tline.solver.description.excitation import just_before
@@ -141,7 +140,7 @@ class Node:
                 self.switches.append(load)
             case Touchstone():
                 self.respond(load.ratio, where, load)
-            case Rational():
+            case RationalImpedance():
                 self.respond(load.ratio, where)
             case NoFlow():
                 pass
@@ -293,7 +292,7 @@ def _check_waves(nodes: Mapping[str, Node]) -> None:
     """Refuse active loads that leave no wave defined."""
     for name, node in nodes.items():
         if node.held is None and abs(node.total) < CANCELLED * (node.lines + node.lumped):
-            at_node = [where for where, load in node.loads.items() if isinstance(load, Rational)]
+            at_node = [where for where, load in node.loads.items() if isinstance(load, RationalImpedance)]
             if at_node:  # else it is small, not cancelled
                 problem = f"cancels the conductance of the lines at node '{name}': no wave is defined"
                 raise InputError(at_node[0], problem, "another resistance")

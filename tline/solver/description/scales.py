@@ -1,6 +1,6 @@
 """How fast the waveforms and the dynamic loads of a scene are."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from math import inf
 
 import numpy as np
@@ -10,9 +10,6 @@ from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import Shape
 from tline.solver.description.groups import Group
 from tline.solver.description.nodes import Node
-
-FILLING = "gas", "tank"
-BENDING = "leak", "demand"  # whose flows, behind an impedance, have no Taylor series where they begin
 
 
 def time_scales(waveforms: Mapping[str, Shape], groups: Iterable[Group]) -> dict[str, tuple[float, float]]:
@@ -37,20 +34,11 @@ def filling_times(elements: Iterable[PlacedLaw], nodes: Mapping[str, Node], pres
     """Times in which vessels and tanks fill through all else at their nodes, at a piezometric pressure, s."""
     times = []
     for element in elements:
-        kind, constants = element.law.kind, element.law.constants
-        if kind not in FILLING:
-            continue
-        capacity = constants[2] if kind == "tank" else _capacity_of_gas(element.constants, pressure)
-        ends = [nodes[name] for name in element.nodes]
-        times.append(capacity * sum(1 / end.total for end in ends if end.held is None))
+        capacity = element.kind.capacity(element.constants, pressure)
+        if capacity:
+            ends = [nodes[name] for name in element.nodes]
+            times.append(capacity * sum(1 / end.total for end in ends if end.held is None))
     return times
-
-
-def _capacity_of_gas(constants: Sequence[float], pressure: float) -> float:
-    """Volume over pressure; as at pressure 0 where it is lower."""
-    back, _, outside, at_zero, n = constants
-    compressed = 1 + max(pressure - back, 0.0) / outside
-    return at_zero / (n * outside) * compressed ** (-1 / n - 1)
 
 
 def _shortest(poles: NDArray) -> float:

@@ -20,7 +20,6 @@ from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Floats4, I
 
 CONSTANT, SQUARED, TABLED, REMEMBERED = range(4)  # kinds of loss elements
 SQUARE, POWER, SWAMEE_JAIN, COLEBROOK = range(4)  # kinds of friction along a line
-QUADRATIC, PUMP, RELIEF, LEAK, DEMAND, DIODE, TABLE, GAS, TANK, ROTOR, VAPOUR, AIR, USER_DEFINED = range(13)  # elements
 
 
 class Tools(NamedTuple):
@@ -38,6 +37,7 @@ class Laws(NamedTuple):
 
     first: Integers  # (G + 1,) those of group g are first[g] to first[g + 1]
     kind: Integers  # (E,)
+    states: Integers  # (E,) number of states
     from_node: Integers  # (E,) node of the group from which its flow counts, -1 for the reference
     to_node: Integers  # (E,) node to which it counts
     excitation_row: Integers  # (E,) row of its control signal, -1 where that is constant

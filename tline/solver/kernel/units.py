@@ -1,5 +1,6 @@
 """Which compiled units a network needs: those of its elements, its losses and its delays, and no others."""
 
+from collections.abc import Sequence
 from functools import cache
 from importlib import import_module
 from typing import Any
@@ -12,11 +13,6 @@ from tline.solver.kernel.network import REMEMBERED, Network, Units
 from tline.solver.kernel.scatter import scatter_block
 
 KERNEL = "tline.solver.kernel"
-OF_KIND = (  # in order of the kinds of elements
-    "laws.quadratic.quadratic", "laws.pump.pump", "laws.relief.relief", "laws.outflow.leak", "laws.outflow.demand",
-    "laws.diode.diode", "laws.table.table", "stores.gas.gas", "stores.tank.tank", "stores.rotor.rotor",
-    "stores.vapour.vapour", "stores.air.air", "laws.user_defined.user_defined",
-)  # fmt: skip
 
 
 @cache
@@ -26,20 +22,18 @@ def unit_at(path: str) -> Any:
     return getattr(import_module(f"{KERNEL}.{module}"), name)
 
 
-def law_addresses(kind: NDArray) -> NDArray:
-    """Addresses of the units of elements of these kinds."""
-    found = {int(k): unit_at(OF_KIND[k]).address for k in np.unique(kind)}
-    return np.array([found[int(k)] for k in kind], np.int64)
+def law_addresses(units: Sequence[str]) -> NDArray:
+    """Addresses of the units of elements, each by its module in the kernel and its name."""
+    return np.array([unit_at(unit).address for unit in units], np.int64)
 
 
-def units_of(network: Network, *, fronts: bool) -> Units:
-    """Addresses of what a network needs beside the loop, and of what that needs with fronts."""
+def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
+    """Addresses of what a network needs beside the loop, with these units for its laws, and of what fronts need."""
 
     def address(path: str, needed: Any) -> int:
         return unit_at(path).address if needed else 0
 
-    kind, losses, segments = network.laws.kind, network.losses.kind, len(network.segments.line)
-    diamonds = len(network.diamonds.line)
+    losses, segments, diamonds = network.losses.kind, len(network.segments.line), len(network.diamonds.line)
     laws, mapped = np.diff(network.laws.first) > 0, network.load_at >= 0
     constant = address("losses.dissipation.dissipation", len(losses) and (losses < REMEMBERED).any())
     remembered = address("losses.memory.memory", len(losses) and (losses == REMEMBERED).any())
@@ -51,7 +45,7 @@ def units_of(network: Network, *, fronts: bool) -> Units:
         crossing=address("laws.crossing.crossing", (laws & ~mapped).any()),
         circuit=address("laws.circuit.circuit", (laws & mapped).any()),
         govern=address("laws.govern.govern", network.laws.governed.any()),
-        law=law_addresses(kind) if len(kind) else np.zeros(0, np.int64),
+        law=law_addresses(kinds),
         loss=np.where(losses == REMEMBERED, remembered, constant),
         segments=address("losses.segments.pass_segments", segments),
         diamonds=address("diamonds.full.pass_diamonds", diamonds),

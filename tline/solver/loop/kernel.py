@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
 from tline.solver.assembly.workspace import work_for
+from tline.solver.description.laws import units_of_laws
 from tline.solver.kernel import blocks
 from tline.solver.kernel.fronts.structures import DONE, FrontRun, Fronts, Sources
 from tline.solver.kernel.network import NO_LOSSES, Network, Run, State
@@ -33,7 +34,8 @@ class Kernel:
 
     def __init__(self, network: Network, state: State, fronts: Fronts | None = None):
         self._shape = _shape(network, state, fronts)
-        units, work = units_of(network, fronts=fronts is not None), pack(work_for(network, state))
+        units = units_of(network, units_of_laws(network.laws), fronts=fronts is not None)
+        work = pack(work_for(network, state))
         self._run = pack(Run(_packed(network), state, units, work, *NOTHING))
         self._fronts: Any = None if fronts is None else pack(fronts)
 

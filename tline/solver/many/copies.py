@@ -11,7 +11,7 @@ from tline.errors import InputError
 from tline.scene.cavities import refuse_cavities
 from tline.scene.coupled import Coupled
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
-from tline.scene.rational_load import Parallel, Series
+from tline.scene.rational import Parallel, Series
 from tline.solver.description.description import Description
 from tline.solver.description.given import Scene, Shape
 from tline.solver.description.nodes import UNIT, Node, lowered

@@ -5,13 +5,16 @@ import os
 import re
 import signal
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO
+from typing import IO, TYPE_CHECKING
 from uuid import uuid4
 
 from tline.errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 try:
     import fcntl
@@ -67,6 +70,17 @@ def write_table(path: str | Path, head: Sequence[str], rows: Iterable[Iterable[o
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(head)
         writer.writerows(rows)
+
+
+def write_columns(path: str | Path, columns: "Mapping[str, NDArray]") -> None:
+    """Write arrays of one length as a CSV file, beside each other under their names.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    write_table(path, [*columns], zip(*(column.tolist() for column in columns.values()), strict=True))
 
 
 def check_writable(path: str | Path) -> None:

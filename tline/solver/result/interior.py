@@ -7,6 +7,7 @@ along the ways, and are of second order in its step; a front that is met costs u
 """
 
 from dataclasses import dataclass
+from functools import partial
 from math import ceil
 
 import numpy as np
@@ -17,7 +18,7 @@ from tline.loss import Foster
 from tline.solver.description.circuits import Circuits, circuits_of, fit_of
 from tline.solver.description.description import describe
 from tline.solver.description.given import Stretches
-from tline.solver.result.dense_output import drawable
+from tline.solver.result.dense_output import NOISE, drawable, highest
 from tline.solver.result.merged import CutRecord
 from tline.solver.result.result import LineRecord, Result
 from tline.words.wording import place
@@ -77,8 +78,10 @@ class Inside:
             way = self.record.delay * share  # waves are as they were at slab ends a way ago
             late = [slab_ends, slab_ends + way, slab_ends + self.record.delay - way, self.t]
             at = np.unique(np.concatenate(late))
-            u = self.effort(at[at <= slab_ends[-1]], share)
-            seen.append((u[0], u.min(), u.max()))
+            at = at[at <= slab_ends[-1]]
+            u, effort = self.effort(at, share), partial(self.effort, share=share)
+            noise, width = NOISE * float(np.abs(u).max()), float(np.diff(at).max(initial=0.0))
+            seen.append((u[0], *(highest(effort, at, u, sign, noise, width)[0] for sign in (-1, 1))))
         return np.array(seen).T
 
 

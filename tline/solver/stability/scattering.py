@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from tline.solver.description.branches import Branch
 from tline.solver.description.description import Description
 from tline.solver.description.given import Touchstone
+from tline.solver.description.groups import Group
 from tline.solver.description.nodes import Node
 from tline.solver.stability.lossy_line import carried, losses_of
 
@@ -34,8 +35,7 @@ class Scattering:
     """
 
     def __init__(self, description: Description, terminations: Mapping[str, float] | None = None):
-        description.check_linear("transfer functions and growth rates")
-        description.refuse_coupled("a transfer function")
+        self._check(description)
         lines = list(description.lines.values())
         delays = np.array([line.delay for line in lines])
         self.second = float(delays.min())
@@ -45,9 +45,9 @@ class Scattering:
         self.names = list(nodes)
         more = terminations or {}
         own = [0.0 if node.dead else node.total for node in nodes.values()]
-        extra = [node.switched(np.inf) + more.get(name, 0.0) for name, node in nodes.items()]
+        extra = [self._last(node) + more.get(name, 0.0) for name, node in nodes.items()]
         self.totals = np.array(own) + extra
-        self.held = np.array([node.held is not None or np.isinf(node.switched(np.inf)) for node in nodes.values()])
+        self.held = np.array([node.held is not None or np.isinf(self._last(node)) for node in nodes.values()])
         self.ends = [np.array(node.ends, int) for node in nodes.values()]
         self.lossy = {
             k: losses_of(name, line) for k, (name, line) in enumerate(description.lines.items()) if line.losses
@@ -55,8 +55,19 @@ class Scattering:
         self.measured = [node.measured for node in nodes.values()]
         self.loads = [self._polynomials(*each) for each in zip(nodes.values(), self.totals, self.held, strict=True)]
         edges = np.cumsum([0, *(len(group.nodes) for group in groups)])
-        last = [[branch.before(np.inf) for branch in group.branches] for group in groups]
+        last = [self._branches(group) for group in groups]
         self.groups = [(np.arange(*span), branches) for span, branches in zip(pairwise(edges), last, strict=True)]
+
+    def _check(self, description: Description) -> None:
+        description.check_linear("transfer functions and growth rates")
+        description.refuse_coupled("a transfer function")
+
+    def _last(self, node: Node) -> float:
+        """Conductance of the switches at a node."""
+        return node.switched(np.inf)
+
+    def _branches(self, group: Group) -> list[Branch]:
+        return [branch.before(np.inf) for branch in group.branches]
 
     def _polynomials(self, node: Node, total: float, held: bool) -> tuple[NDArray, NDArray]:
         """Coefficients of p and of f = Y p + q, one scale for both; p = 0 where the effort is held."""

@@ -1,7 +1,8 @@
 """Efforts and flows in equilibrium: laws of elements and lossy lines between parts of a network, solved by Newton.
 
-The unknowns are an effort of each free part, and of each law the effort it sees behind an impedance r of its own,
+The unknowns are an effort of each part, and of each law the effort it sees behind an impedance r of its own,
 a = drop + r·flow. Drop and flow are smooth functions of a even where a valve is shut or a check valve has no loss.
+Multiports add linear equations, and flows; where these leave anything open, it is what a slow rise from rest leads to.
 
 References
 ----------
@@ -9,14 +10,21 @@ E. Todini, S. Pilati: A gradient method for the analysis of pipe networks (1987)
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.steady.slow_limit import Limit, Sparse, slow_limit
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
+    from scipy.sparse.linalg import SuperLU
+
 STEPS, HALVINGS = 400, 40
 SPARE, CLOSE = 1e-15, 1e-10  # residuals, relative to the largest effort: where to stop, and what will do
 LEAST = 1e-12  # slope of a drop, in units of the impedance, that is taken for a law which has none at rest
+SHUT = 1e-9  # conductance of a law, in those units, that is taken beside multiports for one which lets nothing pass
 LEAK = 1e-14  # conductance of a part, in those units, that gives it an effort where nothing else does
 LEAKS = 10.0 ** np.arange(0, -14, -1)  # the same on the way to a state that is not found at once
 SMALL = 300  # unknowns
@@ -35,177 +43,192 @@ class EdgeLaws(NamedTuple):
     solved: Callable[[NDArray], tuple[NDArray, NDArray, NDArray, NDArray]]  # a -> drop, flow, and their slopes over a
 
 
+class Linear(NamedTuple):
+    """What is linear; unknowns after the edges' are efforts of parts, then others of the size of efforts.
+
+    Attributes
+    ----------
+    given, conductance, driven : ndarray, shape (parts,)
+        Effort where it is prescribed, else nan; conductance to the reference; flow of sources.
+    unit : float
+        Impedance by which balances of flows are multiplied, > 0.
+    A, B : Sparse
+        Entries beside these, numbered with the edges first: (A + s B) z = known. Without B a leak tells what is open.
+    known : ndarray, shape (others,)
+    """
+
+    given: NDArray
+    conductance: NDArray
+    driven: NDArray
+    unit: float
+    A: Sparse = Sparse(np.zeros(0, int), np.zeros(0, int), np.zeros(0))
+    B: Sparse | None = None
+    known: NDArray = np.zeros(0)
+
+    def matrix(self, leaking: float, edges: int) -> tuple[Sparse, NDArray, NDArray]:
+        """A and f with a leak, without the laws; and the leak of each part."""
+        held = ~np.isnan(self.given)
+        tied = held | ((self.conductance != 0) & (leaking <= LEAK))
+        leak = np.where(tied, 0.0, leaking / self.unit)
+        own = np.where(held, 1.0, self.unit * (self.conductance + leak))
+        at = edges + np.arange(len(own))
+        f = np.concatenate([np.zeros(edges), np.where(held, self.given, self.unit * self.driven), self.known])
+        return Sparse(at, at, own).plus(self.A), f, leak
+
+
 class Balance(NamedTuple):
     """What was found."""
 
     effort: NDArray  # (parts,)
+    others: NDArray
     flow: NDArray  # (edges,)
-    rest: NDArray  # (edges,) what is left of each law, relative to the largest effort
+    rest: NDArray  # (edges + parts + others,) what is left of each equation, relative to the largest effort
     leak: NDArray  # (parts,) flow that only the leak takes
+    limit: Limit | None  # of the linear equations there, with B
 
 
-def balanced(laws: EdgeLaws, given: NDArray, conductance: NDArray, driven: NDArray) -> Balance:
-    """Efforts at which all flows balance.
-
-    Parameters
-    ----------
-    laws : EdgeLaws
-    given : ndarray, shape (parts,)
-        Effort where it is prescribed, else nan.
-    conductance, driven : ndarray, shape (parts,)
-        To the reference; flow of sources.
-    """
-    starts = _starts(laws, given, conductance, driven)
+def balanced(laws: EdgeLaws, linear: Linear) -> Balance:
+    """Efforts at which all flows balance."""
+    least = 0.0 if linear.B is not None else LEAK
+    if not len(laws.from_node) and linear.B is None:  # each part by itself
+        A, f, leak = linear.matrix(least, 0)
+        effort, none = f / A.values, np.zeros(0)
+        return Balance(effort, none, none, none, leak * effort, None)
+    starts = _starts(laws, linear)
     tried = []
     for start in starts:
-        found = _newton(laws, given, conductance, driven, LEAK, start)
+        found = _newton(laws, linear, least, start)
         if found.balance.rest.max(initial=0.0) <= CLOSE:
             return found.balance
         tried.append(found.balance)
     at = starts[0]
     for leak in LEAKS:  # all tight things leak, less and less
-        at = _newton(laws, given, conductance, driven, leak, at)[:2]
-    again = _newton(laws, given, conductance, driven, LEAK, at)
+        at = _newton(laws, linear, leak, at).z
+    again = _newton(laws, linear, least, at)
     return min(*tried, again.balance, key=lambda balance: balance.rest.max(initial=0.0))
 
 
 class _Found(NamedTuple):
-    a: NDArray  # (edges,)
-    effort: NDArray  # (parts,)
+    z: NDArray
     balance: Balance
 
 
-def _starts(laws: EdgeLaws, given: NDArray, conductance: NDArray, driven: NDArray) -> list[tuple[NDArray, NDArray]]:
-    """Efforts a behind the impedances and efforts of parts to begin with, the least unbalanced first."""
-    effort = np.where(np.isnan(given), 0.0, given)
-    held = ~np.isnan(given)
-    effort[~held] = given[held].mean() if held.any() else 0.0
-    largest, r = _largest(laws, effort, driven), _mean(laws.impedance)
-    starts = [np.full(len(laws.from_node), share * largest) for share in STARTS]
-
-    def unbalance(a: NDArray) -> float:
-        drop, flow, _, _ = laws.solved(a)
-        rest, balance = _rests(laws, effort, drop, flow, conductance * effort - driven)
-        return max(np.abs(rest).max(), r * np.abs(balance[~held]).max(initial=0.0))
-
-    return [(a, effort) for a in sorted(starts, key=unbalance)]
+def _starts(laws: EdgeLaws, linear: Linear) -> list[NDArray]:
+    """Unknowns to begin with, the least unbalanced first."""
+    held, edges = ~np.isnan(linear.given), len(laws.from_node)
+    effort = np.where(held, linear.given, linear.given[held].mean() if held.any() else 0.0)
+    largest = _largest(linear)
+    matrix, f, _ = linear.matrix(0.0, edges)
+    starts = []
+    for share in STARTS if edges else STARTS[:1]:
+        z = np.concatenate([np.full(edges, share * largest), effort, np.zeros(len(linear.known))])
+        starts.append((float(np.abs(_Point(laws, linear, matrix, f, z).left).max()), z))
+    found = [z for _, z in sorted(starts, key=lambda start: start[0])]
+    return found if linear.B is None else [np.zeros(len(f)), *found]  # no flow goes round that nothing drives
 
 
-def _mean(impedance: NDArray) -> float:
-    return float(np.exp(np.log(impedance).mean()))
+def _largest(linear: Linear) -> float:
+    held = np.nanmax(np.abs(linear.given), initial=0.0)
+    return max(held, linear.unit * np.abs(linear.driven).max(initial=0.0)) or 1.0
 
 
-def _largest(laws: EdgeLaws, effort: NDArray, driven: NDArray) -> float:
-    return max(np.abs(effort).max(initial=0.0), _mean(laws.impedance) * np.abs(driven).max(initial=0.0)) or 1.0
+class _Point:
+    """What is left of laws and balances at some unknowns, and how that changes with them."""
+
+    def __init__(self, laws: EdgeLaws, linear: Linear, matrix: Sparse, f: NDArray, z: NDArray):
+        edges = len(laws.from_node)
+        self.z, self._matrix = z, matrix
+        drop, self.flow, self._steep, self._slope = laws.solved(z[:edges])
+        if linear.B is not None:
+            self._slope = np.maximum(self._slope, SHUT / linear.unit)
+        self.left = matrix @ z - f
+        self.left[:edges] += drop
+        self._ends = []
+        for end, sign in ((laws.from_node, 1.0), (laws.to_node, -1.0)):
+            there = np.flatnonzero(end >= 0)
+            free = there[np.isnan(linear.given[end[there]])]
+            self._ends.append((there, edges + end[there], free, edges + end[free], sign * linear.unit))
+            self.left[there] -= sign * z[edges + end[there]]
+            np.add.at(self.left, edges + end[free], sign * linear.unit * self.flow[free])
+        self.worst = float(np.abs(self.left).max())
+        sizes = np.abs(drop).max(initial=0.0), linear.unit * np.abs(self.flow).max(initial=0.0)
+        self.scale = max(*sizes, np.abs(z[edges:]).max(), NOTHING * _largest(linear))
+
+    def jacobian(self) -> Sparse:
+        """Laws first, then balances."""
+        edges = np.arange(len(self.flow))
+        parts = [Sparse(edges, edges, np.maximum(self._steep, LEAST))]
+        for there, at, free, balance, unit in self._ends:
+            parts.append(Sparse(there, at, np.full(len(there), -np.sign(unit))))
+            parts.append(Sparse(balance, free, unit * self._slope[free]))
+        return self._matrix.plus(*parts)
 
 
-def _rests(laws: EdgeLaws, effort: NDArray, drop: NDArray, flow: NDArray, out: NDArray) -> tuple[NDArray, NDArray]:
-    """What is left of laws, and of flows out of each part with those that are given."""
-    ends, out = np.append(effort, 0.0), np.append(out, 0.0)
-    np.add.at(out, laws.from_node, flow)
-    np.add.at(out, laws.to_node, -flow)
-    return drop - (ends[laws.from_node] - ends[laws.to_node]), out[:-1]
-
-
-def _newton(
-    laws: EdgeLaws,
-    given: NDArray,
-    conductance: NDArray,
-    driven: NDArray,
-    leaking: float,
-    start: tuple[NDArray, NDArray],
-) -> _Found:
+def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> _Found:
     """Newton's steps from a start, halved until what is left falls."""
-    n, count = len(given), len(laws.from_node)
-    free = np.flatnonzero(np.isnan(given))
-    number = np.full(n + 1, -1)  # the last one is the reference
-    number[free] = count + np.arange(len(free))
-    r = _mean(laws.impedance)
-    leak = np.full(n, leaking / r)
-    a, effort = start
-    largest = _largest(laws, np.where(np.isnan(given), 0.0, given), driven)
-
-    def unbalance(a: NDArray, effort: NDArray) -> tuple[NDArray, float, float, NDArray, NDArray, NDArray]:
-        drop, flow, steep, slope = laws.solved(a)
-        rest, balance = _rests(laws, effort, drop, flow, (conductance + leak) * effort - driven)
-        whole = np.concatenate([rest, r * balance[free]])
-        scale = max(np.abs(drop).max(), np.abs(effort).max(), r * np.abs(flow).max(), NOTHING * largest)
-        return whole, float(np.abs(whole).max()), float(scale), flow, steep, slope
-
-    whole, worst, scale, flow, steep, slope = unbalance(a, effort)
+    edges, n = len(laws.from_node), len(linear.given)
+    matrix, f, leak = linear.matrix(leaking, edges)
+    here, limit = _Point(laws, linear, matrix, f, start), None
     for _ in range(STEPS):
-        if worst <= SPARE * scale:
+        if here.worst <= SPARE * here.scale:
             break
-        entries, rows, columns = _jacobian(laws, number, count, free, steep, slope, r, r * (conductance + leak))
-        step = _solved(entries, rows, columns, count, whole)
+        J = here.jacobian()
+        if linear.B is None:
+            step = _solved(J, edges, here.left)
+        else:
+            limit = slow_limit(J, linear.B, J @ here.z - here.left)
+            step = here.z - limit.z
         share = 1.0
         for _ in range(HALVINGS):
-            b, level = a - share * step[:count], effort.copy()
-            level[free] -= share * step[count:]
-            now = unbalance(b, level)
-            if now[1] < worst:
+            there = _Point(laws, linear, matrix, f, here.z - share * step)
+            if there.worst < here.worst:
                 break
             share /= 2
         else:
             break
-        a, effort, (whole, worst, scale, flow, steep, slope) = b, level, now
-    stuck = np.where(np.isnan(given), leak * effort, 0.0)
-    return _Found(a, effort, Balance(effort, flow, np.abs(whole[:count]) / scale, stuck))
+        here = there
+    effort, others = np.split(here.z[edges:], [n])
+    rest = np.abs(here.left) / here.scale
+    return _Found(here.z, Balance(effort, others, here.flow, rest, leak * effort, limit))
 
 
-def _jacobian(
-    laws: EdgeLaws, number: NDArray, count: int, free: NDArray, steep: NDArray, slope: NDArray, r: float, own: NDArray
-) -> tuple[NDArray, NDArray, NDArray]:
-    """Entries, rows and columns: laws first, then balances of the free parts."""
-    edges = np.arange(count)
-    entries, rows, columns = [np.maximum(steep, LEAST)], [edges], [edges]
-    for end, sign in ((laws.from_node, 1.0), (laws.to_node, -1.0)):
-        at = number[end]
-        seen = at >= 0
-        entries += [np.full(seen.sum(), -sign), r * sign * slope[seen]]
-        rows += [edges[seen], at[seen]]
-        columns += [at[seen], edges[seen]]
-    parts = number[free]
-    return (
-        np.concatenate([*entries, own[free]]),
-        np.concatenate([*rows, parts]),
-        np.concatenate([*columns, parts]),
-    )
-
-
-def _solved(entries: NDArray, rows: NDArray, columns: NDArray, count: int, whole: NDArray) -> NDArray:
-    """Newton's step; the first unknowns, so many as there are laws, stand on the diagonal of a block of their own.
+def _solved(J: Sparse, edges: int, left: NDArray) -> NDArray:
+    """Newton's step; the first unknowns, one for each law, stand on the diagonal of a block of their own.
 
     In large networks these are eliminated, which leaves a symmetric pattern of parts alone: a quarter of the time and
     a sixth of the memory. What that loses where a drop is nearly flat is won back by a correction, or else all is
     solved at once.
     """
-    n = len(whole)
+    n = len(left)
     if n <= SMALL:
-        matrix = np.zeros((n, n))
-        np.add.at(matrix, (rows, columns), entries)
+        matrix = J.dense(n)
         try:
-            return np.linalg.solve(matrix, whole)
+            return np.linalg.solve(matrix, left)
         except np.linalg.LinAlgError:
-            return np.linalg.lstsq(matrix, whole)[0]
+            return np.linalg.lstsq(matrix, left)[0]
     from scipy.sparse import coo_array, diags_array
     from scipy.sparse.linalg import splu
 
-    matrix = coo_array((entries, (rows, columns)), shape=(n, n)).tocsr()
-    if n == count:  # all efforts are given
-        return whole / matrix.diagonal()
-    own, of_ends = matrix[:count, :count].diagonal(), matrix[:count, count:]
-    of_flows = matrix[count:, :count].multiply(1 / own[None, :]).tocsr()
-    left = (matrix[count:, count:] - of_flows @ of_ends).tocsc()
+    matrix = coo_array((J.values, (J.rows, J.columns)), shape=(n, n)).tocsr()
+    own, of_ends = matrix[:edges, :edges].diagonal(), matrix[:edges, edges:]
+    of_flows = matrix[edges:, :edges].multiply(1 / own[None, :]).tocsr()
+    schur = (matrix[edges:, edges:] - of_flows @ of_ends).tocsc()
     try:
-        parts, cut_off = splu(left, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}), False
+        parts, cut_off = symmetric(schur), False
     except RuntimeError:  # parts that only a leak ties down
-        tied = left + diags_array(TIED * np.abs(left.diagonal())).tocsc()
-        parts, cut_off = splu(tied, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}), True
+        tied = schur + diags_array(TIED * np.abs(schur.diagonal())).tocsc()
+        parts, cut_off = symmetric(tied), True
     step = np.zeros(n)
     for _ in range(CORRECTIONS):
-        rest = whole - matrix @ step
-        level = parts.solve(rest[count:] - of_flows @ rest[:count])
-        step += np.concatenate([(rest[:count] - of_ends @ level) / own, level])
-    exact = np.abs(whole - matrix @ step).max() <= EXACT * np.abs(whole).max()
-    return step if exact or cut_off else splu(matrix.tocsc()).solve(whole)
+        rest = left - matrix @ step
+        level = parts.solve(rest[edges:] - of_flows @ rest[:edges])
+        step += np.concatenate([(rest[:edges] - of_ends @ level) / own, level])
+    exact = np.abs(left - matrix @ step).max() <= EXACT * np.abs(left).max()
+    return step if exact or cut_off else splu(matrix.tocsc()).solve(left)
+
+
+def symmetric(matrix: "csc_array") -> "SuperLU":
+    """Factors of a matrix with a symmetric pattern and a large diagonal."""
+    from scipy.sparse.linalg import splu
+
+    return splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})

@@ -1,14 +1,15 @@
 """What lies between the lossless parts of a network in the steady state: lossy lines, and elements without a state."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
+from tline.solver.description.given import kinds_numbered
 from tline.solver.description.groups import Group
-from tline.solver.description.laws import KINDS, laws_of, opened
+from tline.solver.description.laws import laws_of, opened
 from tline.solver.kernel.network import Laws as Elements
 from tline.solver.steady.balance import EdgeLaws
 from tline.solver.steady.flows import flows_through
@@ -18,7 +19,6 @@ from tline.words.wording import place
 
 NOTHING = 1e-11  # of the largest flow: so little passes where it is rounded or leaks
 TIGHT, TIGHTEST = 1e2, 1e12  # drop over flow of a valve, in impedances of its nodes
-FILLED = {"gas", "tank", "vapour", "air"}  # kinds through which nothing flows in the end
 
 
 class Edges:
@@ -36,15 +36,15 @@ class Edges:
         self,
         description: Description,
         number: Mapping[str, int],
-        lossy: NDArray,
         tables: Mapping[str, FrictionTable],
         openings: Mapping[str, float],
-        resistive: Sequence[PlacedLaw],
+        falls: NDArray,
     ):
-        lines = {name: line for (name, line), falls in zip(description.lines.items(), lossy, strict=True) if falls}
+        each = zip(description.lines.items(), falls.tolist(), strict=True)
+        lines = {name: line for (name, line), kept in each if kept}
         self.falls = Falls(lines, tables)
-        self.elements = [_running(e) for e in description.elements if e.law.kind not in FILLED]
-        self.elements += resistive
+        self.elements = [_running(e) for e in description.elements if not e.kind.fills]
+        self.elements += description.resistive
         self.where = [place("lines", name) for name in lines] + [element.where for element in self.elements]
         pairs = [line.nodes for line in lines.values()] + [
             (element.from_node, element.to_node) for element in self.elements
@@ -76,7 +76,7 @@ class Edges:
             ends[self.from_node],
             ends[self.to_node],
             np.concatenate([self.falls.z0, self.packed.source_impedance]),
-            self._solved,
+            self.solved,
         )
 
     def holding(
@@ -88,7 +88,7 @@ class Edges:
         passing = (low == high) | (np.abs(flow) > NOTHING * scale)
         return (ends[self.from_node], ends[self.to_node]), passing, (low, high)
 
-    def _solved(self, a: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    def solved(self, a: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """Drops and flows, and their slopes over the efforts a behind the impedances."""
         count = len(self.falls.z0)
         fall, y, steep, dy = self.falls.solved(a[:count])
@@ -105,16 +105,14 @@ class Edges:
 def _steep(elements: Elements, largest: float) -> NDArray:
     """Impedance of each element: that of its nodes, or drop over flow of one so tight that its root is a jump."""
     source_impedance = elements.source_impedance.copy()
-    for e in np.flatnonzero(elements.kind == KINDS.index("quadratic")):
-        capacity = elements.constants[elements.at[e] + 1] * max(elements.control[e], 0.0)
-        drop_over_flow = np.sqrt(largest) / capacity if capacity > 0 else 0.0
+    for e, kind in enumerate(kinds_numbered(elements.kind.tolist())):
+        constants, control = elements.constants[elements.at[e] :], max(float(elements.control[e]), 0.0)
+        drop_over_flow = kind.tightness(constants, control, largest)
         if drop_over_flow > TIGHT * source_impedance[e]:
             source_impedance[e] = min(drop_over_flow, TIGHTEST * source_impedance[e])
     return source_impedance
 
 
 def _running(element: PlacedLaw) -> PlacedLaw:
-    """A pump that will run down still runs, and one that will start stands."""
-    if element.law.kind != "rotor":
-        return element
-    return element._replace(law=element.law._replace(kind="pump"))
+    """An element as it is while nothing changes."""
+    return element._replace(law=element.law._replace(kind=element.kind.steady or element.law.kind))

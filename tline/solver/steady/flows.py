@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
+from tline.solver.description.laws import units_of_laws
 from tline.solver.kernel.network import Crossing, Laws
 from tline.solver.kernel.units import law_addresses
 
@@ -15,6 +16,6 @@ def flows_through(laws: Laws, v: NDArray) -> tuple[NDArray, NDArray]:
         from tline.solver.kernel.laws.through import Through, through
 
         crossing = Crossing(laws.constants, *np.empty((4, 1)))
-        law = law_addresses(laws.kind)
+        law = law_addresses(units_of_laws(laws))
         through(pack(Through(law, laws.at, laws.control, v, laws.source_impedance, flow, slope, crossing)))
     return flow, slope

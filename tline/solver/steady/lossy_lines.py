@@ -37,6 +37,11 @@ def pi(line: Line) -> tuple[float, float]:
     return (r * np.sinh(x) / x, g * np.tanh(x / 2) / x) if x else (r, g / 2)
 
 
+def falling(line: Line) -> bool:
+    """Whether effort falls along a line in a steady flow."""
+    return line.losses is not None and any(line.losses.steady_drop(1.0))
+
+
 class Falls:
     """What falls along lines, over one unknown each: z0·y, or the wave that a tabled loss element sees.
 

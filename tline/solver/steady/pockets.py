@@ -3,7 +3,8 @@
 A valve that holds bounds the difference of efforts across it: so much may lie on a check valve before it opens, and
 anything on one that is shut. Of all efforts within these bounds a pocket has the one that it is said to start with, or
 else the least at which nothing opens toward it, as if it had been filled from there, or the largest at which nothing
-opens out of it; but the nearest to that of a neighbour where these are below the reference, or there are none.
+opens out of it; but the nearest to that of a neighbour where these are below the reference, or there are none, and to
+that of the reference where no neighbour is known.
 """
 
 from typing import NamedTuple
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.description.components import parts
-from tline.solver.description.laws import KINDS
+from tline.solver.description.given import kinds_numbered
 from tline.solver.kernel.network import Laws as Elements
 
 WITHIN = 1e-4  # of the largest effort: how exactly a start has to be known
@@ -38,23 +39,9 @@ class Holding(NamedTuple):
 def held_drops(elements: Elements) -> tuple[NDArray, NDArray]:
     """Least and largest drop at which nothing passes each element; both zero of what nothing but balance stops."""
     low, high = np.zeros(len(elements.kind)), np.zeros(len(elements.kind))
-    for e, kind in enumerate(elements.kind):
-        name, factor, c = KINDS[kind], max(float(elements.control[e]), 0.0), elements.constants[elements.at[e] :]
-        if name == "quadratic" and c[1] * factor == 0:
-            low[e], high[e] = -np.inf, np.inf
-        elif name == "quadratic" and c[2]:
-            low[e], high[e] = -np.inf, c[0]
-        elif name == "pump" and c[2]:
-            low[e], high[e] = -np.inf, c[0] - factor**2 * c[1]
-        elif name in ("relief", "leak", "demand"):
-            least = c[2] if name == "relief" else 0.0
-            low[e], high[e] = -np.inf, c[0] + least if factor else np.inf
-        elif name == "table" and not factor:
-            low[e], high[e] = -np.inf, np.inf
-        elif name == "table":
-            drops, flows = np.split(c[2 : 2 + 2 * int(c[1])], 2)
-            still = drops[flows == 0]
-            low[e], high[e] = (c[0] + still.min(), c[0] + still.max()) if still.size else (0.0, 0.0)
+    for e, kind in enumerate(kinds_numbered(elements.kind.tolist())):
+        constants, control = elements.constants[elements.at[e] :], max(float(elements.control[e]), 0.0)
+        low[e], high[e] = kind.holds(constants, control)
     return low, high
 
 
@@ -141,6 +128,6 @@ def _beside(u: NDArray, group: NDArray, shift: NDArray, fixed: NDArray, beside: 
     found = [pair if group[pair[0]] == g else pair[::-1] for pair in beside if g in (group[pair[0]], group[pair[1]])]
     found = [(own, by) for own, by in found if fixed[group[by]]]
     if not found:
-        return 0.0
+        return -float(u[np.flatnonzero(group == g)[0]])
     own, by = min(found, key=lambda pair: pair[1] == len(u) - 1)
     return float(u[by] + shift[group[by]] - u[own])

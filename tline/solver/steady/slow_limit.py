@@ -1,17 +1,17 @@
-"""What linear equations (A + s B) z = f tend to as s goes to zero: where a slow rise from rest leads.
+"""The limit of linear equations (A + s B) z = f as s goes to zero: where a slow rise from rest leads.
 
 Where A is singular, as in loops of inductances or at efforts that only capacitances tell, z + s z' with A z = f and
 A z' + B z = 0 is what is left of the first orders: each combination of the rows of A that vanishes tells B z = 0.
 """
 
-from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 SMALL, LARGE = 300, 1500  # unknowns: dense at once; and dense at all, where the matrix is singular
-SINGULAR = 1e-13  # of the largest singular value
+REGULAR = 1e12  # condition below which a matrix is not singular
+SINGULAR = 1e-13  # of the largest singular value, or pivot
 CONTRADICTORY = 1e-11  # of what is known
 INVOLVED = 1e-3  # of the largest entry of a null vector
 ROUNDS = 4  # in which rows and columns are scaled
@@ -25,51 +25,6 @@ class Limit(NamedTuple):
     columns: NDArray
 
 
-class Pencil:
-    """The equations, collected row by row.
-
-    Attributes
-    ----------
-    rows, columns : list of str
-        What each equation and each unknown belongs to.
-    known : list of float
-        f.
-    """
-
-    def __init__(self) -> None:
-        self.rows: list[str] = []
-        self.columns: list[str] = []
-        self.known: list[float] = []
-        self._entries: list[tuple[int, int, float, float]] = []
-
-    def unknowns(self, names: Iterable[str]) -> NDArray:
-        """Numbers of new unknowns."""
-        first = len(self.columns)
-        self.columns += names
-        return np.arange(first, len(self.columns))
-
-    def row(
-        self,
-        where: str,
-        entries: Iterable[tuple[int, float]],
-        slow: Iterable[tuple[int, float]] = (),
-        known: float = 0.0,
-    ) -> int:
-        """Number of a new equation with these entries of A and of B."""
-        at = len(self.rows)
-        self._entries += [(at, int(column), float(value), 0.0) for column, value in entries if value]
-        self._entries += [(at, int(column), 0.0, float(value)) for column, value in slow if value]
-        self.rows.append(where)
-        self.known.append(known)
-        return at
-
-    def matrices(self) -> "tuple[Sparse, Sparse, NDArray]":
-        """A, B and f."""
-        table = np.array(self._entries).reshape(-1, 4)
-        rows, columns = table[:, :2].astype(int).T
-        return Sparse(rows, columns, table[:, 2]), Sparse(rows, columns, table[:, 3]), np.array(self.known)
-
-
 class Sparse(NamedTuple):
     """A square matrix by its entries; those at one place add up."""
 
@@ -80,20 +35,17 @@ class Sparse(NamedTuple):
     def __matmul__(self, z: NDArray) -> NDArray:
         return np.bincount(self.rows, self.values * z[self.columns], len(z))
 
-    def plus(self, rows: NDArray, columns: NDArray, values: NDArray) -> "Sparse":
-        """With more entries."""
-        more = zip(self, (rows, columns, values), strict=True)
-        return Sparse(*(np.concatenate(each) for each in more))
+    def plus(self, *others: "Sparse") -> "Sparse":
+        """The sum with other matrices."""
+        return Sparse(*(np.concatenate(each) for each in zip(self, *others, strict=True)))
 
     def scaled(self, row: NDArray, column: NDArray) -> "Sparse":
-        """With scaled rows and columns."""
+        """The matrix with scaled rows and columns."""
         return self._replace(values=self.values * row[self.rows] * column[self.columns])
 
     def dense(self, n: int) -> NDArray:
-        """As an array, shape (n, n)."""
-        matrix = np.zeros((n, n))
-        np.add.at(matrix, (self.rows, self.columns), self.values)
-        return matrix
+        """The matrix as an array, shape (n, n)."""
+        return np.bincount(self.rows * n + self.columns, self.values, n * n).reshape(n, n)
 
 
 def slow_limit(A: Sparse, B: Sparse, f: NDArray) -> Limit:
@@ -101,7 +53,7 @@ def slow_limit(A: Sparse, B: Sparse, f: NDArray) -> Limit:
     n, none = len(f), np.zeros(0, int)
     row, column = _scales(A, n)
     A, B, f = A.scaled(row, column), B.scaled(row, column), f * row
-    z = _regular(A, f) if n > SMALL else None
+    z = _regular(A, f)
     if z is not None:
         return Limit(z * column, none, none)
     if n > LARGE:
@@ -140,10 +92,18 @@ def _scales(A: Sparse, n: int) -> tuple[NDArray, NDArray]:
 
 def _regular(A: Sparse, f: NDArray) -> NDArray | None:
     """The solution where the matrix is far from singular."""
+    n = len(f)
+    if n <= SMALL:
+        matrix = A.dense(n)
+        try:
+            found = np.linalg.solve(matrix, np.column_stack([f, np.eye(n)]))
+        except np.linalg.LinAlgError:
+            return None
+        condition = np.abs(matrix).sum(axis=0).max() * np.abs(found[:, 1:]).sum(axis=0).max()
+        return found[:, 0] if condition < REGULAR else None
     from scipy.sparse import coo_array
     from scipy.sparse.linalg import splu
 
-    n = len(f)
     try:
         factors = splu(coo_array((A.values, (A.rows, A.columns)), shape=(n, n)).tocsc())
     except RuntimeError:

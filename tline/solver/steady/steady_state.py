@@ -16,13 +16,14 @@ from tline.errors import InputError
 from tline.solver.description.components import parts
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
-from tline.solver.description.nodes import NONE, Node
-from tline.solver.steady.balance import CLOSE, balanced
+from tline.solver.description.nodes import NONE
+from tline.solver.steady.at_nodes import AtNodes, Joins, Lines, at_nodes, joins_of, lines_of
+from tline.solver.steady.balance import CLOSE, Balance, EdgeLaws, Linear, balanced, symmetric
 from tline.solver.steady.edges import Edges
-from tline.solver.steady.lossy_lines import FrictionTable, pi
+from tline.solver.steady.lossy_lines import FrictionTable
 from tline.solver.steady.openings import openings_at_rest, still
-from tline.solver.steady.operating_point import operating_point
 from tline.solver.steady.pockets import settled
+from tline.solver.steady.ports import branches_with_ports, check_limit, ported
 from tline.words.wording import place
 
 SAME = 1e-9  # efforts that differ by less than this, relatively, are equal
@@ -67,86 +68,126 @@ def steady_state(
 
 
 def above_level(description: Description, tables: Mapping[str, FrictionTable] = NONE) -> Before:
-    """The same with efforts that count from the level, flows through elements, and openings that hold still."""
+    """Efforts that count from the level, flows through elements, and openings that hold still, before t = 0."""
     if description.mixing:
         description.refuse_coupled("a steady state in stretches")
-    if description.coupled or description.multiports:
-        return still(
-            description.elements, lambda openings: Before(*operating_point(description, tables, openings), openings)
-        )
     return still(description.elements, lambda openings: _under(description, tables, openings))
+
+
+class _Parts(NamedTuple):
+    """Nodes that lossless lines and inductors join, and what stands at each node."""
+
+    description: Description
+    number: dict[str, int]
+    lines: Lines
+    at: AtNodes
+    joins: Joins
+    part: NDArray  # (nodes,)
 
 
 def _under(description: Description, tables: Mapping[str, FrictionTable], openings: dict[str, float]) -> Before:
     """The steady state with these openings of the elements that move them."""
-    nodes, lines = description.nodes, description.lines.values()
+    nodes = description.nodes
     number, n = {name: k for k, name in enumerate(nodes)}, len(nodes)
-    shorts = description.inductive
-    joined = [*(line.nodes for line in lines), *((first, second) for first, second, _ in shorts)]
-    first, second = np.array([[number[node] for node in pair] for pair in joined]).T
-    lossy = np.array([line.losses is not None and any(line.losses.steady_drop(1.0)) for line in lines])
-    leak = np.array([pi(line)[1] for line in lines] + [0.0] * len(shorts))
-    count, stiff = len(lossy), np.append(~lossy, np.ones(len(shorts), bool))
-    part = parts(first[stiff], second[stiff], n)
-    given, conductance, driven, tie = _balances(nodes)
-    for name, effort in description.tanks.items():
-        given[number[name]], tie[number[name]] = effort, np.inf
-    conductance += np.bincount(first, leak, n) + np.bincount(second, leak, n)
-    _check_held(description, part, given)
-    _check_between(description, part, number)
-    edges = Edges(description, number, lossy, tables, openings, description.resistive)
-    if edges.count:
-        level, flow = _between_parts(description, number, part, given, conductance, driven, edges)
-        out = edges.out_of_nodes(flow, n)
-    else:
-        level, flow, out = _efforts(description, number, part, given, conductance, driven), np.zeros(0), np.zeros(n)
-    effort = level[part]
-    unheld = np.isnan(_least(given, part))
-    tie[np.unique(part, return_index=True)[1][unheld]] = np.inf  # the potential's zero, anywhere
-    stiffness = np.array([1 / (line.z0 * line.delay) for line in lines] + [1 / inertia for _, _, inertia in shorts])
-    stiffness[:count][lossy] = 0.0
-    flow_in = driven - conductance * effort - out
-    potential = _potential(first[stiff], second[stiff], stiffness[stiff], flow_in, tie)
-    y = stiffness * (potential[first] - potential[second])
-    y[:count][lossy] = flow[: lossy.sum()]
-    flows = np.stack([y + leak * effort[first], y - leak * effort[second]], axis=1)[:count]
-    through = dict(zip(edges.where[lossy.sum() :], flow[lossy.sum() :].tolist(), strict=True))
+    lines = lines_of(description, number)
+    at, joins = at_nodes(description, number, lines), joins_of(description, number, lines)
+    parted = _Parts(description, number, lines, at, joins, parts(joins.ends[:, 0], joins.ends[:, 1], n))
+    _check_held(description, parted.part, at.given)
+    _check_between(description, parted.part, number)
+    edges = Edges(description, number, tables, openings, lines.falls)
+    coupled = description.coupled or description.multiports
+    effort, y, flow = _with_ports(parted, edges) if coupled else _without_ports(parted, edges)
+    lossy = int(lines.falls.sum())
+    along = np.empty(len(lines.z0))
+    along[lines.falls], along[~lines.falls] = flow[:lossy], y[: len(joins.names)]
+    flows = along[:, None] + lines.leak[:, None] * effort[lines.ends] * [1.0, -1.0]
+    through = dict(zip(edges.where[lossy:], flow[lossy:].tolist(), strict=True))
     return Before(dict(zip(nodes, effort.tolist(), strict=True)), flows, through, openings)
 
 
-def _between_parts(
-    description: Description,
-    number: dict[str, int],
-    part: NDArray,
-    given: NDArray,
-    conductance: NDArray,
-    driven: NDArray,
-    edges: Edges,
-) -> tuple[NDArray, NDArray]:
-    """The effort of each connected part, and the flow through each edge between them."""
-    total, source = (np.bincount(part, weights) for weights in (conductance, driven))
-    held = np.nanmax(np.abs(given), initial=0.0)
-    laws = edges.laws(part, held)
-    found = balanced(laws, _least(given, part), total, source)
-    if not found.rest.max() <= CLOSE:
-        where = edges.where[int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))]
+def _without_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray]:
+    """Efforts of nodes, and flows through joins and edges: first what the parts exchange, then flows inside them."""
+    at, joins, part, n = parted.at, parted.joins, parted.part, len(parted.part)
+    given, tie = _least(at.given, part), at.tie.copy()
+    total, source = (np.bincount(part, weights) for weights in (at.conductance, at.driven))
+    laws = edges.laws(part, np.nanmax(np.abs(given), initial=0.0))
+    found = balanced(laws, Linear(given, total, source, _unit(parted, laws)))
+    _check_found(parted, edges, laws, found, part)
+    effort = _settled(parted, edges, found, found.effort, ~np.isnan(given) | (total != 0))[part]
+    tie[np.unique(part, return_index=True)[1][np.isnan(given)]] = np.inf  # the potential's zero, anywhere
+    first, second = joins.ends.T
+    flow_in = at.driven - at.conductance * effort - edges.out_of_nodes(found.flow, n)
+    potential = _potential(first, second, 1 / joins.inertia, flow_in, tie)
+    return effort, (potential[first] - potential[second]) / joins.inertia, found.flow
+
+
+def _with_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray]:
+    """Efforts of nodes, and flows through joins and edges, beside multiports and coupled conductors."""
+    description, number, lines, at, joins, part = parted
+    alone = np.arange(len(number))
+    laws = edges.laws(alone, np.nanmax(np.abs(at.given), initial=0.0))
+    unit = _unit(parted, laws)
+    linear, names, flows = ported(description, number, at, joins, edges.where, lines.delay[lines.falls], unit)
+    found = balanced(laws, linear)
+    check_limit(found.limit, names, joins, number)
+    _check_found(parted, edges, laws, found, alone)
+    known = ~np.isnan(at.given) | (at.conductance != 0)
+    known[[number[node] for branch in branches_with_ports(description) for node in branch.nodes]] = True
+    known, first = np.bincount(part, known) > 0, np.unique(part, return_index=True)[1]
+    shift = _settled(parted, edges, found, found.effort[first], known) - found.effort[first]
+    return found.effort + shift[part], found.others[flows] / unit, found.flow
+
+
+def _unit(parted: _Parts, laws: EdgeLaws) -> float:
+    """Impedance of the size of efforts over flows."""
+    known = laws.impedance if len(laws.impedance) else parted.lines.z0
+    return float(np.exp(np.log(known).mean()))
+
+
+def _check_found(parted: _Parts, edges: Edges, laws: EdgeLaws, found: Balance, part: NDArray) -> None:
+    """Refuse what was not found, and a flow that nothing takes.
+
+    Parameters
+    ----------
+    part : ndarray, shape (nodes,)
+        Number of each node's balance.
+    """
+    if not found.rest.max(initial=0.0) <= CLOSE:
+        k = int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))
+        where = edges.where[k] if k < edges.count else "start"
         raise InputError(where, "no steady state found: efforts and flows do not settle here", "start = 'rest'")
-    largest = held / min(line.z0 for line in description.lines.values())
-    by_itself = np.abs(laws.solved(np.zeros(edges.count))[1]).max()  # of a pump, or of air outside at another height
-    driving = max(np.abs(driven).max(), largest, by_itself)
-    scale = np.abs(found.flow).max(initial=driving)
-    stuck = np.flatnonzero((np.abs(found.leak) > STUCK * scale) & (driving > 0))
-    if stuck.size:
-        _refuse_flow(description, number, part, int(stuck[0]), float(found.leak[stuck[0]]))
-    known = ~np.isnan(_least(given, part)) | (total != 0)
+    driving = _driving(parted, edges)
+    stuck = np.flatnonzero(np.abs(found.leak) > STUCK * np.abs(found.flow).max(initial=driving))
+    if stuck.size and driving > 0:
+        _refuse_flow(parted.description, parted.number, part, int(stuck[0]), float(found.leak[stuck[0]]))
+
+
+def _driving(parted: _Parts, edges: Edges) -> float:
+    """The largest flow of sources, into a line at a held effort, or of a pump or of air at another height by itself."""
+    held = np.nanmax(np.abs(parted.at.given), initial=0.0)
+    into_line = held / parted.lines.z0.min()
+    by_itself = np.abs(edges.solved(np.zeros(edges.count))[1]).max(initial=into_line)
+    return max(np.abs(parted.at.driven).max(), by_itself)
+
+
+def _settled(parted: _Parts, edges: Edges, found: Balance, effort: NDArray, known: NDArray) -> NDArray:
+    """The effort of each part, with those of pockets.
+
+    Raises
+    ------
+    InputError
+        What a node starts with would open a valve.
+    """
+    description, number, part = parted.description, parted.number, parted.part
     start = _starts(description, number, part)
-    effort, opened = settled(found.effort, known, start, *edges.holding(part, found.flow, scale))
+    holding = edges.holding(part, found.flow, np.abs(found.flow).max(initial=_driving(parted, edges)))
+    effort, opened = settled(effort, known, start, *holding)
     if opened.size:
         name = next(name for name in description.starts if part[number[name]] in opened)
         got = effort[part[number[name]]] + description.nodes[name].height.level
         unit = description.medium.units["effort"]
         raise InputError(place("nodes", name, "start"), "a valve would open", f"such as {got:g} {unit}")
-    return effort, found.flow
+    return effort
 
 
 def _starts(description: Description, number: dict[str, int], part: NDArray) -> NDArray:
@@ -166,29 +207,6 @@ def _refuse_flow(description: Description, number: dict[str, int], part: NDArray
     )
     got = f"{flow:g} {description.medium.units['flow']}"
     raise InputError(where, "no steady state: nothing takes the flow", "a load that does", got)
-
-
-def _balances(nodes: dict[str, Node]) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-    """Of each node: effort if given, else nan; conductance; driven flow; tie to the reference (infinite: ideal)."""
-    n = len(nodes)
-    given, conductance, driven, tie = np.full(n, np.nan), np.zeros(n), np.zeros(n), np.zeros(n)
-    for k, node in enumerate(nodes.values()):
-        switched = node.switched(0.0)
-        resistance = np.inf if node.load is None else node.load.at_zero()
-        if node.held is not None:
-            given[k], tie[k] = just_before(node.held), np.inf
-        elif switched == np.inf:
-            given[k], tie[k] = node.above_level, np.inf
-        else:
-            driven[k], conductance[k] = node.flow_before(), node.conductance + switched
-            driven[k] += switched * node.above_level
-            if node.load is not None and resistance == 0:  # an inductor: a short, its inertia beside those of the lines
-                inertia = node.load.numerator[-2] / node.load.denominator[-1]
-                given[k], tie[k] = node.above_level, 1 / inertia if inertia else np.inf
-            else:
-                conductance[k] += 1 / resistance
-                driven[k] += node.above_level / resistance
-    return given, conductance, driven, tie
 
 
 def _least(values: NDArray, part: NDArray) -> NDArray:
@@ -227,24 +245,6 @@ def _check_between(description: Description, part: NDArray, number: dict[str, in
                 raise InputError(place("sources", name), problem, "a resistance", got)
 
 
-def _efforts(
-    description: Description,
-    number: dict[str, int],
-    part: NDArray,
-    given: NDArray,
-    conductance: NDArray,
-    driven: NDArray,
-) -> NDArray:
-    """The effort of each connected part, where nothing lies between parts."""
-    low = _least(given, part)
-    total, flow, size = (np.bincount(part, weights) for weights in (conductance, driven, np.abs(driven)))
-    stuck = np.flatnonzero(np.isnan(low) & (total == 0) & (np.abs(flow) > ROUNDING * size))
-    if stuck.size:
-        _refuse_flow(description, number, part, int(stuck[0]), float(flow[stuck[0]]))
-    level = np.divide(flow, total, out=np.zeros_like(flow), where=total != 0)
-    return np.where(np.isnan(low), level, low)
-
-
 def _potential(first: NDArray, second: NDArray, stiffness: NDArray, flow_in: NDArray, tie: NDArray) -> NDArray:
     """Potential of each node, zero where the tie is infinite: the flows that it drives balance what flows in."""
     n, free = len(tie), np.flatnonzero(tie < np.inf)
@@ -268,7 +268,5 @@ def _solved(entries: NDArray, places: tuple[NDArray, NDArray], free: NDArray, n:
         np.add.at(matrix, places, entries)
         return np.linalg.solve(matrix[np.ix_(free, free)], flow_in)
     from scipy.sparse import coo_array
-    from scipy.sparse.linalg import splu
 
-    matrix = coo_array((entries, places), shape=(n, n)).tocsc()[free][:, free]
-    return splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(flow_in)
+    return symmetric(coo_array((entries, places), shape=(n, n)).tocsc()[free][:, free]).solve(flow_in)

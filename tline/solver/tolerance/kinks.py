@@ -5,8 +5,7 @@ into it rises along the graph, and passes each point once. A piece without a kin
 the instant is sought on the piece before or behind, continued into the one that has it.
 """
 
-from collections.abc import Iterator, Sequence
-from math import inf, sqrt
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,11 +14,11 @@ from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
+from tline.solver.description.given import Bend
 from tline.solver.radau import Basis, basis
 from tline.solver.result.result import Result, Wave
 from tline.solver.run import Kinks
 
-CURVED = 16  # points from which on a table is taken as a curve: narrower slabs cost less than fronts at all corners
 MOST = 2000  # instants of an element; where there are more, none is followed
 MOST_HALVED = 50_000  # the same of middles of pieces
 STEPS, STEP = 8, 1e-4  # of Newton's method, and for its slopes, in pieces
@@ -39,7 +38,7 @@ class PiecewiseQuantity(NamedTuple):
 
 def kinking(description: Description) -> list[PlacedLaw]:
     """Elements whose laws kink."""
-    return [element for element in description.elements if any(True for _ in _bends(element, 1.0))]
+    return [element for element in description.elements if [*element.kind.bends(element.constants, 1.0)]]
 
 
 def kinks_of(result: Result, elements: Sequence[PlacedLaw]) -> Kinks:
@@ -48,7 +47,8 @@ def kinks_of(result: Result, elements: Sequence[PlacedLaw]) -> Kinks:
     for element in elements:
         record = result.elements[element.where]
         into = _in_pieces(record.wave)
-        instants = [_crossings(_less(into, at, element, result), result) for at in _bends(element, record.impedance)]
+        bends = element.kind.bends(element.constants, record.impedance)
+        instants = [_crossings(_less(into, at, element, result), result) for at in bends]
         all_ = np.unique(np.concatenate([np.empty(0), *instants]))
         if 0 < len(all_) <= MOST:
             found[element.where] = all_
@@ -92,37 +92,6 @@ def halved(result: Result, elements: Sequence[PlacedLaw], known: Kinks) -> Halve
 def together(one: Kinks, other: Kinks) -> Kinks:
     """Instants of both."""
     return {where: np.union1d(one.get(where, np.empty(0)), other.get(where, np.empty(0))) for where in {*one, *other}}
-
-
-class Bend(NamedTuple):
-    """A wave at which a law kinks: a part that stays, and one in proportion to a power of the control signal.
-
-    Of a store it is the effort that drives its flow.
-    """
-
-    constant: float
-    varying: float = 0.0
-    power: int = 1
-
-
-def _bends(element: PlacedLaw, rho: float) -> Iterator[Bend]:
-    """Waves e + ρ i at which a law kinks; none of a smooth one."""
-    kind, c = element.law.kind, element.constants
-    if kind in ("quadratic", "leak", "demand"):
-        yield Bend(c[0])
-    if kind == "demand":
-        yield Bend(c[0] + c[2], rho * c[1])
-    if kind == "table" and c[1] < CURVED:
-        n = int(c[1])
-        for e, i in list(zip(c[2 : 2 + n], c[2 + n : 2 + 2 * n], strict=True))[1:-1]:
-            yield Bend(c[0] + e, rho * i)
-    if kind == "relief":
-        yield Bend(c[0] + c[2])
-        yield Bend(c[0] + c[2] + c[3], rho * c[1] * sqrt(c[2] + c[3]))
-    if kind == "pump" and c[2] > 0:
-        yield Bend(c[0], -c[1], 2)
-    if (kind == "rotor" and c[2] > 0) or (kind in ("gas", "tank") and c[1] < inf):  # where its flow turns, or stops
-        yield Bend(0.0)
 
 
 def _less(into: PiecewiseQuantity, bend: Bend, element: PlacedLaw, result: Result) -> PiecewiseQuantity:

@@ -5,17 +5,14 @@ is the scene alone.
 """
 
 from collections.abc import Callable
-from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.description.given import ElementLaw, Ratio, Shape
+from tline.solver.description.given import ElementLaw, Ratio, Shape, Volume
 
 Function = Callable[[NDArray, NDArray], NDArray]  # flow at instants and efforts across
-Law = Callable[[NDArray], NDArray]  # flow at efforts, fully open
-HOTTEST = 700.0  # times the thermal voltage, beyond which nothing conducts so much
 
 
 class Flow(NamedTuple):
@@ -29,13 +26,6 @@ class Impedance(NamedTuple):
 
     numerator: tuple[float, ...]
     denominator: tuple[float, ...]
-
-
-class Volume(NamedTuple):
-    """A vessel or tank behind an orifice: what it holds as a function of the effort inside, and the orifice."""
-
-    held: Callable[[NDArray], NDArray]
-    capacity: float
 
 
 Equation = Flow | Impedance | Volume
@@ -80,20 +70,12 @@ def over_time(shape: Shape | None, t: NDArray) -> NDArray | float:
     return 1.0 if shape is None else np.maximum(shape.value(t, t), 0.0)
 
 
-def rooted(drop: NDArray, capacity: NDArray | float) -> NDArray:
-    """Flow through an orifice."""
-    return capacity * np.sign(drop) * np.sqrt(np.abs(drop))
-
-
 def _of_law(law: ElementLaw) -> Equation | None:
-    beyond, *c = law.constants
     if law.governor is not None:
         return None
-    if law.kind in ("gas", "tank"):
-        return _volume(law.kind, beyond, c)
-    found = LAWS[law.kind](c) if law.kind in LAWS else None
+    found, beyond = law.of_kind.flow(law.constants), law.constants[0]
     if found is None:
-        return None
+        return law.of_kind.volume(law.constants)
 
     def flow(t: NDArray, e: NDArray) -> NDArray:
         across = -e if law.reverse else e
@@ -101,64 +83,3 @@ def _of_law(law: ElementLaw) -> Equation | None:
         return -passed if law.reverse else passed
 
     return Flow(flow)
-
-
-def _orifice(c: list[float]) -> Law | None:
-    capacity, one_way = c
-    if capacity == inf:
-        return None
-    return lambda d: rooted(np.maximum(d, 0.0) if one_way else d, capacity)
-
-
-def _relief(c: list[float]) -> Law | None:
-    capacity, opens, band = c
-    if capacity == inf:
-        return None
-    return lambda d: rooted(np.maximum(d, 0.0), capacity) * np.clip((d - opens) / band, 0.0, 1.0)
-
-
-def _leak(c: list[float]) -> Law:
-    flow, pressure, exponent = c
-    return lambda d: flow * (np.maximum(d, 0.0) / pressure) ** exponent
-
-
-def _demand(c: list[float]) -> Law:
-    flow, pressure, exponent = c
-    return lambda d: flow * np.clip(d / pressure, 0.0, 1.0) ** exponent
-
-
-def _diode(c: list[float]) -> Law:
-    saturation, thermal = c
-    return lambda d: saturation * np.expm1(np.minimum(d / thermal, HOTTEST))
-
-
-def _table(c: list[float]) -> Law:
-    efforts, flows = np.array(c[1:]).reshape(2, -1)
-    if (np.diff(efforts) <= 0.0).any():
-        efforts = efforts + 1e-15 * np.ptp(efforts) * np.arange(len(efforts))  # where it is upright
-    first, last = ((flows[k + 1] - flows[k]) / (efforts[k + 1] - efforts[k]) for k in (0, -2))
-
-    def flow(d: NDArray) -> NDArray:
-        beyond = last * np.maximum(d - efforts[-1], 0.0) + first * np.minimum(d - efforts[0], 0.0)
-        return np.interp(d, efforts, flows) + beyond
-
-    return flow
-
-
-def _volume(kind: str, beyond: float, c: list[float]) -> Volume:
-    if kind == "tank":
-        capacity, per_effort = c
-        return Volume(lambda p: per_effort * (p - beyond), capacity)
-    capacity, outside, at_zero, exponent = c
-
-    def held(p: NDArray) -> NDArray:
-        """Liquid in place of gas: none where the gas fills what it does without effort."""
-        absolute = np.maximum(1.0 + (p - beyond) / outside, 1e-12)
-        return -at_zero * absolute ** (-1.0 / exponent)
-
-    return Volume(held, capacity)
-
-
-LAWS: dict[str, Callable[[list[float]], Law | None]] = {
-    "quadratic": _orifice, "relief": _relief, "leak": _leak, "demand": _demand, "diode": _diode, "table": _table
-}  # fmt: skip

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from tline.scene.rational_load import Rational
+from tline.scene.rational import RationalImpedance
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import rest, steady_state
@@ -43,7 +43,7 @@ def moc_grid(scene: Scene, n: float) -> BaselineRun:
 def no_friction(scene: Scene) -> str | None:
     """Why a grid is of no use for a scene, or cannot do it; None if it can."""
     for name, load in scene.loads.items():
-        if isinstance(load, Rational):
+        if isinstance(load, RationalImpedance):
             return f"{place('loads', name)}: has a state"
     frictionless = all(line.losses is None or line.losses.linear for line in scene.single_lines.values())
     return "without friction it is the same as without a grid" if frictionless else None

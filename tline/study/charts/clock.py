@@ -4,12 +4,7 @@ Two clocks: one runs while time is stepped, sampling of sources included; the ot
 user waits for it. Compiling is in neither. A time is the median of several runs.
 """
 
-import os
-import subprocess
-import sys
-import tempfile
 from collections.abc import Callable
-from functools import cache
 from statistics import median
 from typing import NamedTuple
 
@@ -29,19 +24,6 @@ class Effort(NamedTuple):
 
 
 FULL, QUICK = Effort(200, 0.1, 12, RUNS), Effort(40, 0.01, 3, 1)
-
-# seconds by which the first run of a process is longer than its second
-START = """
-import time
-from tline.study.charts.scenes import chart_scene
-from tline.solver.simulate import simulate
-scene = chart_scene("rc").scene
-instants = [time.perf_counter()]
-for _ in range(2):
-    simulate(scene)
-    instants.append(time.perf_counter())
-print(2 * instants[1] - instants[0] - instants[2])
-"""
 
 Traces = dict[str, NDArray]
 
@@ -72,14 +54,3 @@ def timed(run: Callable[[], TimedRun], effort: Effort) -> TimedRun:
         runs.append(run())
         spent += runs[-1].seconds
     return runs[0]._replace(stepping=median(r.stepping for r in runs), seconds=median(r.seconds for r in runs))
-
-
-@cache
-def compilation() -> str:
-    """What stands beside the clock, in one sentence, measured in two new processes with a numba cache of their own."""
-    with tempfile.TemporaryDirectory() as folder:
-        call, own = [sys.executable, "-W", "ignore", "-c", START], os.environ | {"NUMBA_CACHE_DIR": folder}
-        cold, warm = (
-            float(subprocess.run(call, env=own, check=True, capture_output=True, text=True).stdout) for _ in range(2)
-        )
-    return f"Not in the slabs' times: compiling, {cold:.1f} s once; loading what is compiled, {warm:.2f} s a process."

@@ -5,7 +5,6 @@ the far end, so one window of 2T holds all there is. Three numbers say what a me
 stronger (damping), early or late (phase), and, shifted and scaled to fit best, still in another shape (dispersion).
 """
 
-import csv
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,9 +16,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 from numpy.typing import NDArray
 
-from tline.pictures.style import COLOURS, DASHES, figure, save_figure, styled
+from tline.pictures.style import COLOURS, DASHES, figure, styled
 from tline.scene.scene import Scene
 from tline.study.charts.picture import OURS, RAISED
+from tline.study.charts.table import write_csv
 
 TRANSITS, QUICK = 10_000, 40
 STEPS = 16  # per transit, about as many for all methods
@@ -179,14 +179,12 @@ def error_growth(*, quick: bool = False, progress: bool = False) -> dict[str, Gr
 
 def save(curves: dict[str, GrowthCurve], path: str | Path) -> None:
     """Write all numbers as CSV."""
-    from tline.solver.result.atomic import replacing
-
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["method", "transits", *KINDS])
-        for label, curve in curves.items():
-            for k, transits in enumerate(curve.transits):
-                writer.writerow([label, int(transits), *(repr(float(getattr(curve, kind)[k])) for kind in KINDS)])
+    rows = (
+        (label, int(transits), *(float(getattr(curve, kind)[k]) for kind in KINDS))
+        for label, curve in curves.items()
+        for k, transits in enumerate(curve.transits)
+    )
+    write_csv(path, ("method", "transits", *KINDS), rows)
 
 
 @styled
@@ -215,10 +213,3 @@ def draw(curves: dict[str, GrowthCurve]) -> Figure:
         axes.set_xlabel("transits")
     picture.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=9)
     return picture
-
-
-def generate(folder: str | Path) -> None:
-    """Write growth.png and growth.csv to a folder."""
-    curves = error_growth(progress=True)
-    save(curves, Path(folder) / "growth.csv")
-    save_figure(draw(curves), Path(folder) / "growth.png")

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tline.scene.rational_load import Rational
+from tline.scene.rational import RationalImpedance
 from tline.scene.scene import Scene
 from tline.study.charts.clock import TimedRun
 
@@ -23,7 +23,10 @@ def incompatibility(scene: Scene) -> str | None:
         return "adapted to one line between a source and a load"
     line, source, load = _parts(scene)
     if not (
-        source.is_effort and source.resistance and isinstance(load, Rational) and line.nodes == (source.at, load.at)
+        source.is_effort
+        and source.resistance
+        and isinstance(load, RationalImpedance)
+        and line.nodes == (source.at, load.at)
     ):
         return "adapted to one line between a voltage and a load of R, L and C"
     return None

@@ -1,6 +1,5 @@
 """Stability maps: growth rates measured from runs, and beside them the boundaries that theory predicts."""
 
-import csv
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,8 +13,9 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.pictures.style import INK, figure, save_figure, styled
+from tline.pictures.style import INK, figure, styled
 from tline.study.charts.maps import MAPS, Map, Strip, rate
+from tline.study.charts.table import write_csv
 
 POINTS, QUICK, LONG = 101, 11, 5
 LOWEST, HIGHEST = 1e-2, 10.0  # growth per transit, the ends of the colours
@@ -125,26 +125,19 @@ def _measured(strip: Strip, x: NDArray, level: float) -> MeasuredStrip:
 
 def save(maps: Iterable[Stability], path: str | Path) -> None:
     """Write all rates as CSV."""
-    rows = [
-        (found.map.name, strip.label, *map(repr, map(float, numbers)))
+    rows = (
+        (found.map.name, strip.label, *map(float, numbers))
         for found in maps
         for strip in found.strips
         for numbers in zip(strip.x, strip.rates, strip.predicted, strict=True)
-    ]
-    _write(path, ("map", "method", "x", "growth_per_transit", "predicted"), rows)
+    )
+    write_csv(path, ("map", "method", "x", "growth_per_transit", "predicted"), rows)
 
 
 def save_boundaries(maps: Iterable[Stability], path: str | Path) -> None:
     """Write boundaries as CSV: predicted, measured, difference over the axis."""
-    rows = [(found.map.name, *row) for found in maps for row in found.differences()]
-    _write(path, ("map", "method", "predicted", "measured", "difference_over_axis"), rows)
-
-
-def _write(path: str | Path, head: tuple[str, ...], rows: list[tuple]) -> None:
-    from tline.solver.result.atomic import replacing
-
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file).writerows([head, *rows])
+    rows = ((found.map.name, *row) for found in maps for row in found.differences())
+    write_csv(path, ("map", "method", "predicted", "measured", "difference_over_axis"), rows)
 
 
 @styled
@@ -177,12 +170,3 @@ def draw(found: Stability) -> Figure:
     ]
     axes.legend(handles=marks, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, fontsize=9)
     return picture
-
-
-def generate(folder: str | Path) -> None:
-    """Write stability_*.png, stability.csv and stability_boundaries.csv to a folder."""
-    maps = [stability(name, progress=True) for name in MAPS]
-    for found in maps:
-        save_figure(draw(found), Path(folder) / f"stability_{found.map.name}.png")
-    save(maps, Path(folder) / "stability.csv")
-    save_boundaries(maps, Path(folder) / "stability_boundaries.csv")

@@ -1,7 +1,7 @@
 """What a chart is drawn from: one row per run, written as CSV with the figures in full."""
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import astuple, dataclass, field, fields
 from itertools import groupby
 from math import inf
@@ -76,8 +76,16 @@ class ChartTable:
         InputError
             The file cannot be written.
         """
-        with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-            file.writelines(f"# {line}\n" for line in (self.title, *self.notes))
-            writer = csv.writer(file)
-            writer.writerow(column.name for column in fields(Row))
-            writer.writerows(astuple(row) for row in self.rows)
+        head = [column.name for column in fields(Row)]
+        write_csv(path, head, (astuple(row) for row in self.rows), (self.title, *self.notes))
+
+
+def write_csv(
+    path: str | Path, head: Iterable[str], rows: Iterable[Iterable[object]], notes: Iterable[str] = ()
+) -> None:
+    """Write numbers in full below a heading; notes are comments above it."""
+    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        file.writelines(f"# {line}\n" for line in notes)
+        writer = csv.writer(file)
+        writer.writerow(head)
+        writer.writerows(rows)

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tline.errors import InputError
-from tline.scene.rational_load import Rational
+from tline.scene.rational import RationalImpedance
 from tline.scene.scene import Scene
-from tline.study.charts.clock import FULL, QUICK, Effort, TimedRun, compilation, timed
+from tline.study.charts.clock import FULL, QUICK, Effort, TimedRun, timed
 from tline.study.charts.judge import Judge
 from tline.study.charts.scenes import chart_scene
 from tline.study.charts.table import ChartTable, Row
@@ -54,7 +54,7 @@ def work_precision(name: str, quick: bool = False, progress: bool = False) -> Ch
         begun = begin(name, quick)
         (scene, judge), table = begun[:2], begun.table()
         bar.update()
-        dynamic = any(isinstance(load, Rational) for load in scene.loads.values())
+        dynamic = any(isinstance(load, RationalImpedance) for load in scene.loads.values())
         for key, method in BASELINES.items():
             idle = key.endswith("_euler") and not dynamic
             why = method.incompatibility(scene) or ("no load to integrate" if idle else "")
@@ -86,9 +86,9 @@ class Begun(NamedTuple):
 def begin(name: str, quick: bool) -> Begun:
     """Measure the production method on one scene, once for all charts of it."""
     given, effort = chart_scene(name), QUICK if quick else FULL
-    judge, notes = Judge(given.scene, effort.instants), () if quick else (compilation(),)
-    if judge.own:
-        notes += (f"Errors are against a grid of characteristics, extrapolated, good to {judge.own:.0e}.",)
+    judge = Judge(given.scene, effort.instants)
+    own = f"Errors are against a grid of characteristics, extrapolated, good to {judge.own:.0e}."
+    notes = (own,) if judge.own else ()
     return Begun(given.scene, judge, given.title, name, tuple(production(given.scene, judge, effort)), notes)
 
 

@@ -10,7 +10,7 @@ from tline.errors import InputError
 from tline.scene.heights import refuse_heights
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short
 from tline.scene.lossless import refuse_losses
-from tline.scene.rational_load import Rational
+from tline.scene.rational import RationalImpedance
 from tline.scene.scene import Scene
 from tline.scene.source import refuse_floating
 from tline.scene.switch import Switch
@@ -85,7 +85,7 @@ class ReferenceNetwork:
                 junction.conductance += 1 / self.z0[junction.ends[0] // 2]
             case Switch():
                 junction.switches.append(load)
-            case Rational():
+            case RationalImpedance():
                 impedance = load.rational().reduced()
                 if impedance.is_zero:
                     junction.held = True

@@ -16,7 +16,7 @@ from tline.solver.kernel.arithmetic import times
 from tline.solver.kernel.diamonds.friction import lost
 from tline.solver.kernel.diamonds.full import EXACT, ROUNDED, ROUNDS, flushed, meet
 from tline.solver.kernel.load import load
-from tline.solver.kernel.network import AIR, Run
+from tline.solver.kernel.network import Run
 from tline.solver.kernel.scatter import begin, gather, note, note_effort, scatter
 
 BALANCED = 1e-15  # of the energy, by which a half diamond may gain for rounding
@@ -40,7 +40,7 @@ def keep_states(run, g, kept, give):
             at = laws.state_at[e] if which == 0 else laws.governor_state[e]
             count = np.int64(0)
             if at >= 0:
-                count = np.int64(3) if which == 1 else np.int64(2) if laws.kind[e] == AIR else np.int64(1)
+                count = laws.states[e] if which == 0 else np.int64(3)
             for i in range(count):
                 if give:
                     states[at + i] = kept[n]

@@ -2,7 +2,7 @@
 
 from tline.compiled.unit import function, invoke
 from tline.solver.kernel.arithmetic import TINY, eliminate
-from tline.solver.kernel.network import AIR, MISSES
+from tline.solver.kernel.network import MISSES
 from tline.solver.kernel.newton import FAINT
 
 DIFFERENCE = 1e-7  # of waves, for the slopes of stores
@@ -14,8 +14,8 @@ def exchange_states(run, g, give):
     laws, states, kept = run.network.laws, run.state.load, run.work.circuit.kept
     for k in range(laws.first[g + 1] - laws.first[g]):
         e = laws.first[g] + k
-        at, count = laws.state_at[e], 2 if laws.kind[e] == AIR else 1
-        for i in range(count if at >= 0 else 0):
+        at = laws.state_at[e]
+        for i in range(laws.states[e]):
             if give:
                 states[at + i] = kept[k, i]
             else:

@@ -19,7 +19,7 @@ import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.laws.quadratic import rooted
-from tline.solver.kernel.network import AIR, Run
+from tline.solver.kernel.network import Run
 
 AT_ONCE, IN_TURN = 40, 40  # tries; passes through all rates
 SPARE, CLOSE = 1e-15, 1e-11  # of an opening: where to stop, and what will do
@@ -82,9 +82,7 @@ def exchange(run, g, n, give):
     if x >= 0:
         exchange_part(states, x, run.network.step_states[r], work.states, give)
     for e in range(laws.first[g], laws.first[g + 1]):
-        if laws.state_at[e] >= 0:
-            count = 2 if laws.kind[e] == AIR else 1
-            exchange_part(states, laws.state_at[e], count, work.kept[e - laws.first[g]], give)
+        exchange_part(states, laws.state_at[e], laws.states[e], work.kept[e - laws.first[g]], give)
 
 
 @function

@@ -1,0 +1,154 @@
+"""Large networks: streets of up to a million pipes, and what comes with wntr, held still and disturbed.
+
+``python -m benchmarks.networks [PIPES | NAME…]`` writes the tables of docs/benchmarks-networks.md: streets of at most
+so many pipes, or networks of these names; all if nothing is named, in some twenty-five minutes and ten gigabytes. Each
+network is built and run in a process of its own, after a small one for which everything is compiled.
+"""
+
+import json
+import resource
+import runpy
+import sys
+import time
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from benchmarks.harness import ROOT, RUNS, apart, table, timed, write
+from tline.scene.scene import Scene
+from tline.solver.result.result import Result
+from tline.solver.simulate import simulate
+
+SIDES = (23, 71, 225, 708)  # 1e3 to 1e6 pipes
+REPEATED, FEW = 10_000, 5.0  # pipes up to which, and seconds below which, a run is repeated
+MEGABYTE = 1e6 if sys.platform == "darwin" else 1e3  # in units of ru_maxrss
+NAMES = ("Net1", "Net2", "Net3", "ky4", "ky10")
+STILL, DISTURBED, HEAD = 10, 5, 9806.65  # s; Pa/m
+DOWN = {"shape": "ramp", "from": 1, "to": 0, "at": 0.5, "duration": 0.5}
+
+
+def street_grid(side: int, friction: bool) -> dict[str, float]:
+    """Seconds of the processor to build and to run a town, and the most memory of this process, MB."""
+    grid = runpy.run_path(str(ROOT / "scenes" / "street_grid.py"))["grid"]
+    simulate(Scene(**grid(8, friction=friction)), ledger=False)
+    tables = grid(side, friction=friction)
+    scene, read = timed(lambda: Scene(**tables), 1)
+    result, simulated = timed(lambda: simulate(scene, ledger=False), 1)
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / MEGABYTE
+    return {"read": read, "simulate": simulated, "steps": result.seconds, "memory": memory}
+
+
+def streets(most: int) -> None:
+    """The table of towns of at most so many pipes."""
+    rows = []
+    for friction in (False, True):
+        smallest = 0.0
+        for side in SIDES:
+            pipes = 2 * side * (side - 1)
+            if pipes > 1.1 * most:
+                continue
+            asked = ("benchmarks.networks", "street", side, int(friction))
+            runs = [apart(*asked, limit=3600) for _ in range(RUNS if pipes <= REPEATED else 1)]
+            read, simulated, steps, memory = (median(run[key] for run in runs) for key in runs[0])
+            each = (read + simulated) / pipes
+            smallest = smallest or each
+            figures = f"{read:.3g}", f"{simulated:.3g}", f"{steps:.2g}", f"{memory / 1e3:.2g}", f"{each / smallest:.1f}"
+            rows.append((f"{pipes:,}", "Darcy" if friction else "none", *figures))
+            print(*rows[-1], sep=" | ", file=sys.stderr)
+    head = "pipes|<friction|read, s|simulate, s|steps, s|memory, GB|a pipe over a pipe of the smallest"
+    write("benchmarks-networks.md", table(head, rows), "streets")
+
+
+def repeated(scene: Scene) -> tuple[Result, float]:
+    """A run with extremes of all nodes, and its seconds by the clock: the median of several if it is short."""
+    result, seconds = timed(lambda: simulate(scene, envelope=True, ledger=False), 1, time.perf_counter)
+    if seconds > FEW:
+        return result, seconds
+    return timed(lambda: simulate(scene, envelope=True, ledger=False), RUNS, time.perf_counter)
+
+
+def moved(result: Result) -> float:
+    """Largest rise or fall of any node, Pa."""
+    seen = result.envelope
+    assert seen is not None
+    return float(np.maximum(seen.highest - seen.start, seen.start - seen.lowest).max())
+
+
+def disturbed(scene: Scene) -> dict[str, Scene]:
+    """The scene with one thing operated: the largest demand shut, the first pump tripped, a hole of 10 L/s at 30 m."""
+    tables = scene.table()
+    pumps = [name for name, link in tables.get("links", {}).items() if link["kind"] == "pump"]
+    demands = {name: load["flow"] for name, load in tables["loads"].items() if load["kind"] == "check valve"}
+    largest = max(demands, key=demands.__getitem__)
+    load = tables["loads"][largest]
+    hole = {"at": load["at"], "kind": "orifice"}  # to the air at that height
+    shut = {"flow": load["flow"], "pressure_drop": load["pressure_drop"], "opening": DOWN}
+    events = {"closure": ("loads", largest, hole | shut)}
+    if pumps:
+        events["trip"] = "links", pumps[0], tables["links"][pumps[0]] | {"speed": DOWN}
+    burst = {"flow": "10 L/s", "pressure_drop": 30 * HEAD, "opening": DOWN | {"from": 0, "to": 1}}
+    events["leak"] = "loads", "leak", hole | burst
+    short = tables | {"t_end": DISTURBED}
+    return {key: Scene(**short | {part: tables[part] | {name: one}}) for key, (part, name, one) in events.items()}
+
+
+def shipped(name: str) -> dict[str, Any]:
+    """All figures of a network that comes with wntr."""
+    import wntr
+
+    from tline.interchange.epanet import read_epanet
+    from tline.interchange.pipe_walls import wave_speeds
+    from tline.interchange.water_scene import water_scene
+
+    walls, folder = wave_speeds("1000 m/s", None), Path(wntr.__file__).parent / "library" / "networks"
+
+    def scene_of(file: str) -> tuple[Scene, Any, float, float]:
+        network, read = timed(lambda: read_epanet(folder / f"{file}.inp"), 1, time.perf_counter)
+        (scene, _), built = timed(lambda: water_scene(network, walls), 1, time.perf_counter)
+        return scene.with_changes(t_end=STILL, solver={"order": 1}), network, read, built
+
+    for each in disturbed(scene_of("Net1")[0]).values():
+        simulate(each, envelope=True)
+    scene, network, read, built = scene_of(name)
+    result, seconds = repeated(scene)
+    seen = result.envelope
+    assert seen is not None
+    start = dict(zip(seen.nodes, seen.start, strict=True))
+    off = max(abs(start[at] / HEAD - node.head) for at, node in network.nodes.items() if at in start)
+    found = {"pipes": len(scene.lines), "read": read, "build": built, "off": 1e3 * off, "hold": seconds}
+    found |= {"steps": result.seconds, "drift": moved(result) / max(map(abs, start.values()))}
+    for event, changed in disturbed(scene).items():
+        result, seconds = repeated(changed)
+        found[event] = f"{seconds:.2g} s, {moved(result) / HEAD:.3g} m"
+    return found
+
+
+def of_wntr(names: list[str]) -> None:
+    """The tables of networks that come with wntr."""
+    still, events = [], []
+    for name in names:
+        f = apart("benchmarks.networks", "shipped", name, limit=1200)
+        drift = "< 1e-12" if f["drift"] == 0 else f"{f['drift']:.0e}"
+        figures = f"{f['read']:.2g}", f"{f['build']:.2g}", f"{f['off']:.1g}", f"{f['hold']:.3g}", f"{f['steps']:.3g}"
+        still.append((name, f"{f['pipes']:,}", *figures, drift))
+        events.append((name, *(f.get(key, "no pump") for key in ("closure", "trip", "leak"))))
+        print(*still[-1], *events[-1], sep=" | ", file=sys.stderr)
+    head = "<network|pipes|read, s|build, s|off, mm|hold, s|steps, s|moved"
+    write("benchmarks-networks.md", table(head, still), "still")
+    write("benchmarks-networks.md", table("<network|demand shut|pump stops|hole opens", events), "disturbed")
+
+
+if __name__ == "__main__":
+    match sys.argv[1:]:
+        case ["street", side, friction]:
+            print(json.dumps(street_grid(int(side), friction == "1")))
+        case ["shipped", name]:
+            print(json.dumps(shipped(name)))
+        case [most] if most.isdigit():
+            streets(int(most))
+        case names:
+            if not names:
+                streets(1_000_000)
+            of_wntr(names or list(NAMES))

@@ -1,0 +1,90 @@
+"""Laws and switches beside lines that remember, against BDF2's quadrature and inverse Laplace of a formula."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+from lossy_scenes import cable
+from memory_by_bdf2 import efforts_at_laws
+from remembering_scenes import SCENES, two_clamps
+
+from tline.solver.simulate import simulate
+
+SKIN, LENGTH, R0, L0, C0, THERMAL = 3e-4, 2.0, 1.0, 250e-9, 100e-12, 0.025864925786328753
+
+
+def rest_of_two_clamps(s):
+    """Z at both clamps, and efforts there without them per volt: 50 ohm, the line, 200 ohm and 2 pF."""
+    series, shunt = np.sqrt(R0**2 + SKIN**2 * s) + s * L0, s * C0
+    zc, passed = np.sqrt(series) / np.sqrt(shunt), np.exp(-np.sqrt(series) * np.sqrt(shunt) * LENGTH)
+    Y = np.empty((len(s), 2, 2), complex)
+    Y[:, 0, 0] = Y[:, 1, 1] = (1 + passed**2) / (1 - passed**2) / zc
+    Y[:, 0, 1] = Y[:, 1, 0] = -2 * passed / (1 - passed**2) / zc
+    Y[:, 0, 0] += 1 / 50
+    Y[:, 1, 1] += 1 / 200 + s * 2e-12
+    Z = np.linalg.inv(Y)
+    return Z, Z[:, :, 0] / 50
+
+
+def clamp(v):
+    grown = 1e-12 * np.exp(np.minimum(v, 2.0) / THERMAL)
+    return grown - 1e-12, grown / THERMAL
+
+
+@pytest.mark.parametrize("tol", [1e-3, 1e-5])
+def test_two_clamps_at_a_cable_with_skin_effect(tol):
+    """Allowed is what is told, and what two grids of BDF2 differ by."""
+    t_end, n = 14e-9, 5600
+    source = lambda t: 3.0 * np.clip(t / 2e-9, 0, 1)  # noqa: E731
+    t, coarse = efforts_at_laws(rest_of_two_clamps, source, clamp, t_end, n)
+    fine = efforts_at_laws(rest_of_two_clamps, source, clamp, t_end, 2 * n)[1][1::2]
+    knows = np.abs(fine - coarse).max()
+    result = simulate(two_clamps().with_changes(t_end=t_end), tol=tol)
+    assert knows < 2e-3
+    assert result.accuracy.met
+    assert result.resolution.convolved
+    for name, exact in zip(("near", "far"), fine.T, strict=True):
+        u = result.probes[name].at(t).u
+        assert np.abs(u - exact).max() < 3 * result.accuracy.inside[name].u * np.abs(exact).max() + knows
+
+
+@pytest.mark.parametrize("tol", [1e-4, 1e-6])
+def test_a_switch_that_closes_sends_a_step(tol):
+    """1 V behind a switch of 25 ohm, closed at 0.33 ns: what arrives once, by Talbot's contour."""
+    skin = {"resistance": 60, "frequency": "10 GHz"}
+    table = cable(t_end="3.2 ns", skin=skin).table()
+    table["sources"] = {"s": {"at": "s", "kind": "voltage", "value": 1}}
+    table["links"] = {"w": {"kind": "switch", "nodes": ["s", "a"], "before": "inf", "after": 25, "time": "0.33371 ns"}}
+    result = simulate(table, tol=tol)
+    k, L, C, length, delay = (
+        mp.mpf(60) / mp.sqrt(mp.pi * 10**10),
+        mp.mpf("250e-9"),
+        mp.mpf("100e-12"),
+        mp.mpf("0.2"),
+        1e-9,
+    )
+
+    def once(s):
+        series, shunt = s * L + k * mp.sqrt(s), s * C
+        zc = mp.sqrt(series / shunt)
+        late = mp.exp(-(mp.sqrt(series) * mp.sqrt(shunt) * length - s * delay))
+        return 200 / (100 + zc) * zc / (zc + 25) * late / s
+
+    behind = delay * np.array([0.0203, 0.0717, 0.31, 0.83, 1.37])
+    with mp.workdps(30):
+        exact = [float(mp.invertlaplace(once, mp.mpf(float(t)), method="talbot", degree=40)) for t in behind]
+    assert result.accuracy.met
+    assert np.abs(result.probes["far"].at(0.33371e-9 + delay + behind).u - exact).max() < 2 * tol
+    assert np.abs(result.probes["far"].at(np.array([0.5e-9, 1.3e-9])).u).max() < tol
+
+
+@pytest.mark.parametrize(
+    "name", ["stripline_with_ibis", "lightning_and_arrester", "breaker_beside_rg58", "tree_with_clamps"]
+)
+def test_what_is_told_is_no_less_than_a_third_of_the_difference_to_a_closer_run(name):
+    rough, close = simulate(SCENES[name](), tol=1e-3), simulate(SCENES[name](), tol=5e-5)
+    assert rough.accuracy.met
+    t = np.sort(np.random.default_rng(1).uniform(0, float(close.scene.t_end), 2000))
+    for probe in close.probes.values():
+        u = probe.at(t).u
+        off = np.abs(rough.probes[probe.name].at(t).u - u).max() / np.abs(u).max()
+        assert off < 3 * max(rough.accuracy.inside[probe.name].u, 5e-5) + 1e-9

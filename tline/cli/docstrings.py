@@ -1,0 +1,110 @@
+"""Arguments of functions and what their numpydoc docstrings say of them, read as source text: nothing is imported."""
+
+import ast
+import inspect
+import re
+from functools import lru_cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, NamedTuple
+
+REQUIRED = ...  # in place of a default
+Given = tuple[str, ast.expr | None, ast.expr | None]  # name, annotation, default of an argument
+
+
+class Argument(NamedTuple):
+    """What is known of an argument: annotation, default, help and type in words."""
+
+    annotation: Any
+    default: Any
+    help: str = ""
+    kind: str = ""
+
+
+UNKNOWN = Argument("", None)
+
+
+@lru_cache
+def arguments_of(source: str) -> dict[str, Argument]:
+    """Arguments of a function, or fields of a dataclass, by name.
+
+    Parameters
+    ----------
+    source : str
+        Module and name, as ``"tline.signal.tdr:reflectometry"``.
+
+    Examples
+    --------
+    >>> arguments_of("tline.signal.tdr:reflectometry")["rise"].help
+    'Time that the step takes, a straight ramp, s, above zero.'
+    """
+    module, _, name = source.partition(":")
+    tree = ast.parse(_folder(module).with_suffix(".py").read_text(encoding="utf-8"))
+    found = next(each for each in tree.body if isinstance(each, ast.FunctionDef | ast.ClassDef) and each.name == name)
+    documented = documented_in(inspect.cleandoc(ast.get_docstring(found) or ""))
+    named = [each for each in tree.body if isinstance(each, ast.Assign) and isinstance(each.targets[0], ast.Name)]
+    constants = {each.targets[0].id: each.value for each in named if isinstance(each.targets[0], ast.Name)}
+    told = {}
+    for argument, annotation, default in _fields(found) if isinstance(found, ast.ClassDef) else _signature(found):
+        node = constants.get(default.id) if isinstance(default, ast.Name) else default
+        value = REQUIRED if node is None else ast.literal_eval(node)
+        words = ast.unparse(annotation) if annotation else ""
+        told[argument] = documented.get(argument, UNKNOWN)._replace(annotation=words, default=value)
+    return told
+
+
+def _signature(function: ast.FunctionDef) -> list[Given]:
+    given = function.args
+    defaults = [*[None] * (len(given.args) - len(given.defaults)), *given.defaults, *given.kw_defaults]
+    together = zip([*given.args, *given.kwonlyargs], defaults, strict=True)
+    return [(each.arg, each.annotation, default) for each, default in together]
+
+
+def _fields(record: ast.ClassDef) -> list[Given]:
+    """Of a dataclass whose defaults are numbers."""
+    found = [each for each in record.body if isinstance(each, ast.AnnAssign) and isinstance(each.target, ast.Name)]
+    return [
+        (each.target.id, each.annotation, each.value if isinstance(each.value, ast.Constant) else None)
+        for each in found
+        if isinstance(each.target, ast.Name)
+    ]
+
+
+def documented_in(text: str) -> dict[str, Argument]:
+    """Help and type in words by argument, from the section of parameters of a docstring.
+
+    Where it says "As of" another function of the package, what that says.
+    """
+    section = re.split(r"\n\n\S+\n-+\n", text.partition("Parameters\n----------\n")[2])[0]
+    entries = re.findall(r"^(\w.*?)(?: : (.*))?\n((?:[ ]+.*\n?|\n)*)", f"{section}\n", re.MULTILINE)
+    told = {}
+    for names, kind, lines in entries:
+        words = " ".join(lines.split())
+        elsewhere = re.search(r"\bas of `(\w+(?:\.\w+)*)\.(\w+)`", words, re.IGNORECASE)
+        others = arguments_of(_public(*elsewhere.groups())) if elsewhere else {}
+        for name in names.split(", "):
+            told[name] = others.get(name) or Argument("", None, words.replace("`", ""), kind)
+    return told
+
+
+def without_sections(text: str) -> str:
+    """The first paragraphs of a docstring."""
+    return re.split(r"^[A-Z]\w+\n-+$", text, maxsplit=1, flags=re.MULTILINE)[0].strip()
+
+
+def _public(package: str, name: str) -> str:
+    """Source of a public name of a package, whose stub says where that is, or of one in a module."""
+    if not _folder(package).is_dir():
+        return f"{package}:{name}"
+    stub = _folder(package).joinpath("__init__.pyi").read_text(encoding="utf-8")
+    found = re.search(rf"^from (\S+) import {name} as {name}$", stub, re.MULTILINE)
+    assert found is not None, f"{package}.{name}"
+    return f"{found[1]}:{name}"
+
+
+def _folder(module: str) -> Path:
+    root, *inner = module.split(".")
+    spec = find_spec(root)  # of a package only: what is in it is not imported
+    assert spec is not None
+    assert spec.submodule_search_locations
+    return Path(spec.submodule_search_locations[0], *inner)

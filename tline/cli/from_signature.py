@@ -1,0 +1,278 @@
+"""Click commands from Python functions: options from signatures, their help from numpydoc docstrings.
+
+A command is a function. Its arguments in front of ``*`` are the command's arguments, the others its options: a bool is
+a flag, a tuple may be repeated, a `Literal` is a choice. An argument ``**given`` stands for all that the functions take
+which the command passes it on to. What an option is for is said once, in the docstring of that function among them
+which says it first.
+"""
+
+import inspect
+import json
+import re
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import AbstractContextManager
+from importlib import import_module
+from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
+
+import click
+from click.core import ParameterSource
+
+from tline.cli.docstrings import REQUIRED, UNKNOWN, Argument, arguments_of, documented_in, without_sections
+from tline.cli.options import CSV, PICTURE, check_files, options_named
+from tline.units import to_si
+
+WORDS = {  # metavariables by name of the argument
+    "TIME": "t_end rise period begin h step",
+    "NUMBER": "tol seed workers exponent reserve points kv stages",
+    "NODE": "node at",
+    "SPEED": "wave_speed rated_speed",
+    "PRESSURE": "set_pressure band rating",
+    "LIMIT": "lowest highest",
+    "LEVEL": "low high",
+    "OHM": "z0",
+    "J": "inertia",
+    "1…16": "order",
+    "FROM,…,TO": "path",
+    "BITS": "bits",
+    "FILE": "output",
+    "FILE.csv": "material",
+    "HOURS": "hour",
+    "KIND[:COUNT]": "sample",
+    "FILE.npz": "resume",
+    "KG": "mass",
+    "ω": "speed_bandwidth tension_bandwidth",
+    "TORQUE": "limit",
+    "m/s": "v0",
+}
+METAVARS = {name: metavar for metavar, names in WORDS.items() for name in names.split()}
+COMMON = {  # options of many commands
+    "tol": "Largest error, relative to the amplitude; the scene's, or 1e-6, if not given.",
+    "confined": "Read no files outside of the scene's folder.",
+    "active": "Run even if a load is active, that is, not positive real.",
+    "as_json": "Print the numbers in SI and full precision.",
+}
+OWN = {"scene", "progress"}  # arguments that no option gives
+LAST = ("active", "confined", "as_json")
+
+
+class FileKind(NamedTuple):
+    """A file that a command writes if asked to: its suffixes, and what is in it."""
+
+    suffixes: tuple[str, ...]
+    content: str
+
+    def option(self, name: str) -> click.Option:
+        """The option that names it."""
+        *some, last = self.suffixes or [""]
+        told = f"{self.content}; {', '.join(some)} or {last}." if some else f"{self.content}."
+        return click.Option([*_flags(name), name], metavar="FILE" if some else f"FILE{last}", help=told)
+
+
+class Output(NamedTuple):
+    """What a command found: as text and as data, how its files are written, and the exit status."""
+
+    text: Iterable[str]
+    data: Callable[[], Any]
+    files: Mapping[str, Callable[[str], Any]] = {}
+    notes: Iterable[str] = ()
+    exit_code: int = 0
+
+
+class Command(click.Command):
+    """A command whose options a function's signature gives; see `command`."""
+
+    def __init__(
+        self,
+        function: Callable[..., Output | None],
+        sources: Iterable[str],
+        names: Mapping[str, str],
+        files: Mapping[str, FileKind],
+        omit: Iterable[str],
+        more: Iterable[click.Parameter],
+        epilog: str,
+    ):
+        self.function, self.names, self.kinds = function, names, files
+        self.own, text = inspect.signature(function).parameters, inspect.getdoc(function) or ""
+        own, given = documented_in(text), [arguments_of(source) for source in sources]
+        left_out, params = {*self.own, *OWN, *omit}, dict[str, click.Parameter]()
+        for name, each in self.own.items():
+            if each.kind is each.VAR_KEYWORD:
+                params |= {str(option.name): option for option in more}
+                for argument, told in (item for source in given for item in source.items()):
+                    if argument not in left_out | params.keys():
+                        params[argument] = self._option(argument, told, [own, *given])
+            elif each.kind is each.POSITIONAL_OR_KEYWORD:
+                needed = each.default is each.empty
+                several = get_origin(each.annotation) is tuple
+                default = {} if needed else {"default": each.default}
+                params[name] = click.Argument([name], nargs=-1 if several else 1, required=needed, **default)
+            elif name != "files":
+                default = REQUIRED if each.default is each.empty else each.default
+                params[name] = self._option(name, Argument(each.annotation, default), [own, *given])
+        params |= {name: kind.option(name) for name, kind in files.items()}
+        if self.tells:
+            params["as_json"] = self._option("as_json", Argument(bool, False), [own])
+        last = [params.pop(name) for name in LAST if name in params]
+        first = sorted(params.values(), key=lambda param: not param.required)
+        name = names.get("", function.__name__.rstrip("_").replace("_", "-"))
+        super().__init__(
+            name,
+            params=[*first, *last],
+            callback=self._run,
+            help=without_sections(text),
+            epilog=epilog,
+        )
+
+    @property
+    def tells(self) -> bool:
+        """Whether the function gives an output, and does not print."""
+        return inspect.signature(self.function).return_annotation is Output
+
+    def named(self, **more: str) -> AbstractContextManager[None]:
+        """Let errors within name the option where the library names its argument, or the key of a scene."""
+        options = [param for param in self.params if isinstance(param, click.Option)]
+        return options_named({str(each.name): each.opts[-1] for each in options} | more)
+
+    def in_si(self, given: Mapping[str, str | None]) -> dict[str, float]:
+        """Values of options whose help names a unit in brackets, in SI, of those that are given.
+
+        Raises
+        ------
+        InputError
+            Naming the option.
+        """
+        options = {str(each.name): each for each in self.params if isinstance(each, click.Option)}
+        found = {name: re.search(r"\[([^\]]+)\]", options[name].help or "") for name in given}
+        units = {name: unit[1] for name, unit in found.items() if unit and given[name] is not None}
+        return {name: to_si(str(given[name]), unit, options[name].opts[-1]) for name, unit in units.items()}
+
+    def _option(self, name: str, told: Argument, documented: list[dict[str, Argument]]) -> click.Option:
+        said = [each[name] for each in documented if name in each and each[name].help]
+        found = said[0] if said else UNKNOWN._replace(help=COMMON[name])
+        short = _flags(name)[:-1] if name not in self.names else []
+        flags = [*short, _flags(self.names.get(name, "json" if name == "as_json" else name))[-1]]
+        if told.annotation in (bool, "bool"):
+            shown = [flags[-1].replace("--", "--no-")] if told.default else flags
+            text = f"Do not {found.help[0].lower()}{found.help[1:]}" if told.default else found.help
+            return click.Option(
+                [*shown, name], is_flag=True, flag_value=not told.default, default=told.default, help=text
+            )
+        if told.annotation in (bool | None, "bool | None"):
+            both = f"{flags[-1]}/{flags[-1].replace('--', '--no-')}"
+            return click.Option([both, name], default=None, help=found.help)
+        several, kind = told.annotation in (tuple[str, ...], "Texts"), _type(told.annotation)
+        more: dict[str, Any] = {"multiple": True} if several else {"required": told.default is REQUIRED}
+        if not several and told.default not in (REQUIRED, None, "", ()):
+            text = f"{told.default:g}" if isinstance(told.default, float) else str(told.default)
+            more |= {"default": text, "show_default": "not given" not in found.help}
+        if kind is str or kind is int:
+            quoted = re.search('"(.+)"', found.kind)
+            written = quoted[1] if quoted else METAVARS.get(name, "NAME")
+            more["metavar"] = found.kind if name in documented[0] else written
+        return click.Option([*flags, name], type=kind, help=found.help, **more)
+
+    def _run(self, as_json: bool = False, **given: Any) -> None:
+        context = click.get_current_context()
+        files = {name: given.pop(name) for name in self.kinds}
+        check_files({_flags(name)[-1]: (file, self.kinds[name].suffixes) for name, file in files.items()})
+        wanted = {name: file for name, file in files.items() if file is not None}
+        default = {name for name in given if context.get_parameter_source(name) is ParameterSource.DEFAULT}
+        kept = {name: value for name, value in given.items() if name in self.own or name not in default}
+        output = self.function(**kept, **({"files": wanted} if "files" in self.own else {}))
+        if output is not None:
+            _tell(output, wanted, as_json)
+            context.exit(output.exit_code)
+
+
+def command(
+    *sources: str,
+    names: Mapping[str, str] | None = None,
+    files: Mapping[str, FileKind] | None = None,
+    omit: Iterable[str] = (),
+    more: Iterable[click.Parameter] = (),
+    epilog: str = "",
+    group: click.Group | None = None,
+) -> Callable[[Callable[..., Output | None]], Command]:
+    """Make a command of the function below.
+
+    Parameters
+    ----------
+    *sources : str
+        Functions that its ``**given`` is passed on to, as ``"module:name"``.
+    names : mapping of str to str, optional
+        Options that are not called like their arguments; the command's own name at the empty text.
+    files : mapping of str to FileKind, optional
+        What it can write; an argument ``files`` gets the paths that are asked for.
+    omit : iterable of str
+        Arguments of the sources that the command gives itself.
+    more : iterable of click.Parameter
+        Further options, which ``**given`` gets as well.
+    epilog : str
+        Examples.
+    group : click.Group, optional
+        Whose command it becomes.
+    """
+
+    def made(function: Callable[..., Output | None]) -> Command:
+        found = Command(function, sources, names or {}, files or {}, omit, more, epilog)
+        if group is not None:
+            group.add_command(found)
+        return found
+
+    return made
+
+
+def table(content: str) -> FileKind:
+    """A table of something."""
+    return FileKind(CSV, content)
+
+
+def picture(content: str) -> FileKind:
+    """A picture of something."""
+    return FileKind(PICTURE, content)
+
+
+def drawn(function: str, *args: Any, **more: Any) -> Callable[[str], None]:
+    """What draws with a function ``"module:name"``, imported then, and saves the figure to a file."""
+
+    def save(file: str) -> None:
+        from tline.pictures.style import save_figure, styled
+
+        module, _, name = function.partition(":")
+        save_figure(styled(getattr(import_module(module), name))(*args, **more), file)
+
+    return save
+
+
+def tabled(columns: Mapping[str, Any]) -> Callable[[str], None]:
+    """What writes arrays beside each other as a table."""
+
+    def save(file: str) -> None:
+        from tline.solver.result.atomic import write_columns
+
+        write_columns(file, columns)
+
+    return save
+
+
+def _flags(name: str) -> list[str]:
+    return [*(["-o"] if name == "output" else []), f"--{name.replace('_', '-')}"]
+
+
+def _type(annotation: Any) -> Any:
+    if get_origin(annotation) is Literal:
+        return click.Choice(get_args(annotation))
+    return (
+        get_args(annotation)[1] if get_origin(annotation) is Annotated else int if annotation in (int, "int") else str
+    )
+
+
+def _tell(output: Output, files: Mapping[str, str], as_json: bool) -> None:
+    for name, file in files.items():
+        output.files[name](file)
+    for note in output.notes:
+        click.echo(f"note: {note}", err=True)
+    if as_json:
+        click.echo(json.dumps(output.data(), indent=2, ensure_ascii=False))
+    else:
+        click.echo("\n".join([*output.text, *(f"wrote {file}" for file in files.values())]))

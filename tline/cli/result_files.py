@@ -1,0 +1,73 @@
+"""Tables and pictures of a result, and what a run has to record for them."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from tline.cli.from_signature import FileKind, drawn, picture, table
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from tline.pictures.path import Route
+    from tline.scene.scene import Scene
+    from tline.solver.result.result import Result
+
+FILES = {
+    "csv": table("Table of what the probes saw, SI, full precision"),
+    "npz": FileKind((".npz",), "The same as NumPy arrays, with the scene"),
+    "envelope": table("Table of the extremes at every node, and when"),
+    "ledger_csv": table("The energy ledger as a table, in full precision"),
+    "plot": picture("Probes over time"),
+    "profile": picture("Lowest and highest effort along a path, with ground and limits"),
+    "map": picture("Map of the network, coloured by how far the effort rose and fell"),
+    "space_time": picture("Image of the effort over place and time"),
+    "lattice": picture("Bounce diagram, for a scene with one line"),
+    "load_lines": picture("Bergeron's diagram, for one line between resistive ends"),
+    "animate": FileKind((".html", ".gif"), "The effort along a path, moving"),
+}
+ALONG = ("profile", "space_time", "animate")  # show a path
+ENVELOPES = ("envelope", "map")  # show the extremes at nodes
+
+
+def recorded(scene: "Scene", way: "Route | None", mapped: bool) -> tuple[str, ...]:
+    """Lines of whose inside pictures show something."""
+    if not mapped:
+        return way.lines if way else ()
+    from tline.pictures.surge import lines_to_map
+
+    return (*(way.lines if way else ()), *lines_to_map(scene))
+
+
+def writers(
+    result: "Result", way: "Route | None" = None, times: "NDArray | None" = None
+) -> dict[str, Callable[[str], Any]]:
+    """What writes each kind of file, with tables at some instants, s, or else at slab ends."""
+    from tline.solver.result import save
+
+    return {
+        "csv": lambda file: save.save_csv(result, file, times),
+        "npz": lambda file: save.save_npz(result, file, times),
+        "envelope": lambda file: save.save_envelope(result, file),
+        "ledger_csv": lambda file: save.save_ledger(result, file),
+        "plot": drawn("tline.pictures.traces:plot", result, t=times),
+        "profile": drawn("tline.pictures.profile:plot_profile", result, way),
+        "map": drawn("tline.pictures.map:plot_map", result),
+        "space_time": drawn("tline.pictures.space_time:plot_space_time", result, way),
+        "lattice": drawn("tline.pictures.lattice:plot_lattice", result),
+        "load_lines": lambda file: _draw_load_lines(result.scene, file),
+        "animate": lambda file: _animate(result, way, file),
+    }
+
+
+def _draw_load_lines(scene: "Scene", file: str) -> None:
+    from tline.scene.heights import words
+    from tline.signal.load_line import bergeron
+
+    drawn("tline.pictures.load_lines:plot_load_lines", bergeron(scene), words(scene), scene.title)(file)
+
+
+def _animate(result: "Result", way: "Route | None", file: str) -> None:
+    from tline.pictures.animation import animated
+
+    assert way is not None
+    animated(result, way).save(file)

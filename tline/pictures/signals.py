@@ -1,0 +1,141 @@
+"""Pictures of signals on cables: eyes, what a reflectometer sees, crosstalk."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from tline.pictures.handy import handy
+from tline.pictures.style import COLOURS, DASHES, DOWN, UP, figure, styled
+from tline.scene.medium import Medium
+from tline.signal.crosstalk import Crosstalk
+from tline.signal.eye_diagram import Eye
+from tline.signal.eye_statistics import Mask, jitter
+from tline.signal.tdr import Reflections
+
+STEEP = 20.0  # times z0; a higher impedance is off the picture
+
+
+@styled
+def plot_eye(seen: Eye, medium: Medium, title: str = "", mask: Mask | None = None) -> Figure:
+    """All bits laid upon each other, two wide, the sampling instant in the middle, with height and width of the eye.
+
+    Parameters
+    ----------
+    seen : Eye
+    medium : Medium
+        For words and units.
+    title : str
+    mask : Mask, optional
+        Drawn around the sampling instant.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    n, fine = seen.u.shape
+    shift = round((seen.instant / seen.period % 1.0) * fine) - fine  # one bit in front of the sampling instant
+    turned = np.roll(seen.u.ravel(), -shift)
+    windows = turned[(np.arange(n)[:, None] * fine + np.arange(2 * fine + 1)) % turned.size]
+    size, unit = handy(float(np.abs(seen.u).max()), medium.shown["effort"])
+    second, time_unit = handy(2 * seen.period, "s")
+    t = np.linspace(-seen.period, seen.period, 2 * fine + 1) / second
+    picture = figure(8.0, 4.8, title)
+    axes = picture.subplots()
+    axes.plot(t, windows.T / size, color=COLOURS[0], linewidth=0.8, alpha=max(0.2, min(0.6, 12 / n)))
+    if mask is not None:
+        corners = mask.corners
+        outline = (corners[:, 0] / second, (corners[:, 1] + seen.threshold) / size)
+        axes.fill(*outline, facecolor="#888888", edgecolor="#333333", alpha=0.5, zorder=3)
+    if seen.height > 0:
+        level = seen.threshold / size
+        look = {"arrowstyle": "<->", "linewidth": 1.3, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", (0, seen.zeros / size), (0, seen.ones / size), arrowprops=look | {"color": UP})
+        side = seen.width / second / 2
+        axes.annotate("", (-side, level), (side, level), arrowprops=look | {"color": DOWN})
+    height, width = handy(abs(seen.height) or 1.0, medium.shown["effort"]), handy(seen.width or seen.period, "s")
+    told = f"height {seen.height / height[0]:.4g} {height[1]}, width {seen.width / width[0]:.4g} {width[1]}"
+    spread = jitter(seen).peak_to_peak
+    told += f", jitter {spread / width[0]:.3g} {width[1]} from peak to peak"
+    axes.set_title(told if seen.height > 0 else "closed", loc="left")
+    axes.set_xlabel(f"time from the sampling instant [{time_unit}]")
+    axes.set_ylabel(f"{medium.effort} [{unit}]")
+    axes.margins(x=0)
+    axes.grid(True)
+    return picture
+
+
+@styled
+def plot_reflections(seen: Reflections, medium: Medium, title: str = "") -> Figure:
+    """Waves in units of the step above, impedance below; high impedances leave the picture.
+
+    Parameters
+    ----------
+    seen : Reflections
+    medium : Medium
+        For the unit of impedances.
+    title : str
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        With two axes that share time.
+    """
+    second, time_unit = handy(float(seen.t[-1]), "s")
+    picture = figure(8.0, 5.4, title)
+    upper, lower = picture.subplots(2, 1, sharex=True)
+    for k, (name, wave) in enumerate((("incident", seen.incident), ("reflected", seen.reflected))):
+        upper.plot(seen.t / second, wave, color=COLOURS[k], linestyle=DASHES[k], label=name)
+    upper.set_ylabel("wave / step")
+    upper.legend(loc="best", ncols=2)
+    profile = np.where(seen.impedance < STEEP * seen.z0, seen.impedance, np.nan)
+    lower.plot(seen.t / second, profile, color=COLOURS[2])
+    lower.axhline(seen.z0, color=COLOURS[6], linewidth=0.8, linestyle=DASHES[2])
+    lower.set_ylabel(f"impedance [{medium.units['resistance'].replace('ohm', 'Ω')}]")
+    lower.set_xlabel(f"time, there and back [{time_unit}]")
+    for axes in (upper, lower):
+        axes.grid(True)
+        axes.margins(x=0)
+    picture.align_ylabels([upper, lower])
+    return picture
+
+
+@styled
+def plot_crosstalk(seen: Crosstalk, title: str = "") -> Figure:
+    """Voltages of the driven conductor and of the quiet ones, and differential and common mode of pairs, over time.
+
+    Parameters
+    ----------
+    seen : Crosstalk
+    title : str
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        With three axes that share time; of more than two conductors without the modes.
+    """
+    second, unit = handy(float(seen.t[-1]), "s")
+    quiet = {**seen.near, **seen.far}
+    modes = seen.pairs if len(seen.pairs) == 2 else ()
+    picture = figure(8.0, 7.0 if modes else 5.0, title)
+    axes = picture.subplots(3 if modes else 2, 1, sharex=True)
+    _draw(axes[0], seen, second, {node: u for node, u in seen.voltages.items() if node not in quiet})
+    largest = max(float(abs(seen.voltages[node]).max()) for node in quiet)
+    size, prefix = handy(largest, "V")
+    shares = {f"{node}, {100 * share:.3g} %": seen.voltages[node] / size for node, share in quiet.items()}
+    _draw(axes[1], seen, second, shares)
+    axes[0].set_ylabel("driven [V]")
+    axes[1].set_ylabel(f"quiet [{prefix}]")
+    if modes:
+        waves = {f"{a} − {b}": u for (a, b), u in seen.differential.items()}
+        _draw(axes[2], seen, second, waves | {f"mean of {a}, {b}": u for (a, b), u in seen.common.items()})
+        axes[2].set_ylabel("modes [V]")
+    axes[-1].set_xlabel(f"time [{unit}]")
+    picture.align_ylabels(list(axes))
+    return picture
+
+
+def _draw(axes, seen: Crosstalk, second: float, waves: dict) -> None:
+    for k, (name, u) in enumerate(waves.items()):
+        axes.plot(seen.t / second, u, color=COLOURS[k % len(COLOURS)], linestyle=DASHES[k % len(DASHES)], label=name)
+    axes.legend(loc="best", fontsize="small", ncols=2)
+    axes.grid(True)
+    axes.margins(x=0)

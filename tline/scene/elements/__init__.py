@@ -1,0 +1,43 @@
+"""Elements that each are one file: whatever has a file here is known to scenes, to the schema and to the documents."""
+
+from importlib import import_module
+from pkgutil import iter_modules
+from typing import Any
+
+from tline.scene.between import Between
+from tline.scene.element import AtNode, Element
+from tline.scene.placed import Placed
+
+_modules = [import_module(f"{__name__}.{found.name}") for found in iter_modules(__path__)]
+ELEMENTS: dict[str, Any] = {
+    name: model
+    for module in _modules
+    for name, model in vars(module).items()
+    if isinstance(model, type) and issubclass(model, Element) and model.__module__ == module.__name__
+    and "kind" in model.model_fields
+}  # fmt: skip
+__all__ = list(ELEMENTS)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in ELEMENTS:
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'", name=name)
+    return ELEMENTS[name]
+
+
+def loads() -> list[Any]:
+    """Models of those that stand at a node."""
+    return [
+        model.load if issubclass(model, Placed) else model
+        for model in ELEMENTS.values()
+        if not issubclass(model, Between)
+    ]
+
+
+def links() -> list[Any]:
+    """Models of those that stand between two."""
+    return [
+        model.link if issubclass(model, Placed) else model
+        for model in ELEMENTS.values()
+        if not issubclass(model, AtNode)
+    ]

@@ -1,0 +1,73 @@
+"""Accumulators whose piston rests on a spring."""
+
+from math import inf, pi
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from tline.scene.element import AtNode
+from tline.scene.kind import Bend, LawKind, Volume
+from tline.scene.law import ElementLaw, OfLiquids
+from tline.scene.quantity import Quantity, Role
+
+NEAR = 1e-9  # of the way between stops
+
+
+class Sprung(LawKind):
+    """Constants: effort beyond the element, capacitance, efforts of the spring at its two stops.
+
+    The state is the effort of the spring.
+    """
+
+    name, unit = "spring", "stores.spring.spring"
+    states = 1
+    returns = fills = steep = True
+
+    def at_rest(self, c, effort, control):  # noqa: D102
+        return (min(max(effort - c[0], c[2]), c[3]),)
+
+    def capacity(self, c, effort):
+        """As between its stops."""
+        return c[1]
+
+    def bends(self, c, rho):
+        """Just before it meets a stop, and just after it has left one: there its spring moves, and bends."""
+        _, _, first, last = c
+        near = NEAR * (last - first if last < inf else abs(first))
+        yield from (Bend(at) for at in (first + near, last - near) if abs(at) < inf)
+
+    def volume(self, c):  # noqa: D102
+        beyond, per_effort, first, last = c
+        return Volume(lambda p: per_effort * (np.clip(p - beyond, first, last) - first), inf)
+
+
+class SpringAccumulator(AtNode, OfLiquids):
+    """An accumulator at a node: a piston on a spring with a preload.
+
+    The piston begins to move where the gauge pressure exceeds the preload, and stops at the end of its stroke. It has
+    neither mass nor friction, and at its stops nothing flows. A loss in front of it is an orifice between two nodes.
+    """
+
+    kind: Literal["spring accumulator"] = "spring accumulator"
+    piston_diameter: Annotated[Quantity, Role("diameter", "m", above=0)] = Field(description="diameter of the piston")
+    stiffness: Annotated[Quantity, Role("stiffness", "N/m", above=0)] = Field(
+        description="force of the spring over way"
+    )
+    preload: Annotated[Quantity, Role("pressure", "Pa")] = Field(
+        description="gauge pressure at which the piston begins to move"
+    )
+    stroke: Annotated[Quantity, Role("length", "m", above=0)] | None = Field(
+        default=None, description="way of the piston; without it as long as it takes"
+    )
+    example: ClassVar[str] = """\
+kind = "spring accumulator"
+piston_diameter = "10 cm"
+stiffness = 2e5           # N/m
+preload = "4 bar"
+"""
+
+    def law(self) -> ElementLaw:  # noqa: D102
+        area, preload = pi / 4 * float(self.piston_diameter) ** 2, float(self.preload)
+        full = inf if self.stroke is None else preload + float(self.stiffness * self.stroke) / area
+        return ElementLaw("spring", (0.0, area**2 / float(self.stiffness), preload, full))
