@@ -106,7 +106,7 @@ class Colebrook(RoughPipe):
         roughness = np.broadcast_to(roughness, reynolds.shape)
         for each in np.unique(roughness):
             here = (roughness == each) & (reynolds > LAMINAR)
-            first, step, y = _colebrook(float(each))
+            first, step, y = colebrook_table(float(each))
             at = np.clip((np.log(reynolds[here]) - first) / step, 0, len(y) - 1)
             k = np.minimum(at.astype(int), len(y) - 2)
             rise = y[k + 1] - y[k]
@@ -116,7 +116,7 @@ class Colebrook(RoughPipe):
 
 
 @lru_cache
-def _colebrook(roughness: float) -> tuple[float, float, NDArray]:
+def colebrook_table(roughness: float) -> tuple[float, float, NDArray]:
     """ln f over evenly spaced ln Re: the first, their distance, and the values."""
     from fluids.friction import friction_factor
 

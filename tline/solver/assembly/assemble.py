@@ -7,11 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.assembly.diamonds import diamonds_of
 from tline.solver.assembly.events import Event
 from tline.solver.assembly.layout import Excitation, Layout, layout_of, of_last
 from tline.solver.assembly.lossy_segments import SegmentedLine
 from tline.solver.assembly.node_maps import maps_of
-from tline.solver.assembly.start import fill_losses, fill_segments
+from tline.solver.assembly.start import fill_diamonds, fill_losses, fill_segments
 from tline.solver.description.circuits import Circuits
 from tline.solver.description.description import Description
 from tline.solver.description.groups import Group
@@ -80,7 +81,8 @@ def assemble(
     """Turn a description into arrays; kept are the end waves of lines, and the waves into laws, that are named."""
     chosen = chosen or resolution(description)
     layout = layout_of(description, chosen, progress=progress)
-    graded = np.array([bool(chosen.layers) and _has_layers(description, group, chosen) for group in layout.groups])
+    follows = bool(chosen.layers) and not chosen.diamonds  # where slabs are halved instead: cuts would meet in diamonds
+    graded = np.array([follows and _has_layers(description, group, chosen) for group in layout.groups])
     chosen = chosen if graded.any() else chosen._replace(layers=0.0)
     grid, order, groups, segmented = layout.grid, basis(chosen.s), layout.groups, layout.grid.segmented
     rows = _rows_of(layout, order, record, laws, description.probed_nodes)
@@ -93,12 +95,14 @@ def assemble(
         load=np.concatenate([layout.systems.states, layout.states]),
         segments=np.zeros(grid.held),
         loss_states=np.zeros(grid.memory),
+        halves=np.zeros((len(network.ends), len(network.diamonds.values)) if len(network.diamonds.line) else (0, 0)),
     )
     if description.steady and grid.circuits:
         ends = zip(grid.lines.values(), layout.u, layout.y, strict=True)
         flows = {k: Ends(line, u, y) for k, (line, u, y) in enumerate(ends) if line.losses is not None}
         fill_losses(network, state, flows, order)
         fill_segments(network, state, segmented, flows, order)
+        fill_diamonds(network, state, flows, order)
     return Assembly(
         description,
         chosen,
@@ -187,6 +191,7 @@ def _network(layout: Layout, order: Basis, rows: Rows) -> Network:
         laws=with_basis(layout.laws, order, grid.h, rows.laws),
         segments=grid.segments,
         losses=grid.losses,
+        diamonds=diamonds_of(grid, order, layout.junctions),
         blocks=layout.junctions.blocks,
     )
 

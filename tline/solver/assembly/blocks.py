@@ -1,7 +1,8 @@
 """How far the nodes of a network are advanced at once: those that meet only long lines farther than the others.
 
-What leaves a node is not seen elsewhere before the shortest of its lines, or of the gaps between loss elements there,
-has passed. All nodes for which that takes a stride or longer go a stride at once, the others meanwhile in short steps.
+What leaves a node is not seen elsewhere before the shortest of its lines has passed, or of the gaps between places that
+take of the waves there. All nodes for which that takes a stride or longer go a stride at once, the others meanwhile in
+short steps.
 """
 
 import numpy as np
@@ -12,9 +13,8 @@ from tline.solver.kernel.network import Blocks, LossElements
 LONGEST = 512  # slabs; more at once save nothing
 
 
-def blocks_of(delay: NDArray, first: NDArray, ends: NDArray, group: NDArray, losses: LossElements) -> Blocks:
-    """The blocks of a network; for the arrays see `Network`."""
-    reach = losses.gap if len(losses.gap) else delay
+def blocks_of(reach: NDArray, first: NDArray, ends: NDArray, group: NDArray, losses: LossElements) -> Blocks:
+    """The blocks of a network whose lines each reach so many slabs; for the other arrays see `Network`."""
     degree = np.diff(first)
     of_node = np.minimum.reduceat(np.append(reach[ends >> 1], LONGEST), first[:-1])
     of_group = np.minimum.reduceat(np.where(degree > 0, of_node, LONGEST), group[:-1])

@@ -1,6 +1,6 @@
 """What of a scene's arrays is the same for slabs of any order: found once for all runs on slabs of one width."""
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Collection, Hashable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
@@ -62,9 +62,17 @@ class SlabGrid:
     segments: Segments
     held: int  # values that segments hold
     losses: LossElements
+    diamonds: Collection[int]  # numbers of lines that lose all along
     memory: int  # states of the loss elements
     junctions: dict[Hashable, Junctions] = field(default_factory=dict)  # by the order of nodes, and nodes of a group
     spare: dict[Hashable, Any] = field(default_factory=dict)  # what a run has left for the next, of the loop
+
+    @property
+    def reach(self) -> NDArray:
+        """Slabs in which nothing passes along a line from one place that takes of it to another, or an end."""
+        reach = self.losses.gap if len(self.losses.gap) else self.delay.copy()
+        reach[list(self.diamonds)] = 1
+        return reach
 
     def joined(self, groups: list[Group], nodes: dict[str, Node]) -> Junctions:
         """Where the ends meet, with the nodes in this order."""
@@ -73,7 +81,7 @@ class SlabGrid:
             ends = np.array([end for node in nodes.values() for end in node.ends])
             degree = np.array([len(node.ends) for node in nodes.values()])
             first, group = np.cumsum([0, *degree]), np.cumsum([0, *key[1]])
-            blocks = blocks_of(self.delay, first, ends, group, self.losses)
+            blocks = blocks_of(self.reach, first, ends, group, self.losses)
             self.junctions[key] = Junctions(ends, degree, first, group, blocks, {})
         return self.junctions[key]
 
@@ -139,7 +147,7 @@ def _losses(description: Description, chosen: Resolution) -> tuple[Any, ...]:
         return ()
     fastest = min((shape.fastest() for shape in description.waveforms.values()), default=inf)
     fit = fit_of(description.t_end, chosen.h, chosen.fit, chosen.band, fastest)
-    return chosen.s, fit, chosen.loss_elements, chosen.segments
+    return chosen.s, fit, chosen.loss_elements, chosen.segments, chosen.diamonds
 
 
 def of_last(kept: dict[Hashable, Any], key: Hashable, make: Callable[[], Any], most: int = LAYOUTS) -> Any:
@@ -161,10 +169,14 @@ def _grid(description: Description, chosen: Resolution) -> SlabGrid:
     circuits = circuits_of(lines, losses[1]) if losses else {}
     segmented = segmented_lines(lines, circuits, order, h) if chosen.segments else {}
     delay[list(segmented)] = 1
-    elements, memory = loss_elements_of(lines, circuits, delay, order, h, chosen.loss_elements, segmented)
+    diamonds = [k for k, line in enumerate(lines.values()) if chosen.diamonds and line.in_diamonds]
+    without = {*segmented, *diamonds}
+    elements, memory = loss_elements_of(lines, circuits, delay, order, h, chosen.loss_elements, without)
     z0 = np.array([line.z0 for line in lines.values()])
     segments, held = segments_of(segmented)
-    return SlabGrid(h, lines, z0, delay, shift_row, rests, circuits, segmented, segments, held, elements, memory)
+    return SlabGrid(
+        h, lines, z0, delay, shift_row, rests, circuits, segmented, segments, held, elements, diamonds, memory
+    )
 
 
 def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar: Progress) -> Layout:

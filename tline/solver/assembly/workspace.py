@@ -9,9 +9,21 @@ from tline.compiled.structure import pack
 from tline.solver.assembly.settling import SUBSTEPS
 from tline.solver.kernel.fronts.structures import Steps, Workspace
 from tline.solver.kernel.losses.passing import ABREAST
-from tline.solver.kernel.network import CircuitWork, Crossing, GovernWork, Laws, Network, State, Store, Tools, Work
+from tline.solver.kernel.network import (
+    CircuitWork,
+    Crossing,
+    DiamondWork,
+    GovernWork,
+    Laws,
+    Network,
+    State,
+    Store,
+    Tools,
+    Work,
+)
 
 SAMPLES = 512  # per tile
+GOVERNED = 3  # states of an opening that moves
 AT_LAWS = "given", "aimed", "start", "safe", "trial", "sent", "flow", "other", "slope", "rest", "drive"  # of a circuit
 AT_POINTS = (
     "v",
@@ -64,6 +76,30 @@ def work_for(network: Network, state: State) -> Work:
         out=np.empty(s * ABREAST),
         enter=np.empty(2 * s * int(segments.number.max(initial=0))),
         leave=np.empty(held),
+        diamonds=_of_diamonds(network, s, states, elements),
+    )
+
+
+def _of_diamonds(network: Network, s: int, states: int, elements: int) -> DiamondWork:
+    """Workspace of diamonds, beside groups of at most so many states and elements."""
+    ends = int(np.diff(network.first[network.group]).max(initial=0)) if len(network.diamonds.line) else 0
+    modes, kept = (
+        len(network.diamonds.moments),
+        states + (GOVERNED + int(network.laws.states.max(initial=0))) * elements,
+    )
+    return DiamondWork(
+        taken=np.empty((s, s)),
+        along_a=np.empty((s, s)),
+        along_b=np.empty((s, s)),
+        coming=np.empty((ends, s)),
+        tail=np.empty((ends, s)),
+        seen=np.empty((ends, modes)),
+        modes=np.empty((ends, modes)),
+        flow=np.empty(modes),
+        sent=np.empty(s),
+        kept=np.empty(kept),
+        width=np.ones(1),
+        projected=np.zeros(ends, np.int64),
     )
 
 
@@ -143,4 +179,7 @@ def workspace_for(network: Network, s: int, most: int, parts: int) -> Workspace:
             np.zeros(nodes * s),
             np.zeros((1, s)),
         ),
+        left=np.zeros((ends, most, s)),
+        pair_edges=np.zeros((2, given + 1)),
+        pair=np.zeros((2, given, s)),
     )

@@ -120,8 +120,14 @@ class Description:
 
     @cached_property
     def dispersive(self) -> bool:
-        """Whether a line does more to waves than to delay and attenuate them."""
-        return any(line.dispersive for line in self.lines.values())
+        """Whether a line does more to waves than to delay and attenuate them, and than diamonds do."""
+        return not self.diamonds and any(line.dispersive for line in self.lines.values())
+
+    @cached_property
+    def diamonds(self) -> bool:
+        """Whether lines lose all along, in diamonds: what all of them lose depends on their flow alone, at once."""
+        lossy = [line for line in self.lines.values() if line.dispersive]
+        return bool(lossy) and all(line.in_diamonds for line in lossy) and not self.collapses
 
     @cached_property
     def blurred(self) -> bool:

@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from tline.loss import ConstantLoss
 from tline.loss.losses import Losses
 from tline.solver.description.given import Scene
 
@@ -18,6 +19,14 @@ class Line(NamedTuple):
     def dispersive(self) -> bool:
         """Whether it does more to waves than to delay and attenuate them."""
         return self.losses is not None and not self.losses.distortionless
+
+    @property
+    def in_diamonds(self) -> bool:
+        """Whether it loses effort by its flow alone, at once, and otherwise only delays."""
+        if self.losses is None or self.losses.linear:
+            return False
+        series, shunt = self.losses.exact.series, self.losses.exact.shunt
+        return isinstance(series, ConstantLoss) and isinstance(shunt, ConstantLoss) and not shunt.loss
 
 
 def lines_of(scene: Scene) -> dict[str, Line]:

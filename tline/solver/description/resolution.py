@@ -31,6 +31,7 @@ class Resolution(NamedTuple):
     band: float = HELD  # of these, cycles per slab at which it ends, at least
     layers: float = 0.0  # of the largest wave: what is followed of what decays behind fronts; 0 for nothing
     loss_elements: int = ALL_LOSS_ELEMENTS  # of one law in the longest line, at most, and in others by their delay
+    diamonds: bool = False  # whether lines whose friction is a law of the flow lose all along, not at loss elements
     segments: bool = True  # whether lossy lines are cut into segments if they fit; else they have loss elements
     convolved: bool = False  # whether waves are convolutions, and laws of lines what they are
     plain: bool = False  # whether switches move at the nearest edges and sources are means over slabs: no fronts
@@ -66,7 +67,8 @@ def resolution(
     scales = description.time_scales
     h = h or float(fixed.slab or 0.0) or description.slab or slab_of(description, delays, scales, settle)
     _check(t_end, delays, s, h, by_hand)
-    chosen = Resolution(s, h, sections=sections, settle=settle, loss_elements=loss_elements)
+    more = {"loss_elements": loss_elements, "diamonds": description.diamonds}
+    chosen = Resolution(s, h, sections=sections, settle=settle, **more)
     notes = [
         f"{where}: its time scale of {scale:.3g} s is shorter than the slab of {h:.3g} s; "
         "what is faster than the slab is damped, not resolved"

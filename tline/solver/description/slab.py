@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
-from math import ceil, inf, lcm
+from math import ceil, floor, inf, lcm, log2, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +25,8 @@ WITH_FRONTS = 10.0  # times the work of a slab without fronts, for each piece
 MOST_PLACES = 4  # pieces of a slab, as far as is foretold
 WITH_SHIFTS = 20.0  # the same where no front is, but waves are projected
 BESIDE = 2e4  # samples without fronts that take as long as what comes with a run whose slabs are not whole
+DIAMONDS = 2e4  # that a first run may have: some hundredths of a second
+SPARE_PARTS = 2  # times that slabs may be narrower to divide delays
 PLACES = 9  # digits of an instant's place in its slab
 ORDER = 5
 
@@ -34,7 +36,7 @@ def slab_of(
 ) -> float:
     """A slab that is fine enough for what the scene holds, if that is affordable; lines are given by their delays."""
     delays = [*lines.values()]
-    lossy = [delay for name, delay in lines.items() if description.lines[name].dispersive]
+    lossy = [delay for name, delay in lines.items() if description.dispersive and description.lines[name].dispersive]
     shortest, breaks = min(delays), breaks_of(description)
     layered = description.t_end / SLABS_FOR_FRONTS  # decays beyond are followed behind fronts, not by narrow slabs
     slower = [scale for scale, period in scales.values() if lossy or period < inf or scale > layered]
@@ -46,7 +48,22 @@ def slab_of(
     wanted, often = (max(min(resolved, most), least) for most in (inf, description.t_end / SLABS_PER_RUN))
     affordable = _affordable(description, delays, CHEAP_IN_BLOCKS)
     wanted = often if description.elements else wanted
+    if description.diamonds:
+        return _slab_for_diamonds(delays, breaks, description.t_end, max(least, often))
     return _cheapest((*delays,), (*breaks.tolist(),), description.t_end, affordable, wanted, often)
+
+
+def _slab_for_diamonds(delays: list[float], breaks: NDArray, t_end: float, wanted: float) -> float:
+    """A slab of which not too many meet inside lines, and that divides all delays, and breaks, if that is not narrower.
+
+    It is one of 2^k parts, so that runs on halved slabs share their ends.
+    """
+    shortest = min(delays)
+    wanted = min(max(wanted, sqrt(2 * t_end * sum(delays) / DIAMONDS)), shortest)
+    most = int(shortest / wanted * SPARE_PARTS)
+    times = ((*delays, *breaks[:MOST_MARKS].tolist()), (*delays,))
+    parts = next(filter(None, (common_parts(each, shortest, most) for each in times)), 1)
+    return shortest / (parts * 2 ** max(floor(log2(shortest / parts / wanted)), 0))
 
 
 @lru_cache(maxsize=8)  # runs with other values ask the same

@@ -29,6 +29,17 @@ def lose(run, rows, m):
         invoke(run.units.loss[r], (run, np.int64(r), m))
 
 
+@function
+def node_at(network, end):
+    """Node at which a line ends."""
+    node = np.int64(0)
+    for i in range(network.ends.size):
+        if network.ends[i] == end:
+            while network.first[node + 1] <= i:
+                node += 1
+    return node
+
+
 @unit
 def advance(run: Run, k: int, n_slabs: int, column: int) -> int:
     """Advance all nodes by n_slabs, from slab k of the excitation and of the record that begins in the column.
@@ -49,6 +60,10 @@ def advance(run: Run, k: int, n_slabs: int, column: int) -> int:
                 lose(run, blocks.near_rows, count)
                 if units.segments != 0:
                     invoke(units.segments, (run,))
+                if units.diamonds != 0:
+                    line = invoke(units.diamonds, (run,))
+                    if line >= 0:
+                        return node_at(network, 2 * line)
                 rotate(network, state, blocks.near_lines, count)
                 begun += count
             far = False

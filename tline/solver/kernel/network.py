@@ -19,6 +19,7 @@ import numpy as np
 from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Floats4, Integers
 
 CONSTANT, SQUARED, TABLED, REMEMBERED = range(4)  # kinds of loss elements
+SQUARE, POWER, SWAMEE_JAIN, COLEBROOK = range(4)  # kinds of friction along a line
 
 
 class Tools(NamedTuple):
@@ -95,6 +96,28 @@ class LossElements(NamedTuple):
     memory: Integers  # (rows,) place of the row's states, shape (modes, loss elements)
 
 
+class Diamonds(NamedTuple):
+    """Lines that lose all along, advanced slab by slab in diamonds; K modes on a triangle, M points in it."""
+
+    line: Integers  # (rows,)
+    row: Integers  # (L,) of a line, or -1
+    at_group: Flags  # (G,) whether such a line ends there
+    rest: Floats  # (rows,) fractional rest of the delay
+    kind: Integers  # (rows,)
+    constants: Floats2  # (rows, 5) r, k, c, n or ρ, and roughness: see `tline.solver.kernel.diamonds.friction`
+    tables: Floats
+    table_at: Integers  # (rows,) place of a row's table
+    radau: Floats2  # (s, s)
+    sent: Floats2  # (K, s) modes of what is sent, over the triangle
+    seen: Floats2  # (K, s) of what arrives
+    inside: Floats2  # (K, K) by which modes of friction lower those of the flow
+    values: Floats2  # (M, K) of modes at the points
+    moments: Floats2  # (K, M) modes of values at the points
+    gained: Floats3  # (2, s, K) what friction adds to what arrives, at the points, and projected
+    left: Floats3  # (2, s, K) what it takes from what leaves
+    ends: Floats4  # (rows of shift, 2, s, s) a rest of a slab in the next one, and the rest of a slab
+
+
 class Blocks(NamedTuple):
     """How many slabs groups, lines and rows of loss elements are advanced at once."""
 
@@ -132,6 +155,7 @@ class Network(NamedTuple):
     laws: Laws
     segments: Segments
     losses: LossElements
+    diamonds: Diamonds
     blocks: Blocks
 
 
@@ -145,6 +169,7 @@ class State(NamedTuple):
     load: Floats  # of all groups, one after the other
     segments: Floats  # of all lossy lines in segments
     loss_states: Floats  # of all circuits in loss elements
+    halves: Floats2  # (2 L, M) what friction takes at the points of the half diamonds at line ends
 
 
 class Units(NamedTuple):
@@ -160,6 +185,10 @@ class Units(NamedTuple):
     law: Integers  # (E,) of each element: its law, or its store
     loss: Integers  # (rows,) of each row of loss elements
     segments: int  # lossy lines in segments
+    diamonds: int  # lines that lose all along
+    halves: int  # groups at which such lines end
+    diamonds_in_pieces: int  # the same where slabs are in pieces
+    halves_in_pieces: int
     pieces: int  # a group in a slab in pieces
     respond: int  # groups with a map and without laws, in pieces of a slab
     respond_with_laws: int  # groups with both
@@ -242,6 +271,23 @@ class GovernWork(NamedTuple):
     inverse: Floats2  # (M, M) of how the rest answers to rates, about
 
 
+class DiamondWork(NamedTuple):
+    """Workspace of diamonds, and of their halves at the E ends of a group."""
+
+    taken: Floats2  # (s, s) by friction
+    along_a: Floats2  # (s, s) so far along each wave
+    along_b: Floats2
+    coming: Floats2  # (E, s) what arrives if no friction acts in the triangle
+    tail: Floats2  # (E, s) the rest of a slab
+    seen: Floats2  # (E, K)
+    modes: Floats2  # (E, K) of friction
+    flow: Floats  # (K,)
+    sent: Floats  # (s,)
+    kept: Floats  # states of the group
+    width: Floats  # (1,) of the piece of a slab
+    projected: Integers  # (E,) whether what leaves a half diamond is projected
+
+
 class Work(NamedTuple):
     """Workspace of a loop: made once, it costs no slab anything."""
 
@@ -261,6 +307,7 @@ class Work(NamedTuple):
     out: Floats  # (s * ABREAST,)
     enter: Floats  # what enters the segments of a line
     leave: Floats  # what one holds and what leaves it
+    diamonds: DiamondWork
 
 
 class Run(NamedTuple):

@@ -121,10 +121,14 @@ def scatter_block(run: Run, chosen: int, k: int, begun: int, count: int, column:
     groups = blocks.far_groups if chosen == FAR else blocks.near_groups
     for i in range(1 if chosen >= 0 else groups.size):
         g, ahead = chosen if chosen >= 0 else groups[i], np.int64(0)
-        most = np.int64(1) if run.network.laws.governed[g] else run.work.tile
+        half = run.units.halves != 0 and run.network.diamonds.at_group[g]
+        most = np.int64(1) if half or run.network.laws.governed[g] else run.work.tile
         while ahead < count:
             m = place_tile(run, g, begun, ahead, min(count - ahead, most))
-            node = scatter_group(run, g, (k + ahead) * s, m, column * s)
+            if half:
+                node = invoke(run.units.halves, (run, g, (k + ahead) * s, column * s))
+            else:
+                node = scatter_group(run, g, (k + ahead) * s, m, column * s)
             if node >= 0:
                 return node
             ahead += m

@@ -33,7 +33,7 @@ def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
     def address(path: str, needed: Any) -> int:
         return unit_at(path).address if needed else 0
 
-    losses, segments = network.losses.kind, len(network.segments.line)
+    losses, segments, diamonds = network.losses.kind, len(network.segments.line), len(network.diamonds.line)
     laws, mapped = np.diff(network.laws.first) > 0, network.load_at >= 0
     constant = address("losses.dissipation.dissipation", len(losses) and (losses < REMEMBERED).any())
     remembered = address("losses.memory.memory", len(losses) and (losses == REMEMBERED).any())
@@ -48,6 +48,10 @@ def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
         law=law_addresses(kinds),
         loss=np.where(losses == REMEMBERED, remembered, constant),
         segments=address("losses.segments.pass_segments", segments),
+        diamonds=address("diamonds.full.pass_diamonds", diamonds),
+        halves=address("diamonds.half.pass_halves", diamonds),
+        diamonds_in_pieces=address("diamonds.pieces.pass_diamonds_in_pieces", fronts and diamonds),
+        halves_in_pieces=address("diamonds.half_pieces.scatter_half_pieces", fronts and diamonds),
         pieces=address("fronts.pieces.scatter_pieces", fronts),
         respond=address("fronts.respond.respond_by_map", fronts and (mapped & ~laws).any()),
         respond_with_laws=address("fronts.respond.respond_with_laws", fronts and (mapped & laws).any()),

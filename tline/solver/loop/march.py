@@ -302,5 +302,9 @@ def _refuse(assembly: Assembly, node: int, span: tuple[float, float] | None = No
         )
         error.span = span
         raise error
+    if assembly.resolution.diamonds and np.isfinite(assembly.state.waves).all():
+        error = NoFlowError("lines", "friction too strong for the slabs", "narrower slabs")
+        error.span = span
+        raise error
     where = " and ".join(assembly.description.active) or "lines"
     raise InputError(where, "the waves grow beyond all bounds", "passive loads", "active ones")

@@ -3,7 +3,7 @@
 import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
-from tline.solver.kernel.blocks import lose, rotate
+from tline.solver.kernel.blocks import lose, node_at, rotate
 from tline.solver.kernel.fronts.gather import drives_front
 from tline.solver.kernel.fronts.structures import DONE, LIVE, MERGE, NOTED, FrontRun
 
@@ -20,7 +20,7 @@ def note_last(network, state, pieces):
         o = network.offset[line] + (side * network.delay[line] + slot) * s
         for i in range(s):
             pieces.last[e, i] = state.waves[o + i]
-        pieces.width[e] = 1.0
+        pieces.width[e] = 1.0 if network.diamonds.row[line] < 0 else 0.0
 
 
 @function
@@ -65,7 +65,7 @@ def scatter_whole(run, fronts, g, slab, k):
         e = network.ends[i]
         for j in range(s):
             pieces.last[e, j] = waves[run.work.position[e] + j]
-        pieces.width[e] = 1.0
+        pieces.width[e] = 1.0 if network.diamonds.row[e >> 1] < 0 else 0.0
     return node
 
 
@@ -97,7 +97,8 @@ def scatter_all(job, slab, k):
             invoke(units.collapse_group, (job, np.int64(g), slab, k))
             met = False
         if met:
-            if invoke(units.pieces, (job, np.int64(g), slab, k)) == 0:
+            halves = units.diamonds != 0 and network.diamonds.at_group[g]
+            if invoke(units.halves_in_pieces if halves else units.pieces, (job, np.int64(g), slab, k)) == 0:
                 return network.group[g]
         elif scatter_whole(run, fronts, g, slab, k) >= 0:
             return network.group[g]
@@ -122,7 +123,7 @@ def advance_fronts(job: FrontRun, first_slab: int, n_slabs: int) -> int:
         for r in range(due.size):
             while due[r] < sources.first[r + 1] and sources.slab[due[r]] < slab:
                 due[r] += 1
-        if units.collapse_at_losses == 0:
+        if units.collapse_at_losses == 0 and (units.diamonds == 0 or counts[LIVE] == 0):
             free = front_free_slabs(run, fronts, sources, slab, n_slabs - k)
             if free > 1:
                 node = invoke(units.advance, (run, k, free, first_slab))
@@ -140,6 +141,10 @@ def advance_fronts(job: FrontRun, first_slab: int, n_slabs: int) -> int:
             lose(run, network.blocks.near_rows, np.int64(1))
         if units.segments != 0:
             invoke(units.segments, (run,))
+        if units.diamonds != 0:
+            line = invoke(units.diamonds_in_pieces, (job,))
+            if line >= 0:
+                return node_at(network, 2 * line)
         rotate(network, state, network.blocks.far_lines, 1)
         rotate(network, state, network.blocks.near_lines, 1)
         k += 1

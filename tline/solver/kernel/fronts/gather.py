@@ -9,12 +9,12 @@ from tline.solver.kernel.polynomials import project
 
 
 @function
-def fronts_in(pieces, row, offset, place, size, n):
-    """Append those fronts of a slab that lie in the present one when moved by the offset."""
+def fronts_in(pieces, row, wide, offset, place, size, n):
+    """Append those fronts of a slab, or of a part so wide, that lie in the present one when moved by the offset."""
     if row < 0:
         return n
     for j in range(pieces.number[row]):
-        t = pieces.start[row, j] + offset
+        t = wide * pieces.start[row, j] + offset
         strength = pieces.anew[row] if j == 0 else pieces.size[row, j]
         if strength > 0.0 and -MERGE / 2 <= t < 1.0 - MERGE / 2 and n < place.size:
             place[n], size[n] = t, strength
@@ -57,15 +57,15 @@ def united(place, size, n, edges, most, counts, sizes):
 
 
 @function
-def unfold(fronts, row, values, o, offset, n):
-    """Append the pieces of a slab that lie in the present one when moved by the offset."""
+def unfold(fronts, row, values, o, wide, offset, n):
+    """Append the pieces of a slab, or of a part so wide, that lie in the present one when moved by the offset."""
     pieces, span, coef = fronts.pieces, fronts.work.span, fronts.work.given
     if row < 0:
-        span[n, 0], span[n, 1] = offset, offset + 1.0
+        span[n, 0], span[n, 1] = offset, offset + wide
         times(fronts.tools.to_legendre, values, o, coef[n])
         return n + 1
     for j in range(pieces.number[row]):
-        a, b = pieces.start[row, j] + offset, pieces.start[row, j + 1] + offset
+        a, b = wide * pieces.start[row, j] + offset, wide * pieces.start[row, j + 1] + offset
         if b > 0.0 and a < 1.0:
             span[n, 0], span[n, 1] = a, b
             copy(pieces.coef[row, j], coef[n])
@@ -89,6 +89,12 @@ def regrouped(span, coef, n, edges, m, tools, whole, out):
 
 
 @function
+def part_before(network, e, rest):
+    """How much is kept of the slab that arrived before at an end: of lines that lose all along what is yet to come."""
+    return rest if network.diamonds.row[e >> 1] >= 0 else 1.0
+
+
+@function
 def fronts_at(run, fronts, sources, g, slab):
     """Gather the fronts that meet at a group in one slab. Returns how many."""
     network, position, n = run.network, run.work.position, np.int64(0)
@@ -97,9 +103,10 @@ def fronts_at(run, fronts, sources, g, slab):
     for i in range(network.first[network.group[g]], network.first[network.group[g + 1]]):
         e = network.ends[i]
         rest = fronts.rest[e >> 1]
-        n = fronts_in(pieces, pieces.of_slab[position[e] // fronts.tools.c.size], rest, place, size, n)
+        n = fronts_in(pieces, pieces.of_slab[position[e] // fronts.tools.c.size], 1.0, rest, place, size, n)
         if rest > 0.0:
-            n = fronts_in(pieces, pieces.before[e], rest - 1.0, place, size, n)
+            wide = part_before(network, e, rest)
+            n = fronts_in(pieces, pieces.before[e], wide, rest - wide, place, size, n)
     i = events.due[g]
     while i < events.first[g + 1] and events.at[i] - slab < 1.0 - MERGE / 2 and n < place.size:
         place[n], size[n] = max(events.at[i] - slab, 0.0), CUT if events.row[i] == SAME_MAP else np.inf

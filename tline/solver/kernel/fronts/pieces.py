@@ -4,7 +4,7 @@ import numpy as np
 
 from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import clear, copy, times
-from tline.solver.kernel.fronts.gather import driven, fronts_at, regrouped, unfold, united
+from tline.solver.kernel.fronts.gather import driven, fronts_at, part_before, regrouped, unfold, united
 from tline.solver.kernel.fronts.respond import respond
 from tline.solver.kernel.fronts.send import keep, release, send
 from tline.solver.kernel.fronts.settle import rejoin, settling
@@ -32,8 +32,9 @@ def arrive(job, g, slab, k, m):
             rest, now = fronts.rest[e >> 1], pieces.of_slab[position[e] // s]
             n = np.int64(0)
             if rest > 0.0:
-                n = unfold(fronts, pieces.before[e], before[e], 0, rest - 1.0, n)
-            n = unfold(fronts, now, waves, position[e], rest, n)
+                wide = part_before(network, e, rest)
+                n = unfold(fronts, pieces.before[e], before[e], 0, wide, rest - wide, n)
+            n = unfold(fronts, now, waves, position[e], 1.0, rest, n)
             regrouped(span, given, n, edges, m, tools, whole, arrived[i - low])
             pieces.of_slab[position[e] // s] = -1
             if rest > 0.0:
@@ -79,6 +80,8 @@ def depart(job, g, slab, m, anew):
             for j in range(m):
                 for p in range(s):
                     part[p] = 2.0 * mine[j, p] - arrived[i - low, j, p]
+                    if network.diamonds.row[e >> 1] >= 0:
+                        part[p] = work.left[i - low, j, p]
                     fronts.sizes[SCALE] = max(fronts.sizes[SCALE], abs(part[p]))
                 times(fronts.tools.to_legendre, part, 0, coef[j])
             copy(edges, work.own)

@@ -44,39 +44,44 @@ def respond_with_laws(job: FrontRun, g: int, piece: int, m: int) -> int:
 
 
 @function
+def respond_piece(job, g, piece, m):
+    """Turn the Thévenin waves of one of m pieces at a group, in the workspace of slabs, into the nodes' efforts."""
+    run, fronts = job.run, job.fronts
+    network, edges, s = run.network, fronts.work.edges, fronts.tools.c.size
+    count = network.laws.first[g + 1] - network.laws.first[g]
+    for e in range(count):
+        for i in range(s):
+            run.work.control[e, i] = fronts.work.control[e, piece, i]
+    if network.load_at[g] < 0 and count > 0:
+        width = fronts.step * (edges[piece + 1] - edges[piece])
+        pass_laws(run, np.int64(g), s, width, np.int64(0))
+    elif count > 0:
+        invoke(run.units.respond_with_laws, (job, np.int64(g), np.int64(piece), m))
+    elif network.load_at[g] >= 0:
+        invoke(run.units.respond, (job, np.int64(g), np.int64(piece), m))
+    for e in range(count):
+        for i in range(s):
+            fronts.work.into[e, piece, i] = run.work.into[e, i]
+
+
+@function
 def respond(job, g, slab, m):
     """Turn the Thévenin waves of m pieces at a group into the nodes' efforts; switches move where pieces begin.
 
     A piece for which no flow is found ends it, and is kept in mind.
     """
     run, fronts = job.run, job.fronts
-    network, work, s, wave = run.network, fronts.work, fronts.tools.c.size, run.work.u
-    edges, u, count = work.edges, work.u, network.laws.first[g + 1] - network.laws.first[g]
-    k = network.group[g + 1] - network.group[g]
+    network, s, wave = run.network, fronts.tools.c.size, run.work.u
+    edges, u, k = fronts.work.edges, fronts.work.u, network.group[g + 1] - network.group[g]
     for piece in range(m):
         happen_until(network, fronts.events, fronts.counts, g, slab + edges[piece])
-        if network.load_at[g] < 0 and count == 0:
-            continue
         for p in range(k):
             for i in range(s):
                 wave[p * s + i] = u[p, piece, i]
-        if count > 0:
-            for e in range(count):
-                for i in range(s):
-                    run.work.control[e, i] = work.control[e, piece, i]
-        if network.load_at[g] < 0:
-            width = fronts.step * (edges[piece + 1] - edges[piece])
-            pass_laws(run, np.int64(g), s, width, np.int64(0))
-        elif count > 0:
-            invoke(run.units.respond_with_laws, (job, np.int64(g), np.int64(piece), m))
-        else:
-            invoke(run.units.respond, (job, np.int64(g), np.int64(piece), m))
+        respond_piece(job, g, piece, m)
         for p in range(k):
             for i in range(s):
                 u[p, piece, i] = wave[p * s + i]
-        for e in range(count):
-            for i in range(s):
-                work.into[e, piece, i] = run.work.into[e, i]
         if not np.isfinite(wave[s - 1]):
             fronts.sizes[BEGIN], fronts.sizes[END] = edges[piece], edges[piece + 1]
             return

@@ -97,6 +97,9 @@ class Workspace(NamedTuple):
     part: Floats  # (s,)
     stages: Floats2  # (states * s, states * s + 1)
     steps: Steps
+    left: Floats3  # (ends, m, s) what leaves half diamonds
+    pair_edges: Floats2  # (2, pieces + 1) of two slabs that meet in a diamond
+    pair: Floats3  # (2, pieces, s)
 
 
 class Fronts(NamedTuple):

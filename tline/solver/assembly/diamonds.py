@@ -1,0 +1,135 @@
+"""Lines that lose all along as arrays: their friction, and matrices of half diamonds.
+
+On the triangle 0 ≤ p ≤ q ≤ 1 polynomials of degree s are held by K = (s + 1)(s + 2)/2 orthonormal modes. What friction
+takes is projected on these, and the flow likewise before friction is looked up. What leaves the triangle is
+interpolated at Radau's points: accurate at slab ends. Where that would make energy, it is projected on the polynomials
+of a slab: the transposed matrices do that, so energy is lost whatever the law (docs/theory.md).
+"""
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from tline.loss.flow_law import Colebrook, PowerLaw, SwameeJain, colebrook_table
+from tline.solver.description.lines import Line
+from tline.solver.kernel.network import COLEBROOK, POWER, SQUARE, SWAMEE_JAIN, Diamonds
+from tline.solver.radau import Basis, basis, gauss
+
+if TYPE_CHECKING:
+    from tline.solver.assembly.layout import Junctions, SlabGrid
+
+KIND = {PowerLaw: POWER, SwameeJain: SWAMEE_JAIN, Colebrook: COLEBROOK}
+
+
+class Triangle(NamedTuple):
+    """Matrices of the half diamond, as in `Diamonds`."""
+
+    sent: NDArray
+    seen: NDArray
+    inside: NDArray
+    values: NDArray
+    moments: NDArray
+    gained: NDArray
+    left: NDArray
+
+
+@lru_cache
+def triangle(s: int) -> Triangle:
+    """The half diamond of order s."""
+    p, q, weights = _points(s + 3)
+    rough = _graded(p, q, s) * np.sqrt(weights)[:, None]
+    to_modes = np.linalg.inv(np.linalg.qr(rough)[1])
+
+    def modes(p: NDArray, q: NDArray) -> NDArray:
+        return _graded(p, q, s) @ to_modes
+
+    def behind(p: NDArray, q: NDArray) -> NDArray:
+        """Integrals of modes along what leaves, from the end p = q on."""
+        parts = [((q - p) * w)[:, None] * modes(p, p + (q - p) * x) for x, w in zip(*gauss(s + 1), strict=True)]
+        return np.sum(parts, axis=0)
+
+    def before(p: NDArray, q: NDArray) -> NDArray:
+        """Integrals of modes along what arrives, from p = 0 on."""
+        return np.sum([(p * w)[:, None] * modes(p * x, q) for x, w in zip(*gauss(s + 1), strict=True)], axis=0)
+
+    order, here = basis(s), modes(p, q).T * weights
+    sent, seen, inside = here @ order.evaluation(p), here @ order.evaluation(q), here @ (behind(p, q) + before(p, q))
+    p, q, weights = _points(s + 1)
+    values, by_weight, c = modes(p, q), 1 / order.A[-1][:, None], order.c
+    gained = np.stack([before(c, c), by_weight * seen.T])
+    left = np.stack([behind(c, np.ones(s)), by_weight * sent.T])
+    return Triangle(*map(np.ascontiguousarray, (sent, seen, inside, values, values.T * weights, gained, left)))
+
+
+def _points(n: int) -> tuple[NDArray, NDArray, NDArray]:
+    """Gauss points (p, q) in the triangle, and their weights."""
+    x, w = gauss(n)
+    share, q = (each.ravel() for each in np.meshgrid(x, x))
+    across, along = (each.ravel() for each in np.meshgrid(w, w))
+    return share * q, q, across * along * q
+
+
+def _graded(p: NDArray, q: NDArray, s: int) -> NDArray:
+    """A basis of the polynomials of degree s at points, shape (points, modes)."""
+    across = legendre.legvander(2 * p / q - 1, s) * q[:, None] ** np.arange(s + 1)
+    along = legendre.legvander(2 * q - 1, s)
+    return np.stack([across[:, m] * along[:, n] for m in range(s + 1) for n in range(s + 1 - m)], axis=1)
+
+
+def diamonds_of(grid: "SlabGrid", order: Basis, junctions: "Junctions") -> Diamonds:
+    """The lines of a grid that lose all along."""
+    here, rests, ends = list(grid.diamonds), grid.rests, junctions.ends
+    lines = list(grid.lines.values())
+    each = [lines[k] for k in here]
+    row = np.full(len(lines), -1)
+    row[here] = np.arange(len(here))
+    tables, table_at = _tables(each)
+    at_end = np.concatenate([[0], np.cumsum(row[ends >> 1] >= 0)])
+    matrices = [(order.projection(0.0, f), order.restriction(1.0 - f, 1.0)) for f in rests if here]
+    friction = [_friction(line, grid.h) for line in each]
+    return Diamonds(
+        np.array(here, int),
+        row,
+        np.diff(at_end[junctions.first[junctions.group]]) > 0,
+        np.array([rests[at] if at >= 0 else 0.0 for at in grid.shift_row[here].tolist()]),
+        np.array([kind for kind, _ in friction], int),
+        np.array([constants for _, constants in friction]).reshape(-1, 5),
+        tables,
+        table_at,
+        order.A,
+        *triangle(order.s if here else 1),
+        ends=np.array(matrices).reshape(-1, 2, order.s, order.s),
+    )
+
+
+def _friction(line: Line, h: float) -> tuple[int, list[float]]:
+    """Kind and constants of the friction of half a slab of a line."""
+    losses, y = line.losses, 1 / (2 * line.z0)  # flow over d
+    assert losses is not None
+    assert losses.flow_law is not None
+    law, length = losses.flow_law, losses.exact.length * h / (2 * line.delay)
+    r, k = losses.exact.series.loss * length * y, law.square * length * y**2
+    if isinstance(law, PowerLaw):
+        c = law.strength * length * y**law.exponent
+        return (SQUARE, [r, k + c, 0.0, 0.0, 0.0]) if law.exponent == 2 else (POWER, [r, k, c, law.exponent - 1, 0.0])
+    assert isinstance(law, Colebrook | SwameeJain)
+    return KIND[type(law)], [r, k, law.strength * length * y**2, law.reynolds * y, law.roughness]
+
+
+def _tables(lines: list[Line]) -> tuple[NDArray, NDArray]:
+    """Tables of friction factors, those that lines share once, and the place of each line's."""
+    known, kept, at, n = {}, [np.empty(0)], [], 0
+    for line in lines:
+        law = line.losses.flow_law if line.losses else None
+        if not isinstance(law, Colebrook):
+            at.append(0)
+            continue
+        if law.roughness not in known:
+            first, step, y = colebrook_table(law.roughness)
+            known[law.roughness], n = n, n + 3 + len(y)
+            kept.append(np.concatenate([[first, step, len(y)], y]))
+        at.append(known[law.roughness])
+    return np.concatenate(kept), np.array(at, int)

@@ -1,0 +1,87 @@
+"""Diamonds inside lines: a slab of the wave a meets one of the wave b, and each loses what friction takes.
+
+With ξ = t - τ and η = t + τ, τ the delay from end 1, a_η = -φ/2 and b_ξ = φ/2. Both are collocated at Radau's points, a
+along η at each point of ξ, b along ξ at each point of η.
+"""
+
+import numpy as np
+
+from tline.compiled.unit import function, unit
+from tline.solver.kernel.arithmetic import TINY
+from tline.solver.kernel.diamonds.friction import lost
+from tline.solver.kernel.network import Run
+
+ROUNDS = 400
+EXACT, ROUNDED = 1e-15, 1e-12  # of the largest wave: changes that end an iteration, and with which none may go on
+REACH = 0.6  # about by how much what is lost at a place changes the flow there, of order 1; all lead to the same end
+
+
+@function
+def flushed(x):
+    """Zero in place of numbers whose squares vanish."""
+    return 0.0 if abs(x) < TINY else x
+
+
+@function
+def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
+    """Advance s values of a from place p past s of b from place q, through a rectangle so many slabs wide and high.
+
+    Returns whether the iteration ended: each round takes a Newton step for the flow at each point alone, and leaves no
+    more of the last one than the slope of friction.
+    """
+    s, taken, along_a, along_b = radau.shape[0], work.taken, work.along_a, work.along_b
+    size, last, reach = 0.0, 1e300, REACH * (wide + high) / np.sqrt(s)
+    for i in range(s):
+        size = max(size, abs(a[p + i]), abs(b[q + i]))
+        for j in range(s):
+            taken[i, j] = lost(diamonds, row, a[p + i] - b[q + j])[0]
+    done = False
+    for turn in range(ROUNDS):  # noqa: B007
+        change, steep = 0.0, 0.0
+        for i in range(s):
+            for j in range(s):
+                x, y = 0.0, 0.0
+                for k in range(s):
+                    x += radau[j, k] * taken[i, k]
+                    y += radau[i, k] * taken[k, j]
+                along_a[i, j], along_b[i, j] = high * x, wide * y
+        for i in range(s):
+            for j in range(s):
+                value, slope = lost(diamonds, row, a[p + i] - along_a[i, j] - b[q + j] - along_b[i, j])
+                step = (value - taken[i, j]) / (1.0 + reach * slope)
+                taken[i, j] += step
+                change, steep = max(change, abs(step)), max(steep, slope)
+        if change * min(reach * steep, 1.0) <= EXACT * size or (change >= 0.5 * last and change <= ROUNDED * size):
+            done = True
+            break
+        last = change
+    for i in range(s):
+        x, y = 0.0, 0.0
+        for k in range(s):
+            x += radau[s - 1, k] * taken[i, k]
+            y += radau[s - 1, k] * taken[k, i]
+        a[p + i] = flushed(a[p + i] - high * x)
+        b[q + i] = flushed(b[q + i] + wide * y)
+    return done
+
+
+@unit
+def pass_diamonds(run: Run) -> int:
+    """Advance all lines with losses by the diamonds of the slab in which the nodes have just worked.
+
+    Those in whose middle the slab begins come first, then those half a slab later. Returns the number of a line whose
+    friction was too strong to be found, or -1.
+    """
+    network, state, diamonds = run.network, run.state, run.network.diamonds
+    waves, s, work = state.waves, state.before.shape[1], run.work.diamonds
+    for row in range(diamonds.line.size):
+        line = diamonds.line[row]
+        D, o = network.delay[line], network.offset[line]
+        t = state.side[line] * D + state.slot[line]
+        for later in range(2):
+            for k in range(1 - later, D):
+                a, b = t - k, t + k + later
+                a, b = a + 2 * D if a < 0 else a, b - 2 * D if b >= 2 * D else b
+                if not meet(diamonds, row, diamonds.radau, work, waves, o + a * s, waves, o + b * s, 1.0, 1.0):
+                    return line
+    return -1

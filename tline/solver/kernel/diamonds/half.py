@@ -1,0 +1,273 @@
+"""Half diamonds at the ends of lines, solved with what stands at the node.
+
+With p along the wave that leaves an end and q along the one that arrives, 0 ≤ p ≤ q ≤ 1 is a triangle; the end is
+p = q. What friction takes is a polynomial of degree s there, the L2 projection of g(d) with d that of the flow. The
+node sees what arrives, the triangle what it sends; both are found in turns. Where the two waves leave the triangle with
+more energy than they bring, they are projected, and then they do not (docs/theory.md).
+
+A delay of D + f slabs: what arrives in a slab of the end is the rest of the slab before, and the head of the next. The
+rest of that one, past which the wave goes that leaves, is a rectangle one slab wide and f high.
+"""
+
+import numpy as np
+
+from tline.compiled.unit import function, invoke, unit
+from tline.solver.kernel.arithmetic import times
+from tline.solver.kernel.diamonds.friction import lost
+from tline.solver.kernel.diamonds.full import EXACT, ROUNDED, ROUNDS, flushed, meet
+from tline.solver.kernel.load import load
+from tline.solver.kernel.network import Run
+from tline.solver.kernel.scatter import begin, gather, note, note_effort, scatter
+
+BALANCED = 1e-15  # of the energy, by which a half diamond may gain for rounding
+
+
+@function
+def keep_states(run, g, kept, give):
+    """Put the states of a group aside, or give them back."""
+    laws, states, n = run.network.laws, run.state.load, 0
+    x, count = run.network.load_at[g], np.int64(0)
+    if x >= 0:
+        count = run.network.step_states[run.network.step_row[g]]
+    for i in range(count):
+        if give:
+            states[x + i] = kept[n]
+        else:
+            kept[n] = states[x + i]
+        n += 1
+    for e in range(laws.first[g], laws.first[g + 1]):
+        for which in range(2):
+            at = laws.state_at[e] if which == 0 else laws.governor_state[e]
+            count = np.int64(0)
+            if at >= 0:
+                count = laws.states[e] if which == 0 else np.int64(3)
+            for i in range(count):
+                if give:
+                    states[at + i] = kept[n]
+                else:
+                    kept[n] = states[at + i]
+                n += 1
+
+
+@function
+def part_of(matrix, values, o, out):
+    """Add the product of a matrix with values from a place on."""
+    for i in range(matrix.shape[0]):
+        total = 0.0
+        for j in range(matrix.shape[1]):
+            total += matrix[i, j] * values[o + j]
+        out[i] += total
+
+
+@function
+def begin_half(diamonds, e, coming, work, k):
+    """Put aside of what arrives what it has to do with the flow in the triangle, and what is lost there so far."""
+    n = diamonds.moments.shape[0]
+    for i in range(n):
+        work.seen[k, i] = 0.0
+    part_of(diamonds.seen, coming[k], 0, work.seen[k])
+
+
+@function
+def arrive(diamonds, taken, e, coming, work, k, out, o):
+    """What arrives at an end if friction takes as much in the triangle as it is thought to, put at place o."""
+    modes, s = work.modes[k], coming.shape[1]
+    for i in range(modes.size):
+        modes[i] = 0.0
+    part_of(diamonds.moments, taken[e], 0, modes)
+    for i in range(s):
+        total = 0.0
+        for j in range(modes.size):
+            total += diamonds.gained[work.projected[k], i, j] * modes[j]
+        out[o + i] = coming[k, i] + total * work.width[0]
+
+
+@function
+def lose_half(diamonds, row, taken, e, sent, work, k):
+    """Let friction be what the flow asks for that comes of what is sent. Returns the largest change."""
+    flow, modes, wide, change = work.flow, work.modes[k], work.width[0], 0.0
+    reach = wide / np.sqrt(sent.size)
+    for i in range(modes.size):
+        flow[i] = -work.seen[k, i]
+    part_of(diamonds.sent, sent, 0, flow)
+    for i in range(modes.size):
+        total = 0.0
+        for j in range(modes.size):
+            total += diamonds.inside[i, j] * modes[j]
+        flow[i] -= total * wide
+    for i in range(diamonds.values.shape[0]):
+        d = 0.0
+        for j in range(modes.size):
+            d += diamonds.values[i, j] * flow[j]
+        value, slope = lost(diamonds, row, d)
+        step = (value - taken[e, i]) / (1.0 + reach * slope)
+        taken[e, i] += step
+        change = max(change, abs(step))
+    return change
+
+
+@function
+def leave(diamonds, sent, work, k):
+    """What leaves the triangle, in place of what the node has sent."""
+    modes, wide = work.modes[k], work.width[0]
+    for i in range(sent.size):
+        total = 0.0
+        for j in range(modes.size):
+            total += diamonds.left[work.projected[k], i, j] * modes[j]
+        sent[i] -= total * wide
+
+
+@function
+def makes_energy(diamonds, coming, arrived, sent, work, k):
+    """Whether a half diamond would give more than it gets."""
+    s, modes, wide, gain, size = sent.size, work.modes[k], work.width[0], 0.0, 0.0
+    for i in range(s):
+        total = 0.0
+        for j in range(modes.size):
+            total += diamonds.left[0, i, j] * modes[j]
+        out, weight = sent[i] - wide * total, diamonds.radau[s - 1, i]
+        gain += weight * (arrived[i] * arrived[i] - coming[i] * coming[i] + out * out - sent[i] * sent[i])
+        size += weight * (arrived[i] * arrived[i] + sent[i] * sent[i])
+    return gain > BALANCED * size
+
+
+@function
+def prepare(run, g):
+    """Put aside what is about to arrive at the ends of a group: at those with friction, the head of a slab."""
+    network, waves, before, diamonds, work = (
+        run.network,
+        run.state.waves,
+        run.state.before,
+        run.network.diamonds,
+        run.work.diamonds,
+    )
+    low, s, position = network.first[network.group[g]], run.state.before.shape[1], run.work.position
+    for i in range(low, network.first[network.group[g + 1]]):
+        e, k = network.ends[i], i - low
+        o, rest = position[e], network.shift_row[e >> 1]
+        if diamonds.row[e >> 1] < 0:
+            if rest >= 0:
+                invoke(run.units.delay, (run, e, o, np.int64(1)))
+            continue
+        if rest < 0:
+            for j in range(s):
+                work.coming[k, j] = waves[o + j]
+        else:
+            times(network.shift[rest, 0], waves, o, work.coming[k])
+            part_of(diamonds.ends[rest, 0], before[e], 0, work.coming[k])
+            times(diamonds.ends[rest, 1], waves, o, work.tail[k])
+        begin_half(diamonds, e, work.coming, work, k)
+        work.projected[k] = 0
+
+
+@function
+def respond(run, g, here, column, n):
+    """Efforts of a group's nodes under what arrives now."""
+    network, u, waves, diamonds = run.network, run.work.u, run.state.waves, run.network.diamonds
+    low = network.first[network.group[g]]
+    for node in range(network.group[g], network.group[g + 1]):
+        q = np.uint64((node - network.group[g]) * n)
+        begin(u, q, n, run.excitation, network.excitation_row[node], here)
+        for i in range(network.first[node], network.first[node + 1]):
+            e = network.ends[i]
+            o = run.work.position[e]
+            if diamonds.row[e >> 1] >= 0:
+                arrive(diamonds, run.state.halves, e, run.work.diamonds.coming, run.work.diamonds, i - low, waves, o)
+            gather(u, q, n, waves, np.uint64(o), network.weight[i])
+    if network.laws.first[g] < network.laws.first[g + 1]:
+        invoke(run.units.laws, (run, g, here, n, column))
+    elif network.load_at[g] >= 0:
+        load(run, g, n, network.step, network.step_at[network.step_row[g]])
+
+
+@function
+def settle(run, g, here, column, n):
+    """Find friction in the half diamonds at a group, with what the group sends. Returns whether that ended.
+
+    Friction is what it was in the last slab, to begin with.
+    """
+    network, waves, diamonds, u = run.network, run.state.waves, run.network.diamonds, run.work.u
+    work, position, last, one = run.work.diamonds, run.work.position, 1e300, run.network.group[g]
+    for turn in range(ROUNDS):
+        keep_states(run, g, work.kept, turn > 0)
+        respond(run, g, here, column, n)
+        change, size = 0.0, 0.0
+        for node in range(one, network.group[g + 1]):
+            q = (node - one) * n
+            for i in range(network.first[node], network.first[node + 1]):
+                e = network.ends[i]
+                row, o = diamonds.row[e >> 1], position[e]
+                if row >= 0:
+                    for j in range(n):
+                        work.sent[j] = 2.0 * u[q + j] - waves[o + j]
+                        size = max(size, abs(work.sent[j]), abs(waves[o + j]))
+                    k = i - network.first[one]
+                    change = max(change, lose_half(diamonds, row, run.state.halves, e, work.sent, work, k))
+        if not np.isfinite(size):
+            return False
+        if change <= EXACT * size or (change >= 0.5 * last and change <= ROUNDED * size):
+            return True
+        last = change
+    return False
+
+
+@function
+def check_energy(run, g, n):
+    """Have what leaves a half diamond projected where it makes energy. Returns whether there is such a one."""
+    network, waves, diamonds, u = run.network, run.state.waves, run.network.diamonds, run.work.u
+    work, one, found = run.work.diamonds, run.network.group[g], False
+    for node in range(one, network.group[g + 1]):
+        q = (node - one) * n
+        for i in range(network.first[node], network.first[node + 1]):
+            k, o = i - network.first[one], run.work.position[network.ends[i]]
+            if diamonds.row[network.ends[i] >> 1] >= 0 and work.projected[k] == 0:
+                for j in range(n):
+                    work.sent[j] = 2.0 * u[q + j] - waves[o + j]
+                if makes_energy(diamonds, work.coming[k], waves[o : o + n], work.sent, work, k):
+                    work.projected[k], found = 1, True
+    return found
+
+
+@unit
+def pass_halves(run: Run, g: int, here: int, column: int) -> int:
+    """Scatter a slab at a group with ends of lines with losses, from sample `here` of the excitation on.
+
+    Returns a node that is not finite, or at which friction was too strong to be found, or -1.
+    """
+    network, waves, before, diamonds = run.network, run.state.waves, run.state.before, run.network.diamonds
+    work, u, position, record = run.work.diamonds, run.work.u, run.work.position, run.record
+    one, after, n = network.group[g], network.group[g + 1], before.shape[1]
+    low = network.first[one]
+    work.width[0] = 1.0
+    prepare(run, g)
+    found = settle(run, g, here, column, n)
+    if found and check_energy(run, g, n):
+        keep_states(run, g, work.kept, True)
+        found = settle(run, g, here, column, n)
+    for node in range(one, after):
+        q = np.uint64((node - one) * n)
+        for i in range(network.first[node], network.first[node + 1]):
+            e, k = network.ends[i], i - low
+            o, row = position[e], diamonds.row[e >> 1]
+            if network.record_row[e] >= 0:
+                note(u, q, n, waves, np.uint64(o), record, network.record_row[e], column + here)
+            scatter(u, q, n, waves, np.uint64(o))
+            if row < 0:
+                continue
+            leave(diamonds, waves[o : o + n], work, k)
+            if network.shift_row[e >> 1] >= 0:
+                f = diamonds.rest[row]
+                if e & 1 == 0:
+                    found &= meet(diamonds, row, diamonds.radau, work, waves, o, work.tail[k], np.int64(0), 1.0, f)
+                else:
+                    found &= meet(diamonds, row, diamonds.radau, work, work.tail[k], np.int64(0), waves, o, f, 1.0)
+                for j in range(n):
+                    before[e, j] = work.tail[k, j]
+            else:
+                for j in range(n):
+                    waves[o + j] = flushed(waves[o + j])
+        if network.effort_row[node] >= 0:
+            note_effort(u, q, n, record, network.effort_row[node], column + here)
+        if not np.isfinite(u[q + np.uint64(n - 1)]):
+            return node
+    return -1 if found else one

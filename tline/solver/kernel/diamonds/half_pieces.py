@@ -1,0 +1,180 @@
+"""Half diamonds of a slab in pieces: one after the other, with rectangles of what leaves and what arrives later."""
+
+import numpy as np
+
+from tline.compiled.unit import function, unit
+from tline.solver.kernel.diamonds.full import EXACT, ROUNDED, ROUNDS, meet
+from tline.solver.kernel.diamonds.half import arrive, begin_half, keep_states, leave, lose_half, makes_energy
+from tline.solver.kernel.diamonds.pieces import cut_tail, meet_in_pieces
+from tline.solver.kernel.fronts.events import happen_until
+from tline.solver.kernel.fronts.gather import fronts_at, united
+from tline.solver.kernel.fronts.pieces import arrive as arrive_in_pieces
+from tline.solver.kernel.fronts.pieces import control_pieces, depart
+from tline.solver.kernel.fronts.respond import respond_piece
+from tline.solver.kernel.fronts.settle import rejoin, settling
+from tline.solver.kernel.fronts.structures import BEGIN, END, FrontRun
+
+
+@function
+def begin_piece(job, g, piece):
+    """Put aside what arrives in a piece at the ends of lines with losses."""
+    run, fronts = job.run, job.fronts
+    network, work, s = run.network, run.work.diamonds, fronts.tools.c.size
+    low = network.first[network.group[g]]
+    work.width[0] = fronts.work.edges[piece + 1] - fronts.work.edges[piece]
+    for i in range(low, network.first[network.group[g + 1]]):
+        e, k = network.ends[i], i - low
+        if network.diamonds.row[e >> 1] >= 0:
+            for j in range(s):
+                work.coming[k, j] = fronts.work.arrived[k, piece, j]
+            begin_half(network.diamonds, e, work.coming, work, k)
+            work.projected[k] = 0
+
+
+@function
+def settle_piece(job, g, piece, m):
+    """Find friction in the half diamonds of a piece, with what the group sends. Returns whether that ended."""
+    run, fronts = job.run, job.fronts
+    network, diamonds, u, work = run.network, run.network.diamonds, run.work.u, run.work.diamonds
+    s, one, last, halves = fronts.tools.c.size, network.group[g], 1e300, run.state.halves
+    arrived, low, zero = fronts.work.arrived, network.first[network.group[g]], np.int64(0)
+    for turn in range(ROUNDS):
+        keep_states(run, g, work.kept, turn > 0)
+        for node in range(one, network.group[g + 1]):
+            q = (node - one) * s
+            for j in range(s):
+                u[q + j] = fronts.work.u[node - one, piece, j]
+            for i in range(network.first[node], network.first[node + 1]):
+                e, k = network.ends[i], i - low
+                if diamonds.row[e >> 1] >= 0:
+                    arrive(diamonds, halves, e, work.coming, work, k, arrived[k, piece], zero)
+                    for j in range(s):
+                        u[q + j] += network.weight[i] * (arrived[k, piece, j] - work.coming[k, j])
+        respond_piece(job, g, piece, m)
+        change, size = 0.0, 0.0
+        for node in range(one, network.group[g + 1]):
+            q = (node - one) * s
+            for i in range(network.first[node], network.first[node + 1]):
+                e, k = network.ends[i], i - low
+                row = diamonds.row[e >> 1]
+                if row >= 0:
+                    for j in range(s):
+                        work.sent[j] = 2.0 * u[q + j] - arrived[k, piece, j]
+                        fronts.work.left[k, piece, j] = work.sent[j]
+                        size = max(size, abs(work.sent[j]), abs(arrived[k, piece, j]))
+                    change = max(change, lose_half(diamonds, row, halves, e, work.sent, work, k))
+        if not np.isfinite(size):
+            return False
+        if change <= EXACT * size or (change >= 0.5 * last and change <= ROUNDED * size):
+            return True
+        last = change
+    return False
+
+
+@function
+def check_piece(job, g, piece):
+    """Have what leaves a half diamond projected where it makes energy. Returns whether there is such a one."""
+    run, network, work, found = job.run, job.run.network, job.run.work.diamonds, False
+    arrived, left, low = job.fronts.work.arrived, job.fronts.work.left, network.first[network.group[g]]
+    for i in range(low, network.first[network.group[g + 1]]):
+        k = i - low
+        if network.diamonds.row[network.ends[i] >> 1] >= 0 and work.projected[k] == 0:
+            given = work.coming[k], arrived[k, piece], left[k, piece]
+            if makes_energy(run.network.diamonds, given[0], given[1], given[2], work, k):
+                work.projected[k], found = 1, True
+    return found
+
+
+@function
+def pass_later(job, g, piece, m):
+    """Let what leaves a piece go past what arrives in later ones. Returns whether all friction was found."""
+    run, fronts, network, diamonds = job.run, job.fronts, job.run.network, job.run.network.diamonds
+    work, edges, s, low, done = run.work.diamonds, fronts.work.edges, fronts.tools.c.size, 0, True
+    low, zero = network.first[network.group[g]], np.int64(0)
+    for node in range(network.group[g], network.group[g + 1]):
+        for i in range(network.first[node], network.first[node + 1]):
+            e, k = network.ends[i], i - low
+            row = diamonds.row[e >> 1]
+            if row < 0:
+                continue
+            left, wide = fronts.work.left[k, piece], edges[piece + 1] - edges[piece]
+            leave(diamonds, left, work, k)
+            for after in range(piece + 1, m):
+                later, high = fronts.work.arrived[k, after], edges[after + 1] - edges[after]
+                mine = fronts.work.u[node - network.group[g], after]
+                for j in range(s):
+                    mine[j] -= network.weight[i] * later[j]
+                if e & 1 == 0:
+                    done &= meet(diamonds, row, diamonds.radau, work, left, zero, later, zero, wide, high)
+                else:
+                    done &= meet(diamonds, row, diamonds.radau, work, later, zero, left, zero, high, wide)
+                for j in range(s):
+                    mine[j] += network.weight[i] * later[j]
+    return done
+
+
+@function
+def pass_tails(job, g):
+    """Let what a group has sent go past the rests of slabs that are arriving. Returns whether friction was found."""
+    run, fronts, network, pieces, done = job.run, job.fronts, job.run.network, job.fronts.pieces, True
+    waves, before, s = run.state.waves, run.state.before, fronts.tools.c.size
+    for i in range(network.first[network.group[g]], network.first[network.group[g + 1]]):
+        e = network.ends[i]
+        row, f, o = network.diamonds.row[e >> 1], fronts.rest[e >> 1], run.work.position[e]
+        if row < 0:
+            continue
+        pieces.width[e] = 0.0
+        if f > 0.0:
+            sent, tail, wave = pieces.of_slab[o // s], pieces.before[e], waves[o : o + s]
+            if e & 1 == 0:
+                done &= meet_in_pieces(job, row, sent, wave, tail, before[e], 1.0, f)
+            else:
+                done &= meet_in_pieces(job, row, tail, before[e], sent, wave, f, 1.0)
+    return done
+
+
+@unit
+def scatter_half_pieces(job: FrontRun, g: int, slab: int, k: int) -> int:
+    """Scatter one slab in pieces at a group with ends of lines with losses. Returns whether that was possible."""
+    run, fronts, sources, network, work = job.run, job.fronts, job.sources, job.run.network, job.fronts.work
+    edges, fewer, one, s = work.edges, np.int64(0), network.group[g], fronts.tools.c.size
+    n = fronts_at(run, fronts, sources, g, slab)
+    m, anew = united(work.place, work.size, n, edges, fronts.at_node, fronts.counts, fronts.sizes)
+    if fronts.settle[g] > 0.0:
+        m, fewer = settling(fronts, g, slab, m, anew)
+    if fronts.fractional == 0:
+        anew = 0.0
+    arrive_in_pieces(job, g, slab, k, m)
+    low, high = network.first[one], network.first[network.group[g + 1]]
+    for i in range(low, high):
+        e = network.ends[i]
+        if network.diamonds.row[e >> 1] >= 0 and fronts.rest[e >> 1] > 0.0:
+            cut_tail(job, e)
+    control_pieces(job, g, slab, k, m)
+    for piece in range(m):
+        happen_until(network, fronts.events, fronts.counts, g, slab + edges[piece])
+        begin_piece(job, g, piece)
+        found = settle_piece(job, g, piece, m)
+        if found and check_piece(job, g, piece):
+            keep_states(run, g, run.work.diamonds.kept, True)
+            found = settle_piece(job, g, piece, m)
+        if not found:
+            fronts.sizes[BEGIN], fronts.sizes[END] = edges[piece], edges[piece + 1]
+            return 0
+        for p in range(network.group[g + 1] - one):
+            for i in range(s):
+                work.u[p, piece, i] = run.work.u[p * s + i]
+        if not pass_later(job, g, piece, m):
+            return 0
+    if 0 < fewer < m:
+        for p in range(network.group[g + 1] - one):
+            rejoin(fronts, work.u[p], m, fewer)
+        for i in range(low, high):
+            rejoin(fronts, work.arrived[i - low], m, fewer)
+            rejoin(fronts, work.left[i - low], m, fewer)
+        m = fewer
+        for i in range(edges.size):
+            edges[i] = work.outer[i]
+    if not np.isfinite(depart(job, g, slab, m, anew)):
+        return 0
+    return 1 if pass_tails(job, g) else 0
