@@ -61,6 +61,26 @@ def fields(structure: type) -> tuple[Field, ...]:
     return tuple(found)
 
 
+def empty(structure: Any) -> Any:
+    """A structure with nothing in it: arrays of no length, and zeros.
+
+    Examples
+    --------
+    >>> class Both(NamedTuple):
+    ...     number: int
+    ...     values: Floats2
+    >>> empty(Both)
+    Both(number=0, values=array([], shape=(0, 0), dtype=float64))
+    """
+    found = []
+    for field in fields(structure):
+        if field.dimensions >= 0:
+            found.append(np.zeros((0,) * field.dimensions, field.kind))
+        else:
+            found.append(field.kind(0) if field.kind in (int, float) else empty(field.kind))
+    return structure(*found)
+
+
 class Packed:
     """A structure in memory, and all that its words point to.
 

@@ -15,7 +15,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.compiled.structure import Packed, pack
+from tline.compiled.structure import Packed, empty, pack
 from tline.errors import NoFlowError
 from tline.solver.assembly.workspace import work_for
 from tline.solver.convolution.nodal import Efforts, LinearRest
@@ -27,7 +27,7 @@ from tline.solver.description.groups import Group
 from tline.solver.description.laws import laws_of, started, states_of, units_of_laws, with_basis
 from tline.solver.description.switches import Moving
 from tline.solver.kernel.laws.convolved import Convolution, advance_convolved
-from tline.solver.kernel.network import NO_LOSSES, Blocks, Laws, Network, Run, Segments, State, Units
+from tline.solver.kernel.network import Laws, Network, Run, State, Units
 from tline.solver.kernel.units import law_addresses
 from tline.solver.radau import Basis
 from tline.solver.steady.steady_state import Before
@@ -159,32 +159,10 @@ class _Past:
 
 def _run(laws: Laws, step: NDArray, states: NDArray, s: int) -> Run:
     """What units of laws get: no lines, and nodes of no number."""
-    none, whole, groups = np.zeros(0, np.int64), np.zeros(0, bool), len(laws.first)
-    network = Network(
-        delay=none,
-        offset=none,
-        shift_row=none,
-        shift=np.zeros((0, 2, s, s)),
-        first=np.zeros(1, np.int64),
-        ends=none,
-        weight=np.zeros(0),
-        excitation_row=none,
-        group=np.zeros(groups, np.int64),
-        load_at=none,
-        step_row=none,
-        step_at=none,
-        step_states=none,
-        step_whole=whole,
-        step=step,
-        record_row=none,
-        effort_row=none,
-        laws=laws,
-        segments=Segments(none, none, none, none, np.zeros(0), none),
-        losses=NO_LOSSES,
-        blocks=Blocks(1, 1, none, none, none, none, none, none, whole),
-    )
-    state = State(np.zeros(0), none, none, np.zeros((1, s)), states, np.zeros(0), np.zeros(0))
-    units = Units(0, 0, 0, 0, 0, 0, 0, law_addresses(units_of_laws(laws)), none, 0, 0, 0, 0, 0, 0)
+    nodes = np.zeros(len(laws.first), np.int64)
+    network = empty(Network)._replace(first=np.zeros(1, np.int64), group=nodes, step=step, laws=laws)
+    state = empty(State)._replace(before=np.zeros((1, s)), load=states)
+    units = empty(Units)._replace(law=law_addresses(units_of_laws(laws)))
     return Run(network, state, units, work_for(network, state), np.empty((0, 0)), np.empty((0, 2, 0)))
 
 
