@@ -120,8 +120,8 @@ def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -
         ),
         workspace_for(network, s, at_node, parts),
         Log(np.empty((places, 2), int), np.empty((places, 2)), np.empty((places, 2, s))),
-        np.zeros(8, int),
-        np.zeros(4),
+        np.zeros(9, int),
+        np.zeros(5),
     )
 
 

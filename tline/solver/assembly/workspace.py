@@ -91,6 +91,8 @@ def _of_diamonds(network: Network, s: int, states: int, elements: int) -> Diamon
         taken=np.empty((s, s)),
         along_a=np.empty((s, s)),
         along_b=np.empty((s, s)),
+        a=np.empty(s),
+        b=np.empty(s),
         coming=np.empty((ends, s)),
         tail=np.empty((ends, s)),
         seen=np.empty((ends, modes)),

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Floats4, Integers
+from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Floats4, Integers, empty
 
 CONSTANT, SQUARED, TABLED, REMEMBERED = range(4)  # kinds of loss elements
 SQUARE, POWER, SWAMEE_JAIN, COLEBROOK = range(4)  # kinds of friction along a line
@@ -189,7 +189,10 @@ class Units(NamedTuple):
     halves: int  # groups at which such lines end
     diamonds_in_pieces: int  # the same where slabs are in pieces
     halves_in_pieces: int
+    rectangle: int  # a part of a diamond
     pieces: int  # a group in a slab in pieces
+    arrive: int  # what arrives there
+    depart: int  # what leaves it
     respond: int  # groups with a map and without laws, in pieces of a slab
     respond_with_laws: int  # groups with both
     collapse_at_losses: int  # slabs in pieces that pass loss elements
@@ -277,6 +280,8 @@ class DiamondWork(NamedTuple):
     taken: Floats2  # (s, s) by friction
     along_a: Floats2  # (s, s) so far along each wave
     along_b: Floats2
+    a: Floats  # (s,) a wave in a part of a diamond
+    b: Floats
     coming: Floats2  # (E, s) what arrives if no friction acts in the triangle
     tail: Floats2  # (E, s) the rest of a slab
     seen: Floats2  # (E, K)
@@ -321,18 +326,4 @@ class Run(NamedTuple):
     record: Floats3  # (rows, 2, samples) what arrived at recorded ends, and what left
 
 
-_NONE, _EMPTY = np.zeros(0, int), np.zeros(0)
-NO_LOSSES = LossElements(
-    gap=_NONE,
-    line=_NONE,
-    kind=_NONE,
-    sign=_EMPTY,
-    first=np.zeros(1, int),
-    place=_NONE,
-    passed=_EMPTY,
-    strength=_EMPTY,
-    at=_NONE,
-    modes=_NONE,
-    entries=_EMPTY,
-    memory=_NONE,
-)
+NO_LOSSES = empty(LossElements)._replace(first=np.zeros(1, int))

@@ -6,7 +6,7 @@ along η at each point of ξ, b along ξ at each point of η.
 
 import numpy as np
 
-from tline.compiled.unit import function, unit
+from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import TINY
 from tline.solver.kernel.diamonds.friction import lost
 from tline.solver.kernel.network import Run
@@ -63,6 +63,25 @@ def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
         a[p + i] = flushed(a[p + i] - high * x)
         b[q + i] = flushed(b[q + i] + wide * y)
     return done
+
+
+@unit
+def pass_rectangle(run: Run, row: int, wide: float, high: float) -> int:
+    """Advance the two waves in the workspace through a rectangle. Returns whether friction was found; see `meet`."""
+    diamonds, work, zero = run.network.diamonds, run.work.diamonds, np.int64(0)
+    return 1 if meet(diamonds, row, diamonds.radau, work, work.a, zero, work.b, zero, wide, high) else 0
+
+
+@function
+def meet_apart(run, row, a, p, b, q, wide, high):
+    """Do what `meet` does, by a unit of its own."""
+    work = run.work.diamonds
+    for i in range(work.a.size):
+        work.a[i], work.b[i] = a[p + i], b[q + i]
+    done = invoke(run.units.rectangle, (run, np.int64(row), wide, high))
+    for i in range(work.a.size):
+        a[p + i], b[q + i] = work.a[i], work.b[i]
+    return done == 1
 
 
 @unit

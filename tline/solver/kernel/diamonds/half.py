@@ -14,7 +14,7 @@ import numpy as np
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import times
 from tline.solver.kernel.diamonds.friction import lost
-from tline.solver.kernel.diamonds.full import EXACT, ROUNDED, ROUNDS, flushed, meet
+from tline.solver.kernel.diamonds.full import EXACT, ROUNDED, ROUNDS, flushed, meet_apart
 from tline.solver.kernel.load import load
 from tline.solver.kernel.network import Run
 from tline.solver.kernel.scatter import begin, gather, note, note_effort, scatter
@@ -258,9 +258,9 @@ def pass_halves(run: Run, g: int, here: int, column: int) -> int:
             if network.shift_row[e >> 1] >= 0:
                 f = diamonds.rest[row]
                 if e & 1 == 0:
-                    found &= meet(diamonds, row, diamonds.radau, work, waves, o, work.tail[k], np.int64(0), 1.0, f)
+                    found &= meet_apart(run, row, waves, o, work.tail[k], np.int64(0), 1.0, f)
                 else:
-                    found &= meet(diamonds, row, diamonds.radau, work, work.tail[k], np.int64(0), waves, o, f, 1.0)
+                    found &= meet_apart(run, row, work.tail[k], np.int64(0), waves, o, f, 1.0)
                 for j in range(n):
                     before[e, j] = work.tail[k, j]
             else:

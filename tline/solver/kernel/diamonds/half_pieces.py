@@ -2,17 +2,14 @@
 
 import numpy as np
 
-from tline.compiled.unit import function, unit
-from tline.solver.kernel.diamonds.full import EXACT, ROUNDED, ROUNDS, meet
+from tline.compiled.unit import function, invoke, unit
+from tline.solver.kernel.diamonds.full import EXACT, ROUNDED, ROUNDS, meet_apart
 from tline.solver.kernel.diamonds.half import arrive, begin_half, keep_states, leave, lose_half, makes_energy
 from tline.solver.kernel.diamonds.pieces import cut_tail, meet_in_pieces
 from tline.solver.kernel.fronts.events import happen_until
-from tline.solver.kernel.fronts.gather import fronts_at, united
-from tline.solver.kernel.fronts.pieces import arrive as arrive_in_pieces
-from tline.solver.kernel.fronts.pieces import control_pieces, depart
 from tline.solver.kernel.fronts.respond import respond_piece
-from tline.solver.kernel.fronts.settle import rejoin, settling
-from tline.solver.kernel.fronts.structures import BEGIN, END, FrontRun
+from tline.solver.kernel.fronts.settle import rejoin
+from tline.solver.kernel.fronts.structures import BEGIN, END, FEWER, FrontRun
 
 
 @function
@@ -89,7 +86,7 @@ def check_piece(job, g, piece):
 def pass_later(job, g, piece, m):
     """Let what leaves a piece go past what arrives in later ones. Returns whether all friction was found."""
     run, fronts, network, diamonds = job.run, job.fronts, job.run.network, job.run.network.diamonds
-    work, edges, s, low, done = run.work.diamonds, fronts.work.edges, fronts.tools.c.size, 0, True
+    work, edges, s, done = run.work.diamonds, fronts.work.edges, fronts.tools.c.size, True
     low, zero = network.first[network.group[g]], np.int64(0)
     for node in range(network.group[g], network.group[g + 1]):
         for i in range(network.first[node], network.first[node + 1]):
@@ -105,9 +102,9 @@ def pass_later(job, g, piece, m):
                 for j in range(s):
                     mine[j] -= network.weight[i] * later[j]
                 if e & 1 == 0:
-                    done &= meet(diamonds, row, diamonds.radau, work, left, zero, later, zero, wide, high)
+                    done &= meet_apart(run, row, left, zero, later, zero, wide, high)
                 else:
-                    done &= meet(diamonds, row, diamonds.radau, work, later, zero, left, zero, high, wide)
+                    done &= meet_apart(run, row, later, zero, left, zero, high, wide)
                 for j in range(s):
                     mine[j] += network.weight[i] * later[j]
     return done
@@ -136,21 +133,15 @@ def pass_tails(job, g):
 @unit
 def scatter_half_pieces(job: FrontRun, g: int, slab: int, k: int) -> int:
     """Scatter one slab in pieces at a group with ends of lines with losses. Returns whether that was possible."""
-    run, fronts, sources, network, work = job.run, job.fronts, job.sources, job.run.network, job.fronts.work
-    edges, fewer, one, s = work.edges, np.int64(0), network.group[g], fronts.tools.c.size
-    n = fronts_at(run, fronts, sources, g, slab)
-    m, anew = united(work.place, work.size, n, edges, fronts.at_node, fronts.counts, fronts.sizes)
-    if fronts.settle[g] > 0.0:
-        m, fewer = settling(fronts, g, slab, m, anew)
-    if fronts.fractional == 0:
-        anew = 0.0
-    arrive_in_pieces(job, g, slab, k, m)
+    run, fronts, network, work = job.run, job.fronts, job.run.network, job.fronts.work
+    edges, one, s = work.edges, network.group[g], fronts.tools.c.size
+    m = invoke(run.units.arrive, (job, np.int64(g), slab, k))
+    fewer = fronts.counts[FEWER]
     low, high = network.first[one], network.first[network.group[g + 1]]
     for i in range(low, high):
         e = network.ends[i]
         if network.diamonds.row[e >> 1] >= 0 and fronts.rest[e >> 1] > 0.0:
             cut_tail(job, e)
-    control_pieces(job, g, slab, k, m)
     for piece in range(m):
         happen_until(network, fronts.events, fronts.counts, g, slab + edges[piece])
         begin_piece(job, g, piece)
@@ -175,6 +166,6 @@ def scatter_half_pieces(job: FrontRun, g: int, slab: int, k: int) -> int:
         m = fewer
         for i in range(edges.size):
             edges[i] = work.outer[i]
-    if not np.isfinite(depart(job, g, slab, m, anew)):
+    if invoke(run.units.depart, (job, np.int64(g), slab, m)) == 0:
         return 0
     return 1 if pass_tails(job, g) else 0

@@ -4,7 +4,7 @@ import numpy as np
 
 from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import clear, copy, times
-from tline.solver.kernel.diamonds.full import flushed, meet
+from tline.solver.kernel.diamonds.full import flushed, meet_apart
 from tline.solver.kernel.fronts.send import release
 from tline.solver.kernel.fronts.structures import MERGE, FrontRun
 from tline.solver.kernel.polynomials import project
@@ -38,13 +38,13 @@ def put_back(fronts, row, wave, side, n):
 @function
 def meet_in_pieces(job, line, row_a, a, row_b, b, wide, high):
     """Advance a slab of a past one of b, or parts of slabs so wide and high, in pieces or not. See `meet`."""
-    fronts, diamonds = job.fronts, job.run.network.diamonds
-    pair, edges, work, done = fronts.work.pair, fronts.work.pair_edges, job.run.work.diamonds, True
+    fronts, done = job.fronts, True
+    pair, edges = fronts.work.pair, fronts.work.pair_edges
     n, m, zero = take_up(fronts, row_a, a, 0), take_up(fronts, row_b, b, 1), np.int64(0)
     for i in range(n):
         for j in range(m):
             x, y = wide * (edges[0, i + 1] - edges[0, i]), high * (edges[1, j + 1] - edges[1, j])
-            done &= meet(diamonds, line, diamonds.radau, work, pair[0, i], zero, pair[1, j], zero, x, y)
+            done &= meet_apart(job.run, line, pair[0, i], zero, pair[1, j], zero, x, y)
     put_back(fronts, row_a, a, 0, n)
     put_back(fronts, row_b, b, 1, m)
     return done
@@ -83,7 +83,7 @@ def pass_diamonds_in_pieces(job: FrontRun) -> int:
     """Advance all lines with losses as `pass_diamonds` does, where some slabs are in pieces."""
     run, pieces = job.run, job.fronts.pieces
     network, state, diamonds = run.network, run.state, run.network.diamonds
-    waves, s, work = state.waves, state.before.shape[1], run.work.diamonds
+    waves, s = state.waves, state.before.shape[1]
     for row in range(diamonds.line.size):
         line = diamonds.line[row]
         D, o = network.delay[line], network.offset[line]
@@ -94,7 +94,7 @@ def pass_diamonds_in_pieces(job: FrontRun) -> int:
                 a, b = o + s * (a + 2 * D if a < 0 else a), o + s * (b - 2 * D if b >= 2 * D else b)
                 in_a, in_b = pieces.of_slab[a // s], pieces.of_slab[b // s]
                 if in_a < 0 and in_b < 0:
-                    done = meet(diamonds, row, diamonds.radau, work, waves, a, waves, b, 1.0, 1.0)
+                    done = meet_apart(run, row, waves, a, waves, b, 1.0, 1.0)
                 else:
                     done = meet_in_pieces(job, row, in_a, waves[a : a + s], in_b, waves[b : b + s], 1.0, 1.0)
                 if not done:

@@ -2,17 +2,17 @@
 
 import numpy as np
 
-from tline.compiled.unit import function, unit
+from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import clear, copy, times
 from tline.solver.kernel.fronts.gather import driven, fronts_at, part_before, regrouped, unfold, united
 from tline.solver.kernel.fronts.respond import respond
 from tline.solver.kernel.fronts.send import keep, release, send
 from tline.solver.kernel.fronts.settle import rejoin, settling
-from tline.solver.kernel.fronts.structures import SCALE, FrontRun
+from tline.solver.kernel.fronts.structures import ANEW, FEWER, SCALE, FrontRun
 
 
 @function
-def arrive(job, g, slab, k, m):
+def arrive_in_pieces(job, g, slab, k, m):
     """Gather the waves that arrive at a group, and their Thévenin waves, in m pieces; what came before is given up."""
     run, fronts, sources = job.run, job.fronts, job.sources
     network, waves, before, position = run.network, run.state.waves, run.state.before, run.work.position
@@ -65,12 +65,26 @@ def control_pieces(job, g, slab, k, m):
                     mine[j, p] = laws.control[i]
 
 
-@function
-def depart(job, g, slab, m, anew):
-    """Record m pieces at a group, and send its waves. Returns the sum of the efforts at the pieces' ends."""
+@unit
+def arrive(job: FrontRun, g: int, slab: int, k: int) -> int:
+    """Gather in pieces what arrives at a group in a slab, and its control signals. Returns the number of pieces."""
+    fronts, work, fewer = job.fronts, job.fronts.work, np.int64(0)
+    n = fronts_at(job.run, fronts, job.sources, g, slab)
+    m, anew = united(work.place, work.size, n, work.edges, fronts.at_node, fronts.counts, fronts.sizes)
+    if fronts.settle[g] > 0.0:
+        m, fewer = settling(fronts, g, slab, m, anew)
+    fronts.counts[FEWER], fronts.sizes[ANEW] = fewer, anew if fronts.fractional != 0 else 0.0
+    arrive_in_pieces(job, g, slab, k, m)
+    control_pieces(job, g, slab, k, m)
+    return m
+
+
+@unit
+def depart(job: FrontRun, g: int, slab: int, m: int) -> int:
+    """Record m pieces at a group, and send its waves. Returns whether the efforts at the pieces' ends are finite."""
     run, fronts, network, work = job.run, job.fronts, job.run.network, job.fronts.work
     part, coef, edges, arrived, s, total = work.part, work.coef, work.edges, work.arrived, fronts.tools.c.size, 0.0
-    low = network.first[network.group[g]]
+    low, anew = network.first[network.group[g]], fronts.sizes[ANEW]
     for node in range(network.group[g], network.group[g + 1]):
         mine = work.u[node - network.group[g]]
         for i in range(network.first[node], network.first[node + 1]):
@@ -94,23 +108,16 @@ def depart(job, g, slab, m, anew):
         into = work.into[e - network.laws.first[g]]
         if network.laws.record_row[e] >= 0:
             keep(fronts, run.record, network.laws.record_row[e], slab, m, into, into)
-    return total
+    return 1 if np.isfinite(total) else 0
 
 
 @unit
 def scatter_pieces(job: FrontRun, g: int, slab: int, k: int) -> int:
     """Scatter one slab in pieces at a group. Returns whether the efforts at the end of each piece are finite."""
-    run, fronts, sources, network, work = job.run, job.fronts, job.sources, job.run.network, job.fronts.work
-    edges, outer, fewer = work.edges, work.outer, np.int64(0)
-    n = fronts_at(run, fronts, sources, g, slab)
-    m, anew = united(work.place, work.size, n, edges, fronts.at_node, fronts.counts, fronts.sizes)
-    if fronts.settle[g] > 0.0:
-        m, fewer = settling(fronts, g, slab, m, anew)
-    if fronts.fractional == 0:
-        anew = 0.0
-    arrive(job, g, slab, k, m)
-    control_pieces(job, g, slab, k, m)
+    run, fronts, network, work = job.run, job.fronts, job.run.network, job.fronts.work
+    m = invoke(run.units.arrive, (job, np.int64(g), slab, k))
     respond(job, g, slab, m)
+    fewer = fronts.counts[FEWER]
     if 0 < fewer < m:
         low = network.first[network.group[g]]
         for node in range(network.group[g], network.group[g + 1]):
@@ -119,5 +126,5 @@ def scatter_pieces(job: FrontRun, g: int, slab: int, k: int) -> int:
             for i in range(network.first[node], network.first[node + 1]):
                 rejoin(fronts, work.arrived[i - low], m, fewer)
         m = fewer
-        copy(outer, edges)
-    return 1 if np.isfinite(depart(job, g, slab, m, anew)) else 0
+        copy(work.outer, work.edges)
+    return invoke(run.units.depart, (job, np.int64(g), slab, m))

@@ -10,8 +10,8 @@ from typing import NamedTuple
 from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Integers, Integers2
 from tline.solver.kernel.network import Run, Tools
 
-LIVE, PEAK, MERGED, DISSOLVED, DROPPED, NOTED, DONE, LATE = range(8)  # places in the counts
-SCALE, LOST, BEGIN, END = range(4)  # places in the sizes
+LIVE, PEAK, MERGED, DISSOLVED, DROPPED, NOTED, DONE, LATE, FEWER = range(9)  # places in the counts
+SCALE, LOST, BEGIN, END, ANEW = range(5)  # places in the sizes
 SAME_MAP = -1  # row of an event that begins a piece and moves nothing
 CUT = 1e300  # size of such an event; a move is larger than anything
 MERGE = 1e-11  # slabs; fronts nearer than this to each other are one
@@ -124,8 +124,11 @@ class Fronts(NamedTuple):
     pieces: PiecesUnderWay
     work: Workspace
     log: Log
-    counts: Integers  # (8,)
-    sizes: Floats  # (4,) largest wave so far, largest front dropped, and the piece in which no flow was found
+    counts: Integers  # (9,) the last is of a slab: pieces without those that only settling needs
+    sizes: (
+        Floats  # (5,) largest wave so far, largest front dropped, the piece in which no flow was found, and of a slab
+    )
+    # the front at its start
 
 
 class Sources(NamedTuple):
