@@ -9,6 +9,8 @@ from typing import Annotated, Any, get_args
 from pydantic import BaseModel, Field, GetCoreSchemaHandler, GetJsonSchemaHandler, TypeAdapter, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
+from tline.scene.mistakes import register
+
 _building = RLock()
 
 
@@ -36,6 +38,8 @@ class OneOf:
 
     def __init__(self, models: Any, word: str):
         self.models, self.word = get_args(models) or tuple(models), word
+        for model in self.models:  # mistakes name them in this order
+            register(model)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         choices: dict[Any, CoreSchema] = {

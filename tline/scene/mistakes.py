@@ -22,10 +22,12 @@ _WRONG_TYPES = {
 
 
 def register(model: type[BaseModel]) -> None:
-    """Remember the words that choose this model."""
+    """Remember the words that choose this model, behind all others."""
     section = getattr(model, "section", "")
     for word in model.model_fields.keys() & WORDS:
-        MODELS.update({(section, value): model for value in get_args(model.model_fields[word].annotation)})
+        for value in get_args(model.model_fields[word].annotation):
+            MODELS.pop((section, value), None)
+            MODELS[section, value] = model
 
 
 def mistakes(
@@ -76,8 +78,10 @@ def _sentence(
         case "extra_forbidden":
             outer = sections.get(str(location[0]), root) if len(location) > 1 else root
             models = _innermost(chosen or outer, location[(word_at or 1) + 1 : -1] if chosen else location[2:-1])
-            known = dict.fromkeys(key for model in models for key in keys(model))
-            return InputError(where, UNKNOWN, nearest(str(location[-1]), [*known]))
+            known = [*dict.fromkeys(key for model in models for key in keys(model))]
+            if known[0] in ("at", "nodes"):  # what a table is comes next
+                known[1:] = sorted(known[1:], key=lambda key: key not in WORDS)
+            return InputError(where, UNKNOWN, nearest(str(location[-1]), known))
         case "union_tag_not_found":
             key, own = context["discriminator"].strip("'"), sections.values()
             known = [(word, model) for (part, word), model in MODELS.items() if part == section]
