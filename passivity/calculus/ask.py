@@ -90,7 +90,12 @@ def is_positive_real(what: Any, assume: Iterable[str] = (), values: Mapping[str,
 def is_bounded_real(what: Any, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None) -> Conclusion:
     """Is a function analytic in Re s > 0 with |H| <= 1 there, as the reflection of a passive one-port is?
 
-    Arguments as of `is_positive_real`.
+    Parameters
+    ----------
+    what : str, pair of sequences, RationalFunction, RationalMatrix, StateSpace, or system
+    assume : iterable of str
+    values : mapping of str to number or text, optional
+        All as of `is_positive_real`.
 
     Examples
     --------

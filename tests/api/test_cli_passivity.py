@@ -356,7 +356,7 @@ def test_every_option_has_a_help_text():
     assert all(option.help for option in command.params if isinstance(option, click.Option))
     assert {option.name for option in command.params} == {
         "what", "kind", "parameters", "z0", "delay", "within", "error", "nearest", "plot", "as_json",
-        "confined",
+        "confined", "certificate", "verify",
     }  # fmt: skip
 
 
