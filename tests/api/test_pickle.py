@@ -184,6 +184,8 @@ PASSIVITY = {
     "symbolic": lambda: passivity.check_symbolic("R + s*L", Kind.PR, ["R > 0", "L > 0"]),
     "conditions": lambda: passivity.check_symbolic("R - 1 + s*L", Kind.PR, ["R > 0", "L > 0"]),
     "identity": lambda: passivity.reflection_identity(),
+    "conclusion": lambda: passivity.is_positive_real("1 + exp(-s)"),
+    "derivation": lambda: passivity.derive(),
     "samples": lambda: passivity.check_samples(samples(lambda s: 1.5 / (1 + s))),
     "enforced": lambda: passivity.enforce(passivity.fit(ABOVE, 2), ABOVE),
     "behind a delay": lambda: passivity.fit_behind_delay(samples(lambda s: 0.5 * np.exp(-s) / (1 + s)), 1e-3),
