@@ -79,7 +79,7 @@ def test_the_pair_is_without_integer_content_and_with_positive_denominator():
         (["nan"], [1], r"numerator\[0\]: not a number"),
         ([Decimal("NaN")], [1], r"numerator\[0\]: not a number"),
         ([Decimal("1e999999999")], [1], r"numerator\[0\], column 1: the decimal exponent is out of range"),
-        (["1,5"], [1], r"numerator\[0\], column 2: this character"),
+        (["1,5"], [1], r"numerator\[0\], column 2: this does not fit here"),
         (["sqrt(2)"], [1], r"numerator\[0\]: sqrt\(...\) is not rational"),
         ([], [1], "numerator: no coefficients, expected at least one number"),
         ("12", [1], "numerator: not coefficients, expected a sequence"),

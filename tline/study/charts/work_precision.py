@@ -147,8 +147,10 @@ def fixed(scene: Scene, order: int, slab: float) -> Scene:
 
 def simulated(scene: Scene, tol: float | None = None) -> TimedRun:
     """One run of the production method, or all that a tolerance takes."""
+    from tline.solver.description.description import describe
     from tline.solver.simulate import simulate
 
+    describe(scene).known.clear()  # of searches before, which would be repeated as they ended
     begun = time.perf_counter()
     result = simulate(scene, tol=tol, ledger=False)
     seconds = time.perf_counter() - begun
