@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from tline.errors import InputError
 from tline.scene.between import Between
-from tline.scene.element import AtNode, Element
+from tline.scene.element import AtNode, Element, Name
 from tline.scene.placed import Placed
 from tline.scene.quantity import (
     LARGEST,
@@ -41,6 +41,10 @@ class RationalImpedance(Element):
     series, beside : float
         Resistance that all its flow passes, and conductance beside the rest.
     """
+
+    if TYPE_CHECKING:  # of one that stands at a node, and of one that stands between two
+        at: Name = ""
+        nodes: tuple[Name, Name] = ("", "")
 
     stores: ClassVar[bool] = False
     series: ClassVar[float] = 0.0
