@@ -10,7 +10,7 @@ from flint import fmpz_poly
 from passivity.errors import ExpressionError, shown
 from passivity.expression.number import fraction, not_a_number
 from passivity.expression.parse import parse
-from passivity.expression.tree import Add, Call, Divide, Multiply, Negate, Node, Number, Power, Symbol, symbols
+from passivity.expression.tree import Add, Call, Divide, Line, Multiply, Negate, Node, Number, Power, Symbol, symbols
 from passivity.rational.quotient import Quotient
 from passivity.size import check_size
 
@@ -75,7 +75,7 @@ def exact(value: Exact, where: str) -> Fraction:
 def is_rational(node: Node) -> bool:
     """Whether no function is in a tree."""
     match node:
-        case Call():
+        case Call() | Line():
             return False
         case Add(children) | Multiply(children):
             return all(map(is_rational, children))
@@ -111,7 +111,8 @@ class _Evaluation:
                     operand = self.of(child)
                     result = self.kept(result + operand if isinstance(node, Add) else result * operand)
                 return result
-            case Call(name):
+            case Call() | Line():
+                name = node.name if isinstance(node, Call) else "line"
                 problem = f"{name}(...) is not rational in s"
                 raise ExpressionError("", problem, "only + - * / and whole powers")
 

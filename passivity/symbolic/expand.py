@@ -10,7 +10,7 @@ from flint import fmpz_mpoly
 
 from passivity.budget import UndecidedError, spend
 from passivity.errors import ExpressionError
-from passivity.expression.tree import Add, Call, Divide, Multiply, Negate, Node, Number, Power, Symbol
+from passivity.expression.tree import Add, Call, Divide, Line, Multiply, Negate, Node, Number, Power, Symbol
 from passivity.size import bits_of
 from passivity.symbolic.domain import Domain
 
@@ -144,7 +144,8 @@ class Expansion:
             case Call("exp", argument) if argument in self.powers:
                 k = self.powers[argument]
                 return Pair(self.e**k, self.one) if k >= 0 else Pair(self.one, self.e**-k)
-            case Call(name):
+            case Call() | Line():
+                name = node.name if isinstance(node, Call) else "line"
                 raise ExpansionError(f"{name}(...) is not rational, nor a delay")
 
     def power(self, a: Pair, exponent: int) -> Pair:

@@ -2,7 +2,7 @@
 
 from flint import fmpz_mpoly
 
-from passivity.expression.tree import Add, Call, Divide, Multiply, Negate, Node, Number, Power, Symbol
+from passivity.expression.tree import Add, Call, Divide, Line, Multiply, Negate, Node, Number, Power, Symbol
 
 
 def polynomial(f: fmpz_mpoly, s: str = "s") -> str:
@@ -55,6 +55,8 @@ def tree(node: Node) -> str:
             return f"{tree(base) if isinstance(base, Symbol) else f'({tree(base)})'}^{exponent}"
         case Call(name, argument):
             return f"{name}({tree(argument)})"
+        case Line(z0, propagation, load):
+            return f"line({tree(z0)}, {tree(propagation)}, {tree(load)})"
 
 
 def atom(node: Node) -> str:

@@ -46,7 +46,9 @@ def multiport_cards(link: Link, name: str, names: Names) -> list[str]:
             return _coupled_inductors(link, name, ports, names)
         case Junction():
             return _conductances(_admittance(link, where), name, ports, names)
-    raise InputError(where, f"a {link.kind} has no counterpart in a netlist", "a linear multiport")
+    raise InputError(
+        where, f"a {type(link).model_fields['kind'].default} has no counterpart in a netlist", "a linear multiport"
+    )
 
 
 def _transformer(ratio: float, name: str, ports: list[str], names: Names) -> list[str]:

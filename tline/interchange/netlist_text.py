@@ -142,7 +142,7 @@ def _load(scene: Scene, name: str, names: Names) -> list[str]:
         case Resistor():
             return [f"{names.element('R', name)} {node} 0 {float(load.resistance)!r}"]
         case Diode():
-            return diode_cards(load, name, ["0", node] if load.reverse else [node, "0"], names)
+            return diode_cards(load, name, ["0", node] if getattr(load, "reverse", False) else [node, "0"], names)
         case RationalImpedance() if not load.rational().is_zero and not load.rational().is_infinite:
             return _elements(as_load(load.rational()), name, [node, "0"], names, where)
     raise InputError(where, f"a {load.kind} has no counterpart in a netlist", "R, L and C")

@@ -29,7 +29,7 @@ class Placed(Element):
         """A load or a link."""
         if issubclass(cls, AtNode | Between):
             return super().__new__(cls)
-        return super().__new__(cls.link if "nodes" in data else cls.load)  # pyright: ignore[reportReturnType]
+        return super().__new__(cls.link if "nodes" in data else cls.load)  # pyright: ignore[reportReturnType, reportArgumentType]
 
     def __init_subclass__(cls, load: type = AtNode, link: type = Between, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)

@@ -222,7 +222,10 @@ class Impedance(RationalImpedance, Placed):
         from passivity import RationalFunction
 
         Z = RationalFunction.from_system(system)
-        sides = {"numerator": [str(a) for a in Z.numerator], "denominator": [str(a) for a in Z.denominator]}
+        sides: dict[str, Any] = {
+            "numerator": [str(a) for a in Z.numerator],
+            "denominator": [str(a) for a in Z.denominator],
+        }
         return cls(**({"at": at} if nodes is None else {"nodes": nodes}), **sides)
 
     def _read(self) -> "RationalFunction":
