@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from tline.errors import InputError
 from tline.scene.between import Between
-from tline.scene.element import AtNode, Element, Name
+from tline.scene.element import AtNode
 from tline.scene.placed import Placed
 from tline.scene.quantity import (
     LARGEST,
@@ -31,26 +31,28 @@ if TYPE_CHECKING:
 MOST_STATES = 20  # degree up to which double precision holds ladders of L and C to some 1e-12
 
 
-class RationalImpedance(Element):
+class RationalImpedance(Placed):
     """An element that is a rational impedance between its two terminals.
 
     Attributes
     ----------
     stores : bool
         Whether it holds what does not flow through its resistance.
-    series, beside : float
-        Resistance that all its flow passes, and conductance beside the rest.
     """
 
-    if TYPE_CHECKING:  # of one that stands at a node, and of one that stands between two
-        at: Name = ""
-        nodes: tuple[Name, Name] = ("", "")
-
     stores: ClassVar[bool] = False
-    series: ClassVar[float] = 0.0
-    beside: ClassVar[float] = 0.0
     _ratio: Ratio = PrivateAttr()
     _rational: "RationalFunction | None" = PrivateAttr(default=None)
+
+    @property
+    def series(self) -> float:
+        """Resistance that all its flow passes."""
+        return 0.0
+
+    @property
+    def beside(self) -> float:
+        """Conductance beside the rest."""
+        return 0.0
 
     @property
     def ratio(self) -> Ratio:
@@ -105,7 +107,7 @@ class Resistor(Placed, load=AnyResistance, link=BetweenResistance):
         resistance: Quantity = Quantity(0, "")
 
 
-class Inductor(RationalImpedance, Placed):
+class Inductor(RationalImpedance):
     """An inductance, Z(s) = sL."""
 
     kind: Literal["inductor"] = "inductor"
@@ -116,7 +118,7 @@ class Inductor(RationalImpedance, Placed):
         return Ratio.of_fractions([exact(self.inductance), 0], [1])
 
 
-class Capacitor(RationalImpedance, Placed):
+class Capacitor(RationalImpedance):
     """A capacitance, Z(s) = 1/(sC): it blocks a steady flow.
 
     Examples
@@ -145,7 +147,7 @@ class _RLC(RationalImpedance):
         return r, ind, c
 
 
-class Series(_RLC, Placed):
+class Series(_RLC):
     """R, L and C one after the other, Z(s) = R + sL + 1/(sC); those not given are absent."""
 
     kind: Literal["series"] = "series"
@@ -162,7 +164,7 @@ class Series(_RLC, Placed):
         return Ratio.of_fractions([c * (ind or 0), c * (r or 0), 1], [c, 0])
 
 
-class Parallel(_RLC, Placed):
+class Parallel(_RLC):
     """R, L and C side by side, 1/Z(s) = 1/R + 1/(sL) + sC; those not given are absent."""
 
     kind: Literal["parallel"] = "parallel"
@@ -189,7 +191,7 @@ def _number_or_text(value: Any) -> Any:
 Coefficient = Annotated[int | float | str, BeforeValidator(_number_or_text)]
 
 
-class Impedance(RationalImpedance, Placed):
+class Impedance(RationalImpedance):
     """Any rational Z(s): an expression with its parameters, or coefficients with the highest power first.
 
     Examples

@@ -16,7 +16,7 @@ ELEMENTS: dict[str, Any] = {
     if isinstance(model, type) and issubclass(model, Element) and model.__module__ == module.__name__
     and "kind" in model.model_fields
 }  # fmt: skip
-__all__ = list(ELEMENTS)
+__all__ = list(ELEMENTS)  # pyright: ignore[reportUnsupportedDunderAll]
 
 
 def __getattr__(name: str) -> Any:

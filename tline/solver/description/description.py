@@ -125,8 +125,11 @@ class Description:
 
     @cached_property
     def diamonds(self) -> bool:
-        """Whether lines lose all along, in diamonds: what all of them lose depends on their flow alone, at once."""
-        lossy = [line for line in self.lines.values() if line.dispersive]
+        """Whether lines lose all along, in diamonds: what all of them lose depends on their flow alone, at once.
+
+        Not with order 1 by hand: constants do not hold what a steady flow loses along a line.
+        """
+        lossy = [line for line in self.lines.values() if line.dispersive and self.scene.solver.order != 1]
         return bool(lossy) and all(line.in_diamonds for line in lossy) and not self.collapses
 
     @cached_property

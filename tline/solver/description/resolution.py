@@ -67,8 +67,7 @@ def resolution(
     scales = description.time_scales
     h = h or float(fixed.slab or 0.0) or description.slab or slab_of(description, delays, scales, settle)
     _check(t_end, delays, s, h, by_hand)
-    diamonds = description.diamonds and s > 1  # constants do not hold what a steady flow loses along a line
-    more = {"loss_elements": loss_elements, "diamonds": diamonds}
+    more = {"loss_elements": loss_elements, "diamonds": description.diamonds and s > 1}
     chosen = Resolution(s, h, sections=sections, settle=settle, **more)
     notes = [
         f"{where}: its time scale of {scale:.3g} s is shorter than the slab of {h:.3g} s; "
