@@ -18,7 +18,7 @@ class Placed(Element):
         nodes: tuple[Name, Name] = ("", "")
 
         @property
-        def terminals(self) -> tuple[str, str | None]:
+        def terminals(self) -> tuple[str, Any]:
             """Its nodes, or its node and the reference."""
             return self.nodes
 
