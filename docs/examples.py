@@ -1,6 +1,6 @@
 """An example of each element and waveform for the scene reference, each read as part of a scene before it is shown."""
 
-import runpy
+import re
 import shutil
 import tempfile
 import tomllib
@@ -14,24 +14,16 @@ LINES = {
     "electrical": {"cable": {"nodes": ["near", "far"], "z0": 50, "delay": 1}},
 }
 MEASURED = [Path(__file__).parents[1] / "scenes" / name for name in ("antenna.s1p", "filter.s2p", "memory.ibs")]
-HYDRAULIC, ELECTRICAL = (
-    runpy.run_path(str(Path(__file__).parent / f"examples_{medium}.py"))[medium.upper()] for medium in LINES
-)
-
-
-def _own(model: str) -> tuple[str, str]:
-    """Medium and example of an element that has its own."""
-    element, link = ELEMENTS[model.removesuffix("Link")], model.endswith("Link")
-    stands = '[links.x]\nnodes = ["near", "far"]\n' if link else '[loads.x]\nat = "far"\n'
-    return element.medium, stands + element.example
+EXAMPLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 
 
 def example(model: str) -> str:
     """The example of a model, checked: read as part of a scene, without a mistake."""
-    if model.removesuffix("Link") in ELEMENTS:
-        medium, text = _own(model)
-    else:
-        medium, text = ("hydraulic", HYDRAULIC[model]) if model in HYDRAULIC else ("electrical", ELECTRICAL[model])
+    texts = {name: (medium, text) for medium, known in EXAMPLES.items() for name, text in known.items()}
+    texts |= {name: (own.medium, f'[loads.x]\nat = "far"\n{own.example}') for name, own in ELEMENTS.items()}
+    medium, text = texts[model if model in texts else model.removesuffix("Link")]
+    if model not in texts:
+        text = re.sub(r"\[loads\.\w+\].*\nat = .*", r'[links.x]\nnodes = ["near", "far"]', text, count=1)
     scene = {
         "medium": medium,
         "t_end": "20 ns",

@@ -15,13 +15,7 @@ RELATIVE, ABSOLUTE = 1e-13, 1e-15
 def integrate(
     rates: Callable[[NDArray, NDArray], NDArray], x0: NDArray, inputs: tuple[Torque, ...], t: NDArray
 ) -> NDArray[np.float64]:
-    """States at the times t, shape (len(t), n), of x' = rates(x, u), to about 1e-12.
-
-    Raises
-    ------
-    InputError
-        The solver gave up.
-    """
+    """States at the times t, shape (len(t), n), of x' = rates(x, u), to about 1e-12."""
     from scipy.integrate import solve_ivp
 
     corners = {time for one in inputs for time in one.times if t[0] < time < t[-1]}

@@ -18,11 +18,6 @@ SHOWN = 40  # letters of what was given, in a message
 def exact(value: object, where: str) -> Fraction:
     """The number as a fraction.
 
-    Raises
-    ------
-    InputError
-        No real number, not finite, or beyond 1e30 or `LONGEST` bits.
-
     Examples
     --------
     >>> exact(0.1, "radius")
@@ -44,13 +39,7 @@ def exact(value: object, where: str) -> Fraction:
 
 
 def positive(value: object, where: str, *, or_zero: bool = False) -> Fraction:
-    """The number as a fraction, if a part can have it.
-
-    Raises
-    ------
-    InputError
-        What `exact` refuses; negative, or zero unless `or_zero`; smaller than 1e-30.
-    """
+    """The number as a fraction, if a part can have it."""
     found = exact(value, where)
     if found < 0 or (found == 0 and not or_zero):
         raise InputError(where, "not physical", "0 or more" if or_zero else "more than 0", repr(value)[:SHOWN])
@@ -65,13 +54,7 @@ def rational(value: Fraction) -> fmpq:
 
 
 def finite(values: Iterable[object], where: str) -> list[float]:
-    """The numbers as floats.
-
-    Raises
-    ------
-    InputError
-        Naming the first that is not a finite number, or is beyond 1e30.
-    """
+    """The numbers as floats."""
     found = []
     for k, value in enumerate(values):
         if not (isinstance(value, float) and 0 < abs(value) < SMALLEST):  # what is so small will do as it is

@@ -105,13 +105,7 @@ def named(names: tuple[str, ...], columns: NDArray) -> dict[str, NDArray[np.floa
 
 
 def sample_times(t_end: float, step: float) -> NDArray[np.float64]:
-    """0, step, 2*step, ... up to t_end.
-
-    Raises
-    ------
-    InputError
-        Not more than 0, or too many.
-    """
+    """0, step, 2*step, ... up to t_end."""
     last, h = float(positive(t_end, "t_end")), float(positive(step, "step"))
     steps = int(last / h * (1 + 1e-12))
     if not 1 <= steps <= MOST_STEPS:
@@ -120,13 +114,7 @@ def sample_times(t_end: float, step: float) -> NDArray[np.float64]:
 
 
 def initial_state(names: tuple[str, ...], given: Mapping[str, float] | None) -> NDArray[np.float64]:
-    """Values in the order of the names, 0 for those not given.
-
-    Raises
-    ------
-    InputError
-        An unknown name.
-    """
+    """Values in the order of the names, 0 for those not given."""
     given = given or {}
     for name in given:
         if name not in names:

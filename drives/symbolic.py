@@ -77,11 +77,6 @@ def transfer(parameters: Mapping[str, Fraction], output: str, source: str) -> Tr
         Those of `CoupledDrives.parameters`; a negative k is the exercise's pulley with the wrong sign.
     output, source : str
         Of ``OUTPUTS`` and ``INPUTS``.
-
-    Raises
-    ------
-    InputError
-        An unknown name.
     """
     known_names("output", (output,), OUTPUTS)
     known_names("input", (source,), INPUTS)

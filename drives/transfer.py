@@ -146,13 +146,7 @@ class TransferFunction:
 
 
 def frequencies(omega: ArrayLike) -> NDArray[np.float64]:
-    """Angular frequencies as an array of floats.
-
-    Raises
-    ------
-    InputError
-        Not finite, or negative.
-    """
+    """Angular frequencies as an array of floats."""
     w = np.asarray(omega, float)
     if not np.isfinite(w).all() or (w < 0).any():
         raise InputError("omega", "no angular frequencies", "finite values in rad/s, 0 or more", f"{omega!r:.40}")

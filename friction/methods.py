@@ -45,13 +45,7 @@ METHODS = {
 
 
 def method_for(model: Model, name: str | None) -> Method:
-    """The method of that name, or the model's default.
-
-    Raises
-    ------
-    InputError
-        There is no such method, or it does not fit the model.
-    """
+    """The method of that name, or the model's default."""
     if name is None:
         name = "events" if isinstance(model, STATIC) else "rosenbrock"
     if name not in METHODS:

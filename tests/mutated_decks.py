@@ -42,32 +42,26 @@ def _change(lines: list[str], chance: Random) -> None:
         lines.append(chance.choice(EXTREME))
     k, j = chance.randrange(len(lines)), chance.randrange(len(lines))
     if chance.random() < 0.3:
-        match chance.randrange(4):
-            case 0:
-                del lines[k]
-            case 1:
-                lines[k], lines[j] = lines[j], lines[k]
-            case 2:
-                lines.insert(j, lines[k])
-            case _:
-                lines[k] = (
-                    lines[k][: chance.randrange(len(lines[k]) + 1)] + lines[j][chance.randrange(len(lines[j]) + 1) :]
-                )
+        cut = lines[k][: chance.randrange(len(lines[k]) + 1)] + lines[j][chance.randrange(len(lines[j]) + 1) :]
+        _move(lines, k, j, chance.randrange(4), cut)
         return
     words = lines[k].split() or [""]
-    a, b = chance.randrange(len(words)), chance.randrange(len(words))
-    match chance.randrange(5):
-        case 0:
-            del words[a]
-        case 1:
-            words[a], words[b] = words[b], words[a]
-        case 2:
-            words.insert(a, words[b])
-        case 3:
-            words[a] = chance.choice(EXTREME)
-        case _:
-            words[a] = words[a].partition("=")[0] + "=" * ("=" in words[a]) + chance.choice(EXTREME)
+    a, b, what = chance.randrange(len(words)), chance.randrange(len(words)), chance.randrange(5)
+    new = chance.choice(EXTREME)
+    _move(words, a, b, what, new if what == 3 else words[a].partition("=")[0] + "=" * ("=" in words[a]) + new)
     lines[k] = " ".join(words)
+
+
+def _move(parts: list[str], one: int, other: int, what: int, new: str) -> None:
+    """Leave out a part, swap it with another, double it, or put a new one in its place."""
+    if what == 0:
+        del parts[one]
+    elif what == 1:
+        parts[one], parts[other] = parts[other], parts[one]
+    elif what == 2:
+        parts.insert(other, parts[one])
+    else:
+        parts[one] = new
 
 
 class LateError(Exception):

@@ -5,7 +5,6 @@ import re
 import runpy
 import shlex
 import sys
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -123,24 +122,6 @@ def test_the_random_network_of_a_thousand_lines_runs(tmp_path):
     assert len(scene.lines) == 1000
     last = simulate(scene).probes["last"]
     assert 0 < np.abs(last.u).max() < 2
-
-
-def test_the_page_of_tasks_is_up_to_date():
-    page = runpy.run_path(str(ROOT / "docs" / "generate_tasks.py"))["page"]()
-    assert (ROOT / "docs" / "tasks.md").read_text(encoding="utf-8") == page, "run: make docs"
-
-
-SESSIONS = {"tline": "tline", "scikit_rf": "skrf", "python_control": "control", "wntr": "wntr", "pybamm": "pybamm"}
-
-
-@pytest.mark.parametrize("name", SESSIONS)
-@pytest.mark.filterwarnings("ignore")  # of other programs
-def test_what_is_counted_runs(name, tmp_path, monkeypatch):
-    """Each program's session, where it is installed."""
-    if not find_spec(SESSIONS[name]):
-        pytest.skip(f"pip install {SESSIONS[name]}")
-    monkeypatch.chdir(tmp_path)
-    runpy.run_path(str(ROOT / "docs" / "tasks" / f"session_{name}.py"), run_name="__main__")
 
 
 def test_the_scene_reference_is_up_to_date(monkeypatch):

@@ -134,13 +134,7 @@ class Command(click.Command):
         return options_named({str(each.name): each.opts[-1] for each in options} | more)
 
     def in_si(self, given: Mapping[str, str | None]) -> dict[str, float]:
-        """Values of options whose help names a unit in brackets, in SI, of those that are given.
-
-        Raises
-        ------
-        InputError
-            Naming the option.
-        """
+        """Values of options whose help names a unit in brackets, in SI, of those that are given."""
         options = {str(each.name): each for each in self.params if isinstance(each, click.Option)}
         found = {name: re.search(r"\[([^\]]+)\]", options[name].help or "") for name in given}
         units = {name: unit[1] for name, unit in found.items() if unit and given[name] is not None}

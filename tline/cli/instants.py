@@ -13,11 +13,6 @@ MOST = 10_000_000
 def instants(text: str, where: str) -> NDArray:
     """Instants, s, apart by equal times, first and last included.
 
-    Raises
-    ------
-    InputError
-        Naming what of the text is not as it should be.
-
     Examples
     --------
     >>> instants("0:1 us:3", "--at").tolist()

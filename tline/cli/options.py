@@ -13,13 +13,7 @@ confined_option = click.option("--confined", is_flag=True, help="Read no files o
 
 
 def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None:
-    """Refuse files that could not be written, by option with its suffixes, before time is spent on them.
-
-    Raises
-    ------
-    InputError
-        Of another suffix, the same twice, or not to be written.
-    """
+    """Refuse files that could not be written, by option with its suffixes, before time is spent on them."""
     from tline.solver.result.atomic import check_writable
 
     seen: dict[Path, str] = {}
@@ -52,13 +46,7 @@ def write_text(text: str, file: str) -> None:
 
 
 def check_readable(file: str) -> None:
-    """Refuse a file that could be read for ever: a device, a terminal, a pipe with a name.
-
-    Raises
-    ------
-    InputError
-        Also if there is none.
-    """
+    """Refuse a file that could be read for ever: a device, a terminal, a pipe with a name."""
     from tline.scene.text_file import check_ordinary
 
     try:
@@ -69,13 +57,7 @@ def check_readable(file: str) -> None:
 
 
 def hours(text: str | None) -> float | None:
-    """Hours that an option `--at-hour` says, if it is given.
-
-    Raises
-    ------
-    InputError
-        It is no number.
-    """
+    """Hours that an option `--at-hour` says, if it is given."""
     if text is None:
         return None
     try:
@@ -85,13 +67,7 @@ def hours(text: str | None) -> float | None:
 
 
 def tolerance(text: str) -> float:
-    """The tolerance that an option `--tol` says.
-
-    Raises
-    ------
-    InputError
-        It is no number, or out of range.
-    """
+    """The tolerance that an option `--tol` says."""
     from tline.scene.quantity import TOLERANCE
 
     with options_named({"": "--tol"}):

@@ -29,13 +29,7 @@ DECIBELS = 20 / math.log(10)  # of a neper
 def over_earth(
     given: Mapping[str, str | None], asked: Mapping[str, str | None]
 ) -> tuple[ElectricalLine, list[dict[str, float]]]:
-    """The lossless line, in air if its speed is not given, and at some frequencies what it is with its losses.
-
-    Raises
-    ------
-    InputError
-        A bad quantity, or no wire over earth.
-    """
+    """The lossless line, in air if its speed is not given, and at some frequencies what it is with its losses."""
     from tline.loss import ConstantLoss, EarthReturn, LossyLine, RoundWire
 
     values = read(OPTIONS, asked).values

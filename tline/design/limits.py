@@ -62,13 +62,7 @@ class Limits(NamedTuple):
         return engineering(pressure, "bar") if self.per_metre is None else f"{pressure / self.per_metre:.4g} m"
 
     def trial(self, size: float, result: Result) -> Trial:
-        """The extremes of a run, and their margin.
-
-        Raises
-        ------
-        InputError
-            A limit is not kept before the surge, so that no size can keep it.
-        """
+        """The extremes of a run, and their margin."""
         self._refuse_broken(result.envelope)
         lowest, highest, error = self._extremes(result)
         return Trial(size, lowest, highest, min(lowest - self.lowest, self.highest - highest), error)
@@ -134,13 +128,7 @@ class Limits(NamedTuple):
 
 
 def limits(scene: Scene, path: Sequence[str], lowest: float | str | None, highest: float | str | None) -> Limits:
-    """Limits of a scene: gauge pressures, Pa, or texts with units, where metres are a head above the zero of heights.
-
-    Raises
-    ------
-    InputError
-        There is none, they are no such values, or the path is none.
-    """
+    """Limits of a scene: gauge pressures, Pa, or texts with units, where metres are a head above the zero of heights."""
     if scene.medium != "hydraulic":
         raise InputError("medium", "is designed for no surge", "'hydraulic'", f"'{scene.medium}'")
     if scene.start != "steady":

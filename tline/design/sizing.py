@@ -139,26 +139,14 @@ class Runs:
         return self.limits.trial(size, result)
 
     def refuse_kept(self, key: str, without: str) -> None:
-        """Refuse to size what is not needed.
-
-        Raises
-        ------
-        InputError
-            The scene keeps the limits as it is.
-        """
+        """Refuse to size what is not needed."""
         trial, limits = self.run(1.0), self.limits
         if trial.margin >= 0:
             got = f"{limits.shown(trial.lowest)} to {limits.shown(trial.highest)} {limits.where}"
             raise InputError(key, f"is kept without {without}", "a stricter limit", got)
 
     def smallest(self, unit: str, first: float, largest: float = float("inf")) -> tuple[Trial, SizeSearch, list[str]]:
-        """Search the smallest size, which is read in some unit, and say in notes what is odd.
-
-        Raises
-        ------
-        InputError
-            No size keeps the limits.
-        """
+        """Search the smallest size, which is read in some unit, and say in notes what is odd."""
         with self.bar:
             search = smallest(self.run, first, largest)
         if search.found is None:

@@ -70,13 +70,7 @@ def read_foreign(
     hour: float | None = None,
     moving_tanks: bool | None = None,
 ) -> tuple[Scene, tuple[str, ...]]:
-    """Scene of another program's file, and notes on what is left out or taken otherwise.
-
-    Raises
-    ------
-    InputError
-        As of `read`, or the suffix is unknown.
-    """
+    """Scene of another program's file, and notes on what is left out or taken otherwise."""
     suffix = path.suffix.lower()
     if suffix not in (*SPICE, *EPANET):
         raise InputError(str(path), "unknown kind of file", " or ".join((*SPICE, *EPANET)), suffix or "no suffix")
@@ -97,13 +91,7 @@ def read_foreign(
 
 
 def refuse_water(given: Mapping[str, Any]) -> None:
-    """Refuse what only water networks take, where it is given.
-
-    Raises
-    ------
-    InputError
-        Of the first.
-    """
+    """Refuse what only water networks take, where it is given."""
     for name, value in given.items():
         if value is not None:
             raise InputError(name, "is for .inp files", "none", str(value))

@@ -29,11 +29,6 @@ def solved(path: str, text: str, instant: int = 0) -> dict[str, Any]:
         The network; it is to name no files.
     instant : int
         After the start of time, s.
-
-    Raises
-    ------
-    InputError
-        There is no EPANET, or it finds a mistake or no steady flow, breaks down, or takes too long.
     """
     library = _library()
     seconds = min(SECONDS + EACH * len(text) / 1e6, MOST)

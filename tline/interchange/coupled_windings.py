@@ -32,13 +32,7 @@ def names_coupled(cards: Iterable[Card]) -> Iterator[str]:
 
 
 def couplings(card: Card) -> list[Coupling]:
-    """All pairs that a K couples.
-
-    Raises
-    ------
-    InputError
-        It names fewer than two inductors, or a coupling that no windings have.
-    """
+    """All pairs that a K couples."""
     plain, assigned = card.assigned(0)
     *names, value = [*plain, *assigned.get("k", [])] or [""]
     if not 2 <= len(names) <= MOST_WINDINGS or assigned.keys() - {"k"}:

@@ -77,13 +77,7 @@ class Deck(NamedTuple):
 
 
 def read_deck(path: str | Path, found: Findings) -> Deck:
-    """Read a netlist and what it includes from its own folder; its first line is the title, whatever it says.
-
-    Raises
-    ------
-    InputError
-        The file cannot be read.
-    """
+    """Read a netlist and what it includes from its own folder; its first line is the title, whatever it says."""
     title, *lines = _lines(Path(path))
     reader = _Reader(Folder(Path(path).parent, confined=True), found)
     cards = list(reader.cards(lines, str(path), 2))

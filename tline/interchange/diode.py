@@ -18,13 +18,7 @@ OF_THESE = {  # no matter where those are zero, or at one temperature
 
 
 def diode(model: Card, found: Findings) -> tuple[dict[str, Any], float]:
-    """The table of a diode, without its nodes, and the resistance in series with it, ohm.
-
-    Raises
-    ------
-    InputError
-        Naming the model: it is no diode, or more than an exponential and a resistance.
-    """
+    """The table of a diode, without its nodes, and the resistance in series with it, ohm."""
     kind = "".join(model.words[1:2])
     if kind.lower() != "d":
         raise model.refuse("not a diode", "D", f"'{kind}'")

@@ -24,13 +24,7 @@ KNOWN = "R, L, C, K, D, V, I, B, E, F, G, H, T, O, W, U, Y, P and X"
 
 
 def take(card: Card, net: Netlist) -> None:
-    """Let an element be part of the scene.
-
-    Raises
-    ------
-    InputError
-        It is not known, not whole or out of range.
-    """
+    """Let an element be part of the scene."""
     if card.kind in REFUSED:
         raise card.refuse(*REFUSED[card.kind])
     if card.kind not in ELEMENTS:

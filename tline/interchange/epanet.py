@@ -78,12 +78,6 @@ def read_epanet(path: str | Path, hour: float = 0.0) -> WaterNetwork:
         An ``.inp`` file of EPANET 2.0 or 2.2.
     hour : float
         After the start of time, 0 to 8784.
-
-    Raises
-    ------
-    InputError
-        EPANET is not installed, cannot read the file, or finds no steady flow; the file holds what cannot be
-        represented; or the hour is out of range.
     """
     if not isinstance(hour, int | float) or not 0 <= hour <= LAST_HOUR:
         raise InputError("hour", "out of range", f"a number from 0 to {LAST_HOUR:g}", shown(hour))

@@ -60,13 +60,7 @@ class EpanetText:
 
 
 def read_text(path: str) -> str:
-    """Text of a file in UTF-8 or UTF-16 with a byte order mark, or else in the alphabet of western Windows.
-
-    Raises
-    ------
-    InputError
-        It cannot be read, is no ordinary file, or is no text.
-    """
+    """Text of a file in UTF-8 or UTF-16 with a byte order mark, or else in the alphabet of western Windows."""
     try:
         with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:  # a pipe has no writer
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
@@ -91,13 +85,7 @@ def read_text(path: str) -> str:
 
 
 def parse(text: str, path: str) -> EpanetText:
-    """Sort the lines of a file, each told by its words.
-
-    Raises
-    ------
-    InputError
-        An unknown section or option, or a line that EPANET could take for another one.
-    """
+    """Sort the lines of a file, each told by its words."""
     found, section, kept = EpanetText(title=Path(path).stem), None, []
     titles: list[str] = []
     for number, line in enumerate(END_OF_LINE.split(text), 1):

@@ -41,13 +41,7 @@ class Findings:
             self.mistakes.append(error)
 
     def check(self) -> None:
-        """Raise all mistakes, if there are any.
-
-        Raises
-        ------
-        SceneError
-            With every mistake, or the first ones and the number of the others.
-        """
+        """Raise all mistakes, if there are any."""
         distinct = list({str(mistake): mistake for mistake in self.mistakes}.values())
         if distinct:
             raise SceneError(limited(distinct, 0))

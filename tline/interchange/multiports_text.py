@@ -25,11 +25,6 @@ def multiport_cards(link: Link, name: str, names: Names) -> list[str]:
         Of the link.
     names : Names
         Of the netlist.
-
-    Raises
-    ------
-    InputError
-        Naming the link: it is non-linear, or a junction without an admittance matrix.
     """
     where, nodes = place("links", name), [names.node[at] for at in link.nodes]
     grounded = not isinstance(link, Multiport) or link.is_grounded

@@ -29,11 +29,6 @@ def wave_speeds(wave_speed: float | str | None, material: str | None) -> dict[st
     material : str, optional
         A CSV file whose rows are ``pipe, wall, thickness`` or ``pipe, wave speed``. A wall is the name of a material,
         or Young's modulus.
-
-    Raises
-    ------
-    InputError
-        The file cannot be read, or a row is none of these.
     """
     found: dict[str, Keys] = {EVERY: {"wave_speed": USUAL}}
     if not isinstance(material, str | Path | None):

@@ -87,11 +87,6 @@ def pump_curve(points: Sequence[tuple[float, float]]) -> PowerLaw | Polyline:
     One point (q, h) gives the law 4/3·h - h/3·(flow/q)²; three of which the first has no flow give a - b·flow^c;
     others are joined by straight lines.
 
-    Raises
-    ------
-    InputError
-        The points make no curve that falls.
-
     References
     ----------
     EPANET 2.2 User Manual, section 3.1, pumps.

@@ -32,11 +32,6 @@ def rlgc_matrices(
 
     Z(f) = Ro + √f (1+j) Rs + 2πj f Lo and Y(f) = Go + f Gd + 2πj f Co per metre, lower triangles of symmetric matrices.
 
-    Raises
-    ------
-    InputError
-        Naming the card that has something else, or the model with a matrix that is not whole.
-
     References
     ----------
     HSPICE Elements and Device Models Manual, chapter "W element", input model 1; D. B. Kuznetsov, J. E. Schutt-Aine,

@@ -80,13 +80,7 @@ def values_at_begin(cards: Iterable[Card]) -> dict[str, tuple[Card, float]]:
 
 
 def skip(card: Card, found: Findings, has_heat: bool) -> None:
-    """Note a command that changes nothing here.
-
-    Raises
-    ------
-    InputError
-        It is not known, or sets another temperature beside what depends on it.
-    """
+    """Note a command that changes nothing here."""
     name = card.name.lower()
     if name in TEMPERATURES and has_heat and card.words and abs(card.value(card.words[0]) - 27) > 1e-9:
         raise card.refuse("another temperature beside diodes, or coefficients of it", "27 degC", card.words[0])

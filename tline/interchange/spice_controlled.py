@@ -6,13 +6,7 @@ from tline.interchange.netlist import AMMETER, REFERENCE, Netlist
 
 
 def controlled(card: Card, net: Netlist) -> None:
-    """A source that a voltage (E, G) or the current of a source (F, H) commands; G by its own voltage is a resistor.
-
-    Raises
-    ------
-    InputError
-        Its law is not a number, its gain is zero, or it commands itself.
-    """
+    """A source that a voltage (E, G) or the current of a source (F, H) commands; G by its own voltage is a resistor."""
     if "=" in card.words:
         raise _no_gain(card)
     out = (net.node(card.words[0]), net.node(card.words[1]))

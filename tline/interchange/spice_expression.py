@@ -214,11 +214,6 @@ def _check_count(name: str, arguments: list[Value], least: int, most: int) -> No
 def parse_value(word: str, parameters: Parameters, where: str) -> float:
     """Value of a number, of a parameter, or of an expression of both in braces or quotes.
 
-    Raises
-    ------
-    InputError
-        It is none of these, or not finite.
-
     Examples
     --------
     >>> parse_value("{2*Z0 + 1k}", {"z0": 50.0}, "here")
@@ -236,13 +231,7 @@ def parse_value(word: str, parameters: Parameters, where: str) -> float:
 
 
 def computed(text: str, parameters: Parameters, where: str, signal: Signal | None = None) -> Value:
-    """Value of an expression.
-
-    Raises
-    ------
-    InputError
-        It is too long, or has no value.
-    """
+    """Value of an expression."""
     if len(text) > LONGEST_EXPRESSION:
         raise InputError(where, "an expression that long", f"at most {LONGEST_EXPRESSION} characters", f"{len(text)}")
     try:

@@ -20,13 +20,7 @@ NO_MATTER = {  # None, or the value that changes nothing
 
 
 def value_of(card: Card, net: Netlist) -> float:
-    """The value of R, L or C, with its factors.
-
-    Raises
-    ------
-    InputError
-        It is not given once, or changes with something.
-    """
+    """The value of R, L or C, with its factors."""
     plain, assigned = card.assigned(2)
     words = [word for word in plain if word.lower() != "off"]
     words += [word for key in VALUE[card.kind] for word in assigned.pop(key, [])]

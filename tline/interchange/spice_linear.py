@@ -56,13 +56,7 @@ class Linear(NamedTuple):
 
 
 def law_words(card: Card) -> list[str] | None:
-    """Words of a source by an expression or a polynomial in one form; nothing of another card.
-
-    Raises
-    ------
-    InputError
-        Its polynomial is of a higher degree or not whole, or a B has no law.
-    """
+    """Words of a source by an expression or a polynomial in one form; nothing of another card."""
     if card.kind not in "BEFGH" or len(card.words) < 3:
         return None
     effort, nodes = "V" if card.kind in "EH" else "I", card.words[:2]

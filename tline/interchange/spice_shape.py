@@ -14,11 +14,6 @@ MOST_POINTS = 100_000
 def waveforms(card: Card, said: Said, tran: Transient, factor: float) -> list[Waveform]:
     """Waveforms whose sum is the source times a factor.
 
-    Raises
-    ------
-    InputError
-        It has numbers that no waveform has.
-
     References
     ----------
     H. Vogt et al.: Ngspice User's Manual, chapter "Independent sources for voltage or current".

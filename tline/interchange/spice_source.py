@@ -53,13 +53,7 @@ class Said(NamedTuple):
 
 
 def said_of(card: Card, found: Findings) -> Said:
-    """What the words behind the nodes of a source say.
-
-    Raises
-    ------
-    InputError
-        The source is something else, or has numbers that no waveform has.
-    """
+    """What the words behind the nodes of a source say."""
     words, assigned = card.assigned(2)
     level, shape, numbers = 0.0, "", []
     if "dc" in assigned:

@@ -21,13 +21,7 @@ def surge_factor(rise: float, decay: float) -> float:
 
 
 def spice_waveform(waveform: Shape, scene: Scene, where: str, rise: float | None) -> str:
-    """A waveform as a source's card says it; a jump takes the time `rise`, if there is one.
-
-    Raises
-    ------
-    InputError
-        It jumps, or ends, as no source of SPICE does.
-    """
+    """A waveform as a source's card says it; a jump takes the time `rise`, if there is one."""
     far, number = 2 * float(scene.t_end), lambda *values: " ".join(repr(float(value)) for value in values)
     match waveform:
         case Constant():

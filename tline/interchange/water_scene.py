@@ -85,11 +85,6 @@ def water_scene(
     they are to move; valves have the opening that loses what they lose there, and regulate if they do so there. A
     demand is what an opening to the air at its node's height lets out that gives the demand at the operating point. A
     pump has points of its curve, that of the operating point among them.
-
-    Raises
-    ------
-    InputError
-        An element that no scene has.
     """
     network = without_short_pipes(network)
     weight, notes = network.density * GRAVITY, list(network.notes)

@@ -33,11 +33,6 @@ def water(temperature: float = ROOM) -> Fluid:
     temperature : float
         253.15 to 383.15 K; metastable below 273.15 K and above 372.76 K.
 
-    Raises
-    ------
-    InputError
-        Outside that range.
-
     References
     ----------
     IAPWS SR6-08(2011), Revised Supplementary Release on Properties of Liquid Water at 0.1 MPa,
@@ -71,11 +66,6 @@ def fluid(name: str, temperature: float | str | None = None) -> Fluid:
         ``"water"`` or ``"hydraulic oil"``.
     temperature : float or str, optional
         Of water, in K or as ``"20 degC"``, which is also the default.
-
-    Raises
-    ------
-    InputError
-        Unknown name, a temperature out of range, or one for a fluid that is known at one temperature only.
     """
     found = choose(FLUIDS, name, "fluid")
     if found is None:

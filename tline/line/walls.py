@@ -24,11 +24,6 @@ WALLS = {
 def youngs_modulus(name: str) -> float:
     """Young's modulus in Pa of the wall material of that name.
 
-    Raises
-    ------
-    InputError
-        Unknown name.
-
     Examples
     --------
     >>> youngs_modulus("steel")

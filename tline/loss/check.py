@@ -9,11 +9,6 @@ from tline.errors import InputError
 def positive(**parameters: float) -> None:
     """Refuse a parameter that is not a finite number above zero.
 
-    Raises
-    ------
-    InputError
-        Naming it.
-
     Examples
     --------
     >>> positive(radius=-1)
@@ -26,13 +21,7 @@ def positive(**parameters: float) -> None:
 
 
 def not_negative(**parameters: float) -> None:
-    """Refuse a parameter that is not a finite number from zero on.
-
-    Raises
-    ------
-    InputError
-        Naming it.
-    """
+    """Refuse a parameter that is not a finite number from zero on."""
     for name, value in parameters.items():
         if not (_finite(value) and value >= 0):
             raise InputError(name, "negative or no number", "a finite number from 0 on", repr(value))

@@ -129,13 +129,7 @@ class Sum(Law):
 
 
 def points(s: ArrayLike) -> NDArray[np.complex128]:
-    """Points of the plane cut along the negative real axis.
-
-    Raises
-    ------
-    InputError
-        Naming the first that is not one.
-    """
+    """Points of the plane cut along the negative real axis."""
     found: NDArray[np.complex128] = np.asarray(s, np.complex128)
     bad = ~np.isfinite(found) | ((found.imag == 0) & (found.real < 0))
     if bad.any():

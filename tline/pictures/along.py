@@ -22,13 +22,7 @@ class RouteExtremes(NamedTuple):
 
 
 def effort_along(result: Result, way: Route, x: NDArray, t: NDArray) -> NDArray:
-    """Effort at places x of a route (in its unit) and instants t, shape (len(t), len(x)).
-
-    Raises
-    ------
-    InputError
-        A line of the route was not recorded.
-    """
+    """Effort at places x of a route (in its unit) and instants t, shape (len(t), len(x))."""
     legs = _insides(result, way)
     at = np.clip(np.searchsorted([leg.span[1] for leg in way.legs], x), 0, len(legs) - 1)
     effort = np.empty((len(t), len(x)))
@@ -40,13 +34,7 @@ def effort_along(result: Result, way: Route, x: NDArray, t: NDArray) -> NDArray:
 
 
 def extremes_along(result: Result, way: Route) -> RouteExtremes:
-    """Effort before t = 0, and the lowest and highest of the run, line after line.
-
-    Raises
-    ------
-    InputError
-        A line of the route was not recorded.
-    """
+    """Effort before t = 0, and the lowest and highest of the run, line after line."""
     places, efforts = [], []
     for leg, seen in zip(way.legs, _insides(result, way), strict=True):
         share, forward = seen.places, leg.forward

@@ -56,13 +56,7 @@ class Bounces(NamedTuple):
 
 
 def only_line(scene: Scene) -> str:
-    """The scene's one line.
-
-    Raises
-    ------
-    InputError
-        There are several.
-    """
+    """The scene's one line."""
     refuse_losses(scene, "no bounce diagram")
     if len(scene.lines) != 1:
         expected = "a scene with one line"

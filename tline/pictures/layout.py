@@ -26,13 +26,7 @@ def has_positions(scene: Scene) -> bool:
 
 
 def refuse_too_many(scene: Scene) -> None:
-    """Refuse a scene with too many nodes if not all have positions.
-
-    Raises
-    ------
-    InputError
-        Naming the first without.
-    """
+    """Refuse a scene with too many nodes if not all have positions."""
     nodes = _nodes(scene)
     missing = [node for node in nodes if node not in scene.nodes or not scene.nodes[node].position]
     if missing and len(nodes) > MOST:
@@ -42,11 +36,6 @@ def refuse_too_many(scene: Scene) -> None:
 
 def layout(scene: Scene) -> Places:
     """Places of all nodes; where not all are given, those of least stress between distances and delays.
-
-    Raises
-    ------
-    InputError
-        Too many nodes without a position.
 
     References
     ----------

@@ -93,11 +93,6 @@ class Attenuation(Element):
         -------
         tuple of Law, Law
             In series, which add up, and across.
-
-        Raises
-        ------
-        InputError
-            The points are those of no line: they rise more slowly than √f, or faster than f.
         """
         return fitted(self._sheet(z0, speed, resistance))
 

@@ -72,11 +72,6 @@ def fitted(sheet: Sheet) -> Laws:
 
     R goes with √f and G with f; if that is not enough, R begins at a resistance to steady current, and if that is not
     either, another one is beside it. Their largest difference is the least, by linear programs.
-
-    Raises
-    ------
-    InputError
-        No line of that kind is near the table.
     """
     most = 2 if sheet.resistance else min(4, len(sheet.nepers))
     found = []

@@ -69,11 +69,6 @@ TYPES = {
 def cable_type(name: str) -> CableType:
     """A cable by its name.
 
-    Raises
-    ------
-    InputError
-        It is not known.
-
     Examples
     --------
     >>> cable_type("RG-58").z0

@@ -48,12 +48,6 @@ def with_cavities(lines: Mapping[str, "SceneLine"]) -> dict[str, "SceneLine"]:
 
 
 def refuse_cavities(lines: Mapping[str, "SceneLine"], what: str) -> None:
-    """Refuse cavities in lines where something does not know them.
-
-    Raises
-    ------
-    InputError
-        Naming the first.
-    """
+    """Refuse cavities in lines where something does not know them."""
     for name in with_cavities(lines):
         raise InputError(place("lines", name, "cavities"), "is non-linear", f"a line without for {what}")

@@ -38,11 +38,6 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
     values : mapping of str to anything that a scene file may hold
         By dotted path: see `Scene.change`.
 
-    Raises
-    ------
-    InputError
-        There is nothing at a path, or a value does not fit there; names the path.
-
     Examples
     --------
     >>> scene = Scene(
@@ -109,11 +104,6 @@ def _elements(scene: Scene, places: Sequence[tuple[str, ...]], values: Mapping[s
 @lru_cache(maxsize=1024)
 def parts_of(path: str) -> tuple[str, ...]:
     """The keys of a dotted path, by the rules of TOML.
-
-    Raises
-    ------
-    InputError
-        It is none.
 
     Examples
     --------

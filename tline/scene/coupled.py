@@ -214,13 +214,7 @@ def ends_of(lines: Mapping[str, SceneLine | Coupled]) -> list[End]:
 
 
 def refuse_coupled(lines: Mapping[str, SceneLine], what: str) -> None:
-    """Refuse coupled conductors where something does not know them.
-
-    Raises
-    ------
-    InputError
-        Naming the first.
-    """
+    """Refuse coupled conductors where something does not know them."""
     for name, line in lines.items():
         if isinstance(line, Coupled):
             raise InputError(place("lines", name), f"{what} knows no coupled conductors", "single lines")

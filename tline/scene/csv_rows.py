@@ -28,11 +28,6 @@ def read_rows(path: Path, where: str, what: str, columns: Mapping[int, str]) -> 
         What a row is, for messages.
     columns : mapping of int to str
         How many numbers a row may have, and the words for that.
-
-    Raises
-    ------
-    InputError
-        The file cannot be read, or a line is no such row.
     """
     found: list[tuple[float, ...]] = []
     name = one_line(str(path))

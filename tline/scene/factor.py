@@ -27,13 +27,7 @@ ALWAYS = Constant(level=LEVEL.parse(1, ""))
 
 
 def check_range(factor: Shape, t_end: float, most: float) -> None:
-    """Refuse a factor that leaves 0 to `most` before t_end.
-
-    Raises
-    ------
-    InputError
-        With the value and the instant.
-    """
+    """Refuse a factor that leaves 0 to `most` before t_end."""
     edges = np.unique(np.concatenate([[0.0, t_end], factor.breaks(t_end)]))
     edges = edges[edges <= t_end]
     inside = (edges[:-1] + edges[1:]) / 2 if len(edges) > 1 else edges

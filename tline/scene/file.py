@@ -41,13 +41,7 @@ def read_scene(path: str | Path, progress: bool = False, *, confined: bool = Fal
 
 
 def as_scene(given: Scene | str | Path | Mapping[str, Any]) -> Scene:
-    """A scene as it is, the path of its file, or its tables.
-
-    Raises
-    ------
-    InputError
-        It is none of these; SceneError with all mistakes of the scene.
-    """
+    """A scene as it is, the path of its file, or its tables."""
     match given:
         case Scene():
             return given

@@ -156,13 +156,7 @@ def taken_as_zero(scene: Scene) -> list[str]:
 
 
 def refuse_heights(scene: Scene, what: str) -> None:
-    """Refuse elevations where something does not know them.
-
-    Raises
-    ------
-    InputError
-        Naming the first.
-    """
+    """Refuse elevations where something does not know them."""
     for node in _elevations(scene):
         raise InputError(place("nodes", node, "elevation"), "heights are not known here", f"none for {what}")
 

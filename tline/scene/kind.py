@@ -72,13 +72,7 @@ class LawKind:
         KINDS[cls.name] = cls()
 
     def at_rest(self, c: Constants, effort: float, control: float) -> tuple[float, ...]:
-        """State in equilibrium with an effort at its node, and a control signal.
-
-        Raises
-        ------
-        InputError
-            There is none.
-        """
+        """State in equilibrium with an effort at its node, and a control signal."""
         return ()
 
     def capacity(self, c: Constants, effort: float) -> float:

@@ -14,11 +14,6 @@ def refuse_losses(scene: Scene, what: str) -> None:
     what : str
         What is not to be had then.
 
-    Raises
-    ------
-    InputError
-        Naming the first of them.
-
     Examples
     --------
     >>> cable = {"nodes": ["a", "b"], "z0": 50, "delay": "5 ns", "length": "1 m", "resistance": "2 ohm/m"}

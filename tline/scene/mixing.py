@@ -63,13 +63,7 @@ class Mixing(NamedTuple):
         }
 
     def links(self) -> dict[str, dict[str, Any]]:
-        """Tables of what is lost at the places: half of R, all of G, half of R.
-
-        Raises
-        ------
-        InputError
-            A skin effect is no loss at a place.
-        """
+        """Tables of what is lost at the places: half of R, all of G, half of R."""
         if self.line.skin:
             where, expected = (
                 f"{place('lines', self.name)}.skin",

@@ -24,13 +24,7 @@ class Folder(NamedTuple):
     confined: bool = False
 
     def find(self, file: str) -> Path:
-        """The path of a file that can be read to its end.
-
-        Raises
-        ------
-        InputError
-            It is confined and lies elsewhere, there is none, or it is a device or a pipe.
-        """
+        """The path of a file that can be read to its end."""
         path = self.path / file
         try:
             inside = not self.confined or path.resolve().is_relative_to(self.path.resolve())

@@ -25,11 +25,6 @@ def with_number(element: Any, keys: Sequence[str], value: Any) -> Any:
     Element or None
         None where no number stands at the path, or where more than the element itself says whether it is valid.
 
-    Raises
-    ------
-    InputError
-        The value is no number, or does not fit.
-
     Examples
     --------
     >>> from tline.scene import Scene

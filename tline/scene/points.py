@@ -122,11 +122,6 @@ def read_table(path: Path, where: str) -> tuple[tuple[float, ...], tuple[float, 
         Two numbers a line with a comma between; empty lines and lines that begin with # are skipped.
     where : str
         What an error points at.
-
-    Raises
-    ------
-    InputError
-        The file cannot be read, a line is not two finite numbers, or the times are not in order.
     """
     rows = read_rows(path, where, "a point", {2: "two finite numbers with a comma between"})
     if len(rows) < 2:
@@ -137,13 +132,7 @@ def read_table(path: Path, where: str) -> tuple[tuple[float, ...], tuple[float, 
 
 
 def check_order(times: Sequence[float], where: str) -> None:
-    """Refuse times that decrease, or three at one instant.
-
-    Raises
-    ------
-    InputError
-        Naming the first such point.
-    """
+    """Refuse times that decrease, or three at one instant."""
     for k, (before, now) in enumerate(pairwise(times), 2):
         if now < before:
             raise InputError(where, f"point {k} lies before the one in front of it", "times in order", f"{now:g} s")

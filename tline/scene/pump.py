@@ -182,13 +182,7 @@ def _check_falls(points: list[tuple[float, float]]) -> None:
 
 
 def _parabola(points: list[tuple[float, float]]) -> tuple[float, float, float]:
-    """Coefficients h0, b, c of rise = h0 - b Q - c Q² through the points.
-
-    Raises
-    ------
-    InputError
-        The points do not fall with the flow, or their parabola does not.
-    """
+    """Coefficients h0, b, c of rise = h0 - b Q - c Q² through the points."""
     flows, rises = zip(*points, strict=True)
     if len(points) == 1:
         if flows[0] == 0 or rises[0] == 0:

@@ -122,13 +122,7 @@ class Source(Element):
 
 
 def refuse_floating(sources: Mapping[str, Source], what: str) -> None:
-    """Refuse sources between two nodes where something does not know them.
-
-    Raises
-    ------
-    InputError
-        Naming the first.
-    """
+    """Refuse sources between two nodes where something does not know them."""
     for name, source in sources.items():
         if source.nodes is not None:
             raise InputError(place("sources", name), "stands between two nodes", f"one at a node for {what}")

@@ -23,11 +23,6 @@ def read_text(path: Path, where: str = "", legacy: bool = False) -> str:
         The key that names the file; without it the error points at the file.
     legacy : bool
         Read what is not UTF-8 as UTF-16 if it begins so, or else as Latin-1.
-
-    Raises
-    ------
-    InputError
-        It cannot be read, is larger than LARGEST, a device, or no text.
     """
     name = f"'{one_line(str(path))}' " if where and len(str(path)) < 300 else ""
     try:
@@ -50,13 +45,7 @@ def read_text(path: Path, where: str = "", legacy: bool = False) -> str:
 
 
 def read_toml(path: Path, what: str) -> dict[str, Any]:
-    """Tables of a TOML file; `what` says what is expected there.
-
-    Raises
-    ------
-    InputError
-        It cannot be read, or is not TOML.
-    """
+    """Tables of a TOML file; `what` says what is expected there."""
     text = read_text(path)
     try:
         return tomllib.loads(text)

@@ -63,13 +63,7 @@ class UserElement(NonLinear):
         raise NotImplementedError
 
     def __reduce_ex__(self, protocol: SupportsIndex) -> str | tuple[Any, ...]:
-        """What is sent to another process, which finds the class by its name.
-
-        Raises
-        ------
-        InputError
-            The class has no place to import it from.
-        """
+        """What is sent to another process, which finds the class by its name."""
         kind = type(self)
         try:
             known = attrgetter(kind.__qualname__)(sys.modules.get(kind.__module__))
@@ -155,13 +149,7 @@ def user_elements(scene: Scene) -> dict[tuple[str, str], UserElement]:
 
 @contextmanager
 def user_mistakes(scene: Scene) -> Iterator[None]:
-    """While such a scene runs: report mistakes in the laws of its user-defined elements, not their consequences.
-
-    Raises
-    ------
-    InputError
-        With the effort at which it happened.
-    """
+    """While such a scene runs: report mistakes in the laws of its user-defined elements, not their consequences."""
     found, here = user_elements(scene), get_ident()
     for element in found.values():
         _called(element).problems.pop(here, None)

@@ -50,11 +50,6 @@ class Control(NamedTuple):
 def read_control(text: str) -> Control:
     """The control that a text says; a pressure in metres is a level of water above the node.
 
-    Raises
-    ------
-    InputError
-        It is no such text.
-
     Examples
     --------
     >>> control = read_control("tower > 5.2 bar: close V1+5s")
@@ -90,11 +85,6 @@ def triggered(
         The scene with some events.
     run : callable
         Of a scene.
-
-    Raises
-    ------
-    InputError
-        There is no such node; or as `build` and `run` do.
     """
     waiting, done, notes, since = list(controls), list(events), list[str](), 0.0
     whole = build([*events, *(control.event for control in controls)])

@@ -11,11 +11,6 @@ from tline.surge.event import Event
 def as_one_each(events: Iterable[Event]) -> list[Event]:
     """The events, with those on the demand of one node as one event with a course of its share.
 
-    Raises
-    ------
-    InputError
-        Changes of one demand overlap, or lie on both sides of what was drawn before.
-
     Examples
     --------
     >>> rise, fall = Event("demand", "b", 1.0, 0.5, 0.005), Event("demand", "b", 4.0, 0.0, -0.005)

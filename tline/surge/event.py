@@ -72,11 +72,6 @@ def read_event(kind: str, text: str) -> Event:
         have a second stage, ``V1@1s+2s:20%+8s``, when 20 % of its way are left, or follow a CSV file of times after
         the beginning and openings, ``V1@1s:shut.csv``.
 
-    Raises
-    ------
-    InputError
-        It is no such text, or its file cannot be read.
-
     Examples
     --------
     >>> read_event("close", "VALVE-179@1s+5s")[:4]
@@ -111,11 +106,6 @@ def read_event(kind: str, text: str) -> Event:
 
 def with_unit(typed: str, unit: str, where: str) -> float:
     """A number in SI, whose unit is to be there.
-
-    Raises
-    ------
-    InputError
-        It is no number, or has no unit or one of something else.
 
     Examples
     --------

@@ -47,11 +47,6 @@ def operated(
         None of them twice for one element, but for demands.
     inertia, rated_speed : number or text, optional
         Of the pumps that trip, kg m² and turns per second, unless the scene has them; else what is usual.
-
-    Raises
-    ------
-    InputError
-        There is nothing of a name, or it cannot be operated so.
     """
     if scene.medium != "hydraulic" or scene.start != "steady":
         got = f"medium = '{scene.medium}', start = '{scene.start}'"

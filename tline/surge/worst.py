@@ -77,13 +77,7 @@ class Worst(NamedTuple):
 
 
 def extremes(result: Result) -> list[Extreme]:
-    """What every node saw.
-
-    Raises
-    ------
-    InputError
-        The run kept no envelope.
-    """
+    """What every node saw."""
     seen = result.envelope
     if seen is None:
         raise InputError("envelope", "is missing", "a run with envelope=True")
@@ -95,13 +89,7 @@ def extremes(result: Result) -> list[Extreme]:
 
 
 def worst(result: Result, most: int = 5) -> Worst:
-    """What is worst, of so many nodes.
-
-    Raises
-    ------
-    InputError
-        The run kept no envelope.
-    """
+    """What is worst, of so many nodes."""
     nodes = extremes(result)
     largest = max(max(node.rise, node.fall) for node in nodes)
     risen = sorted((node for node in nodes if node.rise > FAINT * largest), key=lambda node: -node.rise)

@@ -51,13 +51,7 @@ def _arrays(sweep: Sweep) -> dict[str, Any]:
 
 
 def take_over(sweep: Sweep, path: str | Path) -> None:
-    """Put the runs of a file into a sweep that is the same but for what was run.
-
-    Raises
-    ------
-    InputError
-        The file cannot be read, or is of another sweep.
-    """
+    """Put the runs of a file into a sweep that is the same but for what was run."""
     try:
         with open(path, "rb") as whole, np.load(whole, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}

@@ -24,13 +24,7 @@ Batches = Iterator[tuple[NDArray, Batch]]
 
 
 class SweepWork:
-    """The runs of a sweep that are not in its table yet.
-
-    Raises
-    ------
-    InputError
-        The values of the first, the middle and the last run fit nowhere in the scene.
-    """
+    """The runs of a sweep that are not in its table yet."""
 
     def __init__(self, design: Design, table: Sweep, task: Task, executor: Executor | None, workers: int | None):
         self._design, self._table, self._task = design, table, task

@@ -69,13 +69,7 @@ class Buffer(NamedTuple):
 
 
 def read_buffer(path: Path, model: str | None, pin: str | None, component: str | None, corner: str) -> Buffer:
-    """A model by its name, or that of a pin, at a corner.
-
-    Raises
-    ------
-    InputError
-        The file cannot be read, has no such model or pin, or the model is of a type that is not known here.
-    """
+    """A model by its name, or that of a pin, at a corner."""
     sections = sections_of(read_text(path, "file", legacy=True))
     package = _package(_component(sections, component), corner, pin)
     name = model or _model_of(sections, component, pin)

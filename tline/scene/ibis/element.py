@@ -60,11 +60,6 @@ class Ibis(RationalImpedance, AtNode):
     With `bits` the pull-up and pull-down tables are weighed over time, so that the waveforms of the file come out at
     its fixtures; or in proportion to the ramp where it has no waveforms.
 
-    Raises
-    ------
-    InputError
-        The file cannot be read, or has no such model, pin or corner; the model cannot drive, or must.
-
     References
     ----------
     ANSI/EIA-656-B, I/O Buffer Information Specification 4.2 and later; IBIS Modeling Cookbook (2005).

@@ -35,11 +35,6 @@ class Section(NamedTuple):
 def sections_of(text: str) -> list[Section]:
     """The keywords of a file in their order.
 
-    Raises
-    ------
-    InputError
-        There are none, or one has too many lines.
-
     Examples
     --------
     >>> sections_of("[IBIS Ver] 5.0\\n[Model] DQ | of memory\\nModel_type I/O\\nC_comp = 1pF NA 2pF")[1].rows
@@ -68,11 +63,6 @@ def sections_of(text: str) -> list[Section]:
 def number_of(word: str, line: int, unit: str) -> float:
     """A number in SI, with a letter for its scale and perhaps a unit.
 
-    Raises
-    ------
-    InputError
-        It is none, or larger than anything of this unit at a pin.
-
     Examples
     --------
     >>> number_of("2.5pF", 1, "F"), number_of("-40mA", 1, "A"), number_of("1.8V", 1, "V")
@@ -90,11 +80,6 @@ def number_of(word: str, line: int, unit: str) -> float:
 def at_corner(words: Sequence[str], corner: str, line: int, unit: str) -> float:
     """That of typical, smallest and largest value; the typical one where the other is not known.
 
-    Raises
-    ------
-    InputError
-        There is no typical value, or one of them is no number.
-
     Examples
     --------
     >>> at_corner(["1pF", "NA", "2pF"], "min", 1, "F"), at_corner(["1pF"], "max", 1, "F")
@@ -110,13 +95,7 @@ def at_corner(words: Sequence[str], corner: str, line: int, unit: str) -> float:
 def table_of(
     section: Section, corner: str, units: tuple[str, str], words: frozenset[str] = frozenset()
 ) -> list[tuple[float, float]]:
-    """Rows of a table: what stands in its first column, and the value at a corner; rows that name values are skipped.
-
-    Raises
-    ------
-    InputError
-        A row is no such one, or there are fewer than two.
-    """
+    """Rows of a table: what stands in its first column, and the value at a corner; rows that name values are skipped."""
     rows = []
     for line, row in section.rows:
         if row[0].lower() in words:

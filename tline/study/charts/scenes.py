@@ -154,11 +154,6 @@ NAMES = tuple(MAKERS)
 def chart_scene(name: str) -> ChartScene:
     """A scene of the charts.
 
-    Raises
-    ------
-    InputError
-        There is no such scene.
-
     Examples
     --------
     >>> chart_scene("y").title

@@ -98,11 +98,6 @@ def stability(name: str, *, quick: bool = False, progress: bool = False) -> Stab
         11 points along the axis in place of 101, without the methods that take long.
     progress : bool
         Show a progress bar on stderr if it takes more than two seconds.
-
-    Raises
-    ------
-    InputError
-        There is no such map.
     """
     from tqdm import tqdm
 

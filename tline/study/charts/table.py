@@ -69,13 +69,7 @@ class ChartTable:
             yield method, list(rows)
 
     def save(self, path: str | Path) -> None:
-        """Write as CSV; the notes are comments before the heading.
-
-        Raises
-        ------
-        InputError
-            The file cannot be written.
-        """
+        """Write as CSV; the notes are comments before the heading."""
         head = [column.name for column in fields(Row)]
         write_csv(path, head, (astuple(row) for row in self.rows), (self.title, *self.notes))
 

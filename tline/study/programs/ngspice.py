@@ -65,13 +65,7 @@ def netlist(scene: Scene, longest: float) -> str:
 
 
 def run(scene: Scene, n: int) -> TimedRun:
-    """A run with steps no longer than an n-th of the shortest delay.
-
-    Raises
-    ------
-    InputError
-        It fails, or takes too long.
-    """
+    """A run with steps no longer than an n-th of the shortest delay."""
     shortest = min(float(line.parameters.delay or 0) for line in scene.lines.values())
     columns, stepping, seconds = transient(netlist(scene, shortest / n))
     u = {name: columns[f"v({str(probe.at).lower()})"] for name, probe in scene.probes.items()}
@@ -79,13 +73,7 @@ def run(scene: Scene, n: int) -> TimedRun:
 
 
 def transient(text: str) -> tuple[dict[str, NDArray], float, float]:
-    """What a netlist with ``.options acct`` saves by name, and the seconds of its transient analysis and of all.
-
-    Raises
-    ------
-    InputError
-        It fails, or takes too long.
-    """
+    """What a netlist with ``.options acct`` saves by name, and the seconds of its transient analysis and of all."""
     with tempfile.TemporaryDirectory() as folder:
         deck, raw = Path(folder, "scene.cir"), Path(folder, "scene.raw")
         deck.write_text(text, encoding="utf-8")

@@ -73,13 +73,7 @@ def incompatibility(scene: Scene) -> str | None:
 
 
 def run(scene: Scene, n: int) -> TimedRun:
-    """A run of n reaches in the shortest pipe; heads count from that of the reservoir.
-
-    Raises
-    ------
-    InputError
-        There are fewer than two reaches in a pipe, or it fails or takes too long.
-    """
+    """A run of n reaches in the shortest pipe; heads count from that of the reservoir."""
     halves = 2 if len(scene.lines) == 1 else 1
     if n < 2 * halves:
         raise InputError("n", "its pipes have two reaches at least", f"{2 * halves}", f"{n}")
