@@ -21,12 +21,21 @@ class Workers(ProcessPoolExecutor):
             return super().submit(*task, **named)
 
     def end(self) -> None:
-        """End all processes, whatever they do."""
+        """End all processes, whatever they do, and the thread that hears of them.
+
+        Were the thread left, it might close its pipe while Python, about to end, writes into that.
+        """
         with interrupts_deferred():
             processes = list((self._processes or {}).values())
+            results: Any = self._result_queue
+            listener: Any = self._executor_manager_thread
             self.shutdown(wait=False, cancel_futures=True)
             for process in processes:
                 process.terminate()
+            if results is not None:
+                results._writer.close()  # else the thread waits for the rest of what a process had half written
+            if listener is not None:
+                listener.join()
 
 
 @contextmanager

@@ -4,12 +4,14 @@ import os
 import signal
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tline.workers import interrupts_deferred
+from tline.workers import Workers, interrupts_deferred
 
 ROOT = Path(__file__).parents[2]
 BIRTH = """
@@ -61,3 +63,15 @@ def test_what_is_deferred_comes_at_the_end():
     with interrupts_deferred():
         pass
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
+def test_nothing_is_left_of_workers_that_have_been_ended():
+    """Neither the one that sleeps nor the thread that waits for it, which would write into a closed pipe at exit."""
+    before = threading.active_count()
+    pool = Workers(1)
+    future = pool.submit(time.sleep, 3600)
+    (process,) = pool._processes.values()
+    pool.end()
+    assert future.done()
+    assert not process.is_alive()
+    assert threading.active_count() == before
