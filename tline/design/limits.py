@@ -128,7 +128,7 @@ class Limits(NamedTuple):
 
 
 def limits(scene: Scene, path: Sequence[str], lowest: float | str | None, highest: float | str | None) -> Limits:
-    """Limits of a scene: gauge pressures, Pa, or texts with units, where metres are a head above the zero of heights."""
+    """Limits of a scene: gauge pressures, Pa, or texts with units; metres are a head above the zero of heights."""
     if scene.medium != "hydraulic":
         raise InputError("medium", "is designed for no surge", "'hydraulic'", f"'{scene.medium}'")
     if scene.start != "steady":

@@ -95,7 +95,7 @@ def at_corner(words: Sequence[str], corner: str, line: int, unit: str) -> float:
 def table_of(
     section: Section, corner: str, units: tuple[str, str], words: frozenset[str] = frozenset()
 ) -> list[tuple[float, float]]:
-    """Rows of a table: what stands in its first column, and the value at a corner; rows that name values are skipped."""
+    """Rows of a table: its first column and the value at a corner; rows that name values are skipped."""
     rows = []
     for line, row in section.rows:
         if row[0].lower() in words:
