@@ -43,11 +43,13 @@ def test_behind_a_step_each_extrapolation_adds_an_order(monkeypatch, order, powe
 
 @pytest.mark.parametrize("order", [2, 4])
 def test_darcys_friction_is_of_second_order_whatever_the_slabs(order):
+    """With loss elements."""
     scene = chart_scene("friction").scene
     exact, (line,) = FrictionSolution(scene, 1024), scene.lines.values()
     found = []
     for n in SLABS:
-        (probe,) = run(describe(scene), Resolution(order, float(line.parameters.delay) / n)).probes.values()
+        chosen = Resolution(order, float(line.parameters.delay) / n, diamonds=False)
+        (probe,) = run(describe(scene), chosen).probes.values()
         k = np.arange(1, len(probe.t))
         k = k[k % n != 0]  # between fronts
         found.append(np.abs(probe.u[k] - exact.at("far", probe.t[k])).max())

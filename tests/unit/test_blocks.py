@@ -62,7 +62,7 @@ def test_a_node_without_lines_beside_lines_of_one_slab_makes_nothing_far_of_them
 @pytest.mark.parametrize("friction", [False, True])
 @pytest.mark.parametrize("seed", range(4))
 def test_the_same_comes_out_as_slab_by_slab(monkeypatch, seed, order, friction):
-    scene, resolution = mixed(seed, friction), Resolution(order, SLAB, loss_elements=4)
+    scene, resolution = mixed(seed, friction), Resolution(order, SLAB, loss_elements=4, diamonds=False)
     chosen = assemble(describe(scene), set(), resolution).network.blocks
     assert chosen.far_groups.size
     assert chosen.near_groups.size

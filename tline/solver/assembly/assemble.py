@@ -81,7 +81,7 @@ def assemble(
     """Turn a description into arrays; kept are the end waves of lines, and the waves into laws, that are named."""
     chosen = chosen or resolution(description)
     layout = layout_of(description, chosen, progress=progress)
-    follows = bool(chosen.layers) and not chosen.diamonds  # where slabs are halved instead: cuts would meet in diamonds
+    follows = bool(chosen.layers) and not layout.grid.diamonds  # there slabs are halved: cuts would meet
     graded = np.array([follows and _has_layers(description, group, chosen) for group in layout.groups])
     chosen = chosen if graded.any() else chosen._replace(layers=0.0)
     grid, order, groups, segmented = layout.grid, basis(chosen.s), layout.groups, layout.grid.segmented

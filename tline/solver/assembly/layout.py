@@ -147,7 +147,7 @@ def _losses(description: Description, chosen: Resolution) -> tuple[Any, ...]:
         return ()
     fastest = min((shape.fastest() for shape in description.waveforms.values()), default=inf)
     fit = fit_of(description.t_end, chosen.h, chosen.fit, chosen.band, fastest)
-    return chosen.s, fit, chosen.loss_elements, chosen.segments, chosen.diamonds
+    return chosen.s, fit, chosen.loss_elements, chosen.segments, chosen.diamonds and description.diamonds
 
 
 def of_last(kept: dict[Hashable, Any], key: Hashable, make: Callable[[], Any], most: int = LAYOUTS) -> Any:
@@ -169,7 +169,7 @@ def _grid(description: Description, chosen: Resolution) -> SlabGrid:
     circuits = circuits_of(lines, losses[1]) if losses else {}
     segmented = segmented_lines(lines, circuits, order, h) if chosen.segments else {}
     delay[list(segmented)] = 1
-    diamonds = [k for k, line in enumerate(lines.values()) if chosen.diamonds and line.in_diamonds]
+    diamonds = [k for k, line in enumerate(lines.values()) if losses and losses[-1] and line.in_diamonds]
     without = {*segmented, *diamonds}
     elements, memory = loss_elements_of(lines, circuits, delay, order, h, chosen.loss_elements, without)
     z0 = np.array([line.z0 for line in lines.values()])

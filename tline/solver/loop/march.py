@@ -302,7 +302,7 @@ def _refuse(assembly: Assembly, node: int, span: tuple[float, float] | None = No
         )
         error.span = span
         raise error
-    if assembly.resolution.diamonds and np.isfinite(assembly.state.waves).all():
+    if len(assembly.network.diamonds.line) and np.isfinite(assembly.state.waves).all():
         error = NoFlowError("lines", "friction too strong for the slabs", "narrower slabs")
         error.span = span
         raise error

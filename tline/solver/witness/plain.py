@@ -32,7 +32,7 @@ def plain_doubts(description: Description, result: Result) -> Iterator[Doubt]:
     if h is None:
         return
     try:
-        coarse, fine = (run(description, Resolution(1, h / k, plain=True)) for k in (1, 2))
+        coarse, fine = (run(description, Resolution(1, h / k, diamonds=False, plain=True)) for k in (1, 2))
     except (InputError, NoFlowError):  # a plain run may not be had, which says nothing of the other
         return
     window = description.t_end / WINDOWS
