@@ -89,8 +89,7 @@ def _of_diamonds(network: Network, s: int, states: int, elements: int) -> Diamon
     )
     return DiamondWork(
         taken=np.empty((s, s)),
-        along_a=np.empty((s, s)),
-        along_b=np.empty((s, s)),
+        along=np.empty((s, s)),
         a=np.empty(s),
         b=np.empty(s),
         coming=np.empty((ends, s)),

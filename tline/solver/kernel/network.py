@@ -278,8 +278,7 @@ class DiamondWork(NamedTuple):
     """Workspace of diamonds, and of their halves at the E ends of a group."""
 
     taken: Floats2  # (s, s) by friction
-    along_a: Floats2  # (s, s) so far along each wave
-    along_b: Floats2
+    along: Floats2  # (s, s) the flow that this leaves
     a: Floats  # (s,) a wave in a part of a diamond
     b: Floats
     coming: Floats2  # (E, s) what arrives if no friction acts in the triangle

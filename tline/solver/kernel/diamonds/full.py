@@ -29,7 +29,7 @@ def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
     Returns whether the iteration ended: each round takes a Newton step for the flow at each point alone, and leaves no
     more of the last one than the slope of friction.
     """
-    s, taken, along_a, along_b = radau.shape[0], work.taken, work.along_a, work.along_b
+    s, taken, flow = radau.shape[0], work.taken, work.along
     size, last, reach = 0.0, 1e300, REACH * (wide + high) / np.sqrt(s)
     for i in range(s):
         size = max(size, abs(a[p + i]), abs(b[q + i]))
@@ -44,10 +44,10 @@ def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
                 for k in range(s):
                     x += radau[j, k] * taken[i, k]
                     y += radau[i, k] * taken[k, j]
-                along_a[i, j], along_b[i, j] = high * x, wide * y
+                flow[i, j] = a[p + i] - b[q + j] - (high * x + wide * y)
         for i in range(s):
             for j in range(s):
-                value, slope = lost(diamonds, row, a[p + i] - along_a[i, j] - b[q + j] - along_b[i, j])
+                value, slope = lost(diamonds, row, flow[i, j])
                 step = (value - taken[i, j]) / (1.0 + reach * slope)
                 taken[i, j] += step
                 change, steep = max(change, abs(step)), max(steep, slope)
