@@ -95,7 +95,7 @@ def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -
         np.full(len(assembly.settle), -np.inf),
         assembly.graded,
         NEAREST,  # between those of slabs twice as wide, whose errors are others
-        max(SAME, assembly.resolution.layers),
+        max(SAME, assembly.resolution.layers, assembly.resolution.same),
         np.where(network.shift_row >= 0, delays / h - network.delay, 0.0),
         tools_of(basis),
         _packed(assembly),

@@ -31,6 +31,7 @@ class Resolution(NamedTuple):
     band: float = HELD  # of these, cycles per slab at which it ends, at least
     layers: float = 0.0  # of the largest wave: what is followed of what decays behind fronts; 0 for nothing
     loss_elements: int = ALL_LOSS_ELEMENTS  # of one law in the longest line, at most, and in others by their delay
+    same: float = 0.0  # of the largest wave: pieces that continue each other so well are one, and always by rounding
     diamonds: bool = True  # whether lines lose all along where all friction of a scene is a law of the flow
     segments: bool = True  # whether lossy lines are cut into segments if they fit; else they have loss elements
     convolved: bool = False  # whether waves are convolutions, and laws of lines what they are

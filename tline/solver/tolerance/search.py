@@ -20,6 +20,7 @@ from tline.solver.tolerance.limits import MOST_SAMPLES
 
 FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where what decays behind fronts is followed
 DIGITS = 3  # of the tolerance beyond three, for which the first order is one higher
+JOINED, FINER = 1e-2, 0.3  # of the tolerance: how well pieces in diamonds continue each other that are one; and later
 FOLLOWED = 1e-3  # of the tolerance: what is left of what decays behind a front, where it is no longer followed
 MOST_FOLLOWED = 1e6  # slabs at line ends; of more, what decays behind fronts is not followed: that takes seconds
 CLEAR = 1 / 3  # of the tolerance: an error told by the first two runs alone is to be below
@@ -184,8 +185,10 @@ def _finer(search: Search, sections: Mapping[str, int]) -> Grids:
     if halved and given.slab is None and not sections:
         chosen = resolution(description, s, chosen.h / 2**halved, sections, search.settle)
     h, fixed, enough = chosen.h, given.slab is not None or bool(sections), False
+    same = JOINED * search.tol if chosen.diamonds else 0.0  # each piece of a slab meets each of those that come across
     while True:
-        helped, layered, met, stay = yield chosen._replace(fit=search.fit)
+        helped, layered, met, stay = yield chosen._replace(fit=search.fit, same=same)
+        same *= FINER  # so that the difference of two runs tells what was joined in the first
         enough |= met
         if enough:
             sections = {name: 2 * n for name, n in sections.items()}
