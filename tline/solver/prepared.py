@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
-from math import log2
+from math import inf, log2
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -17,6 +17,7 @@ from tline.solver.simulate import asked, simulated
 from tline.solver.tolerance.search import Start
 
 SLOWER = 4  # times that a step may leave more of a difference with other values
+CLEARLY = 100  # times that a grid may be worse with other values, unless what it does not know makes it so
 ROOM = 0.2  # of the tolerance: where the order below should leave less, it is tried
 
 
@@ -120,6 +121,8 @@ class Prepared:
             self.starts.pop(tol, None)
             return
         known, told = self.starts.get(tol), [a.estimate for a in attempts if a.estimate]
+        if known and told and told[0] > CLEARLY * known.told:
+            return  # a run that knows no kinks from one before is worse than its grid, and so would finer ones be
         halved = round(log2(attempts[0].slab / attempts[-2].slab)) + (known.halved if known else 0)
         self._repeated.update([tol] if known else [])
         left, order = known.left if known else SLOWEST, attempts[-2].order
@@ -128,7 +131,7 @@ class Prepared:
         elif len(told) > 1:
             left = min(SLOWER * told[-1] / told[-2], SLOWEST)
         spare = known is not None and told and told[-1] <= ROOM * tol * left and not halved
-        self.starts[tol] = Start(order - 1 if spare else order, left, halved)
+        self.starts[tol] = Start(order - 1 if spare else order, left, halved, told[-1] if told and not spare else inf)
 
 
 def _is_ladder(attempts: Sequence[Attempt]) -> bool:

@@ -7,7 +7,6 @@ along the ways, and are of second order in its step; a front that is met costs u
 """
 
 from dataclasses import dataclass
-from functools import partial
 from math import ceil
 
 import numpy as np
@@ -18,15 +17,15 @@ from tline.loss import Foster
 from tline.solver.description.circuits import Circuits, circuits_of, fit_of
 from tline.solver.description.description import describe
 from tline.solver.description.given import Stretches
-from tline.solver.result.dense_output import NOISE, drawable, highest
+from tline.solver.result.dense_output import AROUND, NOISE, ZOOMS, drawable
 from tline.solver.result.merged import CutRecord
 from tline.solver.result.result import LineRecord, Result
 from tline.words.wording import place
 
 CELLS = 16
-INSTANTS = 2000  # at least, where extremes on a lossless line are looked for; slab ends are among them
-PEAKS = 2  # of the samples, round which extremes are looked for
-MOST_INSTANTS = 20_000  # of a lattice, if it has more than one cell
+INSTANTS, OF_SLAB = 2000, 2  # of the lattice on a lossless line, at least, and of each slab
+PEAKS = 2  # of the samples at a place, round which extremes are looked for
+MOST_INSTANTS = 20_000  # of a lattice, if it has more than one cell; between those of the lossless, more
 ROUGHLY = 1e-5  # tolerance of circuits where a run had none
 CLOSE, MOST_ROUNDS = 1e-6, 200  # of the largest wave, where the iteration ends
 
@@ -40,7 +39,7 @@ class Inside:
     record : LineRecord
         Waves at its ends.
     t : ndarray, shape (instants,)
-        Where extremes are looked for, s.
+        Instants of the lattice, s: the delay of a cell is a whole number of its steps.
     lost : ndarray, shape (2, cells + 1, instants), or None
         What losses take from a and give to b at places apart by equal delays; None of a lossless line.
     cells : int
@@ -74,20 +73,32 @@ class Inside:
 
     def extremes(self, slab_ends: NDArray) -> NDArray:
         """Effort before t = 0, lowest and highest effort, shape (3, places)."""
-        seen = []
-        for share in self.places.tolist():
-            way = self.record.delay * share  # waves are as they were at slab ends a way ago
-            late = [slab_ends, slab_ends + way, slab_ends + self.record.delay - way, self.t]
-            at = np.unique(np.concatenate(late))
-            at = at[at <= slab_ends[-1]]
-            u = self.effort(at, share)
-            low, high = u.min(), u.max()
-            if self.lost is None:  # what is lost is known on its lattice alone
-                effort = partial(self.effort, share=share)
-                noise, width = NOISE * float(np.abs(u).max()), float(np.diff(at).max(initial=0.0))
-                low, high = (highest(effort, at, u, sign, noise, width, PEAKS)[0] for sign in (-1, 1))
-            seen.append((u[0], low, high))
-        return np.array(seen).T
+        t = self.t[self.t <= slab_ends[-1] * (1 + NOISE)]
+        a, b = _entered(self.record, self.cells, len(t), self.t[1])
+        if self.lost is not None:  # what is lost is known on its lattice alone
+            a, b = a - self.lost[0, :, : len(t)], b + self.lost[1, :, : len(t)]
+        u = (a + b) / 2
+        low, high = (
+            sign * (sign * u).max(axis=1) if self.lost is not None else self._searched(t, u, sign, slab_ends[-1])
+            for sign in (-1, 1)
+        )
+        return np.array([u[:, 0], low, high])
+
+    def _searched(self, t: NDArray, u: NDArray, sign: int, t_end: float) -> NDArray:
+        """The largest effort (sign 1) or the smallest (sign -1) at each place, between samples, too."""
+        (entered1, _), (_, entered2) = self.record.at_end1, self.record.at_end2
+        top, way = (sign * u).max(axis=1), self.record.delay * self.places[:, None, None]
+        peaks = min(PEAKS, len(t))
+        found = t[np.argpartition(-sign * u, peaks - 1, axis=1)[:, :peaks]]
+        width, around = t[1] if len(t) > 1 else t_end, np.linspace(-1.0, 1.0, AROUND)
+        for _ in range(ZOOMS):
+            near = np.clip(found[..., None] + width * around, 0.0, t_end)
+            height = sign * (entered1(near - way) + entered2(near - (self.record.delay - way))) / 2
+            best = height.argmax(axis=-1)[..., None]
+            found, reached = (np.take_along_axis(each, best, -1)[..., 0] for each in (near, height))
+            width *= 4 / AROUND
+        higher = reached.max(axis=1)
+        return sign * np.where(higher > top + NOISE * np.abs(u).max(), higher, top)
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,14 +184,24 @@ def inside(result: Result, line: str, cells: int = CELLS) -> Inside | InStretche
 
 def _inside(result: Result, line: str, cells: int) -> Inside:
     record = drawable(result.lines[line])
-    single = result.scene.single_lines.get(line)
-    if line not in result.circuits and (single is None or single.losses is None):
-        n, parts = result.slabs.number, ceil(INSTANTS / result.slabs.number)
-        return Inside(record, np.arange(n * parts + 1) * (result.slabs.width / parts), None, cells)
-    t_end = float(result.t[-1])
+    t_end, single = float(result.t[-1]), result.scene.single_lines.get(line)
     cells = max(min(cells, int(MOST_INSTANTS * record.delay / t_end)), 1)
-    t = record.delay / cells * np.arange(ceil(t_end / record.delay * cells) + 1)
-    return Inside(record, t, _lost(result, line, record, cells, t), cells)
+    cell = record.delay / cells
+    lossless = line not in result.circuits and (single is None or single.losses is None)
+    step = cell / ceil(cell / min(t_end / INSTANTS, result.slabs.width / OF_SLAB)) if lossless else cell
+    t = step * np.arange(ceil(t_end / step) + 1)
+    return Inside(record, t, None if lossless else _lost(result, line, record, cells, t), cells)
+
+
+def _entered(record: LineRecord, cells: int, n: int, step: float) -> tuple[NDArray, NDArray]:
+    """The waves a and b without what losses do to them, at the places and the first n instants of a lattice."""
+    (entered1, _), (_, entered2) = record.at_end1, record.at_end2
+    way = round(record.delay / cells / step)  # of a cell, in steps
+    before = cells * way
+    early = step * np.arange(-before, n)
+    a, b = entered1(early), entered2(early)
+    late = [way * j for j in range(cells + 1)]
+    return np.stack([a[before - k :][:n] for k in late]), np.stack([b[k:][:n] for k in late])
 
 
 def _circuits(result: Result, line: str, step: float) -> Circuits:
@@ -194,9 +215,7 @@ def _lost(result: Result, line: str, record: LineRecord, cells: int, t: NDArray)
     assert losses is not None
     cell = losses.exact.length / cells
     circuits = result.circuits.get(line) or _circuits(result, line, t[1])
-    (entered1, _), (_, entered2) = record.at_end1, record.at_end2
-    a0 = np.stack([entered1(t - j * t[1]) for j in range(cells + 1)])
-    b0 = np.stack([entered2(t - (cells - j) * t[1]) for j in range(cells + 1)])
+    a0, b0 = _entered(record, cells, len(t), t[1])
     size = max(np.abs(a0).max(), np.abs(b0).max())
     A = B = np.zeros_like(a0)
     for _ in range(MOST_ROUNDS):

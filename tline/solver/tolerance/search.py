@@ -38,6 +38,7 @@ class Start(NamedTuple):
     order: int
     left: float  # of a difference, by a step of the order
     halved: int = 0  # how often the slab is, that suits the scene
+    told: float = inf  # by a search, of its error on this grid
 
 
 class Search(NamedTuple):
