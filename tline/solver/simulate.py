@@ -257,7 +257,6 @@ def judged(result: Result) -> Accuracy:
         s, h = coarse.resolution.s, coarse.resolution.h
         narrower = description.dispersive or whole.mixing
         chosen = Resolution(s, h / 2) if narrower else Resolution(s + 1, h, layers=followed)
-        chosen = chosen._replace(diamonds=coarse.resolution.diamonds)
         with user_mistakes(whole.scene):
             fine = run(whole.parted(doublings) if whole.mixing else description, chosen)
         found = Accuracy(None, *differences(coarse, fine))

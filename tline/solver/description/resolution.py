@@ -68,8 +68,7 @@ def resolution(
     scales = description.time_scales
     h = h or float(fixed.slab or 0.0) or description.slab or slab_of(description, delays, scales, settle)
     _check(t_end, delays, s, h, by_hand)
-    more = {"loss_elements": loss_elements, "diamonds": description.diamonds and s > 1}
-    chosen = Resolution(s, h, sections=sections, settle=settle, **more)
+    chosen = Resolution(s, h, sections=sections, settle=settle, loss_elements=loss_elements)
     notes = [
         f"{where}: its time scale of {scale:.3g} s is shorter than the slab of {h:.3g} s; "
         "what is faster than the slab is damped, not resolved"

@@ -1,0 +1,69 @@
+"""Friction where the flow turns, against a plain grid of characteristics that shares nothing with the solver."""
+
+import numpy as np
+import pytest
+
+from tline.scene.scene import Scene
+from tline.solver.simulate import simulate
+
+T_END, EVERY = 4.0, 128  # s, which is so many delays; instants in a delay that are looked at
+RADIUS, DENSITY, SPEED, FACTOR = 0.025, 900.0, 1e3, 0.03
+AREA = np.pi * RADIUS**2
+Z0 = DENSITY * SPEED / AREA
+FRICTION = FACTOR * DENSITY / (4 * RADIUS * AREA**2) * SPEED  # Pa s²/m⁶ in a delay of 1 s
+RATED_FLOW, RATED_DROP = 1e-3, 1e5
+
+
+def flow(excess, line, square):
+    """y of line·y + square |y| y = excess."""
+    size = np.abs(excess)
+    return np.sign(excess) * 2 * size / (line + np.sqrt(line**2 + 4 * square * size))
+
+
+def grid(n: int, pressure, orifice: float) -> np.ndarray:
+    """Flow at the source, effort and flow at the orifice; the trapezoidal rule over reaches of 1/n of the delay."""
+    lost, steps = FRICTION / n / 2, round(T_END * n)
+    u, y, seen = np.zeros(n + 1), np.zeros(n + 1), np.zeros((3, steps + 1))
+    for k in range(1, steps + 1):
+        a = (u + Z0 * y - lost * np.abs(y) * y)[:-1]
+        b = (u - Z0 * y + lost * np.abs(y) * y)[1:]
+        y = np.empty(n + 1)
+        y[1:-1] = flow(a[:-1] - b[1:], 2 * Z0, 2 * lost)
+        y[0] = flow(pressure[k] - b[0], Z0, lost)
+        y[-1] = flow(a[-1], Z0, lost + orifice)
+        u = np.empty(n + 1)
+        u[1:-1] = (a[:-1] + b[1:]) / 2
+        u[0], u[-1] = pressure[k], orifice * abs(y[-1]) * y[-1]
+        seen[:, k] = y[0], u[-1], y[-1]
+    return seen[:, :: n // EVERY]
+
+
+@pytest.mark.parametrize("tol", [1e-3, 1e-5])
+@pytest.mark.parametrize("frequency", [0.35, 0.6])
+def test_errors_are_as_told(frequency, tol):
+    scene = Scene(
+        medium="hydraulic",
+        t_end=T_END,
+        lines={"l": {"nodes": ["a", "b"], "length": SPEED, "radius": RADIUS, "density": DENSITY, "wave_speed": SPEED,
+                     "friction": {"kind": "darcy", "factor": FACTOR}}},
+        sources={"s": {"at": "a", "kind": "pressure", "resistance": 0,
+                       "value": {"shape": "sine", "amplitude": 2e5, "frequency": frequency}}},
+        loads={"r": {"at": "b", "kind": "orifice", "flow": RATED_FLOW, "pressure_drop": RATED_DROP}},
+        probes={"near": {"at": "a"}, "far": {"at": "b"}},
+    )  # fmt: skip
+    result = simulate(scene, tol=tol)
+    assert result.accuracy.met
+    coarse, fine = (
+        grid(n, 2e5 * np.sin(2 * np.pi * frequency * np.arange(T_END * n + 1) / n), RATED_DROP / RATED_FLOW**2)
+        for n in (512, 1024)
+    )
+    exact, t = fine + (fine - coarse) / 3, np.arange(1, T_END * EVERY) / EVERY
+    assert (exact.min(axis=1) < 0).all()  # it turns
+    for where, letter, wanted, doubt in zip(
+        ("near", "far", "far"), "yuy", exact, np.abs(fine - coarse) / 3, strict=True
+    ):
+        size = np.abs(wanted).max()
+        assert doubt.max() < 1e-6 * size
+        told = getattr(result.accuracy.inside[where], letter)
+        off = np.abs(getattr(result.probes[where].at(t), letter) - wanted[1:-1]).max() / size
+        assert off <= told + doubt.max() / size
