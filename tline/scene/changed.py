@@ -63,11 +63,12 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
     for path, section, name, *_ in places:
         _element(scene, path, section, name)
     try:
-        found = _numbers(scene, places, values) or _elements(scene, places, values)
+        numbers = _numbers(scene, places, values)
+        found = numbers or _elements(scene, places, values)
     except (ValidationError, InputError):
         return _read_anew(scene, values)  # which tells what is wrong
     pairs = [(getattr(scene, part)[name], new) for part, each in found.items() for name, new in each.items()]
-    if any(getattr(old, key, None) != getattr(new, key, None) for old, new in pairs for key in PLACES):
+    if not numbers and any(getattr(old, key, None) != getattr(new, key, None) for old, new in pairs for key in PLACES):
         return _read_anew(scene, values)
     new = scene.model_copy(update={section: {**getattr(scene, section), **each} for section, each in found.items()})
     for name in DERIVED if {"lines", "nodes"} & found.keys() else ():

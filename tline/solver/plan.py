@@ -16,8 +16,9 @@ from tline.solver.assembly.fronts import Tally
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import Shape, places_of, sampled
 from tline.solver.description.given import Scene
-from tline.solver.description.groups import Group
+from tline.solver.description.groups import Group, poles_of
 from tline.solver.description.load_step import StateSpace, load_step
+from tline.solver.description.nodes import Node
 from tline.solver.description.resolution import resolution
 from tline.solver.description.short_lines import short_lines
 from tline.solver.description.slab import whole_slabs
@@ -39,7 +40,6 @@ SPARE = 0.1  # of the tolerance: what a plan is to tell of the scene as it was g
 CAUTION = BETWEEN / (1 - SLOWEST)  # errors between places over differences
 
 
-NOTHING = np.empty(0)
 Excitations = list[tuple[Shape, float]]
 
 
@@ -64,19 +64,21 @@ class OneOrder:
         s, ends = self.assembly.basis.s, len(self.assembly.network.ends)
         return Attempt(s, self.slabs.width, None, ends * self.slabs.number * s, 0.0)
 
-    def write(self, g: int, group: Group, system: StateSpace | None, at_rest: NDArray, weights: list[NDArray]) -> None:
-        """Put what now stands at a group of nodes, and its state space if it has one, in place of what stood there."""
-        network, order, h = self.assembly.network, self.assembly.basis, self.assembly.resolution.h
-        if system is not None:
-            row, at = network.step_row[g], network.load_at[g]
-            step = load_step(system, order, h) if network.step_whole[row] else system.d
-            network.step[network.step_at[row] :][: step.size] = step.ravel()
-            self.initial[at : at + len(system.A)] = at_rest
-        for k, (node, weight) in enumerate(zip(group.nodes, weights, strict=True), int(network.group[g])):
-            network.weight[network.first[k] : network.first[k + 1]] = weight
-            if node.excitations:
-                parts = [share * sampled(shape, order, h, 0, self.slabs.number) for shape, share in node.excitations]
-                self.excitation[network.excitation_row[k]] = np.sum(parts, axis=0).ravel()
+    def respond(self, g: int, system: StateSpace, at_rest: NDArray) -> None:
+        """Put a state space in place of that of a group of nodes."""
+        network = self.assembly.network
+        row, at = network.step_row[g], network.load_at[g]
+        step = load_step(system, self.assembly.basis, self.slabs.width) if network.step_whole[row] else system.d
+        network.step[network.step_at[row] :][: step.size] = step.ravel()
+        self.initial[at : at + len(at_rest)] = at_rest
+
+    def drive(self, k: int, node: Node, weight: NDArray) -> None:
+        """Put what drives a node in place of what drove it: shares of arriving waves, and sources."""
+        network, order, h = self.assembly.network, self.assembly.basis, self.slabs.width
+        network.weight[network.first[k] : network.first[k + 1]] = weight
+        if node.excitations:
+            parts = [share * sampled(shape, order, h, 0, self.slabs.number) for shape, share in node.excitations]
+            self.excitation[network.excitation_row[k]] = np.sum(parts, axis=0).ravel()
 
     def march(self) -> bool:
         """Advance from rest to the end; whether all waves are finite."""
@@ -103,26 +105,29 @@ class Plan:
 
     def __init__(self, description: Description, tol: float, order: int, h: float):
         self.description, self.tol = description, tol
-        self.coarse, self.fine = (OneOrder(description, s, h) for s in (order, order + 1))
-        self.groups = list(description.grouped()[0])
+        self.coarse, self.fine = self.orders = [OneOrder(description, s, h) for s in (order, order + 1)]
+        self.groups, nodes = description.grouped()
+        self.number = {node: k for k, node in enumerate(nodes)}
+        self.group = {node.name: g for g, group in enumerate(self.groups) for node in group.nodes}
+        self.written: dict[int, Group] = {}  # in place of the description's
         self.z0 = np.array([line.z0 for line in description.lines.values()])
         self.result, self.attempts = self._given_out(), (self.coarse.attempt, self.fine.attempt)
-        self.compared = {name: self._compared(name) for name in description.probes}
-        self.packed = {name: pack(compared) for name, compared in self.compared.items()}
+        self.most = np.zeros((len(description.probes), 6, BLOCK))
+        self.compared = [pack(self._compared(*each)) for each in zip(description.probes, self.most, strict=True)]
 
     @property
     def smooth(self) -> bool:
         """Whether no run needs pieces of slabs, nor ends within a slab."""
         return self.coarse.smooth and self.fine.smooth and not self.fine.slabs.rest
 
-    def _compared(self, name: str) -> Compared:
+    def _compared(self, name: str, most: NDArray) -> Compared:
         """What compares the waves a and b at a probe in both runs."""
-        probe, orders = self.description.probes[name], (self.coarse, self.fine)
+        probe = self.description.probes[name]
         row, n = self.fine.assembly.recorded[probe.line] + int(probe.share), self.fine.slabs.number
         sides = (1, 0) if probe.share == 0.0 else (0, 1)  # of the record, which has what arrived first
-        a, b, c, d = (one.record[row, side].reshape(n, -1) for one in orders for side in sides)
-        s, other = (one.assembly.basis.s for one in orders)
-        work = np.empty((2, s, BLOCK)), np.empty((2, other, BLOCK)), np.empty((4, BLOCK)), np.zeros((6, BLOCK))
+        a, b, c, d = (one.record[row, side].reshape(n, -1) for one in self.orders for side in sides)
+        s, other = (one.assembly.basis.s for one in self.orders)
+        work = np.empty((2, s, BLOCK)), np.empty((2, other, BLOCK)), np.empty((4, BLOCK)), most
         return Compared(a, b, c, d, *at_same_places(s, other, 1, len(chebyshev(other))), 0.0, *work)
 
     def run(self, description: Description) -> Result | None:
@@ -133,9 +138,7 @@ class Plan:
         description : Description
             Changed from the plan's own.
         """
-        if description.active or not self._written(description):
-            return None
-        if not (self.coarse.march() and self.fine.march()):
+        if not self._patched(description) or not (self.coarse.march() and self.fine.march()):
             return None
         accuracy = self._accuracy()
         return self._result(description.scene, accuracy) if accuracy.met else None
@@ -165,42 +168,55 @@ class Plan:
 
     def _accuracy(self) -> Accuracy:
         """Errors of the coarser run by its differences to the finer one, which bound those of this."""
-        found = {}
-        for name, compared in self.compared.items():
-            compared.most.fill(0.0)
-            find_difference(self.packed[name])
-            at_ends, inside, largest = compared.most.max(axis=1).reshape(3, 2)
-            inside = CAUTION * np.maximum(inside, at_ends)
-            found[name] = Difference(CAUTION * at_ends, inside, inside, largest)
-        told = relative(found)
+        self.most.fill(0.0)
+        for compared in self.compared:
+            find_difference(compared)
+        found = self.most.max(axis=2).reshape(-1, 3, 2)
+        found[:, 1] = CAUTION * found[:, :2].max(axis=1)
+        found[:, 0] *= CAUTION
+        names = self.description.probes
+        told = relative({name: Difference(*each[[0, 1, 1, 2]]) for name, each in zip(names, found, strict=True)})
         worst = max(estimate.worst for estimate in told[1].values())
         return Accuracy(self.tol, *told, attempts=(replace(self.attempts[0], estimate=worst), self.attempts[1]))
 
-    def _written(self, description: Description) -> bool:
+    def _patched(self, description: Description) -> bool:
         """Write down what other values change; whether that could be done."""
-        groups = description.grouped()[0]
-        for g, (group, old) in enumerate(zip(groups, self.groups, strict=True)):
-            if group is old:
-                continue
-            row = self.fine.assembly.network.step_row[g]
-            system = group.circuits()[0].system if row >= 0 else None
-            if not self._takes(group, old, system):
+        if description is not self.description and description.active:
+            return False
+        changed: dict[int, Group] = {}
+        for g in {self.group[node] for node in description.anew}:
+            old = self.groups[g]
+            changed[g] = Group([description.anew.get(node.name, node) for node in old.nodes], old.branches, [], [])
+            if not self._takes(changed[g], old):
                 return False
-            at_rest = NOTHING if system is None else group.at_rest()
-            weights = [node.weights(self.z0) for node in group.nodes]
-            for one in (self.coarse, self.fine):
-                one.write(g, group, system, at_rest, weights)
-            self.groups[g] = group
+        for g in {**self.written, **changed}:
+            self._write(g, changed.get(g, self.groups[g]), self.written.get(g, self.groups[g]))
+        self.written = changed
         return True
 
-    def _takes(self, group: Group, old: Group, system: StateSpace | None) -> bool:
+    def _write(self, g: int, group: Group, before: Group) -> None:
+        """Write down what now stands at a group of nodes."""
+        if self.fine.assembly.network.step_row[g] >= 0:
+            at_rest = group.at_rest()
+            for one in self.orders:
+                one.respond(g, group.always, at_rest)
+        for node, old in zip(group.nodes, before.nodes, strict=True):
+            if (node.total, node.held, node.flows) != (old.total, old.held, old.flows):
+                weight = node.weights(self.z0)
+                for one in self.orders:
+                    one.drive(self.number[node.name], node, weight)
+
+    def _takes(self, group: Group, old: Group) -> bool:
         """Whether a group of nodes differs from that before in numbers alone, and is slow enough for the slabs."""
-        if group.dynamic != old.dynamic or (system and len(system.A) != len(old.circuits()[0].system.A)):
+        if group.dynamic != old.dynamic:
             return False
-        if group.poles is not None and self.coarse.assembly.resolution.resolved * np.abs(group.poles).max() > 1.0:
-            return False
-        pairs = zip(group.nodes, old.nodes, strict=True)
-        return all(self._follows(node.excitations, before.excitations) for node, before in pairs)
+        if group.dynamic:
+            A = group.always.A
+            if len(A) != len(old.always.A):
+                return False
+            if len(A) and self.coarse.assembly.resolution.resolved * np.abs(poles_of(group.always)).max() > 1.0:
+                return False
+        return all(self._follows(node.excitations, before.excitations) for node, before in zip(group.nodes, old.nodes))
 
     def _follows(self, excitations: Excitations, before: Excitations) -> bool:
         """Whether what drives a node is slow enough, and breaks at edges of slabs alone, if as much did before."""

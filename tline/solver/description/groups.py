@@ -106,6 +106,11 @@ class Group:
         branches = [*self.loads, *(branch.before(t) for branch in self.branches)]
         return circuit(self.nodes, branches, self.ports(impedances), [node.switched(t) for node in self.nodes])
 
+    @cached_property
+    def always(self) -> StateSpace:
+        """From waves of its nodes to efforts there, if no switch moves and no law stands there."""
+        return self.circuit(np.inf).system
+
     def circuits(self, impedances: Sequence[float] = ()) -> list[Circuit]:
         """The circuit before the first of its instants, and after each; without impedances it has no laws."""
         key = tuple(impedances)
@@ -134,9 +139,7 @@ class Group:
             if not self.elements:
                 raise
             return None  # only laws tie some efforts
-        return np.concatenate(
-            [system.A[0] if len(system.A) == 1 else np.linalg.eigvals(system.A) for system in systems]
-        )
+        return np.concatenate([poles_of(system) for system in systems])
 
     @cached_property
     def _alone(self) -> list[float]:
@@ -223,6 +226,11 @@ class Group:
         full = np.append(np.zeros(number), 1.0)
         full[: len(states)] = states
         return full[self._initial.kept]
+
+
+def poles_of(system: StateSpace) -> NDArray:
+    """Poles of a state space, 1/s."""
+    return system.A[0] if len(system.A) == 1 else np.linalg.eigvals(system.A)
 
 
 def regrouped(groups: Sequence[Group], nodes: Mapping[str, Node], elements: Sequence[PlacedLaw]) -> list[Group]:
