@@ -58,8 +58,9 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
     if any(isinstance(element, NOT_ALONE) for part in (scene.loads, scene.links) for element in part.values()):
         return _read_anew(scene, values)
     places = [(path, *parts_of(path)) for path in values]
-    if not all(section in SECTIONS and len(names) >= SINGLE for _, section, *names in places):
-        return _read_anew(scene, values)
+    for _, section, *names in places:
+        if section not in SECTIONS or len(names) < SINGLE:
+            return _read_anew(scene, values)
     for path, section, name, *_ in places:
         _element(scene, path, section, name)
     try:
@@ -73,9 +74,11 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
     new = scene.model_copy(update={section: {**getattr(scene, section), **each} for section, each in found.items()})
     for name in DERIVED if {"lines", "nodes"} & found.keys() else ():
         vars(new).pop(name, None)
-    if not all(conflict_alike(*pair) for pair in pairs):
-        for mistake in conflicts(new):
-            raise _at(mistake, values)
+    for pair in pairs:
+        if not conflict_alike(*pair):
+            for mistake in conflicts(new):
+                raise _at(mistake, values)
+            break
     return new
 
 

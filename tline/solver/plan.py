@@ -33,6 +33,7 @@ from tline.solver.tolerance.compare import BETWEEN, relative
 from tline.solver.tolerance.difference import Difference
 from tline.solver.tolerance.smooth import at_same_places
 
+NOTHING = np.empty(0)
 WIDEST = 4  # slabs, over those of a search, which are for low orders
 LOWEST, HIGHEST = 5, 10  # order of the coarser run: below, what they differ by falls slowly
 MOST_SAMPLES = 1e6  # at line ends; in longer runs what a plan saves is little
@@ -159,10 +160,9 @@ class Plan:
             pairs = (line.a1, a1), (line.b1, b1), (line.a2, a2), (line.b2, b2)
             a1, b1, a2, b2 = (Wave(values, 0.0, old.basis, old.h, old.pieces) for old, values in pairs)
             lines[name] = LineRecord(line.z0, line.delay, a1, b1, a2, b2, line.smeared, blurred=line.blurred)
-        probes = {
-            name: ProbeResult(name, old.line, old.share, lines[old.line], old.slabs, old.height)
-            for name, old in known.probes.items()
-        }
+        probes = {}
+        for name, old in known.probes.items():
+            probes[name] = ProbeResult(name, old.line, old.share, lines[old.line], old.slabs, old.height)
         again = known.accounts._replace(scene=scene) if isinstance(known.accounts, Again) else None
         return replace(known, scene=scene, lines=lines, probes=probes, accuracy=accuracy, accounts=again)
 
@@ -174,18 +174,19 @@ class Plan:
         found = self.most.max(axis=2).reshape(-1, 3, 2)
         found[:, 1] = CAUTION * found[:, :2].max(axis=1)
         found[:, 0] *= CAUTION
-        names = self.description.probes
-        told = relative({name: Difference(*each[[0, 1, 1, 2]]) for name, each in zip(names, found, strict=True)})
-        worst = max(estimate.worst for estimate in told[1].values())
+        told = relative(dict(zip(self.description.probes, found[:, [0, 1, 1, 2]], strict=True)))
+        worst = 0.0
+        for estimate in told[1].values():
+            worst = max(worst, estimate.u, estimate.y)
         return Accuracy(self.tol, *told, attempts=(replace(self.attempts[0], estimate=worst), self.attempts[1]))
 
     def _patched(self, description: Description) -> bool:
         """Write down what other values change; whether that could be done."""
-        if description is not self.description and description.active:
+        if description.active:
             return False
         changed: dict[int, Group] = {}
-        for g in {self.group[node] for node in description.anew}:
-            old = self.groups[g]
+        for name in description.anew:
+            old = self.groups[g := self.group[name]]
             changed[g] = Group([description.anew.get(node.name, node) for node in old.nodes], old.branches, [], [])
             if not self._takes(changed[g], old):
                 return False
@@ -197,11 +198,11 @@ class Plan:
     def _write(self, g: int, group: Group, before: Group) -> None:
         """Write down what now stands at a group of nodes."""
         if self.fine.assembly.network.step_row[g] >= 0:
-            at_rest = group.at_rest()
+            at_rest = NOTHING if group.single else group.at_rest()  # nothing is lifted
             for one in self.orders:
                 one.respond(g, group.always, at_rest)
         for node, old in zip(group.nodes, before.nodes, strict=True):
-            if (node.total, node.held, node.flows) != (old.total, old.held, old.flows):
+            if not _driven_alike(node, old):
                 weight = node.weights(self.z0)
                 for one in self.orders:
                     one.drive(self.number[node.name], node, weight)
@@ -216,7 +217,10 @@ class Plan:
                 return False
             if len(A) and self.coarse.assembly.resolution.resolved * np.abs(poles_of(group.always)).max() > 1.0:
                 return False
-        return all(self._follows(node.excitations, before.excitations) for node, before in zip(group.nodes, old.nodes))
+        for node, before in zip(group.nodes, old.nodes, strict=True):
+            if not (_driven_alike(node, before) or self._follows(node.excitations, before.excitations)):
+                return False
+        return True
 
     def _follows(self, excitations: Excitations, before: Excitations) -> bool:
         """Whether what drives a node is slow enough, and breaks at edges of slabs alone, if as much did before."""
@@ -229,8 +233,15 @@ class Plan:
         return whole and all(shape.fastest() >= resolved for shape, _ in excitations)
 
 
+def _driven_alike(node: Node, other: Node) -> bool:
+    """Whether waves and sources drive two nodes alike, which have the same line ends."""
+    return (node.conductance, node.held, node.flows) == (other.conductance, other.held, other.flows)
+
+
 def planned(description: Description, tol: float) -> Plan | None:
     """A plan of a scene for a tolerance, if it is one for that; of the lowest order with some room for other values."""
+    if description.active:
+        return None
     by_hand = description.scene.solver.order or description.scene.solver.slab
     once = description.steady or description.elements or description.lossy or description.heights
     if by_hand or once or description.stretches or description.switched or description.own:

@@ -17,7 +17,7 @@ from tline.scene.rational import RationalImpedance
 from tline.scene.switch import Switch
 from tline.scene.user_defined import user_elements
 from tline.scene.vessel import Boiling, SurgeTank
-from tline.solver.description.active import active_parts
+from tline.solver.description.active import active_parts, impedances
 from tline.solver.description.branches import PlacedBranch
 from tline.solver.description.elements import PlacedLaw, elements_of
 from tline.solver.description.excitation import Shape
@@ -99,19 +99,23 @@ class Description:
             part, *keys = parts_of(path)
             if part not in ("loads", "sources") or len(keys) == 1:
                 return None
-            old, new = (getattr(each, part)[keys[0]].at for each in (self.scene, scene))
-            if old is None or old != new:
+            old, new = getattr(self.scene, part)[keys[0]], getattr(scene, part)[keys[0]]
+            if old.at is None or old.at != new.at or type(old) is not type(new):
                 return None
-            at.add(new)
-        return None if scene.composed or self.stretches else at
+            at.add(new.at)
+        return None if self._composed else at
+
+    @cached_property
+    def _composed(self) -> bool:
+        """Whether other elements stand in place of some."""
+        return bool(self.scene.composed or self.stretches)
 
     @cached_property
     def anew(self) -> dict[str, Node]:
         """Nodes that are not those of the description from which it was changed."""
         if self.origin is None:
             return {}
-        known = self.origin.description.nodes
-        return nodes_anew(self.scene, {node: known[node] for node in self.origin.changed})
+        return nodes_anew(self.scene, self.origin.description.nodes, self.origin.changed)
 
     @property
     def ends(self) -> list[End]:
@@ -297,7 +301,13 @@ class Description:
     @cached_property
     def active(self) -> dict[str, str]:
         """What there is to say of each element that may feed waves, by its place."""
-        return active_parts(self.scene)
+        like = self.origin and self.origin.description
+        return like.active if like and not like.impedances else active_parts(self.scene)
+
+    @cached_property
+    def impedances(self) -> dict[str, Any]:
+        """Elements that are active or not as their numbers tell, by place."""
+        return impedances(self.scene)
 
     def grouped(
         self, sections: Mapping[str, int] = NONE, started: Mapping[str, float] = NONE

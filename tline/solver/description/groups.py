@@ -59,7 +59,10 @@ class Group:
     @cached_property
     def dynamic(self) -> bool:
         """Whether it has branches, loads with a state, or switches."""
-        return bool(self.branches) or any(node.held is None and (node.load or node.switches) for node in self.nodes)
+        for node in self.nodes:
+            if node.held is None and (node.load or node.switches):
+                return True
+        return bool(self.branches)
 
     @cached_property
     def single(self) -> bool:

@@ -5,6 +5,9 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from tline.solver.description.description import Description
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Estimate
 from tline.solver.result.result import ProbeResult, Result
@@ -91,17 +94,23 @@ def _as_computed(probe: ProbeResult) -> ProbeResult:
     return replace(probe, record=replace(probe.record, smeared=True))
 
 
-def relative(all_: Mapping[str, Difference]) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
+def relative(
+    all_: Mapping[str, Difference | NDArray],
+) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
     """Differences over the amplitudes of their probes."""
     told: tuple[dict[str, Estimate], ...] = {}, {}, {}
-    largest = max(float(found.amplitude.max()) for found in all_.values())
-    for name, found in all_.items():
-        amplitude = found.amplitude.tolist()
-        least = max(SILENT * max(amplitude), NOTHING * largest)
-        for each, sizes in zip(told, found[:3], strict=True):
-            pairs = zip(sizes.tolist(), amplitude, strict=True)
-            each[name] = Estimate(*(max(e / a, ROUNDING) if a > least and e > 0 else 0.0 for e, a in pairs))
+    found = {name: np.asarray(each).tolist() for name, each in all_.items()}
+    largest = max([max(amplitude) for *_, amplitude in found.values()])
+    for name, (*each, (u, y)) in found.items():
+        least = max(SILENT * max(u, y), NOTHING * largest)
+        for estimates, (of_u, of_y) in zip(told, each, strict=True):
+            estimates[name] = Estimate(_share(of_u, u, least), _share(of_y, y, least))
     return told
+
+
+def _share(error: float, amplitude: float, least: float) -> float:
+    """An error over an amplitude, if that is more than the least."""
+    return max(error / amplitude, ROUNDING) if amplitude > least and error > 0 else 0.0
 
 
 def caution(found: Accuracy, before: Accuracy | None = None, unknown: float = SLOWEST) -> float:
