@@ -182,7 +182,8 @@ class Plan:
 
     def _patched(self, description: Description) -> bool:
         """Write down what other values change; whether that could be done."""
-        if description.active:
+        known = description if description.origin is None else description.origin.description
+        if known is not self.description or description.active:
             return False
         changed: dict[int, Group] = {}
         for name in description.anew:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Estimate
-from tline.solver.result.result import ProbeResult, Result
+from tline.solver.result.result import Result
 from tline.solver.tolerance.difference import Difference, difference, difference_at_ends
 
 ROUNDING = 2e-15  # relative to the amplitude; no estimate is smaller
@@ -77,21 +77,23 @@ def differences(
 
     Where slab ends alone are beyond a tolerance, nothing else is looked at.
     """
+    if coarse.envelope is not None:
+        coarse, fine = as_computed(coarse), as_computed(fine)
     pairs = {name: (coarse.probes[name], probe) for name, probe in fine.probes.items()}
     if tol is not None:
         at_ends = {name: difference_at_ends(*pair) for name, pair in pairs.items()}
         told = relative({name: Difference(off, off, off, most) for name, (off, most) in at_ends.items()})
         if max(estimate.worst for estimate in told[0].values()) > tol:
             return told
-    if coarse.envelope is not None:
-        pairs = {name: (_as_computed(one), _as_computed(other)) for name, (one, other) in pairs.items()}
     settle, followed = fine.resolution.settle, bool(coarse.resolution.layers and fine.resolution.layers)
     return relative({name: difference(*pair, settle, followed) for name, pair in pairs.items()})
 
 
-def _as_computed(probe: ProbeResult) -> ProbeResult:
-    """The same with the polynomials that slabs were computed with, of which envelopes are taken."""
-    return replace(probe, record=replace(probe.record, smeared=True))
+def as_computed(result: Result) -> Result:
+    """A result with the polynomials that its slabs were computed with, of which envelopes are taken."""
+    lines = {name: replace(line, smeared=True) for name, line in result.lines.items()}
+    probes = {name: replace(at, record=replace(at.record, smeared=True)) for name, at in result.probes.items()}
+    return replace(result, lines=lines, probes=probes)
 
 
 def relative(
