@@ -75,7 +75,8 @@ def _widths(description: Description) -> list[float]:
     shortest, breaks = min(delays), breaks_of(description).tolist()
     times = (*delays, *breaks), (*delays,)
     parts = next(filter(None, (common_parts(each, shortest, MOST_PARTS) for each in times)), 1)
-    widths, samples = [shortest / (parts * 2**k) for k in range(HALVINGS)], 2 * len(delays) * description.t_end * HIGHEST
+    samples = 2 * len(delays) * description.t_end * HIGHEST
+    widths = (shortest / (parts * 2**k) for k in range(HALVINGS))
     return [h for h in widths if samples / h * relative_work(h, delays, breaks) <= MOST_WORK]
 
 

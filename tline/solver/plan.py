@@ -30,7 +30,6 @@ from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import LineRecord, ProbeResult, Result, Wave
 from tline.solver.run import Again, given_out, with_ledger
 from tline.solver.tolerance.compare import BETWEEN, relative
-from tline.solver.tolerance.difference import Difference
 from tline.solver.tolerance.smooth import at_same_places
 
 NOTHING = np.empty(0)
