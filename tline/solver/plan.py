@@ -1,8 +1,8 @@
-"""A plan of a scene: all that no value touches is found and packed once, and a run writes down what its values change.
+"""Runs of a scene with other values, on a grid that suits it, in place of searches for one.
 
-Two runs of orders s and s + 1 on the same slabs are compared as the polynomials they are, at Chebyshev's places in each
-slab, and the finer one is the result. A plan is for scenes from rest without laws, losses, switches, elevations and
-lumped lines, whose fronts lie at edges of slabs.
+Two runs of orders s and s + 1 on the same slabs are compared as the polynomials they are; the finer one is the result,
+and the difference bounds its errors. Where no value touches more than numbers in packed arrays, these are written down
+and nothing else is made again.
 """
 
 from dataclasses import replace
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
+from tline.errors import InputError
 from tline.solver.assembly.assemble import assemble
 from tline.solver.assembly.fronts import Tally
 from tline.solver.description.description import Description
@@ -21,24 +22,24 @@ from tline.solver.description.load_step import StateSpace, load_step
 from tline.solver.description.nodes import Node
 from tline.solver.description.resolution import resolution
 from tline.solver.description.short_lines import short_lines
-from tline.solver.description.slab import whole_slabs
+from tline.solver.description.slab import breaks_of, common_parts, relative_work
 from tline.solver.kernel.difference import BLOCK, Compared, find_difference
 from tline.solver.loop.march import March, Stepper, concatenated
 from tline.solver.loop.slabs import Slabs
 from tline.solver.radau import chebyshev
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import LineRecord, ProbeResult, Result, Wave
-from tline.solver.run import Again, given_out, with_ledger
-from tline.solver.tolerance.compare import BETWEEN, relative
+from tline.solver.run import Again, given_out, run, with_ledger
+from tline.solver.tolerance.compare import BETWEEN, as_computed, compare, relative
 from tline.solver.tolerance.smooth import at_same_places
 
 NOTHING = np.empty(0)
-WIDEST = 4  # slabs, over those of a search, which are for low orders
 LOWEST, HIGHEST = 5, 10  # order of the coarser run: below, what they differ by falls slowly
-MOST_SAMPLES = 1e6  # at line ends; in longer runs what a plan saves is little
-SPARE = 0.1  # of the tolerance: what a plan is to tell of the scene as it was given
+HALVINGS = 5  # of slabs as wide as the shortest delay, or as what divides all delays
+MOST_PARTS = 1000  # of the shortest delay
+MOST_WORK = 3e5  # line-end samples without fronts that take as long as a run: some hundredths of a second
+SPARE = 0.1  # of the tolerance: what is to be told of the scene as it was given
 CAUTION = BETWEEN / (1 - SLOWEST)  # errors between places over differences
-
 
 Excitations = list[tuple[Shape, float]]
 
@@ -89,8 +90,8 @@ class OneOrder:
         return self.kernel.blocks(self.slabs.number, self.excitation, self.record, 0) < 0
 
 
-class Plan:
-    """Two orders of a described scene on slabs of one width, for runs of it with other values.
+class Pair:
+    """Two orders on slabs of one width, for runs of a described scene with other values.
 
     Parameters
     ----------
@@ -104,8 +105,36 @@ class Plan:
     """
 
     def __init__(self, description: Description, tol: float, order: int, h: float):
-        self.description, self.tol = description, tol
+        self.description, self.tol, self.order, self.h = description, tol, order, h
+
+    def run(self, description: Description) -> Result | None:
+        """The result for the scene with other values; None if it is not as accurate as asked, or not resolved."""
+        try:
+            grids = [resolution(description, s, self.h) for s in (self.order, self.order + 1)]
+            if description.active or any(chosen.notes or chosen.blind for chosen in grids):
+                return None
+            coarse, fine = (as_computed(run(description, chosen)) for chosen in grids)
+        except InputError:
+            return None  # which a search tells, or finds a way round
+        told = compare(description, coarse, fine, self.tol).errors
+        if not told.met or fine.unresolved:
+            return None
+        accuracy = replace(told, attempts=(Attempt.of(coarse, told.worst), Attempt.of(fine)))
+        return with_ledger(replace(fine, accuracy=accuracy), None)
+
+
+class Plan(Pair):
+    """A pair whose scene is packed once, where no run needs pieces of slabs; a run writes down what its values change.
+
+    For scenes from rest without laws, losses, switches, elevations and lumped lines.
+    """
+
+    def __init__(self, description: Description, tol: float, order: int, h: float):
+        super().__init__(description, tol, order, h)
         self.coarse, self.fine = self.orders = [OneOrder(description, s, h) for s in (order, order + 1)]
+        self.resolved = self.coarse.assembly.resolution.resolved
+        notes = self.coarse.assembly.resolution.notes
+        self.smooth = self.coarse.smooth and self.fine.smooth and not self.fine.slabs.rest and not notes
         self.groups, nodes = description.grouped()
         self.number = {node: k for k, node in enumerate(nodes)}
         self.group = {node.name: g for g, group in enumerate(self.groups) for node in group.nodes}
@@ -114,11 +143,6 @@ class Plan:
         self.result, self.attempts = self._given_out(), (self.coarse.attempt, self.fine.attempt)
         self.most = np.zeros((len(description.probes), 6, BLOCK))
         self.compared = [pack(self._compared(*each)) for each in zip(description.probes, self.most, strict=True)]
-
-    @property
-    def smooth(self) -> bool:
-        """Whether no run needs pieces of slabs, nor ends within a slab."""
-        return self.coarse.smooth and self.fine.smooth and not self.fine.slabs.rest
 
     def _compared(self, name: str, most: NDArray) -> Compared:
         """What compares the waves a and b at a probe in both runs."""
@@ -131,14 +155,8 @@ class Plan:
         return Compared(a, b, c, d, *at_same_places(s, other, 1, len(chebyshev(other))), 0.0, *work)
 
     def run(self, description: Description) -> Result | None:
-        """The result for the scene with other values; None if these make it another scene, or if it is not accurate.
-
-        Parameters
-        ----------
-        description : Description
-            Changed from the plan's own.
-        """
-        if not self._patched(description) or not (self.coarse.march() and self.fine.march()):
+        """The result; None if the values make it another scene, or if it is not accurate."""
+        if not (self.smooth and self._patched(description) and self.coarse.march() and self.fine.march()):
             return None
         accuracy = self._accuracy()
         return self._result(description.scene, accuracy) if accuracy.met else None
@@ -215,7 +233,7 @@ class Plan:
             A = group.always.A
             if len(A) != len(old.always.A):
                 return False
-            if len(A) and self.coarse.assembly.resolution.resolved * np.abs(poles_of(group.always)).max() > 1.0:
+            if len(A) and self.resolved * np.abs(poles_of(group.always)).max() > 1.0:
                 return False
         for node, before in zip(group.nodes, old.nodes, strict=True):
             if not (_driven_alike(node, before) or self._follows(node.excitations, before.excitations)):
@@ -224,13 +242,13 @@ class Plan:
 
     def _follows(self, excitations: Excitations, before: Excitations) -> bool:
         """Whether what drives a node is slow enough, and breaks at edges of slabs alone, if as much did before."""
-        slabs, resolved = self.fine.slabs, self.coarse.assembly.resolution.resolved
+        slabs = self.fine.slabs
         if len(excitations) != len(before):
             return False
         if all(shape is other for (shape, _), (other, _) in zip(excitations, before, strict=True)):
             return True
         whole = not np.any(places_of(excitations, slabs.end, slabs.width) % 1)
-        return whole and all(shape.fastest() >= resolved for shape, _ in excitations)
+        return whole and all(shape.fastest() >= self.resolved for shape, _ in excitations)
 
 
 def _driven_alike(node: Node, other: Node) -> bool:
@@ -238,29 +256,33 @@ def _driven_alike(node: Node, other: Node) -> bool:
     return (node.conductance, node.held, node.flows) == (other.conductance, other.held, other.flows)
 
 
-def planned(description: Description, tol: float) -> Plan | None:
-    """A plan of a scene for a tolerance, if it is one for that; of the lowest order with some room for other values."""
-    if description.active:
-        return None
+def planned(description: Description, tol: float) -> Pair | None:
+    """What runs a scene with other values to a tolerance, on the widest slabs that leave these some room."""
     by_hand = description.scene.solver.order or description.scene.solver.slab
-    once = description.steady or description.elements or description.lossy or description.heights
-    if by_hand or once or description.stretches or description.switched or description.own:
+    moves = any(element.governor is not None for element in description.elements)
+    if by_hand or moves or description.lossy or description.collapses or description.stretches or description.own:
         return None
-    if short_lines(description, ())[0]:  # which a search may lump
+    if description.active or short_lines(description, ())[0]:  # which a search may lump
         return None
-    if not all(probe.line in description.lines and probe.share in (0.0, 1.0) for probe in description.probes.values()):
-        return None
-    h, delays = resolution(description, LOWEST).h, [line.delay for line in description.lines.values()]
-    if 2 * len(delays) * description.t_end / h * LOWEST > MOST_SAMPLES:
-        return None
-    for wider in range(WIDEST, 0, -1):
-        if not whole_slabs(wider * h, delays) or resolution(description, LOWEST, wider * h).notes:
-            continue
-        for order in range(LOWEST, HIGHEST + 1):
-            plan = Plan(description, tol, order, wider * h)
-            if not plan.smooth:
-                break
-            result = plan.run(description)
-            if result is not None and result.accuracy and result.accuracy.worst <= SPARE * tol:
-                return plan
+    once = description.steady or description.elements or description.heights or description.switched
+    at_ends = all(at.line in description.lines and at.share in (0.0, 1.0) for at in description.probes.values())
+    for make in (Plan, Pair) if at_ends and not once else (Pair,):
+        for h in _widths(description):
+            if make(description, SPARE * tol, HIGHEST, h).run(description) is None:
+                continue
+            for order in range(LOWEST, HIGHEST + 1):
+                if make(description, SPARE * tol, order, h).run(description) is not None:
+                    return make(description, tol, order, h)
     return None
+
+
+def _widths(description: Description) -> list[float]:
+    """Widths of slabs, s: wide ones first, which divide all delays, and breaks of waveforms, if any do."""
+    delays = [line.delay for line in description.lines.values()]
+    shortest, breaks = min(delays), breaks_of(description).tolist()
+    times = (*delays, *breaks), (*delays,)
+    parts = next(filter(None, (common_parts(each, shortest, MOST_PARTS) for each in times)), 1)
+    samples = 2 * len(delays) * description.t_end * HIGHEST
+    widths = (shortest / (parts * 2**k) for k in range(HALVINGS))
+    affordable = (h for h in widths if samples / h * relative_work(h, delays, breaks) <= MOST_WORK)
+    return [h for h in affordable if h <= description.t_end]

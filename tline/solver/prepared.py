@@ -10,8 +10,7 @@ from typing import Any
 from tline.scene.file import as_scene
 from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene
-from tline.solver.pair import Pair, paired
-from tline.solver.plan import Plan, planned
+from tline.solver.plan import Pair, planned
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import Result
 from tline.solver.simulate import asked, simulated
@@ -39,7 +38,7 @@ class Prepared:
         self.scene, self.description = scene, describe(scene)
         self.starts: dict[float, Start] = {}
         self._fixed = False
-        self._plans: dict[float, Plan | Pair | None] = {}
+        self._plans: dict[float, Pair | None] = {}
         self._repeated: set[float] = set()  # tolerances of several searches
         self._lock = Lock()  # of plans, which write in place
 
@@ -112,7 +111,7 @@ class Prepared:
             return None
         with self._lock:
             if tol not in self._plans:
-                self._plans[tol] = planned(self.description, tol) or paired(self.description, tol)
+                self._plans[tol] = planned(self.description, tol)
             plan = self._plans[tol]
             return plan and plan.run(description)
 
