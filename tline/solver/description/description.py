@@ -63,7 +63,7 @@ class Description:
     slab : float
         That delays were rounded to, s; 0 where they are the scene's.
     known : dict
-        What searches to a tolerance found, for the next one of this scene; kept by `tline.solver.simulate`.
+        What was found of this scene, for its next run; kept by `tline.solver.simulate` and `tline.solver.assembly`.
     origin : Origin or None
         What it was changed from by values at some nodes.
     """
