@@ -31,7 +31,7 @@ from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import LineRecord, ProbeResult, Result, Wave
 from tline.solver.run import Again, given_out, run, with_ledger
 from tline.solver.tolerance.compare import BETWEEN, as_computed, compare, relative
-from tline.solver.tolerance.smooth import at_same_places
+from tline.solver.tolerance.difference import at_same_places
 
 NOTHING = np.empty(0)
 LOWEST, HIGHEST = 5, 10  # order of the coarser run: below, what they differ by falls slowly
