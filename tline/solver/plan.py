@@ -58,12 +58,8 @@ class OneOrder:
         self.smooth = stepper.fronts is None and not stepper.at_edges and not self.assembly.follows_edges
         self.excitation = stepper.signals.sampled(0, self.slabs.number).copy()
         self.initial = self.assembly.state.load.copy()
-
-    @property
-    def attempt(self) -> Attempt:
-        """As one of a search."""
-        s, ends = self.assembly.basis.s, len(self.assembly.network.ends)
-        return Attempt(s, self.slabs.width, None, ends * self.slabs.number * s, 0.0)
+        samples = len(self.assembly.network.ends) * self.slabs.number * order
+        self.attempt = Attempt(order, self.slabs.width, None, samples, 0.0)
 
     def respond(self, g: int, system: StateSpace, at_rest: NDArray) -> None:
         """Put a state space in place of that of a group of nodes."""
