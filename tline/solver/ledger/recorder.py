@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import Fronts
 from tline.solver.description.inventory import inventory_of
-from tline.solver.ledger.accounts import Accounts, accounts_of
-from tline.solver.ledger.columns import Columns
+from tline.solver.ledger.accounts import Accounts, Columns, accounts_of
 from tline.solver.ledger.ledger import COLUMNS, GRAVITY, Entry, Ledger
 from tline.solver.loop.march import Noted
 from tline.solver.loop.slabs import Slabs, cut_at_end
