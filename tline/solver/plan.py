@@ -255,9 +255,10 @@ def _driven_alike(node: Node, other: Node) -> bool:
 def planned(description: Description, tol: float) -> Pair | None:
     """What runs a scene with other values to a tolerance, on the widest slabs that leave these some room."""
     by_hand = description.scene.solver.order or description.scene.solver.slab
-    moves = any(element.governor is not None for element in description.elements)
-    if by_hand or moves or description.lossy or description.collapses or description.stretches or description.own:
+    if by_hand or description.stretches or description.lossy or description.collapses or description.own:
         return None
+    if any(element.governor is not None for element in description.elements):
+        return None  # what moves by itself is found from run to run
     if description.active or short_lines(description, ())[0]:  # which a search may lump
         return None
     once = description.steady or description.elements or description.heights or description.switched
