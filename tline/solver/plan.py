@@ -107,7 +107,7 @@ class Pair:
         """The result for the scene with other values; None if it is not as accurate as asked, or not resolved."""
         try:
             grids = [resolution(description, s, self.h) for s in (self.order, self.order + 1)]
-            if description.active or any(chosen.notes or chosen.blind for chosen in grids):
+            if not _tells_by_order(description) or any(chosen.notes or chosen.blind for chosen in grids):
                 return None
             coarse, fine = (as_computed(run(description, chosen)) for chosen in grids)
         except InputError:
@@ -254,12 +254,7 @@ def _driven_alike(node: Node, other: Node) -> bool:
 
 def planned(description: Description, tol: float) -> Pair | None:
     """What runs a scene with other values to a tolerance, on the widest slabs that leave these some room."""
-    by_hand = description.scene.solver.order or description.scene.solver.slab
-    if by_hand or description.stretches or description.lossy or description.collapses or description.own:
-        return None
-    if any(element.governor is not None for element in description.elements):
-        return None  # what moves by itself is found from run to run
-    if description.active or short_lines(description, ())[0]:  # which a search may lump
+    if not _tells_by_order(description):
         return None
     once = description.steady or description.elements or description.heights or description.switched
     at_ends = all(at.line in description.lines and at.share in (0.0, 1.0) for at in description.probes.values())
@@ -271,6 +266,16 @@ def planned(description: Description, tol: float) -> Pair | None:
                 if make(description, SPARE * tol, order, h).run(description) is not None:
                     return make(description, tol, order, h)
     return None
+
+
+def _tells_by_order(description: Description) -> bool:
+    """Whether two orders on slabs of one width tell all: nothing is lumped, remembered, or moves by itself."""
+    if description.scene.solver.order or description.scene.solver.slab or description.stretches or description.lossy:
+        return False
+    if description.collapses or description.own or description.active:
+        return False
+    moves = any(element.governor is not None for element in description.elements)
+    return not moves and not short_lines(description, ())[0]
 
 
 def _widths(description: Description) -> list[float]:
