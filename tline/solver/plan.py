@@ -14,8 +14,9 @@ from tline.compiled.structure import pack
 from tline.errors import InputError
 from tline.solver.assembly.assemble import assemble
 from tline.solver.assembly.fronts import Tally
+from tline.solver.assembly.layout import Excitation
 from tline.solver.description.description import Description
-from tline.solver.description.excitation import Shape, places_of, sampled
+from tline.solver.description.excitation import places_of, sampled
 from tline.solver.description.given import Scene
 from tline.solver.description.groups import Group, poles_of
 from tline.solver.description.load_step import StateSpace, load_step
@@ -40,8 +41,6 @@ MOST_PARTS = 1000  # of the shortest delay
 MOST_WORK = 3e5  # line-end samples without fronts that take as long as a run: some hundredths of a second
 SPARE = 0.1  # of the tolerance: what is to be told of the scene as it was given
 CAUTION = BETWEEN / (1 - SLOWEST)  # errors between places over differences
-
-Excitations = list[tuple[Shape, float]]
 
 
 class OneOrder:
@@ -236,7 +235,7 @@ class Plan(Pair):
                 return False
         return True
 
-    def _follows(self, excitations: Excitations, before: Excitations) -> bool:
+    def _follows(self, excitations: Excitation, before: Excitation) -> bool:
         """Whether what drives a node is slow enough, and breaks at edges of slabs alone, if as much did before."""
         slabs = self.fine.slabs
         if len(excitations) != len(before):
