@@ -61,7 +61,8 @@ def reflection(impedance: Ratio, z: float, where: str) -> StateSpace:
     lowest = n
     while denominator[lowest] == 0:
         lowest -= 1
-    exponent = _root(denominator[lowest], leading, lowest)  # of the rate, at which all are of one size
+    larger = denominator[lowest].bit_length() - leading.bit_length()
+    exponent = larger // lowest if lowest else 0  # of the rate 2**exponent, at which all are of one size
 
     def scaled(a: int, b: int, k: int) -> float:  # a/(b rate^k), rounded once
         return (a << max(-k * exponent, 0)) / (b << max(k * exponent, 0))
@@ -76,11 +77,6 @@ def reflection(impedance: Ratio, z: float, where: str) -> StateSpace:
         return StateSpace(A, b, c, d)
     scale = _balance(A)
     return StateSpace(A / scale[:, None] * scale, b / scale[:, None], c * scale, d)
-
-
-def _root(a: int, b: int, n: int) -> int:
-    """A whole number e such that 2**e has the size of abs(a/b)**(1/n)."""
-    return (a.bit_length() - b.bit_length()) // n if n else 0
 
 
 def _balance(A: Matrix) -> Matrix:
