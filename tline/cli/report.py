@@ -16,8 +16,8 @@ from tline.scene.touchstone import Touchstone
 from tline.solver.assembly.loss_elements import loss_elements_in
 from tline.solver.assembly.lossy_segments import fits
 from tline.solver.description.description import describe
-from tline.solver.description.grid_choice import grid_choice
 from tline.solver.description.lines import lines_of
+from tline.solver.description.resolution import grid_choice
 from tline.solver.result.accuracy import Accuracy, Estimate
 from tline.solver.result.dense_output import extremes
 from tline.solver.result.quantities import Bounds, in_tables

@@ -8,9 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.solver.stability.answers import answers
 from tline.solver.stability.lossy_line import inside
-from tline.solver.stability.scattering import Scattering
+from tline.solver.stability.scattering import Scattering, answers
 from tline.words.wording import nearest, place
 
 

@@ -58,23 +58,27 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
     if any(isinstance(element, NOT_ALONE) for part in (scene.loads, scene.links) for element in part.values()):
         return _read_anew(scene, values)
     places = [(path, *parts_of(path)) for path in values]
-    if not all(section in SECTIONS and len(names) >= SINGLE for _, section, *names in places):
-        return _read_anew(scene, values)
+    for _, section, *names in places:
+        if section not in SECTIONS or len(names) < SINGLE:
+            return _read_anew(scene, values)
     for path, section, name, *_ in places:
         _element(scene, path, section, name)
     try:
-        found = _numbers(scene, places, values) or _elements(scene, places, values)
+        numbers = _numbers(scene, places, values)
+        found = numbers or _elements(scene, places, values)
     except (ValidationError, InputError):
         return _read_anew(scene, values)  # which tells what is wrong
     pairs = [(getattr(scene, part)[name], new) for part, each in found.items() for name, new in each.items()]
-    if any(getattr(old, key, None) != getattr(new, key, None) for old, new in pairs for key in PLACES):
+    if not numbers and any(getattr(old, key, None) != getattr(new, key, None) for old, new in pairs for key in PLACES):
         return _read_anew(scene, values)
     new = scene.model_copy(update={section: {**getattr(scene, section), **each} for section, each in found.items()})
     for name in DERIVED if {"lines", "nodes"} & found.keys() else ():
         vars(new).pop(name, None)
-    if not all(conflict_alike(*pair) for pair in pairs):
-        for mistake in conflicts(new):
-            raise _at(mistake, values)
+    for pair in pairs:
+        if not conflict_alike(*pair):
+            for mistake in conflicts(new):
+                raise _at(mistake, values)
+            break
     return new
 
 

@@ -115,9 +115,9 @@ def conflict_alike(one: Any, other: Any) -> bool:
     """
     if type(one) is not type(other) or not isinstance(one, RationalImpedance):
         return False
-    pair = one.ratio, other.ratio
-    (short, degrees), (other_short, other_degrees) = ((ratio.is_zero, [*map(len, ratio)]) for ratio in pair)
-    return short == other_short and (degrees == other_degrees or is_capacitive(one) == is_capacitive(other))
+    ratio, anew = one.ratio, other.ratio
+    degrees, now = [*map(len, ratio)], [*map(len, anew)]
+    return ratio.is_zero == anew.is_zero and (degrees == now or is_capacitive(one) == is_capacitive(other))
 
 
 def conflicts(scene: Scene) -> Iterator[InputError]:

@@ -49,7 +49,8 @@ def with_number(element: Any, keys: Sequence[str], value: Any) -> Any:
     checks = None if new is None else _checks(type(element))
     if checks is None:
         return None
-    fields = {key: getattr(element, key) for key in type(element).model_fields} | {name: new}
+    known = vars(element)
+    fields = {key: known[key] for key in type(element).model_fields} | {name: new}
     found = type(element).model_construct({*element.model_fields_set, name}, **fields)
     for check in checks:
         found = check(found)

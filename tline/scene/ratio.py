@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 from fractions import Fraction
+from itertools import chain
 from math import inf, lcm
+from operator import attrgetter
 from sys import float_info
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -25,9 +27,13 @@ class Ratio(NamedTuple):
     @classmethod
     def of_fractions(cls, *sides: Sequence[Fraction | int]) -> "Ratio":
         """That of exact coefficients; leading ones may be zero."""
-        common = lcm(*(a.denominator for side in sides for a in side))
-        whole = [[a.numerator * (common // a.denominator) for a in side] for side in sides]
-        return cls(*(tuple(side[next((k for k, a in enumerate(side) if a), len(side) - 1) :]) for side in whole))
+        common, whole = lcm(*map(attrgetter("denominator"), chain(*sides))), []
+        for side in sides:
+            first = 0
+            while first < len(side) - 1 and not side[first]:
+                first += 1
+            whole.append(tuple([a.numerator * (common // a.denominator) for a in side[first:]]))
+        return cls(*whole)
 
     @classmethod
     def of(cls, function: "RationalFunction") -> "Ratio":

@@ -141,9 +141,10 @@ class _RLC(RationalImpedance):
     capacitance: Capacitance | None = Field(default=None, description="C")
 
     def _exact_values(self) -> tuple[Fraction | None, Fraction | None, Fraction | None]:
-        r, ind, c = (None if x is None else exact(x) for x in (self.resistance, self.inductance, self.capacitance))
-        if r is ind is c is None:
+        given = self.resistance, self.inductance, self.capacitance
+        if given == (None, None, None):
             raise InputError("", "no element given", "at least one of resistance, inductance and capacitance")
+        r, ind, c = [None if x is None else exact(x) for x in given]
         return r, ind, c
 
 

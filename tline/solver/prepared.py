@@ -10,7 +10,7 @@ from typing import Any
 from tline.scene.file import as_scene
 from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene
-from tline.solver.plan import Plan, planned
+from tline.solver.plan import Pair, planned
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import Result
 from tline.solver.simulate import asked, simulated
@@ -38,7 +38,7 @@ class Prepared:
         self.scene, self.description = scene, describe(scene)
         self.starts: dict[float, Start] = {}
         self._fixed = False
-        self._plans: dict[float, Plan | None] = {}
+        self._plans: dict[float, Pair | None] = {}
         self._repeated: set[float] = set()  # tolerances of several searches
         self._lock = Lock()  # of plans, which write in place
 
@@ -102,11 +102,12 @@ class Prepared:
         return result
 
     def _planned(self, description: Description, tol: float) -> Result | None:
-        """The result by a plan, for other values at the nodes; None where there is none, or it is not for these.
+        """The result by a plan or a pair, for the same delays; None where there is none, or it is not for these values.
 
         A plan is made once a search has begun where another had ended.
         """
-        if description.lines is not self.description.lines or not (tol in self._repeated or self._fixed):
+        delays, now = ([line.delay for line in each.lines.values()] for each in (self.description, description))
+        if delays != now or not (tol in self._repeated or self._fixed):
             return None
         with self._lock:
             if tol not in self._plans:

@@ -169,7 +169,7 @@ def _network(layout: Layout, order: Basis, rows: Rows) -> Network:
     """The constant arrays of a layout at an order."""
     grid, systems = layout.grid, layout.systems
     echoes = [_echoes(group, grid.z0, grid.segmented) for group in layout.groups]
-    step, step_at = maps_of(systems, layout.groups, order, grid.h, echoes)
+    step, step_at = maps_of(systems, order, grid.h, echoes)
     return Network(
         grid.delay,
         offset=rows.offset,

@@ -16,7 +16,7 @@ from tline.solver.assembly.events import Event
 from tline.solver.assembly.settling import settling_step
 from tline.solver.assembly.workspace import workspace_for
 from tline.solver.description.excitation import Broken
-from tline.solver.description.tools import tools_of
+from tline.solver.description.laws import tools_of
 from tline.solver.kernel.fronts.structures import (
     DISSOLVED,
     DROPPED,

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
 from typing import Any, NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,9 +115,6 @@ class Layout:
         return dict(zip(self.grid.lines, np.stack([self.u + q, self.u - q], axis=2).reshape(-1, 4), strict=True))
 
 
-_kept: WeakKeyDictionary[Description, dict[Hashable, Layout]] = WeakKeyDictionary()
-
-
 def layout_of(description: Description, chosen: Resolution, *, progress: bool = False) -> Layout:
     """The layout of a described scene for some slabs; the last ones are kept as long as the description is.
 
@@ -138,7 +134,7 @@ def layout_of(description: Description, chosen: Resolution, *, progress: bool = 
             bar.update()
             return _laid_out(description, chosen, grid, bar)
 
-    return of_last(_kept.setdefault(description, {}), key, laid_out)
+    return of_last(description.known.setdefault(Layout, {}), key, laid_out)
 
 
 def _losses(description: Description, chosen: Resolution) -> tuple[Any, ...]:
@@ -227,14 +223,11 @@ def _thevenin(u: NDArray, q: NDArray, junctions: Junctions, weight: NDArray, exc
     return from_lines + [sum(share * just_before(waveform) for waveform, share in parts) for parts in excitations]
 
 
-_before: WeakKeyDictionary[Description, Before] = WeakKeyDictionary()
-
-
 def _before_start(description: Description, tables: Mapping[str, FrictionTable]) -> Before:
     """Efforts of nodes, and flows at the ends of lines, before t = 0; without friction slabs do not matter."""
-    if tables or description not in _before:
-        _before[description] = above_level(description, tables) if description.steady else rest(description)
-    return _before[description]
+    if tables or Before not in description.known:
+        description.known[Before] = above_level(description, tables) if description.steady else rest(description)
+    return description.known[Before]
 
 
 def _delays(lines: dict[str, Line], h: float) -> tuple[NDArray, NDArray, list[float]]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.solver.assembly.events import Event
 from tline.solver.description.groups import Group
-from tline.solver.description.load_step import StateSpace
+from tline.solver.description.load_step import StateSpace, load_step
 from tline.solver.radau import Basis
 
 
@@ -75,9 +75,7 @@ def _at_segments(group: Group, segmented: Collection[int]) -> bool:
     return any(end // 2 in segmented for node in group.nodes for end in node.ends)
 
 
-def maps_of(
-    found: GroupSystems, groups: list[Group], order: Basis, h: float, echoes: list[list[NDArray | None]]
-) -> tuple[NDArray, NDArray]:
+def maps_of(found: GroupSystems, order: Basis, h: float, echoes: list[list[NDArray | None]]) -> tuple[NDArray, NDArray]:
     """Maps over a slab from (waves, state) to (efforts, next state), one after the other; and their places.
 
     Waves and efforts are those of nodes, then of laws, each at the points of the slab, or at any one instant if these
@@ -85,7 +83,7 @@ def maps_of(
     segments send back at once, or None.
     """
     maps = [
-        echoed(groups[g].step(system, order, h), echoes[g]).ravel() if whole else system.d.ravel()
+        echoed(load_step(system, order, h), echoes[g]).ravel() if whole else system.d.ravel()
         for system, g, whole in zip(found.systems, found.group, found.whole, strict=True)
     ]
     return np.concatenate([np.empty(0), *maps]), np.cumsum([0, *map(len, maps)])[:-1]

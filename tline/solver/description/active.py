@@ -11,9 +11,14 @@ if TYPE_CHECKING:
     from passivity import Verdict
 
 
+def impedances(scene: Scene) -> dict[str, Impedance]:
+    """Loads and links that may be active, by place; R, L and C above zero are not."""
+    return {place(*at): x for at, x in scene.placed if isinstance(x, Impedance)}
+
+
 def active_impedances(scene: Scene) -> "dict[str, Verdict]":
-    """Loads and links whose impedance is refuted to be positive real, by place; R, L and C above zero need no test."""
-    given = {place(*at): x for at, x in scene.placed if isinstance(x, Impedance)}
+    """Loads and links whose impedance is refuted to be positive real, by place."""
+    given = impedances(scene)
     if not given:
         return {}
     from passivity import Status, check_positive_real

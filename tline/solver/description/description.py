@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
-from tline.scene.changed import SINGLE, changed, parts_of
+from tline.scene.changed import changed, parts_of
 from tline.scene.coupled import Coupled, ends_of, refuse_coupled
 from tline.scene.expanded import expanded
 from tline.scene.multiport import Multiport
@@ -17,7 +17,7 @@ from tline.scene.rational import RationalImpedance
 from tline.scene.switch import Switch
 from tline.scene.user_defined import user_elements
 from tline.scene.vessel import Boiling, SurgeTank
-from tline.solver.description.active import active_parts
+from tline.solver.description.active import active_parts, impedances
 from tline.solver.description.branches import PlacedBranch
 from tline.solver.description.elements import PlacedLaw, elements_of
 from tline.solver.description.excitation import Shape
@@ -63,7 +63,9 @@ class Description:
     slab : float
         That delays were rounded to, s; 0 where they are the scene's.
     known : dict
-        What searches to a tolerance found, for the next one of this scene; kept by `tline.solver.simulate`.
+        What was found of this scene, for its next run; kept by `tline.solver.simulate` and `tline.solver.assembly`.
+    origin : Origin or None
+        What it was changed from by values at some nodes.
     """
 
     scene: Scene
@@ -76,6 +78,7 @@ class Description:
     grids: dict[Hashable, Any] = field(default_factory=dict, repr=False)
     slab: float = 0.0
     known: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
+    origin: "Origin | None" = field(default=None, repr=False)
 
     def changed(self, values: Mapping[str, Any]) -> "Description":
         """The description of the scene with other values at dotted paths; lines that stay are not read again.
@@ -87,26 +90,32 @@ class Description:
         """
         scene = changed(self.scene, values)
         at = self._touched(scene, values)
-        if at is None:
-            return describe(scene)
-        found, known = replace(self, scene=scene), self.nodes
-        nodes = known | nodes_anew(scene, {node: known[node] for node in at})
-        found.__dict__.update(probes=self.probes, nodes=nodes)
-        if [one.where for one in found.elements] == [one.where for one in self.elements]:
-            groups, order = self._grouped
-            groups = regrouped(groups, nodes, found.elements)
-            found.__dict__.update(branches=self.branches, _grouped=(groups, {name: nodes[name] for name in order}))
-        return found
+        return describe(scene) if at is None else replace(self, scene=scene, origin=Origin(self, at))
 
     def _touched(self, scene: Scene, values: Iterable[str]) -> set[str] | None:
         """Nodes whose loads or sources have other values in a changed scene; None where more than these changes."""
-        paths = [parts_of(path) for path in values]
-        if scene.composed or self.stretches:
-            return None
-        if not all(path[0] in ("loads", "sources") and len(path) > SINGLE for path in paths):
-            return None
-        pairs = [tuple(getattr(each, part)[name].at for each in (self.scene, scene)) for part, name, *_ in paths]
-        return None if any(old is None or old != new for old, new in pairs) else {new for _, new in pairs}
+        at = set()
+        for path in values:
+            part, *keys = parts_of(path)
+            if part not in ("loads", "sources") or len(keys) == 1:
+                return None
+            old, new = getattr(self.scene, part)[keys[0]], getattr(scene, part)[keys[0]]
+            if old.at is None or old.at != new.at or type(old) is not type(new):
+                return None
+            at.add(new.at)
+        return None if self._composed else at
+
+    @cached_property
+    def _composed(self) -> bool:
+        """Whether other elements stand in place of some."""
+        return bool(self.scene.composed or self.stretches)
+
+    @cached_property
+    def anew(self) -> dict[str, Node]:
+        """Nodes that are not those of the description from which it was changed."""
+        if self.origin is None:
+            return {}
+        return nodes_anew(self.scene, self.origin.description.nodes, self.origin.changed)
 
     @property
     def ends(self) -> list[End]:
@@ -145,6 +154,8 @@ class Description:
     @cached_property
     def nodes(self) -> dict[str, Node]:
         """What stands at each node while no line is lumped."""
+        if self.origin is not None:
+            return self.origin.description.nodes | self.anew
         return nodes_of(self.scene, self.lines, self.ends)
 
     @cached_property
@@ -155,7 +166,13 @@ class Description:
     @cached_property
     def branches(self) -> list[PlacedBranch]:
         """Linear links, and sources between two nodes."""
-        return list(branches_of(self.scene, self.nodes))
+        return list(branches_of(self.scene, self.nodes)) if self._like is None else self._like.branches
+
+    @property
+    def _like(self) -> "Description | None":
+        """What it was changed from, if the same nodes are joined by the same elements."""
+        like = self.origin and self.origin.description
+        return like if like and [e.where for e in like.elements] == [e.where for e in self.elements] else None
 
     @property
     def resistive(self) -> list[PlacedLaw]:
@@ -175,7 +192,7 @@ class Description:
     @cached_property
     def probes(self) -> dict[str, ProbePlace]:
         """Probes by name."""
-        return probes_of(self.scene, self.coupled)
+        return self.origin.description.probes if self.origin else probes_of(self.scene, self.coupled)
 
     @cached_property
     def probed(self) -> set[str]:
@@ -284,7 +301,13 @@ class Description:
     @cached_property
     def active(self) -> dict[str, str]:
         """What there is to say of each element that may feed waves, by its place."""
-        return active_parts(self.scene)
+        like = self.origin and self.origin.description
+        return like.active if like and not like.impedances else active_parts(self.scene)
+
+    @cached_property
+    def impedances(self) -> dict[str, Any]:
+        """Elements that are active or not as their numbers tell, by place."""
+        return impedances(self.scene)
 
     def grouped(
         self, sections: Mapping[str, int] = NONE, started: Mapping[str, float] = NONE
@@ -306,6 +329,9 @@ class Description:
 
     @cached_property
     def _grouped(self) -> tuple[list[Group], dict[str, Node]]:
+        if self._like is not None:
+            groups, order = self._like.grouped()
+            return regrouped(groups, self.nodes, self.elements), {name: self.nodes[name] for name in order}
         return grouped(self.nodes, [], self.elements, self.ends, self.branches)
 
     def check_linear(self, what: str) -> None:
@@ -327,6 +353,13 @@ class Description:
             Naming the first.
         """
         refuse_coupled(self.scene.lines, what)
+
+
+class Origin(NamedTuple):
+    """What a description was changed from, and the nodes whose loads or sources have other values."""
+
+    description: Description
+    changed: set[str]
 
 
 class Beside:

@@ -65,13 +65,6 @@ class Broken(NamedTuple):
     stop: NDArray
     coef: NDArray  # (pieces, s) Legendre coefficients
 
-    def within(self, first: int, n: int) -> "Broken":
-        """Those of n slabs from number `first` on."""
-        low, high = np.searchsorted(self.slab, (first, first + n))
-        begin, slabs = int(self.parts[:low].sum()), slice(low, high)
-        pieces = slice(begin, begin + int(self.parts[slabs].sum()))
-        return Broken(*(part[slabs] for part in self[:3]), *(part[pieces] for part in self[3:]))
-
 
 def places_of(parts: Sequence[tuple[Waveform, float]], t_end: float, h: float) -> NDArray:
     """Instants in slabs, sorted, at which the waveforms of one excitation row jump or bend; t = 0 is always one."""

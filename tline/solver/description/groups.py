@@ -16,9 +16,8 @@ from tline.solver.description.components import parts
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import End
 from tline.solver.description.lines import Line
-from tline.solver.description.load_step import StateSpace, load_step
+from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node
-from tline.solver.radau import Basis
 from tline.words.wording import place
 
 
@@ -38,7 +37,6 @@ class LumpedLine(NamedTuple):
 
 FAST = 3.0  # over the slab's width: poles beyond are not resolved
 LONG = 64.0  # delays, so that the steps of that time are too long for what rings in LC sections, but not in lines
-STEPS = 8  # maps that are kept
 ROUNDS = 3  # in which laws find the impedances that they see
 OPEN = 1 - 1e-6  # share of a wave that comes back where a law sees next to nothing
 SLOW = 1e-9  # share of the largest rate in a circuit that counts as steady
@@ -54,12 +52,14 @@ class Group:
     elements: list[PlacedLaw]
     lumped_lines: list[LumpedLine]
     _circuits: dict[tuple[float, ...], list[Circuit]] = field(default_factory=dict)
-    _steps: dict[tuple[int, int, float], tuple[StateSpace, NDArray]] = field(default_factory=dict)
 
     @cached_property
     def dynamic(self) -> bool:
         """Whether it has branches, loads with a state, or switches."""
-        return bool(self.branches) or any(node.held is None and (node.load or node.switches) for node in self.nodes)
+        for node in self.nodes:
+            if node.held is None and (node.load or node.switches):
+                return True
+        return bool(self.branches)
 
     @cached_property
     def single(self) -> bool:
@@ -106,22 +106,17 @@ class Group:
         branches = [*self.loads, *(branch.before(t) for branch in self.branches)]
         return circuit(self.nodes, branches, self.ports(impedances), [node.switched(t) for node in self.nodes])
 
+    @cached_property
+    def always(self) -> StateSpace:
+        """From waves of its nodes to efforts there, if no switch moves and no law stands there."""
+        return self.circuit(np.inf).system
+
     def circuits(self, impedances: Sequence[float] = ()) -> list[Circuit]:
         """The circuit before the first of its instants, and after each; without impedances it has no laws."""
         key = tuple(impedances)
         if key not in self._circuits:
             self._circuits[key] = [self.circuit(t, impedances) for t in (*self.instants, np.inf)]
         return self._circuits[key]
-
-    def step(self, system: StateSpace, order: Basis, h: float) -> NDArray:
-        """The map of one of its state spaces over a slab: `load_step`."""
-        key = id(system), order.s, h
-        found = self._steps.get(key)
-        if found is None:
-            for old in list(self._steps)[: max(len(self._steps) + 1 - STEPS, 0)]:
-                self._steps.pop(old, None)
-            found = self._steps[key] = system, load_step(system, order, h)
-        return found[1]
 
     @cached_property
     def poles(self) -> NDArray | None:
@@ -134,9 +129,7 @@ class Group:
             if not self.elements:
                 raise
             return None  # only laws tie some efforts
-        return np.concatenate(
-            [system.A[0] if len(system.A) == 1 else np.linalg.eigvals(system.A) for system in systems]
-        )
+        return np.concatenate([poles_of(system) for system in systems])
 
     @cached_property
     def _alone(self) -> list[float]:
@@ -223,6 +216,11 @@ class Group:
         full = np.append(np.zeros(number), 1.0)
         full[: len(states)] = states
         return full[self._initial.kept]
+
+
+def poles_of(system: StateSpace) -> NDArray:
+    """Poles of a state space, 1/s."""
+    return system.A[0] if len(system.A) == 1 else np.linalg.eigvals(system.A)
 
 
 def regrouped(groups: Sequence[Group], nodes: Mapping[str, Node], elements: Sequence[PlacedLaw]) -> list[Group]:

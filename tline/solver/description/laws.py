@@ -1,20 +1,28 @@
 """Non-linear elements as arrays for the kernel."""
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.compiled.structure import pack
 from tline.errors import InputError
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import Shape, just_before, varies
 from tline.solver.description.given import kinds_numbered
 from tline.solver.description.groups import Group
-from tline.solver.description.tools import tools_of
-from tline.solver.kernel.network import Laws
-from tline.solver.radau import Basis, basis
+from tline.solver.kernel.network import Laws, Tools
+from tline.solver.radau import Basis, basis, gauss
 
 MOVING = 3  # states of an opening that moves
+
+
+@lru_cache
+def tools_of(basis: Basis) -> Any:
+    """The matrices of a basis, packed: `Tools`."""
+    return pack(Tools(basis.c, basis.to_points, basis.to_legendre, basis.A, np.array(gauss(basis.s))))
 
 
 def laws_of(

@@ -43,43 +43,40 @@ def reflection(impedance: Ratio, z: float, where: str) -> StateSpace:
     InputError
         If Z + z falls to a lower degree: Z tends to -z at high frequency, and no wave is defined.
     """
-    p, q = ([int(a) for a in side] for side in (impedance.numerator, impedance.denominator))
+    p, q = impedance
     n = max(len(p), len(q)) - 1
-    p, q = [0] * (n + 1 - len(p)) + p, [0] * (n + 1 - len(q)) + q
+    p, q = (0,) * (n + 1 - len(p)) + p, (0,) * (n + 1 - len(q)) + q
     top, bottom = float(z).as_integer_ratio()
     if bottom * p[0] + top * q[0] < 0:  # let the leading coefficient be positive
         top, bottom = -top, -bottom
-    denominator = [bottom * a + top * b for a, b in zip(p, q, strict=True)]
-    numerator = [bottom * a - top * b for a, b in zip(p, q, strict=True)]
+    numerator, denominator = [], []
+    for a, b in zip(p, q, strict=True):
+        numerator.append(bottom * a - top * b)
+        denominator.append(bottom * a + top * b)
     leading = denominator[0]
     if leading == 0:
         raise InputError(
             where, f"its impedance tends to minus the line's {z:.6g} at high frequency: no wave is defined"
         )
-    lowest = next(k for k in range(n, -1, -1) if denominator[k] != 0)
-    exponent = _root(denominator[lowest], leading, lowest)  # of the rate, at which all are of one size
+    lowest = n
+    while denominator[lowest] == 0:
+        lowest -= 1
+    larger = denominator[lowest].bit_length() - leading.bit_length()
+    exponent = larger // lowest if lowest else 0  # of the rate 2**exponent, at which all are of one size
 
     def scaled(a: int, b: int, k: int) -> float:  # a/(b rate^k), rounded once
         return (a << max(-k * exponent, 0)) / (b << max(k * exponent, 0))
 
-    monic = [scaled(a, leading, k) for k, a in enumerate(denominator)]
-    output = [
-        scaled(b * leading - numerator[0] * a, leading**2, k)
-        for k, (a, b) in enumerate(zip(denominator, numerator, strict=True))
-    ]
-    A, b, rate = np.zeros((n, n)), np.zeros((n, 1)), 2.0**exponent
-    A[0], b[0] = [-rate * a for a in monic[1:]], rate
+    A, b, c, rate = np.zeros((n, n)), np.zeros((n, 1)), np.zeros((1, n)), 2.0**exponent
+    b[0], d = rate, np.array([[numerator[0] / leading]])
+    for k in range(1, n + 1):
+        A[0, k - 1] = -rate * scaled(denominator[k], leading, k)
+        c[0, k - 1] = scaled(numerator[k] * leading - numerator[0] * denominator[k], leading**2, k)
     A.ravel()[n :: n + 1] = rate
-    c, d = np.array([output[1:]]), np.array([[numerator[0] / leading]])
     if n == 1:
         return StateSpace(A, b, c, d)
     scale = _balance(A)
     return StateSpace(A / scale[:, None] * scale, b / scale[:, None], c * scale, d)
-
-
-def _root(a: int, b: int, n: int) -> int:
-    """A whole number e such that 2**e has the size of abs(a/b)**(1/n)."""
-    return (a.bit_length() - b.bit_length()) // n if n else 0
 
 
 def _balance(A: Matrix) -> Matrix:
@@ -108,19 +105,29 @@ def load_step(system: StateSpace, basis: Basis, h: float) -> Matrix:
         From (w, x) to (u, x at the slab's end): port by port the s points, then the states.
     """
     s, (n, k) = basis.s, system.b.shape
-    size, given = n * s, k * s + n
-    integral = h * basis.A[:, None]
+    size, given, integral = n * s, k * s + n, h * basis.A
+    step = np.empty((given, given))
+    if n == k == 1:  # most often, and then arrays of two dimensions will do
+        (A,), (b,), (c,), (d,) = (part[0].tolist() for part in system)
+        implicit, drive = -A * integral, np.ones((s, given))
+        np.multiply(integral, b, out=drive[:, :s])
+        implicit.ravel()[:: s + 1] += 1.0
+        x = np.linalg.solve(implicit, drive)  # states at all points
+        np.multiply(x, c, out=step[:s])
+        step.ravel()[: s * given : given + 1] += d  # of each point to itself
+        step[s] = x[-1]
+        return step
+    integral = integral[:, None]
     drive = np.zeros((n, s, given))
     drive[:, :, : k * s] = (system.b[:, None, :, None] * integral).reshape(n, s, k * s)
     for j in range(n):
         drive[j, :, k * s + j] = 1.0
     implicit = (-system.A[:, None, :, None] * integral).reshape(size, size)
     implicit.ravel()[:: size + 1] += 1.0
-    x = np.linalg.solve(implicit, drive.reshape(size, given))  # states at all points
-    step = np.empty((given, given))
+    x = np.linalg.solve(implicit, drive.reshape(size, given))
     np.matmul(system.c, x.reshape(n, s * given), out=step[: k * s].reshape(k, s * given))
     for i, row in enumerate(system.d.tolist()):
-        for j, through in enumerate(row):  # of each point to itself
+        for j, through in enumerate(row):
             step.ravel()[i * s * given + j * s :][: s * given : given + 1] += through
     step[k * s :] = x[s - 1 :: s]
     return step

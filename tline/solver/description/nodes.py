@@ -80,7 +80,7 @@ class Node:
                 system = reflection(self.load, 1 / self.total, self.load_name)
         except OverflowError:
             system = None
-        if system is None or not all(np.isfinite(part).all() for part in system):
+        if system is None or not np.isfinite(np.hstack([*map(np.ravel, system)])).all():
             raise InputError(self.load_name, "its coefficients are too far apart for floating-point numbers")
         return system
 
@@ -251,18 +251,18 @@ def nodes_of(
     return nodes
 
 
-def nodes_anew(scene: Scene, nodes: Mapping[str, Node]) -> dict[str, Node]:
-    """Some nodes of a scene with what now stands there; they have kept their lines and heights.
+def nodes_anew(scene: Scene, nodes: Mapping[str, Node], names: Iterable[str]) -> dict[str, Node]:
+    """Nodes of those names with what now stands there in a scene; they have kept their lines and heights.
 
     Raises
     ------
     InputError
         A load leaves no wave defined.
     """
-    fresh = {
-        name: Node(name, node.ends, lines=node.lines, alone=node.alone, height=node.height)
-        for name, node in nodes.items()
-    }
+    fresh = {}
+    for name in names:
+        node = nodes[name]
+        fresh[name] = Node(name, node.ends, lines=node.lines, alone=node.alone, height=node.height)
     _attach_all(scene, fresh)
     _check_waves(fresh)
     return fresh

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from tline.errors import InputError
 from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
-from tline.solver.description.slab import ORDER, WHOLE, slab_of
+from tline.solver.description.slab import ORDER, WHOLE, breaks_of, relative_work, slab_of, whole_slabs
 from tline.words.wording import place
 
 FIT = 1e-7
@@ -100,3 +100,28 @@ def _check(t_end: float, delays: dict[str, float], s: int, h: float, by_hand: bo
         problem = f"slabs of {h:.3g} s make a run of {t_end / h:.2g} slabs"
         expected = f"at most {MOST_SLABS:.0e}; no slab is longer than the delay of {shortest}"
         raise InputError("t_end", problem, expected, f"{t_end:.3g} s")
+
+
+class GridChoice(NamedTuple):
+    """Reason for a slab width, and the predicted cost of one run in samples without fronts inside slabs."""
+
+    reason: str
+    cost: float | None  # not predicted beside losses, nor of a convolution
+
+
+def grid_choice(description: Description, chosen: Resolution) -> GridChoice:
+    """Classify the slabs of a run by what they divide, and predict its cost as the search for the cheapest does."""
+    h, breaks = chosen.h, breaks_of(description)
+    delays = [line.delay for name, line in description.lines.items() if name not in chosen.sections]
+    work = relative_work(h, delays, breaks)
+    if description.scene.solver.slab == h:
+        reason = "slab given"
+    elif not whole_slabs(h, delays):
+        reason = "part of the shortest delay"
+    elif work > 1.0:
+        reason = "common tick of delays"
+    else:
+        reason = "common tick of delays and fronts" if len(breaks) else "common tick of delays"
+    if chosen.convolved or description.dispersive:
+        return GridChoice(reason, None)
+    return GridChoice(reason, 2 * len(delays) * chosen.s * description.t_end / h * work)

@@ -15,7 +15,6 @@ from tline.errors import InputError, NoFlowError
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.events import Event
 from tline.solver.assembly.fronts import LULL, Tally, fronts_of, sources_of, tally
-from tline.solver.assembly.layout import Excitation
 from tline.solver.description.excitation import EDGE, Broken, averaged, broken, places_of, sampled
 from tline.solver.kernel.fronts.structures import BEGIN, END, LATE, LIVE, NOTED, Fronts
 from tline.solver.loop.kernel import Kernel
@@ -23,7 +22,7 @@ from tline.words.progress import Progress
 
 CHUNK = 2e7  # line-end samples between two looks at the progress bar
 LOOK = 2e6  # between two looks of observers, who want all pieces too
-FEW = 1e5  # samples of sources that are kept for the next run
+FEW = 1e5  # samples of sources that are found at once
 STRETCH = 1024  # slabs advanced in pieces between two looks for fronts
 
 
@@ -114,45 +113,28 @@ def march(
     return record, steps.run(seconds)
 
 
-class Spare(NamedTuple):
-    """What a run leaves to the next one on the same grid."""
-
-    kernel: Kernel
-    signals: "Signals"
-
-
 class Signals:
-    """The excitations of a run: where they break, and their samples and pieces, which are kept if they are few."""
+    """The excitations of a run, and where they break."""
 
     def __init__(self, assembly: Assembly, n: int):
         self.of, self.h, self.basis = assembly.excitations, assembly.resolution.h, assembly.basis
-        self.n, self.follows, self.plain = n, assembly.follows_edges, assembly.resolution.plain
+        follows, self.plain = assembly.follows_edges, assembly.resolution.plain
         places = [np.empty(0) if self.plain else places_of(p, n * self.h, self.h) for p in self.of]
-        self.places = [_inside(each, self.follows) for each in places]
-        self.few = len(self.of) * n * self.basis.s <= FEW
-        self._samples: NDArray | None = None
-        self._pieces: list[Broken] | None = None
-
-    def sampled(self, first: int, n: int) -> NDArray:
-        """Excitations of n slabs, shape (excitations, n * s), but of slabs with breaks."""
-        if not self.few:
-            return self._sampled(first, n)
-        if self._samples is None:
-            self._samples = self._sampled(0, self.n)
-        s = self.basis.s
-        return np.ascontiguousarray(self._samples[:, first * s : (first + n) * s])
+        self.places = [_inside(each, follows) for each in places]
+        few = len(self.of) * n * self.basis.s <= FEW
+        self._all = self._sampled(0, n) if few else None
 
     def broken(self, first: int, n: int) -> list[Broken]:
         """Each excitation in those of n slabs in which it breaks."""
-        if not self.few:
-            return self._broken(first, n)
-        if self._pieces is None:
-            self._pieces = self._broken(0, self.n)
-        return [each.within(first, n) for each in self._pieces]
-
-    def _broken(self, first: int, n: int) -> list[Broken]:
         each = zip(self.of, self.places, strict=True)
         return [broken(parts, places, self.basis, self.h, first, n) for parts, places in each]
+
+    def sampled(self, first: int, n: int) -> NDArray:
+        """Excitations of n slabs, shape (excitations, n * s), but of slabs with breaks."""
+        if self._all is None:
+            return self._sampled(first, n)
+        s = self.basis.s
+        return np.ascontiguousarray(self._all[:, first * s : (first + n) * s])
 
     def _sampled(self, first: int, n: int) -> NDArray:
         excitation = np.zeros((len(self.of), n, self.basis.s))
@@ -160,15 +142,6 @@ class Signals:
             for waveform, share in parts:
                 row += share * (averaged if self.plain else sampled)(waveform, self.basis, self.h, first, n)
         return excitation.reshape(len(self.of), n * self.basis.s)
-
-
-def _are_same(some: list[Excitation], others: list[Excitation]) -> bool:
-    """Whether excitations are made of the same waveforms; parts of waveforms, which hold arrays, are not compared."""
-    pairs = [pair for parts in zip(some, others, strict=False) for pair in zip(*parts, strict=False)]
-    return [*map(len, some)] == [*map(len, others)] and all(
-        share == other and (one is two or (not isinstance(one, tuple) and one == two))
-        for (one, share), (two, other) in pairs
-    )
 
 
 def _take_echoes(assembly: Assembly, record: NDArray) -> None:
@@ -189,9 +162,7 @@ class Stepper:
         self.noting = noting  # rows of the record whose pieces are noted
         self.origin = 0  # slab at the record's first column; the kernel of fronts counts from it
         self._key = assembly.basis.s, n, assembly.follows_edges, assembly.resolution.plain
-        spare: Spare | None = assembly.spare.pop(self._key, None)
-        again = spare is not None and _are_same(spare.signals.of, assembly.excitations)
-        self.signals = spare.signals if spare and again else Signals(assembly, n)
+        self.signals = Signals(assembly, n)
         near = 0.5 if assembly.resolution.plain else EDGE
         events = [event for event in _snapped(assembly.events, near) if event.at < n]
         self.at_edges = [] if assembly.follows_edges else [each for each in events if each.at % 1 == 0 and each.moves]
@@ -202,10 +173,9 @@ class Stepper:
         if len(self.events):
             in_slab = [np.unique(np.floor(p), return_counts=True)[1] for p in self.signals.places]
             self.fronts = fronts_of(assembly, n, inside, 1 + int(np.concatenate([[0], *in_slab]).max()))
-        if spare is not None and spare.kernel.takes(assembly.network, assembly.state, self.fronts):
-            self.kernel = spare.kernel
-        else:
-            self.kernel = Kernel(assembly.network, assembly.state, self.fronts)
+        spare: Kernel | None = assembly.spare.pop(self._key, None)
+        again = spare is not None and spare.takes(assembly.network, assembly.state, self.fronts)
+        self.kernel = spare if spare and again else Kernel(assembly.network, assembly.state, self.fronts)
         self.noted: list[Noted] = []
 
     def compile(self) -> None:
@@ -215,7 +185,7 @@ class Stepper:
     def leave(self) -> None:
         """Let the next run on the same grid have the workspace."""
         if self.kernel.rest():
-            self.assembly.spare[self._key] = Spare(self.kernel, self.signals)
+            self.assembly.spare[self._key] = self.kernel
 
     def begin_record(self, slab: int) -> None:
         """Let the record's first column be that of a slab, from now on."""

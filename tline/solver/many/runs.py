@@ -1,21 +1,119 @@
 """Many runs of one scene: copies side by side in the kernel, slabs and loads' maps of their own for each copy."""
 
 from collections.abc import Mapping
+from itertools import repeat
+from math import inf, isfinite
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ive
 
 from tline.errors import InputError
 from tline.scene.quantity import Role
 from tline.solver.description.description import Description
 from tline.solver.many.batches import ProbeOfCopies, run
 from tline.solver.many.copies import Copies, copies_of
-from tline.solver.many.period import breaks_of
-from tline.solver.many.resolve import resolve
+from tline.solver.many.period import breaks_of, front_places, slab_edges
+from tline.solver.tolerance.compare import ROUNDING, SILENT
 
 Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+PARTS, ORDERS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32), np.arange(2, 11)
+GROWTHS = (1.0, 1.5)  # of slabs after a front: for what rings, and for what dies away
+OVERHEAD = 20  # points of a load's map that cost as much as all else that is done with a point
+WANTED = 0.5  # of the tolerance, for what the sample does not show
+SAFELY = 1e-4  # of the tolerance: who may expect that needs no finer slabs
+COMPARED, SPREAD = 16, 211  # copies, beside those with extreme numbers, and instants at which runs are compared
 TOLERANCE = Role("tolerance", "", at_least=1e-9, at_most=0.1)
+
+
+def resolve(
+    description: Description, vary: Mapping[str, Floats], copies: Copies, breaks: Floats, tol: float
+) -> tuple[Floats, int, float]:
+    """Edges of slabs (slabs + 1, copies), order, and estimated error, at least cost.
+
+    Those are tried whose polynomials may follow a load's modes from front to front, and where that is not enough,
+    those that follow them by so much better.
+    """
+    loads = [junction.load.A for junction in copies.junctions if junction.load is not None]
+    ends = [pick(numbers) for numbers in vary.values() for pick in (np.argmin, np.argmax)]
+    ends += [np.abs(A).max(axis=(0, 1)).argmax() for A in loads]
+    rows = np.unique([*ends, *np.linspace(0, len(copies.unit) - 1, COMPARED).astype(int)])
+    t = np.linspace(0.0, description.t_end, SPREAD)
+    fronts = front_places(breaks, copies.unit)
+    choices = _choices(fronts[:, rows], _rates(description, loads, rows) * copies.unit[rows], tol)
+    best, excess = (np.empty(0), 0, inf), 1.0
+    for k, (_, expected, parts, growth, s) in enumerate(choices):
+        if expected * excess > WANTED * tol and k + 1 < len(choices):
+            continue
+        edges = slab_edges(fronts, parts, growth)
+        runs = (run(description, copies, edges, order, rows, t) for order in (s, s + 1))
+        estimate = _apart(description, copies, rows, *runs)
+        best = min(best, (edges, s, estimate), key=lambda found: found[-1])
+        if estimate <= WANTED * tol:
+            break
+        excess = max(excess, estimate / max(expected, ROUNDING))
+    return best
+
+
+def _rates(description: Description, loads: list[Floats], rows: NDArray) -> Complexes:
+    """Rates of loads' modes and of waveforms in some copies, (…, copies), 1/s; those of waveforms are imaginary."""
+    rates: Complexes = np.zeros((1, len(rows)), complex)
+    for waveform in description.waveforms.values():
+        rates = np.vstack([rates, np.full(len(rows), 1j / waveform.fastest())])
+    for A in loads:
+        rates = np.vstack([rates, np.linalg.eigvals(np.moveaxis(A[..., rows], -1, 0)).T.astype(complex)])
+    return rates
+
+
+def _choices(fronts: Floats, rates: Complexes, tol: float) -> list[tuple[float, float, int, float, int]]:
+    """Cost, expected error, parts, growth and order of what may be chosen, by rising cost.
+
+    The error is the first term left out of the Chebyshev series of exp(λ t) in any slab, t being the time since a
+    front and λ the rates (…, copies): 2 I_s(λ w/2) exp(λ t) in the middle of a slab of width w.
+
+    Source: Abramowitz, Stegun: Handbook of Mathematical Functions (1964), 9.6.34.
+    """
+    found = []
+    for parts in PARTS:
+        for growth in GROWTHS[:parts]:
+            edges = slab_edges(fronts, parts, growth)
+            begin, width = edges[:-1], np.diff(edges, axis=0)
+            since = begin - np.where(fronts[:, None] <= begin, fronts[:, None], 0.0).max(axis=0)
+            begun = np.exp(rates.real[:, None] * since)
+            terms = 2 * begun * np.abs(ive(ORDERS[:, None, None, None], rates[:, None] * width / 2))
+            left_out = terms.max(axis=(1, 2, 3), initial=0.0)
+            costs = len(width) * ORDERS * (ORDERS + OVERHEAD)
+            found += zip(costs, left_out, repeat(parts), repeat(growth), ORDERS.tolist())
+        if min(expected for _, expected, *_ in found) < SAFELY * tol:
+            break
+    return sorted(found)
+
+
+def _apart(
+    description: Description,
+    copies: Copies,
+    rows: NDArray,
+    coarse: Mapping[str, ProbeOfCopies],
+    fine: Mapping[str, ProbeOfCopies],
+) -> float:
+    """Largest difference of two runs relative to the amplitude of each copy."""
+    worst, lines = ROUNDING, list(description.lines)
+    for name, seen in fine.items():
+        probe, other = description.probes[name], coarse[name]
+        z0, weight = copies.z0[lines.index(probe.line), rows], probe.height.weight
+        amplitude = np.maximum(weight - seen.lowest, seen.highest - weight)
+        flow = z0 * np.abs(seen.y).max(axis=1)
+        pairs = [(seen.u, other.u), (seen.lowest[:, None], other.lowest[:, None])]
+        pairs += [(seen.highest[:, None], other.highest[:, None])]
+        efforts = np.max([np.abs(a - b).max(axis=1) for a, b in pairs], axis=0)
+        flows = z0 * np.abs(seen.y - other.y).max(axis=1)
+        for difference, scale in ((efforts, amplitude), (flows, flow)):
+            heard = ~(scale <= SILENT * np.maximum(amplitude, flow))
+            found = float((difference[heard] / scale[heard]).max(initial=0.0))
+            worst = max(worst, found if isfinite(found) else inf)
+    return worst
 
 
 class ManyRuns(NamedTuple):

@@ -4,9 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.description.given import Ports
-from tline.solver.stability.scattering import Scattering
-
-CHUNK = 2e6  # complex entries held at once
+from tline.solver.stability.scattering import CHUNK, Scattering
 
 
 class Characteristic(Scattering):

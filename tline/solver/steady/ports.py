@@ -8,7 +8,7 @@ References
 C.-W. Ho, A. E. Ruehli, P. A. Brennan: The modified nodal approach to network analysis (1975).
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -34,20 +34,76 @@ class Ported(NamedTuple):
     flows: slice
 
 
-class _Entries:
-    """Entries of A and B, collected."""
+class _Equations:
+    """Entries of A and B, collected, and what each equation and unknown belongs to: edges first, then nodes.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    names : list of str
+    first : int
+        Number of the first node.
+    unit, rate : float
+        Impedance by which flows are multiplied; of s, 1/s.
+    """
+
+    def __init__(self, names: list[str], first: int, unit: float, rate: float):
+        self.names, self.first, self.unit, self.rate = names, first, unit, rate
+        self.known = [np.zeros(0)]
         self._all: list[tuple[NDArray, ...]] = []
 
     def add(self, rows: ArrayLike, columns: ArrayLike, now: ArrayLike = 0.0, slow: ArrayLike = 0.0) -> None:
         """Add entries of A, and of B, at rows and columns that are broadcast."""
         self._all.append(tuple(part.ravel() for part in np.broadcast_arrays(rows, columns, now, slow)))
 
+    def store(self, from_node: int | NDArray, to_node: int | None, capacity: float | NDArray) -> None:
+        """Add capacities from nodes to others, or to the reference."""
+        for row, sign in ((from_node, 1.0), (to_node, -1.0)):
+            for column, other in ((from_node, 1.0), (to_node, -1.0)):
+                if row is not None and column is not None:
+                    slow = sign * other * capacity * self.unit * self.rate
+                    self.add(self.first + row, self.first + column, slow=slow)
+
+    def branch(self, branch: PlacedBranch, nodes: NDArray, level: NDArray) -> None:
+        """Add a branch between nodes of such numbers and efforts without gauge pressure; its flows, then its states."""
+        M, N, E, Q, P, R = branch.ports
+        at, flows = self.first + nodes, len(self.names) + np.arange(len(nodes))
+        states = len(self.names) + len(nodes) + np.arange(len(Q))
+        self.names += [branch.where] * (len(nodes) + len(Q))
+        size = np.maximum(np.abs(M).max(axis=1), np.abs(N).max(axis=1) / self.unit)[:, None]
+        pace = np.hstack([np.abs(Q), np.abs(P), np.abs(R) / self.unit]).max(axis=1, initial=0.0)[:, None]
+        pace[pace == 0.0] = 1.0
+        for rows, scale, parts in ((flows, size, (M, N, -E)), (states, pace, (P, R, Q))):
+            for columns, part, of in zip((at, flows, states), parts, (1.0, self.unit, 1.0), strict=True):
+                self.add(rows[:, None], columns, part / scale / of)
+            self.known.append(parts[0] @ level / scale[:, 0])
+        self.add(states, states, slow=-self.rate / pace[:, 0])
+        self.add(at, flows, 1.0)
+
+    def joins(self, joins: Joins) -> slice:
+        """Add lossless lines and inductors; places of their flows among the unknowns behind nodes."""
+        flows = len(self.names) + np.arange(len(joins.inertia))
+        for end, sign in zip(joins.ends.T, (1.0, -1.0), strict=True):
+            self.add(flows, self.first + end, sign)
+            self.add(self.first + end, flows, sign)
+        self.add(flows, flows, slow=-joins.inertia * self.rate / self.unit)
+        self.names += [place("lines", name) for name in joins.names] + [""] * (len(flows) - len(joins.names))
+        self.known.append(np.zeros(len(flows)))
+        known = sum(map(len, self.known))
+        return slice(known - len(flows), known)
+
+    def ties(self, nodes: NDArray, tie: NDArray, given: NDArray, names: Iterable[str]) -> None:
+        """Add inductances to such efforts at nodes."""
+        tied = len(self.names) + np.arange(len(nodes))
+        self.add(tied, self.first + nodes, 1.0)
+        self.add(self.first + nodes, tied, 1.0)
+        self.add(tied, tied, slow=-self.rate / tie / self.unit)
+        self.names += names
+        self.known.append(given)
+
     def matrices(self, held: NDArray) -> tuple[Sparse, Sparse]:
         """A and B without the balances of what is held."""
         rows, columns, now, slow = (np.concatenate(part) for part in zip(*self._all, strict=True))
-        kept = ~np.isin(rows, held)
+        kept = ~np.isin(rows, self.first + held)
         rows, columns = rows[kept].astype(int), columns[kept].astype(int)
         return Sparse(rows, columns, now[kept]), Sparse(rows, columns, slow[kept])
 
@@ -81,54 +137,23 @@ def ported(
         Impedance by which flows are multiplied.
     """
     rate = 1 / float(np.mean([line.delay for line in description.lines.values()]))
-    first, n = len(edges), len(number)
-    entries, of_ports, names = _Entries(), [np.zeros(0)], [*edges, *(f"node '{name}'" for name in number)]
-    above = np.array([node.above_level for node in description.nodes.values()])
-
-    def store(from_node: int | NDArray, to_node: int | None, capacity: float | NDArray) -> None:
-        for row, sign in ((from_node, 1.0), (to_node, -1.0)):
-            for column, other in ((from_node, 1.0), (to_node, -1.0)):
-                if row is not None and column is not None:
-                    entries.add(first + row, first + column, slow=sign * other * capacity * unit * rate)
-
-    entries.add(np.arange(len(falls)), np.arange(len(falls)), slow=falls * rate)
-    store(np.arange(n), None, at.capacity)
+    nodes, lossy = list(description.nodes.values()), np.arange(len(falls))
+    found = _Equations([*edges, *(f"node '{name}'" for name in number)], len(edges), unit, rate)
+    found.add(lossy, lossy, slow=falls * rate)
+    found.store(np.arange(len(nodes)), None, at.capacity)
     for (one, other), capacity in capacitive(description.scene):
-        store(number[one], number[other], capacity)
+        found.store(number[one], number[other], capacity)
     for branch in branches_with_ports(description):
-        M, N, E, Q, P, R = branch.ports
-        here = np.array([number[node] for node in branch.nodes])
-        level = above[here] if branch.to_air else np.zeros(len(here))
-        flows = len(names) + np.arange(len(here))
-        states = len(names) + len(here) + np.arange(len(Q))
-        names += [branch.where] * (len(here) + len(Q))
-        size = np.maximum(np.abs(M).max(axis=1), np.abs(N).max(axis=1) / unit)[:, None]
-        pace = np.hstack([np.abs(Q), np.abs(P), np.abs(R) / unit]).max(axis=1, initial=0.0)[:, None]
-        pace[pace == 0.0] = 1.0
-        for rows, scale, parts in ((flows, size, (M, N, -E)), (states, pace, (P, R, Q))):
-            for columns, part, of in zip((first + here, flows, states), parts, (1.0, unit, 1.0), strict=True):
-                entries.add(rows[:, None], columns, part / scale / of)
-            of_ports.append(parts[0] @ level / scale[:, 0])
-        entries.add(states, states, slow=-rate / pace[:, 0])
-        entries.add(first + here, flows, 1.0)
+        here = [number[node] for node in branch.nodes]
+        found.branch(branch, np.array(here), np.array([branch.to_air * nodes[k].above_level for k in here]))
     inert = np.flatnonzero((at.tie > 0) & (at.tie < np.inf))
-    flows = len(names) + np.arange(len(joins.inertia))
-    tied = len(names) + len(flows) + np.arange(len(inert))
-    for end, sign in zip(joins.ends.T, (1.0, -1.0), strict=True):
-        entries.add(flows, first + end, sign)
-        entries.add(first + end, flows, sign)
-    entries.add(flows, flows, slow=-joins.inertia * rate / unit)
-    entries.add(tied, first + inert, 1.0)
-    entries.add(first + inert, tied, 1.0)
-    entries.add(tied, tied, slow=-rate / at.tie[inert] / unit)
-    names += [place("lines", name) for name in joins.names] + [""] * (len(flows) - len(joins.names))
-    names += (list(description.nodes.values())[k].load_name for k in inert)
+    flows = found.joins(joins)
+    found.ties(inert, at.tie[inert], at.given[inert], [nodes[k].load_name for k in inert])
     given = at.given.copy()
     given[inert] = np.nan
-    A, B = entries.matrices(first + np.flatnonzero(~np.isnan(given)))
-    known = np.concatenate([*of_ports, np.zeros(len(flows)), at.given[inert]])
-    linear = Linear(given, at.conductance, at.driven, unit, A, B, known)
-    return Ported(linear, names, slice(len(known) - len(tied) - len(flows), len(known) - len(tied)))
+    matrices = found.matrices(np.flatnonzero(~np.isnan(given)))
+    linear = Linear(given, at.conductance, at.driven, unit, *matrices, np.concatenate(found.known))
+    return Ported(linear, found.names, flows)
 
 
 def check_limit(limit: Limit | None, names: list[str], joins: Joins, number: Mapping[str, int]) -> None:

@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
+from itertools import count
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +17,9 @@ CLOSER = 0.1  # tolerance of the next over what the last step changed
 SHARE = 1 / 3  # of the tolerance, for what slabs may have wrong
 OFF = 0.618  # of what is between them: places of instants at which two runs are compared, between round ones
 INSTANTS, PER_SLAB, MOST = 4001, 4, 200_000
+ROUGH = 1e-3  # tolerance of the slabs of the first runs
+MOST_SAMPLES = 3e7  # line-end samples of all runs
+GROWTH = 6  # times as many samples with each doubling of places where losses mix modes
 
 
 class Step(NamedTuple):
@@ -84,3 +89,25 @@ def _changes(coarse: Result, fine: Result) -> Accuracy:
         off, most = abs(one - other).max(axis=1), abs(other).max(axis=1)
         found[name] = Difference(off, off, off, most)
     return Accuracy(None, *relative(found))
+
+
+def with_mixed_modes(run: Callable[[int, float], Result], tol: float) -> Result:
+    """Double the places of losses until the estimated error is within a tolerance, or a limit is reached.
+
+    Places are of first order behind jumps, and nearly of second behind corners.
+
+    Parameters
+    ----------
+    run : callable
+        Of a number of doublings and the tolerance of its slabs.
+    tol : float
+    """
+
+    def too_far(steps: int, samples: int, last: float) -> str:
+        if GROWTH * samples <= MOST_SAMPLES:
+            return ""
+        return f"the losses mix the modes; {steps} doublings of the places where they stand leave {last:.1g}"
+
+    result = closer((Step(partial(run, doublings)) for doublings in count()), tol, too_far, ROUGH)
+    assert result
+    return result

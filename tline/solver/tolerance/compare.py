@@ -5,9 +5,12 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from tline.solver.description.description import Description
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Estimate
-from tline.solver.result.result import ProbeResult, Result
+from tline.solver.result.result import Result
 from tline.solver.tolerance.difference import Difference, difference, difference_at_ends
 
 ROUNDING = 2e-15  # relative to the amplitude; no estimate is smaller
@@ -74,34 +77,42 @@ def differences(
 
     Where slab ends alone are beyond a tolerance, nothing else is looked at.
     """
+    if coarse.envelope is not None:
+        coarse, fine = as_computed(coarse), as_computed(fine)
     pairs = {name: (coarse.probes[name], probe) for name, probe in fine.probes.items()}
     if tol is not None:
         at_ends = {name: difference_at_ends(*pair) for name, pair in pairs.items()}
         told = relative({name: Difference(off, off, off, most) for name, (off, most) in at_ends.items()})
         if max(estimate.worst for estimate in told[0].values()) > tol:
             return told
-    if coarse.envelope is not None:
-        pairs = {name: (_as_computed(one), _as_computed(other)) for name, (one, other) in pairs.items()}
     settle, followed = fine.resolution.settle, bool(coarse.resolution.layers and fine.resolution.layers)
     return relative({name: difference(*pair, settle, followed) for name, pair in pairs.items()})
 
 
-def _as_computed(probe: ProbeResult) -> ProbeResult:
-    """The same with the polynomials that slabs were computed with, of which envelopes are taken."""
-    return replace(probe, record=replace(probe.record, smeared=True))
+def as_computed(result: Result) -> Result:
+    """A result with the polynomials that its slabs were computed with, of which envelopes are taken."""
+    lines = {name: replace(line, smeared=True) for name, line in result.lines.items()}
+    probes = {name: replace(at, record=replace(at.record, smeared=True)) for name, at in result.probes.items()}
+    return replace(result, lines=lines, probes=probes)
 
 
-def relative(all_: Mapping[str, Difference]) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
+def relative(
+    all_: Mapping[str, Difference | NDArray],
+) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
     """Differences over the amplitudes of their probes."""
     told: tuple[dict[str, Estimate], ...] = {}, {}, {}
-    largest = max(float(found.amplitude.max()) for found in all_.values())
-    for name, found in all_.items():
-        amplitude = found.amplitude.tolist()
-        least = max(SILENT * max(amplitude), NOTHING * largest)
-        for each, sizes in zip(told, found[:3], strict=True):
-            pairs = zip(sizes.tolist(), amplitude, strict=True)
-            each[name] = Estimate(*(max(e / a, ROUNDING) if a > least and e > 0 else 0.0 for e, a in pairs))
+    found = {name: np.asarray(each).tolist() for name, each in all_.items()}
+    largest = max([max(amplitude) for *_, amplitude in found.values()])
+    for name, (*each, (u, y)) in found.items():
+        least = max(SILENT * max(u, y), NOTHING * largest)
+        for estimates, (of_u, of_y) in zip(told, each, strict=True):
+            estimates[name] = Estimate(_share(of_u, u, least), _share(of_y, y, least))
     return told
+
+
+def _share(error: float, amplitude: float, least: float) -> float:
+    """An error over an amplitude, if that is more than the least."""
+    return max(error / amplitude, ROUNDING) if amplitude > least and error > 0 else 0.0
 
 
 def caution(found: Accuracy, before: Accuracy | None = None, unknown: float = SLOWEST) -> float:

@@ -14,11 +14,9 @@ from tline.solver.description.resolution import resolution
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.notes import smeared
 from tline.solver.result.result import Result
-from tline.solver.tolerance.alike import alike
 from tline.solver.tolerance.compare import added, caution, differences, magnified, with_errors
-from tline.solver.tolerance.extrapolate import extrapolated, seen_at_ends
-from tline.solver.tolerance.ladder import better, gained, rank
-from tline.solver.tolerance.limits import inside_limit, inside_slabs, limit_of
+from tline.solver.tolerance.extrapolate import alike, extrapolated, seen_at_ends
+from tline.solver.tolerance.ladder import better, gained, inside_limit, inside_slabs, limit_of, rank
 from tline.solver.tolerance.rounded_delays import may_round, with_rounded_delays
 from tline.solver.tolerance.search import Search, refined
 

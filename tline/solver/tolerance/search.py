@@ -15,8 +15,7 @@ from tline.solver.result.accuracy import SLOWEST
 from tline.solver.result.result import Result
 from tline.solver.run import NO_KINKS, Kinks, run
 from tline.solver.tolerance.kinks import Cuts
-from tline.solver.tolerance.ladder import Ladder
-from tline.solver.tolerance.limits import MOST_SAMPLES
+from tline.solver.tolerance.ladder import MOST_SAMPLES, Ladder
 
 FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where what decays behind fronts is followed
 DIGITS = 3  # of the tolerance beyond three, for which the first order is one higher
