@@ -11,8 +11,7 @@ from tline.cli.energies import ledger_as_dict
 from tline.cli.measured import as_dict, in_words
 from tline.pictures.handy import handy
 from tline.scene.ibis.element import Ibis
-from tline.scene.measured_multiport import MeasuredMultiport
-from tline.scene.touchstone import Touchstone
+from tline.scene.touchstone import MeasuredMultiport, Touchstone
 from tline.solver.assembly.loss_elements import loss_elements_in
 from tline.solver.assembly.lossy_segments import fits
 from tline.solver.description.description import describe

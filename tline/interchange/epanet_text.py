@@ -8,7 +8,7 @@ from math import isfinite
 from pathlib import Path
 
 from tline.errors import InputError
-from tline.scene.text_file import LARGEST
+from tline.scene.text_file import LARGEST_FILE
 from tline.words.wording import shown
 
 LONGEST = 1000  # bytes of a line; EPANET's buffer has 1024
@@ -65,14 +65,14 @@ def read_text(path: str) -> str:
         with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:  # a pipe has no writer
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
                 raise InputError(path, "cannot be read", "an ordinary file")
-            data = file.read(LARGEST + 1)
+            data = file.read(LARGEST_FILE + 1)
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
             raise
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise InputError(path, "cannot be read", got=reason or str(error)) from None
-    if len(data) > LARGEST:
-        raise InputError(path, "cannot be read", f"at most {LARGEST:,} bytes")
+    if len(data) > LARGEST_FILE:
+        raise InputError(path, "cannot be read", f"at most {LARGEST_FILE:,} bytes")
     for encoding in ("utf-16",) if data[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8-sig", "cp1252", "latin-1"):
         try:
             text = data.decode(encoding)

@@ -8,14 +8,12 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
-from tline.scene.csv_rows import read_rows
-from tline.scene.element import AtNode
+from tline.scene.element import AtNode, Placed
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.kind import ANY_DROP, Bend, Constants, LawKind
 from tline.scene.law import ElementLaw, NonLinear
-from tline.scene.named_file import beside
-from tline.scene.placed import Placed
 from tline.scene.quantity import Quantity, Role
+from tline.scene.text_file import beside, read_rows
 from tline.words.wording import shown
 
 BOLTZMANN, CHARGE = 1.380649e-23, 1.602176634e-19  # J/K, C; exact in the SI

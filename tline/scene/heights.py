@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from tline.errors import InputError
 from tline.line import HydraulicLine
+from tline.scene.measure import Probe
 from tline.scene.medium import MEDIA, Medium
 from tline.scene.multiport import Multiport
-from tline.scene.probe import Probe
 from tline.scene.site import GRAVITY
 from tline.words.wording import place
 

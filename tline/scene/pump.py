@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from tline.errors import InputError
-from tline.scene.between import Between
+from tline.scene.element import Between
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.kind import Bend, LawKind
 from tline.scene.law import ElementLaw, OfLiquids

@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from tline.errors import InputError
-from tline.scene.between import Between
-from tline.scene.element import AtNode
-from tline.scene.placed import Placed
+from tline.scene.element import AtNode, Between, Placed
 from tline.scene.quantity import (
     LARGEST,
     SMALLEST,

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from tline.errors import InputError
-from tline.scene.between import Between
+from tline.scene.element import Between
 from tline.scene.law import ElementLaw, Governor
 from tline.scene.quantity import Quantity, Role
 from tline.scene.valve import CharacterisedValve, Share
