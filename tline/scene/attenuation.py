@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from tline.errors import InputError
 from tline.loss import ConstantLoss, DielectricLoss, Law, SkinEffect
-from tline.scene.element import Element
+from tline.scene.element import Element, pair
 from tline.scene.quantity import Frequency, Quantity, Role
 from tline.words.wording import shown
 
@@ -124,9 +124,7 @@ METRES = {"m": 1.0, "km": 1000.0, "ft": 0.3048, "kft": 304.8, "mi": 1609.344}
 Loss = Annotated[Quantity, Role("attenuation", "", above=0, at_most=1e6)]
 
 
-def _pair(point: Any) -> Any:
-    if not isinstance(point, list | tuple) or len(point) != 2:
-        raise InputError("", "not a point", "a pair [frequency, decibels]", shown(point))
+def _in_decibels(point: Any) -> Any:
     if isinstance(point[1], str) and "dB" in point[1]:
         number, _, rest = point[1].partition("dB")
         if rest.strip():
@@ -135,7 +133,7 @@ def _pair(point: Any) -> Any:
     return point
 
 
-Point = Annotated[tuple[Frequency, Loss], BeforeValidator(_pair)]
+Point = Annotated[tuple[Frequency, Loss], BeforeValidator(_in_decibels), pair("frequency, decibels")]
 
 
 class Attenuation(Element):

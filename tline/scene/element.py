@@ -2,7 +2,17 @@
 
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from tline.errors import InputError, SceneError
 from tline.scene.choice import validator
@@ -113,6 +123,32 @@ class AtNode(Element):
     def terminals(self) -> tuple[str, None]:
         """Its node, and the reference."""
         return self.at, None
+
+
+def pair(words: str) -> BeforeValidator:
+    """Refuse what is no pair, in these words."""
+
+    def checked(point: Any) -> Any:
+        if not isinstance(point, list | tuple) or len(point) != 2:
+            raise InputError("", "not a point", f"a pair [{words}]", shown(point))
+        return point
+
+    return BeforeValidator(checked)
+
+
+class OneMedium(Element):
+    """An element that only pipes or only cables have."""
+
+    medium: ClassVar[str]
+    instead: ClassVar[str]  # what the other medium has
+
+    @field_validator("kind", check_fields=False)
+    @classmethod
+    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
+        given = (info.context or {}).get("medium", cls.medium)
+        if given != cls.medium:
+            raise InputError("", f"not a word of {given} scenes", cls.instead, f"'{kind}'")
+        return kind
 
 
 def two_nodes(nodes: Any) -> Any:

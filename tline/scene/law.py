@@ -1,12 +1,9 @@
 """What an element of a scene tells the solver: the kind of its law, its constants, and what scales it over time."""
 
 from math import inf
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
-from pydantic import ValidationInfo, field_validator
-
-from tline.errors import InputError
-from tline.scene.element import Element
+from tline.scene.element import Element, OneMedium
 from tline.scene.kind import KINDS, LawKind
 from tline.scene.shape import Shape
 
@@ -75,28 +72,13 @@ class NonLinear(Element):
         raise NotImplementedError
 
 
-class OfCables(NonLinear):
+class OfCables(OneMedium, NonLinear):
     """One that only cables have."""
 
-    medium: ClassVar[str] = "electrical"
-
-    @field_validator("kind", check_fields=False)
-    @classmethod
-    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
-        if (info.context or {}).get("medium") == "hydraulic":
-            raise InputError("", "not a word of hydraulic scenes", "such as 'orifice' or 'table'", f"'{kind}'")
-        return kind
+    medium, instead = "electrical", "such as 'orifice' or 'table'"
 
 
-class OfLiquids(NonLinear):
+class OfLiquids(OneMedium, NonLinear):
     """One that only pipes have."""
 
-    medium: ClassVar[str] = "hydraulic"
-
-    @field_validator("kind", check_fields=False)
-    @classmethod
-    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
-        if (info.context or {}).get("medium") == "electrical":
-            expected = "such as 'resistor', 'diode' or 'table'"
-            raise InputError("", "not a word of electrical scenes", expected, f"'{kind}'")
-        return kind
+    medium, instead = "hydraulic", "such as 'resistor', 'diode' or 'table'"

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from tline.errors import InputError
 from tline.scene import elements
 from tline.scene.air_valve import AirValve
 from tline.scene.characteristic import Curve, Diode
 from tline.scene.choice import OneOf
-from tline.scene.element import AtNode
+from tline.scene.element import AtNode, OneMedium
 from tline.scene.ibis.element import Ibis
 from tline.scene.medium import check_word
 from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Junction, Transformer
@@ -48,20 +47,14 @@ class Short(AtNode):
     kind: Literal["short"] = "short"
 
 
-class Reservoir(AtNode):
+class Reservoir(OneMedium, AtNode):
     """A node held at constant pressure."""
 
+    medium, instead = "hydraulic", "a voltage source, or 'short'"
     kind: Literal["reservoir"] = "reservoir"
     pressure: Pressure = Field(
         description="pressure at the node; piezometric, density·g·head, if nodes have elevations"
     )
-
-    @field_validator("kind")
-    @classmethod
-    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
-        if (info.context or {}).get("medium") == "electrical":
-            raise InputError("", "not a word of electrical scenes", "a voltage source, or 'short'", "'reservoir'")
-        return kind
 
 
 class Matched(AtNode):

@@ -3,16 +3,16 @@
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
+from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
+from tline.scene.element import pair
 from tline.scene.quantity import ZERO, Delay, Duration, Level, Time, Whole
 from tline.scene.shape import Floats, Shape
 from tline.scene.text_file import beside, read_rows
-from tline.words.wording import shown
 
 
 class Lines(NamedTuple):
@@ -71,17 +71,11 @@ class Ramp(Points):
         return np.array([self.at, self.at + self.duration]), np.array([self.from_, self.to], float)
 
 
-def _pair(point: Any) -> Any:
-    if not isinstance(point, list | tuple) or len(point) != 2:
-        raise InputError("", "not a point", "a pair [time, level]", shown(point))
-    return point
-
-
 class PiecewiseLinear(Points):
     """Straight lines between points [time, level], constant outside; two points at the same time make a jump."""
 
     shape: Literal["piecewise linear"] = "piecewise linear"
-    points_: list[Annotated[tuple[Time, Level], BeforeValidator(_pair)]] = Field(
+    points_: list[Annotated[tuple[Time, Level], pair("time, level")]] = Field(
         alias="points", min_length=2, description="pairs [time, level], in order of time"
     )
 

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 import numpy as np
-from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
+from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
-from tline.scene.element import AtNode
+from tline.scene.element import AtNode, OneMedium
 from tline.scene.line import Cable, SceneLine
 from tline.scene.multiport import Multiport, PortNodes, Ports
 from tline.scene.quantity import Quantity, Role, Tolerance
@@ -25,7 +25,7 @@ Model = TypeVar("Model")
 Delay = Annotated[Quantity, Role("delay", "s", at_least=0)]
 
 
-class Touchstone(RationalImpedance, AtNode):
+class Touchstone(OneMedium, RationalImpedance, AtNode):
     """A measured one-port, such as an antenna: the S-parameters of a Touchstone file.
 
     A rational model is fitted to the file's reflection, with as few poles as the tolerance takes; a delay in front, as
@@ -38,6 +38,7 @@ class Touchstone(RationalImpedance, AtNode):
         The file cannot be read, holds no one-port, no model meets the tolerance, or the model is not passive.
     """
 
+    medium, instead = "electrical", "kind = 'impedance'"
     kind: Literal["touchstone"] = "touchstone"
     file: str = Field(description="Touchstone file, `.s1p` or `.ts`, looked for beside the scene file")
     tolerance: Tolerance = Field(
@@ -49,11 +50,6 @@ class Touchstone(RationalImpedance, AtNode):
     )
     _model: "DelayedModel" = PrivateAttr()
     _near: str | None = PrivateAttr(default=None)  # node at which the delay begins
-
-    @field_validator("kind")
-    @classmethod
-    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
-        return electrical(kind, info, "kind = 'impedance'")
 
     @model_validator(mode="after")
     def _readable(self, info: ValidationInfo):
@@ -118,13 +114,6 @@ def _impedance(found: "DelayedModel") -> "RationalFunction":
     return RationalFunction((S.q + S.p) * z0.numerator, (S.q - S.p) * z0.denominator)
 
 
-def electrical(kind: str, info: ValidationInfo, instead: str) -> str:
-    """The kind, if the scene is not hydraulic."""
-    if (info.context or {}).get("medium") == "hydraulic":
-        raise InputError("", "not a word of hydraulic scenes", instead, f"'{kind}'")
-    return kind
-
-
 def read_model(model_of: Callable[..., Model], file: str, info: ValidationInfo, *asked: Any) -> Model:
     """The model of a file beside the scene's, found once for each time that it is written."""
     from passivity import ExpressionError
@@ -151,7 +140,7 @@ def _told(file: str, error: ValueError | OSError) -> InputError:
 MOST_PORTS = 8  # proofs with more take minutes
 
 
-class MeasuredMultiport(Multiport):
+class MeasuredMultiport(OneMedium, Multiport):
     """A measured network such as a filter, a connector or a cable: the S-parameters of a Touchstone file.
 
     A rational model whose entries have their poles in common is fitted to the file's S, with as few poles as the
@@ -166,6 +155,7 @@ class MeasuredMultiport(Multiport):
         passive.
     """
 
+    medium, instead = "electrical", "kind = 'junction'"
     kind: Literal["touchstone"] = "touchstone"
     nodes: PortNodes = Field(description=f"one for each port, 2 to {MOST_PORTS}, in the file's order")
     file: str = Field(description="Touchstone file, `.s2p` and the like or `.ts`, looked for beside the scene file")
@@ -180,11 +170,6 @@ class MeasuredMultiport(Multiport):
     )
     _model: "MeasuredNetwork" = PrivateAttr()
     _near: tuple[str, ...] | None = PrivateAttr(default=None)  # nodes at which the delays begin
-
-    @field_validator("kind")
-    @classmethod
-    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
-        return electrical(kind, info, "kind = 'junction'")
 
     @model_validator(mode="after")
     def _readable(self, info: ValidationInfo):

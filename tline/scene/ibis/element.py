@@ -16,11 +16,11 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
+from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
 from tline.scene.characteristic import Curve
-from tline.scene.element import AtNode
+from tline.scene.element import AtNode, OneMedium
 from tline.scene.ibis.buffer import ALWAYS, Buffer, CurrentTable, EdgeWaveform, read_buffer
 from tline.scene.quantity import ZERO, Duration, Time
 from tline.scene.ratio import Ratio
@@ -28,7 +28,6 @@ from tline.scene.rational import Capacitor, RationalImpedance, Series, exact
 from tline.scene.shape import Shape
 from tline.scene.source import Source
 from tline.scene.text_file import beside
-from tline.scene.touchstone import electrical
 from tline.words.wording import shown
 
 STRAIGHT = 1e-2  # of a share: so far may straight lines between fewer instants be from it; cubics are a tenth of that
@@ -164,7 +163,7 @@ class Shares(Shape):
         return min(np.diff(self.t))
 
 
-class Ibis(RationalImpedance, AtNode):
+class Ibis(OneMedium, RationalImpedance, AtNode):
     """A driver or a receiver as its maker publishes it: a model of an IBIS file at one of its corners.
 
     It becomes the capacitance of the die with tables of current over voltage, to ideal supplies, behind the package.
@@ -176,6 +175,7 @@ class Ibis(RationalImpedance, AtNode):
     ANSI/EIA-656-B, I/O Buffer Information Specification 4.2 and later; IBIS Modeling Cookbook (2005).
     """
 
+    medium, instead = "electrical", "kind = 'table'"
     kind: Literal["ibis"] = "ibis"
     file: str = Field(description="IBIS file, looked for beside the scene file")
     model: str | None = Field(default=None, description="name of the model, if the file has several")
@@ -189,11 +189,6 @@ class Ibis(RationalImpedance, AtNode):
     _buffer: Buffer = PrivateAttr()
     _edges: dict[bool, Edge] = PrivateAttr()
     _near: str | None = PrivateAttr(default=None)  # node of the pin
-
-    @field_validator("kind")
-    @classmethod
-    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
-        return electrical(kind, info, "kind = 'table'")
 
     @model_validator(mode="after")
     def _readable(self, info: ValidationInfo):
