@@ -70,21 +70,11 @@ def energy_matrix(f: fmpq_mat, q: fmpq_mat, h: float) -> NDArray[np.float64]:
 
 @dataclass(frozen=True)
 class Legs:
-    """The way from sample to sample, cut at the corners of the inputs.
+    """The way from sample to sample, cut at the corners of the inputs."""
 
-    Attributes
-    ----------
-    lengths : numpy.ndarray
-        s, shape (n,).
-    inputs : numpy.ndarray
-        Inputs at the start of each leg, then their slopes, shape (n, 2m).
-    sampled : numpy.ndarray of bool
-        Which of the n + 1 ends of legs are samples.
-    """
-
-    lengths: NDArray[np.float64]
-    inputs: NDArray[np.float64]
-    sampled: NDArray[np.bool_]
+    lengths: NDArray[np.float64]  # s, shape (n,)
+    inputs: NDArray[np.float64]  # inputs at the start of each leg, then their slopes, shape (n, 2m)
+    sampled: NDArray[np.bool_]  # which of the n + 1 ends of legs are samples
 
     def groups(self) -> Iterator[tuple[float, NDArray[np.intp]]]:
         """Each length that occurs, with the legs that have it."""

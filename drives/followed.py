@@ -25,18 +25,10 @@ SHARE, WEIGHT = np.polynomial.legendre.leggauss(NODES)
 
 
 class Motion(NamedTuple):
-    """Over some lengths of time.
+    """Over some lengths of time."""
 
-    Attributes
-    ----------
-    change : numpy.ndarray
-        D of each length, shape (lengths, n, n).
-    integrals : numpy.ndarray
-        G of each form and length, shape (forms, lengths, n, n).
-    """
-
-    change: NDArray[np.float64]
-    integrals: NDArray[np.float64]
+    change: NDArray[np.float64]  # D of each length, shape (lengths, n, n)
+    integrals: NDArray[np.float64]  # G of each form and length, shape (forms, lengths, n, n)
 
 
 def motion(f: NDArray, forms: Sequence[NDArray], lengths: Sequence[float], more: int = 0) -> Motion | None:

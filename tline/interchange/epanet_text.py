@@ -34,29 +34,14 @@ Position = tuple[float, float]
 
 @dataclass
 class EpanetText:
-    """What a file says.
+    """What a file says."""
 
-    Attributes
-    ----------
-    network : str
-        For EPANET to solve: sections and options that bear on a steady flow at the start of time.
-    title : str
-    held : bool
-        Whether there are patterns, controls or rules.
-    controls : list of list of str
-        Words of the lines of controls.
-    positions : dict of str to pair of float
-        Of nodes.
-    vertices : dict of str to list of pair of float
-        Of links.
-    """
-
-    network: str = ""
+    network: str = ""  # for EPANET to solve: sections and options that bear on a steady flow at the start of time
     title: str = ""
-    held: bool = False
-    controls: list[list[str]] = field(default_factory=list)
-    positions: dict[str, Position] = field(default_factory=dict)
-    vertices: dict[str, list[Position]] = field(default_factory=dict)
+    held: bool = False  # whether there are patterns, controls or rules
+    controls: list[list[str]] = field(default_factory=list)  # words of the lines of controls
+    positions: dict[str, Position] = field(default_factory=dict)  # of nodes
+    vertices: dict[str, list[Position]] = field(default_factory=dict)  # of links
 
 
 def read_text(path: str) -> str:

@@ -78,17 +78,10 @@ def check_ordinary(path: str | Path) -> None:
 
 
 class Folder(NamedTuple):
-    """Where the files that a scene names are looked for.
-
-    Parameters
-    ----------
-    path : Path
-    confined : bool
-        Whether files that lie elsewhere, by ``..``, a link or a path from the root, are refused.
-    """
+    """Where the files that a scene names are looked for."""
 
     path: Path = Path()
-    confined: bool = False
+    confined: bool = False  # whether files that lie elsewhere, by ``..``, a link or a path from the root, are refused
 
     def find(self, file: str) -> Path:
         """The path of a file that can be read to its end."""

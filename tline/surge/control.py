@@ -25,26 +25,13 @@ HALVINGS = 60
 
 
 class Control(NamedTuple):
-    """An operation that waits for a pressure.
-
-    Attributes
-    ----------
-    node : str
-    pressure : float
-        Gauge pressure there, Pa.
-    above : bool
-        Whether it is to exceed that, or to fall below it.
-    event : Event
-        What is done then; its instant counts from there.
-    text : str
-        As it was said.
-    """
+    """An operation that waits for a pressure."""
 
     node: str
-    pressure: float
-    above: bool
-    event: Event
-    text: str
+    pressure: float  # gauge pressure there, Pa
+    above: bool  # whether it is to exceed that, or to fall below it
+    event: Event  # what is done then; its instant counts from there
+    text: str  # as it was said
 
 
 def read_control(text: str) -> Control:
