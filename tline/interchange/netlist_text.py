@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from passivity import RationalFunction
 from tline.errors import InputError
 from tline.interchange.diode import NOMINAL
-from tline.interchange.spice_waveform import spice_waveform
+from tline.interchange.spice_shape import spice_waveform
 from tline.scene.characteristic import Diode
 from tline.scene.coupled import refuse_coupled
 from tline.scene.load import Link, Matched, NoFlow, Resistor, Short
