@@ -8,6 +8,7 @@ from math import isfinite
 from pathlib import Path
 
 from tline.errors import InputError
+from tline.interchange.water_network import Position
 from tline.scene.text_file import LARGEST_FILE
 from tline.words.wording import shown
 
@@ -29,7 +30,6 @@ OPTIONS = ("UNIT", "PRES", "HEADL", "VISC", "SPEC", "CHECKF", "MAXCH", "DAMP", "
 OTHER_OPTIONS = ("HYDR", "QUAL", "MAP", "VERI", "SEGM", "DIFF", "TOLE", "TRIA", "ACCU", "UNBA", "HEADE", "FLOWC",
                  "BACKF")  # fmt: skip
 TIMES = ("PATT", "HYDR", "RULE", "START")
-Position = tuple[float, float]
 
 
 @dataclass

@@ -13,7 +13,7 @@ from tline.scene.factor import ALWAYS, Factor
 from tline.scene.kind import Bend, LawKind
 from tline.scene.law import ElementLaw, OfLiquids
 from tline.scene.pump_pieces import PumpPieces, backward, parabola, smooth
-from tline.scene.quantity import Quantity, Role
+from tline.scene.quantity import Pressure, Quantity, Role
 from tline.scene.shape import Step
 from tline.scene.suter import in_four_quadrants
 from tline.words.wording import shown
@@ -24,7 +24,6 @@ LAST_OF_ONE = 2.0  # flow without rise over that of the single point of a curve
 ONE_POINT = 4 / 3  # shut-off rise over that of the single point of a curve (L. A. Rossman, EPANET 2 manual, 2000)
 Flow = Annotated[Quantity, Role("flow", "m^3/s", at_least=0)]
 Instant = Annotated[Quantity, Role("time", "s", at_least=0)]
-Rise = Annotated[Quantity, Role("pressure", "Pa")]
 
 
 class Pumping(LawKind):
@@ -72,7 +71,7 @@ class Pump(Between, OfLiquids):
     """
 
     kind: Literal["pump"] = "pump"
-    curve: list[Annotated[tuple[Flow, Rise], pair("flow, pressure rise")]] = Field(
+    curve: list[Annotated[tuple[Flow, Pressure], pair("flow, pressure rise")]] = Field(
         min_length=1, max_length=100, description="points [flow, pressure rise] at rated speed"
     )
     efficiency: Annotated[Quantity, Role("share", "", above=0, at_most=1)] | None = Field(

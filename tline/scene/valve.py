@@ -29,7 +29,6 @@ from tline.words.wording import shown
 
 Share = Annotated[Quantity, Role("share", "", at_least=0, at_most=1)]
 PRESSURE_BEHIND = "has a pressure behind it, which is a source"
-Back = Annotated[Quantity, Role("pressure", "Pa")]
 
 
 def _pair(point: Any) -> Any:
