@@ -238,7 +238,7 @@ FRICTION = {
     "events": lambda: friction.simulate(friction.Karnopp(), BENCH),
     "ledger": lambda: friction.simulate(friction.Karnopp(), BENCH).ledger,
     "taylor": lambda: friction.simulate(friction.Coulomb(), BENCH, t_end=1.0),
-    "limits": lambda: friction.predict(friction.LuGre(sigma0=500.0), 4.0),
+    "limits": lambda: friction.limits(friction.LuGre(sigma0=500.0), 4.0),
     "chatter": lambda: friction.euler_chatter(1.0, 0.5, 0.01),
     "dead zone": lambda: friction.dead_zone(0.001, 1.0, 0.01),
     "sweep": lambda: friction.sweep(friction.LuGre(), BENCH, sigma0=[500.0], tol=1e-6),
