@@ -70,23 +70,6 @@ def sundae_peer(case: str, solver: str) -> Callable[[float], float]:
     return run
 
 
-def numbalsoda_peer(case: str, _: str) -> Callable[[float], float]:
-    from numba import cfunc, njit
-    from numbalsoda import lsoda, lsoda_sig  # type: ignore[import-not-found]
-
-    compiled = njit(RATES[case])
-
-    @cfunc(lsoda_sig)
-    def rates(t, y, out, _):
-        a = compiled(t, [y[0], y[1], y[2]])
-        out[0], out[1], out[2] = a[0], a[1], a[2]
-
-    def run(tol: float) -> float:
-        return float(lsoda(rates.address, np.zeros(3), np.array([0.0, END]), rtol=tol, atol=1e-3 * tol)[0][-1, 1])
-
-    return run
-
-
 def own(case: str, method: str) -> Callable[[float], float]:
     model, bench = {"lugre": LuGre(), "stribeck": Karnopp()}[case], Testbench(Ramp(0.5))
     kind = friction.METHODS[method].step
@@ -99,12 +82,11 @@ def own(case: str, method: str) -> Callable[[float], float]:
     return run
 
 
-MAKERS = {"scipy": scipy_peer, "scikit-sundae": sundae_peer, "numbalsoda": numbalsoda_peer, "tline": own}
+MAKERS = {"scipy": scipy_peer, "scikit-sundae": sundae_peer, "tline": own}
 SOLVERS = {
-    "lugre": [("scipy", m) for m in ("LSODA", "BDF", "Radau")] + [("scikit-sundae", "BDF"), ("numbalsoda", "LSODA")],
+    "lugre": [("scipy", m) for m in ("LSODA", "BDF", "Radau")] + [("scikit-sundae", "BDF")],
     "stribeck": [("scipy", m) for m in ("LSODA", "DOP853", "RK45", "BDF")]
-    + [("scikit-sundae", m) for m in ("Adams", "BDF")]
-    + [("numbalsoda", "LSODA")],
+    + [("scikit-sundae", m) for m in ("Adams", "BDF")],
 }
 OURS = {"lugre": ("rosenbrock", "exponential", "rk4"), "stribeck": ("events", "moreau", "rk4", "rk45-events")}
 

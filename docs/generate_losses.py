@@ -25,6 +25,7 @@ from tline.pictures.style import COLOURS, DASHES, figure, save_figure, styled
 from tline.pictures.traces import plot
 from tline.scene.file import read_scene
 from tline.solver.simulate import simulate
+from tline.study.charts.picture import RAISED
 from tline.study.reference.lossy import lossy_response
 
 SCENE = ROOT / "scenes" / "pipe_friction.toml"
@@ -34,7 +35,6 @@ PIPE = {"density": 878.0, "viscosity": 0.0347, "radius": 12.7e-3}  # Holmboe and
 LAMINAR = LaminarFriction(**PIPE)
 COMPLIANCE = math.pi * PIPE["radius"] ** 2 / (PIPE["density"] * 1324.0**2)
 LENGTH = 36.09
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 WIRE = RoundWire(0.5e-3, 5.8e7)
 FIELD = ConstantLoss(0, 250e-9)
 EARTH = EarthReturn(10, 100)

@@ -12,16 +12,13 @@ from passivity.one_port.picture import draw_verdict
 from tline.design import vessel
 from tline.frequency.oscillations import resonances
 from tline.frequency.response import respond
-from tline.pictures.bode import plot_bode
+from tline.pictures.bode import plot_bode, plot_misfit
 from tline.pictures.lattice import plot_lattice
-from tline.pictures.load_lines import plot_load_lines
 from tline.pictures.map import plot_map
-from tline.pictures.misfit import plot_misfit
 from tline.pictures.network import plot_network
 from tline.pictures.path import route
-from tline.pictures.profile import plot_profile
-from tline.pictures.signals import plot_crosstalk, plot_eye, plot_reflections
-from tline.pictures.space_time import plot_space_time
+from tline.pictures.profile import plot_profile, plot_space_time
+from tline.pictures.signals import plot_crosstalk, plot_eye, plot_load_lines, plot_reflections
 from tline.pictures.style import INK, save_figure, styled
 from tline.pictures.sweep import plot_sweep
 from tline.pictures.traces import plot

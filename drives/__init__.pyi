@@ -3,11 +3,13 @@ from drives.answers import exercise as exercise
 from drives.control import PI as PI
 from drives.control import Bandwidth as Bandwidth
 from drives.control import Design as Design
+from drives.control import Margins as Margins
 from drives.control import Share as Share
 from drives.control import alike as alike
 from drives.control import decoupled as decoupled
 from drives.control import decoupler as decoupler
 from drives.control import design as design
+from drives.control import margins as margins
 from drives.control import relative_gain_array as relative_gain_array
 from drives.coupled import CoupledDrives as CoupledDrives
 from drives.derivation import PulleyCheck as PulleyCheck
@@ -38,10 +40,8 @@ from drives.resonance import peak as peak
 from drives.resonance import undamped_frequency as undamped_frequency
 from drives.simulation import Run as Run
 from drives.simulation import simulate as simulate
+from drives.simulation import simulate_slack as simulate_slack
 from drives.simulation import steady_state as steady_state
-from drives.slack import simulate_slack as simulate_slack
-from drives.stability import Margins as Margins
-from drives.stability import margins as margins
 from drives.state_space import StateSpace as StateSpace
 from drives.symbolic import INPUTS as INPUTS
 from drives.symbolic import OUTPUTS as OUTPUTS

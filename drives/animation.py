@@ -24,25 +24,14 @@ LOW, HIGH = np.array([0x21, 0x66, 0xAC]), np.array([0xB2, 0x18, 0x2B])  # no ten
 
 @dataclass(frozen=True)
 class Motion:
-    """What is drawn: frames of positions, and what stands still.
+    """What is drawn: frames of positions, and what stands still."""
 
-    Attributes
-    ----------
-    frames : list of dict
-        Per frame the time, turns of spools and pulley (rad, clockwise), pulley's height, ends of the two straight
-        pieces of belt, colour, tension and belt speed.
-    radii : tuple of float
-        Of spool 1 and spool 2 as drawn.
-    height : float
-        Of the pulley at rest.
-    magnified : float
-        How much larger than drawn to scale the pulley's deflection is.
-    """
-
+    # per frame the time, turns of spools and pulley (rad, clockwise), pulley's height, ends of the two straight
+    # pieces of belt, colour, tension and belt speed
     frames: list[dict[str, Any]]
-    radii: tuple[float, float]
-    height: float
-    magnified: float
+    radii: tuple[float, float]  # of spool 1 and spool 2 as drawn
+    height: float  # of the pulley at rest
+    magnified: float  # how much larger than drawn to scale the pulley's deflection is
 
 
 def animate(drives: CoupledDrives, t: NDArray, outputs: Mapping[str, NDArray], filename: str | Path) -> None:

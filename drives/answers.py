@@ -42,21 +42,12 @@ LOOP = (
 
 @dataclass(frozen=True)
 class Answer:
-    """One part of the exercise.
-
-    Attributes
-    ----------
-    letter, title : str
-    lines : tuple of str
-        For the eye.
-    data : dict
-        The same as numbers, fit for JSON.
-    """
+    """One part of the exercise."""
 
     letter: str
     title: str
-    lines: tuple[str, ...]
-    data: dict[str, Any]
+    lines: tuple[str, ...]  # for the eye
+    data: dict[str, Any]  # the same as numbers, fit for JSON
 
 
 def exercise(drives: CoupledDrives | None = None) -> list[Answer]:

@@ -20,9 +20,8 @@ from numpy.typing import NDArray
 
 from drives.by_hand import Control
 from drives.control import PI, Design, decoupler
-from drives.discretise import legs, propagate
+from drives.discretise import integrate, legs, propagate
 from drives.energy import Energy, Rows, energy_of, open_torques, powers, stored_in
-from drives.integrate import integrate
 from drives.number import positive, rational, written
 from drives.simulation import Run, initial_state, named, pushing, sample_times
 from drives.state_space import StateSpace, floats

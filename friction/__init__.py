@@ -1,14 +1,15 @@
 """Friction models on a testbench, exact where they can be, and predictions of where methods fail."""
 
 from friction.exercise import PARTS, Part
-from friction.limits import Limits, limits
 from friction.methods import METHODS, Method
 from friction.models import MODELS, Coulomb, Dahl, ElastoPlastic, Karnopp, LuGre, Model, Tanh
 from friction.predict import (
     Chatter,
     DeadZone,
+    Limits,
     dead_zone,
     euler_chatter,
+    limits,
     lugre_drift,
     passive_damping,
     tanh_creep,

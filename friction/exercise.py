@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from friction.limits import limits
 from friction.models import Coulomb, Karnopp, LuGre, Model
-from friction.predict import dead_zone, euler_chatter
+from friction.predict import dead_zone, euler_chatter, limits
 from friction.result import Kind, Result, Status
 from friction.simulate import simulate
 from friction.testbench import Ramp, Testbench

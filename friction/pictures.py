@@ -1,19 +1,18 @@
 """Pictures of runs, of friction over velocity, and of hysteresis."""
 
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
+import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from friction.exercise import Part
 from friction.models import Model
 from friction.result import Kind, Result
 from friction.simulate import simulate
 from friction.testbench import Sine, Testbench
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 # Okabe and Ito's colours, told apart with every kind of colour vision
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -34,23 +33,15 @@ NAMES = {
 }  # fmt: skip
 MARKS = {Kind.BREAK_AWAY: "^", Kind.STOP: "s", Kind.REVERSAL: "x"}
 MOST_MARKS = 40
+styled = matplotlib.rc_context(LOOK)  # around what draws
 
 
-def _figure(rows: int, columns: int, width: float, height: float) -> tuple["Figure", Any]:
-    from matplotlib.figure import Figure
-
+def _figure(rows: int, columns: int, width: float, height: float) -> tuple[Figure, Any]:
     figure = Figure(figsize=(width, height), dpi=140, layout="constrained")
     return figure, figure.subplots(rows, columns, squeeze=False)
 
 
-def _styled(draw: Callable[[], "Figure"]) -> "Figure":
-    import matplotlib
-
-    with matplotlib.rc_context(LOOK):
-        return draw()
-
-
-def _trace(axes: "Axes", runs: Mapping[str, Result], quantity: str, window: tuple[float, float]) -> None:
+def _trace(axes: Axes, runs: Mapping[str, Result], quantity: str, window: tuple[float, float]) -> None:
     for k, (label, run) in enumerate(runs.items()):
         values, colour = getattr(run, quantity), COLOURS[k % len(COLOURS)]
         inside = (run.t >= window[0]) & (run.t <= window[1])
@@ -63,7 +54,8 @@ def _trace(axes: "Axes", runs: Mapping[str, Result], quantity: str, window: tupl
     axes.set(xlabel="time t [s]", ylabel=NAMES[quantity], xlim=window)
 
 
-def draw_runs(runs: Mapping[str, Result], quantities: tuple[str, ...] = ("v", "F_f", "x")) -> "Figure":
+@styled
+def draw_runs(runs: Mapping[str, Result], quantities: tuple[str, ...] = ("v", "F_f", "x")) -> Figure:
     """Quantities of some runs over time; marks: triangle break-away, square stop, cross reversal.
 
     Parameters
@@ -73,10 +65,6 @@ def draw_runs(runs: Mapping[str, Result], quantities: tuple[str, ...] = ("v", "F
     quantities : tuple of str, optional
         Of `x`, `v`, `z`, `F_a`, `F_f`.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
     Examples
     --------
     >>> from friction import Coulomb, Testbench, simulate
@@ -84,28 +72,21 @@ def draw_runs(runs: Mapping[str, Result], quantities: tuple[str, ...] = ("v", "F
     >>> len(draw_runs({"Coulomb": simulate(Coulomb(), Testbench())}).axes)
     3
     """
-
-    def draw() -> "Figure":
-        figure, axes = _figure(len(quantities), 1, 7.0, 2.2 * len(quantities))
-        for cell, quantity in zip(axes[:, 0], quantities, strict=True):
-            _trace(cell, runs, quantity, (0.0, max(float(run.t[-1]) for run in runs.values())))
-        axes[0, 0].legend()
-        return figure
-
-    return _styled(draw)
+    figure, axes = _figure(len(quantities), 1, 7.0, 2.2 * len(quantities))
+    for cell, quantity in zip(axes[:, 0], quantities, strict=True):
+        _trace(cell, runs, quantity, (0.0, max(float(run.t[-1]) for run in runs.values())))
+    axes[0, 0].legend()
+    return figure
 
 
-def draw_exercise(parts: Mapping[str, Part]) -> "Figure":
+@styled
+def draw_exercise(parts: Mapping[str, Part]) -> Figure:
     """The parts of the exercise, one row each.
 
     Parameters
     ----------
     parts : mapping of str to Part
         Answers by their letters.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
 
     Examples
     --------
@@ -114,20 +95,17 @@ def draw_exercise(parts: Mapping[str, Part]) -> "Figure":
     >>> len(draw_exercise({"b": PARTS["b"]()}).axes)
     2
     """
-
-    def draw() -> "Figure":
-        figure, axes = _figure(len(parts), 2, 10.0, 2.5 * len(parts))
-        for row, (letter, part) in zip(axes, parts.items(), strict=True):
-            for cell, panel in zip(row, part.panels, strict=True):
-                _trace(cell, {label: part.runs[label] for label in panel.labels}, panel.quantity, panel.window)
-            row[0].set_title(f"({letter}) {part.title}", loc="left", fontweight="bold")
-            row[0].legend()
-        return figure
-
-    return _styled(draw)
+    figure, axes = _figure(len(parts), 2, 10.0, 2.5 * len(parts))
+    for row, (letter, part) in zip(axes, parts.items(), strict=True):
+        for cell, panel in zip(row, part.panels, strict=True):
+            _trace(cell, {label: part.runs[label] for label in panel.labels}, panel.quantity, panel.window)
+        row[0].set_title(f"({letter}) {part.title}", loc="left", fontweight="bold")
+        row[0].legend()
+    return figure
 
 
-def draw_curves(models: Mapping[str, Model], v_max: float = 0.5) -> "Figure":
+@styled
+def draw_curves(models: Mapping[str, Model], v_max: float = 0.5) -> Figure:
     """Steady friction over velocity, and hysteresis: friction over place under a slow sine of 0.8 and 1.5·F_c.
 
     Parameters
@@ -137,10 +115,6 @@ def draw_curves(models: Mapping[str, Model], v_max: float = 0.5) -> "Figure":
     v_max : float, optional
         Largest velocity [m/s], positive.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
     Examples
     --------
     >>> from friction import LuGre
@@ -148,21 +122,15 @@ def draw_curves(models: Mapping[str, Model], v_max: float = 0.5) -> "Figure":
     >>> len(draw_curves({"LuGre": LuGre()}).axes)
     3
     """
-
-    def draw() -> "Figure":
-        figure, axes = _figure(1, 3, 11.0, 3.4)
-        v = np.linspace(-v_max, v_max, 2001)
-        for k, (label, model) in enumerate(models.items()):
-            colour = COLOURS[k % len(COLOURS)]
-            axes[0, 0].plot(v, model.steady_force(v), color=colour, label=label)
-            for cell, load in zip(axes[0, 1:], (0.8, 1.5), strict=True):
-                run = simulate(
-                    model, Testbench(Sine(load * model.sliding, 0.25)), 8.0, times=np.linspace(0.0, 8.0, 4001)
-                )
-                cell.plot(1e3 * run.x, run.F_f, color=colour)
-                cell.set(xlabel="place x [mm]", ylabel=NAMES["F_f"], title=f"force {load}·F_c·sin(2π·t/4 s)")
-        axes[0, 0].set(xlabel=NAMES["v"], ylabel=NAMES["F_f"], title="steady sliding")
-        axes[0, 0].legend()
-        return figure
-
-    return _styled(draw)
+    figure, axes = _figure(1, 3, 11.0, 3.4)
+    v = np.linspace(-v_max, v_max, 2001)
+    for k, (label, model) in enumerate(models.items()):
+        colour = COLOURS[k % len(COLOURS)]
+        axes[0, 0].plot(v, model.steady_force(v), color=colour, label=label)
+        for cell, load in zip(axes[0, 1:], (0.8, 1.5), strict=True):
+            run = simulate(model, Testbench(Sine(load * model.sliding, 0.25)), 8.0, times=np.linspace(0.0, 8.0, 4001))
+            cell.plot(1e3 * run.x, run.F_f, color=colour)
+            cell.set(xlabel="place x [mm]", ylabel=NAMES["F_f"], title=f"force {load}·F_c·sin(2π·t/4 s)")
+    axes[0, 0].set(xlabel=NAMES["v"], ylabel=NAMES["F_f"], title="steady sliding")
+    axes[0, 0].legend()
+    return figure

@@ -18,7 +18,7 @@ from tline.solver.result.dense_output import curve
 from tline.solver.result.result import ProbeResult
 from tline.solver.simulate import UnresolvedWarning, simulate
 from tline.study.reference.exact import Solution
-from tline.study.reference.lossy_scene import LossySolution
+from tline.study.reference.lossy import LossySolution
 
 BOLTZMANN = 1.380649e-23 / 1.602176634e-19  # V/K
 INSTANTS, FEW = 400, 40  # at which a curve is looked at, and of a lossy line

@@ -6,8 +6,8 @@ from scene_mistakes import agree
 from tline.errors import InputError, SceneError
 from tline.scene.line import Cable, Pipe
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
-from tline.scene.probe import Probe
-from tline.scene.pulses import Pulses
+from tline.scene.measure import Probe
+from tline.scene.points import Pulses
 from tline.scene.rational import Impedance, Parallel, Series
 from tline.scene.scene import Scene, Solver
 from tline.scene.shape import Step

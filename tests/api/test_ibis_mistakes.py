@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tline.errors import InputError, SceneError
-from tline.scene.ibis.switching import _kept
+from tline.scene.ibis.element import _kept
 from tline.scene.scene import Scene
 from tline.shipped import FOLDER
 from tline.solver.simulate import simulate

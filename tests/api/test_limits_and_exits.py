@@ -19,9 +19,9 @@ from tline.cli.frequency import MOST_POINTS
 from tline.cli.main import main
 from tline.interchange.deck import DEEPEST, MOST_CARDS
 from tline.scene.mistakes import MOST
-from tline.scene.pulses import MOST_PULSES
+from tline.scene.points import MOST_PULSES
 from tline.scene.quantity import LARGEST as LARGEST_NUMBER
-from tline.scene.text_file import LARGEST
+from tline.scene.text_file import LARGEST_FILE
 from tline.solver.description import resolution
 from tline.solver.tolerance import limits
 from tline.sweeps.design import MOST_RUNS
@@ -41,7 +41,7 @@ def tline(*args: str, **given) -> subprocess.CompletedProcess:
 
 def test_the_limits_on_the_page_are_those_of_the_program():
     table = dict(re.findall(r"^\| (.*?) \| (.*?) \|$", PAGE.partition("## Limits")[2], re.MULTILINE))
-    assert table["a scene, table or netlist"] == f"{LARGEST:,} bytes"
+    assert table["a scene, table or netlist"] == f"{LARGEST_FILE:,} bytes"
     assert (
         table["a Touchstone file, or samples for `tline passivity`"] == f"{MAX_BYTES:,} bytes, {MAX_LINE:,} in a line"
     )

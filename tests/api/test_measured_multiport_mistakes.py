@@ -13,7 +13,7 @@ from touchstone_files import FILTER, SHIPPED, frequencies, stretch, write_ports
 from tline.cli.main import main
 from tline.errors import SceneError
 from tline.scene.file import read_scene, scene_from, scene_text
-from tline.scene.measured_multiport import MeasuredMultiport
+from tline.scene.touchstone import MeasuredMultiport
 
 SCENE = f"""
 medium = "electrical"

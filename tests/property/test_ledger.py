@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from random_elements import random_elements
 from random_scenes import random_scene
 
-from tline.cli.energies import ledger_as_table
+from tline.cli.report import ledger_as_table
 from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver import run as runs

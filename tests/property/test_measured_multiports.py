@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from touchstone_files import FILTER, frequencies, stretch, write_ports
 
 from passivity import MatrixModel, SampledResponse, Status, fit_scattering
-from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.scene import Scene
+from tline.scene.touchstone import MeasuredMultiport
 from tline.solver.loop.kernel import Kernel
 
 ROUNDING = 1e-12  # of the energy at the start

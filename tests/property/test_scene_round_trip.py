@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from tline.scene.file import scene_from, scene_text, schema
 from tline.scene.line import Cable, Pipe
 from tline.scene.load import Matched, NoFlow, Reservoir, Short
+from tline.scene.measure import Probe
 from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Transformer
-from tline.scene.probe import Probe
 from tline.scene.rational import Capacitor, Impedance, Inductor, Parallel, Resistor, Series
 from tline.scene.scene import Scene, Solver
 from tline.scene.source import Source

@@ -5,7 +5,7 @@ import pytest
 
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
-from tline.study.reference.lossy_scene import LossySolution
+from tline.study.reference.lossy import LossySolution
 
 RNG = np.random.default_rng(20)
 INSTANTS = RNG.uniform(0.0, 3e-9, 10)

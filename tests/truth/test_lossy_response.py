@@ -10,8 +10,7 @@ import pytest
 from tline.errors import InputError
 from tline.loss import ConstantLoss, Foster, LaminarFriction, LossyLine, SkinEffect
 from tline.scene.scene import Scene
-from tline.study.reference.lossy import Drive, lossy_response
-from tline.study.reference.lossy_scene import LossySolution
+from tline.study.reference.lossy import Drive, LossySolution, lossy_response
 
 
 def close(found, expected, digits):

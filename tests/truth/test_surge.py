@@ -8,8 +8,7 @@ from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
 from tline.solver.simulate import simulate
 from tline.surge.event import Event
-from tline.surge.inertia import usual_inertia
-from tline.surge.operate import operated
+from tline.surge.operate import operated, usual_inertia
 from tline.surge.worst import RISES, SEPARATES, worst
 
 SPEED, DENSITY, DIAMETER, HEAD, DRAWN = 1000.0, 1000.0, 0.2, 60.0, 0.01

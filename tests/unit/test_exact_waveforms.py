@@ -9,7 +9,7 @@ from flint import ctx
 from tline.errors import InputError
 from tline.scene.shape import Shape
 from tline.scene.source import Source
-from tline.study.reference.waveforms import level, motions, starts, straight
+from tline.study.reference.network import level, motions, starts, straight
 
 WAVEFORMS = [
     2.5,

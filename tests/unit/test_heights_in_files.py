@@ -9,7 +9,7 @@ from random_heights import WEIGHT, sloping
 
 from tline.cli.report import as_table, judgement, summary
 from tline.pictures.path import route
-from tline.pictures.space_time import plot_space_time
+from tline.pictures.profile import plot_space_time
 from tline.pictures.sweep import plot_sweep
 from tline.pictures.traces import plot
 from tline.scene.scene import Scene

@@ -15,10 +15,9 @@ from tline.pictures.along import extremes_along
 from tline.pictures.animation import animated
 from tline.pictures.bounds import bounds
 from tline.pictures.layout import course, layout
-from tline.pictures.map import plot_map
+from tline.pictures.map import lines_to_map, plot_map, surges
 from tline.pictures.path import Route, route
 from tline.pictures.profile import plot_profile
-from tline.pictures.surge import lines_to_map, surges
 from tline.scene.file import read_scene, scene_from
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY

@@ -17,8 +17,8 @@ from tline.errors import InputError
 from tline.scene.file import read_scene, schema
 from tline.scene.line import Cable, Pipe
 from tline.scene.load import Resistor
+from tline.scene.measure import Probe
 from tline.scene.points import Ramp
-from tline.scene.probe import Probe
 from tline.scene.quantity import Quantity
 from tline.scene.rational import Impedance, Parallel, Series
 from tline.scene.scene import Scene

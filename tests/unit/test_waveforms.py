@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from tline.errors import InputError
-from tline.scene.points import PiecewiseLinear, Ramp, Table, read_table
-from tline.scene.pulses import MOST_PULSES, Pulses
+from tline.scene.points import MOST_PULSES, PiecewiseLinear, Pulses, Ramp, Table, read_table
 from tline.scene.shape import Constant, Shape, Step
 from tline.scene.smooth import DoubleExponential, Exponential, ModulatedSine, Sine
 from tline.solver.description.excitation import EDGE, just_before

@@ -4,8 +4,7 @@ import pytest
 
 from passivity import RationalFunction
 from tline.errors import InputError
-from tline.interchange.as_load import as_load
-from tline.interchange.netlist_text import spice_text
+from tline.interchange.netlist_text import as_load, spice_text
 from tline.scene.scene import Scene
 
 

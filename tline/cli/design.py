@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tline.cli.from_signature import Command, FileKind, Output, command, drawn, picture, table
-from tline.cli.operating import NAMES, OPERATE, OPERATING, operated_network
 from tline.cli.options import tolerance, write_text
+from tline.cli.surge import NAMES, OPERATE, OPERATING, operated_network
 
 if TYPE_CHECKING:
     from tline.design.sizing import Sizing

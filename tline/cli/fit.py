@@ -52,7 +52,7 @@ def fit(file: str, *, tol: str = "1e-3", delay: str | None = None, nearest: bool
             raise told from error
         click.echo(str(told), err=True)
         raise click.exceptions.Exit(1) from None
-    files = {"plot": drawn("tline.pictures.misfit:plot_misfit", found, file)}
+    files = {"plot": drawn("tline.pictures.bode:plot_misfit", found, file)}
     proved = found.verdict.status.value == "proved"
     return Output(_text(file, found), lambda: as_dict(found), files, exit_code=0 if proved else 1)
 

@@ -167,7 +167,7 @@ def _parameters(scene: "Scene", f: "NDArray", ports: list[str], z0: str | None) 
 
 
 def _save_response(f: "NDArray", curves: Curves, scene: "Scene", file: str) -> None:
-    from tline.frequency.save import save_response
+    from tline.frequency.response import save_response
 
     assert curves.probes is not None
     flow = MEDIA[scene.medium].units["flow"] + _per(scene, curves.told["source"])
@@ -175,7 +175,7 @@ def _save_response(f: "NDArray", curves: Curves, scene: "Scene", file: str) -> N
 
 
 def _save_parameters(f: "NDArray", curves: Curves, file: str) -> None:
-    from tline.frequency.save import save_parameters
+    from tline.frequency.response import save_parameters
 
     assert curves.matrix is not None
     save_parameters(f, curves.matrix, curves.told["ports"], curves.told["z0"], file)

@@ -33,7 +33,7 @@ def recorded(scene: "Scene", way: "Route | None", mapped: bool) -> tuple[str, ..
     """Lines of whose inside pictures show something."""
     if not mapped:
         return way.lines if way else ()
-    from tline.pictures.surge import lines_to_map
+    from tline.pictures.map import lines_to_map
 
     return (*(way.lines if way else ()), *lines_to_map(scene))
 
@@ -52,7 +52,7 @@ def writers(
         "plot": drawn("tline.pictures.traces:plot", result, t=times),
         "profile": drawn("tline.pictures.profile:plot_profile", result, way),
         "map": drawn("tline.pictures.map:plot_map", result),
-        "space_time": drawn("tline.pictures.space_time:plot_space_time", result, way),
+        "space_time": drawn("tline.pictures.profile:plot_space_time", result, way),
         "lattice": drawn("tline.pictures.lattice:plot_lattice", result),
         "load_lines": lambda file: _draw_load_lines(result.scene, file),
         "animate": lambda file: _animate(result, way, file),
@@ -63,7 +63,7 @@ def _draw_load_lines(scene: "Scene", file: str) -> None:
     from tline.scene.heights import words
     from tline.signal.load_line import bergeron
 
-    drawn("tline.pictures.load_lines:plot_load_lines", bergeron(scene), words(scene), scene.title)(file)
+    drawn("tline.pictures.signals:plot_load_lines", bergeron(scene), words(scene), scene.title)(file)
 
 
 def _animate(result: "Result", way: "Route | None", file: str) -> None:

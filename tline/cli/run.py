@@ -88,8 +88,7 @@ def run(
 
 
 def _text(result: "Result", accuracy: "Accuracy | None", with_ledger: bool) -> Iterator[str]:
-    from tline.cli.energies import ledger_as_table
-    from tline.cli.report import as_table
+    from tline.cli.report import as_table, ledger_as_table
 
     yield as_table(result, accuracy)
     if with_ledger and result.ledger is not None:

@@ -15,7 +15,7 @@ WITH_UNITS = (  # packages and modules
     "tline.solver.kernel",
     "tline.solver.many.kernel",
     "friction.kernel",
-    "tline.study.baseline.kernel",
+    "tline.study.baseline.loops",
     "tline.study.reference.grid",
 )
 EXAMPLES = """\b

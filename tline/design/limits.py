@@ -23,24 +23,13 @@ LATE = 0.99  # of the run
 
 
 class Limits(NamedTuple):
-    """Where extremes are looked at, and what they are to keep.
-
-    Attributes
-    ----------
-    scene : Scene
-    way : Route or None
-        The path; all nodes if None.
-    lowest, highest : float
-        Pa; infinite where there is no limit.
-    per_metre : float or None
-        Of heads, Pa/m; None if gauge pressures are limited.
-    """
+    """Where extremes are looked at, and what they are to keep."""
 
     scene: Scene
-    way: Route | None
-    lowest: float
+    way: Route | None  # the path; all nodes if None
+    lowest: float  # lowest, highest: Pa; infinite where there is no limit
     highest: float
-    per_metre: float | None
+    per_metre: float | None  # of heads, Pa/m; None if gauge pressures are limited
 
     @property
     def record(self) -> tuple[str, ...]:

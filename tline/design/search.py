@@ -12,24 +12,13 @@ ROUNDS = 4  # of searches above a larger size that fails
 
 
 class Trial(NamedTuple):
-    """What one size leads to, in SI.
-
-    Attributes
-    ----------
-    size : float
-    lowest, highest : float
-        Extremes that are limited, Pa.
-    margin : float
-        To the nearer limit, Pa; negative beyond it.
-    error : float
-        Estimated error of the extremes, Pa; not a number where the run is fixed by hand.
-    """
+    """What one size leads to, in SI."""
 
     size: float
-    lowest: float
+    lowest: float  # lowest, highest: extremes that are limited, Pa
     highest: float
-    margin: float
-    error: float
+    margin: float  # to the nearer limit, Pa; negative beyond it
+    error: float  # estimated error of the extremes, Pa; not a number where the run is fixed by hand
 
 
 class SizeSearch(NamedTuple):

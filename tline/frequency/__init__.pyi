@@ -5,5 +5,5 @@ from tline.frequency.ports import impedance as impedance
 from tline.frequency.ports import scattering_parameters as scattering_parameters
 from tline.frequency.response import Response as Response
 from tline.frequency.response import respond as respond
-from tline.frequency.save import save_parameters as save_parameters
-from tline.frequency.save import save_response as save_response
+from tline.frequency.response import save_parameters as save_parameters
+from tline.frequency.response import save_response as save_response

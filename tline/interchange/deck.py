@@ -12,9 +12,8 @@ from typing import NamedTuple
 from tline.errors import InputError
 from tline.interchange.findings import Findings
 from tline.interchange.spice_expression import Parameters, parse_value
-from tline.interchange.spice_parameters import PARAMETERS, assignments
-from tline.scene.named_file import Folder
-from tline.scene.text_file import read_text
+from tline.interchange.spice_functions import PARAMETERS, assignments
+from tline.scene.text_file import Folder, read_text
 
 LONGEST = 400  # characters of what is said of a card
 MOST_CARDS, MOST_FILES, DEEPEST = 100_000, 100, 20

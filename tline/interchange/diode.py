@@ -4,8 +4,6 @@ from typing import Any
 
 from tline.interchange.deck import Card
 from tline.interchange.findings import Findings
-from tline.interchange.spice_names import Names
-from tline.scene.characteristic import Diode
 
 KEYS = {"is": "saturation", "n": "emission", "js": "saturation"}
 DEFAULTS = {"saturation": 1e-14, "emission": 1.0}  # of SPICE
@@ -45,10 +43,3 @@ def diode(model: Card, found: Findings) -> tuple[dict[str, Any], float]:
     if series < 0:
         raise model.refuse("its RS is below zero", "0 or more", f"{series:g}")
     return table, series
-
-
-def diode_cards(element: Diode, name: str, nodes: list[str], names: Names) -> list[str]:
-    """The element and its model; its temperature is part of the emission coefficient."""
-    card, model = names.element("D", name), names.element("M", name)
-    emission = float(element.emission) * float(element.temperature) / NOMINAL
-    return [f"{card} {' '.join(nodes)} {model}", f".model {model} D(IS={float(element.saturation)!r} N={emission!r})"]

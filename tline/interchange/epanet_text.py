@@ -8,7 +8,8 @@ from math import isfinite
 from pathlib import Path
 
 from tline.errors import InputError
-from tline.scene.text_file import LARGEST
+from tline.interchange.water_network import Position
+from tline.scene.text_file import LARGEST_FILE
 from tline.words.wording import shown
 
 LONGEST = 1000  # bytes of a line; EPANET's buffer has 1024
@@ -29,34 +30,18 @@ OPTIONS = ("UNIT", "PRES", "HEADL", "VISC", "SPEC", "CHECKF", "MAXCH", "DAMP", "
 OTHER_OPTIONS = ("HYDR", "QUAL", "MAP", "VERI", "SEGM", "DIFF", "TOLE", "TRIA", "ACCU", "UNBA", "HEADE", "FLOWC",
                  "BACKF")  # fmt: skip
 TIMES = ("PATT", "HYDR", "RULE", "START")
-Position = tuple[float, float]
 
 
 @dataclass
 class EpanetText:
-    """What a file says.
+    """What a file says."""
 
-    Attributes
-    ----------
-    network : str
-        For EPANET to solve: sections and options that bear on a steady flow at the start of time.
-    title : str
-    held : bool
-        Whether there are patterns, controls or rules.
-    controls : list of list of str
-        Words of the lines of controls.
-    positions : dict of str to pair of float
-        Of nodes.
-    vertices : dict of str to list of pair of float
-        Of links.
-    """
-
-    network: str = ""
+    network: str = ""  # for EPANET to solve: sections and options that bear on a steady flow at the start of time
     title: str = ""
-    held: bool = False
-    controls: list[list[str]] = field(default_factory=list)
-    positions: dict[str, Position] = field(default_factory=dict)
-    vertices: dict[str, list[Position]] = field(default_factory=dict)
+    held: bool = False  # whether there are patterns, controls or rules
+    controls: list[list[str]] = field(default_factory=list)  # words of the lines of controls
+    positions: dict[str, Position] = field(default_factory=dict)  # of nodes
+    vertices: dict[str, list[Position]] = field(default_factory=dict)  # of links
 
 
 def read_text(path: str) -> str:
@@ -65,14 +50,14 @@ def read_text(path: str) -> str:
         with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:  # a pipe has no writer
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
                 raise InputError(path, "cannot be read", "an ordinary file")
-            data = file.read(LARGEST + 1)
+            data = file.read(LARGEST_FILE + 1)
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
             raise
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise InputError(path, "cannot be read", got=reason or str(error)) from None
-    if len(data) > LARGEST:
-        raise InputError(path, "cannot be read", f"at most {LARGEST:,} bytes")
+    if len(data) > LARGEST_FILE:
+        raise InputError(path, "cannot be read", f"at most {LARGEST_FILE:,} bytes")
     for encoding in ("utf-16",) if data[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8-sig", "cp1252", "latin-1"):
         try:
             text = data.decode(encoding)

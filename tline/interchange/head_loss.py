@@ -3,9 +3,9 @@
 from typing import Any
 
 from tline.interchange.water_network import Pipe
+from tline.scene.friction import FOOT
 from tline.scene.site import GRAVITY
 
-FOOT = 0.3048  # m
 EPANETS = 32.2 * FOOT  # m/s², its g
 MANNING = 1.49**2 * FOOT ** (2 - 1.333)  # of its formula in m and s: n²·v²/(this·R^1.333)
 

@@ -1,21 +1,170 @@
 """SPICE netlists from scenes, so that other programs can run them."""
 
+import re
+from collections.abc import Sequence
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from passivity import RationalFunction
 from tline.errors import InputError
-from tline.interchange.as_load import as_load
-from tline.interchange.diode import diode_cards
-from tline.interchange.multiports_text import multiport_cards
-from tline.interchange.spice_names import Names
-from tline.interchange.spice_waveform import spice_waveform
+from tline.interchange.diode import NOMINAL
+from tline.interchange.spice_shape import spice_waveform
 from tline.scene.characteristic import Diode
 from tline.scene.coupled import refuse_coupled
-from tline.scene.load import Matched, NoFlow, Resistor, Short
+from tline.scene.load import Link, Matched, NoFlow, Resistor, Short
+from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Junction, Multiport, Transformer
 from tline.scene.rational import RationalImpedance
 from tline.scene.scene import Scene
 from tline.words.wording import place
+
+
+class Names:
+    """Words of a netlist for the names of a scene: these where they are words, and numbered ones elsewhere."""
+
+    def __init__(self, scene: Scene):
+        joined = [*(line.nodes for line in scene.lines.values()), *(nodes for _, nodes in scene.between)]
+        nodes = list(dict.fromkeys(at for each in joined for at in each))
+        self.used = {"0", "gnd"}
+        self.node = {at: self._word(at, f"n{k}") for k, at in enumerate(nodes, 1)}
+        self.comments = [f"* node {word} is {at!r}" for at, word in self.node.items() if word != at]
+        self.used = set()
+
+    def element(self, letter: str, name: str) -> str:
+        """A name for an element that begins with its letter, used for the first time."""
+        return self._word(letter + re.sub(r"\W", "_", name, flags=re.ASCII), letter)
+
+    def _word(self, wanted: str, other: str) -> str:
+        """What is wanted if it is a word that is free; else the other, made free by a number."""
+        word, k = (wanted if re.fullmatch(r"[A-Za-z_]\w*", wanted, re.ASCII) else other), 2
+        free = word
+        while free.lower() in self.used:
+            free, k = f"{word}_{k}", k + 1
+        self.used.add(free.lower())
+        return free
+
+
+def as_load(impedance: RationalFunction) -> dict[str, Any]:
+    """A load of that impedance as in a scene file: R, L and C in series or side by side where it is that.
+
+    Examples
+    --------
+    >>> as_load(RationalFunction.from_expression("50/(50*s*C + 1)", {"C": "1 nF"}))
+    {'kind': 'parallel', 'resistance': 50.0, 'capacitance': 1e-09}
+    """
+    impedance = impedance.reduced()
+    if impedance.degree == 0:
+        return {"kind": "resistor", "resistance": float(impedance.at_zero())}
+    p, q = impedance.numerator, impedance.denominator
+    series, parallel = _parts(p, q), _parts(q, p)
+    if series:
+        keys = ("inductance", "resistance", "capacitance")
+        values = [series[0], series[1], 1 / series[2] if series[2] else Fraction(0)]
+    elif parallel:
+        keys = ("capacitance", "resistance", "inductance")
+        values = [parallel[0], *(1 / part if part else Fraction(0) for part in parallel[1:])]
+    else:
+        return {"kind": "impedance", "numerator": [str(a) for a in p], "denominator": [str(a) for a in q]}
+    given = {key: float(value) for key, value in zip(keys, values, strict=True) if value}
+    order = ("resistance", "inductance", "capacitance")
+    return {"kind": "series" if series else "parallel"} | {key: given[key] for key in order if key in given}
+
+
+def _parts(p: Sequence[Fraction], q: Sequence[Fraction]) -> tuple[Fraction, Fraction, Fraction] | None:
+    """a, b, c of p/q = a s + b + c/s, all at least zero; None if it is not that."""
+    power = len(q) - 1
+    if power > 1 or any(q[1:]) or len(p) > power + 2:
+        return None
+    a, b, c = [Fraction(0)] * (3 - len(p) - (power == 0)) + [x / q[0] for x in p] + [Fraction(0)] * (power == 0)
+    return (a, b, c) if min(a, b, c) >= 0 else None
+
+
+LARGEST = 1e12  # condition number of 1 + S, beyond which there is no admittance
+ROUNDING = 1e-15  # of the largest admittance; less is none
+
+
+def diode_cards(element: Diode, name: str, nodes: list[str], names: Names) -> list[str]:
+    """The element and its model; its temperature is part of the emission coefficient."""
+    card, model = names.element("D", name), names.element("M", name)
+    emission = float(element.emission) * float(element.temperature) / NOMINAL
+    return [f"{card} {' '.join(nodes)} {model}", f".model {model} D(IS={float(element.saturation)!r} N={emission!r})"]
+
+
+def multiport_cards(link: Link, name: str, names: Names) -> list[str]:
+    """The cards of a multiport.
+
+    Parameters
+    ----------
+    link : Link
+        A transformer (E and F, with a source of no voltage that measures its current), a gyrator (two G), a
+        controlled source (E and R), coupled inductors (two L and K), or a junction (G for each admittance).
+    name : str
+        Of the link.
+    names : Names
+        Of the netlist.
+    """
+    where, nodes = place("links", name), [names.node[at] for at in link.nodes]
+    grounded = not isinstance(link, Multiport) or link.is_grounded
+    ports = [f"{at} 0" for at in nodes] if grounded else [" ".join(nodes[:2]), " ".join(nodes[2:])]
+    match link:
+        case Transformer():
+            return _transformer(float(link.ratio), name, ports, names)
+        case Gyrator():
+            turned = 1 / float(link.resistance)
+            return _conductances(np.array([[0.0, turned], [-turned, 0.0]]), name, ports, names)
+        case ControlledSource():
+            return _controlled_source(link, name, ports, names)
+        case CoupledInductors():
+            return _coupled_inductors(link, name, ports, names)
+        case Junction():
+            return _conductances(_admittance(link, where), name, ports, names)
+    raise InputError(
+        where, f"a {type(link).model_fields['kind'].default} has no counterpart in a netlist", "a linear multiport"
+    )
+
+
+def _transformer(ratio: float, name: str, ports: list[str], names: Names) -> list[str]:
+    """u₁ = n u₂, and n times the current into the first port comes out of the second."""
+    (first, low), second = ports[0].split(), ports[1]
+    E, V, F = (names.element(letter, name) for letter in "EVF")
+    inner, turned = f"{V}.x", " ".join(reversed(second.split()))
+    return [f"{E} {inner} {low} {second} {ratio!r}", f"{V} {first} {inner} DC 0", f"{F} {turned} {V} {ratio!r}"]
+
+
+def _controlled_source(link: ControlledSource, name: str, ports: list[str], names: Names) -> list[str]:
+    control, out = ports
+    if link.transconductance is not None:
+        return [f"{names.element('G', name)} {out} {control} {float(link.transconductance)!r}"]
+    E, gain, resistance = names.element("E", name), float(link.gain or 0), float(link.resistance or 0)
+    if not resistance:
+        return [f"{E} {out} {control} {gain!r}"]
+    inner, (plus, minus) = f"{E}.x", out.split()
+    return [f"{E} {inner} {minus} {control} {gain!r}", f"{names.element('R', name)} {inner} {plus} {resistance!r}"]
+
+
+def _coupled_inductors(link: CoupledInductors, name: str, ports: list[str], names: Names) -> list[str]:
+    windings, k = [names.element("L", name) for _ in ports], float(link.coupling)
+    cards = [f"{L} {port} {float(x)!r}" for L, port, x in zip(windings, ports, link.inductance, strict=True)]
+    return [*cards, f"{names.element('K', name)} {' '.join(windings)} {k!r}"] if k else cards
+
+
+def _admittance(link: Junction, where: str) -> NDArray:
+    """Y = (1 + S)^-1 (1 - S)/z0, so that i = Y u; Pozar, Microwave Engineering, 4th ed., section 4.3."""
+    S, one = np.array(link.scattering, float), np.eye(len(link.nodes))
+    if np.linalg.cond(one + S) > LARGEST:
+        raise InputError(where, "has no admittance matrix, which a netlist needs", "1 + S that can be inverted")
+    return np.linalg.solve(one + S, one - S) / float(link.z0)
+
+
+def _conductances(Y: NDArray, name: str, ports: list[str], names: Names) -> list[str]:
+    """G across each port for each voltage that commands its current."""
+    return [
+        f"{names.element('G', name)} {ports[i]} {ports[j]} {float(Y[i, j])!r}"
+        for i, j in np.argwhere(np.abs(Y) > ROUNDING * np.abs(Y).max())
+    ]
+
 
 SECTIONS = {"title", "medium", "t_end", "start", "solver", "lines", "sources", "loads", "links", "probes", "measures"}
 STEPS = 20  # in the shortest delay

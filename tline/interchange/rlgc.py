@@ -3,8 +3,7 @@
 from tline.errors import InputError
 from tline.interchange.deck import Card
 from tline.interchange.netlist import Netlist
-from tline.scene.named_file import Folder
-from tline.scene.text_file import read_text
+from tline.scene.text_file import Folder, read_text
 
 MATRICES = {"l0": "l", "c0": "c", "r0": "r", "g0": "g", "rs": "rs", "gd": "gd"}
 IN_FILE = ("l", "c", "r", "g", "rs", "gd")  # in this order

@@ -12,9 +12,9 @@ from tline.interchange.elements import merge_shorts, take
 from tline.interchange.findings import Findings
 from tline.interchange.netlist import REFERENCE, Netlist
 from tline.interchange.spice_commands import SHOWN, nodes_shown, skip, transient, values_at_begin
-from tline.interchange.spice_generator import with_generator
 from tline.interchange.spice_linear import with_linear_sources
 from tline.interchange.spice_measure import MEASURE, measures, nodes_measured
+from tline.interchange.spice_shape import with_generator
 from tline.interchange.spice_source import Transient
 from tline.interchange.spice_step import STEP, note_steps, with_first_values
 from tline.interchange.subcircuits import opened

@@ -9,9 +9,8 @@ from tline.errors import InputError
 from tline.interchange.deck import DEEPEST, MOST_CARDS, Card, nodes_of
 from tline.interchange.findings import Findings
 from tline.interchange.spice_expression import Parameters, parse_value
-from tline.interchange.spice_functions import Defined
+from tline.interchange.spice_functions import FUNCTION, PARAMETERS, Defined, function
 from tline.interchange.spice_linear import BY_LAW, law_words, with_outside_names
-from tline.interchange.spice_parameters import FUNCTION, PARAMETERS, function
 
 GROUND = {"0", "gnd", "gnd!", "ground"}
 PORTS = {"T": 4, "O": 4, "Y": 4, "E": 4, "G": 4, "U": 3, "S": 4, "Q": 3, "J": 3, "Z": 3, "M": 4}  # nodes; others have 2

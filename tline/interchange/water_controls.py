@@ -9,33 +9,15 @@ MOST_SHOWN = 80  # characters of a control
 
 @dataclass(frozen=True)
 class WaterControl:
-    """A control, or a rule with a single premise.
+    """A control, or a rule with a single premise."""
 
-    Parameters
-    ----------
-    text : str
-        As the file has it, or the name of the rule.
-    link : str
-        What it acts on; nothing where it does not reduce to an action and an instant or a level.
-    opens : bool or None
-        Whether it opens or shuts that; None where it sets something else.
-    after : float or None
-        When it acts, from the operating point on, s; None if it waits for a level.
-    node : str
-        Where it waits for a pressure, which may be a tank's level.
-    above : bool
-        Whether the pressure there is to exceed the one that follows, or to fall below it.
-    pressure : float
-        Gauge pressure, Pa.
-    """
-
-    text: str
-    link: str = ""
-    opens: bool | None = None
-    after: float | None = None
-    node: str = ""
-    above: bool = False
-    pressure: float = 0.0
+    text: str  # as the file has it, or the name of the rule
+    link: str = ""  # what it acts on; nothing where it does not reduce to an action and an instant or a level
+    opens: bool | None = None  # whether it opens or shuts that; None where it sets something else
+    after: float | None = None  # when it acts, from the operating point on, s; None if it waits for a level
+    node: str = ""  # where it waits for a pressure, which may be a tank's level
+    above: bool = False  # whether the pressure there is to exceed the one that follows, or to fall below it
+    pressure: float = 0.0  # gauge pressure, Pa
 
 
 def water_controls(

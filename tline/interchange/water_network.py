@@ -27,191 +27,91 @@ def listed(names: Collection[str]) -> str:
 
 @dataclass(frozen=True)
 class WaterJunction:
-    """A node where pipes meet.
+    """A node where pipes meet."""
 
-    Parameters
-    ----------
-    elevation, head : float
-        m
-    position : pair of float
-        Coordinates on a map, in whatever unit this has.
-    demand : float
-        Flow drawn, m³/s, without that of the emitter; negative where something flows in.
-    emitter : float
-        Flow of the emitter over (pressure head in m)^exponent.
-    """
-
-    elevation: float
+    elevation: float  # elevation, head: m
     head: float
-    position: Position
-    demand: float
-    emitter: float
+    position: Position  # coordinates on a map, in whatever unit this has
+    demand: float  # flow drawn, m³/s, without that of the emitter; negative where something flows in
+    emitter: float  # flow of the emitter over (pressure head in m)^exponent
 
 
 @dataclass(frozen=True)
 class Basin:
-    """A reservoir, or a tank at its level.
+    """A reservoir, or a tank at its level."""
 
-    Parameters
-    ----------
-    kind : str
-        "reservoir" or "tank"
-    elevation, head : float
-        Of its bottom, or of the water for a reservoir; and of the water; m.
-    position : pair of float
-        Coordinates on a map.
-    diameter : float
-        Of a tank with upright walls; else 0; m.
-    lowest, highest : float
-        Levels between which a tank is used, m above its bottom.
-    """
-
-    kind: str
-    elevation: float
+    kind: str  # "reservoir" or "tank"
+    elevation: float  # elevation, head: of its bottom, or of the water for a reservoir; and of the water; m
     head: float
-    position: Position
-    diameter: float = 0.0
-    lowest: float = 0.0
+    position: Position  # coordinates on a map
+    diameter: float = 0.0  # of a tank with upright walls; else 0; m
+    lowest: float = 0.0  # lowest, highest: levels between which a tank is used, m above its bottom
     highest: float = 0.0
 
 
 @dataclass(frozen=True)
 class Friction:
-    """What a pipe loses.
+    """What a pipe loses."""
 
-    Parameters
-    ----------
-    formula : str
-        H-W, D-W or C-M: Hazen and Williams, Darcy and Weisbach, Chezy and Manning.
-    roughness : float
-        C, the height of the roughness in m, or Manning's n.
-    length : float
-        Over which it acts, m.
-    minor : float
-        K of local losses.
-    """
-
-    formula: str
-    roughness: float
-    length: float
-    minor: float
+    formula: str  # H-W, D-W or C-M: Hazen and Williams, Darcy and Weisbach, Chezy and Manning
+    roughness: float  # C, the height of the roughness in m, or Manning's n
+    length: float  # over which it acts, m
+    minor: float  # K of local losses
 
 
 @dataclass(frozen=True)
 class Pipe:
-    """A pipe.
-
-    Parameters
-    ----------
-    nodes : pair of str
-    length, diameter : float
-        m
-    flow : float
-        From the first node to the second, m³/s.
-    friction : Friction
-        What it loses.
-    one_way : bool
-        Whether a check valve lets water through toward the second node alone.
-    vertices : tuple of pair of float
-        Places on the map between its nodes.
-    """
+    """A pipe."""
 
     nodes: tuple[str, str]
-    length: float
+    length: float  # length, diameter: m
     diameter: float
-    flow: float
-    friction: Friction
-    one_way: bool
-    vertices: tuple[Position, ...]
+    flow: float  # from the first node to the second, m³/s
+    friction: Friction  # what it loses
+    one_way: bool  # whether a check valve lets water through toward the second node alone
+    vertices: tuple[Position, ...]  # places on the map between its nodes
 
 
 @dataclass(frozen=True)
 class WaterPump:
-    """A pump that runs.
+    """A pump that runs."""
 
-    Parameters
-    ----------
-    nodes : pair of str
-        Suction, delivery.
-    curve : PowerLaw, Polyline or None
-        Head over flow at rated speed; None if the power is given.
-    power : float or None
-        Of the water, W.
-    speed : float
-        Relative to the rated one.
-    flow : float
-        m³/s
-    """
-
-    nodes: tuple[str, str]
-    curve: PowerLaw | Polyline | None
-    power: float | None
-    speed: float
-    flow: float
+    nodes: tuple[str, str]  # suction, delivery
+    curve: PowerLaw | Polyline | None  # head over flow at rated speed; None if the power is given
+    power: float | None  # of the water, W
+    speed: float  # relative to the rated one
+    flow: float  # m³/s
 
 
 @dataclass(frozen=True)
 class Valve:
-    """A valve.
-
-    Parameters
-    ----------
-    nodes : pair of str
-    kind : str
-        PRV, PSV, PBV, FCV, TCV or GPV.
-    diameter : float
-        m
-    flow : float
-        m³/s; none where it is shut.
-    drop : float
-        Head lost from the first node to the second, m.
-    active : bool
-        Whether it keeps the pressure or the flow that it is set to.
-    """
+    """A valve."""
 
     nodes: tuple[str, str]
-    kind: str
-    diameter: float
-    flow: float
-    drop: float
-    active: bool = False
+    kind: str  # PRV, PSV, PBV, FCV, TCV or GPV
+    diameter: float  # m
+    flow: float  # m³/s; none where it is shut
+    drop: float  # head lost from the first node to the second, m
+    active: bool = False  # whether it keeps the pressure or the flow that it is set to
 
 
 @dataclass(frozen=True)
 class WaterNetwork:
-    """All that is open at an instant, and notes on what is not.
-
-    Parameters
-    ----------
-    title : str
-    density : float
-        kg/m³
-    viscosity : float
-        Kinematic, m²/s.
-    exponent : float
-        Of all emitters.
-    junctions, basins, pipes, pumps, valves : mapping
-        By name; nodes and links each have names of their own.
-    sound : bool
-        Whether flows balance at all nodes, and no demand was left out.
-    notes : tuple of str
-        What was left out, and what is held.
-    controls : tuple of WaterControl
-        What the file has done after the operating point.
-    """
+    """All that is open at an instant, and notes on what is not."""
 
     title: str
-    density: float
-    viscosity: float
-    exponent: float
+    density: float  # kg/m³
+    viscosity: float  # kinematic, m²/s
+    exponent: float  # of all emitters
+    # junctions, basins, pipes, pumps, valves: by name; nodes and links each have names of their own
     junctions: Mapping[str, WaterJunction]
     basins: Mapping[str, Basin]
     pipes: Mapping[str, Pipe]
     pumps: Mapping[str, WaterPump]
     valves: Mapping[str, Valve]
-    sound: bool
-    notes: tuple[str, ...]
-    controls: tuple[WaterControl, ...] = ()
+    sound: bool  # whether flows balance at all nodes, and no demand was left out
+    notes: tuple[str, ...]  # what was left out, and what is held
+    controls: tuple[WaterControl, ...] = ()  # what the file has done after the operating point
 
     @property
     def nodes(self) -> dict[str, WaterJunction | Basin]:

@@ -1,18 +1,18 @@
 """From a water network at its operating point to a scene that starts there."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from tline.errors import InputError
-from tline.interchange.compare_heads import differences
 from tline.interchange.epanet import read_epanet
 from tline.interchange.head_loss import friction_of
 from tline.interchange.pipe_walls import Keys, keys_of, notes_on, wave_speeds
-from tline.interchange.short_pipes import without_short_pipes
 from tline.interchange.water_controls import WaterControl
 from tline.interchange.water_network import (
     LEAST_DROP,
+    LISTED,
     STILL,
     TRICKLE,
     Basin,
@@ -26,6 +26,76 @@ from tline.interchange.water_valves import guesses, is_shut, regulators, valve_l
 from tline.scene.file import scene_from
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
+from tline.solver.description.description import describe
+from tline.solver.steady.steady_state import steady_state
+
+ADDED = 1e-4  # of the length of all pipes
+LONGEST = 3.0  # m, that a pipe is made
+WORTH = 1.5  # times the length of the shortest; by less nothing is gained
+
+
+def least_length(lengths: Collection[float]) -> float:
+    """The length to which shorter pipes are brought for ADDED of all length, m; at most LONGEST.
+
+    Examples
+    --------
+    >>> least_length([0.1, 5000.0, 5000.0]), least_length([0.1, 50.0, 50.0])
+    (1.1, 0.11)
+    """
+    rising, budget, total = sorted(lengths), ADDED * sum(lengths), 0.0
+    for k, length in enumerate(rising):
+        if k * length - total > budget:
+            break
+        total += length
+    else:
+        k = len(rising)
+    return min(float(f"{(budget + total) / max(k, 1):.3g}"), LONGEST)
+
+
+def without_short_pipes(network: WaterNetwork) -> WaterNetwork:
+    """The network with very short pipes made longer, with friction over the length that they had; a note names them."""
+    least = least_length([pipe.length for pipe in network.pipes.values()])
+    short = {name: pipe for name, pipe in network.pipes.items() if pipe.length < least}
+    if not short or least < WORTH * min(pipe.length for pipe in short.values()):
+        return network
+    longer = {name: replace(pipe, length=least) for name, pipe in short.items()}
+    added = sum(least - pipe.length for pipe in short.values()) / sum(pipe.length for pipe in network.pipes.values())
+    why = f"taken as long as that, which adds {added:.1g} of the network's length, and lose no more"
+    note = f"pipes shorter than {least:g} m: {why}: {listed(short)}"
+    return replace(network, pipes={**network.pipes, **longer}, notes=(*network.notes, note))
+
+
+ACCURATE, RELATIVE = 1e-3, 1e-5  # m, and share of the head: what EPANET's own solution is good for
+
+
+def differences(network: WaterNetwork, scene: Scene) -> Iterator[str]:
+    """Notes on what of the scene's steady state differs from the network's.
+
+    Parameters
+    ----------
+    network : WaterNetwork
+    scene : Scene
+        What was made of it.
+
+    Returns
+    -------
+    iterator of str
+        A note that lists the nodes with the largest differences, or one that says why there is no steady state.
+    """
+    weight = network.density * GRAVITY
+    try:
+        effort, _ = steady_state(describe(scene))
+    except InputError as error:
+        yield f"the scene has no steady state of its own: {error}"
+        return
+    off = {name: effort[name] / weight - node.head for name, node in network.nodes.items() if name in effort}
+    bad = {name: by for name, by in off.items() if abs(by) > ACCURATE + RELATIVE * abs(network.nodes[name].head)}
+    if bad:
+        worst = sorted(bad, key=lambda name: -abs(bad[name]))
+        listed = ", ".join(f"'{name}' by {bad[name]:+.3g} m" for name in worst[:LISTED])
+        more = f" and {len(bad) - LISTED} more" * (len(bad) > LISTED)
+        yield f"the steady state of the scene differs from EPANET's heads: {listed}{more}"
+
 
 AROUND = (1 / 3, 1 / 2, 2 / 3, 5 / 6, 1.0, 7 / 6, 3 / 2, 2.0, 3.0)  # flows of a pump of constant power
 T_END, TOL = "10 s", 1e-3  # of the scene, for the user to change

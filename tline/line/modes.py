@@ -19,24 +19,12 @@ class MixedModesError(InputError):
 
 
 class Modes(NamedTuple):
-    """k modes of k conductors; voltages v = T u and currents i = T^-T y, so that v·i = u·y.
+    """k modes of k conductors; voltages v = T u and currents i = T^-T y, so that v·i = u·y."""
 
-    Attributes
-    ----------
-    T : ndarray, shape (k, k)
-        Column by column the voltages of a mode, of unit length, the largest positive.
-    z0 : ndarray, shape (k,)
-        u over y of a wave of the mode, ohm.
-    delay : ndarray, shape (k,)
-        From end to end, s.
-    losses : mapping of str to ndarray, shape (k,)
-        Those asked for by name: resistance per metre, ohm/m, or conductance, S/m.
-    """
-
-    T: NDArray
-    z0: NDArray
-    delay: NDArray
-    losses: Mapping[str, NDArray]
+    T: NDArray  # (k, k) column by column the voltages of a mode, of unit length, the largest positive
+    z0: NDArray  # (k,) u over y of a wave of the mode, ohm
+    delay: NDArray  # (k,) from end to end, s
+    losses: Mapping[str, NDArray]  # (k,) those asked for by name: resistance per metre, ohm/m, or conductance, S/m
 
     @property
     def admittance(self) -> NDArray:

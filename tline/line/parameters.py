@@ -22,15 +22,9 @@ class LineQuantity(NamedTuple):
 
 
 class LineParameters:
-    """Base of the lines: immutable, equal by value, printed as it was given.
+    """Base of the lines: immutable, equal by value, printed as it was given."""
 
-    Attributes
-    ----------
-    remarks : tuple of str
-        Sentences on what is odd in what was given.
-    """
-
-    remarks: tuple[str, ...]
+    remarks: tuple[str, ...]  # sentences on what is odd in what was given
     _given: dict[str, object]
 
     def _settle(

@@ -13,22 +13,14 @@ SMALL, LARGE = 1e-4, 1e8  # of |z|: there two terms of its expansions give the q
 
 
 class Arithmetic(NamedTuple):
-    """Functions of a complex argument, principal branches.
-
-    Parameters
-    ----------
-    sqrt, log1p : callable
-    quotient : callable
-        (n, z) to z I_n(z)/I_{n+1}(z), I the modified Bessel functions: 2(n+1) + z²/(2(n+2)) + ... at 0 and
-        z + n + 1/2 + ... far out.
-    log_ratio : callable
-        z to z ln((z + 1)/z): 0 at 0 and 1 - 1/(2z) + ... far out; not for Re z < 0.
-    """
+    """Functions of a complex argument, principal branches."""
 
     sqrt: Callable[[Any], Any]
     log1p: Callable[[Any], Any]
+    # (n, z) to z I_n(z)/I_{n+1}(z), I the modified Bessel functions: 2(n+1) + z²/(2(n+2)) + ... at 0 and z + n + 1/2
+    # + ... far out
     quotient: Callable[[int, Any], Any]
-    log_ratio: Callable[[Any], Any]
+    log_ratio: Callable[[Any], Any]  # z to z ln((z + 1)/z): 0 at 0 and 1 - 1/(2z) + ... far out; not for Re z < 0
 
 
 def _quotient(n: int, z: NDArray) -> NDArray:

@@ -22,18 +22,10 @@ STOKES, DUNLOP = 2000.0, 4000.0  # Reynolds numbers between which the flow count
 
 @dataclass(frozen=True)
 class FlowLaw(ABC):
-    """Drop of effort per metre.
+    """Drop of effort per metre."""
 
-    Parameters
-    ----------
-    strength : float
-        Of the law itself.
-    square : float
-        K, Pa s²/m⁷: K |y| y is added, as local losses spread over the length are.
-    """
-
-    strength: float
-    square: float
+    strength: float  # of the law itself
+    square: float  # K, Pa s²/m⁷: K |y| y is added, as local losses spread over the length are
 
     @abstractmethod
     def _own(self, flow: NDArray) -> tuple[NDArray, NDArray]:
@@ -67,18 +59,10 @@ def quadratic(strength: float) -> PowerLaw:
 
 @dataclass(frozen=True)
 class RoughPipe(FlowLaw):
-    """strength · f(Re) · |y| · y, with Darcy's friction factor f of a rough pipe.
+    """strength · f(Re) · |y| · y, with Darcy's friction factor f of a rough pipe."""
 
-    Parameters
-    ----------
-    reynolds : float
-        Reynolds number of a flow of 1 m³/s.
-    roughness : float
-        Relative to the diameter.
-    """
-
-    reynolds: float
-    roughness: float
+    reynolds: float  # Reynolds number of a flow of 1 m³/s
+    roughness: float  # relative to the diameter
 
     @staticmethod
     @abstractmethod

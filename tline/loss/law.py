@@ -1,6 +1,7 @@
 """A law: the series impedance or the shunt admittance of a metre of line, exactly."""
 
 from abc import ABC, abstractmethod
+from functools import cached_property
 from math import ceil, log2
 from typing import TYPE_CHECKING, Any
 
@@ -9,13 +10,32 @@ from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
 from tline.loss.arithmetic import BALLS, DOUBLES, Arithmetic
-from tline.loss.by_value import ByValue
 
 if TYPE_CHECKING:
     from flint import acb
 
+
 MOST_DIGITS = 1_000
 MOST_BITS = 20_000
+
+
+class ByValue:
+    """Equality and hash by the attributes, arrays by their entries; what is cached beside them does not count."""
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and _content(self) == _content(other)
+
+    def __hash__(self) -> int:
+        return hash((type(self), _content(self)))
+
+
+def _content(part: Any) -> tuple[Any, ...]:
+    kind = type(part)
+    return tuple(
+        (name, value.tobytes() if isinstance(value, np.ndarray) else value)
+        for name, value in vars(part).items()
+        if not isinstance(getattr(kind, name, None), cached_property)
+    )
 
 
 class Law(ByValue, ABC):

@@ -8,10 +8,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
 from tline.loss.arithmetic import Arithmetic
-from tline.loss.by_value import ByValue
 from tline.loss.check import positive
 from tline.loss.constant import ConstantLoss
-from tline.loss.law import Law, points
+from tline.loss.law import ByValue, Law, points
 
 ROUNDING = 1e-12  # relative difference of R C and G L that comes from typing decimals
 

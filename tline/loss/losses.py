@@ -13,17 +13,10 @@ from tline.loss.line import LossyLine
 
 @dataclass(frozen=True)
 class Losses:
-    """Of one line.
+    """Of one line."""
 
-    Parameters
-    ----------
-    exact : LossyLine
-        All that is linear; its storages are those of the lossless line, which a front meets.
-    flow_law : FlowLaw or None
-        What is added to the drop of pressure per metre and depends on the size of the flow.
-    """
-
-    exact: LossyLine
+    exact: LossyLine  # all that is linear; its storages are those of the lossless line, which a front meets
+    # what is added to the drop of pressure per metre and depends on the size of the flow
     flow_law: FlowLaw | None = None
 
     @property

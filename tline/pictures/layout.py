@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.scene.coupled import Coupled
 from tline.scene.line import SceneLine
-from tline.scene.link import linked_pairs
+from tline.scene.load import linked_pairs
 from tline.scene.scene import Scene
 
 Places = Mapping[str, tuple[float, float]]  # of nodes, in any unit

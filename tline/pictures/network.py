@@ -17,7 +17,7 @@ from tline.pictures.handy import handy
 from tline.pictures.layout import Places, conductors, course, delay_of, has_positions, layout
 from tline.pictures.style import COLOURS, FAINT, INK, LONGEST_NAME, figure, styled
 from tline.scene.line import SceneLine
-from tline.scene.link import linked_pairs
+from tline.scene.load import linked_pairs
 from tline.scene.scene import Scene
 
 NAMED = 40  # nodes that have their names written, and what stands there

@@ -11,7 +11,7 @@ import numpy as np
 from tline.errors import InputError
 from tline.pictures.handy import handy
 from tline.scene.coupled import refuse_coupled
-from tline.scene.link import linked_pairs
+from tline.scene.load import linked_pairs
 from tline.scene.scene import Scene
 from tline.words.wording import nearest
 

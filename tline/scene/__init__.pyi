@@ -1,8 +1,8 @@
 from tline.scene.air_valve import AirValve as AirValve
+from tline.scene.cable_loss import CableTable as CableTable
 from tline.scene.cable_loss import LossTangent as LossTangent
 from tline.scene.cable_loss import Skin as Skin
 from tline.scene.cable_loss import Wire as Wire
-from tline.scene.cable_table import CableTable as CableTable
 from tline.scene.cavities import Cavities as Cavities
 from tline.scene.characteristic import Curve as Curve
 from tline.scene.characteristic import Diode as Diode
@@ -24,7 +24,7 @@ from tline.scene.load import Matched as Matched
 from tline.scene.load import NoFlow as NoFlow
 from tline.scene.load import Reservoir as Reservoir
 from tline.scene.load import Short as Short
-from tline.scene.measured_multiport import MeasuredMultiport as MeasuredMultiport
+from tline.scene.measure import Probe as Probe
 from tline.scene.multiport import ControlledSource as ControlledSource
 from tline.scene.multiport import CoupledInductors as CoupledInductors
 from tline.scene.multiport import Gyrator as Gyrator
@@ -33,10 +33,9 @@ from tline.scene.multiport import Transformer as Transformer
 from tline.scene.outflow import Demand as Demand
 from tline.scene.outflow import Leak as Leak
 from tline.scene.points import PiecewiseLinear as PiecewiseLinear
+from tline.scene.points import Pulses as Pulses
 from tline.scene.points import Ramp as Ramp
 from tline.scene.points import Table as Table
-from tline.scene.probe import Probe as Probe
-from tline.scene.pulses import Pulses as Pulses
 from tline.scene.pump import Pump as Pump
 from tline.scene.rational import Capacitor as Capacitor
 from tline.scene.rational import Impedance as Impedance
@@ -54,6 +53,7 @@ from tline.scene.smooth import Exponential as Exponential
 from tline.scene.smooth import Sine as Sine
 from tline.scene.source import Source as Source
 from tline.scene.switch import Switch as Switch
+from tline.scene.touchstone import MeasuredMultiport as MeasuredMultiport
 from tline.scene.touchstone import Touchstone as Touchstone
 from tline.scene.user_defined import UserLink as UserLink
 from tline.scene.user_defined import UserLoad as UserLoad

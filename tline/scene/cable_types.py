@@ -7,30 +7,14 @@ from tline.words.wording import nearest, shown
 
 
 class CableType(NamedTuple):
-    """A cable as its data sheet or standard has it.
+    """A cable as its data sheet or standard has it."""
 
-    Attributes
-    ----------
-    z0 : str
-        Characteristic impedance.
-    velocity_factor : str
-        Of a front.
-    unit : str
-        Of the attenuation.
-    points : tuple of (str, float)
-        Frequencies with their attenuation.
-    source : str
-        Of these numbers.
-    resistance : float
-        To steady current, of both conductors together, ohm/m; 0 where none is published.
-    """
-
-    z0: str
-    velocity_factor: str
-    unit: str
-    points: tuple[tuple[str, float], ...]
-    source: str
-    resistance: float = 0.0
+    z0: str  # characteristic impedance
+    velocity_factor: str  # of a front
+    unit: str  # of the attenuation
+    points: tuple[tuple[str, float], ...]  # frequencies with their attenuation
+    source: str  # of these numbers
+    resistance: float = 0.0  # to steady current, of both conductors together, ohm/m; 0 where none is published
 
 
 TIA = "limits of ANSI/TIA-568-C.2 for horizontal cable at 20 degC"

@@ -12,11 +12,10 @@ from tline.errors import InputError, SceneError
 from tline.scene.check import conflict_alike, conflicts
 from tline.scene.element import Element
 from tline.scene.ibis.element import Ibis
-from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.medium import MEDIA
 from tline.scene.number import with_number
 from tline.scene.scene import Scene
-from tline.scene.touchstone import Touchstone
+from tline.scene.touchstone import MeasuredMultiport, Touchstone
 from tline.scene.user_defined import UserElement
 from tline.words.wording import nearest, shown
 

@@ -1,22 +1,19 @@
 """Laws of both media: diodes, and tables of effort and flow."""
 
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
+from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
-from tline.scene.csv_rows import read_rows
-from tline.scene.element import AtNode
+from tline.scene.element import AtNode, Placed, pair
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.kind import ANY_DROP, Bend, Constants, LawKind
 from tline.scene.law import ElementLaw, NonLinear
-from tline.scene.named_file import beside
-from tline.scene.placed import Placed
 from tline.scene.quantity import Quantity, Role
-from tline.words.wording import shown
+from tline.scene.text_file import beside, read_rows
 
 BOLTZMANN, CHARGE = 1.380649e-23, 1.602176634e-19  # J/K, C; exact in the SI
 Saturation = Annotated[Quantity, Role("flow", at_least=1e-30, at_most=1e3)]
@@ -66,13 +63,7 @@ class Diode(NonLinear, Placed, load=Reversible):
         )
 
 
-def _pair(point: Any) -> Any:
-    if not isinstance(point, list | tuple) or len(point) != 2:
-        raise InputError("", "not a point", "a pair [effort, flow]", shown(point))
-    return point
-
-
-Point = Annotated[tuple[Annotated[Quantity, Role("effort")], Annotated[Quantity, Role("flow")]], BeforeValidator(_pair)]
+Point = Annotated[tuple[Annotated[Quantity, Role("effort")], Annotated[Quantity, Role("flow")]], pair("effort, flow")]
 
 
 class Tabled(LawKind):

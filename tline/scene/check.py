@@ -24,7 +24,7 @@ from tline.scene.vessel import SurgeTank
 from tline.words.wording import nearest, place, shown
 
 if TYPE_CHECKING:
-    from tline.scene.probe import Probe
+    from tline.scene.measure import Probe
     from tline.scene.scene import Scene
 
 SAME = 1 + 1e-12  # a slab longer than a delay by less than this is as long

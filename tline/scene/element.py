@@ -1,8 +1,18 @@
-"""What all elements of a scene share: unknown keys are refused, numbers carry units, nothing changes afterwards."""
+"""What all elements of a scene share, and where they stand: at a node, between two, or either."""
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from tline.errors import InputError, SceneError
 from tline.scene.choice import validator
@@ -113,3 +123,102 @@ class AtNode(Element):
     def terminals(self) -> tuple[str, None]:
         """Its node, and the reference."""
         return self.at, None
+
+
+def pair(words: str) -> BeforeValidator:
+    """Refuse what is no pair, in these words."""
+
+    def checked(point: Any) -> Any:
+        if not isinstance(point, list | tuple) or len(point) != 2:
+            raise InputError("", "not a point", f"a pair [{words}]", shown(point))
+        return point
+
+    return BeforeValidator(checked)
+
+
+class OneMedium(Element):
+    """An element that only pipes or only cables have."""
+
+    medium: ClassVar[str]
+    instead: ClassVar[str]  # what the other medium has
+
+    @field_validator("kind", check_fields=False)
+    @classmethod
+    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
+        given = (info.context or {}).get("medium", cls.medium)
+        if given != cls.medium:
+            raise InputError("", f"not a word of {given} scenes", cls.instead, f"'{kind}'")
+        return kind
+
+
+def two_nodes(nodes: Any) -> Any:
+    """A pair of nodes as read, if it is a pair."""
+    if not isinstance(nodes, list | tuple) or len(nodes) != 2:
+        raise InputError("", "not two nodes", 'two names such as ["a", "b"]', shown(nodes))
+    return nodes
+
+
+class Between(Element):
+    """An element between two different nodes; flow counts positive from the first to the second."""
+
+    section: ClassVar[str] = "links"
+    nodes: Annotated[tuple[Name, Name], BeforeValidator(two_nodes)] = Field(description="first node, second node")
+
+    @property
+    def terminals(self) -> tuple[str, str]:
+        """Its nodes."""
+        return self.nodes
+
+    @model_validator(mode="after")
+    def _apart(self):
+        if self.nodes[0] == self.nodes[1]:
+            raise InputError("nodes", "both ends are at one node", "two different nodes", shown(self.nodes[0]))
+        return self
+
+
+class Placed(Element):
+    """An element that is a load if it is given `at`, and a link if it is given `nodes`.
+
+    A subclass has the keys that both have. Those that only one has are in a class of their own, given as keyword:
+    ``class Diode(Placed, load=Reversible)``. What is made is a `Diode` of either place.
+    """
+
+    if TYPE_CHECKING:  # of one that is a load, and of one that is a link
+        at: Name = ""
+        nodes: tuple[Name, Name] = ("", "")
+
+        @property
+        def terminals(self) -> tuple[str, Any]:
+            """Its nodes, or its node and the reference."""
+            return self.nodes
+
+    load: ClassVar[type["Placed"]]
+    link: ClassVar[type["Placed"]]
+
+    def __new__(cls, *args: Any, **data: Any) -> Self:
+        """A load or a link."""
+        if issubclass(cls, AtNode | Between):
+            return super().__new__(cls)
+        return super().__new__(cls.link if "nodes" in data else cls.load)  # pyright: ignore[reportReturnType, reportArgumentType]
+
+    def __init_subclass__(cls, load: type = AtNode, link: type = Between, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, load: type = AtNode, link: type = Between, **kwargs: Any) -> None:
+        if issubclass(cls, AtNode | Between) or "kind" not in cls.model_fields:
+            super().__pydantic_init_subclass__(**kwargs)
+        else:
+            cls.load, cls.link = cls._standing(load, cls.__name__), cls._standing(link, f"{cls.__name__}Link")
+
+    @classmethod
+    def _standing(cls, place: type, name: str) -> Any:
+        """The class of those at such a place."""
+        home = {"__module__": cls.__module__, "__qualname__": f"{cls.__qualname__}.{name}", "__doc__": cls.__doc__}
+        made = type(cls)(name, (cls, place), home)
+        setattr(cls, name, made)  # where it is found again when it has been sent to another process
+        return made
+
+    @classmethod
+    def _title(cls) -> str:
+        return cls.__qualname__.rpartition(".")[0].rpartition(".")[2] or cls.__name__

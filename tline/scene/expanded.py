@@ -3,7 +3,7 @@
 from typing import Any
 
 from tline.scene.coupled import Coupled
-from tline.scene.probe import Probe
+from tline.scene.measure import Probe
 from tline.scene.scene import Scene
 from tline.scene.stretches import Stretches, stretches_of
 

@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from tline.errors import InputError
-from tline.scene.named_file import Folder
 from tline.scene.scene import Scene
-from tline.scene.text_file import read_toml
+from tline.scene.text_file import Folder, read_toml
 from tline.scene.user_defined import user_elements
 from tline.words.wording import shown
 

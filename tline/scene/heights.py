@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from tline.errors import InputError
 from tline.line import HydraulicLine
+from tline.scene.measure import Probe
 from tline.scene.medium import MEDIA, Medium
 from tline.scene.multiport import Multiport
-from tline.scene.probe import Probe
 from tline.scene.site import GRAVITY
 from tline.words.wording import place
 
@@ -22,21 +22,11 @@ LISTED = 4  # names
 
 
 class Height(NamedTuple):
-    """Height of a place in a liquid.
+    """Height of a place in a liquid."""
 
-    Attributes
-    ----------
-    elevation : float
-        Above the zero of heights, m.
-    highest : float
-        Elevation of the highest node that lines or links connect it with, m.
-    per_metre : float
-        Density·g, Pa/m; nan if the density is not known.
-    """
-
-    elevation: float = 0.0
-    highest: float = 0.0
-    per_metre: float = float("nan")
+    elevation: float = 0.0  # above the zero of heights, m
+    highest: float = 0.0  # elevation of the highest node that lines or links connect it with, m
+    per_metre: float = float("nan")  # density·g, Pa/m; nan if the density is not known
 
     @property
     def weight(self) -> float:

@@ -31,41 +31,20 @@ class LawKind:
     """What there is to know of a kind of law; a subclass says what differs from a smooth, passive law without a state.
 
     Its methods get the constants of an element, the first of which is the effort beyond it.
-
-    Attributes
-    ----------
-    name : str
-    unit : str
-        Module in the kernel and name of the compiled unit that tells its flow.
-    control : str
-        Key of the control signal that scales it over time.
-    states : int
-        Number of states.
-    supplies, returns : bool
-        Whether it is a source of energy, or may give back what it took.
-    fills : bool
-        Whether no steady flow passes it.
-    steep : bool
-        Whether its flow may change behind a front faster than slabs resolve.
-    breaks : bool
-        Whether it sends fronts at instants of its own, which are not followed.
-    steady : str
-        LawKind of law that it has in the steady state; its own name without one.
-    number : int
-        Place in `KINDS`.
     """
 
     name: ClassVar[str]
-    unit: ClassVar[str]
-    control: ClassVar[str] = "opening"
-    states: ClassVar[int] = 0
+    unit: ClassVar[str]  # module in the kernel and name of the compiled unit that tells its flow
+    control: ClassVar[str] = "opening"  # key of the control signal that scales it over time
+    states: ClassVar[int] = 0  # number of states
+    # supplies, returns: whether it is a source of energy, or may give back what it took
     supplies: ClassVar[bool] = False
     returns: ClassVar[bool] = False
-    fills: ClassVar[bool] = False
-    steep: ClassVar[bool] = False
-    breaks: ClassVar[bool] = False
-    steady: ClassVar[str] = ""
-    number: ClassVar[int]
+    fills: ClassVar[bool] = False  # whether no steady flow passes it
+    steep: ClassVar[bool] = False  # whether its flow may change behind a front faster than slabs resolve
+    breaks: ClassVar[bool] = False  # whether it sends fronts at instants of its own, which are not followed
+    steady: ClassVar[str] = ""  # LawKind of law that it has in the steady state; its own name without one
+    number: ClassVar[int]  # place in `KINDS`
 
     def __init_subclass__(cls) -> None:
         cls.number = len(KINDS)

@@ -1,12 +1,9 @@
 """What an element of a scene tells the solver: the kind of its law, its constants, and what scales it over time."""
 
 from math import inf
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
-from pydantic import ValidationInfo, field_validator
-
-from tline.errors import InputError
-from tline.scene.element import Element
+from tline.scene.element import Element, OneMedium
 from tline.scene.kind import KINDS, LawKind
 from tline.scene.shape import Shape
 
@@ -16,34 +13,19 @@ class Governor(NamedTuple):
 
     With u and w the efforts at its nodes and i its flow, the drive d is a (u - u0) + b (w - w0) + c (i - i0) - k x.
     Then x' = d within the slowest and the fastest rate, or with an inertia M and a damping D, M x'' = d - D x'.
-
-    Attributes
-    ----------
-    here, there, through : pair of float
-        (a, u0), (b, w0) and (c, i0); a value that is not a number is the one at the start.
-    own : float
-        k
-    rates : pair of float
-        Slowest and fastest, 1/s.
-    inertia, damping : float
-    shares : sequence of pair of float
-        Openings and shares of the capacity; none where both are equal.
-    start : float or None
-        Opening at the start; the one that the steady state asks for if None.
-    area : float
-        Of a disc, m².
     """
 
+    # here, there, through: (a, u0), (b, w0) and (c, i0); a value that is not a number is the one at the start
     here: tuple[float, float] = (0.0, 0.0)
     there: tuple[float, float] = (0.0, 0.0)
     through: tuple[float, float] = (0.0, 0.0)
-    own: float = 0.0
-    rates: tuple[float, float] = (-inf, inf)
+    own: float = 0.0  # k
+    rates: tuple[float, float] = (-inf, inf)  # slowest and fastest, 1/s
     inertia: float = 0.0
     damping: float = 0.0
-    shares: tuple[tuple[float, float], ...] = ()
-    start: float | None = None
-    area: float = 0.0
+    shares: tuple[tuple[float, float], ...] = ()  # openings and shares of the capacity; none where both are equal
+    start: float | None = None  # opening at the start; the one that the steady state asks for if None
+    area: float = 0.0  # of a disc, m²
 
     def flat(self) -> tuple[float, ...]:
         """Constants, as the kernel has them."""
@@ -75,28 +57,13 @@ class NonLinear(Element):
         raise NotImplementedError
 
 
-class OfCables(NonLinear):
+class OfCables(OneMedium, NonLinear):
     """One that only cables have."""
 
-    medium: ClassVar[str] = "electrical"
-
-    @field_validator("kind", check_fields=False)
-    @classmethod
-    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
-        if (info.context or {}).get("medium") == "hydraulic":
-            raise InputError("", "not a word of hydraulic scenes", "such as 'orifice' or 'table'", f"'{kind}'")
-        return kind
+    medium, instead = "electrical", "such as 'orifice' or 'table'"
 
 
-class OfLiquids(NonLinear):
+class OfLiquids(OneMedium, NonLinear):
     """One that only pipes have."""
 
-    medium: ClassVar[str] = "hydraulic"
-
-    @field_validator("kind", check_fields=False)
-    @classmethod
-    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
-        if (info.context or {}).get("medium") == "electrical":
-            expected = "such as 'resistor', 'diode' or 'table'"
-            raise InputError("", "not a word of electrical scenes", expected, f"'{kind}'")
-        return kind
+    medium, instead = "hydraulic", "such as 'resistor', 'diode' or 'table'"

@@ -19,15 +19,13 @@ from tline.line.walls import WALLS
 from tline.loss import ConstantLoss, EarthReturn, Law, LossyLine, Sum, kelvin_voigt_wall
 from tline.loss.losses import Losses
 from tline.scene.attenuation import Attenuation
-from tline.scene.cable_loss import LossTangent, Skin, Wire
-from tline.scene.cable_table import CableTable
+from tline.scene.cable_loss import CableTable, LossTangent, Skin, Wire
 from tline.scene.cable_types import TYPES, cable_type
 from tline.scene.cavities import Cavities
-from tline.scene.element import Element, Name
+from tline.scene.element import Element, Name, two_nodes
 from tline.scene.friction import AnyFriction
 from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
 from tline.scene.site import Place
-from tline.words.wording import shown
 
 ROUNDING = 1e-9  # of a storage, that laws may miss of the lossless line's
 LOSSES = ("resistance", "conductance", "skin", "wire", "earth", "loss_tangent", "tabulated", "attenuation", "cable")
@@ -35,13 +33,6 @@ MATERIALS = {
     "fluid": f"gives density and bulk modulus: {listed(FLUIDS, 'or')}",
     "wall": f"gives Young's modulus: {listed(WALLS, 'or')}",
 }
-
-
-def two_nodes(nodes: Any) -> Any:
-    """A pair of nodes as read, if it is a pair."""
-    if not isinstance(nodes, list | tuple) or len(nodes) != 2:
-        raise InputError("", "not two nodes", 'two names such as ["a", "b"]', shown(nodes))
-    return nodes
 
 
 class SceneLine(Element):

@@ -1,25 +1,33 @@
-"""Loads: what a node lets pass to the reference."""
+"""What may stand at a node, and between two without a delay of its own: loads and links."""
 
-from typing import Annotated, Any, Literal
+from __future__ import annotations
+
+from itertools import combinations
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from tline.errors import InputError
 from tline.scene import elements
 from tline.scene.air_valve import AirValve
 from tline.scene.characteristic import Curve, Diode
 from tline.scene.choice import OneOf
-from tline.scene.element import AtNode
+from tline.scene.element import AtNode, OneMedium
 from tline.scene.ibis.element import Ibis
 from tline.scene.medium import check_word
+from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Junction, Transformer
 from tline.scene.outflow import Demand, Leak
+from tline.scene.pump import Pump
 from tline.scene.quantity import Pressure
 from tline.scene.rational import Capacitor, Impedance, Inductor, Parallel, Resistor, Series
+from tline.scene.regulating import RegulatingValve
 from tline.scene.switch import Switch
-from tline.scene.touchstone import Touchstone
-from tline.scene.user_defined import UserLoad, or_user_defined
+from tline.scene.touchstone import MeasuredMultiport, Touchstone
+from tline.scene.user_defined import UserLink, UserLoad, or_user_defined
 from tline.scene.valve import CheckValve, Orifice, ReliefValve
 from tline.scene.vessel import AirVessel, Cavity, SurgeTank, VapourCavity
+
+if TYPE_CHECKING:
+    from tline.scene.scene import Scene
 
 
 class NoFlow(AtNode):
@@ -39,20 +47,14 @@ class Short(AtNode):
     kind: Literal["short"] = "short"
 
 
-class Reservoir(AtNode):
+class Reservoir(OneMedium, AtNode):
     """A node held at constant pressure."""
 
+    medium, instead = "hydraulic", "a voltage source, or 'short'"
     kind: Literal["reservoir"] = "reservoir"
     pressure: Pressure = Field(
         description="pressure at the node; piezometric, density·g·head, if nodes have elevations"
     )
-
-    @field_validator("kind")
-    @classmethod
-    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
-        if (info.context or {}).get("medium") == "electrical":
-            raise InputError("", "not a word of electrical scenes", "a voltage source, or 'short'", "'reservoir'")
-        return kind
 
 
 class Matched(AtNode):
@@ -67,3 +69,16 @@ LOADS = (
     Diode.load, Curve.load, AirVessel, SurgeTank, Cavity, VapourCavity, AirValve, *elements.loads(),
 )  # fmt: skip
 Load = Annotated[Any, OneOf(LOADS, "kind"), *or_user_defined(UserLoad)]
+
+
+LINKS = (
+    Resistor.link, Inductor.link, Capacitor.link, Series.link, Parallel.link, Impedance.link, Switch.link,
+    Orifice.link, CheckValve.link, ReliefValve.link, RegulatingValve, Pump, Diode.link, Curve.link,
+    Transformer, Gyrator, ControlledSource, CoupledInductors, Junction, MeasuredMultiport, *elements.links(),
+)  # fmt: skip
+Link = Annotated[Any, OneOf(LINKS, "kind"), *or_user_defined(UserLink)]
+
+
+def linked_pairs(scene: Scene) -> list[tuple[str, str]]:
+    """Any two nodes that a link or a source joins."""
+    return [pair for _, nodes in scene.between for pair in combinations(dict.fromkeys(nodes), 2)]

@@ -20,20 +20,11 @@ FINENESS, FEWEST, MOST = 40, 8, 64  # places: per loss over impedance, and bound
 
 
 class Mixing(NamedTuple):
-    """Places with losses between the stretches of coupled conductors.
+    """Places with losses between the stretches of coupled conductors."""
 
-    Parameters
-    ----------
-    name : str
-        Of the line.
-    line : Coupled
-    places : int
-        As many; the first and the last stretch are half as long as those between.
-    """
-
-    name: str
+    name: str  # of the line
     line: Coupled
-    places: int
+    places: int  # as many; the first and the last stretch are half as long as those between
 
     @classmethod
     def of(cls, name: str, line: Coupled, doublings: int) -> Mixing:

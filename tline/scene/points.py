@@ -1,19 +1,18 @@
-"""Waveforms made of straight pieces between points (time, level)."""
+"""Waveforms made of straight pieces: between points (time, level), and pulses, one or many."""
 
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PrivateAttr, ValidationInfo, model_validator
+from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
-from tline.scene.csv_rows import read_rows
-from tline.scene.named_file import beside
-from tline.scene.quantity import ZERO, Duration, Level, Time
+from tline.scene.element import pair
+from tline.scene.quantity import ZERO, Delay, Duration, Level, Time, Whole
 from tline.scene.shape import Floats, Shape
-from tline.words.wording import shown
+from tline.scene.text_file import beside, read_rows
 
 
 class Lines(NamedTuple):
@@ -72,17 +71,11 @@ class Ramp(Points):
         return np.array([self.at, self.at + self.duration]), np.array([self.from_, self.to], float)
 
 
-def _pair(point: Any) -> Any:
-    if not isinstance(point, list | tuple) or len(point) != 2:
-        raise InputError("", "not a point", "a pair [time, level]", shown(point))
-    return point
-
-
 class PiecewiseLinear(Points):
     """Straight lines between points [time, level], constant outside; two points at the same time make a jump."""
 
     shape: Literal["piecewise linear"] = "piecewise linear"
-    points_: list[Annotated[tuple[Time, Level], BeforeValidator(_pair)]] = Field(
+    points_: list[Annotated[tuple[Time, Level], pair("time, level")]] = Field(
         alias="points", min_length=2, description="pairs [time, level], in order of time"
     )
 
@@ -139,3 +132,53 @@ def check_order(times: Sequence[float], where: str) -> None:
     for k, (first, third) in enumerate(zip(times, times[2:], strict=False), 3):
         if first == third:
             raise InputError(where, f"point {k} is the third at one time", "at most two, for a jump", f"{third:g} s")
+
+
+MOST_PULSES = 1_000_000
+
+
+class Pulses(Shape):
+    """Equal pulses: one, or one each period, up to a count if there is one; trapezoids if rise or fall take time."""
+
+    shape: Literal["pulses"] = "pulses"
+    low: Level = Field(default=ZERO, description="level between pulses, and outside")
+    high: Level = Field(description="level of the pulse")
+    at: Time = Field(default=ZERO, description="begin of the first rise")
+    width: Duration = Field(description="time at the high level, rise and fall not counted")
+    rise: Delay = Field(default=ZERO, description="time from low to high")
+    fall: Delay = Field(default=ZERO, description="time from high to low")
+    period: Duration | None = Field(default=None, description="time from pulse to pulse; without it there is one")
+    count: Annotated[int, Whole(1)] | None = Field(
+        default=None, description="number of pulses; without it they do not end"
+    )
+
+    @model_validator(mode="after")
+    def _fits(self):
+        busy = self.rise + self.width + self.fall
+        if self.period is not None and self.period < busy * (1 - 1e-12):
+            raise InputError("period", "shorter than the pulse", f"at least {busy:g} s", f"{self.period:g} s")
+        if self.count is not None and self.period is None:
+            raise InputError("count", "pulses are counted only where they repeat", "a period")
+        return self
+
+    def breaks(self, t_end):  # noqa: D102
+        period, count = self.period or np.inf, self.count or np.inf
+        first = max(min(np.floor(-self.at / period), count) - 1, 0.0)
+        last = min(max(np.ceil((t_end - self.at) / period), 1.0), count)
+        if last - first > MOST_PULSES:
+            expected, got = f"at most {MOST_PULSES:,}", f"{last - first:.3g}"
+            raise InputError("period", "too many pulses before the end", expected, got)
+        starts = self.at + (self.period or 0.0) * np.arange(first, last)
+        return np.unique(starts[:, None] + self._corners())
+
+    def value(self, t, inside):  # noqa: D102
+        start = float(self.at)
+        if self.period is not None:
+            last = np.inf if self.count is None else self.count - 1
+            start = start + self.period * np.clip(np.floor((inside - start) / self.period), 0, last)
+        levels = np.array([self.low, self.high, self.high, self.low], float)
+        return between(lines(self._corners(), levels), t - start, inside - start)
+
+    def _corners(self):
+        """Instants of one pulse, from its begin: rise, top, fall, end."""
+        return np.cumsum([0.0, self.rise, self.width, self.fall])

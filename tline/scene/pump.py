@@ -2,18 +2,18 @@
 
 from itertools import pairwise
 from math import inf, pi
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+from pydantic import Field, PrivateAttr, model_validator
 
 from tline.errors import InputError
-from tline.scene.between import Between
+from tline.scene.element import Between, pair
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.kind import Bend, LawKind
 from tline.scene.law import ElementLaw, OfLiquids
 from tline.scene.pump_pieces import PumpPieces, backward, parabola, smooth
-from tline.scene.quantity import Quantity, Role
+from tline.scene.quantity import Pressure, Quantity, Role
 from tline.scene.shape import Step
 from tline.scene.suter import in_four_quadrants
 from tline.words.wording import shown
@@ -24,13 +24,6 @@ LAST_OF_ONE = 2.0  # flow without rise over that of the single point of a curve
 ONE_POINT = 4 / 3  # shut-off rise over that of the single point of a curve (L. A. Rossman, EPANET 2 manual, 2000)
 Flow = Annotated[Quantity, Role("flow", "m^3/s", at_least=0)]
 Instant = Annotated[Quantity, Role("time", "s", at_least=0)]
-Rise = Annotated[Quantity, Role("pressure", "Pa")]
-
-
-def _pair(point: Any) -> Any:
-    if not isinstance(point, list | tuple) or len(point) != 2:
-        raise InputError("", "not a point", "a pair [flow, pressure rise]", shown(point))
-    return point
 
 
 class Pumping(LawKind):
@@ -78,7 +71,7 @@ class Pump(Between, OfLiquids):
     """
 
     kind: Literal["pump"] = "pump"
-    curve: list[Annotated[tuple[Flow, Rise], BeforeValidator(_pair)]] = Field(
+    curve: list[Annotated[tuple[Flow, Pressure], pair("flow, pressure rise")]] = Field(
         min_length=1, max_length=100, description="points [flow, pressure rise] at rated speed"
     )
     efficiency: Annotated[Quantity, Role("share", "", above=0, at_most=1)] | None = Field(

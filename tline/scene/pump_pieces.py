@@ -8,24 +8,12 @@ Form = tuple[float, float, float]  # a + b x + c x², x the flow over the speed
 
 
 class PumpPieces(NamedTuple):
-    """Rise at rest, inner borders of the flow at rated speed, and forms between them.
+    """Rise at rest, inner borders of the flow at rated speed, and forms between them."""
 
-    Attributes
-    ----------
-    at_rest : float
-        Pa
-    borders : sequence of float
-        m³/s
-    rises : sequence of Form
-        Of the rise less that at rest, Pa.
-    torques : sequence of Form
-        Of the torque times the rated speed, W.
-    """
-
-    at_rest: float
-    borders: Sequence[float]
-    rises: Sequence[Form]
-    torques: Sequence[Form]
+    at_rest: float  # Pa
+    borders: Sequence[float]  # m³/s
+    rises: Sequence[Form]  # of the rise less that at rest, Pa
+    torques: Sequence[Form]  # of the torque times the rated speed, W
 
     def flat(self) -> tuple[float, ...]:
         """Borders, rises and torques, one after the other."""

@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from tline.errors import InputError
-from tline.scene.between import Between
-from tline.scene.element import AtNode
-from tline.scene.placed import Placed
+from tline.scene.element import AtNode, Between, Placed
 from tline.scene.quantity import (
     LARGEST,
     SMALLEST,
@@ -32,15 +30,9 @@ MOST_STATES = 20  # degree up to which double precision holds ladders of L and C
 
 
 class RationalImpedance(Placed):
-    """An element that is a rational impedance between its two terminals.
+    """An element that is a rational impedance between its two terminals."""
 
-    Attributes
-    ----------
-    stores : bool
-        Whether it holds what does not flow through its resistance.
-    """
-
-    stores: ClassVar[bool] = False
+    stores: ClassVar[bool] = False  # whether it holds what does not flow through its resistance
     _ratio: Ratio = PrivateAttr()
     _rational: "RationalFunction | None" = PrivateAttr(default=None)
 

@@ -6,14 +6,13 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from tline.errors import InputError
-from tline.scene.between import Between
+from tline.scene.element import Between
 from tline.scene.law import ElementLaw, Governor
-from tline.scene.quantity import Quantity, Role
+from tline.scene.outflow import Flow
+from tline.scene.quantity import Pressure, Quantity, Role
 from tline.scene.valve import CharacterisedValve, Share
 
-Gauge = Annotated[Quantity, Role("pressure", "Pa")]
 Positive = Annotated[Quantity, Role("pressure", "Pa", above=0)]
-Flow = Annotated[Quantity, Role("flow", "m^3/s", above=0)]
 Time = Annotated[Quantity, Role("time", "s", above=0)]
 ONE_WAY = {"downstream", "upstream"}
 
@@ -35,7 +34,7 @@ class RegulatingValve(CharacterisedValve, Between):
     keeps: Literal["downstream", "upstream", "flow", "level"] = Field(
         description="the pressure at its second node or at its first one, the flow, or the level behind it as a float"
     )
-    set_pressure: Gauge | None = Field(
+    set_pressure: Pressure | None = Field(
         default=None, description="gauge pressure that it keeps; that of the steady start if not given"
     )
     set_flow: Flow | None = Field(default=None, description="flow that it keeps; that of the steady start if not given")

@@ -30,19 +30,16 @@ from tline.scene.heights import Height, heights_of
 from tline.scene.ibis.element import Ibis
 from tline.scene.law import ElementLaw, NonLinear
 from tline.scene.line import Cable, Pipe, SceneLine
-from tline.scene.link import Link
-from tline.scene.load import Load
-from tline.scene.measure import Measure
-from tline.scene.measured_multiport import MeasuredMultiport
+from tline.scene.load import Link, Load
+from tline.scene.measure import Measure, Probe
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import MOST, limited, mistakes
-from tline.scene.named_file import Folder
-from tline.scene.probe import Probe
 from tline.scene.quantity import Duration, Effort, Tolerance, Whole
 from tline.scene.shape import Shape
 from tline.scene.site import GRAVITY, Site
 from tline.scene.source import Source
-from tline.scene.touchstone import Touchstone
+from tline.scene.text_file import Folder
+from tline.scene.touchstone import MeasuredMultiport, Touchstone
 from tline.scene.user_defined import user_elements
 from tline.words.printable import one_line
 from tline.words.progress import Progress

@@ -14,8 +14,7 @@ from pydantic import (
 
 from tline.errors import InputError
 from tline.scene.choice import Read
-from tline.scene.element import Element, Name, words_are_required
-from tline.scene.line import two_nodes
+from tline.scene.element import Element, Name, two_nodes, words_are_required
 from tline.scene.medium import MEDIA
 from tline.scene.quantity import Resistance
 from tline.scene.waveform import Shape, Waveform, read_waveform

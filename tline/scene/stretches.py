@@ -17,27 +17,13 @@ AT_A_PLACE = Fraction(1, 10**9)  # of a line
 
 
 class Stretches(NamedTuple):
-    """A line in stretches.
+    """A line in stretches."""
 
-    Attributes
-    ----------
-    shares : tuple of Fraction
-        Where they begin and end, as shares of the line's delay, from 0 to 1.
-    places : tuple of str
-        Nodes between them, from end 1 on.
-    lines : tuple of str
-        Their names, from end 1 on.
-    cavities : tuple of str
-        Those of the nodes that have cavities.
-    mixing : Mixing, optional
-        Of coupled conductors: their losses at the places.
-    """
-
-    shares: tuple[Fraction, ...]
-    places: tuple[str, ...]
-    lines: tuple[str, ...]
-    cavities: tuple[str, ...] = ()
-    mixing: Mixing | None = None
+    shares: tuple[Fraction, ...]  # where they begin and end, as shares of the line's delay, from 0 to 1
+    places: tuple[str, ...]  # nodes between them, from end 1 on
+    lines: tuple[str, ...]  # their names, from end 1 on
+    cavities: tuple[str, ...] = ()  # those of the nodes that have cavities
+    mixing: Mixing | None = None  # of coupled conductors: their losses at the places
 
     @property
     def widths(self) -> list[float]:

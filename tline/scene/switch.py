@@ -4,8 +4,8 @@ from typing import Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
+from tline.scene.element import Placed
 from tline.scene.medium import check_word
-from tline.scene.placed import Placed
 from tline.scene.quantity import Resistance, Time
 
 

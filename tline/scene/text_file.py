@@ -1,15 +1,23 @@
-"""Text files that a user names: whatever lies there, it is read within limits or refused in one sentence."""
+"""Text, TOML and CSV files as they are read, and where files that a scene names are looked for."""
 
+import csv
+import io
 import os
+import re
 import stat
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+
+from pydantic import ValidationInfo
 
 from tline.errors import InputError
+from tline.scene.quantity import LARGEST
 from tline.words.printable import one_line
+from tline.words.wording import shown
 
-LARGEST = 100_000_000  # bytes
+LARGEST_FILE = 100_000_000  # bytes
 
 
 def read_text(path: Path, where: str = "", legacy: bool = False) -> str:
@@ -28,12 +36,12 @@ def read_text(path: Path, where: str = "", legacy: bool = False) -> str:
     try:
         check_ordinary(path)
         with path.open("rb") as file:
-            data = file.read(LARGEST + 1)
+            data = file.read(LARGEST_FILE + 1)
     except (OSError, ValueError) as error:  # a ValueError for a name with a null character
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise InputError(where or str(path), f"{name}cannot be read", got=reason or "an unreadable file") from None
-    if len(data) > LARGEST:
-        raise InputError(where or str(path), f"{name}is too large", f"at most {LARGEST:,} bytes")
+    if len(data) > LARGEST_FILE:
+        raise InputError(where or str(path), f"{name}is too large", f"at most {LARGEST_FILE:,} bytes")
     try:
         if legacy and data.startswith((b"\xff\xfe", b"\xfe\xff")):
             return data.decode("utf-16")
@@ -67,3 +75,68 @@ def check_ordinary(path: str | Path) -> None:
     nameless = stat.S_ISFIFO(kind) and not os.path.exists(os.path.realpath(path))  # of a shell
     if not (stat.S_ISREG(kind) or stat.S_ISDIR(kind) or nameless):
         raise OSError(0, "a pipe with a name" if stat.S_ISFIFO(kind) else "a device, not a file")
+
+
+class Folder(NamedTuple):
+    """Where the files that a scene names are looked for."""
+
+    path: Path = Path()
+    confined: bool = False  # whether files that lie elsewhere, by ``..``, a link or a path from the root, are refused
+
+    def find(self, file: str) -> Path:
+        """The path of a file that can be read to its end."""
+        path = self.path / file
+        try:
+            inside = not self.confined or path.resolve().is_relative_to(self.path.resolve())
+            if inside:
+                check_ordinary(path)
+        except (OSError, ValueError) as error:  # a ValueError for a name with a null character
+            reason = error.strerror if isinstance(error, OSError) else str(error)
+            raise InputError("file", f"{shown(file)} cannot be read", got=reason or "an unreadable file") from None
+        if not inside:
+            raise InputError("file", f"{shown(file)} lies outside of the scene's folder", "a file in it")
+        return path
+
+
+def beside(file: str, info: ValidationInfo) -> Path:
+    """The path of a file that an element of a scene names."""
+    return Folder.find((info.context or {}).get("folder", Folder()), file)
+
+
+NUMBER = re.compile(r"\s*[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\s*", re.ASCII)
+NO_WORD = re.compile(r"\s*[-+.\d]")  # how a cell of a heading does not begin
+
+
+def read_rows(path: Path, where: str, what: str, columns: Mapping[int, str]) -> list[tuple[float, ...]]:
+    """Rows of finite numbers, all of one length.
+
+    Parameters
+    ----------
+    path : Path
+        Empty lines, lines that begin with #, and a first line of words are skipped.
+    where : str
+        What an error points at.
+    what : str
+        What a row is, for messages.
+    columns : mapping of int to str
+        How many numbers a row may have, and the words for that.
+    """
+    found: list[tuple[float, ...]] = []
+    name = one_line(str(path))
+    rows = csv.reader(io.StringIO(read_text(path, where)))
+    try:
+        for row in rows:
+            if not row or row[0].lstrip().startswith("#") or (rows.line_num == 1 and not any(map(NO_WORD.match, row))):
+                continue
+            known = {len(found[0]): columns[len(found[0])]} if found else columns
+            if len(row) not in known or not all(map(_is_number, row)):
+                problem = f"line {rows.line_num} of '{name}' is not {what}"
+                raise InputError(where, problem, ", or ".join(known.values()))  # quoted, any file could be read so
+            found.append(tuple(map(float, row)))
+    except csv.Error as error:
+        raise InputError(where, f"line {rows.line_num} of '{name}' cannot be read: {error}") from None
+    return found
+
+
+def _is_number(cell: str) -> bool:
+    return bool(NUMBER.fullmatch(cell)) and abs(float(cell)) <= LARGEST

@@ -1,4 +1,4 @@
-"""Measured one-ports from Touchstone files: a rational reflection, proved passive, behind a delay."""
+"""Loads and multiports from Touchstone files: rational models, proved passive."""
 
 from collections.abc import Callable
 from fractions import Fraction
@@ -6,24 +6,26 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
-from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
+import numpy as np
+from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
-from tline.scene.element import AtNode
+from tline.scene.element import AtNode, OneMedium
 from tline.scene.line import Cable, SceneLine
-from tline.scene.named_file import beside
+from tline.scene.multiport import Multiport, PortNodes, Ports
 from tline.scene.quantity import Quantity, Role, Tolerance
 from tline.scene.ratio import Ratio
 from tline.scene.rational import RationalImpedance
+from tline.scene.text_file import beside
 
 if TYPE_CHECKING:
-    from passivity import DelayedModel, RationalFunction
+    from passivity import DelayedModel, MeasuredNetwork, RationalFunction
 
 Model = TypeVar("Model")
 Delay = Annotated[Quantity, Role("delay", "s", at_least=0)]
 
 
-class Touchstone(RationalImpedance, AtNode):
+class Touchstone(OneMedium, RationalImpedance, AtNode):
     """A measured one-port, such as an antenna: the S-parameters of a Touchstone file.
 
     A rational model is fitted to the file's reflection, with as few poles as the tolerance takes; a delay in front, as
@@ -36,6 +38,7 @@ class Touchstone(RationalImpedance, AtNode):
         The file cannot be read, holds no one-port, no model meets the tolerance, or the model is not passive.
     """
 
+    medium, instead = "electrical", "kind = 'impedance'"
     kind: Literal["touchstone"] = "touchstone"
     file: str = Field(description="Touchstone file, `.s1p` or `.ts`, looked for beside the scene file")
     tolerance: Tolerance = Field(
@@ -47,11 +50,6 @@ class Touchstone(RationalImpedance, AtNode):
     )
     _model: "DelayedModel" = PrivateAttr()
     _near: str | None = PrivateAttr(default=None)  # node at which the delay begins
-
-    @field_validator("kind")
-    @classmethod
-    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
-        return electrical(kind, info, "kind = 'impedance'")
 
     @model_validator(mode="after")
     def _readable(self, info: ValidationInfo):
@@ -116,13 +114,6 @@ def _impedance(found: "DelayedModel") -> "RationalFunction":
     return RationalFunction((S.q + S.p) * z0.numerator, (S.q - S.p) * z0.denominator)
 
 
-def electrical(kind: str, info: ValidationInfo, instead: str) -> str:
-    """The kind, if the scene is not hydraulic."""
-    if (info.context or {}).get("medium") == "hydraulic":
-        raise InputError("", "not a word of hydraulic scenes", instead, f"'{kind}'")
-    return kind
-
-
 def read_model(model_of: Callable[..., Model], file: str, info: ValidationInfo, *asked: Any) -> Model:
     """The model of a file beside the scene's, found once for each time that it is written."""
     from passivity import ExpressionError
@@ -144,3 +135,107 @@ def _told(file: str, error: ValueError | OSError) -> InputError:
         return InputError("tolerance", error.problem, error.expected, error.got)
     at = "" if file in error.where or error.where == "samples" else f"{error.where}: "
     return InputError("file", f"'{file}': {at * bool(error.where)}{error.problem}", error.expected, error.got)
+
+
+MOST_PORTS = 8  # proofs with more take minutes
+
+
+class MeasuredMultiport(OneMedium, Multiport):
+    """A measured network such as a filter, a connector or a cable: the S-parameters of a Touchstone file.
+
+    A rational model whose entries have their poles in common is fitted to the file's S, with as few poles as the
+    tolerance takes, and proved passive, or refused. Delays in front of the ports, where they are given, are taken out
+    first and become lossless lines of the file's reference resistances. What the model does beyond the file's
+    frequencies nobody measured.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, has not one port for each node, no model meets the tolerance, or the model is not
+        passive.
+    """
+
+    medium, instead = "electrical", "kind = 'junction'"
+    kind: Literal["touchstone"] = "touchstone"
+    nodes: PortNodes = Field(description=f"one for each port, 2 to {MOST_PORTS}, in the file's order")
+    file: str = Field(description="Touchstone file, `.s2p` and the like or `.ts`, looked for beside the scene file")
+    tolerance: Tolerance = Field(
+        default=Quantity(1e-3, ""), description="largest distance of an entry of the model's S from the file's"
+    )
+    delays: tuple[Delay, ...] | None = Field(
+        default=None, description="time from each node to its port, one way; without them the poles stand for it"
+    )
+    nearest: bool = Field(
+        default=False, description="whether to take the nearest passive model where the fit is not passive"
+    )
+    _model: "MeasuredNetwork" = PrivateAttr()
+    _near: tuple[str, ...] | None = PrivateAttr(default=None)  # nodes at which the delays begin
+
+    @model_validator(mode="after")
+    def _readable(self, info: ValidationInfo):
+        k = len(self.nodes)
+        if k > MOST_PORTS:
+            raise InputError("nodes", "too many ports", f"at most {MOST_PORTS}", f"{k}")
+        if self.delays is not None and len(self.delays) != k:
+            raise InputError("delays", "not one for each node", f"{k}", f"{len(self.delays)}")
+        delays = tuple(map(float, self.delays or k * [0.0]))
+        self._model = read_model(multiport_of, self.file, info, float(self.tolerance), delays, self.nearest)
+        return self
+
+    @property
+    def model(self) -> "MeasuredNetwork":
+        """What was fitted, with its proof."""
+        return self._model
+
+    @property
+    def near(self) -> tuple[str, ...]:
+        """The nodes that the file names, whatever the delays."""
+        return self._near or self.nodes
+
+    @property
+    def delay_lines(self) -> set[str]:
+        """Names of the lines of its delays, and of the nodes behind them."""
+        return set(self.nodes) - set(self.near)
+
+    def taken_apart(self, own: str) -> tuple[dict[str, dict[str, SceneLine]], "MeasuredMultiport"]:
+        """The lines of its delays, named after its own place, and what is behind them."""
+        lines, nodes = {}, list(self.near)
+        for k, delay in enumerate(self.delays or ()):
+            if delay:
+                z0, nodes[k] = float(self._model.samples.z0[k]), f"{own}.{k + 1}"
+                lines[nodes[k]] = Cable(**{"nodes": (self.near[k], nodes[k]), "z0": z0, "delay": delay})
+        moved = self.model_copy(update={"nodes": tuple(nodes)})
+        moved._near = self.near
+        return {"lines": lines}, moved
+
+    def ports(self) -> Ports:
+        """Its equations: S between waves (u + z0·i)/√z0 and (u - z0·i)/√z0."""
+        (A, B, C, D), root = self._model.model.realised(), np.sqrt(self._model.samples.z0)
+        one = np.eye(len(D))
+        return Ports((one - D) / root, -(one + D) * root, C, A, B / root, B * root)
+
+
+@lru_cache(maxsize=64)
+def multiport_of(
+    path: Path, stamp: int, tolerance: float, delays: tuple[float, ...], nearest: bool
+) -> "MeasuredNetwork":
+    """The model of a file, passive; `stamp` is when the file was written, for a scene is read several times.
+
+    Raises
+    ------
+    ExpressionError
+        The file cannot be read, has another number of ports, no model meets the tolerance, or it is not proved passive.
+    """
+    from passivity import ExpressionError, Status, fit_scattering, read_touchstone
+
+    response = read_touchstone(path)
+    if response.ports != len(delays):
+        got = f"{response.ports} port{'s' * (response.ports > 1)}"
+        raise ExpressionError("samples", "not one port for each node", f"{len(delays)}", got)
+    found = fit_scattering(response, tolerance, nearest, delays)
+    if found.verdict.status is not Status.PROVED:
+        problem = f"the model with {found.model.order} poles is not proved passive: {found.why}"
+        refuted = found.verdict.status is Status.REFUTED
+        expected = "nearest = true, or another tolerance" if refuted else "fewer poles, by a larger tolerance"
+        raise ExpressionError("", problem, expected)
+    return found

@@ -15,8 +15,7 @@ from weakref import finalize, ref
 from pydantic import Field, WrapSerializer, WrapValidator
 
 from tline.errors import InputError
-from tline.scene.between import Between
-from tline.scene.element import AtNode
+from tline.scene.element import AtNode, Between
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.kind import LawKind
 from tline.scene.law import ElementLaw, NonLinear

@@ -17,12 +17,10 @@ from pydantic import (
 )
 
 from tline.errors import InputError
-from tline.scene.between import Between
-from tline.scene.element import AtNode, Element
+from tline.scene.element import AtNode, Between, Element, Placed
 from tline.scene.factor import ALWAYS, Characterised, Factor
 from tline.scene.kind import ANY_DROP, Bend, LawKind
 from tline.scene.law import ElementLaw, Governor, OfLiquids
-from tline.scene.placed import Placed
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.rating import Rated
 from tline.scene.shape import Shape
@@ -31,7 +29,6 @@ from tline.words.wording import shown
 
 Share = Annotated[Quantity, Role("share", "", at_least=0, at_most=1)]
 PRESSURE_BEHIND = "has a pressure behind it, which is a source"
-Back = Annotated[Quantity, Role("pressure", "Pa")]
 
 
 def _pair(point: Any) -> Any:

@@ -7,8 +7,7 @@ from typing import Annotated, Any
 from pydantic import TypeAdapter, ValidationInfo
 
 from tline.scene.choice import OneOf
-from tline.scene.points import PiecewiseLinear, Ramp, Table
-from tline.scene.pulses import Pulses
+from tline.scene.points import PiecewiseLinear, Pulses, Ramp, Table
 from tline.scene.quantity import LEVEL
 from tline.scene.shape import Constant, Shape, Step
 from tline.scene.smooth import DoubleExponential, Exponential, ModulatedSine, Sine

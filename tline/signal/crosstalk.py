@@ -18,32 +18,17 @@ from tline.words.wording import nearest, place, shown
 
 @dataclass(frozen=True, eq=False)
 class Crosstalk:
-    """Voltages at both ends of coupled conductors.
+    """Voltages at both ends of coupled conductors."""
 
-    Attributes
-    ----------
-    line, driven : str
-        The conductors' line, and the node at which one of them is driven.
-    t : ndarray, shape (n,)
-        Instants, s.
-    voltages : dict of str to ndarray
-        Of each node of the conductors, V.
-    swing : float
-        Largest less smallest voltage of the driven end, from rest on: a jump at t = 0 is part of it.
-    near, far : dict of str to float
-        Largest voltage of each quiet conductor at the driven side and at the other one, over the swing.
-    pairs : tuple of pairs of str
-        Any two nodes at one end.
-    """
-
-    line: str
+    line: str  # line, driven: the conductors' line, and the node at which one of them is driven
     driven: str
-    t: NDArray
-    voltages: dict[str, NDArray]
-    swing: float
+    t: NDArray  # (n,) instants, s
+    voltages: dict[str, NDArray]  # of each node of the conductors, V
+    swing: float  # largest less smallest voltage of the driven end, from rest on: a jump at t = 0 is part of it
+    # near, far: largest voltage of each quiet conductor at the driven side and at the other one, over the swing
     near: dict[str, float]
     far: dict[str, float]
-    pairs: tuple[tuple[str, str], ...]
+    pairs: tuple[tuple[str, str], ...]  # any two nodes at one end
 
     @property
     def differential(self) -> dict[tuple[str, str], NDArray]:

@@ -8,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.errors import InputError
+from tline.scene.rating import WATER
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
 from tline.solver.result.result import ProbeResult, Result
 from tline.surge.event import TURNED, Event, read_event, with_unit
 from tline.words.wording import nearest
 
-WATER = 1000.0  # kg/m³, of levels
 FORM = re.compile(r"(?P<node>[^<>]+)(?P<sign>[<>])(?P<value>[^:]+):\s*(?P<kind>\w+)\s+(?P<what>.+)")
 EXPECTED = (
     "NODE<PRESSURE:KIND LINK+DURATION, such as 'tower>5.2 bar: close V1+5s', with close, open, trip, start or stop"
@@ -25,26 +25,13 @@ HALVINGS = 60
 
 
 class Control(NamedTuple):
-    """An operation that waits for a pressure.
-
-    Attributes
-    ----------
-    node : str
-    pressure : float
-        Gauge pressure there, Pa.
-    above : bool
-        Whether it is to exceed that, or to fall below it.
-    event : Event
-        What is done then; its instant counts from there.
-    text : str
-        As it was said.
-    """
+    """An operation that waits for a pressure."""
 
     node: str
-    pressure: float
-    above: bool
-    event: Event
-    text: str
+    pressure: float  # gauge pressure there, Pa
+    above: bool  # whether it is to exceed that, or to fall below it
+    event: Event  # what is done then; its instant counts from there
+    text: str  # as it was said
 
 
 def read_control(text: str) -> Control:

@@ -20,30 +20,16 @@ FLOWING, TURNED = {"burst", "demand"}, {"close", "open"}
 
 
 class Event(NamedTuple):
-    """One operation.
+    """One operation."""
 
-    Attributes
-    ----------
-    kind : str
-        One of OPERATIONS.
-    name : str
-        Of a link, a pipe or a node.
-    at, duration : float
-        When it begins, and how long it takes; s.
-    flow : float
-        Of a burst, or the change of a demand, m³/s; else 0.
-    stage : tuple of float
-        Share of the way that is left when a second stage begins, and how long that takes, s; or none.
-    course : tuple of pair of float
-        Times after the beginning, s, and openings there, where a file says them; else none.
-    """
-
-    kind: str
-    name: str
-    at: float
+    kind: str  # one of OPERATIONS
+    name: str  # of a link, a pipe or a node
+    at: float  # at, duration: when it begins, and how long it takes; s
     duration: float = 0.0
-    flow: float = 0.0
+    flow: float = 0.0  # of a burst, or the change of a demand, m³/s; else 0
+    # share of the way that is left when a second stage begins, and how long that takes, s; or none
     stage: tuple[float, ...] = ()
+    # times after the beginning, s, and openings there, where a file says them; else none
     course: tuple[tuple[float, float], ...] = ()
 
     def control(self, before: float, after: float) -> dict[str, Any]:

@@ -1,6 +1,8 @@
 """A scene in which something is operated: valves, pipes, pumps, demands and bursts, by events."""
 
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from itertools import accumulate, pairwise
 from math import pi
 from types import UnionType
 from typing import Any
@@ -17,9 +19,7 @@ from tline.scene.valve import CheckValve, Orifice
 from tline.solver.description.description import describe
 from tline.solver.description.excitation import just_before
 from tline.solver.steady.steady_state import above_level
-from tline.surge.demands import as_one_each
 from tline.surge.event import FLOWING, Event
-from tline.surge.inertia import RATED_SPEED, usual_inertia
 from tline.units import engineering
 from tline.words.wording import nearest, place
 
@@ -247,3 +247,61 @@ class _Operated:
     def _gauge(self, node: str) -> float:
         """Gauge pressure at a node before anything is operated, Pa."""
         return self._before.effort[node] - self._description.nodes[node].height.above_level
+
+
+RATED_SPEED = 1450 / 60  # Hz, of a motor with four poles at 50 Hz
+
+
+def usual_inertia(power: float, rated_speed: float) -> float:
+    """Inertia of impeller with liquid, and motor, kg m², by the power of the shaft, W, and the rated speed, Hz.
+
+    Regressions over many machines: a guess within a factor of two.
+
+    References
+    ----------
+    A. R. D. Thorley: Fluid Transients in Pipeline Systems, 2nd edition, Professional Engineering Publishing (2004),
+    with power in kW and speed in turns per minute: 1.5e7·(P/N³)^0.9556 and 118·(P/N)^1.48.
+
+    Examples
+    --------
+    >>> round(usual_inertia(75e3, 25.0), 2)
+    2.13
+    """
+    kilowatt, turns = power / 1e3, 60 * rated_speed
+    return 1.5e7 * (kilowatt / turns**3) ** 0.9556 + 118 * (kilowatt / turns) ** 1.48
+
+
+def as_one_each(events: Iterable[Event]) -> list[Event]:
+    """The events, with those on the demand of one node as one event with a course of its share.
+
+    Examples
+    --------
+    >>> rise, fall = Event("demand", "b", 1.0, 0.5, 0.005), Event("demand", "b", 4.0, 0.0, -0.005)
+    >>> as_one_each([rise, fall])[0].course
+    ((0.0, 0.0), (0.5, 1.0), (3.0, 1.0), (3.0, 0.0))
+    """
+    changes, rest = defaultdict[str, list[Event]](list), list[Event]()
+    for event in events:
+        (changes[event.name] if event.kind == "demand" else rest).append(event)
+    return [*rest, *(_as_one(sorted(each, key=lambda event: event.at)) for each in changes.values())]
+
+
+def _as_one(events: list[Event]) -> Event:
+    first = events[0]
+    if len(events) == 1:
+        return first
+    for one, two in pairwise(events):
+        if two.at < one.at + one.duration or two.at == one.at:
+            raise InputError("demand", f"changes at '{first.name}' overlap", "one after the other", f"{two.at:g} s")
+    flows = [0.0, *accumulate(event.flow for event in events)]
+    peak = max(flows, key=abs)
+    shares = [round(flow / peak, 12) + 0.0 for flow in flows]  # no rounding of sums, and no -0.0
+    if min(shares) < 0:
+        problem = f"changes at '{first.name}' lead above and below what it drew"
+        raise InputError("demand", problem, "sums that are all above, or all below")
+    course = [
+        (t - first.at, share)
+        for event, sides in zip(events, pairwise(shares), strict=True)
+        for t, share in zip((event.at, event.at + event.duration), sides, strict=True)
+    ]
+    return first._replace(duration=0.0, flow=peak, course=tuple(course))

@@ -19,16 +19,11 @@ RISES = "the highest pressure comes at the end of the run and may be higher late
 
 
 class Extreme(NamedTuple):
-    """What a node saw; pressures are gauge pressures, Pa, and instants s.
-
-    Attributes
-    ----------
-    node : str
-    before, lowest, lowest_at, lowest_error, highest, highest_at, highest_error : float
-        Errors are estimated, and not a number where there is no finer run.
-    """
+    """What a node saw; pressures are gauge pressures, Pa, and instants s."""
 
     node: str
+    # before, lowest, lowest_at, lowest_error, highest, highest_at, highest_error: errors are estimated, and not a
+    # number where there is no finer run
     before: float
     lowest: float
     lowest_at: float
@@ -49,30 +44,15 @@ class Extreme(NamedTuple):
 
 
 class Worst(NamedTuple):
-    """The nodes that a surge hit hardest.
+    """The nodes that a surge hit hardest."""
 
-    Attributes
-    ----------
-    risen, fallen : sequence of Extreme
-        The largest change first; what does not move is not among them.
-    boiling : sequence of Extreme
-        Where water of 20 °C boils and no cavity follows that, the lowest pressure first.
-    highest : Extreme
-        The highest pressure of all.
-    needed : float or None
-        The class that bears it, Pa; None if there is none in EN 1333, or none can be told.
-    untold : str
-        Why no class can be told; empty if one can.
-    unfinished : sequence of Extreme
-        Nodes of the highest and the lowest pressure of all that have it at the end of the run.
-    """
-
-    risen: Sequence[Extreme]
+    risen: Sequence[Extreme]  # risen, fallen: the largest change first; what does not move is not among them
     fallen: Sequence[Extreme]
-    boiling: Sequence[Extreme]
-    highest: Extreme
-    needed: float | None
-    untold: str
+    boiling: Sequence[Extreme]  # where water of 20 °C boils and no cavity follows that, the lowest pressure first
+    highest: Extreme  # the highest pressure of all
+    needed: float | None  # the class that bears it, Pa; None if there is none in EN 1333, or none can be told
+    untold: str  # why no class can be told; empty if one can
+    # nodes of the highest and the lowest pressure of all that have it at the end of the run
     unfinished: Sequence[Extreme]
 
 

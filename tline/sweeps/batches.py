@@ -36,26 +36,13 @@ class Task(NamedTuple):
 
 
 class Batch(NamedTuple):
-    """Finished runs.
+    """Finished runs."""
 
-    Attributes
-    ----------
-    done : list of int
-        Those of the batch that ran, counted from 0.
-    kept : mapping of str to ndarray, shape (done, …)
-        What is kept of them.
-    errors : mapping of int to str
-        Why the others failed.
-    seconds : float
-    unresolved : mapping of int to str
-        What was not resolved, of those where that is so.
-    """
-
-    done: list[int]
-    kept: Mapping[str, Floats]
-    errors: Mapping[int, str]
+    done: list[int]  # those of the batch that ran, counted from 0
+    kept: Mapping[str, Floats]  # (done, …) what is kept of them
+    errors: Mapping[int, str]  # why the others failed
     seconds: float
-    unresolved: Mapping[int, str] = MappingProxyType({})
+    unresolved: Mapping[int, str] = MappingProxyType({})  # what was not resolved, of those where that is so
 
 
 class NotSent(InputError):

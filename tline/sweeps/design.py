@@ -22,24 +22,12 @@ PLAIN = ("grid", "list")
 
 
 class Design(NamedTuple):
-    """Values by path and run.
+    """Values by path and run."""
 
-    Attributes
-    ----------
-    levels : mapping of str to list
-        The values that a path takes, by path.
-    taken : mapping of str to ndarray of int, shape (runs,), or None
-        Which of them it takes in each run; None where each run has its own.
-    shape : tuple of int
-        Of a grid, the number of values along each path; else (runs,).
-    sample : str
-        How runs were chosen, such as ``"grid"`` or ``"sobol:128"``.
-    """
-
-    levels: Mapping[str, list[Any] | Floats]
-    taken: Mapping[str, NDArray | None]
-    shape: tuple[int, ...]
-    sample: str
+    levels: Mapping[str, list[Any] | Floats]  # the values that a path takes, by path
+    taken: Mapping[str, NDArray | None]  # (runs,) which of them it takes in each run; None where each run has its own
+    shape: tuple[int, ...]  # of a grid, the number of values along each path; else (runs,)
+    sample: str  # how runs were chosen, such as ``"grid"`` or ``"sobol:128"``
 
     @property
     def runs(self) -> int:

@@ -24,19 +24,11 @@ EXPECTED = "'extremes', instants in s such as [0, 1, 2] or '0 s:2 s:3', a functi
 
 
 class Keep(NamedTuple):
-    """What is kept.
-
-    Attributes
-    ----------
-    extremes : bool
-    t : ndarray, shape (instants,)
-        Instants at which efforts and flows are kept, s.
-    functions : mapping of str to callable
-        By name; each takes a `Result` and gives a number or an array, of one shape in all runs.
-    """
+    """What is kept."""
 
     extremes: bool
-    t: Floats
+    t: Floats  # (instants,) instants at which efforts and flows are kept, s
+    # by name; each takes a `Result` and gives a number or an array, of one shape in all runs
     functions: Mapping[str, Callable[[Result], Any]]
 
     @property

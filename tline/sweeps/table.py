@@ -168,7 +168,7 @@ class Sweep:
         MissingExtraError
             xarray is not installed.
         """
-        from tline.sweeps.dataset import dataset
+        from tline.sweeps.file import dataset
 
         return dataset(self)
 

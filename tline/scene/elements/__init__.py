@@ -4,9 +4,7 @@ from importlib import import_module
 from pkgutil import iter_modules
 from typing import Any
 
-from tline.scene.between import Between
-from tline.scene.element import AtNode, Element
-from tline.scene.placed import Placed
+from tline.scene.element import AtNode, Between, Element, Placed
 
 _modules = [import_module(f"{__name__}.{found.name}") for found in iter_modules(__path__)]
 ELEMENTS: dict[str, Any] = {

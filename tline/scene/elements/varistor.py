@@ -5,9 +5,9 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
+from tline.scene.element import Placed
 from tline.scene.kind import Bend, LawKind
 from tline.scene.law import ElementLaw, OfCables
-from tline.scene.placed import Placed
 from tline.scene.quantity import Quantity, Role
 
 

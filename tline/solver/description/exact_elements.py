@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
-from tline.scene.measured_multiport import MeasuredMultiport
 from tline.scene.multiport import Junction, Multiport
 from tline.scene.rational import RationalImpedance
-from tline.scene.touchstone import Touchstone
+from tline.scene.touchstone import MeasuredMultiport, Touchstone
 from tline.solver.description.given import Scene
 from tline.words.wording import place
 

@@ -4,10 +4,9 @@ from tline.scene.coupled import End
 from tline.scene.heights import NO_HEIGHT, Height
 from tline.scene.kind import Bend, LawKind, Volume, kinds_numbered
 from tline.scene.law import ElementLaw, Governor
-from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Signal
+from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Probe, Signal
 from tline.scene.medium import MEDIA, Medium
 from tline.scene.multiport import Ports
-from tline.scene.probe import Probe
 from tline.scene.ratio import Ratio
 from tline.scene.scene import Scene
 from tline.scene.shape import Constant, Shape

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.between import Between
+from tline.scene.element import Between
 from tline.scene.load import Matched, Reservoir, Resistor, Short
 from tline.scene.rational import RationalImpedance
 from tline.scene.switch import Switch

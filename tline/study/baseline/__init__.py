@@ -22,15 +22,11 @@ P. Lax, B. Wendroff, Comm. Pure Appl. Math. 13 (1960) 217, doi:10.1002/cpa.31601
 
 from functools import partial
 
-from tline.study.baseline.advection import lax_wendroff, upwind
-from tline.study.baseline.characteristics import cubic, linear, moc
-from tline.study.baseline.characteristics_grid import moc_grid, no_friction
-from tline.study.baseline.leapfrog import fdtd
-from tline.study.baseline.loads import backward_euler, forward_euler
-from tline.study.baseline.method import Baseline
+from tline.study.baseline.explicit import cubic, fdtd, lax_wendroff, linear, moc, moc_grid, no_friction, upwind
+from tline.study.baseline.method import HALF, Baseline
+from tline.study.baseline.nodes import backward_euler, forward_euler
 from tline.study.baseline.pointwise import slabs_pointwise
 from tline.study.baseline.sections import lumped_pi, lumped_t, pade, pushes_inductors
-from tline.study.baseline.steps import HALF
 
 BASELINES: dict[str, Baseline] = {
     "moc_trapezoid": Baseline("MOC, Courant 1", 1, 2, moc),

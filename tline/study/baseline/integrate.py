@@ -11,9 +11,8 @@ from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.nodes import node_of_end
-from tline.study.baseline.method import BaselineRun
-from tline.study.baseline.node_systems import NodeSystem
-from tline.study.baseline.steps import MOST_KEPT, count_steps, probed, sampled, shortest_delay, within
+from tline.study.baseline.method import MOST_KEPT, BaselineRun, count_steps, probed, sampled, shortest_delay, within
+from tline.study.baseline.nodes import NodeSystem
 
 MOST_EVALUATIONS = 3_000_000  # of a differential equation
 STIFF = 30  # times the rate of a section: beyond, implicitly

@@ -12,8 +12,7 @@ from tline.solver.description.description import describe
 from tline.solver.description.excitation import EDGE, Waveform, sampled
 from tline.solver.loop.kernel import advance
 from tline.solver.radau import Basis, gauss
-from tline.study.baseline.method import BaselineRun
-from tline.study.baseline.steps import HALF, MOST_KEPT, count_steps, delays_of, shortest_delay, within
+from tline.study.baseline.method import HALF, MOST_KEPT, BaselineRun, count_steps, delays_of, shortest_delay, within
 
 
 def pointwise(basis: Any, f: float) -> tuple[NDArray, NDArray]:

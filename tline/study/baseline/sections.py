@@ -10,9 +10,8 @@ from tline.solver.description.description import describe
 from tline.solver.description.groups import Group
 from tline.solver.description.nodes import node_of_end
 from tline.study.baseline.integrate import Chain, integrated
-from tline.study.baseline.method import BaselineRun
-from tline.study.baseline.node_systems import HELD, NodeSystem, behind_inductor, half_sections, on_capacitor
-from tline.study.baseline.steps import decays_of, delays_of, impedances_of, sections_of, shortest_delay
+from tline.study.baseline.method import BaselineRun, decays_of, delays_of, impedances_of, sections_of, shortest_delay
+from tline.study.baseline.nodes import HELD, NodeSystem, behind_inductor, half_sections, on_capacitor
 
 
 def lumped_pi(scene: Scene, n: float) -> BaselineRun:

@@ -36,29 +36,14 @@ LOWEST, HIGHEST = 1e-10, 10.0  # drawn
 
 @dataclass(frozen=True)
 class GrowthCurve:
-    """What one method did to the pulse, relative to the exact one, after each number of transits.
+    """What one method did to the pulse, relative to the exact one, after each number of transits."""
 
-    Attributes
-    ----------
-    transits : ndarray, shape (n,)
-    error : ndarray, shape (n,)
-        L2 norm of the difference over that of the pulse.
-    damping : ndarray, shape (n,)
-        Share of the pulse's L2 norm that is lost; negative where it grew.
-    phase : ndarray, shape (n,)
-        By how much it is late, in transits, at most 1 to either side.
-    dispersion : ndarray, shape (n,)
-        What the best shift and scale leave of the difference, over the norm of what arrived.
-    seconds : float
-        Time stepping of the whole run.
-    """
-
-    transits: NDArray
-    error: NDArray
-    damping: NDArray
-    phase: NDArray
-    dispersion: NDArray
-    seconds: float
+    transits: NDArray  # (n,)
+    error: NDArray  # (n,) L2 norm of the difference over that of the pulse
+    damping: NDArray  # (n,) share of the pulse's L2 norm that is lost; negative where it grew
+    phase: NDArray  # (n,) by how much it is late, in transits, at most 1 to either side
+    dispersion: NDArray  # (n,) what the best shift and scale leave of the difference, over the norm of what arrived
+    seconds: float  # time stepping of the whole run
 
 
 def light_line(transits: int) -> Scene:

@@ -11,7 +11,7 @@ from tline.solver.description.description import describe
 from tline.study.charts.clock import TimedRun
 from tline.study.reference import Solution
 from tline.study.reference.friction import FrictionSolution
-from tline.study.reference.lossy_scene import LossySolution
+from tline.study.reference.lossy import LossySolution
 
 DIGITS, DIGITS_BETWEEN = 18, 15
 SEED = 0

@@ -24,27 +24,14 @@ STILL = "#E3EDF4"
 
 @dataclass(frozen=True)
 class MeasuredStrip:
-    """One method of a map.
-
-    Attributes
-    ----------
-    label : str
-    x : ndarray, shape (n,)
-        Where it was run.
-    rates, predicted : ndarray, shape (n,)
-        Growth per transit, measured and by theory.
-    boundaries : ndarray
-        Where the measured rate passes the map's level.
-    expected : ndarray
-        Where the predicted one does.
-    """
+    """One method of a map."""
 
     label: str
-    x: NDArray
-    rates: NDArray
+    x: NDArray  # (n,) where it was run
+    rates: NDArray  # rates, predicted: (n,) growth per transit, measured and by theory
     predicted: NDArray
-    boundaries: NDArray
-    expected: NDArray
+    boundaries: NDArray  # where the measured rate passes the map's level
+    expected: NDArray  # where the predicted one does
 
 
 @dataclass(frozen=True)

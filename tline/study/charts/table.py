@@ -12,56 +12,28 @@ from tline.solver.result.atomic import replacing
 
 @dataclass(frozen=True)
 class Row:
-    """One method at one refinement.
+    """One method at one refinement."""
 
-    Attributes
-    ----------
-    method : str
-        Label of the curve.
-    kind : str
-        "ours", "tolerance", "baseline" or "peer".
-    setting : str
-        What was refined, such as "8 slabs per shortest delay".
-    error : float
-        Largest error of the efforts at any instant, relative to the largest effort.
-    error_at_own : float
-        The same at the instants that the method itself computes.
-    seconds : float
-        Median time from the call to its answer, compiled code at hand.
-    stepping : float
-        Median time of stepping alone (peers: as `peers` says).
-    asked, estimated : float
-        For a run to a tolerance: what was asked, and what the solver thinks it reached; else infinite.
-    """
-
-    method: str
-    kind: str
-    setting: str
-    error: float
-    error_at_own: float
-    seconds: float
-    stepping: float
+    method: str  # label of the curve
+    kind: str  # "ours", "tolerance", "baseline" or "peer"
+    setting: str  # what was refined, such as "8 slabs per shortest delay"
+    error: float  # largest error of the efforts at any instant, relative to the largest effort
+    error_at_own: float  # the same at the instants that the method itself computes
+    seconds: float  # median time from the call to its answer, compiled code at hand
+    stepping: float  # median time of stepping alone (peers: as `peers` says)
+    # asked, estimated: for a run to a tolerance: what was asked, and what the solver thinks it reached; else infinite
     asked: float = inf
     estimated: float = inf
 
 
 @dataclass
 class ChartTable:
-    """The rows of one chart.
+    """The rows of one chart."""
 
-    Attributes
-    ----------
-    name, title : str
-        Of the scene.
-    rows : list of Row
-    notes : list of str
-        What is absent and why, and what stands beside the clock.
-    """
-
-    name: str
+    name: str  # name, title: of the scene
     title: str
     rows: list[Row] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)  # what is absent and why, and what stands beside the clock
 
     def curves(self) -> Iterator[tuple[str, list[Row]]]:
         """Methods and their rows, in the order in which they were measured."""

@@ -16,8 +16,7 @@ from tline.interchange.netlist_text import spice_text
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
 from tline.study.charts.clock import TimedRun
-from tline.study.reference.network import decimal
-from tline.study.reference.waveforms import level, straight
+from tline.study.reference.network import decimal, level, straight
 
 HALF_TICK = 5e-4  # s; ngspice counts time in milliseconds
 PATIENCE = 60.0  # s, after which it is stopped

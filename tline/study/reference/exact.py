@@ -12,6 +12,7 @@ from flint import arb, ctx
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.loss.law import MOST_DIGITS
 from tline.scene.scene import Scene
 from tline.scene.switch import Switch
 from tline.study.reference.lattice import instant, lattice
@@ -20,7 +21,6 @@ from tline.study.reference.network import ReferenceNetwork, decimal
 from tline.study.reference.rays import Begun, arrivals, sampled
 
 FEW_BITS, MOST_BITS = 64, 20_000
-MOST_DIGITS = 1_000
 SPARE = 15  # digits carried beyond those that are asked
 
 

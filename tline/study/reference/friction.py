@@ -19,8 +19,7 @@ from tline.scene.scene import Scene
 from tline.scene.shape import Shape
 from tline.scene.source import refuse_floating
 from tline.study.reference.grid import Pipes, joined, march, steady
-from tline.study.reference.network import decimal
-from tline.study.reference.waveforms import straight
+from tline.study.reference.network import decimal, straight
 from tline.words.wording import place
 
 MOST_WORK = 500_000_000  # reaches times steps of the finest grid

@@ -6,8 +6,7 @@ from typing import Any
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
-from tline.study.reference.network import ReferenceNetwork, ReferenceNode, decimal, switched
-from tline.study.reference.waveforms import level, straight
+from tline.study.reference.network import ReferenceNetwork, ReferenceNode, decimal, level, straight, switched
 from tline.words.wording import place
 
 MOST_WAVES = 500_000

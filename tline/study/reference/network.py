@@ -1,21 +1,132 @@
-"""A scene in exact numbers: the decimals that were typed, as fractions."""
+"""A scene as reference solutions take it: nodes, delays and impedances as fractions, waveforms as pieces."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import count as count_from
+from itertools import pairwise, takewhile
 from math import inf
+
+from flint import acb, acb_poly, arb
 
 from passivity import RationalFunction
 from tline.errors import InputError
 from tline.scene.heights import refuse_heights
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short
 from tline.scene.lossless import refuse_losses
+from tline.scene.points import Points, Pulses
 from tline.scene.rational import RationalImpedance
 from tline.scene.scene import Scene
 from tline.scene.source import refuse_floating
 from tline.scene.switch import Switch
-from tline.scene.waveform import Constant, Shape
+from tline.scene.waveform import Constant, DoubleExponential, Exponential, Shape, Sine, Step
+from tline.study.reference.motion import ExponentialSum, rate, rational, rotation
 from tline.words.wording import nearest, place
+
+Straight = tuple[Fraction | None, Fraction, Fraction]  # start (None: ever since), level there, slope
+
+
+def straight(shape: Shape, t_end: Fraction) -> list[Straight] | None:
+    """A waveform as straight pieces in order of time; None if it is curved."""
+    match shape:
+        case Constant():
+            return [(None, decimal(shape.level), Fraction(0))]
+        case Step():
+            return [(None, decimal(shape.from_), Fraction(0)), (decimal(shape.at), decimal(shape.to), Fraction(0))]
+        case Points():
+            times, levels = shape.points()
+            return _between([(decimal(t), decimal(level)) for t, level in zip(times, levels, strict=True)])
+        case Pulses():
+            return _between(_corners(shape, t_end) or [(Fraction(0), decimal(shape.low))])
+    return None
+
+
+def _corners(pulses: Pulses, t_end: Fraction) -> list[tuple[Fraction, Fraction]]:
+    low, high, period = decimal(pulses.low), decimal(pulses.high), decimal(pulses.period or 0.0)
+    widths = [decimal(w) for w in (pulses.rise, pulses.width, pulses.fall)]
+    begin, count = decimal(pulses.at), (pulses.count or inf) if period else 1
+    first = max(int(-begin / period) - 1, 0) if period else 0  # at least one before t = 0, if there is any
+    corners = []
+    for k in takewhile(lambda k: k < count and begin + k * period <= t_end, count_from(first)):
+        start = begin + k * period
+        instants = [start + sum(widths[:j], Fraction(0)) for j in range(4)]
+        corners += zip(instants, (low, high, high, low), strict=True)
+    return corners
+
+
+def _between(points: list[tuple[Fraction, Fraction]]) -> list[Straight]:
+    pieces: list[Straight] = [(None, points[0][1], Fraction(0))]
+    for (t, level), (after, then) in pairwise(points):
+        if after > t:
+            pieces.append((t, level, (then - level) / (after - t)))
+    return [*pieces, (*points[-1], Fraction(0))]
+
+
+def level(pieces: list[Straight], t: Fraction) -> Fraction:
+    """Value of straight pieces at t; at a jump the one before it."""
+    start, first, slope = next(piece for piece in reversed(pieces) if piece[0] is None or piece[0] < t)
+    return first if start is None else first + slope * (t - start)
+
+
+def motions(shape: Shape, t_end: Fraction, where: str) -> list[tuple[Fraction | None, ExponentialSum]]:
+    """A waveform as motions, each counted from its start.
+
+    Raises
+    ------
+    InputError
+        The waveform has no exact motion here.
+    """
+    pieces = straight(shape, t_end)
+    if pieces is not None:
+        return [(start, _polynomial(first, slope)) for start, first, slope in pieces]
+    match shape:
+        case Sine():
+            return _sine(shape)
+        case Exponential():
+            low, high = decimal(shape.from_), decimal(shape.to)
+            fall = ExponentialSum({rate(-1 / decimal(shape.time_constant)): acb_poly([acb(rational(low - high))])})
+            return [(None, _polynomial(low)), (decimal(shape.at), _polynomial(high) + fall)]
+        case DoubleExponential():
+            return [(None, ExponentialSum()), (decimal(shape.at), _surge(shape))]
+    raise InputError(where, "its waveform has no exact transform", "a straight, exponential or sine one")
+
+
+def _polynomial(*coefficients: Fraction) -> ExponentialSum:
+    return ExponentialSum({rate(Fraction(0)): acb_poly([acb(rational(c)) for c in coefficients])})
+
+
+def _sine(sine: Sine) -> list[tuple[Fraction | None, ExponentialSum]]:
+    f, offset, at = decimal(sine.frequency), _polynomial(decimal(sine.offset)), decimal(sine.at)
+    phase, half = arb(rational(decimal(sine.phase))), arb(rational(decimal(sine.amplitude))) / 2
+    turn = acb(0, phase).exp() * acb(0, -half)  # half the amplitude over i
+    waving = ExponentialSum({rotation(f, 1): acb_poly([turn]), rotation(f, -1): acb_poly([turn.conjugate()])})
+
+    def still(at: Fraction) -> ExponentialSum:
+        return offset + ExponentialSum({rate(Fraction(0)): acb_poly([acb(waving.at(at))])})
+
+    pieces: list[tuple[Fraction | None, ExponentialSum]] = [(None, still(Fraction(0))), (at, offset + waving)]
+    return pieces if sine.until is None else [*pieces, (decimal(sine.until), still(decimal(sine.until) - at))]
+
+
+def _surge(surge: DoubleExponential) -> ExponentialSum:
+    rise, decay = decimal(surge.rise), decimal(surge.decay)
+    top = rational(rise * decay / (decay - rise)) * arb(rational(decay / rise)).log()
+    height = (-top / rational(decay)).exp() - (-top / rational(rise)).exp()
+    scale = acb(rational(decimal(surge.peak)) / height)
+    return ExponentialSum({rate(-1 / decay): acb_poly([scale]), rate(-1 / rise): acb_poly([-scale])})
+
+
+def starts(shape: Shape, t_end: Fraction, where: str) -> list[tuple[Fraction, ExponentialSum]]:
+    """Motions that begin at instants from 0 on and add up to the waveform, silent before."""
+    pieces = motions(shape, t_end, where)
+    past = [piece for piece in pieces if piece[0] is None or piece[0] <= 0]
+    start, motion = past[-1]
+    begun = [(Fraction(0), motion if start is None else motion.shifted(-start))]
+    for (before, old), (now, new) in pairwise(pieces[len(past) - 1 :]):
+        if now is not None and now < t_end:
+            seen = old if before is None else old.shifted(now - before)
+            begun.append((now, new + seen * rational(Fraction(-1))))
+    return begun
 
 
 def decimal(value: float) -> Fraction:

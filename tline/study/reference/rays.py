@@ -14,8 +14,7 @@ from flint import acb, arb, fmpq, fmpq_poly
 
 from tline.errors import InputError
 from tline.study.reference.motion import ExponentialSum, Pole, Ray, rational, roots
-from tline.study.reference.network import ReferenceNetwork, ReferenceNode
-from tline.study.reference.waveforms import starts
+from tline.study.reference.network import ReferenceNetwork, ReferenceNode, starts
 
 MOST_ARRIVALS = 200_000  # of rays at nodes
 
