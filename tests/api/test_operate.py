@@ -36,12 +36,11 @@ def test_its_scene_does_the_same(surge):
     assert again.lowest_at.tolist() == surge.result.envelope.lowest_at.tolist()
 
 
-def test_what_is_missed_inside_slabs_alone_is_told_and_not_sought_for_minutes(surge):
-    """Check valves bend waves steeply: each halving of slabs and loss elements costs four times as much for half."""
+def test_the_tolerance_is_met_soon(surge):
+    """Check valves bend waves steeply inside slabs: their friction is all along, and fronts are followed."""
     accuracy = surge.result.accuracy
-    assert accuracy.at_slab_ends < accuracy.tol < accuracy.worst
-    assert accuracy.limit.startswith("inside slabs the error at 'b'")
-    assert sum(attempt.samples for attempt in accuracy.attempts) < 2e6
+    assert accuracy.met
+    assert sum(attempt.samples for attempt in accuracy.attempts) < 1e5
 
 
 def test_every_node_is_in_its_table(surge):
