@@ -10,6 +10,7 @@ from math import inf, log
 
 from tline.solver.description.description import Description
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
+from tline.solver.result.notes import smeared
 from tline.solver.result.result import Result
 from tline.solver.tolerance.compare import compare, with_errors
 
@@ -91,6 +92,7 @@ class Ladder:
         if self._pair and accuracy.at_slab_ends > tol:
             accuracy = compare(*self._pair, whole=True).errors
         damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
+        damped += tuple(smeared(best.fronts)) if best.fronts.lost <= tol and not limit else ()
         unresolved = tuple(note for note in best.unresolved if note not in damped)
         limit = limit and (inside_slabs(accuracy) or limit)
         accuracy = replace(accuracy, attempts=tuple(self._attempts), limit=limit)

@@ -19,7 +19,7 @@ from tline.solver.tolerance.ladder import MOST_SAMPLES, Ladder
 
 FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where what decays behind fronts is followed
 DIGITS = 3  # of the tolerance beyond three, for which the first order is one higher
-JOINED, FINER = 1e-2, 0.3  # of the tolerance: how well pieces in diamonds continue each other that are one; and later
+JOINED, FINER = 5e-2, 0.5  # of the tolerance: how well pieces in diamonds continue each other that are one; and later
 FOLLOWED = 1e-3  # of the tolerance: what is left of what decays behind a front, where it is no longer followed
 MOST_FOLLOWED = 1e6  # slabs at line ends; of more, what decays behind fronts is not followed: that takes seconds
 CLEAR = 1 / 3  # of the tolerance: an error told by the first two runs alone is to be below
