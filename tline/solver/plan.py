@@ -14,9 +14,8 @@ from tline.compiled.structure import pack
 from tline.errors import InputError
 from tline.solver.assembly.assemble import assemble
 from tline.solver.assembly.fronts import Tally
-from tline.solver.assembly.layout import Excitation
 from tline.solver.description.description import Description
-from tline.solver.description.excitation import places_of, sampled
+from tline.solver.description.excitation import Shape, places_of, sampled
 from tline.solver.description.given import Scene
 from tline.solver.description.groups import Group, poles_of
 from tline.solver.description.load_step import StateSpace, load_step
@@ -235,7 +234,7 @@ class Plan(Pair):
                 return False
         return True
 
-    def _follows(self, excitations: Excitation, before: Excitation) -> bool:
+    def _follows(self, excitations: list[tuple[Shape, float]], before: list[tuple[Shape, float]]) -> bool:
         """Whether what drives a node is slow enough, and breaks at edges of slabs alone, if as much did before."""
         slabs = self.fine.slabs
         if len(excitations) != len(before):
