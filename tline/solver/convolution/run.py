@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tline.solver.assembly.fronts import Tally
 from tline.solver.assembly.layout import Excitation
 from tline.solver.convolution.laws import LawsAtPorts
+from tline.solver.convolution.layers import Layers, Source
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.passive import gain, gain_of_bundle
 from tline.solver.convolution.quadrature import Quadrature
@@ -68,10 +69,16 @@ class Convolved:
         description, order, h = self.description, basis(chosen.s), chosen.h
         slabs, ahead = Slabs.until(description.t_end, h), self.leads(h)
         n = slabs.number
+        whole = self._whole(order, h)
+        layered = self.laws is None and not self.network.bundles and whole.all() and not any(c.curved for c in self.changes)
+        if layered:
+            ahead = np.zeros(1)
         rule = Quadrature(order, h, n + 1 if ahead.any() else n)
-        late = np.outer(rule.late, self._whole(order, h))
+        late = np.outer(rule.late, whole)
         records = (self._record(rule, order, h, late, self._parts(h, ahead, k), lead) for k, lead in enumerate(ahead))
-        if ahead.any():
+        if layered:
+            waves, noted = self._layers(order, h, whole).corrected(next(records), n, description.t_end, chosen.layers)
+        elif ahead.any():
             waves, noted = summed(records, ahead, n, order)
         else:
             waves, noted = next(records), None
@@ -91,6 +98,20 @@ class Convolved:
         seconds = time.perf_counter() - started
         start = {name: self._start(line) for line, name in enumerate(description.lines)}
         return Result(description.scene, slabs, probes, lines, chosen, chosen.notes, start, samples, seconds, Tally())
+
+    def _layers(self, order: Basis, h: float, whole: NDArray) -> Layers:
+        """Rays to all rows of the record."""
+        numbers = {name: j for j, name in enumerate(self.description.lines)}
+        ends = [2 * numbers[name] + side for name in self.lines for side in (0, 1)]
+        rows = [(int(self.network.node_of[end]), end) for end in ends]
+        rows += [(self.network.names.index(node), -1) for node in self.description.probed_nodes]
+        sources = [
+            Source(node, held, share, changes)
+            for held, each in ((True, self.held), (False, self.flows))
+            for node, parts in enumerate(each)
+            for changes, share in parts
+        ]
+        return Layers(self.network, sources, rows, order, h, whole)
 
     def _parts(self, h: float, ahead: NDArray, k: int) -> tuple[list[Excitation], list[Excitation]]:
         """Of efforts held and flows at each node what is due to fronts of one family, on slabs that begin earlier."""
