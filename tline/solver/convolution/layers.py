@@ -1,6 +1,7 @@
 """What slabs of one width miss beside fronts and their arrivals, put right in pieces that are ever narrower there."""
 
 from collections import defaultdict
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -11,15 +12,19 @@ from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.convolution.rays import Ray, Rays
 from tline.solver.description.excitation import EDGE, projected
 from tline.solver.description.families import Changes, Straight
-from tline.solver.loop.march import Noted
+from tline.solver.loop.march import Noted, concatenated
 from tline.solver.radau import Basis
 
 NEAR = 12  # slabs of each width, behind which those of twice the width follow a front
+POINTS = 250  # of slabs of one width, about
 LEVELS = 14  # times that slabs are halved, at most
-SETTLED = 0.02  # of the tolerance: what halving them changes no more
-MOST = 1e7  # answers of the rest at all points
-MOST_PIECES = 3e5  # at one node
-KINDS = ("jump", "bend")
+MOST = 3e6  # answers of the rest at all points
+MOST_LAYERS = 2000  # rays of all fronts
+
+
+def affordable(network: LinearRest) -> bool:
+    """Whether the answers of all nodes to each other fit in memory at all points."""
+    return len(network.names) ** 2 * (LEVELS + 1) * POINTS <= MOST
 
 
 class Source(NamedTuple):
@@ -70,36 +75,41 @@ class Layers:
         points = (self.rule.points[:, None] * 2.0 ** np.arange(LEVELS + 1)).T
         self.rays = Rays(network, points.ravel(), h, slabs, rows)
 
-    def corrected(self, record: NDArray, n: int, t_end: float, tol: float) -> tuple[NDArray, Noted]:
+    def corrected(self, record: NDArray, n: int, t_end: float, least: float) -> tuple[NDArray, Noted]:
         """A record (rows, 2, n s) on whole slabs, of sources as they are projected there, and its pieces beside fronts.
 
         Parameters
         ----------
         record : ndarray
         n : int
-        t_end, tol : float
-            Of the run; the tolerance is of the largest value in a row.
+        t_end : float
+        least : float
+            Of the largest value: what narrower slabs change no more.
         """
-        record, s = record.copy(), self.order.s
-        size = np.abs(record).max()
+        record, least = record.copy(), least * float(np.abs(record).max())
+        most = MOST_LAYERS // max(sum(len(source.changes.at) for source in self.sources), 1)
         layers: dict[int, list[tuple[float, Answer, NDArray]]] = defaultdict(list)
         for source in self.sources:
-            scale = max(np.abs(source.changes.jump).max(initial=0), np.abs(source.changes.bend).max(initial=0) * self.h)
-            scale *= abs(source.share)
+            changes = source.changes
+            scale = abs(source.share) * max(
+                np.abs(changes.jump).max(initial=0), np.abs(changes.bend).max(initial=0) * self.h
+            )
             if not scale:
                 continue
-            for ray in self.rays.of(source.node, source.held, t_end, SETTLED * tol * size / scale):
-                answer = self._answer(ray, source, SETTLED * tol * size)
-                for t, *weights in zip(source.changes.at, source.changes.jump, source.changes.bend, strict=True):
-                    if t + ray.delay >= t_end:
-                        continue
-                    each = source.share * np.array(weights)
-                    self._take(record, answer, t, each, n)
-                    layers[tuple(ray.rows)].append((t, answer, each))
+            for ray in islice(self.rays.of(source.node, source.held, t_end, least / scale), most):
+                answer = self._answer(ray, source, least)
+                if answer is None:
+                    continue
+                for t, *weights in zip(changes.at, changes.jump, changes.bend, strict=True):
+                    if t + ray.delay < t_end:
+                        each = source.share * np.array(weights)
+                        self._take(record, answer, t, each, n)
+                        layers[tuple(ray.rows)].append((t, answer, each))
         pieces = [self._pieces(record, rows, layers[rows], n) for rows in layers]
-        return record, Noted(*(np.concatenate(part) for part in zip(*pieces, strict=True)))
+        return record, concatenated(pieces, self.order.s)
 
-    def _answer(self, ray: Ray, source: Source, least: float) -> Answer:
+    def _answer(self, ray: Ray, source: Source, least: float) -> Answer | None:
+        """On slabs of all widths; None where it begins so smoothly that the scene's own slabs follow it."""
         rule, (places, s) = self.rule, self.shape
         ramp = (np.arange(rule.n)[:, None] + self.order.c) * self.h
         into = rule.forward(np.stack([np.ones((rule.n, s)), ramp], axis=2))  # (points, kinds)
@@ -107,10 +117,14 @@ class Layers:
         out = waves * into[:, :, None] * np.stack([np.ones(LEVELS + 1), 0.5 ** np.arange(LEVELS + 1)], 1)[:, None, :, None]
         out = rule.backward(out.transpose(1, 0, 2, 3).reshape(places * s, -1))
         values = out.reshape(rule.n, s, LEVELS + 1, 2, len(ray.rows), 2).transpose(2, 3, 0, 1, 4, 5)
-        off = np.abs(values[1:, :, 1 : 2 * NEAR : 2, -1] - values[:-1, :, :NEAR, -1]).max(axis=(2, 3, 4))  # (levels, kinds)
+        halves = np.stack([self.order.restriction(0.0, 0.5), self.order.restriction(0.5, 1.0)])
+        narrow = values[1:, :, : 2 * NEAR].reshape(LEVELS, 2, NEAR, 2, s, -1)
+        wide = np.einsum("hij,lknjr->lknhir", halves, values[:-1, :, :NEAR].reshape(LEVELS, 2, NEAR, s, -1))
+        off = np.abs(narrow - wide).max(axis=(2, 3, 4, 5))  # (levels, kinds)
         jump, bend = (abs(source.share) * np.abs(x).max(initial=0) for x in (source.changes.jump, source.changes.bend))
         late = np.flatnonzero(off @ [jump, bend] > least)
-        return Answer(ray, values, int(late.max(initial=-1)) + 1)
+        first = np.abs(values[0, :, 0]).max(axis=(1, 2, 3)) @ [jump, bend]
+        return None if not len(late) and first <= least else Answer(ray, values, int(late.max(initial=-1)) + 1)
 
     def _take(self, record: NDArray, answer: Answer, t: float, weights: NDArray, n: int) -> None:
         """Take away what a ray of one front is on whole slabs."""

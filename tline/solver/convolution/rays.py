@@ -8,7 +8,6 @@ a part of the run there, and on slabs half, a quarter, … as wide as long as th
 
 from collections.abc import Iterator
 from heapq import heappop, heappush
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +17,6 @@ from tline.solver.convolution.nodal import LinearRest
 
 MOST = 400  # rays of one source
 SAME = 1e-9  # of the shortest delay; arrivals so near, by paths that are moved alike, are one
-FAINT = 1e-3  # of what is to be resolved: a wave that changes no more within a slab is no ray
 
 
 class Ray(NamedTuple):

@@ -5,6 +5,7 @@ with what its sources add to theirs, and laws of lines are what they are in s: n
 """
 
 import time
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from tline.solver.assembly.fronts import Tally
 from tline.solver.assembly.layout import Excitation
 from tline.solver.convolution.laws import LawsAtPorts
-from tline.solver.convolution.layers import Layers, Source
+from tline.solver.convolution.layers import Layers, Source, affordable
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.passive import gain, gain_of_bundle
 from tline.solver.convolution.quadrature import Quadrature
@@ -53,6 +54,12 @@ class Convolved:
         """Of all waveforms at nodes."""
         return [changes for parts in (*self.held, *self.flows) for changes, _ in parts]
 
+    @cached_property
+    def layered(self) -> bool:
+        """Whether what happens beside fronts is followed on narrower slabs there, along rays."""
+        straight = not any(changes.curved for changes in self.changes)
+        return self.laws is None and not self.network.bundles and straight and affordable(self.network)
+
     def leads(self, h: float) -> NDArray:
         """By how many slabs of width h slabs have to begin earlier, so that each front is once at an edge.
 
@@ -67,16 +74,13 @@ class Convolved:
         """The result on slabs of a given order and width."""
         started = time.perf_counter()
         description, order, h = self.description, basis(chosen.s), chosen.h
-        slabs, ahead = Slabs.until(description.t_end, h), self.leads(h)
+        slabs, ahead = Slabs.until(description.t_end, h), np.zeros(1) if self.layered else self.leads(h)
         n = slabs.number
         whole = self._whole(order, h)
-        layered = self.laws is None and not self.network.bundles and whole.all() and not any(c.curved for c in self.changes)
-        if layered:
-            ahead = np.zeros(1)
         rule = Quadrature(order, h, n + 1 if ahead.any() else n)
         late = np.outer(rule.late, whole)
         records = (self._record(rule, order, h, late, self._parts(h, ahead, k), lead) for k, lead in enumerate(ahead))
-        if layered:
+        if self.layered:
             waves, noted = self._layers(order, h, whole).corrected(next(records), n, description.t_end, chosen.layers)
         elif ahead.any():
             waves, noted = summed(records, ahead, n, order)
@@ -160,8 +164,13 @@ class Convolved:
         return np.stack([arrives, 2 * u - arrives]).transpose(3, 0, 1, 2).reshape(-1, 2, rule.n * order.s)
 
     def _whole(self, order: Basis, h: float) -> NDArray:
-        """Whole slabs of each line's delay by which waves are moved as they are, where that cannot create energy."""
+        """Whole slabs of each line's delay by which waves are moved as they are, where that cannot create energy.
+
+        Where no law answers that is no matter: nothing is fed back.
+        """
         slabs = np.floor([line.delay / h * (1 + WHOLE) for line in self.description.lines.values()])
+        if self.layered:
+            return slabs
         for k, line in self.network.lossy.items():
             if gain(line, self.network.z0[k], order, h, slabs[k]) > MOST_GAIN:
                 slabs[k] = 0.0

@@ -20,7 +20,7 @@ from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import ProbeResult, Result
 from tline.solver.run import Again
 from tline.solver.tolerance.compare import BETWEEN, relative
-from tline.solver.tolerance.difference import Difference, on_slabs
+from tline.solver.tolerance.difference import Difference, on_slabs, ways
 from tline.solver.tolerance.search import Search
 from tline.words.wording import place
 
@@ -29,6 +29,7 @@ CLOSEST = 1e-8  # tolerance; transforms are as good as some 1e-10
 ROUNDED = 1e-12  # slabs, by which the end of one lies in it
 LEAST_SHARE = 0.1  # of a difference, that a step is taken to leave
 FIRST = 16  # slabs, at least, in the shortest delay
+SETTLED = 0.02  # of the tolerance: what narrower slabs beside fronts change no more
 ALIKE = 2  # times that two runs are off at most by more than they differ, so near to a jump that neither follows it
 BLURRED = 0.01  # of the shortest delay of a lossy line: so near to a jump nothing is asked
 MOST_BLURRED = 0.25  # of a run
@@ -61,7 +62,8 @@ def convolved(search: Search) -> Result | None:
     bundles = scene.network.bundles
     lossy = [line.delay for line in description.lines.values() if line.losses is not None]
     settle = BLURRED * min([*lossy, *(bundle.delay for bundle in bundles.values())])
-    chosen, jumps = Resolution(s, h, settle=settle, convolved=True), arrivals(description)
+    layers = SETTLED * search.tol if scene.layered else 0.0
+    chosen, jumps = Resolution(s, h, settle=settle, convolved=True, layers=layers), arrivals(description)
     try:
         result = before = scene.run(chosen)
     except NoFlowError:
@@ -120,7 +122,7 @@ def _fits_not(search: Search) -> bool:
 
 
 def _affordable(scene: Convolved, s: int, h: float) -> bool:
-    leads = scene.leads(h)
+    leads = np.zeros(1) if scene.layered else scene.leads(h)
     several = len(leads) > 1 and any(changes.curved and len(changes.at) > 1 for changes in scene.changes)
     points, ends = scene.description.t_end / h * s * len(leads), scene.network.size
     weights = scene.description.t_end / h * (len(scene.network.laws) * s) ** 2
@@ -176,7 +178,21 @@ def _difference(coarse: ProbeResult, fine: ProbeResult, near: NDArray, settle: f
             (fine, on_slabs(fine, x, 0, n)),
         )
     )
+    beside = _in_pieces(fine, x, end)
+    theirs, ours, t = (
+        np.concatenate([one, other], axis=-2)
+        for one, other in ((theirs, _seen(coarse, beside)), (ours, _seen(fine, beside)), (t, beside))
+    )
     off = np.abs(theirs - ours) + ROUNDING * np.abs(ours).max(axis=(1, 2), keepdims=True)
     inside = np.where(far(t), off, 0.0)
-    at_ends = inside[:, every - 1 :: every, -1].max(axis=1, initial=0.0)
+    at_ends = inside[:, every - 1 : fine.slabs.number : every, -1].max(axis=1, initial=0.0)
     return Difference(at_ends, *(each.max(axis=(1, 2)) for each in (inside, off, np.abs(ours))))
+
+
+def _in_pieces(probe: ProbeResult, x: NDArray, end: float) -> NDArray:
+    """Instants at places of all pieces that a probe sees, s."""
+    found = [np.empty((0, x.size))]
+    for wave, late in zip(probe.waves, ways(probe), strict=True):
+        start, stop = (wave.pieces.slab[:, None] + wave.pieces.span).T[:, :, None] * wave.h + late
+        found.append(start + (stop - start) * x)
+    return np.minimum(np.concatenate(found[: 2 if not late else 3]), end)
