@@ -113,12 +113,8 @@ def _suits(search: Search) -> bool:
     if search.tol < CLOSEST or description.active or (mixing and description.steady):
         return False
     remember = mixing or any(each.constant is None for each in losses)
-    return remember or (_fits_not(search) and not (description.elements or description.switched))
-
-
-def _fits_not(search: Search) -> bool:
-    """Whether a probe stands where no slab divides all delays."""
-    return search.whole is not None and not fits(search.description.lines, resolution(search.description).h)
+    alone = not (description.elements or description.switched)
+    return remember or (alone and not fits(description.lines, resolution(description).h))
 
 
 def _affordable(scene: Convolved, s: int, h: float) -> bool:

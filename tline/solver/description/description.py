@@ -60,8 +60,6 @@ class Description:
         Of nodes; empty without elevations.
     grids : dict
         Lines cut in slabs, which scenes with other values at the nodes share; kept by `tline.solver.assembly`.
-    slab : float
-        That delays were rounded to, s; 0 where they are the scene's.
     known : dict
         What searches to a tolerance found, for the next one of this scene; kept by `tline.solver.simulate`.
     """
@@ -74,7 +72,6 @@ class Description:
     coupled: dict[str, tuple[End, End]]
     heights: Mapping[str, Height]
     grids: dict[Hashable, Any] = field(default_factory=dict, repr=False)
-    slab: float = 0.0
     known: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
 
     def changed(self, values: Mapping[str, Any]) -> "Description":

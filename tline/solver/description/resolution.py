@@ -66,7 +66,7 @@ def resolution(
     by_hand = h is None and fixed.slab is not None
     loss_elements = LOSS_ELEMENTS if h is None and not by_hand else ALL_LOSS_ELEMENTS
     scales = description.time_scales
-    h = h or float(fixed.slab or 0.0) or description.slab or slab_of(description, delays, scales, settle)
+    h = h or float(fixed.slab or 0.0) or slab_of(description, delays, scales, settle)
     _check(t_end, delays, s, h, by_hand)
     more = {"loss_elements": loss_elements, "diamonds": description.diamonds and s > 1}
     chosen = Resolution(s, h, sections=sections, settle=settle, **more)
