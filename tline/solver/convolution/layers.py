@@ -16,8 +16,7 @@ from tline.solver.description.families import Changes, Straight
 from tline.solver.loop.march import Noted, concatenated
 from tline.solver.radau import Basis
 
-NEAR = 12  # slabs of each width, behind which those of twice the width follow a front
-POINTS = 250  # of slabs of one width, about
+POINTS = 200  # of slabs of one width, about
 LEVELS = 14  # times that slabs are halved, at most
 MOST = 3e6  # answers of the rest at all points
 MOST_LAYERS = 2000  # rays of all fronts
@@ -65,6 +64,8 @@ class Layers:
         s.
     slabs : ndarray, shape (lines,)
         Whole ones by which lines move waves.
+    near : int
+        Slabs of each width, behind which those of twice the width follow a front.
     """
 
     def __init__(
@@ -75,9 +76,11 @@ class Layers:
         order: Basis,
         h: float,
         slabs: NDArray,
+        near: int,
     ):
         self.sources = [source for source in sources if len(source.changes.at)]
-        self.order, self.h, self.rule = order, h, Quadrature(order, h, 2 * NEAR + 4)
+        self.order, self.h, self.rule = order, h, Quadrature(order, h, 2 * near + 4)
+        self.near = near
         self.halves = np.stack([order.restriction(0.0, 0.5), order.restriction(0.5, 1.0)])
         points = 2.0 ** np.arange(LEVELS + 1)[:, None] * self.rule.points
         self.rays = Rays(network, points.ravel(), h, slabs, rows)
@@ -126,8 +129,8 @@ class Layers:
                 taken = left[ray.rows, :, begin : begin + self.rule.n]
                 values = values.reshape(*values.shape[:2], -1, 2).transpose(2, 3, 0, 1)
                 left[ray.rows, :, begin : begin + self.rule.n] = taken - values[:, :, : taken.shape[2]]
-                edges = (t + ray.delay) / self.h + _edges(levels[k], (t + ray.delay) / self.h, begin + self.rule.n)
-                yield Layer(edges, begin + self.rule.n, _joined(answers[k], levels[k], weights))
+                edges = (t + ray.delay) / self.h + self._edges(levels[k], (t + ray.delay) / self.h, begin + self.rule.n)
+                yield Layer(edges, begin + self.rule.n, self._joined(answers[k], levels[k], weights))
 
     def _front(self, source: Source, k: int, first: int) -> tuple[NDArray, NDArray]:
         """The transform of a front on whole slabs, from the one in which it lies; and its jump and bend."""
@@ -137,7 +140,7 @@ class Layers:
         return self.rule.forward(projected(front, self.order, self.h, self.rule.n)[:, :, None])[:, 0], weights
 
     def _answers(self, waves: NDArray) -> NDArray:
-        """To a step and a ramp on slabs of each width, (rays, levels, 2, n, s, 2 rows), of (levels, points, rays, …)."""
+        """To a step and a ramp on slabs of each width, (rays, levels, 2, n, s, 2 rows), of (levels, points, rays)."""
         ramp = (np.arange(self.rule.n)[:, None] + self.order.c) * self.h
         step, ramp = self.rule.forward(np.stack([np.ones_like(ramp), ramp], axis=2)).T
         narrow = 0.5 ** np.arange(LEVELS + 1)[:, None]
@@ -153,8 +156,8 @@ class Layers:
     def _levels(self, answers: NDArray, source: Source, least: float) -> NDArray:
         """Times that slabs have to be halved; -1 where the scene's own slabs follow what arrives, (rays,)."""
         r, s = len(answers), self.order.s
-        narrow = answers[:, 1:, :, : 2 * NEAR].reshape(r, LEVELS, 2, NEAR, 2, s, -1)
-        wide = np.einsum("hij,rlknjx->rlknhix", self.halves, answers[:, :-1, :, :NEAR], optimize=True)
+        narrow = answers[:, 1:, :, : 2 * self.near].reshape(r, LEVELS, 2, self.near, 2, s, -1)
+        wide = np.einsum("hij,rlknjx->rlknhix", self.halves, answers[:, :-1, :, : self.near], optimize=True)
         size = source.sizes(1.0)
         late = np.abs(narrow - wide).max(axis=(3, 4, 5, 6)) @ size > least  # (rays, levels)
         begins = np.abs(answers[:, 0, :, 0]).max(axis=(2, 3)) @ size > least
@@ -197,26 +200,24 @@ class Layers:
             values.transpose(2, 0, 3, 1).reshape(-1, 2, order.s),
         )  # fmt: skip
 
+    def _edges(self, levels: int, at: float, end: float) -> NDArray:
+        """Edges of a layer's slabs from its front on, which is at an instant, until the end; in slabs of the scene."""
+        narrow = [0.5**levels * np.arange(self.near)]
+        narrow += [0.5**level * np.arange(self.near, 2 * self.near) for level in range(levels, 0, -1)]
+        return np.concatenate([*narrow, np.arange(self.near, int(np.ceil(end - at - EDGE)) + 1)])
 
-def _edges(levels: int, at: float, end: float) -> NDArray:
-    """Edges of a layer's slabs from its front on, which is at an instant, until the end; in slabs of the scene."""
-    narrow = [0.5**levels * np.arange(NEAR)]
-    narrow += [0.5**level * np.arange(NEAR, 2 * NEAR) for level in range(levels, 0, -1)]
-    return np.concatenate([*narrow, np.arange(NEAR, int(np.ceil(end - at - EDGE)) + 1)])
-
-
-def _joined(answers: NDArray, levels: int, weights: NDArray) -> NDArray:
-    """A layer on its slabs, (slabs, s, rows, 2), of (levels, 2, n, s, 2 rows)."""
-    last = np.concatenate(
-        [
-            answers[levels, :, :NEAR],
-            *(answers[level, :, NEAR : 2 * NEAR] for level in range(levels, 0, -1)),
-            answers[0, :, NEAR:],
-        ],
-        axis=1,
-    )
-    found = np.tensordot(weights, last, 1)
-    return found.reshape(*found.shape[:2], -1, 2)
+    def _joined(self, answers: NDArray, levels: int, weights: NDArray) -> NDArray:
+        """A layer on its slabs, (slabs, s, rows, 2), of (levels, 2, n, s, 2 rows)."""
+        last = np.concatenate(
+            [
+                answers[levels, :, : self.near],
+                *(answers[level, :, self.near : 2 * self.near] for level in range(levels, 0, -1)),
+                answers[0, :, self.near :],
+            ],
+            axis=1,
+        )
+        found = np.tensordot(weights, last, 1)
+        return found.reshape(*found.shape[:2], -1, 2)
 
 
 def _values(order: Basis, x: NDArray) -> NDArray:

@@ -81,7 +81,9 @@ class Convolved:
         late = np.outer(rule.late, whole)
         records = (self._record(rule, order, h, late, self._parts(h, ahead, k), lead) for k, lead in enumerate(ahead))
         if self.layered:
-            waves, noted = self._layers(order, h, whole).corrected(next(records), n, description.t_end, chosen.layers)
+            waves, noted = self._layers(order, h, whole, chosen.near).corrected(
+                next(records), n, description.t_end, chosen.layers
+            )
         elif ahead.any():
             waves, noted = summed(records, ahead, n, order)
         else:
@@ -103,7 +105,7 @@ class Convolved:
         start = {name: self._start(line) for line, name in enumerate(description.lines)}
         return Result(description.scene, slabs, probes, lines, chosen, chosen.notes, start, samples, seconds, Tally())
 
-    def _layers(self, order: Basis, h: float, whole: NDArray) -> Layers:
+    def _layers(self, order: Basis, h: float, whole: NDArray, near: int) -> Layers:
         """Rays to all rows of the record."""
         numbers = {name: j for j, name in enumerate(self.description.lines)}
         ends = [2 * numbers[name] + side for name in self.lines for side in (0, 1)]
@@ -115,7 +117,7 @@ class Convolved:
             for node, parts in enumerate(each)
             for changes, share in parts
         ]
-        return Layers(self.network, sources, rows, order, h, whole)
+        return Layers(self.network, sources, rows, order, h, whole, near)
 
     def _parts(self, h: float, ahead: NDArray, k: int) -> tuple[list[Excitation], list[Excitation]]:
         """Of efforts held and flows at each node what is due to fronts of one family, on slabs that begin earlier."""

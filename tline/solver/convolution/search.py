@@ -1,7 +1,7 @@
 """Convolutions on ever narrower slabs until a tolerance is met."""
 
 from dataclasses import replace
-from math import ceil, inf, log2
+from math import ceil, inf, log2, log10
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ ORDER = 5
 CLOSEST = 1e-8  # tolerance; transforms are as good as some 1e-10
 ROUNDED = 1e-12  # slabs, by which the end of one lies in it
 LEAST_SHARE = 0.1  # of a difference, that a step is taken to leave
-FIRST = 16  # slabs, at least, in the shortest delay
+FIRST, FIRST_LAYERED = 16, 8  # slabs, at least, in the shortest delay, and where others are narrower beside fronts
 SETTLED = 0.02  # of the tolerance: what narrower slabs beside fronts change no more
 ALIKE = 2  # times that two runs are off at most by more than they differ, so near to a jump that neither follows it
 BLURRED = 0.01  # of the shortest delay of a lossy line: so near to a jump nothing is asked
@@ -55,15 +55,20 @@ def convolved(search: Search) -> Result | None:
         scene, s = Convolved(search.description, record), description.scene.solver.order or ORDER
     except InputError:  # there is no answer in s
         return None
-    h, shortest = resolution(description, s).h, min(line.delay for line in description.lines.values())
-    h /= 2 ** max(ceil(log2(h * FIRST / min(shortest, description.t_end))), 0)
+    shortest = min(line.delay for line in description.lines.values())
+    if scene.layered:
+        periods = (period for _, period in description.time_scales.values())
+        h = min([shortest / FIRST_LAYERED, description.t_end, *(period / 2 for period in periods)])
+    else:
+        h = resolution(description, s).h
+        h /= 2 ** max(ceil(log2(h * FIRST / min(shortest, description.t_end))), 0)
     if not _affordable(scene, s, h / 2):
         return None
     bundles = scene.network.bundles
     lossy = [line.delay for line in description.lines.values() if line.losses is not None]
     settle = BLURRED * min([*lossy, *(bundle.delay for bundle in bundles.values())])
-    layers = SETTLED * search.tol if scene.layered else 0.0
-    chosen, jumps = Resolution(s, h, settle=settle, convolved=True, layers=layers), arrivals(description)
+    layers, near = (SETTLED * search.tol, _near_fronts(search.tol)) if scene.layered else (0.0, 0)
+    chosen, jumps = Resolution(s, h, settle=settle, convolved=True, layers=layers, near=near), arrivals(description)
     try:
         result = before = scene.run(chosen)
     except NoFlowError:
@@ -71,7 +76,7 @@ def convolved(search: Search) -> Result | None:
     attempts, share, last, accuracy, limit = [Attempt.of(result)], SLOWEST, inf, Accuracy(search.tol), ""
     by = inf
     while accuracy.worst > search.tol and not limit:
-        chosen = chosen._replace(h=chosen.h / 2)
+        chosen = chosen._replace(h=chosen.h / 2, near=chosen.near + 2)
         before, result = result, scene.run(chosen)
         found = _errors(before, result, description.scene, jumps, settle)
         share, last = min(max(found.worst / last, LEAST_SHARE) if last < inf else share, SLOWEST), found.worst
@@ -91,6 +96,11 @@ def convolved(search: Search) -> Result | None:
     notes = tuple(f"{place('lines', name)}: its losses mix the modes: it is computed by matrices" for name in bundles)
     accounts = None if bundles else _accounts(search.description)
     return replace(result, accuracy=accuracy, accounts=accounts, warned=(*notes, *result.warned))
+
+
+def _near_fronts(tol: float) -> int:
+    """Slabs of each width that follow a front in the first run; each more makes it two or three times as exact."""
+    return max(round(-1.5 * log10(tol)) - 2, 4)
 
 
 def _accounts(description: Description) -> Again:

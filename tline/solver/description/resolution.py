@@ -35,6 +35,7 @@ class Resolution(NamedTuple):
     diamonds: bool = True  # whether lines lose all along where all friction of a scene is a law of the flow
     segments: bool = True  # whether lossy lines are cut into segments if they fit; else they have loss elements
     convolved: bool = False  # whether waves are convolutions, and laws of lines what they are
+    near: int = 8  # slabs of a convolution behind a front, from where on they may be twice as wide
     plain: bool = False  # whether switches move at the nearest edges and sources are means over slabs: no fronts
 
     @property
