@@ -46,19 +46,19 @@ class Rays:
     """
 
     def __init__(self, network: LinearRest, points: NDArray, h: float, slabs: NDArray, rows: list[tuple[int, int]]):
-        self.network, self.slabs = network, slabs
-        s, lines = points * network.second, np.arange(len(network.z0))
-        self.delays = network.delays * network.second
-        self.rest = self.delays / h - slabs
+        self.network = network
+        s, delays = points * network.second, network.delays * network.second
+        self.ways: list[tuple[float, int, float]] = [
+            (delay, int(moved), delay / h - moved) for delay, moved in zip(delays.tolist(), slabs.tolist(), strict=True)
+        ]  # of each line its delay, s, and the slabs that it moves waves by, and does not
         total, self.impedance = network.propagation(s)
         self.passed = np.exp(np.outer(s, network.delays) - total)
-        none = np.zeros((len(s), len(lines)))
-        matrix, self.p = network.system(s, (1 / self.impedance, none))
+        matrix, self.p = network.system(s, (1 / self.impedance, np.zeros(self.impedance.shape)))
         self.answers = np.linalg.inv(matrix)[:, : len(network.names), : len(network.names)]
         self.groups, self.group_of = [at for at, _ in network.groups], np.empty(len(network.names), int)
         for group, at in enumerate(self.groups):
             self.group_of[at] = group
-        self.rows = [[] for _ in self.groups]
+        self.rows: list[list[tuple[int, int, int]]] = [[] for _ in self.groups]
         for row, (node, end) in enumerate(rows):
             self.rows[self.group_of[node]].append((row, node, end))
 
@@ -74,31 +74,27 @@ class Rays:
         least : float
             What a wave has to be, at the fastest points, to go on.
         """
-        same, number = SAME * float(self.delays.min()), 0
+        same, number = SAME * min(delay for delay, _, _ in self.ways), 0
         first = self.answers[:, :, node] * (1.0 if held else self.p[:, node, None])
         heap: list[tuple[float, float, int, int]] = [(0.0, 0.0, 0, int(self.group_of[node]))]
         due: dict[tuple[int, int, int], dict[int, NDArray]] = {}
         while heap and number < MOST:
             delay, rest, moved, group = heappop(heap)
-            into = due.pop((group, round(delay / same), round(rest / SAME)), None)
-            if delay == 0.0:
-                into = {}
-            if into is None:
-                continue
+            into = due.pop((group, round(delay / same), round(rest / SAME)), {})
+            u = self._efforts(group, into) if number else first
             number += 1
-            u = first if delay == 0.0 else self._efforts(group, into)
-            found = [self._seen(u[:, at], end, into) for _, at, end in self.rows[group]]
-            if found:
+            if self.rows[group]:
                 rows = np.array([row for row, _, _ in self.rows[group]])
-                yield Ray(delay, moved, rest, rows, np.stack(found, axis=1))
+                seen = [self._seen(u[:, at], end, into) for _, at, end in self.rows[group]]
+                yield Ray(delay, moved, rest, rows, np.stack(seen, axis=1))
             for at in self.groups[group]:
                 for end in self.network.ends[at].tolist():
-                    line = end // 2
-                    wave = (u[:, at] - into.get(end, 0.0)) * self.passed[:, line]
-                    if delay + self.delays[line] >= t_end or np.abs(wave).max() <= least:
+                    more, whole, part = self.ways[end // 2]
+                    wave = (u[:, at] - into.get(end, 0.0)) * self.passed[:, end // 2]
+                    if delay + more >= t_end or np.abs(wave).max() <= least:
                         continue
                     there = int(self.group_of[self.network.node_of[end ^ 1]])
-                    later = delay + self.delays[line], rest + self.rest[line], moved + int(self.slabs[line]), there
+                    later = delay + more, rest + part, moved + whole, there
                     key = there, round(later[0] / same), round(later[1] / SAME)
                     if key not in due:
                         heappush(heap, later)

@@ -201,4 +201,5 @@ def _in_pieces(probe: ProbeResult, x: NDArray, end: float) -> NDArray:
     for wave, late in zip(probe.waves, ways(probe), strict=True):
         start, stop = (wave.pieces.slab[:, None] + wave.pieces.span).T[:, :, None] * wave.h + late
         found.append(start + (stop - start) * x)
-    return np.minimum(np.concatenate(found[: 2 if not late else 3]), end)
+    same = probe.share in (0.0, 1.0)  # pieces of both waves
+    return np.minimum(np.concatenate(found[: 2 if same else 3]), end)
