@@ -64,11 +64,12 @@ def convolved(search: Search) -> Result | None:
         h /= 2 ** max(ceil(log2(h * FIRST / min(shortest, description.t_end))), 0)
     if not _affordable(scene, s, h / 2):
         return None
-    bundles = scene.network.bundles
+    bundles, jumps = scene.network.bundles, arrivals(description)
     lossy = [line.delay for line in description.lines.values() if line.losses is not None]
-    settle = BLURRED * min([*lossy, *(bundle.delay for bundle in bundles.values())])
+    jumping = any(len(each) for each in jumps.values())
+    settle = BLURRED * min([*lossy, *(bundle.delay for bundle in bundles.values())]) if jumping else 0.0
     layers, near = (SETTLED * search.tol, _near_fronts(search.tol)) if scene.layered else (0.0, 0)
-    chosen, jumps = Resolution(s, h, settle=settle, convolved=True, layers=layers, near=near), arrivals(description)
+    chosen = Resolution(s, h, settle=settle, convolved=True, layers=layers, near=near)
     try:
         result = before = scene.run(chosen)
     except NoFlowError:
