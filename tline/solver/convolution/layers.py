@@ -19,7 +19,7 @@ from tline.solver.radau import Basis
 POINTS = 200  # of slabs of one width, about
 LEVELS = 14  # times that slabs are halved, at most
 MOST = 3e6  # answers of the rest at all points
-MOST_LAYERS = 2000  # rays of all fronts
+MOST_LAYERS = 600  # rays of all fronts
 ROUNDING = 4e-16  # of an instant: narrower pieces are none
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from tline.solver.convolution.nodal import LinearRest
 
-MOST = 400  # rays of one source
+MOST = 100  # rays of one source
 SAME = 1e-9  # of the shortest delay; arrivals so near, by paths that are moved alike, are one
 
 
@@ -46,7 +46,7 @@ class Rays:
     """
 
     def __init__(self, network: LinearRest, points: NDArray, h: float, slabs: NDArray, rows: list[tuple[int, int]]):
-        self.network = network
+        self.network, self.fast = network, np.abs(points) * h > 1
         s, delays = points * network.second, network.delays * network.second
         self.ways: list[tuple[float, int, float]] = [
             (delay, int(moved), delay / h - moved) for delay, moved in zip(delays.tolist(), slabs.tolist(), strict=True)
@@ -72,7 +72,7 @@ class Rays:
         t_end : float
             Until when they are wanted, s.
         least : float
-            What a wave has to be, at the fastest points, to go on.
+            What a wave has to be where |s| > 1/h to go on: else the scene's own slabs follow it.
         """
         same, number = SAME * min(delay for delay, _, _ in self.ways), 0
         first = self.answers[:, :, node] * (1.0 if held else self.p[:, node, None])
@@ -91,7 +91,7 @@ class Rays:
                 for end in self.network.ends[at].tolist():
                     more, whole, part = self.ways[end // 2]
                     wave = (u[:, at] - into.get(end, 0.0)) * self.passed[:, end // 2]
-                    if delay + more >= t_end or np.abs(wave).max() <= least:
+                    if delay + more >= t_end or np.abs(wave[self.fast]).max() <= least:
                         continue
                     there = int(self.group_of[self.network.node_of[end ^ 1]])
                     later = delay + more, rest + part, moved + whole, there
