@@ -55,13 +55,7 @@ def convolved(search: Search) -> Result | None:
         scene, s = Convolved(search.description, record), description.scene.solver.order or ORDER
     except InputError:  # there is no answer in s
         return None
-    shortest = min(line.delay for line in description.lines.values())
-    if scene.layered:
-        periods = (period for _, period in description.time_scales.values())
-        h = min([shortest / FIRST_LAYERED, description.t_end, *(period / 2 for period in periods)])
-    else:
-        h = resolution(description, s).h
-        h /= 2 ** max(ceil(log2(h * FIRST / min(shortest, description.t_end))), 0)
+    h = _first_slab(description, s, scene.layered)
     if not _affordable(scene, s, h / 2):
         return None
     bundles, jumps = scene.network.bundles, arrivals(description)
@@ -97,6 +91,16 @@ def convolved(search: Search) -> Result | None:
     notes = tuple(f"{place('lines', name)}: its losses mix the modes: it is computed by matrices" for name in bundles)
     accounts = None if bundles else _accounts(search.description)
     return replace(result, accuracy=accuracy, accounts=accounts, warned=(*notes, *result.warned))
+
+
+def _first_slab(description: Description, s: int, layered: bool) -> float:
+    """A slab to begin with, s; where fronts have narrower ones beside them, only what rings asks for more."""
+    shortest = min(min(line.delay for line in description.lines.values()), description.t_end)
+    if not layered:
+        h = resolution(description, s).h
+        return h / 2 ** max(ceil(log2(h * FIRST / shortest)), 0)
+    h, ringing = shortest / FIRST_LAYERED, min((period for _, period in description.time_scales.values()), default=inf)
+    return h if ringing / 2 >= h else min(h, max(ringing / 2, resolution(description, s).h))
 
 
 def _near_fronts(tol: float) -> int:
