@@ -5,8 +5,6 @@ import pytest
 
 import tline as tl
 from tline.scene.scene import Scene
-from tline.solver.description.description import describe
-from tline.solver.description.rounded import rounded_delays
 
 NS, SAMPLES, TRANSFORMED = 1e-9, 1 << 20, 1e-5  # the last: error of transforms at corners
 PULSE = (0.5 * NS, 0.3 * NS, 3 * NS)  # begin, rise and fall, width
@@ -107,18 +105,3 @@ def test_corners_that_come_at_any_instant_are_within_the_tolerance(scene, exact,
         error = np.abs(result.probes[name].at(t[chosen]).u - u[chosen]).max() / np.abs(u).max()
         assert error <= max(result.accuracy.inside[name].u, TRANSFORMED)
     assert sum(attempt.samples for attempt in result.accuracy.attempts) < 3e7
-
-
-def test_each_rounding_is_of_whole_slabs_and_four_times_as_close():
-    delays = np.array([line.delay for line in describe(CHAIN).lines.values()])
-    found = list(rounded_delays(describe(CHAIN), 3000))
-    assert len(found) >= 3
-    for each in found:
-        lines = each.description.lines.values()
-        rounded = np.array([line.delay for line in lines])
-        slabs = rounded / each.description.slab
-        np.testing.assert_allclose(slabs, slabs.round(), rtol=1e-12)
-        np.testing.assert_allclose(rounded - delays, each.off, atol=1e-12 * delays.max())
-        np.testing.assert_allclose(rounded, [line.losses.exact.delay for line in lines], rtol=1e-12)
-    largest = np.array([np.abs(each.off).max() for each in found])
-    assert (largest[1:] <= largest[:-1] / 4).all()

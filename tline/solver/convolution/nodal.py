@@ -84,12 +84,17 @@ class LinearRest(Scattering):
     def _branches(self, group: Group) -> list[Branch]:
         return [branch for branch in group.branches if branch.switch is None]
 
-    def admittances(self, s: NDArray, late: NDArray) -> tuple[NDArray, NDArray]:
-        """Y11 and Y12 of all pairs, each of shape (n, P); `late`, of shape (n, lines), is what delays are beyond sT."""
+    def propagation(self, s: NDArray) -> tuple[NDArray, NDArray]:
+        """Γl and Zc of all lines, (n, lines)."""
         total, impedance = np.outer(s, self.delays), np.broadcast_to(self.z0, (len(s), len(self.z0))).astype(complex)
         for k, line in self.lossy.items():
             series, shunt = (np.sqrt(law.at(s / self.second)) for law in (line.series, line.shunt))
             total[:, k], impedance[:, k] = series * shunt * line.length, series / shunt
+        return total, impedance
+
+    def admittances(self, s: NDArray, late: NDArray) -> tuple[NDArray, NDArray]:
+        """Y11 and Y12 of all pairs, each of shape (n, P); `late`, of shape (n, lines), is what delays are beyond sT."""
+        total, impedance = self.propagation(s)
         total, impedance = (total + late)[:, self.alone], impedance[:, self.alone]
         passed, twice = np.exp(-total), -np.expm1(-2 * total)
         found = [((2 - twice) / (twice * impedance), -2 * passed / (twice * impedance))]
@@ -118,7 +123,19 @@ class LinearRest(Scattering):
         return Efforts(*(np.concatenate(each) for each in zip(*found, strict=True)))
 
     def _efforts(self, s: NDArray, held: NDArray, flows: NDArray, same: NDArray, other: NDArray) -> Efforts:
-        balances = list(self.balances(s))
+        matrix, p = self.system(s, (same, other))
+        nodes = p.shape[1]
+        right = np.zeros((*matrix.shape[:2], 1 + len(self.laws)), complex)
+        right[:, :nodes, 0] = held + p * flows
+        for k, (port, impedance) in enumerate(zip(self.ports, self.impedances, strict=True), 1):
+            for node in np.flatnonzero(port):
+                right[:, node, k] = p[:, node] * port[node] / impedance
+        found = np.linalg.solve(matrix, right)[:, :nodes]
+        return Efforts(found[:, :, 0], found[:, :, 1:])
+
+    def system(self, s: NDArray, lines: tuple[NDArray, NDArray]) -> tuple[NDArray, NDArray]:
+        """What efforts at nodes, and behind them flows into branches, are multiplied by; and p of the nodes."""
+        balances, (same, other) = list(self.balances(s)), lines
         size, nodes = sum(matrix.shape[1] for _, _, matrix in balances), len(self.names)
         matrix, p, row = np.zeros((len(s), size, size), complex), np.empty((len(s), nodes), complex), nodes
         for at, factor, own in balances:
@@ -133,14 +150,10 @@ class LinearRest(Scattering):
                 here = at[k, end]
                 matrix[:, here, at[j, end]] += p[:, here] * own
                 matrix[:, here, at[j, 1 - end]] += p[:, here] * other[:, pair]
-        right = np.zeros((len(s), size, 1 + len(self.laws)), complex)
-        right[:, :nodes, 0] = held + p * flows
-        for k, (port, impedance) in enumerate(zip(self.ports, self.impedances, strict=True), 1):
+        for port, impedance in zip(self.ports, self.impedances, strict=True):
             for node in np.flatnonzero(port):
-                right[:, node, k] = p[:, node] * port[node] / impedance
-                matrix[:, node, :nodes] += right[:, node, k, None] * port
-        found = np.linalg.solve(matrix, right)[:, :nodes]
-        return Efforts(found[:, :, 0], found[:, :, 1:])
+                matrix[:, node, :nodes] += (p[:, node] * port[node] / impedance)[:, None] * port
+        return matrix, p
 
     def arriving(self, efforts: NDArray, lines: tuple[NDArray, NDArray], ends: NDArray) -> NDArray:
         """Waves that arrive at some line ends, shape (n, ends), under efforts at all nodes."""

@@ -5,6 +5,7 @@ with what its sources add to theirs, and laws of lines are what they are in s: n
 """
 
 import time
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from tline.solver.assembly.fronts import Tally
 from tline.solver.assembly.layout import Excitation
 from tline.solver.convolution.laws import LawsAtPorts
+from tline.solver.convolution.layers import Layers, Source, affordable
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.passive import gain, gain_of_bundle
 from tline.solver.convolution.quadrature import Quadrature
@@ -52,6 +54,12 @@ class Convolved:
         """Of all waveforms at nodes."""
         return [changes for parts in (*self.held, *self.flows) for changes, _ in parts]
 
+    @cached_property
+    def layered(self) -> bool:
+        """Whether what happens beside fronts is followed on narrower slabs there, along rays."""
+        straight = not any(changes.curved for changes in self.changes)
+        return self.laws is None and not self.network.bundles and straight and affordable(self.network)
+
     def leads(self, h: float) -> NDArray:
         """By how many slabs of width h slabs have to begin earlier, so that each front is once at an edge.
 
@@ -66,12 +74,17 @@ class Convolved:
         """The result on slabs of a given order and width."""
         started = time.perf_counter()
         description, order, h = self.description, basis(chosen.s), chosen.h
-        slabs, ahead = Slabs.until(description.t_end, h), self.leads(h)
+        slabs, ahead = Slabs.until(description.t_end, h), np.zeros(1) if self.layered else self.leads(h)
         n = slabs.number
+        whole = self._whole(order, h)
         rule = Quadrature(order, h, n + 1 if ahead.any() else n)
-        late = np.outer(rule.late, self._whole(order, h))
+        late = np.outer(rule.late, whole)
         records = (self._record(rule, order, h, late, self._parts(h, ahead, k), lead) for k, lead in enumerate(ahead))
-        if ahead.any():
+        if self.layered:
+            waves, noted = self._layers(order, h, whole, chosen.near).corrected(
+                next(records), n, description.t_end, chosen.layers
+            )
+        elif ahead.any():
             waves, noted = summed(records, ahead, n, order)
         else:
             waves, noted = next(records), None
@@ -91,6 +104,20 @@ class Convolved:
         seconds = time.perf_counter() - started
         start = {name: self._start(line) for line, name in enumerate(description.lines)}
         return Result(description.scene, slabs, probes, lines, chosen, chosen.notes, start, samples, seconds, Tally())
+
+    def _layers(self, order: Basis, h: float, whole: NDArray, near: int) -> Layers:
+        """Rays to all rows of the record."""
+        numbers = {name: j for j, name in enumerate(self.description.lines)}
+        ends = [2 * numbers[name] + side for name in self.lines for side in (0, 1)]
+        rows = [(int(self.network.node_of[end]), end) for end in ends]
+        rows += [(self.network.names.index(node), -1) for node in self.description.probed_nodes]
+        sources = [
+            Source(node, held, share, changes)
+            for held, each in ((True, self.held), (False, self.flows))
+            for node, parts in enumerate(each)
+            for changes, share in parts
+        ]
+        return Layers(self.network, sources, rows, order, h, whole, near)
 
     def _parts(self, h: float, ahead: NDArray, k: int) -> tuple[list[Excitation], list[Excitation]]:
         """Of efforts held and flows at each node what is due to fronts of one family, on slabs that begin earlier."""
@@ -139,8 +166,13 @@ class Convolved:
         return np.stack([arrives, 2 * u - arrives]).transpose(3, 0, 1, 2).reshape(-1, 2, rule.n * order.s)
 
     def _whole(self, order: Basis, h: float) -> NDArray:
-        """Whole slabs of each line's delay by which waves are moved as they are, where that cannot create energy."""
+        """Whole slabs of each line's delay by which waves are moved as they are, where that cannot create energy.
+
+        Where no law answers that is no matter: nothing is fed back.
+        """
         slabs = np.floor([line.delay / h * (1 + WHOLE) for line in self.description.lines.values()])
+        if self.layered:
+            return slabs
         for k, line in self.network.lossy.items():
             if gain(line, self.network.z0[k], order, h, slabs[k]) > MOST_GAIN:
                 slabs[k] = 0.0

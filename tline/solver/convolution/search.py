@@ -1,7 +1,7 @@
 """Convolutions on ever narrower slabs until a tolerance is met."""
 
 from dataclasses import replace
-from math import ceil, inf, log2
+from math import ceil, inf, log2, log10
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import ProbeResult, Result
 from tline.solver.run import Again
 from tline.solver.tolerance.compare import BETWEEN, relative
-from tline.solver.tolerance.difference import Difference, on_slabs
+from tline.solver.tolerance.difference import Difference, on_slabs, ways
 from tline.solver.tolerance.search import Search
 from tline.words.wording import place
 
@@ -28,7 +28,8 @@ ORDER = 5
 CLOSEST = 1e-8  # tolerance; transforms are as good as some 1e-10
 ROUNDED = 1e-12  # slabs, by which the end of one lies in it
 LEAST_SHARE = 0.1  # of a difference, that a step is taken to leave
-FIRST = 16  # slabs, at least, in the shortest delay
+FIRST, FIRST_LAYERED = 16, 8  # slabs, at least, in the shortest delay, and where others are narrower beside fronts
+SETTLED = 0.02  # of the tolerance: what narrower slabs beside fronts change no more
 ALIKE = 2  # times that two runs are off at most by more than they differ, so near to a jump that neither follows it
 BLURRED = 0.01  # of the shortest delay of a lossy line: so near to a jump nothing is asked
 MOST_BLURRED = 0.25  # of a run
@@ -54,14 +55,15 @@ def convolved(search: Search) -> Result | None:
         scene, s = Convolved(search.description, record), description.scene.solver.order or ORDER
     except InputError:  # there is no answer in s
         return None
-    h, shortest = resolution(description, s).h, min(line.delay for line in description.lines.values())
-    h /= 2 ** max(ceil(log2(h * FIRST / min(shortest, description.t_end))), 0)
+    h = _first_slab(description, s, scene.layered)
     if not _affordable(scene, s, h / 2):
         return None
-    bundles = scene.network.bundles
+    bundles, jumps = scene.network.bundles, arrivals(description)
     lossy = [line.delay for line in description.lines.values() if line.losses is not None]
-    settle = BLURRED * min([*lossy, *(bundle.delay for bundle in bundles.values())])
-    chosen, jumps = Resolution(s, h, settle=settle, convolved=True), arrivals(description)
+    jumping = any(len(each) for each in jumps.values())
+    settle = BLURRED * min([*lossy, *(bundle.delay for bundle in bundles.values())]) if jumping else 0.0
+    layers, near = (SETTLED * search.tol, _near_fronts(search.tol)) if scene.layered else (0.0, 0)
+    chosen = Resolution(s, h, settle=settle, convolved=True, layers=layers, near=near)
     try:
         result = before = scene.run(chosen)
     except NoFlowError:
@@ -69,7 +71,7 @@ def convolved(search: Search) -> Result | None:
     attempts, share, last, accuracy, limit = [Attempt.of(result)], SLOWEST, inf, Accuracy(search.tol), ""
     by = inf
     while accuracy.worst > search.tol and not limit:
-        chosen = chosen._replace(h=chosen.h / 2)
+        chosen = chosen._replace(h=chosen.h / 2, near=chosen.near + 2)
         before, result = result, scene.run(chosen)
         found = _errors(before, result, description.scene, jumps, settle)
         share, last = min(max(found.worst / last, LEAST_SHARE) if last < inf else share, SLOWEST), found.worst
@@ -89,6 +91,21 @@ def convolved(search: Search) -> Result | None:
     notes = tuple(f"{place('lines', name)}: its losses mix the modes: it is computed by matrices" for name in bundles)
     accounts = None if bundles else _accounts(search.description)
     return replace(result, accuracy=accuracy, accounts=accounts, warned=(*notes, *result.warned))
+
+
+def _first_slab(description: Description, s: int, layered: bool) -> float:
+    """A slab to begin with, s; where fronts have narrower ones beside them, only what rings asks for more."""
+    shortest = min(min(line.delay for line in description.lines.values()), description.t_end)
+    if not layered:
+        h = resolution(description, s).h
+        return h / 2 ** max(ceil(log2(h * FIRST / shortest)), 0)
+    h, ringing = shortest / FIRST_LAYERED, min((period for _, period in description.time_scales.values()), default=inf)
+    return h if ringing / 2 >= h else min(h, max(ringing / 2, resolution(description, s).h))
+
+
+def _near_fronts(tol: float) -> int:
+    """Slabs of each width that follow a front in the first run; each more makes it two or three times as exact."""
+    return max(round(-1.5 * log10(tol)) - 2, 4)
 
 
 def _accounts(description: Description) -> Again:
@@ -111,16 +128,12 @@ def _suits(search: Search) -> bool:
     if search.tol < CLOSEST or description.active or (mixing and description.steady):
         return False
     remember = mixing or any(each.constant is None for each in losses)
-    return remember or (_fits_not(search) and not (description.elements or description.switched))
-
-
-def _fits_not(search: Search) -> bool:
-    """Whether a probe stands where no slab divides all delays."""
-    return search.whole is not None and not fits(search.description.lines, resolution(search.description).h)
+    alone = not (description.elements or description.switched)
+    return remember or (alone and not fits(description.lines, resolution(description).h))
 
 
 def _affordable(scene: Convolved, s: int, h: float) -> bool:
-    leads = scene.leads(h)
+    leads = np.zeros(1) if scene.layered else scene.leads(h)
     several = len(leads) > 1 and any(changes.curved and len(changes.at) > 1 for changes in scene.changes)
     points, ends = scene.description.t_end / h * s * len(leads), scene.network.size
     weights = scene.description.t_end / h * (len(scene.network.laws) * s) ** 2
@@ -176,7 +189,22 @@ def _difference(coarse: ProbeResult, fine: ProbeResult, near: NDArray, settle: f
             (fine, on_slabs(fine, x, 0, n)),
         )
     )
+    beside = _in_pieces(fine, x, end)
+    theirs, ours, t = (
+        np.concatenate([one, other], axis=-2)
+        for one, other in ((theirs, _seen(coarse, beside)), (ours, _seen(fine, beside)), (t, beside))
+    )
     off = np.abs(theirs - ours) + ROUNDING * np.abs(ours).max(axis=(1, 2), keepdims=True)
     inside = np.where(far(t), off, 0.0)
-    at_ends = inside[:, every - 1 :: every, -1].max(axis=1, initial=0.0)
+    at_ends = inside[:, every - 1 : fine.slabs.number : every, -1].max(axis=1, initial=0.0)
     return Difference(at_ends, *(each.max(axis=(1, 2)) for each in (inside, off, np.abs(ours))))
+
+
+def _in_pieces(probe: ProbeResult, x: NDArray, end: float) -> NDArray:
+    """Instants at places of all pieces that a probe sees, s."""
+    found = [np.empty((0, x.size))]
+    for wave, late in zip(probe.waves, ways(probe), strict=True):
+        start, stop = (wave.pieces.slab[:, None] + wave.pieces.span).T[:, :, None] * wave.h + late
+        found.append(start + (stop - start) * x)
+    same = probe.share in (0.0, 1.0)  # pieces of both waves
+    return np.minimum(np.concatenate(found[: 2 if same else 3]), end)

@@ -60,8 +60,6 @@ class Description:
         Of nodes; empty without elevations.
     grids : dict
         Lines cut in slabs, which scenes with other values at the nodes share; kept by `tline.solver.assembly`.
-    slab : float
-        That delays were rounded to, s; 0 where they are the scene's.
     known : dict
         What was found of this scene, for its next run; kept by `tline.solver.simulate` and `tline.solver.assembly`.
     origin : Origin or None
@@ -76,7 +74,6 @@ class Description:
     coupled: dict[str, tuple[End, End]]
     heights: Mapping[str, Height]
     grids: dict[Hashable, Any] = field(default_factory=dict, repr=False)
-    slab: float = 0.0
     known: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
     origin: "Origin | None" = field(default=None, repr=False)
 

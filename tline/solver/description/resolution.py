@@ -35,6 +35,7 @@ class Resolution(NamedTuple):
     diamonds: bool = True  # whether lines lose all along where all friction of a scene is a law of the flow
     segments: bool = True  # whether lossy lines are cut into segments if they fit; else they have loss elements
     convolved: bool = False  # whether waves are convolutions, and laws of lines what they are
+    near: int = 8  # slabs of a convolution behind a front, from where on they may be twice as wide
     plain: bool = False  # whether switches move at the nearest edges and sources are means over slabs: no fronts
 
     @property
@@ -66,7 +67,7 @@ def resolution(
     by_hand = h is None and fixed.slab is not None
     loss_elements = LOSS_ELEMENTS if h is None and not by_hand else ALL_LOSS_ELEMENTS
     scales = description.time_scales
-    h = h or float(fixed.slab or 0.0) or description.slab or slab_of(description, delays, scales, settle)
+    h = h or float(fixed.slab or 0.0) or slab_of(description, delays, scales, settle)
     _check(t_end, delays, s, h, by_hand)
     chosen = Resolution(s, h, sections=sections, settle=settle, loss_elements=loss_elements)
     notes = [

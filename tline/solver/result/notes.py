@@ -115,13 +115,11 @@ def lumped(result: Result) -> list[str]:
 
 
 def blurred(result: Result) -> list[str]:
-    """How far off a convolution is beside jumps, where that is beyond the tolerance."""
+    """How far off a convolution is beside jumps, if there are any."""
     accuracy, chosen = result.accuracy, result.resolution
-    if not chosen.convolved or accuracy is None or accuracy.tol is None:
+    if not (chosen.convolved and chosen.settle) or accuracy is None or accuracy.tol is None:
         return []
     name, told = max(accuracy.blurred.items(), key=lambda item: item[1].worst)
-    if told.worst <= accuracy.tol:
-        return []
     return [
         f"fronts: nearer than {chosen.settle:.3g} s to where a jump arrives the error is up to {told.worst:.1g}, at "
         f"{place('probes', name)}; no tolerance is asked there"

@@ -112,7 +112,7 @@ def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, broken: ND
     x = np.array(chebyshev(max(*(probe.waves[0].basis.s for probe in (coarse, fine)))))
     if 0.0 < fine.share < 1.0:
         edges = [
-            delay / probe.record.a1.h * k % 1.0 for probe, k in ((fine, 1), (coarse, every)) for delay in _ways(probe)
+            delay / probe.record.a1.h * k % 1.0 for probe, k in ((fine, 1), (coarse, every)) for delay in ways(probe)
         ]
         x = np.unique(np.clip([*x, *(edge + d for edge in edges for d in (-BESIDE, BESIDE))], 0.0, 1.0 - BESIDE))
     n, whole = len(broken), ~broken
@@ -128,7 +128,7 @@ def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, broken: ND
 def on_slabs(probe: ProbeResult, x: NDArray, first: int, n: int) -> NDArray:
     """Gauge effort and z0 times flow at places x, in slabs, of n slabs from a first one on, shape (2, n, places)."""
     a, b = (
-        _wave_on_slabs(wave, delay / wave.h, x, first, n) for wave, delay in zip(probe.waves, _ways(probe), strict=True)
+        _wave_on_slabs(wave, delay / wave.h, x, first, n) for wave, delay in zip(probe.waves, ways(probe), strict=True)
     )
     return np.stack([(a + b) / 2 - probe.height.weight, (a - b) / 2])
 
@@ -160,7 +160,7 @@ def _in_pieces(
         return np.zeros(2), np.zeros(2)
     slabs = np.flatnonzero(broken)
     fronts = np.concatenate([breakpoints(coarse), breakpoints(fine)])
-    edges = [slabs * h + late % h for late in (0.0, *_ways(fine))]  # of the waves' slabs, too
+    edges = [slabs * h + late % h for late in (0.0, *ways(fine))]  # of the waves' slabs, too
     end = min(n * h, fine.slabs.end)
     knots = np.unique(np.concatenate([*edges, slabs * h + h, fronts, [end]]))
     knots = knots[(knots >= 0) & (knots <= end)]
@@ -184,7 +184,7 @@ def _in_pieces(
 def _overlooked(probe: ProbeResult, narrow: float) -> float:
     """How far a wave rises above both its sides, or falls below them, in pieces too narrow to be looked at."""
     most = 0.0
-    for wave, late in zip(probe.waves, _ways(probe), strict=True):
+    for wave, late in zip(probe.waves, ways(probe), strict=True):
         start, stop = wave.h * (wave.pieces.slab[:, None] + wave.pieces.span).T
         real = (stop - start <= narrow) & (stop - start > ROUNDINGS * EPS * stop) & (start + late < probe.slabs.end)
         if not real.any():
@@ -200,7 +200,7 @@ def _on_pieces(probe: ProbeResult, start: NDArray, stop: NDArray, same: NDArray,
     """Gauge effort and z0 times flow at places x of pieces, shape (2, pieces, places)."""
     a, b = (
         _wave_on_pieces(wave, start - delay, stop - delay, same, x)
-        for wave, delay in zip(probe.waves, _ways(probe), strict=True)
+        for wave, delay in zip(probe.waves, ways(probe), strict=True)
     )
     return np.stack([(a + b) / 2 - probe.height.weight, (a - b) / 2])
 
@@ -234,7 +234,7 @@ def _broken(coarse: ProbeResult, fine: ProbeResult, n: int) -> NDArray:
     broken = np.zeros(n + 1, bool)
     for probe in (coarse, fine):
         ratio = probe.record.a1.h / fine.record.a1.h
-        for wave, delay in zip(probe.waves, _ways(probe), strict=True):
+        for wave, delay in zip(probe.waves, ways(probe), strict=True):
             slabs = np.unique(wave.pieces.slab)
             if len(slabs):
                 begin = np.floor((slabs + delay / wave.h) * ratio + BESIDE).astype(int)
@@ -246,11 +246,11 @@ def _broken(coarse: ProbeResult, fine: ProbeResult, n: int) -> NDArray:
 def breakpoints(probe: ProbeResult) -> NDArray:
     """Instants at which fronts inside slabs pass a probe, s."""
     return np.unique(
-        np.concatenate([wave.breakpoints() + delay for wave, delay in zip(probe.waves, _ways(probe), strict=True)])
+        np.concatenate([wave.breakpoints() + delay for wave, delay in zip(probe.waves, ways(probe), strict=True)])
     )
 
 
-def _ways(probe: ProbeResult) -> tuple[float, float]:
+def ways(probe: ProbeResult) -> tuple[float, float]:
     """How much later each is seen by the probe, s."""
     if probe.share in (0.0, 1.0):
         return 0.0, 0.0

@@ -1,0 +1,225 @@
+"""What slabs of one width miss beside fronts and their arrivals, put right in pieces that are ever narrower there."""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from itertools import islice
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.solver.convolution.nodal import LinearRest
+from tline.solver.convolution.quadrature import Quadrature
+from tline.solver.convolution.rays import Ray, Rays
+from tline.solver.description.excitation import EDGE, projected
+from tline.solver.description.families import Changes, Straight
+from tline.solver.loop.march import Noted, concatenated
+from tline.solver.radau import Basis
+
+POINTS = 200  # of slabs of one width, about
+LEVELS = 14  # times that slabs are halved, at most
+MOST = 3e6  # answers of the rest at all points
+MOST_LAYERS = 600  # rays of all fronts
+ROUNDING = 4e-16  # of an instant: narrower pieces are none
+
+
+def affordable(network: LinearRest) -> bool:
+    """Whether the answers of all nodes to each other fit in memory at all points."""
+    return len(network.names) ** 2 * (LEVELS + 1) * POINTS <= MOST
+
+
+class Source(NamedTuple):
+    """A waveform at a node, which holds the effort there or drives a flow."""
+
+    node: int
+    held: bool
+    share: float
+    changes: Changes
+
+    def sizes(self, h: float) -> NDArray:
+        """Its largest jump and bend, the latter within a time h."""
+        found = [np.abs(each).max(initial=0.0) for each in (self.changes.jump, self.changes.bend * h)]
+        return abs(self.share) * np.array(found)
+
+
+class Layer(NamedTuple):
+    """What a front is at an arrival: polynomials on slabs of its own, and where they end; in slabs of the scene."""
+
+    edges: NDArray  # (slabs + 1,)
+    end: float
+    values: NDArray  # (slabs, s, rows, 2)
+
+
+class Layers:
+    """Rays of all sources of a scene, on grids of slabs of a width and of its parts.
+
+    Parameters
+    ----------
+    network : LinearRest
+    sources : list of Source
+    rows : list of pair of int
+        Of the record: node, and line end, or -1.
+    order : Basis
+    h : float
+        s.
+    slabs : ndarray, shape (lines,)
+        Whole ones by which lines move waves.
+    near : int
+        Slabs of each width, behind which those of twice the width follow a front.
+    """
+
+    def __init__(
+        self,
+        network: LinearRest,
+        sources: list[Source],
+        rows: list[tuple[int, int]],
+        order: Basis,
+        h: float,
+        slabs: NDArray,
+        near: int,
+    ):
+        self.sources = [source for source in sources if len(source.changes.at)]
+        self.order, self.h, self.rule = order, h, Quadrature(order, h, 2 * near + 4)
+        self.near = near
+        self.halves = np.stack([order.restriction(0.0, 0.5), order.restriction(0.5, 1.0)])
+        points = 2.0 ** np.arange(LEVELS + 1)[:, None] * self.rule.points
+        self.rays = Rays(network, points.ravel(), h, slabs, rows)
+
+    def corrected(self, record: NDArray, n: int, t_end: float, least: float) -> tuple[NDArray, Noted]:
+        """A record (rows, 2, n s) on whole slabs, of sources as they are projected there, and its pieces beside fronts.
+
+        Parameters
+        ----------
+        record : ndarray
+        n : int
+        t_end : float
+        least : float
+            Of the largest value: what narrower slabs change no more.
+        """
+        s, least = self.order.s, least * float(np.abs(record).max())
+        left = record.reshape(len(record), 2, -1, s).copy()
+        most = MOST_LAYERS // max(sum(len(source.changes.at) for source in self.sources), 1)
+        layers: dict[tuple[int, ...], list[Layer]] = defaultdict(list)
+        for source in self.sources:
+            rays: dict[tuple[int, ...], list[Ray]] = defaultdict(list)
+            scale = float(source.sizes(self.h).max())
+            for ray in islice(self.rays.of(source.node, source.held, t_end, least / scale), most):
+                rays[tuple(ray.rows)].append(ray)
+            for rows, found in rays.items():
+                layers[rows] += self._layers(left, source, found, t_end, least)
+        pieces = [self._pieces(left, rows, found) for rows, found in layers.items() if found]
+        return left.reshape(record.shape), concatenated(pieces, s)
+
+    def _layers(self, left: NDArray, source: Source, rays: list[Ray], t_end: float, least: float) -> Iterator[Layer]:
+        """Layers of one source at one group of nodes; what they are on whole slabs is taken from what is left."""
+        waves = np.stack([ray.waves.reshape(LEVELS + 1, len(self.rule.points), -1) for ray in rays], axis=2)
+        answers = self._answers(waves)
+        levels = self._levels(answers, source, least)
+        firsts = np.floor(source.changes.at / self.h + EDGE).astype(int)
+        fronts = [self._front(source, k, first) for k, first in enumerate(firsts.tolist())]
+        kept = np.flatnonzero(levels >= 0)
+        late = np.exp(-self.rule.points[:, None] * self.h * np.array([rays[k].rest for k in kept]))
+        alone = waves[0][:, kept] * late[:, :, None]
+        for (front, weights), t, first in zip(fronts, source.changes.at, firsts, strict=True):
+            coarse = self._backward(alone * front[:, None, None])
+            for k, values in zip(kept, coarse, strict=True):
+                ray, begin = rays[k], int(first) + rays[k].moved
+                if t + ray.delay >= t_end:
+                    continue
+                taken = left[ray.rows, :, begin : begin + self.rule.n]
+                values = values.reshape(*values.shape[:2], -1, 2).transpose(2, 3, 0, 1)
+                left[ray.rows, :, begin : begin + self.rule.n] = taken - values[:, :, : taken.shape[2]]
+                edges = (t + ray.delay) / self.h + self._edges(levels[k], (t + ray.delay) / self.h, begin + self.rule.n)
+                yield Layer(edges, begin + self.rule.n, self._joined(answers[k], levels[k], weights))
+
+    def _front(self, source: Source, k: int, first: int) -> tuple[NDArray, NDArray]:
+        """The transform of a front on whole slabs, from the one in which it lies; and its jump and bend."""
+        changes = source.changes
+        weights = source.share * np.array([changes.jump[k], changes.bend[k]])
+        front = Straight(changes.at[k : k + 1] - first * self.h, *np.pad(weights[:, None], ((0, 0), (1, 0))))
+        return self.rule.forward(projected(front, self.order, self.h, self.rule.n)[:, :, None])[:, 0], weights
+
+    def _answers(self, waves: NDArray) -> NDArray:
+        """To a step and a ramp on slabs of each width, (rays, levels, 2, n, s, 2 rows), of (levels, points, rays)."""
+        ramp = (np.arange(self.rule.n)[:, None] + self.order.c) * self.h
+        step, ramp = self.rule.forward(np.stack([np.ones_like(ramp), ramp], axis=2)).T
+        narrow = 0.5 ** np.arange(LEVELS + 1)[:, None]
+        into = np.stack([np.broadcast_to(step, (LEVELS + 1, len(step))), ramp * narrow], axis=1)  # (levels, 2, points)
+        found = self._backward((waves[:, None] * into[..., None, None]).transpose(2, 3, 0, 1, 4))
+        return found.reshape(*found.shape[:3], LEVELS + 1, 2, -1).transpose(0, 3, 4, 1, 2, 5)
+
+    def _backward(self, transforms: NDArray) -> NDArray:
+        """Values (rays, n, s, …) of transforms (points, rays, …)."""
+        found = self.rule.backward(transforms.reshape(len(transforms), -1))
+        return np.moveaxis(found.reshape(self.rule.n, self.order.s, transforms.shape[1], -1), 2, 0)
+
+    def _levels(self, answers: NDArray, source: Source, least: float) -> NDArray:
+        """Times that slabs have to be halved; -1 where the scene's own slabs follow what arrives, (rays,)."""
+        r, s = len(answers), self.order.s
+        narrow = answers[:, 1:, :, : 2 * self.near].reshape(r, LEVELS, 2, self.near, 2, s, -1)
+        wide = np.einsum("hij,rlknjx->rlknhix", self.halves, answers[:, :-1, :, : self.near], optimize=True)
+        size = source.sizes(1.0)
+        late = np.abs(narrow - wide).max(axis=(3, 4, 5, 6)) @ size > least  # (rays, levels)
+        begins = np.abs(answers[:, 0, :, 0]).max(axis=(2, 3)) @ size > least
+        last = LEVELS - np.argmax(late[:, ::-1], axis=1)
+        return np.where(late.any(axis=1), last, begins - 1)
+
+    def _pieces(self, left: NDArray, rows: tuple[int, ...], layers: list[Layer]) -> Noted:
+        """Pieces of slabs at one group of nodes: what is left of the record, and all layers there."""
+        order, n = self.order, left.shape[2]
+        touched = np.zeros(n, bool)
+        for layer in layers:
+            touched[int(layer.edges[0] + EDGE) : int(layer.end)] = True
+        slabs = np.flatnonzero(touched)
+        cuts = np.concatenate([slabs, slabs + 1.0, *(layer.edges[layer.edges < layer.end] for layer in layers)])
+        cuts = np.unique(np.where(np.abs(cuts - np.round(cuts)) < EDGE, np.round(cuts), cuts))
+        cuts = cuts[(np.diff(cuts, prepend=-1.0) > ROUNDING * cuts) & (cuts <= n)]
+        start, stop = cuts[:-1], cuts[1:]
+        slab = np.floor((start + stop) / 2).astype(int)
+        start, stop, slab = (x[touched[slab]] for x in (start, stop, slab))
+        x = start[:, None] + (stop - start)[:, None] * order.c  # (pieces, s), in slabs
+        values = np.einsum("pji,rdpi->pjrd", _values(order, x - slab[:, None]), left[list(rows)][:, :, slab])
+        spans = [np.searchsorted(start, (layer.edges[0] - EDGE, layer.end - EDGE)) for layer in layers]
+        middles = [(start[low:high] + stop[low:high]) / 2 for low, high in spans]
+        which = [np.searchsorted(layer.edges, middle) - 1 for layer, middle in zip(layers, middles, strict=True)]
+        which = [np.clip(k, 0, len(layer.values) - 1) for k, layer in zip(which, layers, strict=True)]
+        begin, until = (
+            np.concatenate([layer.edges[k + j] for k, layer in zip(which, layers, strict=True)]) for j in (0, 1)
+        )
+        seen = np.concatenate([x[low:high] for low, high in spans])
+        local = _values(order, (seen - begin[:, None]) / (until - begin)[:, None])
+        tables = np.concatenate([layer.values[k] for k, layer in zip(which, layers, strict=True)])
+        added = np.matmul(local, tables.reshape(*tables.shape[:2], -1)).reshape(tables.shape)
+        place = 0
+        for low, high in spans:
+            values[low:high] += added[place : place + high - low]
+            place += high - low
+        count, span = len(slab), np.column_stack([start, stop]) - slab[:, None]
+        return Noted(
+            np.repeat(np.array(rows), count), np.tile(slab, len(rows)), np.tile(span, (len(rows), 1)),
+            values.transpose(2, 0, 3, 1).reshape(-1, 2, order.s),
+        )  # fmt: skip
+
+    def _edges(self, levels: int, at: float, end: float) -> NDArray:
+        """Edges of a layer's slabs from its front on, which is at an instant, until the end; in slabs of the scene."""
+        narrow = [0.5**levels * np.arange(self.near)]
+        narrow += [0.5**level * np.arange(self.near, 2 * self.near) for level in range(levels, 0, -1)]
+        return np.concatenate([*narrow, np.arange(self.near, int(np.ceil(end - at - EDGE)) + 1)])
+
+    def _joined(self, answers: NDArray, levels: int, weights: NDArray) -> NDArray:
+        """A layer on its slabs, (slabs, s, rows, 2), of (levels, 2, n, s, 2 rows)."""
+        last = np.concatenate(
+            [
+                answers[levels, :, : self.near],
+                *(answers[level, :, self.near : 2 * self.near] for level in range(levels, 0, -1)),
+                answers[0, :, self.near :],
+            ],
+            axis=1,
+        )
+        found = np.tensordot(weights, last, 1)
+        return found.reshape(*found.shape[:2], -1, 2)
+
+
+def _values(order: Basis, x: NDArray) -> NDArray:
+    """Matrices from values at the points to values at places of each piece, (pieces, places, s)."""
+    return order.evaluation(x.ravel()).reshape(*x.shape, order.s)

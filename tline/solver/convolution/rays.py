@@ -1,0 +1,119 @@
+"""Rays: what each front of a source becomes at each of its arrivals, on slabs that are ever narrower towards it.
+
+Beside an arrival a line with a memory answers on all time scales at once, which slabs of one width cannot follow. With
+exp(-sT) taken out, a path from a source to a node is a transfer function F(s) that has no delay. So its answer to a
+step and to a ramp is known on few slabs of any width: on the scene's own, from which it is taken away, exactly as it is
+a part of the run there, and on slabs half, a quarter, … as wide as long as these change it, which take its place.
+"""
+
+from collections.abc import Iterator
+from heapq import heappop, heappush
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.solver.convolution.nodal import LinearRest
+
+MOST = 100  # rays of one source
+SAME = 1e-9  # of the shortest delay; arrivals so near, by paths that are moved alike, are one
+
+
+class Ray(NamedTuple):
+    """What arrives at a group of nodes at an instant after a front of a source."""
+
+    delay: float  # s
+    moved: int  # whole slabs of it, that waves are moved by
+    rest: float  # slabs of it that are a part of exp(-sT)
+    rows: NDArray  # (rows,) of the record
+    waves: NDArray  # (points, rows, 2) what arrives there and what leaves, without its delay
+
+
+class Rays:
+    """Paths through a linear rest without coupled conductors that mix.
+
+    Parameters
+    ----------
+    network : LinearRest
+    points : ndarray of complex, shape (points,)
+        Where waves are wanted, 1/s.
+    h : float
+        Slab, s.
+    slabs : ndarray, shape (lines,)
+        Whole ones by which lines move waves.
+    rows : list of pair of int
+        Of the record: node, and line end, or -1 where there is none.
+    """
+
+    def __init__(self, network: LinearRest, points: NDArray, h: float, slabs: NDArray, rows: list[tuple[int, int]]):
+        self.network, self.fast = network, np.abs(points) * h > 1
+        s, delays = points * network.second, network.delays * network.second
+        self.ways: list[tuple[float, int, float]] = [
+            (delay, int(moved), delay / h - moved) for delay, moved in zip(delays.tolist(), slabs.tolist(), strict=True)
+        ]  # of each line its delay, s, and the slabs that it moves waves by, and does not
+        total, self.impedance = network.propagation(s)
+        self.passed = np.exp(np.outer(s, network.delays) - total)
+        matrix, self.p = network.system(s, (1 / self.impedance, np.zeros(self.impedance.shape)))
+        self.answers = np.linalg.inv(matrix)[:, : len(network.names), : len(network.names)]
+        self.groups, self.group_of = [at for at, _ in network.groups], np.empty(len(network.names), int)
+        for group, at in enumerate(self.groups):
+            self.group_of[at] = group
+        self.rows: list[list[tuple[int, int, int]]] = [[] for _ in self.groups]
+        for row, (node, end) in enumerate(rows):
+            self.rows[self.group_of[node]].append((row, node, end))
+
+    def of(self, node: int, held: bool, t_end: float, least: float) -> Iterator[Ray]:
+        """Of a source of 1 at a node, which holds its effort or drives a flow, those that change fast.
+
+        Parameters
+        ----------
+        node : int
+        held : bool
+        t_end : float
+            Until when they are wanted, s.
+        least : float
+            What a wave has to be where |s| > 1/h to go on: else the scene's own slabs follow it.
+        """
+        same, number = SAME * min(delay for delay, _, _ in self.ways), 0
+        first = self.answers[:, :, node] * (1.0 if held else self.p[:, node, None])
+        heap: list[tuple[float, float, int, int]] = [(0.0, 0.0, 0, int(self.group_of[node]))]
+        due: dict[tuple[int, int, int], dict[int, NDArray]] = {}
+        while heap and number < MOST:
+            delay, rest, moved, group = heappop(heap)
+            into = due.pop((group, round(delay / same), round(rest / SAME)), {})
+            u = self._efforts(group, into) if number else first
+            number += 1
+            if self.rows[group]:
+                rows = np.array([row for row, _, _ in self.rows[group]])
+                seen = [self._seen(u[:, at], end, into) for _, at, end in self.rows[group]]
+                yield Ray(delay, moved, rest, rows, np.stack(seen, axis=1))
+            for at in self.groups[group]:
+                for end in self.network.ends[at].tolist():
+                    more, whole, part = self.ways[end // 2]
+                    wave = (u[:, at] - into.get(end, 0.0)) * self.passed[:, end // 2]
+                    if delay + more >= t_end or np.abs(wave[self.fast]).max() <= least:
+                        continue
+                    there = int(self.group_of[self.network.node_of[end ^ 1]])
+                    later = delay + more, rest + part, moved + whole, there
+                    key = there, round(later[0] / same), round(later[1] / SAME)
+                    if key not in due:
+                        heappush(heap, later)
+                    waves = due.setdefault(key, {})
+                    waves[end ^ 1] = waves.get(end ^ 1, 0.0) + wave
+
+    def _efforts(self, group: int, into: dict[int, NDArray]) -> NDArray:
+        """Efforts at all nodes under waves into ends of one group."""
+        found = np.zeros(self.p.shape, complex)
+        at = self.groups[group]
+        for end, wave in into.items():
+            node = self.network.node_of[end]
+            flow = self.p[:, node] * 2 * wave / self.impedance[:, end // 2]
+            found[:, at] += self.answers[:, at, node] * flow[:, None]
+        return found
+
+    def _seen(self, u: NDArray, end: int, into: dict[int, NDArray]) -> NDArray:
+        """Waves of the scene's z0 that arrive and leave, shape (points, 2)."""
+        if end < 0:
+            return np.stack([u, u], axis=1)
+        flow = (u - 2 * into.get(end, 0.0)) * (self.network.z0[end // 2] / self.impedance[:, end // 2])
+        return np.stack([u - flow, u + flow], axis=1)
