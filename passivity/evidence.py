@@ -2,15 +2,14 @@
 
 from typing import TypeAlias
 
+from passivity.calculus.proof import Proof, verify_proof
 from passivity.delayed.boxes import BallProof, holds
-from passivity.delayed.proof import ProofStep
-from passivity.delayed.verify import verify_proof
 from passivity.multiport.certificate import verify as verify_matrix
 from passivity.multiport.verdict import MinorCertificate, StorageCertificate, StrictCertificate
 from passivity.one_port.certificate import verify as verify_one_port
 from passivity.one_port.verdict import Certificate
 
-Evidence: TypeAlias = Certificate | MinorCertificate | StorageCertificate | StrictCertificate | ProofStep | BallProof
+Evidence: TypeAlias = Certificate | MinorCertificate | StorageCertificate | StrictCertificate | Proof | BallProof
 
 
 def verify(evidence: Evidence) -> bool:
@@ -18,7 +17,7 @@ def verify(evidence: Evidence) -> bool:
 
     Parameters
     ----------
-    evidence : Certificate, MinorCertificate, StorageCertificate, StrictCertificate, ProofStep or BallProof
+    evidence : Certificate, MinorCertificate, StorageCertificate, StrictCertificate, dict or BallProof
         ``certificate`` of a verdict on rational functions and matrices, ``proof`` or ``balls`` of one on expressions.
 
     Examples
@@ -31,6 +30,6 @@ def verify(evidence: Evidence) -> bool:
     """
     if isinstance(evidence, MinorCertificate | StorageCertificate | StrictCertificate):
         return verify_matrix(evidence)
-    if isinstance(evidence, ProofStep):
+    if isinstance(evidence, dict):
         return verify_proof(evidence)
     return holds(evidence) if isinstance(evidence, BallProof) else verify_one_port(evidence)

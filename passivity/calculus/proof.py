@@ -2,15 +2,47 @@
 
 import json
 from collections.abc import Iterator
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from passivity.calculus.graph import Fact, Graph, Value
-from passivity.calculus.prove import Step
-from passivity.verifier import FORMAT, FUNCTIONS
+from passivity.calculus.graph import BOUNDED_REAL, Fact, Graph, Value
+from passivity.calculus.prove import DEPTHS, Prover, Step
+from passivity.calculus.witness import Question
+from passivity.verifier import FORMAT, FUNCTIONS, check, disc, read_fact, scaled
 
 Proof = dict[str, Any]
 LONGEST = 400  # characters of a node in words
+
+
+def prove(
+    question: Question, statement: str, prover: Prover | None = None, depths: tuple[int, ...] = DEPTHS
+) -> Proof | None:
+    """A proof by the rules, None if they lead to none."""
+    graph, value, claim = question.graph, question.value, question.claim
+    prover = prover or Prover(graph)
+    last = prover.reach(value, claim, depths)
+    return None if last is None else proof_of(graph, prover.steps, last, value, claim, statement)
+
+
+def verify_proof(proof: Proof) -> bool:
+    """Whether each step of a proof, as its file is read, follows from those before it.
+
+    Examples
+    --------
+    >>> from passivity.calculus.ask import is_positive_real
+    >>> verify_proof(is_positive_real("1/(1 + sqrt(s))").proof)
+    True
+    """
+    return check(json.loads(json.dumps(proof))) is None
+
+
+def sharpest(proof: Proof) -> Fraction | None:
+    """The bound of Re Z, or of |H|, that the last step of a proof tells of."""
+    ends = disc(scaled(read_fact(proof["steps"][-1][1]), Fraction(proof["root"][0])))
+    if read_fact(proof["claim"]) == BOUNDED_REAL:
+        return ends and max(-ends[0], ends[1])
+    return ends and ends[0]
 
 
 def proof_of(graph: Graph, steps: list[Step], last: int, value: Value, claim: Fact, statement: str) -> Proof:

@@ -1,7 +1,7 @@
 """Facts about the nodes of a graph, by the rules of `passivity.verifier`: the prover only chooses which to apply."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from typing import Any
 
@@ -38,9 +38,9 @@ class Prover:
         self.known: dict[int, list[int]] = {}
         self.most, self.depth, self.rewritten = DEPTHS[0], 0, 0
 
-    def reach(self, value: Value, goal: Fact) -> int | None:
-        """The step that proves a fact about a value; None if the rules lead to none."""
-        for most in DEPTHS:
+    def reach(self, value: Value, goal: Fact, depths: tuple[int, ...] = DEPTHS) -> int | None:
+        """The step that proves a fact about a value, the sharpest of those found; None if the rules lead to none."""
+        for most in depths:
             self.most = most
             for n in [*self._marked(value[1]), value[1]]:
                 self.rewritten = 0
@@ -64,18 +64,16 @@ class Prover:
         return sorted(seen.intersection(self.graph.marks))
 
     def _implying(self, value: Value, goal: Fact) -> int | None:
-        for k in self.known.get(value[1], ()):
-            moved = scaled(self.steps[k][1], value[0])
-            if moved and implies(moved, goal):
-                return k
-        return None
+        return self._best(value, goal, self.known.get(value[1], ()))
 
     def _rewritten_to(self, value: Value, goal: Fact) -> int | None:
-        for k in self.rewrite(value[1]):
-            moved = scaled(self.steps[k][1], value[0])
-            if moved and implies(moved, goal):
-                return k
-        return None
+        return next((k for k in self.rewrite(value[1]) if self._best(value, goal, [k]) is not None), None)
+
+    def _best(self, value: Value, goal: Fact, steps: Iterable[int]) -> int | None:
+        """The sharpest of some steps that imply a fact."""
+        moved = ((scaled(self.steps[k][1], value[0]), k) for k in steps)
+        implying = [(_size(fact), _low(fact), k) for fact, k in moved if fact and implies(fact, goal)]
+        return min(implying)[-1] if implying else None
 
     def facts(self, n: int) -> list[int]:
         """Steps about a node, those that others imply left out."""

@@ -21,7 +21,7 @@ from flint import fmpz_mpoly
 
 from passivity.symbolic import write
 from passivity.symbolic.domain import Domain, coefficients, factored, is_small
-from passivity.symbolic.expand import Pair
+from passivity.calculus.expand import Pair
 from passivity.symbolic.formula import Claim, Formula, Joined, claim, join, narrowed
 
 

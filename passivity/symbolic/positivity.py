@@ -15,7 +15,7 @@ from flint import fmpz_mpoly
 
 from passivity.status import Kind
 from passivity.symbolic.domain import Domain, Signs, coefficients, factored, is_small
-from passivity.symbolic.expand import Expansion, ExpansionError, Pair
+from passivity.calculus.expand import Expansion, ExpansionError, Pair
 from passivity.symbolic.formula import Formula, claim, narrowed
 
 MAX_DEGREE = 12

@@ -12,7 +12,7 @@ from flint import acb, arb
 
 from passivity.delayed import reflection
 from passivity.delayed.boxes import UnresolvedError, holds, prove_in_balls
-from passivity.delayed.decide import check_expression
+from passivity.calculus.ask import check_expression
 from passivity.delayed.disc import RIGHT, UNIT, Disc
 from passivity.delayed.field import Field
 from passivity.delayed.proof import ProofStep
