@@ -35,12 +35,12 @@ def times(x, y):
     return x * y if x and y else ZERO
 
 
-def inverse(low, high):
+def inverted(low, high):
     """All 1/w for w in a disc, None if that has 0 inside."""
     if low < 0 < high or low == high == 0:
         return None
     if low < 0:
-        return tuple(-x for x in reversed(inverse(-high, -low)))
+        return tuple(-x for x in reversed(inverted(-high, -low)))
     return (1 / high if high < inf else ZERO), (1 / low if low else inf)
 
 
@@ -268,7 +268,7 @@ def product(graph, n, known, data):
     need(total == graph.powers(n), "not this product")
     turns, discs = [turn(f) for _, f in known], [disc(f) for _, f in known]
     found = [("arg", sum(abs(e) * t for e, t in zip(data, turns, strict=True)))] if None not in turns else []
-    discs = [d if e > 0 else d and inverse(*d) for e, d in zip(data, discs, strict=True)]
+    discs = [d if e > 0 else d and inverted(*d) for e, d in zip(data, discs, strict=True)]
     if None in discs:
         return found
     moving = [e for e, (_, f) in zip(data, known, strict=True) if f[0] != "real"]
@@ -289,11 +289,11 @@ def product(graph, n, known, data):
 
 
 @rule
-def reciprocal(graph, n, known, data):
+def inverse(graph, n, known, data):
     """w = 1/w_1: Re 1/w = Re w/|w|^2, a disc goes over into a disc, and the argument changes its sign."""
     ((m, fact),) = known
     need(graph.powers(n) == {b: -e for b, e in graph.powers(m).items()}, "not its inverse")
-    ends = disc(fact) and inverse(*disc(fact))
+    ends = disc(fact) and inverted(*disc(fact))
     arg = [("arg", turn(fact))] if turn(fact) is not None else []
     return [*arg, ("disc" if fact[0] == "arg" else fact[0], *ends)] if ends else arg
 

@@ -124,6 +124,8 @@ class Expansion:
                 found = Pair(self.one, self.one)
                 for m, e in parts:
                     x = self._node(m) if e > 0 else self._node(m).inverse()
+                    if abs(e) * max(self._highest(f) for f in x) > MAX_DEGREE:
+                        raise ExpansionError(f"the expanded function has a degree over {MAX_DEGREE}")
                     for _ in range(abs(e)):
                         found = self.product(found, x)
             elif kind == "line":
@@ -179,14 +181,17 @@ class Expansion:
         self.work += size
         if self.work > MAX_WORK or size > 100 * MAX_TERMS:
             raise ExpansionError(f"to expand the function takes over {MAX_WORK} products")
-        spend(2_000 + size * (50 + (bits(f) + bits(g)) // 8), "the expansion")
+        spend(2_000 + 1_500 * (len(f) + len(g)) + size * (50 + (bits(f) + bits(g)) // 8), "the expansion")
         found = self.without_squares(f * g)
-        degrees = found.degrees()
-        highest = max(degrees[:1] + degrees[1 + self.domain.others :])
-        if len(found) > MAX_TERMS or bits(found) > MAX_BITS or highest > MAX_DEGREE:
+        if len(found) > MAX_TERMS or bits(found) > MAX_BITS or self._highest(found) > MAX_DEGREE:
             limits = f"{MAX_TERMS} terms, or numbers of over {MAX_BITS} bits, or a degree over {MAX_DEGREE}"
             raise ExpansionError(f"the expanded function has over {limits}")
         return found
+
+    def _highest(self, f: fmpz_mpoly) -> int:
+        """The highest power of s or a parameter."""
+        degrees = f.degrees()
+        return max(degrees[:1] + degrees[1 + self.domain.others :])
 
     def without_squares(self, f: fmpz_mpoly) -> fmpz_mpoly:
         """Squares of square roots replaced by what they are, where that is a polynomial."""

@@ -9,6 +9,7 @@ from fractions import Fraction
 from math import isqrt
 from typing import Any, TypeAlias
 
+from passivity.budget import spend
 from passivity.errors import ExpressionError
 from passivity.size import MAX_BITS, bits_of, check_size
 from passivity.verifier import Graph as Nodes
@@ -171,14 +172,14 @@ class Graph(Nodes):
             Where there is no value: log(0), coth(0).
         """
         c, n = value
+        if not c and name in ("log", "coth", "csch"):
+            raise ExpressionError("", f"{name}(0) has no value", "another argument")
         if name in ("coth", "sech", "csch", "sinh"):
             other = self.function({"sech": "cosh"}.get(name, "tanh"), value)
             if name in ("coth", "sech"):
                 return self.inverse(other)
             return self.product([other, self.function("cosh", value)], [1, 1] if name == "sinh" else [-1, -1])
         if not c:
-            if name == "log":
-                raise ExpressionError("", "log(0) has no value", "another argument")
             return UNIT if name in ("exp", "cosh") else ZERO
         if n == 0 and name == "sqrt" and c > 0 and all(isqrt(x) ** 2 == x for x in c.as_integer_ratio()):
             return Fraction(isqrt(c.numerator), isqrt(c.denominator)), 0
@@ -200,6 +201,12 @@ class Graph(Nodes):
         found = Fraction(1), self.node("line", (z0, propagation, load))
         self.mark(found)
         return found
+
+    def multiplied(self, f: dict, g: dict) -> dict:
+        """The product of two polynomials in atoms, if it is affordable."""
+        longest = max(map(len, f), default=0) + max(map(len, g), default=0)
+        spend((5_000 + 2_000 * longest) * len(f) * len(g), "an equality")
+        return super().multiplied(f, g)
 
     def share(self, other: "Graph") -> None:
         """Begin with the nodes and marks of another graph."""

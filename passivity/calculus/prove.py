@@ -5,16 +5,17 @@ from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from typing import Any
 
-from passivity.budget import spend
+from passivity.budget import VERDICT, UndecidedError, budget, spend
 from passivity.calculus.graph import POSITIVE_REAL, Fact, Graph, Value
 from passivity.calculus.leaf import rational_facts
 from passivity.calculus.rewrite import rewritings
 from passivity.errors import ExpressionError
-from passivity.verifier import RULES, disc, implies, inverse, scaled, turn
+from passivity.verifier import RULES, disc, implies, inverted, scaled, turn
 
 DEPTHS = (2, 4, 6)  # of rewritings within rewritings, tried in turn
 MAX_REWRITINGS = 60  # of what one mark needs
 _COST = 60_000
+_EQUALITY = VERDICT // 10
 _SMALL = 150  # nodes of a graph in which equalities are also multiplied out in full
 
 Step = tuple[int, Fact, str, list[int], Any]  # node, fact, rule, the steps it rests on, data
@@ -170,7 +171,7 @@ class Prover:
                 for k in list(self.facts(graph.nodes[b][1][0][1])):
                     yield from self.follow(n, "function", [k])
         for k in list(self.known.get(opposite, ())):
-            yield from self.follow(n, "reciprocal", [k])
+            yield from self.follow(n, "inverse", [k])
         yield from self.means(n, powers)
         pieces = self.pieces(n, powers)
         if len(pieces) < 2 and pieces[0][1] in (1, -1):
@@ -237,8 +238,12 @@ class Prover:
 
     def equal(self, n: int, k: int, c: str, cut: list[int]) -> list[int]:
         """A fact of a multiple; where sums have merged with those that are cut off, in full if that is small."""
-        found = self.follow(n, "equal", [k], [c, cut])
-        return found or (self.follow(n, "equal", [k], [c, []]) if cut and len(self.graph.nodes) < _SMALL else [])
+        try:
+            with budget(_EQUALITY):
+                found = self.follow(n, "equal", [k], [c, cut])
+                return found or (self.follow(n, "equal", [k], [c, []]) if cut and len(self.graph.nodes) < _SMALL else [])
+        except UndecidedError:
+            return []
 
     def rewrite(self, n: int) -> Iterator[int]:
         """Facts about the same function, or its inverse, written differently."""
@@ -253,7 +258,7 @@ class Prover:
                 target = self.graph.inverse((Fraction(1), n))[1] if upside_down else n
                 for k in list(self.facts(m)):
                     for found in self.equal(target, k, str(c), cut):
-                        yield from [found] if target == n else self.follow(n, "reciprocal", [found])
+                        yield from [found] if target == n else self.follow(n, "inverse", [found])
         except ExpressionError:  # a division by zero on the way
             return
         finally:
@@ -276,7 +281,7 @@ def _written(fact: Fact) -> list[str]:
 
 def _inverted(fact: Fact) -> Fact:
     known = disc(fact)
-    ends = known and inverse(*known)
+    ends = known and inverted(*known)
     return (fact[0] if fact[0] == "real" else "disc", *ends) if ends else ("disc", -math.inf, math.inf)
 
 

@@ -22,6 +22,7 @@ from passivity.symbolic.question import Question
 from passivity.symbolic.verdict import Condition, SymbolicVerdict
 
 MAX_PARAMETERS = 200
+_REFUSED = 4_000  # of the work of all trials: an expression that turns out too large
 _SHOWN = 200  # characters of all values in a reason
 
 
@@ -135,7 +136,7 @@ def _refutation(text: str, kind: Kind, values: dict[str, Fraction]) -> tuple[Cou
     try:
         question = Question.of(kind, graph, read(graph, text, values))
     except (UndecidedError, ExpressionError):  # 0/0 among them
-        return None, len(text)
+        return None, len(text) + _REFUSED
     return question.refutation(values), question.expansion.work + question.degree**2 + len(text)
 
 
