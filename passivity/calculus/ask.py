@@ -226,14 +226,19 @@ def ask(what: Any, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, 
 
 
 def of_text(text: str, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None) -> Conclusion:
-    """The conclusion about a text: by the exact test, by a look in floats, the rules, polynomials, a hunt, and balls."""
+    """The conclusion about a text, by the first way that leads to one."""
     numbers = {name: exact(x, f"parameter {name}") for name, x in (values or {}).items()}
     assume = [assume] if isinstance(assume, str) else list(assume)
     given = f" for all {', '.join(assume)}" if assume else ""
     made = partial(Conclusion, kind, f"{' '.join(text.split()):.300} is {kind.value}{given}")
     facts = assumed(assume)
     plain = parse(text, lines=True) if len(statements(text)) == 1 else None
-    if plain is not None and is_rational(plain) and not symbols(plain) & facts.keys() and symbols(plain) <= {"s", *numbers}:
+    if (
+        plain is not None
+        and is_rational(plain)
+        and not symbols(plain) & facts.keys()
+        and symbols(plain) <= {"s", *numbers}
+    ):
         pair = of_tree(plain, numbers)  # with what numerator and denominator have in common, and 1/0
         return _exact(made, kind, RationalFunction(pair.p, pair.q), text, numbers)
     graph = Graph(facts)

@@ -24,7 +24,7 @@ _S = RationalFunction(fmpz_poly([0, 1]), fmpz_poly([1]))
 
 
 def rational_facts(graph: Graph, n: int) -> Iterator[tuple[Fact, dict[str, Any]]]:
-    """Facts, the sharpest half-planes and discs among them where they are found, each with data for the rule `rational`.
+    """Facts, where found the sharpest half-planes and discs, each with the data that the rule `rational` asks for.
 
     Examples
     --------

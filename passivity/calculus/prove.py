@@ -110,7 +110,7 @@ class Prover:
         elif graph.moves[n] and graph.is_rational[n] and graph.powers(n) not in ({graph.s[1]: 1}, {graph.s[1]: -1}):
             for fact, data in rational_facts(graph, n):
                 yield from self.follow(n, "rational", [], {"fact": _written(fact), **data})
-            if not self.known[n] and kind == "mul":
+            if kind == "mul" and not any(turn(self.steps[k][1]) is not None for k in self.known[n]):
                 yield from self.product(n)
         elif kind == "sum":
             yield from self.sum(n)
@@ -241,7 +241,9 @@ class Prover:
         try:
             with budget(_EQUALITY):
                 found = self.follow(n, "equal", [k], [c, cut])
-                return found or (self.follow(n, "equal", [k], [c, []]) if cut and len(self.graph.nodes) < _SMALL else [])
+                return found or (
+                    self.follow(n, "equal", [k], [c, []]) if cut and len(self.graph.nodes) < _SMALL else []
+                )
         except UndecidedError:
             return []
 

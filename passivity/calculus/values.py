@@ -70,9 +70,7 @@ def in_floats(graph: Graph, value: Value, s: Array, names: Mapping[str, float]) 
 class _Evaluation:
     """Nodes at one point, or at an array of them, in any arithmetic."""
 
-    def __init__(
-        self, graph: Graph, names: Mapping[str, Any], s: Any, one: Any, function: Callable, exact: Callable
-    ):
+    def __init__(self, graph: Graph, names: Mapping[str, Any], s: Any, one: Any, function: Callable, exact: Callable):
         self.graph, self.names, self.s, self.one, self.function, self.exact = graph, names, s, one, function, exact
 
     def value(self, value: Value, order: list[int]) -> Any:

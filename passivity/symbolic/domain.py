@@ -41,7 +41,9 @@ class Domain:
     @cached_property
     def context(self) -> fmpz_mpoly_ctx:
         """The ring of all polynomials."""
-        return fmpz_mpoly_ctx.get(("s", *(f"exp({k})" for k in range(self.others)), *(r.name for r in self.ranges)), Ordering.lex)
+        return fmpz_mpoly_ctx.get(
+            ("s", *(f"exp({k})" for k in range(self.others)), *(r.name for r in self.ranges)), Ordering.lex
+        )
 
     @cached_property
     def intervals(self) -> tuple[Range, ...]:

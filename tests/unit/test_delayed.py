@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from flint import acb, arb
 
-from passivity.calculus.ask import check_expression, is_bounded_real, is_positive_real
+from passivity.calculus.ask import check_expression
 from passivity.calculus.expand import Expansion
 from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Graph
 from passivity.calculus.proof import prove, verify_proof
@@ -93,7 +93,9 @@ def pairs(*texts):
     graph = Graph()
     values = [read(graph, text) for text in texts]
     expansion = Expansion(graph, graph.node("sum", tuple((Fraction(1), n) for n in {n for _, n in values} | {0})))
-    return [expansion.of(value) for value in values], [in_ball(graph, value, acb(arb(7) / 5, arb(3) / 4)) for value in values]
+    return [expansion.of(value) for value in values], [
+        in_ball(graph, value, acb(arb(7) / 5, arb(3) / 4)) for value in values
+    ]
 
 
 @pytest.mark.parametrize(

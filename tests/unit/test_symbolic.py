@@ -1,13 +1,20 @@
 """Parameters under assumptions: what is read, proved, refuted and left open, on functions known by heart."""
 
-import math
 import time
 from fractions import Fraction
 
 import mpmath
 import pytest
 
-from passivity import admittance_identity, reflection_identity, ExpressionError, Kind, RationalFunction, Status, check_positive_real
+from passivity import (
+    ExpressionError,
+    Kind,
+    RationalFunction,
+    Status,
+    admittance_identity,
+    check_positive_real,
+    reflection_identity,
+)
 from passivity.expression.parse import parse
 from passivity.expression.tree import symbols
 from passivity.symbolic.assumption import Range, parse_assumption
@@ -170,7 +177,9 @@ def test_a_ladder_too_large_to_multiply_out_is_proved_element_by_element():
     verdict = check_symbolic(z, Kind.PR, [f"{name} > 0" for name in names])
     assert verdict.status is Status.PROVED
     assert all(
-        any(line.split(":")[0] in (name, f"{name}*s") for line in verdict.proof) for name in names[1:] if name[0] in "RL"
+        any(line.split(":")[0] in (name, f"{name}*s") for line in verdict.proof)
+        for name in names[1:]
+        if name[0] in "RL"
     )
 
 
