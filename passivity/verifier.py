@@ -32,7 +32,14 @@ def need(condition, what):
 
 def times(x, y):
     """A product of ends of intervals; 0 times an infinite limit is 0."""
+    if inf in (abs(x), abs(y)) and x and y:  # long fractions are no floats
+        return inf if (x > 0) == (y > 0) else -inf
     return x * y if x and y else ZERO
+
+
+def total(ends):
+    """The sum of lower, or of upper ends."""
+    return next((x for x in ends if x in (inf, -inf)), None) or sum(ends)
 
 
 def inverted(low, high):
@@ -245,16 +252,16 @@ def leaf(graph, n, known, data):
 @rule
 def combination(graph, n, known, data):
     """w = sum of c w_k: discs add up, and so do constants; arguments of up to 90 degrees are a convex cone."""
-    total, parts = {}, []
+    terms, parts = {}, []
     for c, (m, fact) in zip(map(Fraction, data), known, strict=True):
-        total = added(total, graph.terms(m, c))
+        terms = added(terms, graph.terms(m, c))
         parts.append(scaled(fact, c))
-    need(total == graph.terms(n) and None not in parts, "not this sum")
+    need(terms == graph.terms(n) and None not in parts, "not this sum")
     turns, discs = [turn(f) for f in parts], [disc(f) for f in parts]
     found = [("arg", max(turns))] if None not in turns and max(turns) <= 1 else []
     if None not in discs:
         kind = "real" if all(f[0] == "real" for f in parts) else "disc"
-        found.append((kind, sum(low for low, _ in discs), sum(high for _, high in discs)))
+        found.append((kind, total([low for low, _ in discs]), total([high for _, high in discs])))
     return found
 
 

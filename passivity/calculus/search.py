@@ -51,7 +51,7 @@ class Search:
         count, angles, fine = _COARSE
         radii = np.geomspace(self.low * 1e3, self.high / 1e3, count)
         grid = (radii[:, None] * np.exp(1j * np.array(angles))).ravel()
-        far = self.high * 10.0 ** np.arange(0, _FAR, 5)
+        far = np.logspace(math.log10(self.high), min(math.log10(self.high) + _FAR, 300), _FAR // 5)
         s = np.concatenate([grid, np.geomspace(self.low * 1e3, self.high / 1e3, fine) * (1e-6 + 1j), far])
         wrong = self.badness(s)
         suspects = [s[k] for k in np.argsort(-wrong)[:6] if wrong[k] > _VISIBLE]
