@@ -1,7 +1,7 @@
-from passivity.calculus.ask import Conclusion as Conclusion
 from passivity.calculus.ask import check_expression as check_expression
 from passivity.calculus.ask import is_bounded_real as is_bounded_real
 from passivity.calculus.ask import is_positive_real as is_positive_real
+from passivity.calculus.conclusion import Conclusion as Conclusion
 from passivity.calculus.derivation import Derivation as Derivation
 from passivity.calculus.derivation import admittance_identity as admittance_identity
 from passivity.calculus.derivation import derive as derive

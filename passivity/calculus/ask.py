@@ -1,10 +1,8 @@
 """Is this positive real, or bounded real? One question for texts, coefficients, systems and networks."""
 
-import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property, partial
+from functools import partial
 from itertools import islice
 from typing import Any
 
@@ -12,113 +10,32 @@ from flint import acb
 
 from passivity.ball import near
 from passivity.budget import ASIDE, VERDICT, UndecidedError, budget, if_affordable
-from passivity.calculus.axis_value import AxisValue, axis_value
-from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Fact, Graph, Value
+from passivity.calculus.assumed import assumed, ranges_of
+from passivity.calculus.conclusion import CLAIMS, Conclusion
+from passivity.calculus.graph import POSITIVE_REAL, Fact, Graph, Value
 from passivity.calculus.leaf import function_of
-from passivity.calculus.proof import Proof, lines, prove
+from passivity.calculus.proof import prove
 from passivity.calculus.prove import DEPTHS, Prover
 from passivity.calculus.read import read, statements
 from passivity.calculus.search import Search
 from passivity.calculus.values import in_ball, needed
 from passivity.calculus.witness import Question, Witness
-from passivity.delayed.boxes import BallProof, prove_in_balls
-from passivity.delayed.poles import Pole, find_pole
+from passivity.delayed.boxes import prove_in_balls
+from passivity.delayed.poles import find_pole
 from passivity.errors import ExpressionError, shorten, shown
 from passivity.expression.number import digits
 from passivity.expression.parse import parse
 from passivity.expression.tree import symbols
 from passivity.one_port.positive_real import check
-from passivity.one_port.verdict import Verdict
 from passivity.rational.evaluate import Exact, exact, is_rational, of_tree, with_values
 from passivity.rational.function import RationalFunction
-from passivity.status import Decided, Kind, Status
-from passivity.symbolic.assumption import Range, collect
+from passivity.status import Kind, Status
+from passivity.symbolic.assumption import Range
 from passivity.symbolic.counterexample import random_values
 
-_OPAQUE = re.compile(r"\s*([^\W\d]\w*)\s+(?:(pr|positive real)|br|bounded real)\s*", re.IGNORECASE)
-_SHOWN = 40  # lines of a proof that are printed
 _EACH = VERDICT // 2  # of the ways to decide
 _TRIALS = 12  # choices of values for names
 _PLACES = (acb(37, 29), acb(5, 3) / 7, acb(1, 70) / 13)
-CLAIMS = {Kind.PR: POSITIVE_REAL, Kind.BR: BOUNDED_REAL}
-
-
-@dataclass(frozen=True)
-class Conclusion(Decided):
-    """Whether a function has a property, with what anyone can check.
-
-    Parameters
-    ----------
-    kind : Kind
-    statement : str
-        What was asked, with the assumptions.
-    status : Status
-    why : str
-        The reason in one sentence, or what was not resolved.
-    proof : dict or None
-        What `passivity.verifier` checks, if the rules prove it; `passivity.calculus.proof.save` writes it.
-    witness : Witness or None
-        Values of the names, and a point s where the property fails.
-    pole : Pole or None
-        Where the function is unbounded or, an impedance, zero in Re s > 0; then there may be no witness in reach.
-    oracle : Verdict, MatrixVerdict, SymbolicVerdict, BallProof or None
-        Of the exact test, of polynomials or of balls, where one of these decided.
-    asked : tuple of (str, dict)
-        The text, and the numbers for names in it, if the question was one.
-    """
-
-    kind: Kind
-    statement: str
-    status: Status
-    why: str
-    proof: Proof | None = None
-    witness: Witness | None = None
-    pole: Pole | None = None
-    oracle: Any = None
-    asked: tuple[str, Mapping[str, Fraction]] = field(default=("", {}), repr=False)
-
-    @property
-    def rational(self) -> Verdict | None:
-        """The verdict of the exact test, if the function is rational with numbers alone."""
-        return self.oracle if isinstance(self.oracle, Verdict) else None
-
-    @property
-    def balls(self) -> BallProof | None:
-        """The proof in ball arithmetic, if it is one."""
-        return self.oracle if isinstance(self.oracle, BallProof) else None
-
-    @cached_property
-    def margin(self) -> AxisValue | None:
-        """Smallest Re Z(jω), or largest |H(jω)|; None where the axis has no values, or where `rational` has them."""
-        text, numbers = self.asked
-        graph = Graph()
-        if self.rational is not None or not text:
-            return None
-        question = Question(graph, read(graph, text, numbers), CLAIMS[self.kind], text, numbers)
-        return if_affordable(ASIDE, axis_value, question, self.proof)
-
-    @cached_property
-    def evidence(self) -> dict[str, Any] | None:
-        """What a file can hold of a proof or a witness: for rational functions too, and for balls."""
-        text, numbers = self.asked
-        if self.balls:
-            return self.balls.file
-        graph = Graph()
-        if self.rational is None or not text:
-            return self.proof or (self.witness and self.witness.file)
-        question = Question(graph, read(graph, text, numbers), CLAIMS[self.kind], text, numbers)
-        if point := self.rational.witness:
-            found = question.witness(point.re, point.im, {})
-            return found and found.file
-        return prove(question, self.statement) if self.proved else None
-
-    def __str__(self) -> str:
-        told = [f"{self.kind.value}: {self.status.value}", f"  because {self.why}"]
-        if self.proof:
-            steps = list(lines(self.proof))
-            told += [f"    {line}" for line in steps[:_SHOWN]]
-            told += [f"    … and {len(steps) - _SHOWN} more steps"] if len(steps) > _SHOWN else []
-        return "\n".join(told)
 
 
 def is_positive_real(what: Any, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None) -> Conclusion:
@@ -242,7 +159,7 @@ def of_text(text: str, kind: Kind, assume: Iterable[str] = (), values: Mapping[s
         pair = of_tree(plain, numbers)  # with what numerator and denominator have in common, and 1/0
         return _exact(made, kind, RationalFunction(pair.p, pair.q), text, numbers)
     graph = Graph(facts)
-    value, ranges = read(graph, text, numbers), _ranges(facts, assume)
+    value, ranges = read(graph, text, numbers), ranges_of(facts, assume)
     question = Question(graph, value, CLAIMS[kind], text, numbers)
     names = {graph.nodes[n][1][0] for n in needed(graph, value[1]) if graph.nodes[n][0] == "name"}
     if not names:
@@ -358,37 +275,6 @@ def _glanced(made: partial, question: Question, ranges: list[Range]) -> list[Con
         if found := _refuted(made, Search(question, names).glance()):
             return found
     return []
-
-
-def _ranges(facts: Mapping[str, Fact], assume: Iterable[str | Range]) -> list[Range]:
-    """The constants that the names may be."""
-    known = collect(x for x in assume if not (isinstance(x, str) and _OPAQUE.fullmatch(x)))
-    unit = Fraction(1)
-    opaque = {POSITIVE_REAL: (Fraction(0), None), BOUNDED_REAL: (-unit, unit)}
-    return [known[name] if name in known else Range(name, *opaque[fact], True, True) for name, fact in facts.items()]
-
-
-def assumed(assume: Iterable[str]) -> dict[str, Fact]:
-    """What is assumed of each name, as facts.
-
-    Examples
-    --------
-    >>> assumed(["R > 0", "H bounded real"])["R"]
-    ('real', Fraction(0, 1), inf)
-    """
-    opaque: dict[str, Fact] = {}
-    ranges: list[str | Range] = []
-    for text in assume:
-        if isinstance(text, str) and (found := _OPAQUE.fullmatch(text)):
-            if found[1] == "s":
-                raise ExpressionError(f"assumption {text.strip()}", "s is the Laplace variable", "another name")
-            opaque[found[1]] = POSITIVE_REAL if found[2] else BOUNDED_REAL
-        else:
-            ranges.append(text)
-    facts: dict[str, Fact] = {name: r.fact for name, r in collect(ranges).items()}
-    if both := opaque.keys() & facts.keys():
-        raise ExpressionError(f"assumption {min(both)}", "a function and a number at once", "one of them")
-    return facts | opaque
 
 
 def settling(graph: Graph, value: Value, claim: Fact) -> list[str]:

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
-from passivity.calculus.ask import Conclusion, is_bounded_real, is_positive_real
+from passivity.calculus.ask import is_bounded_real, is_positive_real
+from passivity.calculus.conclusion import Conclusion
 from passivity.calculus.graph import Graph
 from passivity.calculus.read import read, statements
 from passivity.status import Decided, Status
