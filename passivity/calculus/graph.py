@@ -185,13 +185,14 @@ class Graph(Nodes):
             return Fraction(isqrt(c.numerator), isqrt(c.denominator)), 0
         if n == 0 and name == "log" and c == 1:
             return ZERO
-        if name in ("tanh", "cosh") and not self.moves[n]:
-            once = self.function("exp", value)
-            if name == "cosh":
-                return self.scaled(self.sum([once, self.inverse(once)]), Fraction(1, 2))
-            below = self.sum([UNIT, self.product([once], [2])])
-            return self.sum([UNIT, self.scaled(self.inverse(below), -2)])
         sign = -1 if name in ("tanh", "cosh") and c < 0 else 1
+        if name in ("tanh", "cosh") and not self.moves[n]:  # by what dies away for x > 0
+            once = self.function("exp", (-sign * c, n))
+            square = self.product([once], [2])
+            plus, minus = self.sum([UNIT, square]), self.sum([UNIT, self.scaled(square, -1)])
+            if name == "cosh":
+                return self.scaled(self.product([plus, once], [1, -1]), Fraction(1, 2))
+            return self.scaled(self.product([minus, plus], [1, -1]), sign)
         return Fraction(sign if name == "tanh" else 1), self.node(name, ((sign * c, n),))
 
     def line(self, z0: Value, propagation: Value, load: Value) -> Value:

@@ -9,6 +9,7 @@ from typing import Any
 from passivity.calculus.graph import BOUNDED_REAL, Fact, Graph, Value
 from passivity.calculus.prove import DEPTHS, Prover, Step
 from passivity.calculus.witness import Question
+from passivity.expression.number import written
 from passivity.verifier import FORMAT, FUNCTIONS, check, disc, read_fact, scaled
 
 Proof = dict[str, Any]
@@ -75,14 +76,14 @@ def proof_of(graph: Graph, steps: list[Step], last: int, value: Value, claim: Fa
     return {
         "format": FORMAT,
         "statement": statement,
-        "names": {name: written(graph.names[name]) for name in sorted(names)},
+        "names": {name: in_texts(graph.names[name]) for name in sorted(names)},
         "nodes": [_node(graph, n, new) for n in kept],
         "steps": [
-            [new[n], written(fact), rule, [at[m] for m in premises], data(rule, given)]
+            [new[n], in_texts(fact), rule, [at[m] for m in premises], data(rule, given)]
             for n, fact, rule, premises, given in (steps[k] for k in order)
         ],
-        "root": [str(value[0]), new[value[1]]],
-        "claim": written(claim),
+        "root": [written(value[0]), new[value[1]]],
+        "claim": in_texts(claim),
     }
 
 
@@ -91,13 +92,13 @@ def _node(graph: Graph, n: int, new: dict[int, int]) -> list[Any]:
     if kind == "mul":
         return [kind, *([new[m], e] for m, e in parts)]
     if kind in ("sum", "line", *FUNCTIONS):
-        return [kind, *([str(c), new[m]] for c, m in parts)]
+        return [kind, *([written(c), new[m]] for c, m in parts)]
     return [kind, *(list(x) if isinstance(x, tuple) else x for x in parts)]
 
 
-def written(fact: Fact) -> list[str]:
-    """A fact in texts."""
-    return [str(x) for x in fact]
+def in_texts(fact: Fact) -> list[str]:
+    """A fact as files have it."""
+    return [fact[0], *map(written, fact[1:])]
 
 
 def in_words(fact: list[str]) -> str:

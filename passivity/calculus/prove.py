@@ -10,6 +10,7 @@ from passivity.calculus.graph import POSITIVE_REAL, Fact, Graph, Value
 from passivity.calculus.leaf import rational_facts
 from passivity.calculus.rewrite import rewritings
 from passivity.errors import ExpressionError
+from passivity.expression.number import written
 from passivity.verifier import RULES, disc, implies, inverted, scaled, turn
 
 DEPTHS = (2, 4, 6)  # of rewritings within rewritings, tried in turn
@@ -109,7 +110,7 @@ class Prover:
             yield from self.follow(n, "leaf", [])
         elif graph.moves[n] and graph.is_rational[n] and graph.powers(n) not in ({graph.s[1]: 1}, {graph.s[1]: -1}):
             for fact, data in rational_facts(graph, n):
-                yield from self.follow(n, "rational", [], {"fact": _written(fact), **data})
+                yield from self.follow(n, "rational", [], {"fact": [fact[0], *map(written, fact[1:])], **data})
             if kind == "mul" and not any(turn(self.steps[k][1]) is not None for k in self.known[n]):
                 yield from self.product(n)
         elif kind == "sum":
@@ -153,7 +154,7 @@ class Prover:
             c, together = graph.sum(simple)
             terms = [(c, together), *((c, m) for c, m in terms if not graph.is_rational[m])]
         known = [[(scaled(self.steps[k][1], c), k) for k in self.facts(m)] for c, m in terms]
-        data = [str(c) for c, _ in terms]
+        data = [written(c) for c, _ in terms]
         for key in (_low, _high, _width, _angle):
             best = [min(((key(f), k) for f, k in facts if f), default=(math.inf, 0)) for facts in known]
             if all(x < math.inf for x, _ in best) and (key is not _angle or all(x <= 1 for x, _ in best)):
@@ -198,7 +199,9 @@ class Prover:
             c, squared = graph.product([(Fraction(1), n)], [2])
             if c > 0 and squared != n and graph.is_rational[squared]:
                 for k in list(self.facts(squared)):
-                    yield from self.follow(n, "square", [k, *(x for _, x in angles)], [str(c), [e for _, e in pieces]])
+                    yield from self.follow(
+                        n, "square", [k, *(x for _, x in angles)], [written(c), [e for _, e in pieces]]
+                    )
 
     def pieces(self, n: int, powers: dict[int, int]) -> list[tuple[int, int]]:
         """Constants together, what is rational together, quotients of sums that differ in signs, and single powers."""
@@ -234,7 +237,7 @@ class Prover:
                 c, x = graph.scaled(graph.nodes[x][1][0], -1)
             if {k: -v for k, v in graph.powers(x).items()} == {k: v for k, v in powers.items() if k != b}:
                 for k in self.discs(x):
-                    yield from self.follow(n, "mean", [k], str(c))
+                    yield from self.follow(n, "mean", [k], written(c))
 
     def equal(self, n: int, k: int, c: str, cut: list[int]) -> list[int]:
         """A fact of a multiple; where sums have merged with those that are cut off, in full if that is small."""
@@ -259,7 +262,7 @@ class Prover:
                     return
                 target = self.graph.inverse((Fraction(1), n))[1] if upside_down else n
                 for k in list(self.facts(m)):
-                    for found in self.equal(target, k, str(c), cut):
+                    for found in self.equal(target, k, written(c), cut):
                         yield from [found] if target == n else self.follow(n, "inverse", [found])
         except ExpressionError:  # a division by zero on the way
             return
@@ -275,10 +278,6 @@ def _alike(graph: Graph, a: int, b: int) -> bool:
 
 def _useful(fact: Fact) -> bool:
     return fact[0] == "arg" or fact[1] > -math.inf or fact[2] < math.inf
-
-
-def _written(fact: Fact) -> list[str]:
-    return [str(x) for x in fact]
 
 
 def _inverted(fact: Fact) -> Fact:
