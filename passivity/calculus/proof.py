@@ -9,10 +9,11 @@ from typing import Any
 from passivity.calculus.graph import BOUNDED_REAL, Fact, Graph, Value
 from passivity.calculus.prove import DEPTHS, Prover, Step
 from passivity.calculus.witness import Question
-from passivity.expression.number import written
+from passivity.expression.number import digits, written
 from passivity.verifier import FORMAT, FUNCTIONS, check, disc, read_fact, scaled
 
 Proof = dict[str, Any]
+_LONGEST_NUMBER = 30  # characters
 LONGEST = 400  # characters of a node in words
 
 
@@ -112,7 +113,7 @@ def in_words(fact: list[str]) -> str:
     known = {("disc", "0", "inf"): "positive real", ("disc", "-1", "1"): "bounded real", ("arg", "1"): "positive real"}
     if tuple(fact) in known:
         return known[tuple(fact)]
-    kind, *ends = fact
+    kind, *ends = (x if len(x) <= _LONGEST_NUMBER else f"about {digits(Fraction(x), 9)}" for x in fact)
     if kind == "arg":
         return f"|arg| <= 90°*{ends[0]}"
     low, high = ends

@@ -80,7 +80,11 @@ def _decided(
     numbers = {r.name: r.low for r in ranges if r.low is not None and r.is_point}
     free = tuple(r for r in ranges if not r.is_point)
     graph = Graph({r.name: r.fact for r in free})
-    value = _read(graph, tree, text, numbers)
+    try:
+        value = _read(graph, tree, text, numbers)
+    except UndecidedError as error:
+        why = f"{error}; to settle it: values for the parameters"
+        return SymbolicVerdict(kind, ranges, Status.UNDECIDED, why)
     asked = Asked(graph, value, POSITIVE_REAL if kind is Kind.PR else BOUNDED_REAL, text, numbers)
     if proof := _proof(asked, f"{' '.join(text.split()):.300} is {kind.value} for all {', '.join(map(str, ranges))}"):
         return SymbolicVerdict(
@@ -116,7 +120,9 @@ def _decided(
 def _read(graph: Graph, tree: Node, text: str, numbers: Mapping[str, Fraction]) -> Value:
     try:
         return read(graph, text, numbers)
-    except ExpressionError:
+    except ExpressionError as error:
+        if error.problem != "division by zero":
+            raise UndecidedError(str(error)) from error
         if is_rational(tree):  # 0/0 is said to be one
             of_tree(tree, dict.fromkeys(graph.names, Fraction(1)) | dict(numbers))
         raise
