@@ -1,13 +1,14 @@
-from passivity.calculus.ask import Conclusion as Conclusion
+from passivity.calculus.ask import check_expression as check_expression
 from passivity.calculus.ask import is_bounded_real as is_bounded_real
 from passivity.calculus.ask import is_positive_real as is_positive_real
+from passivity.calculus.conclusion import Conclusion as Conclusion
 from passivity.calculus.derivation import Derivation as Derivation
+from passivity.calculus.derivation import admittance_identity as admittance_identity
 from passivity.calculus.derivation import derive as derive
+from passivity.calculus.derivation import reflection_identity as reflection_identity
 from passivity.delayed.chain import Chain as Chain
 from passivity.delayed.chain import Step as Step
 from passivity.delayed.chain import check_line as check_line
-from passivity.delayed.decide import ExpressionVerdict as ExpressionVerdict
-from passivity.delayed.decide import check_expression as check_expression
 from passivity.delayed.roots import roots_right as roots_right
 from passivity.errors import ExpressionError as ExpressionError
 from passivity.evidence import verify as verify
@@ -54,7 +55,5 @@ from passivity.symbolic.assumption import Range as Range
 from passivity.symbolic.assumption import parse_assumption as parse_assumption
 from passivity.symbolic.check import check_symbolic as check_symbolic
 from passivity.symbolic.counterexample import Counterexample as Counterexample
-from passivity.symbolic.identities import admittance_identity as admittance_identity
-from passivity.symbolic.identities import reflection_identity as reflection_identity
 from passivity.symbolic.verdict import Condition as Condition
 from passivity.symbolic.verdict import SymbolicVerdict as SymbolicVerdict

@@ -1,16 +1,18 @@
 """One way to verify every proof, whatever it is about."""
 
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
-from passivity.delayed.boxes import BallProof, holds
-from passivity.delayed.proof import ProofStep
-from passivity.delayed.verify import verify_proof
+from passivity.calculus.proof import Proof, verify_proof
+from passivity.calculus.witness import check_file
+from passivity.delayed.boxes import FORMAT as FORMAT_OF_BALLS
+from passivity.delayed.boxes import BallProof, from_file, holds
 from passivity.multiport.certificate import verify as verify_matrix
 from passivity.multiport.verdict import MinorCertificate, StorageCertificate, StrictCertificate
 from passivity.one_port.certificate import verify as verify_one_port
 from passivity.one_port.verdict import Certificate
+from passivity.verifier import FORMAT, check
 
-Evidence: TypeAlias = Certificate | MinorCertificate | StorageCertificate | StrictCertificate | ProofStep | BallProof
+Evidence: TypeAlias = Certificate | MinorCertificate | StorageCertificate | StrictCertificate | Proof | BallProof
 
 
 def verify(evidence: Evidence) -> bool:
@@ -18,7 +20,7 @@ def verify(evidence: Evidence) -> bool:
 
     Parameters
     ----------
-    evidence : Certificate, MinorCertificate, StorageCertificate, StrictCertificate, ProofStep or BallProof
+    evidence : Certificate, MinorCertificate, StorageCertificate, StrictCertificate, dict or BallProof
         ``certificate`` of a verdict on rational functions and matrices, ``proof`` or ``balls`` of one on expressions.
 
     Examples
@@ -31,6 +33,16 @@ def verify(evidence: Evidence) -> bool:
     """
     if isinstance(evidence, MinorCertificate | StorageCertificate | StrictCertificate):
         return verify_matrix(evidence)
-    if isinstance(evidence, ProofStep):
+    if isinstance(evidence, dict):
         return verify_proof(evidence)
     return holds(evidence) if isinstance(evidence, BallProof) else verify_one_port(evidence)
+
+
+def check_evidence(told: dict[str, Any]) -> str | None:
+    """None if a proof or a witness, as its file is read, shows what it says; else what is wrong."""
+    if told["format"] == FORMAT_OF_BALLS:
+        try:
+            return None if holds(from_file(told)) else "the balls do not make a proof"
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
+            return f"not a proof: {error}"
+    return check(told) if told["format"] == FORMAT else check_file(told)

@@ -32,15 +32,22 @@ def need(condition, what):
 
 def times(x, y):
     """A product of ends of intervals; 0 times an infinite limit is 0."""
+    if inf in (abs(x), abs(y)) and x and y:  # long fractions are no floats
+        return inf if (x > 0) == (y > 0) else -inf
     return x * y if x and y else ZERO
 
 
-def inverse(low, high):
+def total(ends):
+    """The sum of lower, or of upper ends."""
+    return next((x for x in ends if x in (inf, -inf)), None) or sum(ends)
+
+
+def inverted(low, high):
     """All 1/w for w in a disc, None if that has 0 inside."""
     if low < 0 < high or low == high == 0:
         return None
     if low < 0:
-        return tuple(-x for x in reversed(inverse(-high, -low)))
+        return tuple(-x for x in reversed(inverted(-high, -low)))
     return (1 / high if high < inf else ZERO), (1 / low if low else inf)
 
 
@@ -245,16 +252,16 @@ def leaf(graph, n, known, data):
 @rule
 def combination(graph, n, known, data):
     """w = sum of c w_k: discs add up, and so do constants; arguments of up to 90 degrees are a convex cone."""
-    total, parts = {}, []
+    terms, parts = {}, []
     for c, (m, fact) in zip(map(Fraction, data), known, strict=True):
-        total = added(total, graph.terms(m, c))
+        terms = added(terms, graph.terms(m, c))
         parts.append(scaled(fact, c))
-    need(total == graph.terms(n) and None not in parts, "not this sum")
+    need(terms == graph.terms(n) and None not in parts, "not this sum")
     turns, discs = [turn(f) for f in parts], [disc(f) for f in parts]
     found = [("arg", max(turns))] if None not in turns and max(turns) <= 1 else []
     if None not in discs:
         kind = "real" if all(f[0] == "real" for f in parts) else "disc"
-        found.append((kind, sum(low for low, _ in discs), sum(high for _, high in discs)))
+        found.append((kind, total([low for low, _ in discs]), total([high for _, high in discs])))
     return found
 
 
@@ -268,7 +275,7 @@ def product(graph, n, known, data):
     need(total == graph.powers(n), "not this product")
     turns, discs = [turn(f) for _, f in known], [disc(f) for _, f in known]
     found = [("arg", sum(abs(e) * t for e, t in zip(data, turns, strict=True)))] if None not in turns else []
-    discs = [d if e > 0 else d and inverse(*d) for e, d in zip(data, discs, strict=True)]
+    discs = [d if e > 0 else d and inverted(*d) for e, d in zip(data, discs, strict=True)]
     if None in discs:
         return found
     moving = [e for e, (_, f) in zip(data, known, strict=True) if f[0] != "real"]
@@ -289,11 +296,11 @@ def product(graph, n, known, data):
 
 
 @rule
-def reciprocal(graph, n, known, data):
+def inverse(graph, n, known, data):
     """w = 1/w_1: Re 1/w = Re w/|w|^2, a disc goes over into a disc, and the argument changes its sign."""
     ((m, fact),) = known
     need(graph.powers(n) == {b: -e for b, e in graph.powers(m).items()}, "not its inverse")
-    ends = disc(fact) and inverse(*disc(fact))
+    ends = disc(fact) and inverted(*disc(fact))
     arg = [("arg", turn(fact))] if turn(fact) is not None else []
     return [*arg, ("disc" if fact[0] == "arg" else fact[0], *ends)] if ends else arg
 

@@ -1,62 +1,41 @@
 """Is this positive real, or bounded real? One question for texts, coefficients, systems and networks."""
 
-import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+from itertools import islice
 from typing import Any
 
-from passivity.budget import VERDICT, UndecidedError, budget
-from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Fact, Graph, Value
-from passivity.calculus.proof import Proof, lines, proof_of
-from passivity.calculus.prove import Prover
+from flint import acb
+
+from passivity.ball import near
+from passivity.budget import ASIDE, VERDICT, UndecidedError, budget, if_affordable
+from passivity.calculus.assumed import assumed, ranges_of
+from passivity.calculus.conclusion import CLAIMS, Conclusion
+from passivity.calculus.graph import POSITIVE_REAL, Fact, Graph, Value
+from passivity.calculus.leaf import function_of
+from passivity.calculus.proof import prove
+from passivity.calculus.prove import DEPTHS, Prover
 from passivity.calculus.read import read, statements
-from passivity.calculus.witness import Witness, find_witness
+from passivity.calculus.search import Search
+from passivity.calculus.values import in_ball, needed
+from passivity.calculus.witness import Question, Witness
+from passivity.delayed.boxes import prove_in_balls
+from passivity.delayed.poles import find_pole
 from passivity.errors import ExpressionError, shorten, shown
+from passivity.expression.number import digits
 from passivity.expression.parse import parse
 from passivity.expression.tree import symbols
-from passivity.rational.evaluate import Exact, exact
-from passivity.status import Decided, Kind, Status
-from passivity.symbolic.assumption import Range, collect
+from passivity.one_port.positive_real import check
+from passivity.rational.evaluate import Exact, exact, is_rational, of_tree, with_values
+from passivity.rational.function import RationalFunction
+from passivity.status import Kind, Status
+from passivity.symbolic.assumption import Range
+from passivity.symbolic.counterexample import random_values
 
-_OPAQUE = re.compile(r"\s*([^\W\d]\w*)\s+(?:(pr|positive real)|br|bounded real)\s*", re.IGNORECASE)
-_SHOWN = 24  # lines of a proof that are printed
-
-
-@dataclass(frozen=True)
-class Conclusion(Decided):
-    """Whether a function has a property, with what anyone can check.
-
-    Parameters
-    ----------
-    kind : Kind
-    statement : str
-        What was asked, with the assumptions.
-    status : Status
-    why : str
-        The reason in one sentence.
-    proof : dict or None
-        What `passivity.verifier` checks, if the rules prove it; `passivity.calculus.proof.save` writes it.
-    witness : dict or None
-        Values of the names, and a point s where the property fails.
-    oracle : object
-        The verdict of the exact test or of balls, where one of these decided.
-    """
-
-    kind: Kind
-    statement: str
-    status: Status
-    why: str
-    proof: Proof | None = None
-    witness: Witness | None = None
-    oracle: Any = None
-
-    def __str__(self) -> str:
-        told = [f"{self.statement}: {self.status.value}", f"  because {self.why}"]
-        if self.proof:
-            steps = list(lines(self.proof))
-            told += [f"    {line}" for line in steps[:_SHOWN]]
-            told += [f"    … and {len(steps) - _SHOWN} more steps"] if len(steps) > _SHOWN else []
-        return "\n".join(told)
+_EACH = VERDICT // 2  # of the ways to decide
+_TRIALS = 12  # choices of values for names
+_PLACES = (acb(37, 29), acb(5, 3) / 7, acb(1, 70) / 13)
 
 
 def is_positive_real(what: Any, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None) -> Conclusion:
@@ -105,15 +84,52 @@ def is_bounded_real(what: Any, assume: Iterable[str] = (), values: Mapping[str, 
     return ask(what, Kind.BR, assume, values)
 
 
+def check_expression(text: str, kind: Kind, parameters: Mapping[str, Exact] | None = None) -> Conclusion:
+    """Is an expression analytic in Re s > 0 with Re Z >= 0 there, or |H| <= 1?
+
+    First rules on the expression itself, which turn facts about the parts into facts about the whole; then a search for
+    a point where the property fails, shown in balls; then balls on the axis, if all is rational in s and delays.
+    Functions are principal branches. A function that is not real for real s > 0 has neither property.
+
+    Parameters
+    ----------
+    text : str
+        What `passivity.expression.parse.parse` reads.
+    kind : Kind
+        The property.
+    parameters : mapping of str to number or text, optional
+        A value for every name in the expression but ``s``, and for no other.
+
+    Raises
+    ------
+    ExpressionError
+        What `parse` refuses; a missing or unused parameter; a division by zero; what is too large.
+
+    References
+    ----------
+    O. Brune, "Synthesis of a finite two-terminal network whose driving-point impedance is a prescribed function of
+    frequency", J. Math. Phys. 10 (1931), 191-236: sums, inverses and compositions of positive real functions.
+
+    Examples
+    --------
+    >>> verdict = check_expression("sqrt((R + s*L)/(s*C))*tanh(sqrt((R + s*L)*s*C))", Kind.PR, {"R": 1, "L": 2, "C": 3})
+    >>> verdict.status
+    <Status.PROVED: 'proved'>
+    >>> verdict = check_expression("exp(2*s)/2", Kind.BR)
+    >>> verdict.status, abs(verdict.witness.value) > 1
+    (<Status.REFUTED: 'refuted'>, True)
+    """
+    _, values = with_values(text, parameters or {})
+    return of_text(text, kind, (), values)
+
+
 def ask(what: Any, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None) -> Conclusion:
-    """The conclusion of one of the two functions above."""
+    """The conclusion of `is_positive_real` or `is_bounded_real`."""
     if isinstance(what, str):
         return of_text(what, kind, assume, values)
     from passivity.multiport.positive_real import check as check_matrix
     from passivity.multiport.systems import from_system
     from passivity.multiport.verdict import Network
-    from passivity.one_port.positive_real import check
-    from passivity.rational.function import RationalFunction
 
     if isinstance(what, tuple | list) and len(what) == 2:
         what = RationalFunction.from_coefficients(*what)
@@ -127,78 +143,138 @@ def ask(what: Any, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, 
 
 
 def of_text(text: str, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None) -> Conclusion:
-    """The conclusion about a text: a witness in floats, the rules, then the exact test, polynomials and balls."""
+    """The conclusion about a text, by the first way that leads to one."""
     numbers = {name: exact(x, f"parameter {name}") for name, x in (values or {}).items()}
     assume = [assume] if isinstance(assume, str) else list(assume)
-    graph = Graph(assumed(assume))
-    value = read(graph, text, numbers)
-    claim = POSITIVE_REAL if kind is Kind.PR else BOUNDED_REAL
     given = f" for all {', '.join(assume)}" if assume else ""
-    statement = f"{' '.join(text.split()):.300} is {kind.value}{given}"
-    plain = len(statements(text)) == 1 and "line(" not in text
-    if plain and graph.is_rational[value[1]]:
-        return _by_oracle(kind, statement, text, assume, numbers)
+    made = partial(Conclusion, kind, f"{' '.join(text.split()):.300} is {kind.value}{given}")
+    facts = assumed(assume)
+    plain = parse(text, lines=True) if len(statements(text)) == 1 else None
+    if (
+        plain is not None
+        and is_rational(plain)
+        and not symbols(plain) & facts.keys()
+        and symbols(plain) <= {"s", *numbers}
+    ):
+        pair = of_tree(plain, numbers)  # with what numerator and denominator have in common, and 1/0
+        return _exact(made, kind, RationalFunction(pair.p, pair.q), text, numbers)
+    graph = Graph(facts)
+    value, ranges = read(graph, text, numbers), ranges_of(facts, assume)
+    question = Question(graph, value, CLAIMS[kind], text, numbers)
+    names = {graph.nodes[n][1][0] for n in needed(graph, value[1]) if graph.nodes[n][0] == "name"}
+    if not names:
+        made = partial(made, asked=(text, numbers))
+        return _with_numbers(made, kind, question, next(random_values(ranges)))
+    if plain is None or "line(" in text or any(facts[name][0] == "disc" for name in names):
+        return _with_names(made, question, ranges)
+    return _with_parameters(made, kind, question, [r for r in ranges if r.name in names])
+
+
+def _exact(made: partial, kind: Kind, r: RationalFunction, text: str, numbers: Mapping[str, Fraction]) -> Conclusion:
+    verdict = check(r, kind)
+    return made(verdict.status, verdict.why or verdict.budget, oracle=verdict, asked=(text, numbers))
+
+
+def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping[str, Fraction]) -> Conclusion:
+    """The first of the ways that leads to an answer; each has its own budget."""
+    graph, value = question.graph, question.value
+    if graph.is_rational[value[1]]:
+        return _exact(made, kind, function_of(graph, value[1]) * value[0], question.text, question.numbers)
+    if not any(in_ball(graph, value, s).is_finite() for s in _PLACES):
+        expected = "an expression that is neither 1/0 nor beyond all numbers everywhere"
+        raise ExpressionError("", "no value in reach", expected)
+    prover, missing = Prover(graph), []
+    search = Search(question, unused)
+    ways = (
+        lambda: _refuted(made, search.glance()),
+        lambda: _proved(made, question, prover, DEPTHS[:-1]),
+        lambda: _by_a_pole(made, kind, question, search),
+        lambda: _refuted(made, search.hunt()),
+        lambda: _in_balls(made, kind, question, search),
+        lambda: _proved(made, question, prover, DEPTHS[-1:]),
+    )
+    for way in ways:
+        try:
+            with budget(_EACH):
+                if found := way():
+                    return found[0]
+        except UndecidedError as error:
+            missing.append(str(error))
+    why = f"no rule applies, no counterexample was found, and balls do not settle it: {'; '.join(missing)}"
+    return made(Status.UNDECIDED, why)
+
+
+def _proved(made: partial, question: Question, prover: Prover, depths: tuple[int, ...]) -> list[Conclusion]:
+    proof = prove(question, made.args[1], prover, depths)
+    why = f"it follows in {len(proof['steps'])} steps from what it is made of" if proof else ""
+    return [made(Status.PROVED, why, proof=proof)] if proof else []
+
+
+def _refuted(made: partial, found: Witness | None) -> list[Conclusion]:
+    return [made(Status.REFUTED, found.why, witness=found)] if found else []
+
+
+def _by_a_pole(made: partial, kind: Kind, question: Question, search: Search) -> list[Conclusion]:
+    pole = find_pole(kind, question.graph, question.value)
+    if pole is None:
+        return []
+    s = f"{digits(near(pole.place.real))} + {digits(near(pole.place.imag))}j"
+    why = f"{'H' if question.bounded else 'Z'} has a {pole.word} at s = {s}"
+    return [made(Status.REFUTED, why, witness=search.around(pole.place), pole=pole)]
+
+
+def _in_balls(made: partial, kind: Kind, question: Question, search: Search) -> list[Conclusion]:
+    try:
+        found = prove_in_balls(kind, question.text, question.numbers)
+    except UndecidedError as error:
+        frequency = getattr(error, "frequency", None)
+        if frequency is not None and (witness := search.beside(frequency)):
+            return _refuted(made, witness)
+        raise
+    why = f"strictly so in {len(found.cuts) - 1} balls on the axis up to ω = {digits(found.radius)}"
+    return [made(Status.PROVED, why, oracle=found)]
+
+
+def _with_names(made: partial, question: Question, ranges: list[Range]) -> Conclusion:
+    """For any values of the names, and any functions."""
     try:
         with budget(VERDICT):
-            found = find_witness(graph, value, claim, text, numbers)
-            if found:
-                return Conclusion(kind, statement, Status.REFUTED, _failing(kind, found), witness=found)
-            prover = Prover(graph)
-            last = prover.reach(value, claim)
-        if last is not None:
-            proof = proof_of(graph, prover.steps, last, value, claim, statement)
-            why = f"it follows in {len(proof['steps'])} steps from what it is made of"
-            return Conclusion(kind, statement, Status.PROVED, why, proof=proof)
+            found = _glanced(made, question, ranges) or _proved(made, question, Prover(question.graph), DEPTHS)
+        if found:
+            return found[0]
         limit = "no rule applies and no counterexample was found"
     except UndecidedError as error:
         limit = str(error)
-    if plain and not any(fact[0] == "disc" for fact in graph.names.values()):
-        return _by_oracle(kind, statement, text, assume, numbers)
-    helps = settling(graph, value, claim)
-    why = f"{limit}; it would be settled by {' or '.join(helps)}" if helps else limit
-    return Conclusion(kind, statement, Status.UNDECIDED, why)
+    helps = settling(question.graph, question.value, question.claim)
+    return made(Status.UNDECIDED, f"{limit}; it would be settled by {' or '.join(helps)}" if helps else limit)
 
 
-def _by_oracle(kind: Kind, statement: str, text: str, assume: list[str], numbers: dict) -> Conclusion:
-    from passivity.delayed.decide import check_expression
+def _with_parameters(made: partial, kind: Kind, question: Question, ranges: list[Range]) -> Conclusion:
+    """For any values of parameters: by polynomials too, which tell the exact condition."""
     from passivity.symbolic.check import check_symbolic
 
-    names = symbols(parse(text)) - {"s"}
-    if assume and names - numbers.keys():
-        verdict = check_symbolic(text, kind, assume, {name: x for name, x in numbers.items() if name in names})
-    else:
-        verdict = check_expression(text, kind, numbers)
-    return Conclusion(kind, statement, verdict.status, verdict.why, oracle=verdict)
+    try:
+        with budget(_EACH):
+            if found := _glanced(made, question, ranges):
+                return found[0]
+    except UndecidedError:
+        pass
+    tree = parse(question.text)
+    used = {name: x for name, x in question.numbers.items() if name in symbols(tree)}
+    verdict = check_symbolic(question.text, kind, ranges, used)
+    witness = None
+    if found := verdict.counterexample:
+        values = {name: x for name, x in found.values.items() if name not in used}
+        point = found.witness
+        witness = if_affordable(ASIDE, question.witness, point.re, point.im, values)
+    return made(verdict.status, verdict.why, proof=verdict.certificate, witness=witness, oracle=verdict)
 
 
-def _failing(kind: Kind, witness: Witness) -> str:
-    at = ", ".join(f"{name} = {x}" for name, x in witness["values"].items())
-    s = f"s = {witness['s'][0]} + {witness['s'][1]}j"
-    letter = "Z" if kind is Kind.PR else "H"
-    return f"{letter}(s) = {witness['value']} at {s}{f', {at}' if at else ''}"[:600]
-
-
-def assumed(assume: Iterable[str]) -> dict[str, Fact]:
-    """What is assumed of each name, as facts.
-
-    Examples
-    --------
-    >>> assumed(["R > 0", "H bounded real"])["R"]
-    ('real', Fraction(0, 1), inf)
-    """
-    opaque: dict[str, Fact] = {}
-    ranges: list[str | Range] = []
-    for text in assume:
-        if isinstance(text, str) and (found := _OPAQUE.fullmatch(text)):
-            if found[1] == "s":
-                raise ExpressionError(f"assumption {text.strip()}", "s is the Laplace variable", "another name")
-            opaque[found[1]] = POSITIVE_REAL if found[2] else BOUNDED_REAL
-        else:
-            ranges.append(text)
-    facts: dict[str, Fact] = {name: r.fact for name, r in collect(ranges).items()}
-    if both := opaque.keys() & facts.keys():
-        raise ExpressionError(f"assumption {min(both)}", "a function and a number at once", "one of them")
-    return facts | opaque
+def _glanced(made: partial, question: Question, ranges: list[Range]) -> list[Conclusion]:
+    for names in islice(random_values(ranges), _TRIALS):
+        if found := _refuted(made, Search(question, names).glance()):
+            return found
+    return []
 
 
 def settling(graph: Graph, value: Value, claim: Fact) -> list[str]:

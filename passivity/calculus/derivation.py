@@ -7,10 +7,12 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
-from passivity.calculus.ask import Conclusion, is_bounded_real, is_positive_real
+from passivity.calculus.ask import is_bounded_real, is_positive_real
+from passivity.calculus.conclusion import Conclusion
 from passivity.calculus.graph import Graph
-from passivity.calculus.read import read
+from passivity.calculus.read import read, statements
 from passivity.status import Decided, Status
 
 # name of the step, left side, right side, what is put in
@@ -84,17 +86,100 @@ def derive(load: str = "Z2", z0: str = "z0", delay: str = "T", assume: Iterable[
 
 
 def _checked(what: str, left: str, right: str, given: dict[str, str]) -> tuple[str, str, bool]:
-    """Both sides with what is given put in, multiplied out by the rule `equal` of the verifier."""
-    any_number = ("real", float("-inf"), float("inf"))
-    graph = Graph(dict.fromkeys(("U1", "Y1", "z0", "G1", "H1", "A1", "B1"), any_number))
     lets = "".join(f"let {name}_ = {text}; " for name, text in given.items())
 
-    def side(text: str) -> tuple[dict, dict]:
+    def side(text: str) -> str:
         for name in given:
             text = text.replace(name, f"{name}_")
-        c, n = read(graph, lets + text)
+        return lets + text
+
+    return what, f"{left} = {right}", is_equation(side(left), side(right))
+
+
+def is_equation(left: str, right: str) -> bool:
+    """Whether two texts are the same quotient of polynomials in their names, by the rule `equal` of the verifier."""
+    names = {name for text in (left, right) for name in re.findall(r"[^\W\d]\w*", text)} - {"let", "s", "sqrt"}
+    defined = {name for text in (left, right) for name, _ in statements(text)}
+    graph = Graph(dict.fromkeys(sorted(names - defined), ("real", float("-inf"), float("inf"))))
+
+    def side(text: str) -> tuple[dict, dict]:
+        c, n = read(graph, text)
         p, q = graph.fraction(Fraction(1), n, ())
         return {key: x * c for key, x in p.items()}, q
 
     (p, q), (u, v) = side(left), side(right)
-    return what, f"{left} = {right}", graph.multiplied(p, v) == graph.multiplied(u, q)
+    return graph.multiplied(p, v) == graph.multiplied(u, q)
+
+
+class Identity(NamedTuple):
+    """An equation between the real parts of complex numbers and functions of these.
+
+    Parameters
+    ----------
+    text : str
+        What it says, in the quantities of the line.
+    parts : str
+        The right side in real and imaginary parts.
+    definition : str
+        The left side from its definition, i being the imaginary unit.
+    """
+
+    text: str
+    parts: str
+    definition: str
+
+    @property
+    def holds(self) -> bool:
+        """Whether both sides are the same."""
+        return is_equation(f"let i = sqrt(-1); {self.definition}", self.parts)
+
+    def __str__(self) -> str:
+        return f"{self.text} = {self.parts}"
+
+
+def reflection_identity() -> list[Identity]:
+    """|H2|^2 = 1 - 4 Re G2/|G2 + 1|^2 for G2 = x + jy, H2 = (G2 - 1)/(G2 + 1), the last of several steps.
+
+    So |H2| <= 1 where Re G2 >= 0, and the other way round.
+
+    Examples
+    --------
+    >>> for step in reflection_identity():
+    ...     print(step, step.holds)
+    |G2 + 1|^2 = (x + 1)^2 + y^2 True
+    |G2 - 1|^2 = (x - 1)^2 + y^2 True
+    |G2 + 1|^2 - |G2 - 1|^2 = 4 Re G2 = 4*x True
+    |H2|^2 = 1 - 4 Re G2/|G2 + 1|^2 = 1 - 4*x/((x + 1)^2 + y^2) True
+    """
+    below, above = "(x + i*y + 1)*(x - i*y + 1)", "(x + i*y - 1)*(x - i*y - 1)"
+    h2 = "((x + i*y - 1)/(x + i*y + 1))*((x - i*y - 1)/(x - i*y + 1))"
+    return [
+        Identity("|G2 + 1|^2", "(x + 1)^2 + y^2", below),
+        Identity("|G2 - 1|^2", "(x - 1)^2 + y^2", above),
+        Identity("|G2 + 1|^2 - |G2 - 1|^2 = 4 Re G2", "4*x", f"{below} - {above}"),
+        Identity("|H2|^2 = 1 - 4 Re G2/|G2 + 1|^2", "1 - 4*x/((x + 1)^2 + y^2)", h2),
+    ]
+
+
+def admittance_identity() -> list[Identity]:
+    """2 Re G1 = 2 (1 - |H1|^2)/|1 + H1|^2 for H1 = a + jb, G1 = (1 - H1)/(1 + H1), the last of several steps.
+
+    So Re G1 >= 0 where |H1| <= 1, and the other way round.
+
+    Examples
+    --------
+    >>> for step in admittance_identity():
+    ...     print(step, step.holds)
+    |1 + H1|^2 = (1 + a)^2 + b^2 True
+    Re (1 - H1) conj(1 + H1) = 1 - |H1|^2 = 1 - (a^2 + b^2) True
+    Im (1 - H1) conj(1 + H1) = -2 Im H1 = -2*b True
+    2 Re G1 = 2 (1 - |H1|^2)/|1 + H1|^2 = 2*(1 - (a^2 + b^2))/((1 + a)^2 + b^2) True
+    """
+    product, mirrored = "(1 - a - i*b)*(1 + a - i*b)", "(1 - a + i*b)*(1 + a + i*b)"
+    twice = "(1 - a - i*b)/(1 + a + i*b) + (1 - a + i*b)/(1 + a - i*b)"
+    return [
+        Identity("|1 + H1|^2", "(1 + a)^2 + b^2", "(1 + a + i*b)*(1 + a - i*b)"),
+        Identity("Re (1 - H1) conj(1 + H1) = 1 - |H1|^2", "1 - (a^2 + b^2)", f"({product} + {mirrored})/2"),
+        Identity("Im (1 - H1) conj(1 + H1) = -2 Im H1", "-2*b", f"({product} - {mirrored})/(2*i)"),
+        Identity("2 Re G1 = 2 (1 - |H1|^2)/|1 + H1|^2", "2*(1 - (a^2 + b^2))/((1 + a)^2 + b^2)", twice),
+    ]

@@ -9,6 +9,7 @@ from fractions import Fraction
 from math import isqrt
 from typing import Any, TypeAlias
 
+from passivity.budget import spend
 from passivity.errors import ExpressionError
 from passivity.size import MAX_BITS, bits_of, check_size
 from passivity.verifier import Graph as Nodes
@@ -171,26 +172,27 @@ class Graph(Nodes):
             Where there is no value: log(0), coth(0).
         """
         c, n = value
+        if not c and name in ("log", "coth", "csch"):
+            raise ExpressionError("", f"{name}(0) has no value", "another argument")
         if name in ("coth", "sech", "csch", "sinh"):
             other = self.function({"sech": "cosh"}.get(name, "tanh"), value)
             if name in ("coth", "sech"):
                 return self.inverse(other)
             return self.product([other, self.function("cosh", value)], [1, 1] if name == "sinh" else [-1, -1])
         if not c:
-            if name == "log":
-                raise ExpressionError("", "log(0) has no value", "another argument")
             return UNIT if name in ("exp", "cosh") else ZERO
         if n == 0 and name == "sqrt" and c > 0 and all(isqrt(x) ** 2 == x for x in c.as_integer_ratio()):
             return Fraction(isqrt(c.numerator), isqrt(c.denominator)), 0
         if n == 0 and name == "log" and c == 1:
             return ZERO
-        if name in ("tanh", "cosh") and not self.moves[n]:
-            once = self.function("exp", value)
-            if name == "cosh":
-                return self.scaled(self.sum([once, self.inverse(once)]), Fraction(1, 2))
-            below = self.sum([UNIT, self.product([once], [2])])
-            return self.sum([UNIT, self.scaled(self.inverse(below), -2)])
         sign = -1 if name in ("tanh", "cosh") and c < 0 else 1
+        if name in ("tanh", "cosh") and not self.moves[n]:  # by what dies away for x > 0
+            once = self.function("exp", (-sign * c, n))
+            square = self.product([once], [2])
+            plus, minus = self.sum([UNIT, square]), self.sum([UNIT, self.scaled(square, -1)])
+            if name == "cosh":
+                return self.scaled(self.product([plus, once], [1, -1]), Fraction(1, 2))
+            return self.scaled(self.product([minus, plus], [1, -1]), sign)
         return Fraction(sign if name == "tanh" else 1), self.node(name, ((sign * c, n),))
 
     def line(self, z0: Value, propagation: Value, load: Value) -> Value:
@@ -200,6 +202,12 @@ class Graph(Nodes):
         found = Fraction(1), self.node("line", (z0, propagation, load))
         self.mark(found)
         return found
+
+    def multiplied(self, f: dict, g: dict) -> dict:
+        """The product of two polynomials in atoms, if it is affordable."""
+        longest = max(map(len, f), default=0) + max(map(len, g), default=0)
+        spend((5_000 + 2_000 * longest) * len(f) * len(g), "an equality")
+        return super().multiplied(f, g)
 
     def share(self, other: "Graph") -> None:
         """Begin with the nodes and marks of another graph."""

@@ -2,15 +2,49 @@
 
 import json
 from collections.abc import Iterator
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from passivity.calculus.graph import Fact, Graph, Value
-from passivity.calculus.prove import Step
-from passivity.verifier import FORMAT, FUNCTIONS
+from passivity.calculus.graph import BOUNDED_REAL, Fact, Graph, Value
+from passivity.calculus.prove import DEPTHS, Prover, Step
+from passivity.calculus.witness import Question
+from passivity.expression.number import digits, written
+from passivity.verifier import FORMAT, FUNCTIONS, check, disc, read_fact, scaled
 
 Proof = dict[str, Any]
+_LONGEST_NUMBER = 30  # characters
 LONGEST = 400  # characters of a node in words
+
+
+def prove(
+    question: Question, statement: str, prover: Prover | None = None, depths: tuple[int, ...] = DEPTHS
+) -> Proof | None:
+    """A proof by the rules, None if they lead to none."""
+    graph, value, claim = question.graph, question.value, question.claim
+    prover = prover or Prover(graph)
+    last = prover.reach(value, claim, depths)
+    return None if last is None else proof_of(graph, prover.steps, last, value, claim, statement)
+
+
+def verify_proof(proof: Proof) -> bool:
+    """Whether each step of a proof, as its file is read, follows from those before it.
+
+    Examples
+    --------
+    >>> from passivity.calculus.ask import is_positive_real
+    >>> verify_proof(is_positive_real("1/(1 + sqrt(s))").proof)
+    True
+    """
+    return check(json.loads(json.dumps(proof))) is None
+
+
+def sharpest(proof: Proof) -> Fraction | None:
+    """The bound of Re Z, or of |H|, that the last step of a proof tells of."""
+    ends = disc(scaled(read_fact(proof["steps"][-1][1]), Fraction(proof["root"][0])))
+    if read_fact(proof["claim"]) == BOUNDED_REAL:
+        return ends and max(-ends[0], ends[1])
+    return ends and ends[0]
 
 
 def proof_of(graph: Graph, steps: list[Step], last: int, value: Value, claim: Fact, statement: str) -> Proof:
@@ -43,14 +77,14 @@ def proof_of(graph: Graph, steps: list[Step], last: int, value: Value, claim: Fa
     return {
         "format": FORMAT,
         "statement": statement,
-        "names": {name: written(graph.names[name]) for name in sorted(names)},
+        "names": {name: in_texts(graph.names[name]) for name in sorted(names)},
         "nodes": [_node(graph, n, new) for n in kept],
         "steps": [
-            [new[n], written(fact), rule, [at[m] for m in premises], data(rule, given)]
+            [new[n], in_texts(fact), rule, [at[m] for m in premises], data(rule, given)]
             for n, fact, rule, premises, given in (steps[k] for k in order)
         ],
-        "root": [str(value[0]), new[value[1]]],
-        "claim": written(claim),
+        "root": [written(value[0]), new[value[1]]],
+        "claim": in_texts(claim),
     }
 
 
@@ -59,13 +93,13 @@ def _node(graph: Graph, n: int, new: dict[int, int]) -> list[Any]:
     if kind == "mul":
         return [kind, *([new[m], e] for m, e in parts)]
     if kind in ("sum", "line", *FUNCTIONS):
-        return [kind, *([str(c), new[m]] for c, m in parts)]
+        return [kind, *([written(c), new[m]] for c, m in parts)]
     return [kind, *(list(x) if isinstance(x, tuple) else x for x in parts)]
 
 
-def written(fact: Fact) -> list[str]:
-    """A fact in texts."""
-    return [str(x) for x in fact]
+def in_texts(fact: Fact) -> list[str]:
+    """A fact as files have it."""
+    return [fact[0], *map(written, fact[1:])]
 
 
 def in_words(fact: list[str]) -> str:
@@ -79,7 +113,7 @@ def in_words(fact: list[str]) -> str:
     known = {("disc", "0", "inf"): "positive real", ("disc", "-1", "1"): "bounded real", ("arg", "1"): "positive real"}
     if tuple(fact) in known:
         return known[tuple(fact)]
-    kind, *ends = fact
+    kind, *ends = (x if len(x) <= _LONGEST_NUMBER else f"about {digits(Fraction(x), 9)}" for x in fact)
     if kind == "arg":
         return f"|arg| <= 90°*{ends[0]}"
     low, high = ends

@@ -1,20 +1,22 @@
 """Facts about the nodes of a graph, by the rules of `passivity.verifier`: the prover only chooses which to apply."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from typing import Any
 
-from passivity.budget import spend
+from passivity.budget import VERDICT, UndecidedError, budget, spend
 from passivity.calculus.graph import POSITIVE_REAL, Fact, Graph, Value
 from passivity.calculus.leaf import rational_facts
 from passivity.calculus.rewrite import rewritings
 from passivity.errors import ExpressionError
-from passivity.verifier import RULES, disc, implies, inverse, scaled, turn
+from passivity.expression.number import written
+from passivity.verifier import RULES, disc, implies, inverted, scaled, turn
 
 DEPTHS = (2, 4, 6)  # of rewritings within rewritings, tried in turn
 MAX_REWRITINGS = 60  # of what one mark needs
 _COST = 60_000
+_EQUALITY = VERDICT // 10
 _SMALL = 150  # nodes of a graph in which equalities are also multiplied out in full
 
 Step = tuple[int, Fact, str, list[int], Any]  # node, fact, rule, the steps it rests on, data
@@ -38,9 +40,9 @@ class Prover:
         self.known: dict[int, list[int]] = {}
         self.most, self.depth, self.rewritten = DEPTHS[0], 0, 0
 
-    def reach(self, value: Value, goal: Fact) -> int | None:
-        """The step that proves a fact about a value; None if the rules lead to none."""
-        for most in DEPTHS:
+    def reach(self, value: Value, goal: Fact, depths: tuple[int, ...] = DEPTHS) -> int | None:
+        """The step that proves a fact about a value, the sharpest of those found; None if the rules lead to none."""
+        for most in depths:
             self.most = most
             for n in [*self._marked(value[1]), value[1]]:
                 self.rewritten = 0
@@ -64,18 +66,16 @@ class Prover:
         return sorted(seen.intersection(self.graph.marks))
 
     def _implying(self, value: Value, goal: Fact) -> int | None:
-        for k in self.known.get(value[1], ()):
-            moved = scaled(self.steps[k][1], value[0])
-            if moved and implies(moved, goal):
-                return k
-        return None
+        return self._best(value, goal, self.known.get(value[1], ()))
 
     def _rewritten_to(self, value: Value, goal: Fact) -> int | None:
-        for k in self.rewrite(value[1]):
-            moved = scaled(self.steps[k][1], value[0])
-            if moved and implies(moved, goal):
-                return k
-        return None
+        return next((k for k in self.rewrite(value[1]) if self._best(value, goal, [k]) is not None), None)
+
+    def _best(self, value: Value, goal: Fact, steps: Iterable[int]) -> int | None:
+        """The sharpest of some steps that imply a fact."""
+        moved = ((scaled(self.steps[k][1], value[0]), k) for k in steps)
+        implying = [(_size(fact), _low(fact), k) for fact, k in moved if fact and implies(fact, goal)]
+        return min(implying)[-1] if implying else None
 
     def facts(self, n: int) -> list[int]:
         """Steps about a node, those that others imply left out."""
@@ -110,8 +110,8 @@ class Prover:
             yield from self.follow(n, "leaf", [])
         elif graph.moves[n] and graph.is_rational[n] and graph.powers(n) not in ({graph.s[1]: 1}, {graph.s[1]: -1}):
             for fact, data in rational_facts(graph, n):
-                yield from self.follow(n, "rational", [], {"fact": _written(fact), **data})
-            if not self.known[n] and kind == "mul":
+                yield from self.follow(n, "rational", [], {"fact": [fact[0], *map(written, fact[1:])], **data})
+            if kind == "mul" and not any(turn(self.steps[k][1]) is not None for k in self.known[n]):
                 yield from self.product(n)
         elif kind == "sum":
             yield from self.sum(n)
@@ -154,7 +154,7 @@ class Prover:
             c, together = graph.sum(simple)
             terms = [(c, together), *((c, m) for c, m in terms if not graph.is_rational[m])]
         known = [[(scaled(self.steps[k][1], c), k) for k in self.facts(m)] for c, m in terms]
-        data = [str(c) for c, _ in terms]
+        data = [written(c) for c, _ in terms]
         for key in (_low, _high, _width, _angle):
             best = [min(((key(f), k) for f, k in facts if f), default=(math.inf, 0)) for facts in known]
             if all(x < math.inf for x, _ in best) and (key is not _angle or all(x <= 1 for x, _ in best)):
@@ -172,7 +172,7 @@ class Prover:
                 for k in list(self.facts(graph.nodes[b][1][0][1])):
                     yield from self.follow(n, "function", [k])
         for k in list(self.known.get(opposite, ())):
-            yield from self.follow(n, "reciprocal", [k])
+            yield from self.follow(n, "inverse", [k])
         yield from self.means(n, powers)
         pieces = self.pieces(n, powers)
         if len(pieces) < 2 and pieces[0][1] in (1, -1):
@@ -199,7 +199,9 @@ class Prover:
             c, squared = graph.product([(Fraction(1), n)], [2])
             if c > 0 and squared != n and graph.is_rational[squared]:
                 for k in list(self.facts(squared)):
-                    yield from self.follow(n, "square", [k, *(x for _, x in angles)], [str(c), [e for _, e in pieces]])
+                    yield from self.follow(
+                        n, "square", [k, *(x for _, x in angles)], [written(c), [e for _, e in pieces]]
+                    )
 
     def pieces(self, n: int, powers: dict[int, int]) -> list[tuple[int, int]]:
         """Constants together, what is rational together, quotients of sums that differ in signs, and single powers."""
@@ -235,12 +237,18 @@ class Prover:
                 c, x = graph.scaled(graph.nodes[x][1][0], -1)
             if {k: -v for k, v in graph.powers(x).items()} == {k: v for k, v in powers.items() if k != b}:
                 for k in self.discs(x):
-                    yield from self.follow(n, "mean", [k], str(c))
+                    yield from self.follow(n, "mean", [k], written(c))
 
     def equal(self, n: int, k: int, c: str, cut: list[int]) -> list[int]:
         """A fact of a multiple; where sums have merged with those that are cut off, in full if that is small."""
-        found = self.follow(n, "equal", [k], [c, cut])
-        return found or (self.follow(n, "equal", [k], [c, []]) if cut and len(self.graph.nodes) < _SMALL else [])
+        try:
+            with budget(_EQUALITY):
+                found = self.follow(n, "equal", [k], [c, cut])
+                return found or (
+                    self.follow(n, "equal", [k], [c, []]) if cut and len(self.graph.nodes) < _SMALL else []
+                )
+        except UndecidedError:
+            return []
 
     def rewrite(self, n: int) -> Iterator[int]:
         """Facts about the same function, or its inverse, written differently."""
@@ -254,8 +262,8 @@ class Prover:
                     return
                 target = self.graph.inverse((Fraction(1), n))[1] if upside_down else n
                 for k in list(self.facts(m)):
-                    for found in self.equal(target, k, str(c), cut):
-                        yield from [found] if target == n else self.follow(n, "reciprocal", [found])
+                    for found in self.equal(target, k, written(c), cut):
+                        yield from [found] if target == n else self.follow(n, "inverse", [found])
         except ExpressionError:  # a division by zero on the way
             return
         finally:
@@ -272,13 +280,9 @@ def _useful(fact: Fact) -> bool:
     return fact[0] == "arg" or fact[1] > -math.inf or fact[2] < math.inf
 
 
-def _written(fact: Fact) -> list[str]:
-    return [str(x) for x in fact]
-
-
 def _inverted(fact: Fact) -> Fact:
     known = disc(fact)
-    ends = known and inverse(*known)
+    ends = known and inverted(*known)
     return (fact[0] if fact[0] == "real" else "disc", *ends) if ends else ("disc", -math.inf, math.inf)
 
 

@@ -11,20 +11,18 @@ before is. For a rational load the converse holds too: an active load makes an a
 from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import acb, ctx, fmpz_poly
+from flint import acb, ctx
 
 from passivity.ball import of_point
 from passivity.budget import ASIDE, UndecidedError, budget, spend
 from passivity.errors import ExpressionError, shown
 from passivity.expression.number import digits
-from passivity.one_port.axis import allowance
-from passivity.one_port.polynomial_sign import find_sign
 from passivity.one_port.positive_real import check_bounded_real, check_positive_real
 from passivity.one_port.verdict import Verdict, Witness
-from passivity.one_port.witness import from_axis, from_root
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
-from passivity.status import Decided, Kind, Status
+from passivity.status import Decided, Status
+from passivity.symbolic.delay import delayed_witness
 
 
 @dataclass(frozen=True)
@@ -110,8 +108,10 @@ def check_line(load: RationalFunction, z0: Exact, delay: Exact) -> Chain:
         return Chain(verdict, reflection, reference, travel, steps)
     try:
         with budget(ASIDE):
-            witness = _witness(h2, travel)
-            there = _input(witness, travel)
+            witness = delayed_witness(reflection, 2 * travel)
+            there = witness and _input(witness, travel)
+        assert witness is not None
+        assert there is not None
         reason = f"|H1(s)| > 1 at s = {digits(witness.re)} + {digits(witness.im)}j"
         value = f"Re G1(s) = {there.real.str(6, radius=False)} there"
     except UndecidedError:  # the point would have too many digits
@@ -148,16 +148,6 @@ def _shape(h2: RationalFunction, reflection: Verdict, delay: Fraction) -> str:
     if h2 == RationalFunction.constant(Fraction(-1)):
         return "; the end is short-circuited and G1 = coth(Ts), with poles at ω = k pi/T of residue 1/T"
     return "; nothing is lost, so all poles of G1 are simple and on the axis" if reflection.lossless else ""
-
-
-def _witness(h2: RationalFunction, delay: Fraction) -> Witness:
-    """Where |exp(-2Ts) H2| > 1: beside the axis where |H2| > 1 on it, else near a pole of H2."""
-    p, q = h2.p, h2.q
-    allowed: fmpz_poly = allowance(Kind.BR, p, q)
-    sign = find_sign(allowed)
-    if isinstance(sign, Fraction):
-        return from_axis(Kind.BR, p, q, allowed, sign, delay)
-    return from_root(Kind.BR, p, q, h2.reduced().q, delay)
 
 
 def _input(witness: Witness, delay: Fraction) -> acb:

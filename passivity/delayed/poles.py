@@ -10,10 +10,8 @@ from typing import NamedTuple
 from flint import acb, arb, ctx, fmpz_mpoly, fmpz_poly
 
 from passivity.budget import spend
-from passivity.delayed.field import Element, Field
-from passivity.delayed.form import Form
-from passivity.delayed.search import Point, around
-from passivity.delayed.value import value
+from passivity.calculus.expand import Expansion, Pair
+from passivity.calculus.graph import Graph, Value
 from passivity.one_port.axis import parts
 from passivity.one_port.polynomial_sign import squarefree
 from passivity.one_port.real_roots import positive_roots
@@ -24,38 +22,35 @@ _MAX_DEGREE = 60
 
 
 class Pole(NamedTuple):
-    """A pole, or for an impedance a zero, in a ball in Re s >= 0; `witness` is a point near it, if one is in reach."""
+    """A pole, or for an impedance a zero, in a ball in Re s >= 0."""
 
     place: acb
     word: str
-    witness: Point | None
 
 
-def find_pole(kind: Kind, form: Form) -> Pole | None:
+def find_pole(kind: Kind, graph: Graph, value: Value) -> Pole | None:
     """A pole in Re s > 0 or, of a reflection, on the axis; of an impedance also a zero in Re s > 0.
 
     Examples
     --------
-    >>> from passivity.delayed.translate import of_text
-    >>> found = find_pole(Kind.BR, of_text("exp(-9*s)*(s + 2)/(s - 2)"))
-    >>> found.word, float(found.place.real), found.witness.re > 2
-    ('pole', 2.0, True)
-    >>> find_pole(Kind.BR, of_text("(exp(-s) - exp(-2))/(s - 2)")) is None
+    >>> from passivity.calculus.read import read
+    >>> graph = Graph()
+    >>> found = find_pole(Kind.BR, graph, read(graph, "exp(-9*s)*(s + 2)/(s - 2)"))
+    >>> found.word, float(found.place.real)
+    ('pole', 2.0)
+    >>> find_pole(Kind.BR, graph, read(graph, "(exp(-s) - exp(-2))/(s - 2)")) is None
     True
     """
-    field = Field(form)
-    whole = field.of(form)
-    sides = [("pole", whole)]
-    if kind is Kind.PR and whole.n:
-        sides.append(("zero", Element(whole.d, whole.n)))
-    for word, x in sides:
-        f = _alone(x.d)
-        if not 0 < f.degree() <= _MAX_DEGREE:
+    expansion = Expansion(graph, value[1])
+    whole = expansion.of(value).reduced()
+    for word, x in (("pole", whole), ("zero", whole.inverse())):
+        f = _alone(x.q)
+        if not 0 < f.degree() <= _MAX_DEGREE or (word == "zero" and kind is Kind.BR):
             continue
-        rest = field.form(Element(x.n, x.d // field.univariate(f)))
+        rest = Pair(x.p, x.q / expansion.univariate(f))
         for root in _roots(kind, f):
-            if _stays_away(rest, root):
-                return Pole(root, word, around(kind, form, root))
+            if _stays_away(expansion, rest, root):
+                return Pole(root, word)
     return None
 
 
@@ -95,10 +90,11 @@ def _on_axis(f: fmpz_poly) -> Iterator[acb]:
                 yield acb(0, arb(root.low).union(arb(root.high)).sqrt())
 
 
-def _stays_away(rest: Form, root: acb) -> bool:
+def _stays_away(expansion: Expansion, rest: Pair, root: acb) -> bool:
     """Whether a function has no zero in a small ball around a point, nor is infinite there."""
     with ctx.workprec(_BITS):
         size = abs(root).upper() if root != 0 else arb(1)
         room = arb(0, (size * arb(2) ** (16 - _BITS)).upper())
-        there = value(rest, acb(root.real + room, root.imag + room))
+        s = acb(root.real + room, root.imag + room)
+        there = expansion.value(rest.p, s) / expansion.value(rest.q, s)
     return bool(there.is_finite() and there != 0)

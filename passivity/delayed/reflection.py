@@ -9,15 +9,13 @@ from fractions import Fraction
 from flint import acb, arb, arb_poly, fmpz_mpoly
 
 from passivity.ball import of_fraction
-from passivity.delayed.field import Element, Field, TooLargeError
-from passivity.delayed.form import Form, Function, depends_on_s, multiply, of_rational
+from passivity.budget import UndecidedError
+from passivity.calculus.expand import Expansion, ExpansionError, Pair
+from passivity.calculus.graph import Graph, Value
+from passivity.calculus.values import in_ball
 from passivity.delayed.quasi import QuasiPolynomial
-from passivity.delayed.value import value
-from passivity.one_port.polynomial_sign import UndecidedError
-from passivity.rational.function import RationalFunction
 from passivity.status import Kind
 
-_S = of_rational(RationalFunction.from_coefficients([1, 0], [1]))
 _MAX_POLES = 4  # at infinity, split off one after the other
 
 
@@ -45,7 +43,7 @@ class Reflection:
         return z if kind is Kind.PR else (z - 1) / (z + 1)
 
 
-def reflection(kind: Kind, form: Form) -> Reflection:
+def reflection(kind: Kind, graph: Graph, value: Value) -> Reflection:
     """X of an impedance, or of the impedance (1 + H)/(1 - H), at the present precision.
 
     Raises
@@ -55,51 +53,53 @@ def reflection(kind: Kind, form: Form) -> Reflection:
 
     Examples
     --------
-    >>> from passivity.delayed.translate import of_text
-    >>> found = reflection(Kind.PR, of_text("2*s + 3 + exp(-s)/(1 + s)"))
+    >>> from passivity.calculus.read import read
+    >>> graph = Graph()
+    >>> found = reflection(Kind.PR, graph, read(graph, "2*s + 3 + exp(-s)/(1 + s)"))
     >>> found.slopes, found.far
     ((Fraction(2, 1),), Fraction(3, 1))
     """
-    field = Field(form)
+    expansion = Expansion(graph, value[1])
     try:
-        z = field.of(form)
+        z = expansion.of(value).reduced()
         if kind is Kind.BR:
-            z = field.cancelled(Element(z.d + z.n, z.d - z.n))
-        if not z.d:
+            z = Pair(z.q + z.p, z.q - z.p).reduced()
+        if not z.q:
             raise UnresolvedError("infinite everywhere")
-        z, slopes, a = _without_poles(field, z)
+        z, slopes, a = _without_poles(expansion, z)
         up, down = a.numerator, a.denominator
-        both = [field.reduced(z.n * down - z.d * up), field.reduced(z.n * down + z.d * up)]
-    except TooLargeError:
+        both = [expansion.without_squares(z.p * down - z.q * up), expansion.without_squares(z.p * down + z.q * up)]
+    except ExpansionError:
         raise UnresolvedError("multiplied out, the function is too large") from None
     used = {k for f in z for k, degree in enumerate(f.degrees()[1:]) if degree}
-    meaning = [_meaning(g, field.units[g]) if k in used else (arb(0), arb(1)) for k, g in enumerate(field.generators)]
+    others = range(expansion.domain.others)
+    meaning = [_meaning(expansion, k) if k in used else (arb(0), arb(1)) for k in others]
     return Reflection(_quasi(meaning, both[0]), _quasi(meaning, both[1]), slopes, a)
 
 
-def _without_poles(field: Field, z: Element) -> tuple[Element, tuple[Fraction, ...], Fraction]:
+def _without_poles(expansion: Expansion, z: Pair) -> tuple[Pair, tuple[Fraction, ...], Fraction]:
     """Z1, the slopes and A."""
     slopes = [Fraction(0)]
     for _ in range(_MAX_POLES):
-        (m, a), (n, b) = _leading(field, z.n), _leading(field, z.d)
+        (m, a), (n, b) = _leading(z.p), _leading(z.q)
         if m == n:
             if a * b > 0:
                 return z, tuple(slopes), Fraction(a, b)
             break
         if m < n:
-            z, m, a, n, b = Element(z.d, z.n), n, b, m, a
+            z, m, a, n, b = z.inverse(), n, b, m, a
             slopes.append(Fraction(0))
         if m != n + 1 or a * b < 0:
             break
         slopes[-1] = Fraction(a, b)
-        pole = field.s * z.d
-        z = field.cancelled(Element(z.n * b - pole * a, z.d * b))
-        if not z.n:
+        pole = expansion.s * z.q
+        z = Pair(z.p * b - pole * a, z.q * b).reduced()
+        if not z.p:
             break
     raise UnresolvedError("no positive value far out, where delays have died away")
 
 
-def _leading(field: Field, f: fmpz_mpoly) -> tuple[int, int]:
+def _leading(f: fmpz_mpoly) -> tuple[int, int]:
     """Highest power of s and its coefficient, among the terms without generators."""
     plain = [(int(x[0]), int(c)) for x, c in f.to_dict().items() if not any(x[1:])]
     if not plain:
@@ -107,20 +107,20 @@ def _leading(field: Field, f: fmpz_mpoly) -> tuple[int, int]:
     return max(plain)
 
 
-def _meaning(g: Function, unit: Fraction) -> tuple[arb, arb]:
+def _meaning(expansion: Expansion, k: int) -> tuple[arb, arb]:
     """T and c of a generator c exp(-T s)."""
-    if not depends_on_s(whole := multiply([(g, 1)])):
-        return arb(0), _real(whole)
-    if g.name == "exp" and not depends_on_s(per := g.argument / _S):
-        t = -_real(per) * unit.numerator / unit.denominator
-        if t > 0:
-            return t, arb(1)
+    graph, whole = expansion.graph, expansion.generator(k)
+    if not graph.moves[whole[1]]:
+        return arb(0), _real(graph, whole)
+    delay = expansion.delay(k)
+    if delay is not None and (t := _real(graph, delay)) > 0:
+        return t, arb(1)
     raise UnresolvedError("not rational in s and delays")
 
 
-def _real(constant: Form) -> arb:
+def _real(graph: Graph, constant: Value) -> arb:
     """A constant that is known to have no imaginary part."""
-    ball = value(constant, acb(1))
+    ball = in_ball(graph, constant, acb(1))
     if not (ball.is_finite() and ball.imag == 0):  # not "!= 0", which is only true of balls without 0
         raise UnresolvedError("it has constants that are not known to be real numbers")
     return ball.real

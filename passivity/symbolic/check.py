@@ -4,23 +4,25 @@ from collections.abc import Iterable, Mapping
 from fractions import Fraction
 
 from passivity.budget import VERDICT, UndecidedError, budget
+from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Graph, Value
+from passivity.calculus.proof import Proof, lines, prove
+from passivity.calculus.read import read
+from passivity.calculus.witness import Question as Asked
 from passivity.errors import ExpressionError, shown
 from passivity.expression.number import written
 from passivity.expression.parse import parse
 from passivity.expression.tree import Node, symbols
-from passivity.rational.evaluate import Exact, exact
+from passivity.rational.evaluate import Exact, exact, is_rational, of_tree
 from passivity.status import Kind, Status
 from passivity.symbolic import write
 from passivity.symbolic.assumption import Range, collect, meet
 from passivity.symbolic.counterexample import Counterexample, search
-from passivity.symbolic.domain import Domain
-from passivity.symbolic.expand import Expansion
 from passivity.symbolic.formula import Claim, Joined
 from passivity.symbolic.question import Question
-from passivity.symbolic.structure import Structure
 from passivity.symbolic.verdict import Condition, SymbolicVerdict
 
 MAX_PARAMETERS = 200
+_REFUSED = 4_000  # of the work of all trials: an expression that turns out too large
 _SHOWN = 200  # characters of all values in a reason
 
 
@@ -76,15 +78,22 @@ def _decided(
     tree = parse(text)
     ranges = _ranges(tree, assumptions, parameters or {})
     numbers = {r.name: r.low for r in ranges if r.low is not None and r.is_point}
-    domain = Domain(tuple(r for r in ranges if not r.is_point))
-    with budget(VERDICT // 4):
-        proof = Structure(Expansion(domain, numbers)).prove(tree, kind)
-    if proof:
-        return SymbolicVerdict(kind, ranges, Status.PROVED, "so is each of its parts", tuple(proof.lines()))
+    free = tuple(r for r in ranges if not r.is_point)
+    graph = Graph({r.name: r.fact for r in free})
+    try:
+        value = _read(graph, tree, text, numbers)
+    except UndecidedError as error:
+        why = f"{error}; to settle it: values for the parameters"
+        return SymbolicVerdict(kind, ranges, Status.UNDECIDED, why)
+    asked = Asked(graph, value, POSITIVE_REAL if kind is Kind.PR else BOUNDED_REAL, text, numbers)
+    if proof := _proof(asked, f"{' '.join(text.split()):.300} is {kind.value} for all {', '.join(map(str, ranges))}"):
+        return SymbolicVerdict(
+            kind, ranges, Status.PROVED, "so is each of its parts", tuple(lines(proof)), certificate=proof
+        )
     question, formula, limit = None, None, "neither a proof nor a counterexample was found"
     try:
         with budget(VERDICT // 3):
-            question = Question.of(kind, tree, Expansion(domain, numbers))
+            question = Question.of(kind, graph, value, free)
             formula = question.formula()
     except UndecidedError as error:
         limit = str(error)
@@ -93,14 +102,14 @@ def _decided(
         return SymbolicVerdict(kind, ranges, Status.PROVED, why, tuple(question.lines()), note=question.note())
     condition, note = None, question.note() if question else ""
     if question and isinstance(formula, Claim | Joined):
-        condition = Condition(formula, domain.ranges, question.whole)
+        condition = Condition(formula, free, question.whole)
 
     def trial(values: dict[str, Fraction]) -> tuple[Counterexample | None, int]:
         if condition and condition.formula.holds(values):
             return None, len(text)
-        return _refutation(tree, kind, numbers | values)
+        return _refutation(text, kind, numbers | values)
 
-    if found := search(domain.ranges, trial):
+    if found := search(free, trial):
         at = ", ".join(f"{name} = {written(x)}" for name, x in found.values.items()) or "these numbers"
         why = f"not for {write.cut(at, _SHOWN)}: {found.why}"
         return SymbolicVerdict(kind, ranges, Status.REFUTED, why, (), condition, found, note)
@@ -108,14 +117,33 @@ def _decided(
     return SymbolicVerdict(kind, ranges, Status.UNDECIDED, f"{limit}; to settle it: {help_}", (), condition, note=note)
 
 
-def _refutation(tree: Node, kind: Kind, values: dict[str, Fraction]) -> tuple[Counterexample | None, int]:
-    """The refutation with values for all names, if there is one, and the work."""
-    expansion = Expansion(Domain(()), values)
+def _read(graph: Graph, tree: Node, text: str, numbers: Mapping[str, Fraction]) -> Value:
     try:
-        question = Question.of(kind, tree, expansion)
+        return read(graph, text, numbers)
+    except ExpressionError as error:
+        if "too" in error.problem.split():
+            raise UndecidedError(str(error)) from error
+        if is_rational(tree):  # 0/0 is said to be one
+            of_tree(tree, dict.fromkeys(graph.names, Fraction(1)) | dict(numbers))
+        raise
+
+
+def _proof(asked: Asked, statement: str) -> Proof | None:
+    try:
+        with budget(VERDICT // 4):
+            return prove(asked, statement)
+    except (UndecidedError, ExpressionError):  # too large
+        return None
+
+
+def _refutation(text: str, kind: Kind, values: dict[str, Fraction]) -> tuple[Counterexample | None, int]:
+    """The refutation with values for all names, if there is one, and the work."""
+    graph = Graph()
+    try:
+        question = Question.of(kind, graph, read(graph, text, values))
     except (UndecidedError, ExpressionError):  # 0/0 among them
-        return None, expansion.work
-    return question.refutation(), expansion.work + question.degree**2
+        return None, len(text) + _REFUSED
+    return question.refutation(values), question.expansion.work + question.degree**2 + len(text)
 
 
 def _ranges(tree: Node, assumptions: Iterable[str | Range], parameters: Mapping[str, Exact]) -> tuple[Range, ...]:

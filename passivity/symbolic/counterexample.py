@@ -4,7 +4,7 @@ The search is the same each time: first round numbers, each parameter in turn fa
 few and over many decades. That nothing is found means nothing.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
@@ -73,6 +73,12 @@ def _trials(ranges: tuple[Range, ...]) -> Iterator[dict[str, Fraction]]:
     yield middle
     for r in ranges:
         yield from (middle | {r.name: x} for x in _choices(r))
+    yield from islice(random_values(ranges), 1, None)
+
+
+def random_values(ranges: Sequence[Range]) -> Iterator[dict[str, Fraction]]:
+    """Values in the middle of the ranges, then random ones without end; without ranges none but {}."""
+    yield {r.name: _at(r, Fraction(1)) for r in ranges}
     random = Random(0)
     while ranges:
         for decades in _SPREADS:

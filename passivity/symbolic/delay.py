@@ -8,6 +8,7 @@ from fractions import Fraction
 
 from flint import arb, fmpq
 
+from passivity.calculus.expand import Expansion, ExpansionError, Pair
 from passivity.one_port.axis import allowance
 from passivity.one_port.polynomial_sign import find_sign
 from passivity.one_port.verdict import Verdict, Witness
@@ -15,25 +16,23 @@ from passivity.one_port.witness import from_axis, from_root
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 from passivity.symbolic.domain import coefficients
-from passivity.symbolic.expand import Expanded, Expansion, ExpansionError, Pair
 
 _E = 1  # the generator exp(-tau s)
 _MAX_DOUBLINGS = 200
 
 
-def as_reflection(kind: Kind, expanded: Expanded, expansion: Expansion) -> tuple[Pair, Pair]:
-    """H2 and tau of a function H1, or Z, that has this form.
+def as_reflection(kind: Kind, function: Pair, tau: Pair, expansion: Expansion) -> tuple[Pair, Pair]:
+    """H2 and its delay of a function H1, or Z, of s and exp(-tau s) that has this form.
 
     Raises
     ------
     ExpansionError
         If it has not.
     """
-    p, q = expanded.function
+    p, q = function
     h = Pair(p, q) if kind is Kind.BR else Pair(p - q, p + q).reduced()
     (over, m), (under, n) = (_single_power(f) for f in h)
-    delay = expansion.product(expanded.tau, expansion.number(Fraction(m - n)))
-    return Pair(over, under), delay.reduced()
+    return Pair(over, under), expansion.product(tau, Pair((m - n) * expansion.one, expansion.one)).reduced()
 
 
 def _single_power(f) -> tuple:

@@ -31,27 +31,30 @@ Signs: TypeAlias = frozenset[int]  # -1, 0, 1: all that can occur, perhaps more
 class Domain:
     """The ranges of the free parameters.
 
-    The polynomials have the generators s, which in a polynomial of x = w^2 stands for x >= 0; e = exp(-tau s); and
-    the parameters.
+    The polynomials have the generators s, which in a polynomial of x = w^2 stands for x >= 0; others such as
+    e = exp(-tau s), one if nothing else is said; and the parameters.
     """
 
     ranges: tuple[Range, ...]
+    others: int = 1
 
     @cached_property
     def context(self) -> fmpz_mpoly_ctx:
         """The ring of all polynomials."""
-        return fmpz_mpoly_ctx.get(("s", "exp()", *(r.name for r in self.ranges)), Ordering.lex)
+        return fmpz_mpoly_ctx.get(
+            ("s", *(f"exp({k})" for k in range(self.others)), *(r.name for r in self.ranges)), Ordering.lex
+        )
 
     @cached_property
     def intervals(self) -> tuple[Range, ...]:
         """The range of each generator."""
-        return (Range("x", Fraction(0)), Range("", Fraction(0)), *self.ranges)
+        return (*[Range("x", Fraction(0))] * (1 + self.others), *self.ranges)
 
     def narrowed(self, to: Range) -> "Domain | None":
         """The domain with less room for one parameter; None if there is no interval left."""
         ranges = tuple(r.meet(to) if r.name == to.name else r for r in self.ranges)
         kept = tuple(r for r in ranges if r is not None and not r.is_point)
-        return Domain(kept) if len(kept) == len(ranges) else None
+        return Domain(kept, self.others) if len(kept) == len(ranges) else None
 
     def signs(self, f: fmpz_mpoly) -> Signs:
         """A set that holds the sign of f at every point of the domain."""

@@ -19,9 +19,9 @@ from math import isqrt, prod
 
 from flint import fmpz_mpoly
 
+from passivity.calculus.expand import Pair
 from passivity.symbolic import write
 from passivity.symbolic.domain import Domain, coefficients, factored, is_small
-from passivity.symbolic.expand import Pair
 from passivity.symbolic.formula import Claim, Formula, Joined, claim, join, narrowed
 
 

@@ -13,9 +13,9 @@ M. Z. Q. Chen, M. C. Smith, IEEE Transactions on Automatic Control 54 (2009), 39
 
 from flint import fmpz_mpoly
 
+from passivity.calculus.expand import Expansion, ExpansionError, Pair
 from passivity.status import Kind
 from passivity.symbolic.domain import Domain, Signs, coefficients, factored, is_small
-from passivity.symbolic.expand import Expansion, ExpansionError, Pair
 from passivity.symbolic.formula import Formula, claim, narrowed
 
 MAX_DEGREE = 12

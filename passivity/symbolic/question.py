@@ -1,17 +1,20 @@
 """The expanded function whose parameters are to be judged, its exact condition, and its verdict at given values."""
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 
-from passivity.expression.tree import Node
+from passivity.calculus.expand import Expansion, ExpansionError, Pair
+from passivity.calculus.graph import Graph, Value
 from passivity.one_port.positive_real import check
 from passivity.one_port.verdict import Verdict
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 from passivity.symbolic import write
+from passivity.symbolic.assumption import Range
 from passivity.symbolic.counterexample import Counterexample
 from passivity.symbolic.delay import as_reflection, delayed_witness
 from passivity.symbolic.domain import coefficients
-from passivity.symbolic.expand import Expansion, Pair
 from passivity.symbolic.formula import Formula, claim, join, value
 from passivity.symbolic.low_degree import low_degree_condition
 from passivity.symbolic.positivity import allowance, as_impedance, positivity_condition
@@ -28,7 +31,7 @@ class Question:
     kind : Kind
         BR where there is a delay: p/q is then the reflection H2 behind it.
     whole, function, delay : Pair
-        The function as the expression gives it, with all common factors; p/q; and tau of exp(-tau s), 0 without one.
+        The function with its delay; p/q; and tau of exp(-tau s), 0 without one.
     expansion : Expansion
         Where they come from.
     """
@@ -40,12 +43,21 @@ class Question:
     expansion: Expansion
 
     @classmethod
-    def of(cls, kind: Kind, tree: Node, expansion: Expansion) -> "Question":
-        """The question whether an expression has a property; ExpansionError if it cannot be expanded."""
-        expanded = expansion.function(tree)
-        if not expanded.tau.p:
-            return cls(kind, *expanded, expansion)
-        return cls(Kind.BR, expanded.whole, *as_reflection(kind, expanded, expansion), expansion)
+    def of(cls, kind: Kind, graph: Graph, value: Value, ranges: Iterable[Range] = ()) -> "Question":
+        """The question whether a value has a property; ExpansionError if it cannot be expanded."""
+        expansion = Expansion(graph, value[1], ranges)
+        for n in expansion.atoms:
+            raise ExpansionError(f"{graph.nodes[n][0]}(...) is not rational, nor a delay")
+        delays = [expansion.delay(k) for k in range(len(expansion.units))]
+        if None in delays:
+            raise ExpansionError("one exp(...) is no delay exp(-T*s) with T free of s")
+        if len(delays) > 1:
+            raise ExpansionError("the delays are not whole multiples of one")
+        whole = expansion.of(value).reduced()
+        if not delays:
+            return cls(kind, whole, whole, Pair(0 * expansion.one, expansion.one), expansion)
+        tau = expansion.of(delays[0]).reduced()
+        return cls(Kind.BR, whole, *as_reflection(kind, whole, tau, expansion), expansion)
 
     def formula(self) -> Formula | bool | None:
         """When the property holds: for all parameters of the domain (True), for those of a formula, or not known."""
@@ -69,13 +81,12 @@ class Question:
         sides = [[value(c, {}) for c in reversed(coefficients(f))] for f in self.function]
         return check(RationalFunction.from_coefficients(*sides), self.kind)
 
-    def refutation(self) -> Counterexample | None:
-        """The refutation, if there are no free parameters and the property does not hold."""
+    def refutation(self, values: Mapping[str, Fraction]) -> Counterexample | None:
+        """The refutation, if there are no free parameters but these values, and the property does not hold."""
         verdict = self.verdict()
         delay = value(self.delay.p, {}) / value(self.delay.q, {})
         witness = delayed_witness(verdict, delay)
-        values = self.expansion.numbers
-        return Counterexample(values, verdict, witness, delay) if witness else None
+        return Counterexample(dict(values), verdict, witness, delay) if witness else None
 
     def _with_numbers(self) -> bool | None:
         status = self.verdict().status

@@ -6,13 +6,14 @@ from fractions import Fraction
 
 from flint import fmpz_mpoly
 
+from passivity.calculus.expand import Pair
+from passivity.calculus.proof import Proof
 from passivity.errors import ExpressionError, shorten, shown
 from passivity.rational.evaluate import Exact, exact
 from passivity.status import Decided, Kind, Status
 from passivity.symbolic.assumption import Range
 from passivity.symbolic.counterexample import Counterexample
 from passivity.symbolic.domain import coefficients
-from passivity.symbolic.expand import Pair
 from passivity.symbolic.formula import Formula, value
 
 
@@ -80,6 +81,8 @@ class SymbolicVerdict(Decided):
         If refuted.
     note : str
         Where the function is infinite, if that can be.
+    certificate : dict or None
+        What `passivity.verifier` checks, if the rules prove it.
     """
 
     kind: Kind
@@ -90,6 +93,7 @@ class SymbolicVerdict(Decided):
     condition: Condition | None = None
     counterexample: Counterexample | None = None
     note: str = ""
+    certificate: Proof | None = None
 
 
 def _vanishes(f: fmpz_mpoly, values: Mapping[str, Fraction]) -> bool:

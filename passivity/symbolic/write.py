@@ -1,8 +1,6 @@
-"""Polynomials and trees as text that can be read in again."""
+"""Polynomials as text that can be read in again."""
 
 from flint import fmpz_mpoly
-
-from passivity.expression.tree import Add, Call, Divide, Line, Multiply, Negate, Node, Number, Power, Symbol
 
 
 def polynomial(f: fmpz_mpoly, s: str = "s") -> str:
@@ -31,38 +29,6 @@ def quotient(p: fmpz_mpoly, q: fmpz_mpoly) -> str:
     if under == "1":
         return polynomial(p)
     return f"{over}/({under})" if len(q) > 1 or "*" in under else f"{over}/{under}"
-
-
-def tree(node: Node) -> str:
-    """An expression, with the parentheses it needs."""
-    match node:
-        case Number(_, text):
-            return text
-        case Symbol(name):
-            return name
-        case Negate(operand):
-            return f"-{tree(operand) if isinstance(operand, Multiply | Divide) else atom(operand)}"
-        case Add(terms):
-            text = " + ".join(tree(t) if not isinstance(t, Add) else atom(t) for t in terms)
-            return text.replace("+ -", "- ")
-        case Multiply(factors):
-            first = tree(factors[0]) if isinstance(factors[0], Negate) else atom(factors[0])
-            return "*".join([first, *map(atom, factors[1:])])
-        case Divide(numerator, denominator):
-            over = tree(numerator) if isinstance(numerator, Multiply) else atom(numerator)
-            return f"{over}/{atom(denominator)}"
-        case Power(base, exponent):
-            return f"{tree(base) if isinstance(base, Symbol) else f'({tree(base)})'}^{exponent}"
-        case Call(name, argument):
-            return f"{name}({tree(argument)})"
-        case Line(z0, propagation, load):
-            return f"line({tree(z0)}, {tree(propagation)}, {tree(load)})"
-
-
-def atom(node: Node) -> str:
-    """An expression as part of a product."""
-    text = tree(node)
-    return text if isinstance(node, Number | Symbol | Call | Power) else f"({text})"
 
 
 def cut(text: str, length: int) -> str:

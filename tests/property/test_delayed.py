@@ -7,9 +7,9 @@ import mpmath
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from passivity.calculus.ask import check_expression
+from passivity.calculus.proof import verify_proof
 from passivity.delayed.boxes import holds
-from passivity.delayed.decide import check_expression
-from passivity.delayed.verify import verify_proof
 from passivity.status import Kind, Status
 
 positive = st.fractions(Fraction(1, 20), 20, max_denominator=20).map(lambda x: f"({x})")

@@ -12,10 +12,10 @@ from pathlib import Path
 import mpmath
 import pytest
 
+from passivity.calculus.ask import check_expression
+from passivity.calculus.proof import verify_proof
 from passivity.delayed.boxes import holds
-from passivity.delayed.decide import check_expression
 from passivity.delayed.roots import rightmost_roots, roots_right
-from passivity.delayed.verify import verify_proof
 from passivity.errors import ExpressionError
 from passivity.one_port.certificate import verify
 from passivity.rational.function import RationalFunction

@@ -8,8 +8,8 @@ from typing import Any
 import click
 
 from tline.cli.options import confined_option
-from tline.cli.verdicts import structure
 from tline.cli.verdicts.answer import Answer, Asked
+from tline.cli.verdicts.expression import verified
 from tline.errors import InputError
 
 PICTURE = (".png", ".svg", ".pdf")
@@ -96,7 +96,7 @@ def passivity(
         raise InputError("WHAT", "one question is needed", "an expression or a file, or --verify FILE.json alone")
     _check_files(plot, given["nearest"], given["certificate"])
     try:
-        answer = _answer(what.strip(), Asked(**given)) if what is not None else _verified(str(verify))
+        answer = _answer(what.strip(), Asked(**given)) if what is not None else verified(str(verify))
         drawn = _plot(answer, plot) if plot else []
     except ExpressionError as error:
         where = _option(error.where, "--within" if given["error"] is None else "--error")
@@ -114,15 +114,9 @@ def _answer(what: str, asked: Asked) -> Answer:
         kind = "scene"
     elif SAMPLES.search(what):
         kind = "samples"
-    elif structure.asks(what, asked):
-        kind = "structure"
     else:
         kind = "matrix" if what.startswith("[") else "expression"
     return import_module(f"tline.cli.verdicts.{kind}").answer(what, asked)
-
-
-def _verified(path: str) -> Answer:
-    return structure.verified(path)
 
 
 def _option(where: str, tolerance: str) -> str:

@@ -82,8 +82,8 @@ def _text(verdict: "Verdict", margins: "Margins", robust: "Robustness | None", z
 
 
 def _derivation(chain: "Chain") -> list[str]:
+    from passivity import admittance_identity, reflection_identity
     from passivity.expression.number import digits
-    from passivity.symbolic.identities import admittance_identity, reflection_identity
 
     lines = ["", f"through a line of z0 = {digits(chain.z0)} and delay T = {digits(chain.delay)}:"]
     for step in chain.steps:

@@ -1,0 +1,278 @@
+"""Where a property may fail: searched in floats, over a grid, down from its worst points, at poles, along the axis."""
+
+import math
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+from itertools import islice, pairwise
+
+from flint import acb
+
+from passivity.ball import near
+from passivity.calculus.graph import Value
+from passivity.calculus.values import Array, in_floats, needed
+from passivity.calculus.witness import Question, Witness
+from passivity.expression.number import double
+
+_RADII, _ANGLES = 240, 16  # of a logarithmic grid
+_AXIS = 4000
+_COARSE = 40, (0.0, 0.8, 1.3, 1.5, 1.56, 1.5705), 300  # radii, angles, points near the axis of the first look
+_VISIBLE = 1e-12  # by how much floats must see the property fail
+_FAR = 100  # decades beyond all scales, on the real axis
+_POLISHED = 12  # best points that are improved
+_STEPS = 60
+_STARTS, _NEWTON = 400, 16  # points from which Newton's method looks for poles, and its steps
+_DISTANCES = (4, 8, 16, 32, 64, 128, 256)  # binary, in parts of the modulus
+_DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
+
+
+class Search:
+    """The search with given values of the names.
+
+    Examples
+    --------
+    >>> from passivity.calculus.graph import POSITIVE_REAL, Graph
+    >>> graph = Graph()
+    >>> z = graph.sum([graph.s, (Fraction(-1), 0)])
+    >>> Search(Question(graph, z, POSITIVE_REAL, "s - 1", {}), {}).glance().re < 1
+    True
+    """
+
+    def __init__(self, question: Question, names: Mapping[str, Fraction]):
+        self.question, self.names = question, dict(names)
+        self.floats = {name: double(x) for name, x in names.items()}
+        self.order = needed(question.graph, question.value[1])
+        sizes = self._periods() + [x for n in self.order for x in self._ratios(n)] or [1.0]
+        self.low, self.high = min(sizes) * 1e-6, max(sizes) * 1e6
+
+    def glance(self) -> Witness | None:
+        """A witness among the points of a coarse grid, of the axis, and of the real axis far out; the worst first."""
+        import numpy as np
+
+        count, angles, fine = _COARSE
+        radii = np.geomspace(self.low * 1e3, self.high / 1e3, count)
+        grid = (radii[:, None] * np.exp(1j * np.array(angles))).ravel()
+        far = np.logspace(math.log10(self.high), min(math.log10(self.high) + _FAR, 300), _FAR // 5)
+        s = np.concatenate([grid, np.geomspace(self.low * 1e3, self.high / 1e3, fine) * (1e-6 + 1j), far])
+        wrong = self.badness(s)
+        suspects = [s[k] for k in np.argsort(-wrong)[:6] if wrong[k] > _VISIBLE]
+        clear = s[wrong > min(max(wrong.max() / 2, _VISIBLE), 1)]
+        for point in (*_nearest(clear, math.sqrt(self.low) * math.sqrt(self.high)), *suspects):
+            for bits in (6, 14, 40):
+                if found := self.check(_short(point.real, bits), _short(point.imag, bits)):
+                    return found
+        return None
+
+    def hunt(self) -> Witness | None:
+        """A witness where Re Z < 0, |H| > 1, or where the value at a real s is not real; None if none was found."""
+        import numpy as np
+
+        with np.errstate(all="ignore"):
+            return next(filter(None, (self.check(*place) for place in self._candidates())), None)
+
+    def beside(self, w: float) -> Witness | None:
+        """A witness near a frequency on the axis."""
+        return next(filter(None, (self.check(*place) for place in _beside(w))), None)
+
+    def around(self, root: acb) -> Witness | None:
+        """A witness ever nearer to a pole or a zero in Re s >= 0."""
+        size = max(abs(near(root.real)), abs(near(root.imag))) or Fraction(1)
+        unit = Fraction(2) ** (size.numerator.bit_length() - size.denominator.bit_length())
+        for distance in _DISTANCES:
+            grid = unit / 2**distance
+            re, im = (round(near(part) / grid) for part in (root.real, root.imag))
+            for x, y in _DIRECTIONS:
+                if found := self.check((re + x) * grid, (im + y) * grid):
+                    return found
+        return None
+
+    def lowest(self) -> float | None:
+        """The frequency of a sampled axis where Re Z(jw) is least, or |H(jw)| largest; None if there is none."""
+        import numpy as np
+
+        with np.errstate(all="ignore"):
+            w = self._refined(0.0)
+            value = self.badness(1j * w, relative=False)
+            least = w[value > value.max() - 1e-9 * (1 + abs(value.max()))] if len(w) else w
+        return float(least.min()) if len(least) else None
+
+    def check(self, re: Fraction, im: Fraction) -> Witness | None:
+        """The point as a witness, if it is one."""
+        return self.question.witness(re, im, self.names)
+
+    def values(self, s: Array, value: Value | None = None) -> Array:
+        """Of the function, or of a part of it."""
+        return in_floats(self.question.graph, value or self.question.value, s, self.floats)
+
+    def badness(self, s: Array, relative: bool = True) -> Array:
+        """By how much the property fails at points, in parts of the modulus."""
+        import numpy as np
+
+        f = self.values(s)
+        size = np.abs(f)
+        with np.errstate(all="ignore"):
+            found = size - 1 if self.question.bounded else -f.real / (size if relative else 1)
+        return np.where(np.isfinite(found), found, -np.inf)
+
+    def _periods(self) -> list[float]:
+        """The lengths of time in arguments of functions: 1/T of exp(-T s)."""
+        graph, found = self.question.graph, set()
+        for n in self.order:
+            kind, parts = graph.nodes[n]
+            if kind in ("exp", "tanh", "cosh", "line"):
+                c, m = parts[1] if kind == "line" else parts[0]
+                for k, x in graph.terms(m, c).items():
+                    degree, size = self._size(x, k)
+                    if degree == 1:
+                        found.add(_exp(-size))
+        return sorted(found)[:8]
+
+    def _ratios(self, n: int) -> Iterator[float]:
+        """Where neighbouring powers of s in a sum are of one size."""
+        kind, parts = self.question.graph.nodes[n]
+        if kind == "sum":
+            known = sorted(self._size(c, m) for c, m in parts)
+            for (i, a), (j, b) in pairwise(known):
+                if i != j and math.isfinite(a - b):
+                    yield _exp((a - b) / (j - i))
+
+    def _size(self, c: Fraction, n: int) -> tuple[int, float]:
+        """The power of s in a term, and the logarithm of what stands before it."""
+        graph = self.question.graph
+        powers = graph.powers(n)
+        size = math.log(abs(c.numerator)) - math.log(c.denominator)
+        for m, e in powers.items():
+            kind, parts = graph.nodes[m]
+            if kind == "name" and self.floats[parts[0]]:
+                size += e * math.log(abs(self.floats[parts[0]]))
+        return powers.get(graph.s[1], 0), size
+
+    def _candidates(self) -> Iterator[tuple[Fraction, Fraction]]:
+        """Points to try: of a grid, on the real axis where values are not real, improved, beside the axis."""
+        import numpy as np
+
+        radii = np.geomspace(self.low, self.high, _RADII)
+        there = self.values(radii + 0j)
+        unreal = radii[np.abs(there.imag) > 1e-6 * np.abs(there)]
+        s = (radii[:, None] * np.exp(1j * np.pi / 2 * np.linspace(0, 1, _ANGLES, endpoint=False))).ravel()
+        for root in self._singular(s[:: max(len(s) // _STARTS, 1)]):
+            yield from _near_root(root)
+        wrong = self.badness(s)
+        clear = s[wrong > min(max(wrong.max() / 2, 0), 1)]
+        middle = math.sqrt(self.low) * math.sqrt(self.high)
+        for point in (*_nearest(clear, middle), *_nearest(unreal, middle), *self._descended(s, wrong)):
+            yield from _rounded(complex(point))
+        for tilt in (0.0, 1e-6):
+            for w in self._refined(tilt)[:4]:
+                yield from _beside(float(w))
+
+    def _suspects(self) -> Iterator[tuple[Value, int]]:
+        """Functions whose poles (1) or zeros (-1) in Re s > 0 may be poles of the whole, or zeros of an impedance."""
+        graph, root = self.question.graph, self.question.value
+        yield from ((root, sign) for sign in ((1,) if self.question.bounded else (1, -1)))
+        for n in reversed(self.order):
+            kind, parts = graph.nodes[n]
+            if kind == "mul":
+                below = [m for m, e in parts if e < 0 and graph.nodes[m][0] in ("sum", "tanh", "cosh", "line")]
+                yield from (((Fraction(1), m), -1) for m in below)
+            elif kind in ("tanh", "line") and n != root[1]:
+                yield (Fraction(1), n), 1
+
+    def _singular(self, s: Array) -> list[complex]:
+        """Where Newton's method, from some points, finds poles and zeros of the suspects in Re s > 0."""
+        import numpy as np
+
+        found: list[complex] = []
+        for suspect, sign in islice(self._suspects(), _POLISHED):
+            z, step = s, np.full(len(s), np.inf)
+            for _ in range(_NEWTON):
+                h = 1e-6 * np.abs(z)
+                slope = (self.values(z + h, suspect) - self.values(z - h, suspect)) / (2 * h)
+                after = z + sign * self.values(z, suspect) / slope
+                near_by = (np.abs(after) < 3 * np.abs(z)) & (after.real > 0)
+                step = np.where(near_by, np.abs(after - z), np.where(np.isfinite(after), np.inf, step))
+                z = np.where(near_by, after, z)
+            settled = z[step < 1e-6 * np.abs(z)]
+            for root in settled[np.argsort(np.abs(settled.imag))]:
+                if all(abs(root - other) > 1e-4 * abs(root) for other in found):
+                    found.append(complex(root))
+        return found[: 2 * _POLISHED]
+
+    def _descended(self, s: Array, wrong: Array) -> Iterator[complex]:
+        """The worst points of a grid, each improved by a walk in log s."""
+        import numpy as np
+
+        order = np.argsort(-wrong)[: 3 * _POLISHED]
+        best, size = np.log(s[order]), np.full(len(order), 0.2)
+        value = wrong[order]
+        turns = np.exp(1j * np.pi / 4 * np.arange(8))
+        for _ in range(_STEPS):
+            trial = best[:, None] + size[:, None] * turns
+            trial = trial.real + 1j * np.clip(trial.imag, -np.pi / 2 + 1e-12, np.pi / 2 - 1e-12)
+            found = self.badness(np.exp(trial))
+            k = np.argmax(found, axis=1)
+            rows = np.arange(len(best))
+            better = found[rows, k] > value
+            best = np.where(better, trial[rows, k], best)
+            value = np.where(better, found[rows, k], value)
+            size = np.where(better, size * 1.2, size / 2)
+        yield from (complex(np.exp(best[k])) for k in np.argsort(-value)[:_POLISHED] if value[k] > 0)
+
+    def _refined(self, tilt: float) -> Array:
+        """Frequencies of the worst points near the axis, after shrinking a grid around each."""
+        import numpy as np
+
+        turns = (np.linspace(0, 50 * x, _AXIS // 4)[1:] for x in self._periods())  # some 8 turns of each delay
+        w = np.unique(np.concatenate([np.geomspace(self.low, self.high, _AXIS), *turns]))
+        value = self.badness((tilt + 1j) * w, relative=False)
+        peaks = np.flatnonzero((value >= np.roll(value, 1)) & (value >= np.roll(value, -1)) & np.isfinite(value))
+        peaks = np.union1d(peaks[np.argsort(-value[peaks])][:_POLISHED], peaks[:_POLISHED])
+        left, right = w[np.maximum(peaks - 1, 0)], w[np.minimum(peaks + 1, len(w) - 1)]
+        for _ in range(12):
+            grid = np.linspace(left, right, 17, axis=-1)
+            best = np.argmax(self.badness((tilt + 1j) * grid, relative=False), axis=-1)
+            rows = np.arange(len(grid))
+            left, right = grid[rows, np.maximum(best - 1, 0)], grid[rows, np.minimum(best + 1, 16)]
+        middle = (left + right) / 2
+        return middle[np.argsort(-self.badness((tilt + 1j) * middle, relative=False))]
+
+
+def _exp(x: float) -> float:
+    return math.exp(max(-500.0, min(500.0, x)))
+
+
+def _near_root(root: complex) -> Iterator[tuple[Fraction, Fraction]]:
+    """Points around one that is known to some six digits."""
+    for bits in (4, 12, 24, 34):
+        step = Fraction(abs(root)) / 2**bits
+        re, im = _short(root.real, bits + 4), _short(abs(root.imag), bits + 4)
+        yield from ((re + x * step, im + y * step) for x, y in _DIRECTIONS)
+
+
+def _nearest(s: Array, size: float) -> Array:
+    """The three points whose modulus is nearest to a size."""
+    import numpy as np
+
+    return s[np.argsort(np.abs(np.log(np.abs(s) / size)))[:3]]
+
+
+def _rounded(s: complex) -> Iterator[tuple[Fraction, Fraction]]:
+    """The point with few digits, then with more."""
+    if not math.isfinite(abs(s)) or s.real <= 0:
+        return
+    for bits in (3, 6, 12, 24, 50):
+        yield _short(s.real, bits), _short(abs(s.imag), bits)
+
+
+def _beside(w: float) -> Iterator[tuple[Fraction, Fraction]]:
+    """Points ever nearer to the axis at a frequency."""
+    for distance in (4, 8, 16, 32, 64, 128):
+        for bits in (6, 24, 50):
+            near = _short(w, bits)
+            yield (near or Fraction(1)) / 2**distance, near
+
+
+def _short(x: float, bits: int) -> Fraction:
+    if not x:
+        return Fraction(0)
+    grid = Fraction(2) ** (math.frexp(x)[1] - bits)
+    return round(Fraction(x) / grid) * grid

@@ -1,0 +1,105 @@
+"""Values of the nodes of a graph: in balls, or in floats at an array of points."""
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import Any
+
+from flint import acb, ctx
+
+from passivity.ball import of_fraction, of_point
+from passivity.budget import spend
+from passivity.calculus.graph import Graph, Value
+from passivity.expression.number import double
+
+Array = Any  # of numpy, which is loaded only when it is needed
+Names = Mapping[str, Fraction]
+
+_MOST_BITS = 4096
+
+
+def needed(graph: Graph, *roots: int) -> list[int]:
+    """What some nodes are made of, and themselves, in order, without 1."""
+    seen: set[int] = set()
+    stack = list(roots)
+    while stack:
+        n = stack.pop()
+        if n and n not in seen:
+            seen.add(n)
+            stack += graph.inner(n)
+    return sorted(seen)
+
+
+def in_ball(graph: Graph, value: Value, s: acb, names: Names | None = None) -> acb:
+    """A ball with the values at all points of a ball, constants for the names; not finite where it may hold a pole.
+
+    Examples
+    --------
+    >>> graph = Graph()
+    >>> in_ball(graph, graph.function("sqrt", graph.scaled(graph.s, 4)), acb(1))
+    2.00000000000000
+    """
+    known = {name: acb(of_fraction(x)) for name, x in (names or {}).items()}
+    at = _Evaluation(graph, known, s, acb(1), lambda name, x: getattr(x, name)(), of_fraction)
+    return at.value(value, needed(graph, value[1]))
+
+
+def at_point(graph: Graph, value: Value, re: Fraction, im: Fraction, names: Names | None = None) -> acb:
+    """Value at a rational point, to 60 certain bits where some thousand bits of precision give them."""
+    bits, size = 128, len(needed(graph, value[1]))
+    while True:
+        # the precision is global to the process: what counts is the accuracy found, not asked for
+        spend(size * (4_000 + bits * 40), "a value")
+        with ctx.workprec(bits):
+            found = in_ball(graph, value, of_point(re, im), names)
+        if bits >= _MOST_BITS or all(x.rel_accuracy_bits() >= 60 or x == 0 for x in (found.real, found.imag)):
+            return found
+        bits *= 2
+
+
+def in_floats(graph: Graph, value: Value, s: Array, names: Mapping[str, float]) -> Array:
+    """Values at an array of points, in complex doubles; what overflows is not finite."""
+    import numpy as np
+
+    order = needed(graph, value[1])
+    spend((1 + len(order)) * (10_000 + 20 * s.size), "a search for a counterexample")
+    with np.errstate(all="ignore"):
+        at = _Evaluation(graph, names, s, np.ones_like(s), lambda name, x: getattr(np, name)(x), double)
+        return at.value(value, order) * np.ones_like(s)
+
+
+class _Evaluation:
+    """Nodes at one point, or at an array of them, in any arithmetic."""
+
+    def __init__(self, graph: Graph, names: Mapping[str, Any], s: Any, one: Any, function: Callable, exact: Callable):
+        self.graph, self.names, self.s, self.one, self.function, self.exact = graph, names, s, one, function, exact
+
+    def value(self, value: Value, order: list[int]) -> Any:
+        """A value, the nodes that it needs one after the other."""
+        at: dict[int, Any] = {0: self.one}
+        for n in order:
+            at[n] = self._node(n, at)
+        return at[value[1]] * self.exact(value[0])
+
+    def _node(self, n: int, at: dict[int, Any]) -> Any:
+        kind, parts = self.graph.nodes[n]
+        exact = self.exact
+        if kind == "s":
+            return self.s
+        if kind == "name":
+            return self.names[parts[0]]
+        if kind == "sum":
+            return sum((at[m] if c == 1 else at[m] * exact(c) for c, m in parts[1:]), at[parts[0][1]])
+        if kind == "mul":
+            found = self.one
+            for m, e in parts:
+                found = found * at[m] if e == 1 else found / at[m] if e == -1 else found * at[m] ** e
+            return found
+        if kind == "ratio":
+            p, q = (sum((exact(Fraction(c)) * self.s**k for k, c in enumerate(f)), 0 * self.one) for f in parts)
+            return p / q
+        scaled = [at[m] * exact(c) for c, m in parts]
+        if kind == "line":
+            z0, propagation, load = scaled
+            wave = self.function("tanh", propagation)
+            return z0 * (load + z0 * wave) / (z0 + load * wave)
+        return self.function(kind, scaled[0])
