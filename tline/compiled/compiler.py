@@ -1,12 +1,14 @@
 """How numba compiles a unit: the functions that it calls are linked into it, optimised and translated once, with it.
 
 Left alone, numba optimises every function with all that it calls, and translates each to machine code that nobody runs:
-several times the work. The classes of this file lean on how numba 0.60 to 0.68 names its steps.
+several times the work. It also looks for the types of `a + b` and for the size of a type anew wherever they occur.
+This file leans on how numba 0.60 to 0.68 names its steps.
 """
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from functools import cache
+from typing import Any, cast
 
 import numba
 from numba import types
@@ -17,6 +19,7 @@ from numba.core.compiler import CompilerBase
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import PassManager
 from numba.core.registry import cpu_target
+from numba.core.types.functions import BaseFunction
 
 from tline.compiled.by_reference import Reference
 from tline.gc_paused import gc_paused
@@ -83,16 +86,38 @@ class _Whole(_Linked):
         passes.run(self._final_module, builder)
 
 
-@contextmanager
-def _libraries(name: str) -> Iterator[None]:
+@cache
+def _size_of(kind: Any) -> int:
+    """Bytes that a type of LLVM takes."""
     context: Any = cpu_target.target_context
-    codegen = context.codegen()
+    return kind.get_abi_size(context.target_data)
+
+
+@cache
+def _signature(operation: Any, arguments: tuple[Any, ...]) -> Any:
+    """Types of an operation that numba knows, such as `operator.add`."""
+    context: Any = cpu_target.typing_context
+    return BaseFunction.get_call_type(operation, context, arguments, {})
+
+
+def _call_type(operation: Any, context: Any, arguments: tuple[Any, ...], named: dict[str, Any]) -> Any:
+    if named:
+        return BaseFunction.get_call_type(operation, context, arguments, named)
+    return _signature(operation, arguments)
+
+
+@contextmanager
+def _quickly(name: str) -> Iterator[None]:
+    """Let numba make the code of one unit, and look for nothing twice."""
+    context: Any = cpu_target.target_context
+    codegen, builtin = context.codegen(), cast(Any, types.Function)
     codegen._library_class = lambda owner, made: (_Whole if made == name else _Part)(owner, made)
     codegen.set_env = lambda *_: None  # constants that are Python objects: there are none
+    context.get_abi_sizeof, builtin.get_call_type = _size_of, _call_type
     try:
         yield
     finally:
-        del codegen._library_class, codegen.set_env
+        del codegen._library_class, codegen.set_env, context.get_abi_sizeof, builtin.get_call_type
 
 
 def dispatcher_of(code: Any) -> Any:
@@ -114,7 +139,7 @@ def compile_unit(code: Any, parameters: list[Any]) -> Any:
     """
     kinds = [{int: types.int64, float: types.float64}.get(kind) or Reference(kind) for kind in parameters]
     dispatcher = dispatcher_of(code)
-    with global_compiler_lock, gc_paused(), _libraries(code.__qualname__):
+    with global_compiler_lock, gc_paused(), _quickly(code.__qualname__):
         dispatcher.compile(tuple(kinds))
     (result,) = dispatcher.overloads.values()
     if types.unliteral(result.signature.return_type) != types.int64:
