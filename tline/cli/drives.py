@@ -1,6 +1,7 @@
 """`tline drives`: the coupled drives, from the equations to Bode plot, controller and animation."""
 
 from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import click
@@ -211,14 +212,19 @@ def step_(
     return Output(_text(run, run.verdicts), lambda: _data(run), files, run.notes, int(bool(run.verdicts)))
 
 
-@command(
+closed_loop = partial(
+    command,
     CONTROL,
     DESIGN,
     names={"t_end": "end"},
     omit=PASSED_ON,
     more=(*SET_POINTS, *MECHANISM),
-    files=FILES,
     group=drives,
+)
+
+
+@closed_loop(
+    files=FILES,
     epilog="""\b
 Examples:
   tline drives control
@@ -252,13 +258,7 @@ def control(*, t_end: str = "2 s", **given: Any) -> Output:
     )
 
 
-@command(
-    CONTROL,
-    DESIGN,
-    names={"t_end": "end"},
-    omit=PASSED_ON,
-    more=(*SET_POINTS, *MECHANISM),
-    group=drives,
+@closed_loop(
     epilog="""\b
 Examples:
   tline drives animate mechanism.html
