@@ -6,6 +6,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from flint import fmpz
+
 from passivity.calculus.graph import BOUNDED_REAL, Fact, Graph, Value
 from passivity.calculus.prove import DEPTHS, Prover, Step
 from passivity.calculus.witness import Question
@@ -113,7 +115,7 @@ def in_words(fact: list[str]) -> str:
     known = {("disc", "0", "inf"): "positive real", ("disc", "-1", "1"): "bounded real", ("arg", "1"): "positive real"}
     if tuple(fact) in known:
         return known[tuple(fact)]
-    kind, *ends = (x if len(x) <= _LONGEST_NUMBER else f"about {digits(Fraction(x), 9)}" for x in fact)
+    kind, *ends = (x if len(x) <= _LONGEST_NUMBER else f"about {digits(_read(x), 9)}" for x in fact)
     if kind == "arg":
         return f"|arg| <= 90°*{ends[0]}"
     low, high = ends
@@ -128,6 +130,12 @@ def in_words(fact: list[str]) -> str:
     if high == "inf":
         return f"Re >= {low}"
     return f"Re <= {high}" if low == "-inf" else f"in the disc on [{low}, {high}]"
+
+
+def _read(number: str) -> Fraction:
+    """A number of a file, of any length: Python itself reads some four thousand digits."""
+    above, _, below = number.partition("/")
+    return Fraction(int(fmpz(above)), int(fmpz(below or "1")))
 
 
 def lines(proof: Proof) -> Iterator[str]:

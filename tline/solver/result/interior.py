@@ -73,32 +73,42 @@ class Inside:
 
     def extremes(self, slab_ends: NDArray) -> NDArray:
         """Effort before t = 0, lowest and highest effort, shape (3, places)."""
-        t = self.t[self.t <= slab_ends[-1] * (1 + NOISE)]
-        a, b = _entered(self.record, self.cells, len(t), self.t[1])
-        if self.lost is not None:  # what is lost is known on its lattice alone
-            a, b = a - self.lost[0, :, : len(t)], b + self.lost[1, :, : len(t)]
-        u = (a + b) / 2
-        low, high = (
-            sign * (sign * u).max(axis=1) if self.lost is not None else self._searched(t, u, sign, slab_ends[-1])
-            for sign in (-1, 1)
-        )
-        return np.array([u[:, 0], low, high])
+        return self._on_lattice(slab_ends) if self.lost is not None else self._searched(slab_ends[-1])
 
-    def _searched(self, t: NDArray, u: NDArray, sign: int, t_end: float) -> NDArray:
-        """The largest effort (sign 1) or the smallest (sign -1) at each place, between samples, too."""
-        (entered1, _), (_, entered2) = self.record.at_end1, self.record.at_end2
-        top, way = (sign * u).max(axis=1), self.record.delay * self.places[:, None, None]
+    def _on_lattice(self, slab_ends: NDArray) -> NDArray:
+        """Extremes where losses are known on the lattice alone; slab ends show pulses shorter than its cells."""
+        seen = []
+        for share in self.places.tolist():
+            way = self.record.delay * share  # waves are as they were at slab ends a way ago
+            late = [slab_ends, slab_ends + way, slab_ends + self.record.delay - way, self.t]
+            at = np.unique(np.concatenate(late))
+            u = self.effort(at[at <= slab_ends[-1]], share)
+            seen.append((u[0], u.min(), u.max()))
+        return np.array(seen).T
+
+    def _searched(self, t_end: float) -> NDArray:
+        """Extremes of waves without losses, between the instants of the lattice, too."""
+        t = self.t[self.t <= t_end * (1 + NOISE)]
+        u = np.mean(_entered(self.record, self.cells, len(t), self.t[1]), axis=0)
         peaks = min(PEAKS, len(t))
-        found = t[np.argpartition(-sign * u, peaks - 1, axis=1)[:, :peaks]]
-        width, around = t[1] if len(t) > 1 else t_end, np.linspace(-1.0, 1.0, AROUND)
+        found = [u[:, 0]]
+        for sign in (-1, 1):
+            best = t[np.argpartition(-sign * u, peaks - 1, axis=1)[:, :peaks]]
+            top, higher = (sign * u).max(axis=1), self._zoomed(best, sign, t_end)
+            found.append(sign * np.where(higher > top + NOISE * np.abs(u).max(), higher, top))
+        return np.array(found)
+
+    def _zoomed(self, near: NDArray, sign: int, t_end: float) -> NDArray:
+        """The largest effort (sign 1), or the smallest times -1, round some instants at each place."""
+        (entered1, _), (_, entered2) = self.record.at_end1, self.record.at_end2
+        way, width, around = self.record.delay * self.places[:, None, None], self.t[1], np.linspace(-1.0, 1.0, AROUND)
         for _ in range(ZOOMS):
-            near = np.clip(found[..., None] + width * around, 0.0, t_end)
-            height = sign * (entered1(near - way) + entered2(near - (self.record.delay - way))) / 2
+            at = np.clip(near[..., None] + width * around, 0.0, t_end)
+            height = sign * (entered1(at - way) + entered2(at - (self.record.delay - way))) / 2
             best = height.argmax(axis=-1)[..., None]
-            found, reached = (np.take_along_axis(each, best, -1)[..., 0] for each in (near, height))
+            near, reached = (np.take_along_axis(each, best, -1)[..., 0] for each in (at, height))
             width *= 4 / AROUND
-        higher = reached.max(axis=1)
-        return sign * np.where(higher > top + NOISE * np.abs(u).max(), higher, top)
+        return reached.max(axis=1)
 
 
 @dataclass(frozen=True, eq=False)
