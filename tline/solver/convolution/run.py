@@ -100,7 +100,8 @@ class Convolved:
             )
             for name, probe in description.probes.items()
         }  # fmt: skip
-        samples = self.network.size * n * order.s * len(ahead)
+        narrow = noted.values[:, 0].size if self.layered and noted else 0
+        samples = self.network.size * n * order.s * len(ahead) + narrow
         seconds = time.perf_counter() - started
         start = {name: self._start(line) for line, name in enumerate(description.lines)}
         return Result(description.scene, slabs, probes, lines, chosen, chosen.notes, start, samples, seconds, Tally())

@@ -185,7 +185,7 @@ def _finer(search: Search, sections: Mapping[str, int]) -> Grids:
     if halved and given.slab is None and not sections:
         chosen = resolution(description, s, chosen.h / 2**halved, sections, search.settle)
     h, fixed, enough = chosen.h, given.slab is not None or bool(sections), False
-    same = JOINED * search.tol if description.diamonds else 0.0  # each piece of a slab meets each of those that come across
+    same = JOINED * search.tol if description.diamonds else 0.0  # there each piece meets each of those across
     while True:
         helped, layered, met, stay = yield chosen._replace(fit=search.fit, same=same)
         same *= FINER  # so that the difference of two runs tells what was joined in the first
