@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from tline.cli.report import summary
 from tline.errors import InputError
 from tline.scene.scene import Scene
+from tline.solver.convolution.run import Convolved
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.result.dense_output import extremes
@@ -21,6 +22,7 @@ LOSS_ELEMENTS = (
     4,
     1024,
 )  # times as narrow as the finest run's slabs, beside loss elements, and at most as the first ones
+NEAR, FOLLOWED = 12, 1e-9  # slabs of each width behind a front, and what of the largest wave is followed there
 JUMP = 1e-4  # of the range, between two neighbours that far apart as a slab: a front
 
 
@@ -53,7 +55,7 @@ def kept(scene: Scene, tol: float, finer: int = 16, order: int = 4) -> Kept:
             if finer > LOSS_ELEMENTS[1]:
                 return Kept(result.accuracy.met, 0.0, 0.0, 0.0, 0.0, "", 0.0)
         end = result.t[-1] / first
-        runs = [run(describe(scene), Resolution(order, first / n), slabs=round(n * end)) for n in (finer // 2, finer)]
+        runs = [_finer(scene, result.resolution, order, first / n, round(n * end)) for n in (finer // 2, finer)]
     worst = Kept(result.accuracy.met, 0.0, 0.0, 0.0, 0.0, "", 0.0)
     for name, probe in result.probes.items():
         rough, fine = (each.probes[name] for each in runs)
@@ -87,6 +89,13 @@ def kept(scene: Scene, tol: float, finer: int = 16, order: int = 4) -> Kept:
                 told=max(worst.told, float(here[3])),
             )
     return worst
+
+
+def _finer(scene: Scene, found: Resolution, order: int, h: float, slabs: int) -> Result:
+    """A run on narrower slabs: convolutions where laws of lines are, for circuits that are fitted to these are not."""
+    if found.convolved and found.near:
+        return Convolved(describe(scene), []).run(found._replace(h=h, near=NEAR, layers=FOLLOWED))
+    return run(describe(scene), Resolution(order, h), slabs=slabs)
 
 
 def _instants(t: NDArray, probe, result: Result) -> tuple[NDArray, NDArray]:

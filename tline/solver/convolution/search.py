@@ -29,7 +29,7 @@ CLOSEST = 1e-8  # tolerance; transforms are as good as some 1e-10
 ROUNDED = 1e-12  # slabs, by which the end of one lies in it
 LEAST_SHARE = 0.1  # of a difference, that a step is taken to leave
 FIRST, FIRST_LAYERED = 16, 8  # slabs, at least, in the shortest delay, and where others are narrower beside fronts
-SETTLED = 0.02  # of the tolerance: what narrower slabs beside fronts change no more
+SETTLED, FINER = 0.02, 0.1  # of the tolerance: what narrower slabs beside fronts change no more; and later
 ALIKE = 2  # times that two runs are off at most by more than they differ, so near to a jump that neither follows it
 BLURRED = 0.01  # of the shortest delay of a lossy line: so near to a jump nothing is asked
 MOST_BLURRED = 0.25  # of a run
@@ -71,7 +71,7 @@ def convolved(search: Search) -> Result | None:
     attempts, share, last, accuracy, limit = [Attempt.of(result)], SLOWEST, inf, Accuracy(search.tol), ""
     by = inf
     while accuracy.worst > search.tol and not limit:
-        chosen = chosen._replace(h=chosen.h / 2, near=chosen.near + 2)
+        chosen = chosen._replace(h=chosen.h / 2, near=chosen.near + 2, layers=FINER * chosen.layers)
         before, result = result, scene.run(chosen)
         found = _errors(before, result, description.scene, jumps, settle)
         share, last = min(max(found.worst / last, LEAST_SHARE) if last < inf else share, SLOWEST), found.worst
