@@ -3,7 +3,6 @@
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import inf
 from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
@@ -29,19 +28,11 @@ from tline.solver.description.links import branches_of, inductive, resistive
 from tline.solver.description.nodes import NONE, Node, nodes_anew, nodes_of
 from tline.solver.description.probes import ProbePlace, probes_of
 from tline.solver.description.scales import filling_times, time_scales
+from tline.solver.description.tanks import Levels, levels_of
 from tline.words.wording import place
 
 BESIDE = "description"  # what it is called among a scene's attributes
 FEW = 1000  # lines of a scene that keeps it
-
-
-class Levels(NamedTuple):
-    """Levels above its node at which a tank is empty, and overflows, m; and the pressure of a metre, Pa/m."""
-
-    node: str
-    weight: float
-    lowest: float
-    highest: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,16 +248,7 @@ class Description:
     @property
     def levels(self) -> dict[str, Levels]:
         """Of tanks, by place."""
-        return {
-            place("loads", name): Levels(
-                load.at,
-                load.weight,
-                -inf if load.lowest_level is None else float(load.lowest_level),
-                inf if load.highest_level is None else float(load.highest_level),
-            )
-            for name, load in self.scene.loads.items()
-            if isinstance(load, SurgeTank)
-        }
+        return levels_of(self.scene)
 
     @property
     def plausibility_notes(self) -> list[str]:
