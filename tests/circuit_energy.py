@@ -83,7 +83,7 @@ def _form(scene: Scene, group: Group, branch: Branch) -> np.ndarray:
         return np.array([[one, mutual], [mutual, two]]) / 2
     node = group.nodes[branch.nodes[0]]
     g = node.total if part == "loads" else node.alone
-    impedance = node.load if part == "loads" else element.rational().reduced()
+    impedance = node.load if part == "loads" else element.ratio
     return stored(reflection(impedance, 1 / g, ""), g, element)
 
 

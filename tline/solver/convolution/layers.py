@@ -115,9 +115,11 @@ class Layers:
         waves = np.stack([ray.waves.reshape(LEVELS + 1, len(self.rule.points), -1) for ray in rays], axis=2)
         answers = self._answers(waves)
         levels = self._levels(answers, source, least)
+        kept = np.flatnonzero(levels >= 0)
+        if not len(kept):
+            return
         firsts = np.floor(source.changes.at / self.h + EDGE).astype(int)
         fronts = [self._front(source, k, first) for k, first in enumerate(firsts.tolist())]
-        kept = np.flatnonzero(levels >= 0)
         late = np.exp(-self.rule.points[:, None] * self.h * np.array([rays[k].rest for k in kept]))
         alone = waves[0][:, kept] * late[:, :, None]
         for (front, weights), t, first in zip(fronts, source.changes.at, firsts, strict=True):
