@@ -39,4 +39,8 @@ def ranges_of(facts: Mapping[str, Fact], assume: Iterable[str | Range]) -> list[
     known = collect(x for x in assume if not (isinstance(x, str) and _OPAQUE.fullmatch(x)))
     unit = Fraction(1)
     opaque = {POSITIVE_REAL: (Fraction(0), None), BOUNDED_REAL: (-unit, unit)}
-    return [known[name] if name in known else Range(name, *opaque[fact], True, True) for name, fact in facts.items()]
+    found = []
+    for name, fact in facts.items():
+        low, high = opaque.get(fact, (None, None))
+        found.append(known[name] if name in known else Range(name, low, high, True, True))
+    return found

@@ -48,4 +48,4 @@ def axis_value(question: Question, proof: Proof | None) -> AxisValue | None:
     if not there.is_finite():
         return None
     attained = abs(there) if question.bounded else there.real
-    return AxisValue(attained, proof and sharpest(proof), frequency)
+    return AxisValue(attained, sharpest(proof) if proof else None, frequency)

@@ -129,7 +129,7 @@ class Expansion:
                     for _ in range(abs(e)):
                         found = self.product(found, x)
             elif kind == "line":
-                found = self._line(*map(self.of, (parts[0], parts[2])), self.wave(parts[1], 2))
+                found = self._line(self.of(parts[0]), self.of(parts[2]), self.wave(parts[1], 2))
             else:
                 found = self._function(kind, parts[0])
             self.known[n] = found

@@ -43,7 +43,7 @@ def verify_proof(proof: Proof) -> bool:
 
 def sharpest(proof: Proof) -> Fraction | None:
     """The bound of Re Z, or of |H|, that the last step of a proof tells of."""
-    ends = disc(scaled(read_fact(proof["steps"][-1][1]), Fraction(proof["root"][0])))
+    ends: Any = disc(scaled(read_fact(proof["steps"][-1][1]), Fraction(proof["root"][0])))
     if read_fact(proof["claim"]) == BOUNDED_REAL:
         return ends and max(-ends[0], ends[1])
     return ends and ends[0]

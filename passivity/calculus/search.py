@@ -58,7 +58,7 @@ class Search:
         clear = s[wrong > min(max(wrong.max() / 2, _VISIBLE), 1)]
         for point in (*_nearest(clear, math.sqrt(self.low) * math.sqrt(self.high)), *suspects):
             for bits in (6, 14, 40):
-                if found := self.check(_short(point.real, bits), _short(point.imag, bits)):
+                if found := self.check(_short(float(point.real), bits), _short(float(point.imag), bits)):
                     return found
         return None
 

@@ -117,8 +117,9 @@ def check_file(witness: dict[str, Any]) -> str | None:
         value = read(graph, witness["text"], numbers)
         question = Question(graph, value, read_fact(witness["claim"]), witness["text"], numbers)
         values = {name: Fraction(x) for name, x in witness["values"].items()}
+        re, im = witness["s"]
         allowed = all(_allows(names[name], x) for name, x in values.items())
-        shown = need and allowed and question.fails(*map(Fraction, witness["s"]), values) is not None
+        shown = need and allowed and question.fails(Fraction(re), Fraction(im), values) is not None
         return None if shown else "balls do not show that the claim fails there"
     except (ArithmeticError, AttributeError, KeyError, TypeError, ValueError) as error:
         return f"not a witness: {error}"

@@ -48,8 +48,9 @@ class Question:
         expansion = Expansion(graph, value[1], ranges)
         for n in expansion.atoms:
             raise ExpansionError(f"{graph.nodes[n][0]}(...) is not rational, nor a delay")
-        delays = [expansion.delay(k) for k in range(len(expansion.units))]
-        if None in delays:
+        found = [expansion.delay(k) for k in range(len(expansion.units))]
+        delays = [one for one in found if one is not None]
+        if len(delays) < len(found):
             raise ExpansionError("one exp(...) is no delay exp(-T*s) with T free of s")
         if len(delays) > 1:
             raise ExpansionError("the delays are not whole multiples of one")

@@ -17,7 +17,7 @@ from tline.solver.simulate import asked, simulated
 from tline.solver.tolerance.search import Start
 
 SLOWER = 4  # times that a step may leave more of a difference with other values
-CLEARLY = 100  # times that a grid may be worse with other values, unless what it does not know makes it so
+CLEARLY = 4  # times that a grid may be worse with other values, unless what it does not know makes it so
 ROOM = 0.2  # of the tolerance: where the order below should leave less, it is tried
 
 

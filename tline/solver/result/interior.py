@@ -102,6 +102,7 @@ class Inside:
         """The largest effort (sign 1), or the smallest times -1, round some instants at each place."""
         (entered1, _), (_, entered2) = self.record.at_end1, self.record.at_end2
         way, width, around = self.record.delay * self.places[:, None, None], self.t[1], np.linspace(-1.0, 1.0, AROUND)
+        reached = np.full(near.shape, -np.inf)
         for _ in range(ZOOMS):
             at = np.clip(near[..., None] + width * around, 0.0, t_end)
             height = sign * (entered1(at - way) + entered2(at - (self.record.delay - way))) / 2
