@@ -201,17 +201,38 @@ def highest(
     gain[1:-1][top] = (rising[2:] - rising[:-2])[top] ** 2 / (8 * fall[top])
     few = min(candidates, len(t))
     best = np.unique(np.concatenate([np.argpartition(-each, few - 1)[:few] for each in (rising, rising + gain)]))
-    found, heights = t[best], rising[best]
-    around = np.linspace(-1.0, 1.0, AROUND)
-    for _ in range(ZOOMS):
-        near = np.clip(found[:, None] + width * around, t[0], t[-1])
-        height = sign * at(near.ravel()).reshape(near.shape)
-        best = height.argmax(axis=1)[:, None]
-        found, heights = (np.take_along_axis(each, best, 1)[:, 0] for each in (near, height))
-        width *= 4 / AROUND
+    found, heights = zoomed(lambda near: at(near.ravel()).reshape(near.shape), t[best], width, (t[0], t[-1]), sign)
     higher = heights > rising.max() + noise
     found, heights = found[higher], heights[higher]
     return extreme(np.append(values, sign * heights), np.append(t, found), sign)
+
+
+def zoomed(
+    at: Callable[[NDArray], NDArray], found: NDArray, width: float, span: tuple[float, float], sign: int
+) -> tuple[NDArray, NDArray]:
+    """Where a signal, times a sign, is largest round each of some instants within a span; and that value.
+
+    Parameters
+    ----------
+    at : callable
+        The signal at instants of any shape, whose last axis are those round one of the instants given.
+    found : ndarray
+        Instants, of any shape.
+    width : float
+        How far round each, s.
+    span : tuple of float
+        First and last instant of the signal.
+    sign : int
+        1 or -1.
+    """
+    around, heights = np.linspace(-1.0, 1.0, AROUND), np.empty(found.shape)
+    for _ in range(ZOOMS):
+        near = np.clip(found[..., None] + width * around, *span)
+        height = sign * at(near)
+        best = height.argmax(axis=-1)[..., None]
+        found, heights = (np.take_along_axis(each, best, -1)[..., 0] for each in (near, height))
+        width *= 4 / AROUND
+    return found, heights
 
 
 def extreme(samples: NDArray, t: NDArray, sign: int) -> tuple[float, float]:

@@ -17,7 +17,7 @@ from tline.loss import Foster
 from tline.solver.description.circuits import Circuits, circuits_of, fit_of
 from tline.solver.description.description import describe
 from tline.solver.description.given import Stretches
-from tline.solver.result.dense_output import AROUND, NOISE, ZOOMS, drawable
+from tline.solver.result.dense_output import NOISE, drawable, zoomed
 from tline.solver.result.merged import CutRecord
 from tline.solver.result.result import LineRecord, Result
 from tline.words.wording import place
@@ -90,26 +90,18 @@ class Inside:
         """Extremes of waves without losses, between the instants of the lattice, too."""
         t = self.t[self.t <= t_end * (1 + NOISE)]
         u = np.mean(_entered(self.record, self.cells, len(t), self.t[1]), axis=0)
-        peaks = min(PEAKS, len(t))
-        found = [u[:, 0]]
+        peaks, found, way = min(PEAKS, len(t)), [u[:, 0]], self.record.delay * self.places[:, None, None]
+        (entered1, _), (_, entered2) = self.record.at_end1, self.record.at_end2
+
+        def effort(at: NDArray) -> NDArray:
+            return (entered1(at - way) + entered2(at - (self.record.delay - way))) / 2
+
         for sign in (-1, 1):
             best = t[np.argpartition(-sign * u, peaks - 1, axis=1)[:, :peaks]]
-            top, higher = (sign * u).max(axis=1), self._zoomed(best, sign, t_end)
+            reached = zoomed(effort, best, self.t[1], (0.0, t_end), sign)[1]
+            top, higher = (sign * u).max(axis=1), reached.max(axis=1)
             found.append(sign * np.where(higher > top + NOISE * np.abs(u).max(), higher, top))
         return np.array(found)
-
-    def _zoomed(self, near: NDArray, sign: int, t_end: float) -> NDArray:
-        """The largest effort (sign 1), or the smallest times -1, round some instants at each place."""
-        (entered1, _), (_, entered2) = self.record.at_end1, self.record.at_end2
-        way, width, around = self.record.delay * self.places[:, None, None], self.t[1], np.linspace(-1.0, 1.0, AROUND)
-        reached = np.full(near.shape, -np.inf)
-        for _ in range(ZOOMS):
-            at = np.clip(near[..., None] + width * around, 0.0, t_end)
-            height = sign * (entered1(at - way) + entered2(at - (self.record.delay - way))) / 2
-            best = height.argmax(axis=-1)[..., None]
-            near, reached = (np.take_along_axis(each, best, -1)[..., 0] for each in (at, height))
-            width *= 4 / AROUND
-        return reached.max(axis=1)
 
 
 @dataclass(frozen=True, eq=False)
