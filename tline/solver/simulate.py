@@ -18,10 +18,10 @@ from tline.solver.result.accuracy import Accuracy, Attempt
 from tline.solver.result.merged import merged, recorded
 from tline.solver.result.result import Result
 from tline.solver.run import Again, run, with_ledger
-from tline.solver.tolerance.closer import with_mixed_modes
 from tline.solver.tolerance.compare import caution, differences, magnified
 from tline.solver.tolerance.ladder import inside_slabs
 from tline.solver.tolerance.lossy import with_losses
+from tline.solver.tolerance.mixed_modes import with_mixed_modes
 from tline.solver.tolerance.search import Search, Start, within
 from tline.solver.witness.witness import Witness
 
