@@ -177,7 +177,7 @@ def _grid(description: Description, chosen: Resolution) -> SlabGrid:
 
 def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar: Progress) -> Layout:
     lines, z0 = grid.lines, grid.z0
-    effort, y, through, openings = _before_start(description, tables_of(grid.losses, list(lines)))
+    effort, y, through, openings, _ = _before_start(description, tables_of(grid.losses, list(lines)))
     u = np.array([[effort[at] for at in line.nodes] for line in description.lines.values()])
     bar.update()
     begin = dict(zip(description.lines, y[:, 0].tolist(), strict=True)) if chosen.sections else NONE

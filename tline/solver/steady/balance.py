@@ -79,6 +79,7 @@ class Linear(NamedTuple):
 class Balance(NamedTuple):
     """What was found."""
 
+    unknowns: NDArray  # (edges + parts + others,)
     effort: NDArray  # (parts,)
     others: NDArray
     flow: NDArray  # (edges,)
@@ -86,31 +87,40 @@ class Balance(NamedTuple):
     leak: NDArray  # (parts,) flow that only the leak takes
     limit: Limit | None  # of the linear equations there, with B
 
+    @property
+    def worst(self) -> float:
+        """The most that is left of an equation."""
+        return float(self.rest.max(initial=0.0))
 
-def balanced(laws: EdgeLaws, linear: Linear) -> Balance:
-    """Efforts at which all flows balance."""
+
+def balanced(laws: EdgeLaws, linear: Linear, near: NDArray | None = None) -> Balance:
+    """Efforts at which all flows balance.
+
+    Parameters
+    ----------
+    laws : EdgeLaws
+    linear : Linear
+    near : ndarray, optional
+        Unknowns of the same network with other numbers.
+    """
     least = 0.0 if linear.B is not None else LEAK
     if not len(laws.from_node) and linear.B is None:  # each part by itself
         A, f, leak = linear.matrix(least, 0)
         effort, none = f / A.values, np.zeros(0)
-        return Balance(effort, none, none, none, leak * effort, None)
+        return Balance(effort, effort, none, none, none, leak * effort, None)
+    if near is not None and (found := _newton(laws, linear, least, near)).worst <= CLOSE:
+        return found
     starts = _starts(laws, linear)
     tried = []
     for start in starts:
         found = _newton(laws, linear, least, start)
-        if found.balance.rest.max(initial=0.0) <= CLOSE:
-            return found.balance
-        tried.append(found.balance)
+        if found.worst <= CLOSE:
+            return found
+        tried.append(found)
     at = starts[0]
     for leak in LEAKS:  # all tight things leak, less and less
-        at = _newton(laws, linear, leak, at).z
-    again = _newton(laws, linear, least, at)
-    return min(*tried, again.balance, key=lambda balance: balance.rest.max(initial=0.0))
-
-
-class _Found(NamedTuple):
-    z: NDArray
-    balance: Balance
+        at = _newton(laws, linear, leak, at).unknowns
+    return min(*tried, _newton(laws, linear, least, at), key=lambda found: found.worst)
 
 
 def _starts(laws: EdgeLaws, linear: Linear) -> list[NDArray]:
@@ -164,7 +174,7 @@ class _Point:
         return self._matrix.plus(*parts)
 
 
-def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> _Found:
+def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> Balance:
     """Newton's steps from a start, halved until what is left falls."""
     edges, n = len(laws.from_node), len(linear.given)
     matrix, f, leak = linear.matrix(leaking, edges)
@@ -189,7 +199,7 @@ def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> _
         here = there
     effort, others = np.split(here.z[edges:], [n])
     rest = np.abs(here.left) / here.scale
-    return _Found(here.z, Balance(effort, others, here.flow, rest, leak * effort, limit))
+    return Balance(here.z, effort, others, here.flow, rest, leak * effort, limit)
 
 
 def _solved(J: Sparse, edges: int, left: NDArray) -> NDArray:

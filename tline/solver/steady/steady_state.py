@@ -40,6 +40,7 @@ class Before(NamedTuple):
     flows: NDArray  # (lines, 2) at both ends, from end 1 to end 2
     through: dict[str, float]  # of each element that lets something pass
     openings: dict[str, float]  # of each element that moves its opening
+    unknowns: NDArray | None = None  # of what was balanced
 
 
 def rest(description: Description) -> Before:
@@ -63,7 +64,7 @@ def steady_state(
     InputError
         If there is none: different ideal efforts on connected lines, or a flow that nothing takes; or none was found.
     """
-    effort, flows, _, _ = above_level(description, tables)
+    effort, flows, *_ = above_level(description, tables)
     return {name: u + description.nodes[name].height.level for name, u in effort.items()}, flows
 
 
@@ -96,32 +97,40 @@ def _under(description: Description, tables: Mapping[str, FrictionTable], openin
     _check_between(description, parted.part, number)
     edges = Edges(description, number, tables, openings, lines.falls)
     coupled = description.coupled or description.multiports
-    effort, y, flow = _with_ports(parted, edges) if coupled else _without_ports(parted, edges)
+    effort, y, flow, unknowns = (_with_ports if coupled else _without_ports)(parted, edges)
     lossy = int(lines.falls.sum())
     along = np.empty(len(lines.z0))
     along[lines.falls], along[~lines.falls] = flow[:lossy], y[: len(joins.names)]
     flows = along[:, None] + lines.leak[:, None] * effort[lines.ends] * [1.0, -1.0]
     through = dict(zip(edges.where[lossy:], flow[lossy:].tolist(), strict=True))
-    return Before(dict(zip(nodes, effort.tolist(), strict=True)), flows, through, openings)
+    return Before(dict(zip(nodes, effort.tolist(), strict=True)), flows, through, openings, unknowns)
 
 
-def _without_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray]:
+def _without_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray, NDArray]:
     """Efforts of nodes, and flows through joins and edges: first what the parts exchange, then flows inside them."""
     at, joins, part, n = parted.at, parted.joins, parted.part, len(parted.part)
     given, tie = _least(at.given, part), at.tie.copy()
     total, source = (np.bincount(part, weights) for weights in (at.conductance, at.driven))
     laws = edges.laws(part, np.nanmax(np.abs(given), initial=0.0))
-    found = balanced(laws, Linear(given, total, source, _unit(parted, laws)))
+    near = _near(parted.description, len(edges.where) + len(given))
+    found = balanced(laws, Linear(given, total, source, _unit(parted, laws)), near)
     _check_found(parted, edges, laws, found, part)
     effort = _settled(parted, edges, found, found.effort, ~np.isnan(given) | (total != 0))[part]
     tie[np.unique(part, return_index=True)[1][np.isnan(given)]] = np.inf  # the potential's zero, anywhere
     first, second = joins.ends.T
     flow_in = at.driven - at.conductance * effort - edges.out_of_nodes(found.flow, n)
     potential = _potential(first, second, 1 / joins.inertia, flow_in, tie)
-    return effort, (potential[first] - potential[second]) / joins.inertia, found.flow
+    return effort, (potential[first] - potential[second]) / joins.inertia, found.flow, found.unknowns
 
 
-def _with_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray]:
+def _near(description: Description, count: int) -> NDArray | None:
+    """As many unknowns of a description as there were in the one from which it was changed."""
+    known = description.origin and description.origin.description.known.get(Before)
+    found = None if known is None else known.unknowns
+    return None if found is None or len(found) != count else found
+
+
+def _with_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray, NDArray]:
     """Efforts of nodes, and flows through joins and edges, beside multiports and coupled conductors."""
     description, number, lines, at, joins, part = parted
     alone = np.arange(len(number))
@@ -135,7 +144,7 @@ def _with_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray
     known[[number[node] for branch in branches_with_ports(description) for node in branch.nodes]] = True
     known, first = np.bincount(part, known) > 0, np.unique(part, return_index=True)[1]
     shift = _settled(parted, edges, found, found.effort[first], known) - found.effort[first]
-    return found.effort + shift[part], found.others[flows] / unit, found.flow
+    return found.effort + shift[part], found.others[flows] / unit, found.flow, found.unknowns
 
 
 def _unit(parted: _Parts, laws: EdgeLaws) -> float:
@@ -152,7 +161,7 @@ def _check_found(parted: _Parts, edges: Edges, laws: EdgeLaws, found: Balance, p
     part : ndarray, shape (nodes,)
         Number of each node's balance.
     """
-    if not found.rest.max(initial=0.0) <= CLOSE:
+    if not found.worst <= CLOSE:
         k = int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))
         where = edges.where[k] if k < edges.count else "start"
         raise InputError(where, "no steady state found: efforts and flows do not settle here", "start = 'rest'")
