@@ -68,6 +68,37 @@ def test_a_netlist_read_obeys_its_nodal_equations(name, tmp_path):
             assert abs(found - exact[probe]) < 1e-7 * abs(exact[probe])  # V has a resistance of 1/GMIN there
 
 
+@pytest.mark.parametrize("said", ["Zo=50 Td=1n", "z=50 delay=1n", "ZO = 50 FREQ=250Meg NL=0.25", "Z0=50 f=250meg"])
+def test_every_dialect_says_the_same_line(said, tmp_path):
+    (tmp_path / "t.cir").write_text(f"t\nV1 s 0 1\nR1 s a 50\nT1 a 0 b 0 {said}\nR2 b 0 100\n.tran 1p 9n", "utf-8")
+    line = read_spice(tmp_path / "t.cir")[0].lines["T1"].parameters
+    assert (line.z0, line.delay) == pytest.approx((50.0, 1e-9), rel=1e-15)
+
+
+def test_the_sections_of_xyces_lumped_line(tmp_path):
+    """Each is R + sL in series and then sC across: the ratio of voltages by a product of chain matrices."""
+    cards = ["V1 s 0 1", "R1 s a 25", "YTRANSLINE cable a b m LEN=0.5 LUMPS=7", "R2 b 0 100", ".tran 1p 9n uic"]
+    cards += [".model m TRANSLINE R=8 L=300n C=120p", "T1 b 0 c 0 Z0=50 TD=1n", "R3 c 0 50"]
+    (tmp_path / "y.cir").write_text("\n".join(["y", *cards]), encoding="utf-8")
+    scene = read_spice(tmp_path / "y.cir")[0]
+    for s in (1e8 + 3e9j, 2e8 - 7e8j, 1e9 + 1e7j):
+        z, y = (8 + s * 300e-9) * 0.5 / 7, s * 120e-12 * 0.5 / 7
+        section = np.array([[1, z], [0, 1]]) @ np.array([[1, 0], [y, 1]])
+        chain = np.array([[1, 25], [0, 1]]) @ np.linalg.matrix_power(section, 7)
+        exact = 1 / (chain @ [1, 1 / 100 + 1 / 50])[0]  # a matched line at the end
+        assert abs(respond(scene, s, "V1")["b"].u - exact) < 1e-9 * abs(exact)
+
+
+def test_a_deck_that_asks_for_frequencies_alone(tmp_path):
+    cards = ["V1 a 0 AC 1", "R1 a b 50", "T1 b 0 c 0 Z0=50 TD=1n", "R2 c 0 100", ".ac dec 10 1meg 1g"]
+    (tmp_path / "ac.cir").write_text("\n".join(["ac", *cards]), encoding="utf-8")
+    scene, notes = read_spice(tmp_path / "ac.cir")
+    assert any('--from "1 MHz" --to "1 GHz" shows it' in note for note in notes)
+    s = 2j * np.pi * 3e8
+    passed = np.exp(-s * 1e-9)
+    assert abs(respond(scene, s, "V1")["c"].u - 2 / 3 * passed) < 1e-12  # matched at the source: 1/2 times 1 + 1/3
+
+
 LENGTH, LO, CO, RO, GO, RS = 0.2, 3e-7, 1.2e-10, 8.0, 2e-3, 1.5e-3
 W_NET = [
     "a W element", "V1 s 0 1", "R1 s a 25", "W1 N=1 a 0 b 0 RLGCMODEL=trace L=0.2", "R2 b 0 100",

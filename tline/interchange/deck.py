@@ -23,6 +23,7 @@ FILE = re.compile(r"\.\w+\s+(?:\"([^\"]*)\"|'([^']*)'|(\S+))\s*(\S*)")
 OTHERS_LIBRARY = re.compile(r"[A-Za-z]:[\\/]")  # such as LTspice names for each diode, whether it has a model or not
 INCLUDES = (".include", ".inc", ".incl", ".lib")
 OTHER_RUNS = (".alter", ".modify", ".mo", ".fault")  # HSPICE's and gnucap's: change the circuit, and run again
+LUMPED = "YTRANSLINE"  # in Xyce, in place of the first letter of its name
 WITHIN_CONTROL = {
     "tran": ".tran",
     "plot": ".plot",
@@ -37,7 +38,7 @@ class Card(NamedTuple):
     """One element or command, with the values that names have where it stands."""
 
     where: str  # file, line and name, for messages
-    kind: str  # first letter of the element's own name; '.' of a command
+    kind: str  # first letter of the element's own name, or LUMPED; '.' of a command
     name: str  # of the element, behind those of the subcircuits it is in; or the command
     words: list[str]  # what follows
     text: str  # the whole card

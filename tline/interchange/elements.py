@@ -4,10 +4,10 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 
 from tline.errors import InputError
-from tline.interchange.deck import Card
+from tline.interchange.deck import LUMPED, Card
 from tline.interchange.diode import diode
 from tline.interchange.findings import Findings
-from tline.interchange.line_cards import coupled_line, lossless_line, lossy_line, rc_line, txl_line, w_line
+from tline.interchange.line_cards import coupled_line, lossless_line, lossy_line, lumped_line, rc_line, txl_line, w_line
 from tline.interchange.netlist import AMMETER, REFERENCE, Netlist, Table
 from tline.interchange.spice_impedance import impedance, value_of
 from tline.interchange.spice_shape import waveforms
@@ -39,7 +39,7 @@ def merge_shorts(cards: Iterable[Card], net: Netlist) -> None:
         if len(card.words) < 3 or card.kind not in "VR" or card.name.lower() in net.sensed:
             continue
         with suppress(InputError):  # which is told when the element is taken
-            if value_of(card, net) == 0 if card.kind == "R" else said_of(card, Findings()).is_zero:
+            if value_of(card, net) == 0 if card.kind == "R" else said_of(card, Findings()).is_zero(net.tran):
                 net.merge(*card.words[:2])
 
 
@@ -69,14 +69,15 @@ def _source(card: Card, net: Netlist) -> None:
     first, second = map(net.node, card.words[:2])
     net.quiet = net.quiet and said.is_quiet
     sensed = card.name.lower() in net.sensed
-    if card.kind == "V" and said.is_zero and not sensed:
+    silent = said.is_zero(net.tran)
+    if card.kind == "V" and silent and not sensed:
         net.short(card, (first, second))
         return
     if first == second:
         raise card.refuse("both ends are at one node", "two nodes")
     sign, kind = (1.0, "voltage") if card.kind == "V" else (-1.0, "current")
     if card.kind == "V" and sensed:
-        if said.is_zero:
+        if silent:
             net.ammeter(card, first, second)
             return
         net.ammeter(card, f"{card.name}.m", second)
@@ -134,5 +135,5 @@ def _no_gain(card: Card) -> InputError:
 ELEMENTS: dict[str, Callable[[Card, Netlist], None]] = {
     **dict.fromkeys("RLC", impedance), **dict.fromkeys("VI", _source), **dict.fromkeys("EFGH", controlled),
     "D": _diode, "T": lossless_line, "O": lossy_line, "Y": txl_line, "P": coupled_line,
-    "U": rc_line, "W": w_line,
+    "U": rc_line, "W": w_line, LUMPED: lumped_line,
 }  # fmt: skip

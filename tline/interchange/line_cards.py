@@ -1,9 +1,10 @@
 """Lines of SPICE netlists: T, O by an LTRA model, Y by a TXL model, P by a CPL model, U by a URC model, W by RLGC."""
 
+from itertools import pairwise
 from math import log, pi
 
 from tline.interchange.deck import Card
-from tline.interchange.netlist import REFERENCE, Netlist
+from tline.interchange.netlist import REFERENCE, Netlist, Table
 from tline.interchange.rlgc import UPPER, rlgc_matrices, symmetric
 from tline.interchange.uniform_line import add_conductors, add_uniform
 
@@ -14,19 +15,19 @@ NUMERICAL = {  # of LTRA: how that program computes, not what the line is
 RC = {"k": 1.5, "fmax": 1e9, "rperl": 1e3, "cperl": 1e-12}  # of a URC model, with defaults
 FEWEST, MOST_SECTIONS = 3, 100
 NO_LENGTH = 1e-9  # ohm
+SPELT = {"z": "z0", "zo": "z0", "delay": "td", "freq": "f"}  # of T, in the dialects
 
 
 def lossless_line(card: Card, net: Netlist) -> None:
     """A T element; the numbers of its begin must be zero. With R, L, G and C per length it is lossy, as in PSpice."""
-    plain, given = card.assigned(4)
+    plain, own = card.assigned(4)
+    given = {SPELT.get(key, key): words for key, words in own.items()}
     names = "Z0 with TD, or with F (and NL)"
     if {"len", "l", "c"} <= given.keys() <= {"len", "r", "l", "g", "c"}:
         model = card._replace(words=["", "ltra", *card.words[4:]])
         add_uniform(card, net, _ends(card, net), _per_length(model, "ltra", {}))
         return
-    if "z" in given:
-        given["z0"] = given.pop("z")
-    if plain or not given.keys() <= {"z0", "td", "f", "nl", "ic", "rel", "abs", "l"}:
+    if plain or len(given) < len(own) or not given.keys() <= {"z0", "td", "f", "nl", "ic", "rel", "abs", "l"}:
         raise card.refuse("not a list of what a lossless line has", names, f"'{' '.join(card.words[4:]):.60}'")
     if any(card.value(word) for word in given.pop("ic", [])):
         raise card.refuse("a begin that is not zero", "IC=0,0,0,0")
@@ -56,12 +57,35 @@ def lossy_line(card: Card, net: Netlist) -> None:
 
 
 def txl_line(card: Card, net: Netlist) -> None:
-    """A Y element by a TXL model; Xyce's YTRANSLINE, of sections, is refused."""
-    if card.name.lower().endswith("ytransline"):
-        raise card.refuse("a line of sections of Xyce", "an O element by an LTRA model of the same R, L, C and LEN")
+    """A Y element by a TXL model."""
     model = net.model(card, card.words[4])
     given = _per_length(model, "txl", card.assigned(5)[1])
     add_uniform(card, net, _ends(card, net), given)
+
+
+def lumped_line(card: Card, net: Netlist) -> None:
+    """Xyce's YTRANSLINE: sections of L and R in series, each with C behind it.
+
+    References
+    ----------
+    Xyce Reference Guide, "Lumped transmission line".
+    """
+    first, second = map(net.node, card.words[:2])
+    model, own = net.model(card, card.words[2]), card.assigned(3)[1]
+    lumps = card.value("".join(own.pop("lumps", ["1"])))
+    if not 1 <= lumps <= MOST_SECTIONS:
+        expected = f"LUMPS=1 to {MOST_SECTIONS}, or an O element by an LTRA model of the same R, L, C and LEN"
+        raise card.refuse("too few or too many sections", expected, f"{lumps:g}")
+    given = _per_length(model, "transline", own)
+    n = int(lumps)
+    R, L, C = (given[key] * given["len"] / n for key in "rlc")
+    if given["g"] or min(L, C) <= 0:
+        raise model.refuse("values that its sections do not have", "L and C above 0, R, and no G")
+    impedance: Table = {"kind": "series", "inductance": L} | ({"resistance": R} if R else {})
+    nodes = [first, *(f"{card.name}.{k}" for k in range(1, n)), second]
+    for k, ends in enumerate(pairwise(nodes), 1):
+        net.between(card, ends, impedance, f"{card.name}.l{k}")
+        net.between(card, (ends[1], REFERENCE), {"kind": "capacitor", "capacitance": C}, f"{card.name}.c{k}")
 
 
 def _per_length(model: Card, kind: str, own: dict[str, list[str]]) -> dict[str, float]:

@@ -72,8 +72,10 @@ def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
 def _read(raw: list[Card], title: str, path: Path, found: Findings) -> tuple[dict[str, Any], Netlist]:
     """The scene's tables, and the netlist that they are from."""
     cards = with_linear_sources(with_generator(opened(raw, found), found), found)
-    commands = {name: [card for card in cards if card.name.lower() == name] for name in (".tran", ".model", ".ic")}
-    tran = transient(commands[".tran"], str(path), found)
+    commands = {
+        name: [card for card in cards if card.name.lower() == name] for name in (".tran", ".ac", ".model", ".ic")
+    }
+    tran = transient(commands[".tran"], commands[".ac"], str(path), found)
     models = {card.words[0].lower(): card for card in commands[".model"] if card.words}
     net = Netlist(found, tran or ANY, models, path.parent)
     shown = []

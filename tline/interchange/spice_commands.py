@@ -8,6 +8,7 @@ from tline.interchange.deck import Card
 from tline.interchange.findings import Findings
 from tline.interchange.spice_source import Transient
 from tline.interchange.subcircuits import GROUND
+from tline.units import engineering
 
 SHOWN = (".print", ".plot", ".save", ".probe", ".probe64")
 VOLTAGE = re.compile(r"(?<![\w.])v\(\s*([^\s,()]+)\s*(?:,\s*([^\s,()]+)\s*)?\)", re.IGNORECASE)
@@ -18,7 +19,7 @@ HARMLESS = {
     ".options": "", ".option": "", ".opt": "", ".width": "", ".op": "", ".title": "", ".backanno": "", ".list": "",
     ".status": "", ".stat": "", ".nodeset": "a guess of the steady state, which is found without", ".preprocess": "",
     ".data": "make a run for each value", ".sens": "", ".four": "",
-    ".dc": "another analysis", ".ac": "another analysis: tline frequency", ".noise": "another analysis", ".tf": "",
+    ".dc": "another analysis", ".noise": "another analysis", ".tf": "",
     ".hb": "another analysis", ".pz": "another analysis", ".disto": "another analysis", ".lin": "another analysis",
     ".fft": "", ".graph": "", ".protect": "", ".unprotect": "", ".connect": "", ".machine": "",
     ".wave": "", ".net": "another analysis", ".preset": "", ".result": "", ".dcvolt": "", ".set_subcircuit": "",
@@ -26,8 +27,14 @@ HARMLESS = {
 TEMPERATURES = (".temp", ".temperature")
 
 
-def transient(cards: list[Card], path: str, found: Findings) -> Transient | None:
-    """What the first .tran of a netlist says."""
+def transient(cards: list[Card], frequencies: list[Card], path: str, found: Findings) -> Transient | None:
+    """What the first .tran of a netlist says, or without one the first .ac."""
+    for card in frequencies if cards else frequencies[1:]:
+        found.note(card.where, "skipped: another analysis: tline frequency")
+    if frequencies and not cards:
+        with found.gathered():
+            return _without_run(frequencies[0], found)
+        return None
     if not cards:
         found.mistakes.append(InputError(path, "the end time is not given", ".tran STEP END"))
         return None
@@ -36,6 +43,20 @@ def transient(cards: list[Card], path: str, found: Findings) -> Transient | None
     with found.gathered():
         return _times(cards[0], found)
     return None
+
+
+def _without_run(card: Card, found: Findings) -> Transient:
+    """A period of the lowest frequency, where only frequencies are asked for."""
+    words = [word for word in card.words if word.lower() not in ("dec", "oct", "lin")]
+    if len(words) != 3 or len(card.words) != 4:
+        raise card.refuse("not a range of frequencies", ".ac dec POINTS FROM TO", f"'{' '.join(card.words):.40}'")
+    low, high = card.value(words[1]), card.value(words[2])
+    if not 0 < low <= high:
+        raise card.refuse("its frequencies are not in order", "0 < FROM <= TO", f"{low:g} and {high:g} Hz")
+    first, last, period = engineering(low, "Hz"), engineering(high, "Hz"), engineering(1 / low, "s")
+    advice = f'tline frequency SCENE.toml --from "{first}" --to "{last}"'
+    found.note(card.where, f"there is no .tran, and {period} is the end; {advice} shows it, per unit of a source")
+    return Transient(0.0, 1 / low, True, False)
 
 
 def _times(card: Card, found: Findings) -> Transient:

@@ -24,6 +24,7 @@ class Transient(NamedTuple):
     step: float
     end: float
     uic: bool
+    runs: bool = True  # or else .ac asks for frequencies alone
 
 
 class Said(NamedTuple):
@@ -35,11 +36,12 @@ class Said(NamedTuple):
     resistance: float
     repeat: float | None = None  # instant from which points are repeated
     delay: float = 0.0  # of points
+    alternating: bool = False  # whether it has an AC part
 
-    @property
-    def is_zero(self) -> bool:
+    def is_zero(self, tran: Transient) -> bool:
         """Whether nothing is prescribed but zero."""
-        return not self.shape and self.level == 0 and self.resistance == 0
+        silent = tran.runs or not self.alternating
+        return not self.shape and self.level == 0 and self.resistance == 0 and silent
 
     @property
     def is_quiet(self) -> bool:
@@ -59,8 +61,7 @@ def said_of(card: Card, found: Findings) -> Said:
     if "dc" in assigned:
         level, *after = assigned.pop("dc")
         level, words = card.value(level), [*words, *after]
-    if assigned.pop("ac", None):
-        found.note(card.where, "its AC part is skipped")
+    alternating = assigned.pop("ac", None) is not None
     resistance = _single(card, assigned, "rser")
     if words and words[0].upper() not in WORDS:
         level, words = card.value(words[0]), words[1:]
@@ -73,7 +74,7 @@ def said_of(card: Card, found: Findings) -> Said:
         while words and words[0].upper() not in WORDS:
             own, words = [*own, words[0]], words[1:]
         if word == "AC":
-            found.note(card.where, "its AC part is skipped")
+            alternating = True
         elif word == "DC":
             if len(own) != 1:
                 raise card.refuse("DC without a level", "DC 5")
@@ -87,6 +88,8 @@ def said_of(card: Card, found: Findings) -> Said:
             numbers = [card.value(each) for each in own] or _named(card, shape, assigned)
             if shape == "PWL":
                 _after(card, found, own, numbers)
+    if alternating:
+        found.note(card.where, "its AC part is skipped")
     delay = 0.0
     if shape == "PWL":
         repeat = _single(card, assigned, "r") if "r" in assigned else repeat
@@ -99,7 +102,7 @@ def said_of(card: Card, found: Findings) -> Said:
         raise card.refuse(f"{shape} with {len(numbers)} numbers", expected)
     if resistance < 0:
         raise card.refuse("its resistance is below zero", "0 or more", f"{resistance:g}")
-    return Said(level, shape, numbers, resistance, None if repeat is None or repeat < 0 else repeat, delay)
+    return Said(level, shape, numbers, resistance, None if repeat is None or repeat < 0 else repeat, delay, alternating)
 
 
 def _after(card: Card, found: Findings, words: list[str], numbers: list[float]) -> None:

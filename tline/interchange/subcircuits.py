@@ -6,7 +6,7 @@ from functools import partial
 from itertools import count
 
 from tline.errors import InputError
-from tline.interchange.deck import DEEPEST, MOST_CARDS, Card, nodes_of
+from tline.interchange.deck import DEEPEST, LUMPED, MOST_CARDS, Card, nodes_of
 from tline.interchange.findings import Findings
 from tline.interchange.spice_expression import Parameters, parse_value
 from tline.interchange.spice_functions import FUNCTION, PARAMETERS, Defined, function
@@ -83,6 +83,8 @@ def _sorted(cards: list[Card], found: Findings) -> tuple[list[Card], dict[str, S
 def _in_order(card: Card) -> Card:
     """An element with its nodes first, whatever dialect puts in front of them."""
     words = card.words
+    if card.name.upper() == LUMPED and words:
+        return card._replace(kind=LUMPED, name=f"Y{words[0]}", words=words[1:])
     if card.kind == "W":
         k = 0
         while words[k + 1 : k + 2] == ["="]:
