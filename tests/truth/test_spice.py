@@ -75,6 +75,25 @@ def test_every_dialect_says_the_same_line(said, tmp_path):
     assert (line.z0, line.delay) == pytest.approx((50.0, 1e-9), rel=1e-15)
 
 
+def test_a_lossy_line_by_a_model_of_pspice(tmp_path):
+    """As by the same numbers on its own card."""
+    numbers = "LEN=0.5 R=8 L=300n C=120p G=1m"
+    (tmp_path / "a.cir").write_text(f"a\nV1 s 0 1\nR1 s a 50\nT1 a 0 b 0 {numbers}\nR2 b 0 100\n.tran 1p 9n", "utf-8")
+    text = f"b\nV1 s 0 1\nR1 s a 50\nT1 a 0 b 0 m\n.model m TRN {numbers}\nR2 b 0 100\n.tran 1p 9n"
+    (tmp_path / "b.cir").write_text(text, "utf-8")
+    own, modelled = (read_spice(tmp_path / name)[0].lines["T1"] for name in ("a.cir", "b.cir"))
+    assert own == modelled
+
+
+def test_many_sections_are_the_uniform_line(tmp_path):
+    text = "y\nV1 s 0 1\nR1 s a 50\nYTRANSLINE c a b m LEN=12 LUMPS=1440\nR2 b 0 50\n"
+    (tmp_path / "y.cir").write_text(f"{text}.model m transline r=1m l=0.5u c=60p\n.tran 1n 1u", "utf-8")
+    scene, notes = read_spice(tmp_path / "y.cir")
+    line = scene.lines["Yc"].parameters
+    assert (line.z0, line.delay) == pytest.approx((np.sqrt(0.5e-6 / 60e-12), 12 * np.sqrt(0.5e-6 * 60e-12)), rel=1e-12)
+    assert any("in place of its 1440 sections" in note for note in notes)
+
+
 def test_the_sections_of_xyces_lumped_line(tmp_path):
     """Each is R + sL in series and then sC across: the ratio of voltages by a product of chain matrices."""
     cards = ["V1 s 0 1", "R1 s a 25", "YTRANSLINE cable a b m LEN=0.5 LUMPS=7", "R2 b 0 100", ".tran 1p 9n uic"]
@@ -89,14 +108,25 @@ def test_the_sections_of_xyces_lumped_line(tmp_path):
         assert abs(respond(scene, s, "V1")["b"].u - exact) < 1e-9 * abs(exact)
 
 
-def test_a_deck_that_asks_for_frequencies_alone(tmp_path):
-    cards = ["V1 a 0 AC 1", "R1 a b 50", "T1 b 0 c 0 Z0=50 TD=1n", "R2 c 0 100", ".ac dec 10 1meg 1g"]
+@pytest.mark.parametrize(
+    ("source", "asked"),
+    [
+        (["V1 a 0 AC 1", "R1 a b 50"], [".ac dec 10 1meg 1g"]),
+        (["V1 b 0 dc 0 ac 1 portnum 1 z0 50 pwr 0.001"], [".sp lin 10 1meg 1g"]),
+        (["P1 b 0 port=1 z0=50 AC=1"], [".ac dec 10 1meg 1g", ".lin"]),
+        (["V1 a 0 AC 1", "R1 a b 50"], [".control", "ac oct 3 1meg 1g", "plot v(c)", ".endc"]),
+    ],
+)
+def test_a_deck_that_asks_for_frequencies_alone(source, asked, tmp_path):
+    cards = [*source, "T1 b 0 c 0 Z0=50 TD=1n", "R2 c 0 100", *asked]
     (tmp_path / "ac.cir").write_text("\n".join(["ac", *cards]), encoding="utf-8")
     scene, notes = read_spice(tmp_path / "ac.cir")
     assert any('--from "1 MHz" --to "1 GHz" shows it' in note for note in notes)
     s = 2j * np.pi * 3e8
     passed = np.exp(-s * 1e-9)
-    assert abs(respond(scene, s, "V1")["c"].u - 2 / 3 * passed) < 1e-12  # matched at the source: 1/2 times 1 + 1/3
+    assert (
+        abs(respond(scene, s, next(iter(scene.sources)))["c"].u - 2 / 3 * passed) < 1e-12
+    )  # matched at the source: 1/2 times 1 + 1/3
 
 
 LENGTH, LO, CO, RO, GO, RS = 0.2, 3e-7, 1.2e-10, 8.0, 2e-3, 1.5e-3

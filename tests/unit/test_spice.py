@@ -176,10 +176,9 @@ def test_waveforms_are_those_of_the_manual(read, text, letter, nodes, sign):
         ((4, "V2 b 0 AM(1 0 2G 1G)"), "c.cir, line 5, V2: a signal not below its carrier"),
         ((4, "V2 b 0 PWL(0 0 1n 1) R=0.5n"), "c.cir, line 5, V2: points that are not repeated from one of them on"),
         ((4, "YTRANSLINE l1 b c m LEN=1 LUMPS=9"), "c.cir, line 5, YTRANSLINE: its model is not there"),
-        (
-            (4, "YTRANSLINE l1 b c m LEN=1 LUMPS=900\n.model m TRANSLINE L=1n C=1p"),
-            "c.cir, line 5, YTRANSLINE: too few or too many sections",
-        ),
+        ((4, "YTRANSLINE l1 b c m LUMPS=0\n.model m X"), "c.cir, line 5, YTRANSLINE: too few sections"),
+        ((4, "T2 b 0 c 0 m\n.model m R"), "c.cir, line 6, .model: not known here, expected TRN"),
+        ((4, "V2 b 0 portnum 1 z0 50 power 3"), "c.cir, line 5, V2: not a port"),
         ((4, "U1 b 0 c 0 m L=1"), "c.cir, line 5, U1: not a uniform RC line, expected two nodes, base and a URC model"),
         ((4, "V2 b 0 PWL(0 1 2n)"), "c.cir, line 5, V2: PWL with 3 numbers"),
         ((4, "V2 b 0 PULSE(1)"), "c.cir, line 5, V2: PULSE with 1 numbers"),

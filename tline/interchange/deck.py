@@ -26,6 +26,8 @@ OTHER_RUNS = (".alter", ".modify", ".mo", ".fault")  # HSPICE's and gnucap's: ch
 LUMPED = "YTRANSLINE"  # in Xyce, in place of the first letter of its name
 WITHIN_CONTROL = {
     "tran": ".tran",
+    "ac": ".ac",
+    "sp": ".sp",
     "plot": ".plot",
     "print": ".print",
     "save": ".save",
@@ -203,5 +205,5 @@ def _without_control(cards: list[Card], found: Findings) -> list[Card]:
             plain.append(card)
         elif name in WITHIN_CONTROL:
             asked.append(card._replace(kind=".", name=WITHIN_CONTROL[name]))
-    has_run = any(card.name.lower() == ".tran" for card in plain)
-    return plain + [card for card in asked if card.name != ".tran" or not has_run]
+    given = {card.name.lower() for card in plain} & {".tran", ".ac", ".sp"}
+    return plain + [card for card in asked if card.name not in given]

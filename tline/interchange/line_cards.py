@@ -19,13 +19,20 @@ SPELT = {"z": "z0", "zo": "z0", "delay": "td", "freq": "f"}  # of T, in the dial
 
 
 def lossless_line(card: Card, net: Netlist) -> None:
-    """A T element; the numbers of its begin must be zero. With R, L, G and C per length it is lossy, as in PSpice."""
+    """A T element; the numbers of its begin must be zero. With R, L, G and C per length it is lossy, as in PSpice.
+
+    They are its own, or those of a TRN model.
+    """
     plain, own = card.assigned(4)
+    if len(plain) == 1:
+        model = net.model(card, plain[0])
+        if "".join(model.words[1:2]).lower() != "trn":
+            raise model.refuse("not known here", "TRN", f"'{' '.join(model.words[1:2])}'")
+        plain, own = [], model.assigned(2)[1] | own
     given = {SPELT.get(key, key): words for key, words in own.items()}
     names = "Z0 with TD, or with F (and NL)"
     if {"len", "l", "c"} <= given.keys() <= {"len", "r", "l", "g", "c"}:
-        model = card._replace(words=["", "ltra", *card.words[4:]])
-        add_uniform(card, net, _ends(card, net), _per_length(model, "ltra", {}))
+        add_uniform(card, net, _ends(card, net), _per_length(card._replace(words=["", "ltra"]), "ltra", given))
         return
     if plain or len(given) < len(own) or not given.keys() <= {"z0", "td", "f", "nl", "ic", "rel", "abs", "l"}:
         raise card.refuse("not a list of what a lossless line has", names, f"'{' '.join(card.words[4:]):.60}'")
@@ -73,11 +80,13 @@ def lumped_line(card: Card, net: Netlist) -> None:
     first, second = map(net.node, card.words[:2])
     model, own = net.model(card, card.words[2]), card.assigned(3)[1]
     lumps = card.value("".join(own.pop("lumps", ["1"])))
-    if not 1 <= lumps <= MOST_SECTIONS:
-        expected = f"LUMPS=1 to {MOST_SECTIONS}, or an O element by an LTRA model of the same R, L, C and LEN"
-        raise card.refuse("too few or too many sections", expected, f"{lumps:g}")
-    given = _per_length(model, "transline", own)
-    n = int(lumps)
+    if lumps < 1:
+        raise card.refuse("too few sections", "LUMPS=1 or more", f"{lumps:g}")
+    given, n = _per_length(model, "transline", own), int(lumps)
+    if n > MOST_SECTIONS:
+        net.found.note(card.where, f"the uniform line in place of its {n} sections")
+        add_uniform(card, net, [first, second], given)
+        return
     R, L, C = (given[key] * given["len"] / n for key in "rlc")
     if given["g"] or min(L, C) <= 0:
         raise model.refuse("values that its sections do not have", "L and C above 0, R, and no G")

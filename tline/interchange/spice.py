@@ -11,7 +11,7 @@ from tline.interchange.deck import Card, read_deck
 from tline.interchange.elements import merge_shorts, take
 from tline.interchange.findings import Findings
 from tline.interchange.netlist import REFERENCE, Netlist
-from tline.interchange.spice_commands import SHOWN, nodes_shown, skip, transient, values_at_begin
+from tline.interchange.spice_commands import OVER_FREQUENCY, SHOWN, nodes_shown, skip, transient, values_at_begin
 from tline.interchange.spice_linear import with_linear_sources
 from tline.interchange.spice_measure import MEASURE, measures, nodes_measured
 from tline.interchange.spice_shape import with_generator
@@ -72,10 +72,11 @@ def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
 def _read(raw: list[Card], title: str, path: Path, found: Findings) -> tuple[dict[str, Any], Netlist]:
     """The scene's tables, and the netlist that they are from."""
     cards = with_linear_sources(with_generator(opened(raw, found), found), found)
-    commands = {
-        name: [card for card in cards if card.name.lower() == name] for name in (".tran", ".ac", ".model", ".ic")
-    }
-    tran = transient(commands[".tran"], commands[".ac"], str(path), found)
+    commands: dict[str, list[Card]] = {name: [] for name in (".tran", ".model", ".ic", *OVER_FREQUENCY)}
+    for card in cards:
+        commands.get(card.name.lower(), []).append(card)
+    frequencies = [card for name in OVER_FREQUENCY for card in commands[name]]
+    tran = transient(commands[".tran"], frequencies, str(path), found)
     models = {card.words[0].lower(): card for card in commands[".model"] if card.words}
     net = Netlist(found, tran or ANY, models, path.parent)
     shown = []

@@ -10,6 +10,7 @@ from tline.interchange.spice_source import Transient
 from tline.interchange.subcircuits import GROUND
 from tline.units import engineering
 
+OVER_FREQUENCY = (".ac", ".sp")
 SHOWN = (".print", ".plot", ".save", ".probe", ".probe64")
 VOLTAGE = re.compile(r"(?<![\w.])v\(\s*([^\s,()]+)\s*(?:,\s*([^\s,()]+)\s*)?\)", re.IGNORECASE)
 ALL = ("*", "nodes")  # as names of all nodes
@@ -47,12 +48,14 @@ def transient(cards: list[Card], frequencies: list[Card], path: str, found: Find
 
 def _without_run(card: Card, found: Findings) -> Transient:
     """A period of the lowest frequency, where only frequencies are asked for."""
-    words = [word for word in card.words if word.lower() not in ("dec", "oct", "lin")]
-    if len(words) != 3 or len(card.words) != 4:
+    if len(card.words) not in (4, 5) or card.words[0].lower() not in ("dec", "oct", "lin"):
         raise card.refuse("not a range of frequencies", ".ac dec POINTS FROM TO", f"'{' '.join(card.words):.40}'")
-    low, high = card.value(words[1]), card.value(words[2])
-    if not 0 < low <= high:
-        raise card.refuse("its frequencies are not in order", "0 < FROM <= TO", f"{low:g} and {high:g} Hz")
+    points, low, high = map(card.value, card.words[1:4])
+    if not 0 <= low <= high or min(points, high) <= 0:
+        raise card.refuse(
+            "its frequencies are not in order", "FROM 0 or more, TO not below it", f"{low:g}, {high:g} Hz"
+        )
+    low = low or high / points
     first, last, period = engineering(low, "Hz"), engineering(high, "Hz"), engineering(1 / low, "s")
     advice = f'tline frequency SCENE.toml --from "{first}" --to "{last}"'
     found.note(card.where, f"there is no .tran, and {period} is the end; {advice} shows it, per unit of a source")

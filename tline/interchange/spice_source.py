@@ -13,6 +13,8 @@ ARGUMENTS = {  # numbers of each shape, by the names that gnucap has for them
     "AM": ("amplitude", "offset", "signal", "carrier", "delay"),
     "PWL": (),
 }
+PORTNUM = "portnum"
+PORT, USUAL_Z0 = (PORTNUM, "z0", "pwr", "freq", "phase"), "50"  # power does not count
 ALIASES = {"SINE": "SIN", "PU": "PULSE"}
 WORDS = {*ARGUMENTS, *ALIASES, "AC", "DC"}
 EXPECTED = "DC, PULSE, PWL, SIN, EXP, SFFM or AM"
@@ -57,12 +59,13 @@ class Said(NamedTuple):
 def said_of(card: Card, found: Findings) -> Said:
     """What the words behind the nodes of a source say."""
     words, assigned = card.assigned(2)
+    words, port = _without_port(card, words, assigned)
     level, shape, numbers = 0.0, "", []
     if "dc" in assigned:
         level, *after = assigned.pop("dc")
         level, words = card.value(level), [*words, *after]
     alternating = assigned.pop("ac", None) is not None
-    resistance = _single(card, assigned, "rser")
+    resistance = _single(card, assigned, "rser") + port
     if words and words[0].upper() not in WORDS:
         level, words = card.value(words[0]), words[1:]
     repeat = None
@@ -103,6 +106,17 @@ def said_of(card: Card, found: Findings) -> Said:
     if resistance < 0:
         raise card.refuse("its resistance is below zero", "0 or more", f"{resistance:g}")
     return Said(level, shape, numbers, resistance, None if repeat is None or repeat < 0 else repeat, delay, alternating)
+
+
+def _without_port(card: Card, words: list[str], assigned: dict[str, list[str]]) -> tuple[list[str], float]:
+    """Words without those of a port, by 'name value' or 'name=value', and its resistance; 0 of what is no port."""
+    given = {key: " ".join(assigned.pop(key)) for key in PORT if key in assigned} if PORTNUM in assigned else {}
+    at = next((k for k, word in enumerate(words) if word.lower() == PORTNUM), len(words))
+    named = [word.lower() for word in words[at::2]]
+    if not {*named} <= {*PORT}:
+        raise card.refuse("not a port", "portnum 1 z0 50", f"'{' '.join(words[at:]):.40}'")
+    given |= dict(zip(named, words[at + 1 :: 2], strict=False))
+    return words[:at], card.value(given.get("z0", USUAL_Z0)) if PORTNUM in given else 0.0
 
 
 def _after(card: Card, found: Findings, words: list[str], numbers: list[float]) -> None:

@@ -11,6 +11,7 @@ from tline.interchange.findings import Findings
 from tline.interchange.spice_expression import Parameters, parse_value
 from tline.interchange.spice_functions import FUNCTION, PARAMETERS, Defined, function
 from tline.interchange.spice_linear import BY_LAW, law_words, with_outside_names
+from tline.interchange.spice_source import PORTNUM
 
 GROUND = {"0", "gnd", "gnd!", "ground"}
 PORTS = {"T": 4, "O": 4, "Y": 4, "E": 4, "G": 4, "U": 3, "S": 4, "Q": 3, "J": 3, "Z": 3, "M": 4}  # nodes; others have 2
@@ -85,6 +86,9 @@ def _in_order(card: Card) -> Card:
     words = card.words
     if card.name.upper() == LUMPED and words:
         return card._replace(kind=LUMPED, name=f"Y{words[0]}", words=words[1:])
+    if card.kind == "P" and "port" in map(str.lower, words):  # of HSPICE and Xyce: a source behind a resistance
+        named = (PORTNUM if word.lower() == "port" else word for word in words[2:])
+        return card._replace(kind="V", words=[*words[:2], *named])
     if card.kind == "W":
         k = 0
         while words[k + 1 : k + 2] == ["="]:
