@@ -19,7 +19,7 @@ import friction
 from benchmarks.friction_failures import draw_failures, draw_maps, failure_rows
 from benchmarks.harness import DOCS, RUNS, apart, table, timed, write
 from friction import ElastoPlastic, Karnopp, LuGre, Ramp, Status, Testbench, simulate, sweep
-from friction.pictures import COLOURS, draw_curves, draw_exercise
+from friction.pictures import COLOURS, draw_curves
 
 END, ENDS = 10.0, {"stribeck": 13.963289889871819666, "lugre": 13.985389460013207159}
 TOLS = [10.0**-k for k in range(3, 13)]
@@ -202,7 +202,6 @@ A loop over `solve_ivp` (LSODA) at the same tolerance would take {loop:.0f} s of
 def main() -> None:
     page, costs = "benchmarks-friction.md", {case: measured(case) for case in ENDS}
     pictures = {"cost": draw_cost(costs), "limits": draw_maps(), "failures": draw_failures(ENDS["stribeck"])}
-    pictures["exercise"] = draw_exercise({letter: part() for letter, part in friction.PARTS.items()})
     models = {"LuGre": LuGre(sigma1=5.0), "elasto-plastic": ElastoPlastic(sigma1=5.0), "Karnopp": Karnopp()}
     pictures["curves"] = draw_curves(models)
     for name, picture in pictures.items():

@@ -1,5 +1,4 @@
 from drives.animation import animate as animate
-from drives.answers import exercise as exercise
 from drives.control import PI as PI
 from drives.control import Bandwidth as Bandwidth
 from drives.control import Design as Design

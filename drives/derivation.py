@@ -1,4 +1,4 @@
-"""The pulley from a balance of forces in both directions, step by step, checked against the model in use."""
+"""The pulley from a balance of forces in both directions, checked against the model in use."""
 
 import math
 from dataclasses import dataclass
@@ -9,21 +9,6 @@ from drives.coupled import CoupledDrives
 from drives.parts import Pulley
 from drives.symbolic import transfer
 
-STEPS = (
-    "1 directions: y along the way of the pulley, away from the spools; x from spool 1 to spool 2.",
-    "  Each straight piece of belt makes the angle θ with y. Forces on the pulley, as (x, y):",
-    "  F1 (−sin θ, −cos θ) of belt 1, F2 (+sin θ, −cos θ) of belt 2, F_k (0, 1) of the spring",
-    "2 massless, so the forces balance at every instant:",
-    "  horizontal: −F1 sin θ + F2 sin θ = 0        so F1 = F2 = F, as sin θ ≠ 0",
-    "  vertical:   −F1 cos θ − F2 cos θ + F_k = 0  so F_k = 2 F cos θ",
-    "  (about its axle, massless and without friction: F1 = F2 again, so a guide at its sides bears no force)",
-    "3 spring: F_k = −k x_k. Under tension the pulley is drawn towards the spools, x_k < 0, and F_k > 0",
-    "4 belt: a move dx_k lengthens both straight pieces by dx_k cos θ each, and that much more belt comes than goes:",
-    "  v1 − v2 = 2 v_k cos θ, v_k = dx_k/dt        θ constant: first order in x_k over the length of the pieces",
-    "5 put together: F = −k x_k/(2 cos θ). With e_p = −2 x_k cos θ the belt sees a spring:",
-    "  F = k_p e_p, k_p = k/(4 cos²θ), de_p/dt = v2 − v1",
-    "6 power: F1 v1 − F2 v2 = 2 F v_k cos θ = F_k v_k = −d(k x_k²/2)/dt: the spring stores what leaves the belts",
-)
 DEFLECTION = -0.01  # m, for the check
 
 

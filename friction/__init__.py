@@ -1,6 +1,5 @@
 """Friction models on a testbench, exact where they can be, and predictions of where methods fail."""
 
-from friction.exercise import PARTS, Part
 from friction.methods import METHODS, Method
 from friction.models import MODELS, Coulomb, Dahl, ElastoPlastic, Karnopp, LuGre, Model, Tanh
 from friction.predict import (
@@ -23,7 +22,6 @@ from tline.errors import InputError
 __all__ = [
     "METHODS",
     "MODELS",
-    "PARTS",
     "Chatter",
     "Coulomb",
     "Dahl",
@@ -39,7 +37,6 @@ __all__ = [
     "LuGre",
     "Method",
     "Model",
-    "Part",
     "Ramp",
     "Result",
     "Sine",

@@ -1,62 +1,90 @@
 """Pictures of runs, of friction over velocity, and of hysteresis."""
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from friction.exercise import Part
 from friction.models import Model
 from friction.result import Kind, Result
 from friction.simulate import simulate
 from friction.testbench import Sine, Testbench
+from tline.pictures.style import COLOURS, DASHES, FAINT, cells_of, figure, styled
 
-# Okabe and Ito's colours, told apart with every kind of colour vision
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-LOOK: dict[Any, Any] = {
-    "font.size": 9,
-    "axes.titlesize": 10,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#E4E4E4",
-    "lines.linewidth": 1.4,
-    "legend.frameon": False,
-    "legend.fontsize": 8,
-}
 NAMES = {
     "v": "velocity v [m/s]", "x": "place x [m]", "z": "deflection z [m]", "F_f": "friction F_f [N]",
     "F_a": "applied force F_a [N]",
 }  # fmt: skip
 MARKS = {Kind.BREAK_AWAY: "^", Kind.STOP: "s", Kind.REVERSAL: "x"}
 MOST_MARKS = 40
-styled = matplotlib.rc_context(LOOK)  # around what draws
 
 
-def _figure(rows: int, columns: int, width: float, height: float) -> tuple[Figure, Any]:
-    figure = Figure(figsize=(width, height), dpi=140, layout="constrained")
-    return figure, figure.subplots(rows, columns, squeeze=False)
+class Panel(NamedTuple):
+    """What is drawn in one pair of axes: a quantity of some runs within a window of time [s]."""
 
-
-def _trace(axes: Axes, runs: Mapping[str, Result], quantity: str, window: tuple[float, float]) -> None:
-    for k, (label, run) in enumerate(runs.items()):
-        values, colour = getattr(run, quantity), COLOURS[k % len(COLOURS)]
-        inside = (run.t >= window[0]) & (run.t <= window[1])
-        style = ("-", (0, (5, 2)), (0, (2, 1.5)))[k % 3]
-        axes.plot(run.t[inside], values[inside], color=colour, label=label, linestyle=style)
-        for event in run.events[:MOST_MARKS]:
-            if window[0] <= event.t <= window[1] and len(run.events) < MOST_MARKS:
-                at = np.interp(event.t, run.t, values)
-                axes.plot(event.t, at, MARKS[event.kind], color=colour, markersize=4)
-    axes.set(xlabel="time t [s]", ylabel=NAMES[quantity], xlim=window)
+    quantity: str
+    labels: tuple[str, ...]
+    window: tuple[float, float]
 
 
 @styled
+def draw_panels(runs: Mapping[str, Result], panels: Sequence[Panel], ax: Axes | None = None) -> Figure | Axes:
+    """Quantities of runs over time; F_f together with F_a; marks: triangle break-away, square stop, cross reversal.
+
+    Parameters
+    ----------
+    runs : mapping of str to Result
+        Runs by their labels.
+    panels : sequence of Panel
+        Beside each other if there are two, else one below the other.
+    ax : matplotlib Axes, optional
+        Where to draw the first panel alone.
+
+    Examples
+    --------
+    >>> from friction import Coulomb, Testbench, simulate
+    >>> from friction.pictures import Panel, draw_panels
+    >>> run = simulate(Coulomb(), Testbench())
+    >>> len(draw_panels({"Coulomb": run}, [Panel("v", ("Coulomb",), (0.0, 10.0))]).axes)
+    1
+    """
+    beside = len(panels) == 2
+    size = (10.0, 3.4, 1, 2) if beside else (7.0, 2.2 * len(panels), len(panels), 1)
+    drawn, cells = cells_of(ax, *size)
+    for cell, panel in zip(cells, panels, strict=False):
+        _trace(cell, runs, panel)
+        if cell is cells[0] or panel.quantity == "F_f":
+            cell.legend()
+    return drawn
+
+
+def _trace(axes: Axes, runs: Mapping[str, Result], panel: Panel) -> None:
+    low, high = panel.window
+    for k, label in enumerate(panel.labels):
+        run, colour = runs[label], COLOURS[k % len(COLOURS)]
+        values, inside = getattr(run, panel.quantity), (run.t >= low) & (run.t <= high)
+        if panel.quantity == "F_f":
+            axes.plot(
+                run.t[inside], run.F_a[inside], color=FAINT, linewidth=1.0, zorder=1, label="F_a" if k == 0 else None
+            )
+        axes.plot(run.t[inside], values[inside], color=colour, label=label, linestyle=DASHES[k % len(DASHES)])
+        for event in run.events if len(run.events) < MOST_MARKS else ():
+            if low <= event.t <= high:
+                at = np.interp(event.t, run.t, values)
+                axes.plot(event.t, at, MARKS[event.kind], color=colour, markersize=4)
+    if panel.quantity == "F_f":  # the force goes on rising, friction is what is looked at
+        seen = np.concatenate(
+            [runs[label].F_f[(runs[label].t >= low) & (runs[label].t <= high)] for label in panel.labels]
+        )
+        axes.set_ylim(min(0.0, 1.1 * seen.min()), 1.25 * seen.max())
+    axes.set(xlabel="time t [s]", ylabel=NAMES[panel.quantity], xlim=panel.window)
+    axes.grid(True)
+
+
 def draw_runs(runs: Mapping[str, Result], quantities: tuple[str, ...] = ("v", "F_f", "x")) -> Figure:
-    """Quantities of some runs over time; marks: triangle break-away, square stop, cross reversal.
+    """Quantities of some runs over time, from their beginning to their end, one below the other.
 
     Parameters
     ----------
@@ -72,36 +100,10 @@ def draw_runs(runs: Mapping[str, Result], quantities: tuple[str, ...] = ("v", "F
     >>> len(draw_runs({"Coulomb": simulate(Coulomb(), Testbench())}).axes)
     3
     """
-    figure, axes = _figure(len(quantities), 1, 7.0, 2.2 * len(quantities))
-    for cell, quantity in zip(axes[:, 0], quantities, strict=True):
-        _trace(cell, runs, quantity, (0.0, max(float(run.t[-1]) for run in runs.values())))
-    axes[0, 0].legend()
-    return figure
-
-
-@styled
-def draw_exercise(parts: Mapping[str, Part]) -> Figure:
-    """The parts of the exercise, one row each.
-
-    Parameters
-    ----------
-    parts : mapping of str to Part
-        Answers by their letters.
-
-    Examples
-    --------
-    >>> from friction import PARTS
-    >>> from friction.pictures import draw_exercise
-    >>> len(draw_exercise({"b": PARTS["b"]()}).axes)
-    2
-    """
-    figure, axes = _figure(len(parts), 2, 10.0, 2.5 * len(parts))
-    for row, (letter, part) in zip(axes, parts.items(), strict=True):
-        for cell, panel in zip(row, part.panels, strict=True):
-            _trace(cell, {label: part.runs[label] for label in panel.labels}, panel.quantity, panel.window)
-        row[0].set_title(f"({letter}) {part.title}", loc="left", fontweight="bold")
-        row[0].legend()
-    return figure
+    window = 0.0, max(float(run.t[-1]) for run in runs.values())
+    drawn = draw_panels(runs, [Panel(quantity, tuple(runs), window) for quantity in quantities])
+    assert isinstance(drawn, Figure)
+    return drawn
 
 
 @styled
@@ -122,7 +124,8 @@ def draw_curves(models: Mapping[str, Model], v_max: float = 0.5) -> Figure:
     >>> len(draw_curves({"LuGre": LuGre()}).axes)
     3
     """
-    figure, axes = _figure(1, 3, 11.0, 3.4)
+    picture = figure(11.0, 3.4, "")
+    axes = picture.subplots(1, 3, squeeze=False)
     v = np.linspace(-v_max, v_max, 2001)
     for k, (label, model) in enumerate(models.items()):
         colour = COLOURS[k % len(COLOURS)]
@@ -133,4 +136,6 @@ def draw_curves(models: Mapping[str, Model], v_max: float = 0.5) -> Figure:
             cell.set(xlabel="place x [mm]", ylabel=NAMES["F_f"], title=f"force {load}·F_c·sin(2π·t/4 s)")
     axes[0, 0].set(xlabel=NAMES["v"], ylabel=NAMES["F_f"], title="steady sliding")
     axes[0, 0].legend()
-    return figure
+    for cell in axes[0]:
+        cell.grid(True)
+    return picture

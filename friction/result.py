@@ -1,8 +1,9 @@
 """What a run gives back: the motion, its events, and where the energy went."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,13 @@ from numpy.typing import NDArray
 from friction.methods import Method
 from friction.models import Model
 from friction.testbench import Testbench
+from tline.presentation import Presentation, plain
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SHOWN, LISTED = 12, 1000  # events in the text, and as plain data
 COLUMNS: tuple[str, ...] = ("t", "x", "v", "z", "F_a", "F_f", "W_a", "W_f", "mode")
 
 
@@ -55,8 +62,8 @@ class Ledger(NamedTuple):
     residual: float
 
 
-@dataclass(frozen=True)
-class Result:
+@dataclass(frozen=True, repr=False)
+class Result(Presentation):
     """A run: arrays of shape (n,), one entry a sample.
 
     Attributes
@@ -135,6 +142,59 @@ class Result:
         size = max(np.max(np.abs(self.W_a) + np.abs(self.W_f) + self.kinetic), np.finfo(float).tiny)
         residual = (applied - friction - kinetic) / size
         return Ledger(applied, friction, float(kinetic), float(bristle), float(friction - bristle), float(residual))
+
+    def text_lines(self) -> Iterator[str]:
+        """Events, the end, energy, and how good the numbers are."""
+        ledger = self.ledger
+        method = f"{self.method.name} (order {self.method.order})"
+        yield f"{self.model.name} by {method}: {self.status}, {self.steps:,} steps"
+        for event in self.events[:SHOWN]:
+            yield f"  {event.kind} at {event.t:.10g} s, x = {event.x:.6g} m"
+        if self.event_count > SHOWN:
+            yield f"  and {self.event_count - SHOWN:,} more events"
+        yield (
+            f"t = {self.t[-1]:.6g} s: x = {self.x[-1]:.10g} m, v = {self.v[-1]:.10g} m/s, F_f = {self.F_f[-1]:.10g} N"
+        )
+        yield (
+            f"work in {ledger.applied:.6g} J = friction {ledger.friction:.6g} J + kinetic {ledger.kinetic_gain:.6g} J, "
+            f"residual {ledger.residual:.1e}; {ledger.bristle_gain:.3g} J in bristles"
+        )
+        yield f"NOT met: {self.doubt}" if self.doubt else self._errors_in_words()
+
+    def _errors_in_words(self) -> str:
+        if self.worst is None:
+            exact = self.method.step == "events"
+            return "errors: those of rounding" if exact else f"errors: not estimated by {self.method.name}"
+        told = [f"{name} {error:.0e}" for name, error in self.errors.items() if name != "t"]
+        asked = "" if self.tol is None else f"; tolerance {self.tol:g}"
+        events = f", events {self.errors['t']:.0e}·t_end" if self.event_count else ""
+        worst = "events" if self.worst[0] == "t" else self.worst[0]
+        return f"errors, of each column's largest value: {', '.join(told)}{events}; worst: {worst}{asked}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Method, status, state at the end, the first thousand events, energy and errors; samples are attributes."""
+        found = {
+            "model": self.model.name,
+            "method": self.method.name,
+            "order": self.method.order,
+            "status": self.status,
+            "steps": self.steps,
+            "end": {name: float(getattr(self, name)[-1]) for name in COLUMNS},
+            "events": self.events[:LISTED],
+            "event_count": self.event_count,
+            "energy": self.ledger,
+            "tol": self.tol,
+            "errors": self.errors or None,
+            "doubt": self.doubt,
+        }
+        return plain(found)
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
+        """Draw v, F_f and x over time, or v on axes of your own."""
+        from friction.pictures import Panel, draw_panels
+
+        label, window = f"{self.model.name}, {self.method.name}", (0.0, float(self.t[-1]))
+        return draw_panels({label: self}, [Panel(name, (label,), window) for name in ("v", "F_f", "x")], ax)
 
 
 def events_of(changes: NDArray) -> list[Event]:

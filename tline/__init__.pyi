@@ -6,6 +6,7 @@ from tline.errors import InputError as InputError
 from tline.errors import MissingExtraError as MissingExtraError
 from tline.errors import NoFlowError as NoFlowError
 from tline.errors import SceneError as SceneError
+from tline.exercises.answer import exercise as exercise
 from tline.interchange.any_file import read as read
 from tline.line import ElectricalLine as ElectricalLine
 from tline.line import HydraulicLine as HydraulicLine

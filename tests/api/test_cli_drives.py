@@ -32,19 +32,8 @@ def told(command):
 @pytest.mark.parametrize(
     ("command", "words"),
     [
-        ("exercise", "2 eigenvalues are exactly 0"),
-        ("exercise", "With these numbers there is no peak"),
-        ("exercise --part d", "a pole at 306.525 rad/s, it runs away"),
-        ("exercise --part d", "horizontal: −F1 sin θ + F2 sin θ = 0 so F1 = F2 = F"),
-        ("exercise --part d --angle '30 deg'", "F1 = 1.15470054 N, F2 = 1.15470054 N; the model's pulley 1.15470054 N"),
-        ("exercise --part f", "2 eigenvalues are exactly 0"),
-        ("exercise --part g --friction '0.1 N m s, 0 N m s'", "the phase starts at −180°. Here at -90°"),
-        ("exercise --part h --radius '10 cm, 5 cm'", "T2 = 1.06667 (τ_f + τ_v)/2 − 0.03 F"),
         ("bode --from '1 Hz' --to '10 Hz' --points 2", " 62.832 "),
         ("step --step '0.3 s'", "highest sample at 1.8 s"),
-        ("exercise --part g --friction '0.001 N m s'", "a peak at 19.8"),
-        ("exercise --part g --friction '0 N m s' --belt-damping '0 N s/m'", "a peak at 20 rad/s, without bound"),
-        ("exercise --part h --friction '0 N m s' --belt-damping '0 N s/m'", "no PI controller of this rule"),
         ("bode", "x_k/T1 = -70.71067812/(s^2 + 500*s + 2000)"),
         ("bode --output phi1", "DC gain -inf"),
         ("bode --angle '60 deg' --output tension", "tension/T2 = 20000/(s^2 + 900*s + 4000)"),  # k_p = 200 N/m
@@ -214,21 +203,6 @@ def test_control_as_json_is_the_library():
     assert set(seen) == {"design", "t", "outputs", "energy", "notes", "verdicts"}
 
 
-def test_the_exercise_as_json():
-    seen = told("exercise")
-    assert list(seen) == list("abcdefgh")
-    assert [seen[letter]["title"].split()[0] for letter in "abcdefgh"] == [
-        "torque", "drive", "belt", "pulley,", "pulley", "assembly:", "Bode", "simulation",
-    ]  # fmt: skip
-    assert seen["f"]["artefact"]["exact_zeros"] == 2
-    assert 0.6 < seen["f"]["artefact"]["unstable"] / seen["f"]["artefact"]["runs"] < 0.9
-    claims = seen["g"]["claims"]
-    assert claims["resonance_claimed"] == pytest.approx(500**0.5)
-    assert (claims["undamped_frequency"], claims["peak"]) == (20, None)
-    assert seen["h"]["relative_gain"] == [0.5] * 3
-    assert list(told("exercise --part d")) == ["d"]
-
-
 def test_parameters_from_a_file_and_options_over_it(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "d.toml").write_text('radius = ["10 cm", "5 cm"]\nangle = "30 deg"\n', encoding="utf-8")
@@ -237,7 +211,7 @@ def test_parameters_from_a_file_and_options_over_it(tmp_path, monkeypatch):
     assert told('bode --parameters d.toml --radius "10 cm" --angle "45 deg"') == told("bode")
 
 
-@pytest.mark.parametrize("command", ["exercise --plot", "bode --poles", "step --plot", "control --limit 2Nm --plot"])
+@pytest.mark.parametrize("command", ["bode --poles", "step --plot", "control --limit 2Nm --plot"])
 def test_pictures_show_something(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert run(f"{command} out.png").exit_code == 0
@@ -247,11 +221,11 @@ def test_pictures_show_something(command, tmp_path, monkeypatch):
 def test_help_shows_examples_that_run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "torques.csv").write_text("t,T1,T2\n0,0.1,0\n0.5,0.1,0.3\n", encoding="utf-8")
-    pages = [run(f"{name} --help").output for name in ("", "exercise", "bode", "step", "control", "animate")]
+    pages = [run(f"{name} --help").output for name in ("", "bode", "step", "control", "animate")]
     commands = {
         line.strip() for page in pages for line in page.splitlines() if line.strip().startswith("tline drives ")
     }
-    assert len(commands) >= 15
+    assert len(commands) >= 12
     for command in sorted(commands):
         if ".gif" not in command:  # takes long, and is drawn in another test
             result = run(command.removeprefix("tline drives "))

@@ -31,7 +31,6 @@ def run(command):
         ("run elasto-plastic --sine '0.6 N' --frequency '1 Hz'", "rosenbrock (order 5): done"),
         ("run coulomb --set F_c=1 --method moreau --step 0.001", "moreau (order 1): done"),
         ("curve lugre dahl --set sigma0=100", "dahl [N]"),
-        ("exercise --part b", "(b) Karnopp with events"),
     ],
 )
 def test_answers(command, words):
@@ -66,7 +65,6 @@ def test_answers(command, words):
         ("run coulomb --plot out.gif", "--plot: unknown kind of file"),
         ("run coulomb --time 0", "--time: too small"),
         ("curve lugre --velocity 0", "--velocity: not positive"),
-        ("exercise --part f", "--part: unknown"),
     ],
 )
 def test_mistakes(command, sentence, tmp_path, monkeypatch):
@@ -128,27 +126,21 @@ def test_numbers_are_the_librarys(tmp_path, monkeypatch):
     assert [float(row["F_f"]) for row in rows] == own.F_f.tolist()
 
 
-@pytest.mark.parametrize("command", ["run lugre --plot", "curve lugre karnopp --plot", "exercise --part d --plot"])
+@pytest.mark.parametrize("command", ["run lugre --plot", "curve lugre karnopp --plot"])
 def test_pictures_show_something(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert run(f"{command} out.png").exit_code == 0
     assert imread(tmp_path / "out.png")[..., :3].std() > 0.05
 
 
-def test_exercise_as_json():
-    told = json.loads(run("exercise --part d --json").output)
-    assert told["d"]["runs"]["Stribeck"]["end"]["v"] == pytest.approx(13.963289889871819)
-
-
 def test_help_shows_examples_that_run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shown = run("--help").output
     commands = [line.strip() for line in shown.splitlines() if line.strip().startswith("tline friction ")]
-    assert len(commands) >= 6
+    assert len(commands) >= 5
     for command in commands:
-        if "exercise --plot" not in command:  # the whole of it takes long
-            result = run(command.removeprefix("tline friction "))
-            assert result.exit_code == 0, (command, result.stderr)
+        result = run(command.removeprefix("tline friction "))
+        assert result.exit_code == 0, (command, result.stderr)
 
 
 def test_public_names_are_documented():

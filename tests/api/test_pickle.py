@@ -242,7 +242,6 @@ FRICTION = {
     "chatter": lambda: friction.euler_chatter(1.0, 0.5, 0.01),
     "dead zone": lambda: friction.dead_zone(0.001, 1.0, 0.01),
     "sweep": lambda: friction.sweep(friction.LuGre(), BENCH, sigma0=[500.0], tol=1e-6),
-    "exercise": lambda: friction.Part("a", "text", {"run": friction.simulate(friction.Tanh(), BENCH, t_end=1.0)}, ()),
 }
 
 

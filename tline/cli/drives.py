@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 import click
 
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 EXAMPLES = """\b
 Examples:
-  tline drives exercise
   tline drives bode --plot bode.png
   tline drives step --t1 "0.1 N m" --t2 "0.1 N m" --plot step.png
   tline drives control --speed "1 m/s" --tension "5 N" --limit "2 N m"
@@ -35,42 +34,6 @@ def drives() -> None:
 
     All numbers are the exercise's unless given, as options or in a TOML file with the same names.
     """
-
-
-@command(
-    more=MECHANISM,
-    files={"plot": FILES["plot"]},
-    group=drives,
-    epilog="""\b
-Examples:
-  tline drives exercise
-  tline drives exercise --part d
-  tline drives exercise --friction "0.01 N m s" --plot bode.png
-  tline drives exercise --json
-""",
-)
-def exercise(*, part: Literal["a", "b", "c", "d", "e", "f", "g", "h"] | None = None, **given: Any) -> Output:
-    """Go through the exercise, (a) to (h): from the balances to Bode plot and control.
-
-    Also says which claims of its text hold for the exact model, and shows where its unstable eigenvalues come from.
-
-    Parameters
-    ----------
-    part
-        Only this part.
-    """
-    from drives.answers import OMEGA
-    from drives.answers import exercise as answered
-
-    found = mechanism(given)
-    answers = [one for one in answered(found) if part in (None, one.letter)]
-    text = (line for one in answers for line in (f"({one.letter}) {one.title}", *(f"    {x}" for x in one.lines), ""))
-    both = [found.transfer("x_k", source) for source in ("T1", "T2")]
-    return Output(
-        text,
-        lambda: {one.letter: {"title": one.title, "lines": list(one.lines), **one.data} for one in answers},
-        {"plot": drawn("drives.picture:draw_bode", both, OMEGA)},
-    )
 
 
 @command(

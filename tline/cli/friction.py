@@ -1,7 +1,6 @@
-"""`tline friction`: the exercise, single runs, and curves."""
+"""`tline friction`: single runs, and curves."""
 
 import csv
-from collections.abc import Iterator
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,12 +13,10 @@ from tline.errors import InputError
 from tline.units import to_si
 
 if TYPE_CHECKING:
-    from friction import Force, Model, Result, Spring
+    from friction import Force, Model, Spring
 
 EXAMPLES = """\b
 Examples:
-  tline friction exercise --plot exercise.png
-  tline friction exercise --part c
   tline friction run lugre --set sigma0=1e5 --slope "2 N/s" --plot lugre.png
   tline friction run coulomb --method euler --step "10 ms" --v0 -1
   tline friction run karnopp --spring "20 N/m" --pull "5 cm/s" --time "1 min"
@@ -27,7 +24,6 @@ Examples:
   tline friction curve lugre dahl --plot curves.png
 Models: coulomb, karnopp, lugre, dahl, elasto-plastic, tanh.
 """
-SHOWN = 12  # events
 NAMED = {  # options by the package's names
     "bench.mass": "--mass",
     "bench.v0": "--v0",
@@ -43,34 +39,6 @@ NAMED = {  # options by the package's names
 @click.group("friction", epilog=EXAMPLES)
 def friction() -> None:
     """Friction models on a testbench: exact where they can be, and how methods fail."""
-
-
-@command(files={"plot": picture("Picture of all parts")}, group=friction, epilog=EXAMPLES)
-def exercise(*, part: str | None = None) -> Output:
-    """Answer the exercise, part by part: a box of 1 kg on a table, pushed by a ramp of 0.5 or 2 N/s.
-
-    Parameters
-    ----------
-    part : a…e
-        One part only.
-    """
-    from friction import PARTS
-
-    if part is not None and part not in PARTS:
-        raise InputError("--part", "unknown", " or ".join(PARTS), f"'{part}'")
-    answers = {letter: PARTS[letter]() for letter in (PARTS if part is None else part)}
-    text = []
-    for letter, answer in answers.items():
-        told = f"({letter}) {answer.title}. {answer.text}"
-        text += [click.wrap_text(told, width=100, subsequent_indent="    "), ""]
-
-    def data() -> dict[str, Any]:
-        return {
-            letter: {"title": one.title, "text": one.text, "runs": {k: _told(run) for k, run in one.runs.items()}}
-            for letter, one in answers.items()
-        }
-
-    return Output(text, data, {"plot": drawn("friction.pictures:draw_exercise", answers)})
 
 
 @command(
@@ -130,7 +98,7 @@ def run(
         "csv": tabled({name: getattr(result, name) for name in COLUMNS}),
         "plot": drawn("friction.pictures:draw_runs", {f"{model}, {result.method.name}": result}),
     }
-    return Output(_text(result), lambda: _told(result), files, exit_code=int(result.status is not Status.DONE))
+    return Output(result.text_lines(), result.to_dict, files, exit_code=int(result.status is not Status.DONE))
 
 
 @command(
@@ -227,53 +195,3 @@ def _table(file: str) -> "Force":
     except (ValueError, csv.Error) as error:
         raise InputError("--table", "not a table of t,F", "two numbers a line", str(error)[:60]) from error
     return Table([t for t, _ in points], [f for _, f in points])
-
-
-def _told(result: "Result") -> dict[str, Any]:
-    from friction.result import COLUMNS
-
-    ledger = result.ledger._asdict()
-    return {
-        "model": result.model.name,
-        "method": result.method.name,
-        "order": result.method.order,
-        "status": str(result.status),
-        "steps": result.steps,
-        "end": {name: float(getattr(result, name)[-1]) for name in COLUMNS},
-        "events": [{"kind": str(event.kind), "t": event.t, "x": event.x} for event in result.events[:1000]],
-        "event_count": result.event_count,
-        "energy": ledger,
-        "tol": result.tol,
-        "errors": result.errors or None,
-        "doubt": result.doubt,
-    }
-
-
-def _text(result: "Result") -> Iterator[str]:
-    end, ledger = {name: getattr(result, name)[-1] for name in ("t", "x", "v", "F_f")}, result.ledger
-    yield (
-        f"{result.model.name} by {result.method.name} (order {result.method.order}): {result.status}, "
-        f"{result.steps:,} steps"
-    )
-    for event in result.events[:SHOWN]:
-        yield f"  {event.kind} at {event.t:.10g} s, x = {event.x:.6g} m"
-    if result.event_count > SHOWN:
-        yield f"  and {result.event_count - SHOWN:,} more events"
-    yield f"t = {end['t']:.6g} s: x = {end['x']:.10g} m, v = {end['v']:.10g} m/s, F_f = {end['F_f']:.10g} N"
-    yield (
-        f"work in {ledger.applied:.6g} J = friction {ledger.friction:.6g} J + kinetic {ledger.kinetic_gain:.6g} J, "
-        f"residual {ledger.residual:.1e}; {ledger.bristle_gain:.3g} J in bristles"
-    )
-    yield f"NOT met: {result.doubt}" if result.doubt else _errors(result)
-
-
-def _errors(result: "Result") -> str:
-    """Say how good the numbers are."""
-    if result.worst is None:
-        exact = result.method.step == "events"
-        return "errors: those of rounding" if exact else f"errors: not estimated by {result.method.name}"
-    told = [f"{name} {error:.0e}" for name, error in result.errors.items() if name != "t"]
-    asked = "" if result.tol is None else f"; tolerance {result.tol:g}"
-    events = f", events {result.errors['t']:.0e}·t_end" if result.event_count else ""
-    worst = "events" if result.worst[0] == "t" else result.worst[0]
-    return f"errors, of each column's largest value: {', '.join(told)}{events}; worst: {worst}{asked}"

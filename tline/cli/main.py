@@ -22,6 +22,7 @@ COMMANDS = {
     ),
     "run": ("tline.cli.run:run", "Simulate a scene."),
     "demo": ("tline.cli.demo:demo", "A valve shuts on a water pipe: numbers, pictures and an animation."),
+    "exercise": ("tline.cli.exercise:exercise", "The exercise tline grew out of, answered letter by letter."),
     "examples": ("tline.cli.examples:examples", "The scenes that come with tline, to look at or to start from."),
     "surge": ("tline.cli.surge:surge", "Operate a water network without editing a file: the worst of a surge."),
     "design": ("tline.cli.design:design", "Size an air vessel, a closure, a relief valve or a flywheel."),

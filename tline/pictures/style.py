@@ -71,6 +71,23 @@ def figure(width: float, height: float, title: str) -> Picture:
     return blank
 
 
+def cells_of(
+    ax: Axes | None, width: float, height: float, rows: int = 1, columns: int = 1, title: str = "", **shared: Any
+) -> tuple[Figure | Axes, list[Axes]]:
+    """What `plot(ax)` draws on, and in which axes: in `ax` alone, or in those of a new figure, inches.
+
+    Examples
+    --------
+    >>> drawn, cells = cells_of(None, 8.0, 4.0, rows=2, sharex=True)
+    >>> type(drawn).__name__, len(cells), cells_of(cells[0], 8.0, 4.0)[0] is cells[0]
+    ('Picture', 2, True)
+    """
+    if ax is not None:
+        return ax, [ax]
+    blank = figure(width, height, title)
+    return blank, [*blank.subplots(rows, columns, squeeze=False, **shared).ravel()]
+
+
 def name_nodes(axes: Axes, labels: Mapping[float, str]) -> None:
     """Write the nodes of a route above the axes, as many as there is room for, and mark the inner ones."""
     marks, names = list(labels), list(labels.values())

@@ -1,0 +1,1 @@
+"""The exercise tline grew out of, letter by letter: friction, lines, passivity of lines, coupled drives."""

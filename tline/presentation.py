@@ -1,0 +1,100 @@
+"""How all that is given out shows itself: as a screen of text, in notebooks with its picture, and as plain data."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SCREEN = 40  # lines of text
+
+
+class Presentation:
+    """Base of results: they state their text and their picture, and the rest follows from these."""
+
+    def text_lines(self) -> Iterable[str]:
+        """The text, line by line."""
+        raise NotImplementedError
+
+    def plot(self, ax: Axes | None = None) -> Figure | Axes:
+        """Draw it.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw; without it a new figure with all there is.
+
+        Returns
+        -------
+        Figure or Axes
+            What was drawn on.
+        """
+        raise NotImplementedError
+
+    def to_dict(self) -> dict[str, Any]:
+        """The numbers in SI as plain data, as `--json` of a command prints them; None where a number is not finite."""
+        return plain(self)
+
+    def __str__(self) -> str:
+        lines = [*self.text_lines()]
+        more = len(lines) - SCREEN
+        return "\n".join(lines if more <= 0 else [*lines[:SCREEN], f"and {more} more lines"])
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def _repr_html_(self) -> str:
+        """The text over the picture, in a notebook."""
+        return f"<pre>{html.escape(str(self))}</pre>{self._drawn()}"
+
+    def _drawn(self) -> str:
+        try:
+            figure: Any = self.plot()
+        except NotImplementedError:
+            return ""
+        return as_image(figure)
+
+
+def as_image(figure: Figure) -> str:
+    """A figure as an element of HTML that holds all of it."""
+    file = io.BytesIO()
+    figure.savefig(file, format="png")
+    data = base64.b64encode(file.getvalue()).decode()
+    return f'<img alt="" style="max-width: 100%" width="800" src="data:image/png;base64,{data}">'
+
+
+def plain(value: Any) -> Any:
+    """Numbers, texts, lists and tables by name, fit for JSON: complex numbers are pairs, infinities and NaN None.
+
+    Examples
+    --------
+    >>> plain({"z": 1 - 2j, "gain": float("inf"), "poles": (1.5, 2)})
+    {'z': [1.0, -2.0], 'gain': None, 'poles': [1.5, 2]}
+    """
+    if value is None or (isinstance(value, bool | int) and not isinstance(value, Enum)):
+        return value
+    if isinstance(value, str | Enum):
+        return str(value)
+    if isinstance(value, complex):
+        return [plain(value.real), plain(value.imag)]
+    if isinstance(value, Mapping):
+        return {str(key): plain(each) for key, each in value.items()}
+    if is_dataclass(value):
+        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+    if hasattr(value, "_asdict"):
+        return plain(value._asdict())
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, Iterable):
+        return [plain(each) for each in value]
+    number = float(value)
+    return number if math.isfinite(number) else None
