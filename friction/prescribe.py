@@ -1,7 +1,8 @@
 """The friction force that a prescribed motion meets, for every law."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,17 +15,22 @@ from friction.simulate import checked_times
 from friction.testbench import Force
 from tline.compiled.structure import pack
 from tline.errors import InputError
+from tline.presentation import Presentation, plain
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from friction.kernel import Course
 
 FINE, SPREAD = 1e-13, 100.0  # error of steps, relative to the largest deflection, and how much rougher a second run is
 ROUNDING = 1e-15
 MOST_STEPS = 5_000_000
+COLUMNS = ("t", "x", "v", "z", "F_f", "F_low", "F_high")
 
 
-@dataclass(frozen=True)
-class Prescribed:
+@dataclass(frozen=True, repr=False)
+class Prescribed(Presentation):
     """A prescribed motion and the friction that it meets: arrays of shape (n,), one entry a sample.
 
     Attributes
@@ -60,6 +66,28 @@ class Prescribed:
     def held(self) -> NDArray:
         """Where a static law holds the contact at rest."""
         return np.isnan(self.F_f)
+
+    def text_lines(self) -> Iterator[str]:
+        """Ranges of force, place and deflection, and how good they are."""
+        told = f"{self.model.name}: F_f {self.F_low.min():.6g} to {self.F_high.max():.6g} N"
+        told += f", x {self.x.min():.6g} to {self.x.max():.6g} m"
+        if self.z.any():
+            told += f", z {self.z.min():.6g} to {self.z.max():.6g} m"
+        if self.held.any():
+            at = f"{self.held.sum()} of {self.t.size} samples"
+            told += f"; at rest ({at}) any force up to {self.model.stiction:g} N"
+        yield told + (f"; error {self.errors['F_f']:.0e} of the largest" if self.errors else "; exact to rounding")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Model, errors, steps and all samples."""
+        columns = {name: getattr(self, name) for name in COLUMNS}
+        return plain({"model": self.model.name, "errors": self.errors or None, "steps": self.steps} | columns)
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
+        """Draw friction over place, velocity and time, or over place on axes of your own."""
+        from friction.loops import draw_loop, draw_loops
+
+        return draw_loops({self.model.name: self}) if ax is None else draw_loop(ax, {self.model.name: self}, "x")
 
 
 def prescribe(

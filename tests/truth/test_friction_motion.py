@@ -4,10 +4,10 @@ from math import pi, sin
 
 import numpy as np
 import pytest
+from friction_moved import force_by_scipy
 
 from friction import Coulomb, Dahl, ElastoPlastic, Karnopp, LuGre, Ramp, Sine, Steps, Table, Tanh, prescribe
 from friction.prescribe import ROUNDING
-from tests.friction_moved import force_by_scipy
 
 MODELS = (
     LuGre(sigma1=2.0),

@@ -1,6 +1,6 @@
 """`tline friction motion`: the friction that a prescribed motion meets."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tline.cli.friction import friction, model_of
 from tline.cli.friction_record import read_record
@@ -18,7 +18,6 @@ Examples:
   tline friction motion karnopp --velocity "2 mm/s" --json
   tline friction motion elasto-plastic --position moved.csv --csv force.csv
 """
-COLUMNS = ("t", "x", "v", "z", "F_f", "F_low", "F_high")
 TIME = 1.0  # s, of a steady velocity
 
 
@@ -57,6 +56,7 @@ def motion(
         A parameter, for the models that have it.
     """
     from friction import prescribe
+    from friction.prescribe import COLUMNS
 
     if (velocity is None) == (position is None):
         raise InputError("--velocity", "not one motion", "--velocity or --position")
@@ -74,11 +74,8 @@ def motion(
         f"{label}: {name}" if several else name: getattr(run, name) for label, run in runs.items() for name in COLUMNS
     }
     files = {"csv": tabled(columns), "plot": drawn("friction.loops:draw_loops", runs)}
-    return Output(
-        [_text(label, run) for label, run in runs.items()],
-        lambda: {label: _told(run) for label, run in runs.items()},
-        files,
-    )
+    text = [line.replace(run.model.name, label, 1) for label, run in runs.items() for line in run.text_lines()]
+    return Output(text, lambda: {label: run.to_dict() for label, run in runs.items()}, files)
 
 
 def _motions(kind: str, text: str, frequency: float | None) -> list[tuple[str, "Force", float]]:
@@ -104,19 +101,3 @@ def _motions(kind: str, text: str, frequency: float | None) -> list[tuple[str, "
     if kind == "position":
         raise InputError("--position", "needs its partner", "--position and --frequency together, or FILE.csv")
     return [(label, Ramp(0.0, size), TIME) for label, size in zip(labels, sizes, strict=True)]
-
-
-def _text(label: str, run: "Prescribed") -> str:
-    size = float(run.F_high.max())
-    told = f"{label}: F_f {run.F_low.min():.6g} to {size:.6g} N, x {run.x.min():.6g} to {run.x.max():.6g} m"
-    if run.z.any():
-        told += f", z {run.z.min():.6g} to {run.z.max():.6g} m"
-    if run.held.any():
-        told += f"; at rest ({run.held.sum()} of {run.t.size} samples) any force up to {run.model.stiction:g} N"
-    return told + (f"; error {run.errors['F_f']:.0e} of the largest force" if run.errors else "; exact to rounding")
-
-
-def _told(run: "Prescribed") -> dict[str, Any]:
-    columns = {name: getattr(run, name).tolist() for name in COLUMNS}
-    columns["F_f"] = [None if held else force for force, held in zip(columns["F_f"], run.held, strict=True)]
-    return columns | {"model": run.model.name, "errors": run.errors or None, "steps": run.steps}
