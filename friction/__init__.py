@@ -13,6 +13,7 @@ from friction.predict import (
     passive_damping,
     tanh_creep,
 )
+from friction.prescribe import Prescribed, prescribe
 from friction.result import Event, Kind, Ledger, Result, Status
 from friction.simulate import simulate
 from friction.sweep import sweep
@@ -37,6 +38,7 @@ __all__ = [
     "LuGre",
     "Method",
     "Model",
+    "Prescribed",
     "Ramp",
     "Result",
     "Sine",
@@ -51,6 +53,7 @@ __all__ = [
     "limits",
     "lugre_drift",
     "passive_damping",
+    "prescribe",
     "simulate",
     "sweep",
     "tanh_creep",

@@ -87,7 +87,7 @@ def simulate(
         raise InputError("h", f"'{chosen.name}' chooses its own steps", "tol or nothing", f"{h!r}")
     if chosen.step == "events" and tol is not None:
         raise InputError("tol", "the method 'events' is exact to rounding", "nothing", f"{tol!r}")
-    at = np.linspace(0.0, t_end, 1001) if times is None else _checked_times(times, t_end)
+    at = np.linspace(0.0, t_end, 1001) if times is None else checked_times(times, t_end)
     default = BUDGETS.get(chosen.name, BUDGETS[chosen.step])
     if budget is not None:
         check_number("budget", budget, least=1)
@@ -105,7 +105,8 @@ def simulate(
     return _scipy(model, bench, t_end, at, chosen, 1e-6 if tol is None else tol, steps)
 
 
-def _checked_times(times: ArrayLike, t_end: float) -> NDArray:
+def checked_times(times: ArrayLike, t_end: float) -> NDArray:
+    """Instants of samples, rising within the run."""
     few = not isinstance(times, Sized) or len(times) <= MOST_SAMPLES
     try:
         at = np.array(times, float).ravel() if few else np.empty(0)

@@ -26,6 +26,7 @@ from friction.kernel.law import (
     respond,
     steady,
 )
+from friction.kernel.prescribed import Course, deflect, prescribed_run
 from friction.kernel.roots import first_root
 from friction.kernel.spot import FREE, observe
 from friction.kernel.structures import RUN, Bench, SmoothRun, Spot, Sweep, compared, fixed_run, hybrid_run

@@ -241,6 +241,7 @@ FRICTION = {
     "limits": lambda: friction.limits(friction.LuGre(sigma0=500.0), 4.0),
     "chatter": lambda: friction.euler_chatter(1.0, 0.5, 0.01),
     "dead zone": lambda: friction.dead_zone(0.001, 1.0, 0.01),
+    "prescribed": lambda: friction.prescribe(friction.LuGre(), velocity=friction.Sine(0.1, 1.0)),
     "sweep": lambda: friction.sweep(friction.LuGre(), BENCH, sigma0=[500.0], tol=1e-6),
 }
 

@@ -88,7 +88,7 @@ def run(
     si = run.in_si(shape | given)
     method, tol = given.get("method"), given.get("tol")
     tol = None if tol is None else to_si(tol, None, "--tol")
-    bench, law = {key: si[key] for key in ("mass", "v0") if key in si}, _model(model, parameters)
+    bench, law = {key: si[key] for key in ("mass", "v0") if key in si}, model_of(model, parameters)
     with run.named(**NAMED):
         pulled = _spring(si)
         loaded = Testbench(_force(si, table, pulled is not None), spring=pulled, **bench)
@@ -126,7 +126,7 @@ def curve(models: tuple[str, ...], *, parameters: tuple[str, ...] = (), velocity
     largest = to_si(velocity, "m/s", "--velocity")
     if not largest > 0.0:
         raise InputError("--velocity", "not positive", "more than 0 m/s", velocity)
-    chosen = {name: _model(name, parameters, shared=len(models) > 1) for name in models}
+    chosen = {name: model_of(name, parameters, shared=len(models) > 1) for name in models}
     speeds = [largest * (k - 10) / 10 for k in range(21)]
     forces = {name: [float(one.steady_force(v)) for v in speeds] for name, one in chosen.items()}
     rows = list(zip(speeds, *forces.values(), strict=True))
@@ -141,7 +141,8 @@ def curve(models: tuple[str, ...], *, parameters: tuple[str, ...] = (), velocity
     )
 
 
-def _model(name: str, parameters: tuple[str, ...], *, shared: bool = False) -> "Model":
+def model_of(name: str, parameters: tuple[str, ...], *, shared: bool = False) -> "Model":
+    """The model of that name; `shared` parameters need not be its own."""
     from friction import MODELS
     from friction.models import UNITS
 

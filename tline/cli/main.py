@@ -39,7 +39,7 @@ COMMANDS = {
         "Prove or refute that an impedance is positive real, or a reflection bounded real.",
     ),
     "fit": ("tline.cli.fit:fit", "The passive model that a Touchstone file becomes in a scene, and how well it fits."),
-    "friction": ("tline.cli.friction:friction", "Friction models on a testbench, and where methods fail."),
+    "friction": ("tline.cli.friction_motion:friction", "Friction models on a testbench, and where methods fail."),
     "drives": ("tline.cli.drives:drives", "Two spools, a belt, a pulley: from equations to control and animation."),
     "chart": ("tline.cli.chart:chart", "Speed against accuracy: methods and programs compared, measured now."),
     "import": ("tline.cli.import_:import_", "A scene from another program's file: SPICE netlists, EPANET networks."),

@@ -1,0 +1,105 @@
+"""`tline friction motion`: prescribed motions from options and files, and their mistakes."""
+
+import csv
+import json
+import shlex
+
+import pytest
+from click.testing import CliRunner
+from matplotlib.image import imread
+
+import friction
+from tline.cli.main import main
+
+
+def run(command):
+    return CliRunner().invoke(main, ["friction", "motion", *shlex.split(command)], catch_exceptions=False)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "moved.csv").write_text("t [ms]; x [mm]\n# a stroke\n0;0\n500;1,5\n1000;0\n", encoding="utf-8")
+    (tmp_path / "driven.csv").write_text("0,0.1\n1,0.1\n", encoding="utf-8")
+    for name, text in BAD.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+BAD = {
+    "gap.csv": "t,x\n0,0\n1,\n2,0\n",
+    "back.csv": "t,x\n0,0\n2,1\n1,0\n",
+    "words.csv": "t,force\n0,0\n",
+    "twice.csv": "t,t\n0,0\n",
+    "unit.csv": "t [m],x\n0,0\n",
+    "empty.csv": "\n",
+    "other.csv": "t,v\n0,0\n",
+}
+
+
+def test_numbers_are_the_librarys(folder):
+    told = json.loads(run("lugre --velocity '5 cm/s' --frequency '1 Hz' --z0 '1 um' --csv out.csv --json").output)
+    own = friction.prescribe(friction.LuGre(), velocity=friction.Sine(0.05, 1.0), t_end=2.0, z0=1e-6)
+    assert told["lugre"]["F_f"] == own.F_f.tolist()
+    assert told["lugre"]["errors"] == own.errors
+    rows = list(csv.DictReader((folder / "out.csv").read_text(encoding="utf-8").splitlines()))
+    assert [float(row["z"]) for row in rows] == own.z.tolist()
+
+
+def test_files_with_units_and_without_heading():
+    told = json.loads(run("dahl --position moved.csv --json").output)["dahl"]
+    table = friction.Table([0.0, 0.5, 1.0], [0.0, 0.0015, 0.0])
+    assert told["F_f"] == friction.prescribe(friction.Dahl(), position=table).F_f.tolist()
+    assert json.loads(run("coulomb --velocity driven.csv --json").output)["coulomb"]["x"][-1] == pytest.approx(0.1)
+
+
+def test_rest_has_any_force():
+    result = run("karnopp --velocity 0")
+    assert "at rest (1001 of 1001 samples) any force up to 1.2 N; exact to rounding" in result.output
+    assert json.loads(run("karnopp --velocity 0 --json").output)["karnopp"]["F_f"][0] is None
+
+
+def test_loops_are_drawn(folder):
+    result = run("dahl karnopp --position '1 um, 2 mm' --frequency '1 Hz' --plot out.png")
+    assert [line.split(":")[0] for line in result.output.splitlines()[:4]] == [
+        "dahl, 1 µm", "karnopp, 1 µm", "dahl, 2 mm", "karnopp, 2 mm"
+    ]  # fmt: skip
+    assert imread(folder / "out.png")[..., :3].std() > 0.05
+
+
+@pytest.mark.parametrize(
+    ("command", "sentence"),
+    [
+        ("lugre", "--velocity: not one motion, expected --velocity or --position"),
+        ("lugre --velocity 1 --position 1", "--velocity: not one motion"),
+        ("lugre --position 1", "--position: needs its partner"),
+        ("lugre --position 1 --frequency 0", "--frequency: too small"),
+        ("lugre --position '1 m/s' --frequency 1", "--position: "),
+        ("lugre --velocity 1 --frequency 1 --time 1e9", "--time: too many reversals"),
+        ("lugre --velocity 1 --time 0", "--time: too small"),
+        ("coulomb --velocity 1 --z0 1", "--z0: the coulomb model has no bristles"),
+        ("lugre --position moved.csv --frequency 1", "--frequency: of a file"),
+        ("lugre --velocity moved.csv", "--velocity: a column is missing, expected t and v, got t and x"),
+        ("lugre --position none.csv", "--position: 'none.csv' cannot be read"),
+        ("lugre --position gap.csv", "--position: line 3 is not 2 numbers, expected t, x"),
+        ("lugre --position back.csv", "--position: line 4: time does not rise, expected more than 2 s, got 1"),
+        ("lugre --position words.csv", "--position: unknown column, expected t, x, v, F, got 'force'"),
+        ("lugre --position twice.csv", "--position: a column twice"),
+        ("lugre --position unit.csv", "--position: "),
+        ("lugre --position empty.csv", "--position: no rows"),
+        ("lugre --position other.csv", "--position: a column is missing"),
+    ],
+)
+def test_mistakes(command, sentence):
+    result = run(command)
+    assert result.stderr.startswith(sentence)
+    assert result.stderr.count("\n") == 1
+    assert (result.exit_code, result.stdout) == (2, "")
+
+
+def test_examples_of_the_help_run():
+    shown = run("--help").output
+    commands = [line.strip() for line in shown.splitlines() if line.strip().startswith("tline friction motion ")]
+    assert len(commands) >= 4
+    for command in commands:
+        assert run(command.removeprefix("tline friction motion ")).exit_code == 0, command

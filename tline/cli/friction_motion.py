@@ -1,0 +1,103 @@
+"""`tline friction motion`: the friction that a prescribed motion meets."""
+
+from typing import TYPE_CHECKING
+
+from tline.cli.friction import friction, model_of
+from tline.cli.friction_record import read_record
+from tline.cli.from_signature import Output, command, drawn, picture, table, tabled
+from tline.errors import InputError
+from tline.units import engineering, to_si
+
+if TYPE_CHECKING:
+    from friction import Force, Prescribed
+
+EXAMPLES = """\b
+Examples:
+  tline friction motion lugre --velocity "5 cm/s" --frequency "1 Hz" --plot loops.png
+  tline friction motion dahl lugre --position "0.5 mm, 2 mm, 10 mm" --frequency "1 Hz" --plot presliding.png
+  tline friction motion karnopp --velocity "2 mm/s" --json
+  tline friction motion elasto-plastic --position moved.csv --csv force.csv
+"""
+TIME = 1.0  # s, of a steady velocity
+
+
+@command(
+    names={"parameters": "set", "t_end": "time"},
+    files={"csv": table("Motion and forces, SI, full precision"), "plot": picture("F_f over x, v and t")},
+    group=friction,
+    epilog=EXAMPLES,
+)
+def motion(
+    models: tuple[str, ...],
+    *,
+    velocity: str | None = None,
+    position: str | None = None,
+    frequency: str | None = None,
+    z0: str | None = None,
+    t_end: str | None = None,
+    parameters: tuple[str, ...] = (),
+) -> Output:
+    """Friction that a prescribed motion meets, for one or more models: hysteresis, presliding loops.
+
+    Parameters
+    ----------
+    velocity : m/s
+        Amplitude of a sine, with --frequency, or a steady velocity; several with commas between; or FILE.csv with
+        columns t and v, joined by straight lines.
+    position : m
+        Amplitude of a sine, with --frequency; several with commas between; or FILE.csv with columns t and x.
+    frequency : HZ
+        Of the sine [Hz].
+    z0 : m
+        Deflection of the bristles at the beginning [m].
+    t_end : TIME
+        End [s]; two periods, or the end of the file, or 1 s, if not given.
+    parameters : NAME=VALUE
+        A parameter, for the models that have it.
+    """
+    from friction import prescribe
+    from friction.prescribe import COLUMNS
+
+    if (velocity is None) == (position is None):
+        raise InputError("--velocity", "not one motion", "--velocity or --position")
+    chosen = {name: model_of(name, parameters, shared=len(models) > 1) for name in models}
+    si = motion.in_si({"frequency": frequency, "z0": z0, "t_end": t_end})
+    kind, text = ("velocity", velocity) if velocity is not None else ("position", position)
+    runs: dict[str, Prescribed] = {}
+    for amplitude, moved, end in _motions(kind, str(text), si.get("frequency")):
+        for name, model in chosen.items():
+            label = f"{name}, {amplitude}" if amplitude else name
+            with motion.named(**{"force.frequency": "--frequency", "motion": f"--{kind}", "times": "--time"}):
+                runs[label] = prescribe(model, **{kind: moved}, t_end=si.get("t_end", end), z0=si.get("z0", 0.0))  # type: ignore[arg-type]
+    several = len(runs) > 1
+    columns = {
+        f"{label}: {name}" if several else name: getattr(run, name) for label, run in runs.items() for name in COLUMNS
+    }
+    files = {"csv": tabled(columns), "plot": drawn("friction.loops:draw_loops", runs)}
+    text = [line.replace(run.model.name, label, 1) for label, run in runs.items() for line in run.text_lines()]
+    return Output(text, lambda: {label: run.to_dict() for label, run in runs.items()}, files)
+
+
+def _motions(kind: str, text: str, frequency: float | None) -> list[tuple[str, "Force", float]]:
+    """Label, motion and default end of each."""
+    from friction import Ramp, Sine, Table
+
+    option = f"--{kind}"
+    if text.strip().lower().endswith(".csv"):
+        if frequency is not None:
+            raise InputError("--frequency", "of a file", f"an amplitude as {option}, or no frequency")
+        column = "v" if kind == "velocity" else "x"
+        record = read_record(text.strip(), option, ("t", column))
+        if not {"t", column} <= record.keys():
+            raise InputError(option, "a column is missing", f"t and {column}", " and ".join(record))
+        return [("", Table(record["t"], record[column]), record["t"][-1])]
+    unit, parts = ("m/s" if kind == "velocity" else "m"), text.split(",")
+    sizes = [to_si(part, unit, option) for part in parts]
+    labels = [engineering(size, unit) if len(sizes) > 1 else "" for size in sizes]
+    if frequency is not None:
+        if frequency <= 0.0:
+            raise InputError("--frequency", "too small", "more than 0", f"{frequency:g}")
+        return [(label, Sine(size, frequency), 2.0 / frequency) for label, size in zip(labels, sizes, strict=True)]
+    if kind == "position":
+        raise InputError("--position", "needs its partner", "--position and --frequency together, or FILE.csv")
+    return [(label, Ramp(0.0, size), TIME) for label, size in zip(labels, sizes, strict=True)]
