@@ -14,10 +14,10 @@ makes |L| = 1 at the bandwidth. Where the loop is then not stable with that phas
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from flint import fmpq_poly
@@ -30,6 +30,11 @@ from drives.roots import positive_roots, roots, squared
 from drives.symbolic import INPUTS
 from drives.transfer import TransferFunction, frequencies
 from tline.errors import InputError
+from tline.presentation import Presentation, plain
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -84,6 +89,7 @@ def margins(controller: "PI", plant: TransferFunction) -> Margins:
 LEAST_PHASE_MARGIN, LEAST_GAIN_MARGIN = math.radians(60), 2.0
 CERTAIN = 1e-9  # rad, more than rounding takes from a margin
 LOWERED, TRIES, HALVINGS = 0.9, 300, 20  # the bandwidth, each time, how often at most, and then between the last two
+SETTLED, DRAWN = 6.0, 400  # time constants of the slowest pole in a picture, and its samples
 FASTER = 5.0  # bandwidth over the slowest pole of the tension, unless given
 
 
@@ -138,8 +144,8 @@ class Bandwidth:
         return self.asked is None or self.reached >= self.asked
 
 
-@dataclass(frozen=True)
-class Design:
+@dataclass(frozen=True, repr=False)
+class Design(Presentation):
     """Controllers for belt speed and tension.
 
     Attributes
@@ -175,6 +181,46 @@ class Design:
                     f"beyond, no PI controller of this rule has a phase margin of 60° and a gain margin of 2"
                 )
         return tuple(found)
+
+    def text_lines(self) -> Iterator[str]:
+        """Plant, controller, margins and poles of each loop."""
+        plants = {"speed": self.speed_plant, "tension": self.tension_plant}
+        for name, controller in (("speed", self.speed), ("tension", self.tension)):
+            margin, poles = self.margins[name], ", ".join(written(z) for z in self.poles[name])
+            yield f"{name}: {plants[name]}"
+            yield f"  gain {float(controller.gain):.5g}, integral time {float(controller.integral_time):.5g} s"
+            yield (
+                f"  phase margin {math.degrees(margin.phase):.4g}° at {margin.crossover:.4g} rad/s, "
+                f"gain margin {margin.gain:.4g}"
+            )
+            yield f"  poles {poles} rad/s"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Gain, integral time, margins, poles and bandwidth of each loop."""
+        found = {}
+        for name, controller in (("speed", self.speed), ("tension", self.tension)):
+            margin = self.margins[name]
+            found[name] = {
+                "gain": controller.gain,
+                "integral_time": controller.integral_time,
+                "poles": self.poles[name],
+                "phase_margin_degrees": math.degrees(margin.phase),
+                "crossover": margin.crossover,
+                "gain_margin": margin.gain,
+                "stable": all(z.real < 0 for z in self.poles[name]),
+                "bandwidth": self.bandwidths.get(name),
+            }
+        return plain(found)
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
+        """Draw both loops, set points stepping to 1 m/s and 1 N, or the tension on axes of your own."""
+        import drives
+
+        slowest = min(-z.real for poles in self.poles.values() for z in poles)
+        if slowest <= 0:
+            raise InputError("design", "an unstable loop settles nowhere", "a stable one")
+        one, t_end = drives.Torque.step(1.0), SETTLED / slowest
+        return drives.simulate_control(self, one, one, t_end=t_end, step=t_end / DRAWN).plot(ax)
 
     @property
     def margins(self) -> dict[str, Margins]:

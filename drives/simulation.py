@@ -4,8 +4,9 @@ The tension is f = max(0, k_s*e_p), and -e_p is the slack. While there is some t
 relax at their own rate K/B, and the spools turn freely until it is taken up.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,16 +15,23 @@ from drives.coupled import CoupledDrives
 from drives.discretise import integrate, legs, propagate
 from drives.energy import Energy, energy_of, open_torques, stored_in
 from drives.number import exact, finite, positive
+from drives.symbolic import ALL_UNITS
 from drives.torque import ZERO, Torque
 from drives.witness import doubts
 from tline.errors import InputError
+from tline.presentation import Presentation, plain
+from tline.words.aligned import aligned
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 MOST_STEPS = 1_000_000
 PUSHES = 1e-9  # of the largest tension: more is no rounding
 
 
-@dataclass(frozen=True)
-class Run:
+@dataclass(frozen=True, repr=False)
+class Run(Presentation):
     """What the mechanism did.
 
     Attributes
@@ -48,6 +56,31 @@ class Run:
     energy: Energy
     notes: tuple[str, ...] = ()
     verdicts: tuple[str, ...] = ()
+
+    def text_lines(self) -> Iterator[str]:
+        """Lowest, highest and last sample of each output, the energies at the end, and the verdicts."""
+        rows = [["output", "lowest sample", "highest sample", f"at {self.t[-1]:.6g} s"]]
+        for name, x in self.outputs.items():
+            rows.append([f"{name} [{ALL_UNITS[name]}]", *(f"{value:.6g}" for value in (x.min(), x.max(), x[-1]))])
+        yield from aligned(rows, 0)
+        yield "energy [J]: " + ", ".join(f"{key} {value:.6g}" for key, value in self._energies().items())
+        yield from self.verdicts
+
+    def to_dict(self) -> dict[str, Any]:
+        """Samples of the outputs, the energies at the end, notes and verdicts."""
+        parts = {"t": self.t, "outputs": self.outputs, "energy": self._energies()}
+        return plain(parts | {"notes": self.notes, "verdicts": self.verdicts})
+
+    def _energies(self) -> dict[str, float]:
+        names = ("stored", "dissipated", "supplied", "imbalance")
+        return {name: float(getattr(self.energy, name)[-1]) for name in names}
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
+        """Draw tension, belt speed, deflection and torques over time, or the tension on axes of your own."""
+        import drives
+
+        names = [name for name in ("tension", "belt_speed", "x_k", "T1", "T2") if name in self.outputs]
+        return drives.draw_run(self.t, self.outputs, names, ax)
 
 
 def simulate(

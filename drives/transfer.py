@@ -2,20 +2,28 @@
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import acb, ctx, fmpq_poly
 from numpy.typing import ArrayLike, NDArray
 
+from drives.number import written
 from drives.roots import roots
 from tline.errors import InputError, import_extra
+from tline.presentation import Presentation, plain
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+DECADES, POINTS = 2, 400  # beyond the slowest and the fastest pole or zero, and points of a Bode plot
 
 
-class TransferFunction:
+class TransferFunction(Presentation):
     """p(s)/q(s) with exact coefficients, common factors cancelled, q monic.
 
     Parameters
@@ -141,8 +149,35 @@ class TransferFunction:
 
         return Scipy(*self.to_floats())
 
+    def response(self, omega: ArrayLike) -> dict[str, NDArray[np.float64]]:
+        """The Bode plot as numbers: ``magnitude``, ``decibel`` and ``degrees`` at angular frequencies, rad/s."""
+        size = self.magnitude(omega)
+        return {"magnitude": size, "decibel": 20 * np.log10(size), "degrees": np.degrees(self.phase(omega))}
+
+    def text_lines(self) -> Iterator[str]:
+        """The quotient, with its poles, zeros and DC gain."""
+        yield str(self)
+        poles, zeros = (", ".join(map(written, found)) or "none" for found in (self.poles, self.zeros))
+        yield f"  poles {poles} rad/s; zeros {zeros}; DC gain {float(self.dc_gain):.6g}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Coefficients as fractions in texts, highest power first, poles, zeros, DC gain and relative degree."""
+        coefficients = {key: [str(c) for c in getattr(self, key)] for key in ("numerator", "denominator")}
+        found = {key: getattr(self, key) for key in ("poles", "zeros", "dc_gain", "relative_degree")}
+        return coefficients | plain(found)
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
+        """Draw its Bode plot, or its magnitude on axes of your own."""
+        import drives
+
+        sizes = [math.log10(abs(z)) for z in self.poles + self.zeros if z] or [0.0]
+        return drives.draw_bode([self], np.logspace(min(sizes) - DECADES, max(sizes) + DECADES, POINTS), ax)
+
     def __str__(self) -> str:
         return f"{self.name} = {_side(self.p)}/{_side(self.q)}"
+
+    def _repr_html_(self) -> str:
+        return self._shown(self.text_lines())
 
 
 def frequencies(omega: ArrayLike) -> NDArray[np.float64]:

@@ -2,4 +2,5 @@
 
 from tline.lazy import lazy
 
+__version__ = "0.1.0"
 __getattr__, __dir__ = lazy(__name__)

@@ -31,3 +31,5 @@ from . import pictures as pictures
 from . import scene as scene
 from . import signal as signal
 from . import study as study
+
+__version__: str

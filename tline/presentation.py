@@ -54,7 +54,11 @@ class Presentation:
 
     def _repr_html_(self) -> str:
         """The text over the picture, in a notebook."""
-        return f"<pre>{html.escape(str(self))}</pre>{self._drawn()}"
+        return self._shown(str(self).splitlines())
+
+    def _shown(self, lines: Iterable[str]) -> str:
+        text = html.escape("\n".join(lines))
+        return f"<pre>{text}</pre>{self._drawn()}"
 
     def _drawn(self) -> str:
         try:

@@ -84,8 +84,8 @@ def test_answers(command, words):
         ("step --hold", "--hold: nothing to hold"),
         ("step --t1 5", "--t1: the unit is missing"),
         ("step --rise '0 s'", "--rise: not a time"),
-        ("step --end '1 s' --step '2 s'", "--step: unfit"),
-        ("step --end '1e9 s' --step '1 us'", "--step: unfit"),
+        ("step --t-end '1 s' --step '2 s'", "--step: unfit"),
+        ("step --t-end '1e9 s' --step '1 us'", "--step: unfit"),
         ("control --limit '0 N m'", "--limit: not physical"),
         ("control --speed-bandwidth '0 rad/s'", "--speed-bandwidth: not physical"),
         ("control --friction '0 N m s' --belt-damping '0 N s/m'", "tension/tau_f: no PI controller of this rule"),
@@ -179,7 +179,7 @@ def test_runs_as_json_and_csv_are_the_library(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "torques.csv").write_text("t,T1,T2\n0,0.1,0\n0.5,0.1,0.3\n", encoding="utf-8")
     unequal = CoupledDrives(Spool(1e-3, 0.1, 0.1), Spool(2e-3, 0.1, 0.05))
-    options = '--inertia "1e-3 kg m^2, 2e-3 kg m^2" --radius "10 cm, 5 cm" --end "1 s" --step "10 ms"'
+    options = '--inertia "1e-3 kg m^2, 2e-3 kg m^2" --radius "10 cm, 5 cm" --t-end "1 s" --step "10 ms"'
     for hold in (False, True):
         command = f"step --table torques.csv {'--hold' * hold} {options} --csv run.csv --json"
         result = run(command)

@@ -27,7 +27,7 @@ def run(command):
         ("run karnopp --set F_s='1500 mN'", "break-away at 3 s"),
         ("run lugre --set sigma0='0.1 N/um' --tol 1e-9", "v = 13.96402"),
         ("run coulomb --method euler --step '10 ms'", "more events"),
-        ("run karnopp --spring '20 N/m' --pull '5 cm/s' --time 60", "stop at"),
+        ("run karnopp --spring '20 N/m' --pull '5 cm/s' --t-end 60", "stop at"),
         ("run elasto-plastic --sine '0.6 N' --frequency '1 Hz'", "rosenbrock (order 5): done"),
         ("run coulomb --set F_c=1 --method moreau --step 0.001", "moreau (order 1): done"),
         ("curve lugre dahl --set sigma0=100", "dahl [N]"),
@@ -63,7 +63,7 @@ def test_answers(command, words):
         ("run coulomb --slope 1 --sine 1 --frequency 1", "--sine: another force than --slope"),
         ("run coulomb --table nothing.csv", "--table: 'nothing.csv' cannot be read"),
         ("run coulomb --plot out.gif", "--plot: unknown kind of file"),
-        ("run coulomb --time 0", "--time: too small"),
+        ("run coulomb --t-end 0", "--t-end: too small"),
         ("curve lugre --velocity 0", "--velocity: not positive"),
     ],
 )
@@ -78,7 +78,7 @@ def test_mistakes(command, sentence, tmp_path, monkeypatch):
 def test_a_force_table_is_read_and_checked(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "force.csv").write_text("t,F\n0,0\n1,2\n3,2\n", encoding="utf-8")
-    told = json.loads(run("run coulomb --table force.csv --time 3 --json").output)
+    told = json.loads(run("run coulomb --table force.csv --t-end 3 --json").output)
     assert told["end"]["v"] == pytest.approx(2.25)
     (tmp_path / "force.csv").write_text("0,0\n1,nan\n", encoding="utf-8")
     assert run("run coulomb --table force.csv").stderr.startswith("force.values[1]: not a finite number")
@@ -93,7 +93,7 @@ def test_an_unfinished_run_exits_with_one():
 
 
 def test_errors_are_told_with_the_numbers():
-    stiff = "run lugre --set sigma0=1e5 --sine '2 N' --frequency '1 Hz' --time 2"
+    stiff = "run lugre --set sigma0=1e5 --sine '2 N' --frequency '1 Hz' --t-end 2"
     told = json.loads(run(f"{stiff} --tol 1e-3 --json").output)
     assert set(told["errors"]) == {"t", "x", "v", "z", "F_a", "F_f", "W_a", "W_f"}
     assert (told["tol"], max(told["errors"].values()) <= 1e-3, told["event_count"]) == (1e-3, True, 7)
@@ -104,13 +104,13 @@ def test_errors_are_told_with_the_numbers():
 
 
 def test_a_tolerance_that_is_not_met_exits_with_one():
-    result = run("run lugre --sine '2 N' --frequency '5 Hz' --time 1 --tol 1e-14")
+    result = run("run lugre --sine '2 N' --frequency '5 Hz' --t-end 1 --tol 1e-14")
     assert result.exit_code == 1
     assert "done, but the tolerance is not met" in result.output
 
 
 def test_a_steep_ramp_breaks_away_once():
-    told = json.loads(run("run karnopp --slope '1000 N/s' --time '100 s' --json").output)
+    told = json.loads(run("run karnopp --slope '1000 N/s' --t-end '100 s' --json").output)
     assert told["status"] == "done"
     assert told["events"] == [{"kind": "break-away", "t": 0.0012, "x": 0.0}]
 
@@ -153,7 +153,7 @@ def test_public_names_are_documented():
 
 def test_angular_frequencies_are_no_frequencies():
     sines = [
-        json.loads(run(f'run coulomb --sine "0.6 N" --time "0.1 s" --frequency "{frequency}" --json').stdout)
+        json.loads(run(f'run coulomb --sine "0.6 N" --t-end "0.1 s" --frequency "{frequency}" --json').stdout)
         for frequency in ("1 Hz", "1", "6.283185307179586 rad/s", "360 deg/s")
     ]
     assert sines[1:] == sines[:1] * 3

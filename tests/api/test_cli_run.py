@@ -117,7 +117,14 @@ def test_all_files_are_written_and_named(folder: Path) -> None:
     result = ran(f"run valve.toml {options} --path valve,tank")
     assert result.stdout.splitlines()[-len(files) :] == [f"wrote {file}" for file in files.values()]
     assert {path.name for path in folder.iterdir()} == {"valve.toml", "fork.toml", *files.values()}
-    for file in ("out-plot.png", "out-profile.png", "out-map.png", "out-space_time.png", "out-lattice.png"):
+    for file in (
+        "out-plot.png",
+        "out-profile.png",
+        "out-map.png",
+        "out-space_time.png",
+        "out-plot_waves.png",
+        "out-lattice.png",
+    ):
         assert (folder / file).read_bytes().startswith(b"\x89PNG")
     assert '"marks":[[0.0,"valve"],[300.0,"tank"]]' in (folder / "out-animate.html").read_text(encoding="utf-8")
     table = np.loadtxt(folder / "out-csv.csv", delimiter=",", skiprows=1)
@@ -177,7 +184,7 @@ MISTAKES = [
     ),
     (
         "valve.toml --path tank,valve",
-        "--path: nothing shows it, expected --profile, --space-time or --animate",
+        "--path: nothing shows it, expected --profile, --space-time, --plot-waves or --animate",
     ),
     (
         "valve.toml --path tank --animate a.gif",
@@ -254,7 +261,7 @@ def test_an_active_load_runs_only_when_asked_twice(folder: Path) -> None:
 def test_help_teaches_with_examples_whose_options_exist() -> None:
     text = ran("run --help").stdout
     examples = re.findall(r"^ *tline (run .*)$", text.replace("\\\n", " "), re.MULTILINE)
-    assert len(examples) == 5
+    assert len(examples) == 6
     for example in examples:
         _, *words = shlex.split(example)
         run.make_context("run", words)

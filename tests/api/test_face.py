@@ -3,6 +3,7 @@
 import importlib
 import os
 import pkgutil
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -69,8 +70,21 @@ def test_a_scene_may_be_a_path_or_tables(tmp_path, monkeypatch):
     ends = {simulated.probes["far"].u[-1] for simulated in map(tl.simulate, (path, str(path), scene, scene.table()))}
     assert len(ends) == 1
     assert tl.prepare(path).run().probes["far"].u[-1] in ends
-    with pytest.raises(tl.InputError, match="scene: not a scene, expected a Scene, the path of a TOML file, or a dict"):
+    with pytest.raises(tl.InputError, match="scene: not a scene, expected a Scene, the path of a file, or a dict"):
         tl.simulate(42)  # pyright: ignore[reportArgumentType]
+
+
+def test_files_of_other_programs_are_simulated_and_prepared_as_they_are_read():
+    scenes = Path(__file__).parents[2] / "scenes"
+    deck = scenes / "cable_rc.cir"
+    assert tl.simulate(deck).probes["far"].u[-1] == tl.simulate(tl.read(deck)).probes["far"].u[-1]
+    assert tl.prepare(str(deck)).scene == tl.read(deck)
+    with pytest.raises(tl.InputError, match=r"nothing\.inp: cannot be read"):
+        tl.prepare("nothing.inp")
+
+
+def test_the_version_is_told():
+    assert re.fullmatch(r"\d+\.\d+\.\d+", tl.__version__)
 
 
 def test_reads_whatever_a_scene_is_in(monkeypatch):

@@ -123,9 +123,13 @@ def test_copies_and_pickles_are_equal() -> None:
         assert pickle.loads(pickle.dumps(line)) == line == copy.deepcopy(line)
 
 
-def test_repr_is_what_was_given() -> None:
+def test_repr_is_what_was_given_and_tells_what_follows() -> None:
     line = HydraulicLine(radius="10 cm", fluid="water", wall="steel", wall_thickness=0.005)
-    assert repr(line) == "HydraulicLine(radius='10 cm', wall_thickness=0.005, fluid='water', wall='steel')"
+    given, _, follows = repr(line).partition("  # ")
+    assert given == "HydraulicLine(radius='10 cm', wall_thickness=0.005, fluid='water', wall='steel')"
+    assert follows.startswith("c = 1.241 km/s, β = 15380 bar, z0 = 394.4 bar/(m^3/s), L' = ")
+    assert str(line).splitlines()[1].split() == ["radius", "R", "0.1", "m", "100", "mm"]
+    assert line.to_dict()["z0"] == line.z0
     assert eval(repr(line)) == line
 
 

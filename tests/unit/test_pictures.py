@@ -238,6 +238,10 @@ def test_page_needs_nothing_else_and_holds_the_efforts(surge: Result, tmp_path: 
     assert t[-1] == pytest.approx(2.0)
     expected = effort_along(surge, way, np.linspace(0, 300, PLACES), t) / 1e5
     np.testing.assert_allclose(frames, expected, atol=0.5001 * (high - low) / STEPS)  # rounded to a step
+    low, high = data["wave_range"]
+    along = low + np.array(data["along"]) / data["steps"] * (high - low)
+    right = np.array([surge.lines["pipe"].waves(t, x)[0] for x in np.linspace(0, 1, PLACES)]).T / 2e5  # a by its line
+    np.testing.assert_allclose(along, right, atol=0.5001 * (high - low) / STEPS)
     assert np.all(np.array(data["lowest"]) <= data["frames"])
     assert np.all(np.array(data["highest"]) >= data["frames"])
     assert (data["effort"], data["place"], data["time"]) == ("pressure [bar]", "distance from tank [m]", "s")

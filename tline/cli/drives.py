@@ -74,7 +74,7 @@ def bode(
     import numpy as np
 
     from drives import hidden_modes
-    from drives.report import mode_data, response_data, transfer_data
+    from tline.presentation import plain
 
     found = mechanism(given)
     first, last = quantity("--from", low, "rad/s"), quantity("--to", high, "rad/s")
@@ -83,11 +83,11 @@ def bode(
     omega = np.logspace(np.log10(first), np.log10(last), points)
     with bode.named():
         seen = {source: found.transfer(output, source) for source in ("T1", "T2")}
-    answers = {h.name: response_data(h, omega) for h in seen.values()}
+    answers = {h.name: plain(h.response(omega)) for h in seen.values()}
 
     def data() -> dict[str, Any]:
-        hidden = {source: [mode_data(mode) for mode in hidden_modes(found, output, source)] for source in seen}
-        told = {h.name: transfer_data(h) | answers[h.name] | {"hidden": hidden[key]} for key, h in seen.items()}
+        hidden = {source: plain(hidden_modes(found, output, source)) for source in seen}
+        told = {h.name: h.to_dict() | answers[h.name] | {"hidden": hidden[key]} for key, h in seen.items()}
         return {"omega": omega.tolist(), **told}
 
     columns = {f"{n} {key}": np.array(values) for n, answer in answers.items() for key, values in answer.items()}
@@ -101,9 +101,8 @@ def bode(
 
 
 def _response(transfers: list, omega: list[float], answers: dict[str, dict[str, list[float]]]) -> Iterator[str]:
-    from drives.report import transfer_text
-
-    yield from map(transfer_text, transfers)
+    for h in transfers:
+        yield from h.text_lines()
     head = ["ω [rad/s]", *(word for name in answers for word in (f"{name} [dB]", "phase [°]"))]
     rows = []
     for k, w in enumerate(omega):
@@ -114,7 +113,6 @@ def _response(transfers: list, omega: list[float], answers: dict[str, dict[str, 
 
 @command(
     "drives.simulation:simulate",
-    names={"t_end": "end"},
     omit=("drives", "T1", "T2", "initial"),
     more=MECHANISM,
     files=FILES,
@@ -123,7 +121,7 @@ def _response(transfers: list, omega: list[float], answers: dict[str, dict[str, 
 Examples:
   tline drives step
   tline drives step --t1 "0.1 N m" --t2 "0.3 N m" --rise "0.2 s" --plot step.png
-  tline drives step --table torques.csv --end "5 s" --step "1 ms" --csv run.csv
+  tline drives step --table torques.csv --t-end "5 s" --step "1 ms" --csv run.csv
   tline drives step --t2 "-0.1 N m" --slack --json
 \b
 A table is a CSV file with the header t,T1,T2 and SI values, later times below earlier ones:
@@ -165,21 +163,20 @@ def step_(
     """
     from drives import simulate, simulate_slack
 
-    applied, last = torques(t1, t2, rise, table, hold), quantity("--end", t_end, "s")
+    applied, last = torques(t1, t2, rise, table, hold), quantity("--t-end", t_end, "s")
     h = quantity("--step", step, "s") if step else last / SAMPLES["step"]
     found = mechanism(given)
     with step_.named():
         run = (simulate_slack if slack else simulate)(found, *applied, t_end=last, step=h)
     plot = drawn("drives.picture:draw_run", run.t, run.outputs, ("x_k", "tension", "belt_speed"))
     files = {"csv": tabled({"t": run.t} | run.outputs), "plot": plot}
-    return Output(_text(run, run.verdicts), lambda: _data(run), files, run.notes, int(bool(run.verdicts)))
+    return Output(run.text_lines(), run.to_dict, files, run.notes, int(bool(run.verdicts)))
 
 
 closed_loop = partial(
     command,
     CONTROL,
     DESIGN,
-    names={"t_end": "end"},
     omit=PASSED_ON,
     more=(*SET_POINTS, *MECHANISM),
     group=drives,
@@ -203,8 +200,6 @@ def control(*, t_end: str = "2 s", **given: Any) -> Output:
     """
     import numpy as np
 
-    from drives.report import design_data, design_text
-
     _, made, run, (speed, tension, limit) = _controlled(control, t_end, given)
     verdicts = (*made.verdicts, *run.verdicts)
     lines = {"belt_speed": np.full(len(run.t), speed), "tension": np.full(len(run.t), tension)}
@@ -213,8 +208,8 @@ def control(*, t_end: str = "2 s", **given: Any) -> Output:
         "plot": drawn("drives.picture:draw_closed_loop", run.t, run.outputs, lines, limit),
     }
     return Output(
-        [*design_text(made), *_text(run, verdicts)],
-        lambda: {"design": design_data(made)} | _data(run) | {"verdicts": verdicts},
+        [*made.text_lines(), *run.text_lines(), *made.verdicts],
+        lambda: {"design": made.to_dict()} | run.to_dict() | {"verdicts": verdicts},
         files,
         run.notes,
         int(bool(verdicts)),
@@ -225,7 +220,7 @@ def control(*, t_end: str = "2 s", **given: Any) -> Output:
     epilog="""\b
 Examples:
   tline drives animate mechanism.html
-  tline drives animate mechanism.gif --speed "0.5 m/s" --tension "4 N" --end "1 s"
+  tline drives animate mechanism.gif --speed "0.5 m/s" --tension "4 N" --t-end "1 s"
 """,
 )
 def animate(file: str, *, t_end: str = "2 s", **given: Any) -> None:
@@ -252,7 +247,7 @@ def _controlled(asked: Command, t_end: str, given: dict[str, Any]) -> "tuple[Cou
     """Mechanism, design, run, and the numbers asked for: set points of speed and tension, and limit or None."""
     from drives import Torque, design, simulate_control
 
-    found, end, antiwindup = mechanism(given), quantity("--end", t_end, "s"), given.pop("antiwindup", True)
+    found, end, antiwindup = mechanism(given), quantity("--t-end", t_end, "s"), given.pop("antiwindup", True)
     numbers = numbers_of(given)
     bands = {key: numbers.get(key) for key in ("speed_bandwidth", "tension_bandwidth")}
     with asked.named():
@@ -268,31 +263,3 @@ def _controlled(asked: Command, t_end: str, given: dict[str, Any]) -> "tuple[Cou
             step=end / SAMPLES["control"],
         )
     return found, made, run, (numbers["speed"], numbers["tension"], numbers.get("limit"))
-
-
-def _text(run: "Run", verdicts: tuple[str, ...]) -> Iterator[str]:
-    """Smallest, largest and last of the samples of each output, the energy at the end, and what cannot be had."""
-    from drives.symbolic import ALL_UNITS
-
-    rows = [["output", "lowest sample", "highest sample", f"at {run.t[-1]:.6g} s"]]
-    for name, x in run.outputs.items():
-        rows.append([f"{name} [{ALL_UNITS[name]}]", *(f"{value:.6g}" for value in (x.min(), x.max(), x[-1]))])
-    yield from aligned(rows, 0)
-    yield "energy [J]: " + ", ".join(f"{key} {value:.6g}" for key, value in _energies(run).items())
-    yield from verdicts
-
-
-def _data(run: "Run") -> dict[str, Any]:
-    return {
-        "t": run.t.tolist(),
-        "outputs": {name: values.tolist() for name, values in run.outputs.items()},
-        "energy": _energies(run),
-        "notes": run.notes,
-        "verdicts": run.verdicts,
-    }
-
-
-def _energies(run: "Run") -> dict[str, float]:
-    """At the end, J."""
-    names = ("stored", "dissipated", "supplied", "imbalance")
-    return {name: float(getattr(run.energy, name)[-1]) for name in names}

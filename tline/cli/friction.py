@@ -19,7 +19,7 @@ EXAMPLES = """\b
 Examples:
   tline friction run lugre --set sigma0=1e5 --slope "2 N/s" --plot lugre.png
   tline friction run coulomb --method euler --step "10 ms" --v0 -1
-  tline friction run karnopp --spring "20 N/m" --pull "5 cm/s" --time "1 min"
+  tline friction run karnopp --spring "20 N/m" --pull "5 cm/s" --t-end "1 min"
   tline friction run elasto-plastic --sine "0.6 N" --frequency "1 Hz" --json
   tline friction curve lugre dahl --plot curves.png
 Models: coulomb, karnopp, lugre, dahl, elasto-plastic, tanh.
@@ -27,7 +27,7 @@ Models: coulomb, karnopp, lugre, dahl, elasto-plastic, tanh.
 NAMED = {  # options by the package's names
     "bench.mass": "--mass",
     "bench.v0": "--v0",
-    "times": "--time",
+    "times": "--t-end",
     "spring.stiffness": "--spring",
     "spring.speed": "--pull",
     "force.slope": "--slope",
@@ -44,7 +44,7 @@ def friction() -> None:
 @command(
     "friction.simulate:simulate",
     "friction.testbench:Testbench",
-    names={"parameters": "set", "h": "step", "t_end": "time"},
+    names={"parameters": "set", "h": "step"},
     omit=("model", "bench", "times", "budget", "force"),
     files={"csv": table("Table of the run, SI, full precision"), "plot": picture("v, F_f and x over time")},
     group=friction,

@@ -146,7 +146,7 @@ def command(medium: LineMedium) -> click.Command:
             raise InputError(where, error.problem, error.expected, error.got) from error
         for remark in parameters.remarks:
             click.echo(f"note: {remark}", err=True)
-        click.echo(as_json(medium, parameters, losses) if json else as_table(medium, parameters))
+        click.echo(as_json(parameters, losses) if json else as_table(medium, parameters))
         if losses and not json:
             click.echo(f"\n{losses_as_table(losses)}")
 
@@ -165,24 +165,13 @@ def command(medium: LineMedium) -> click.Command:
 
 
 def as_table(medium: LineMedium, parameters: LineParameters) -> str:
-    """What is known of a line, for the eye: name, symbol, SI value, handy value."""
-    rows = [("quantity", "symbol", "SI", "handy")]
-    for item in medium.quantities:
-        value = getattr(parameters, item.name)
-        if value is not None:
-            exact = f"{value:.6g} {item.unit}".rstrip()
-            handy = engineering(value, item.handy) if item.handy else ""
-            rows.append((item.name, item.symbol, exact, "" if handy == exact else handy))
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
-    return "\n".join([*lines, "", f"effort: {medium.effort}", f"flow:   {medium.flow}"])
+    """All that is known of a line, and what effort and flow are."""
+    return "\n".join([*parameters.text_lines(), "", f"effort: {medium.effort}", f"flow:   {medium.flow}"])
 
 
-def as_json(medium: LineMedium, parameters: LineParameters, losses: list[dict[str, float]]) -> str:
+def as_json(parameters: LineParameters, losses: list[dict[str, float]]) -> str:
     """All quantities of a line in SI, what is odd about them, and its losses over frequency if they are known."""
-    told = {item.name: getattr(parameters, item.name) for item in medium.quantities}
-    told |= {"notes": list(parameters.remarks)} | ({"over_earth": losses} if losses else {})
-    return json.dumps(told, indent=2, ensure_ascii=False)
+    return json.dumps(parameters.to_dict() | ({"over_earth": losses} if losses else {}), indent=2, ensure_ascii=False)
 
 
 def _option(name: str) -> str:

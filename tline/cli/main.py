@@ -146,9 +146,9 @@ def _rarely_collected() -> Iterator[None]:
 
 def _print_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
     if wanted:
-        from importlib.metadata import version
+        from tline import __version__
 
-        click.echo(f"tline {version('tline')}")
+        click.echo(f"tline {__version__}")
         ctx.exit()
 
 

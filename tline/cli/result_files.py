@@ -21,11 +21,12 @@ FILES = {
     "profile": picture("Lowest and highest effort along a path, with ground and limits"),
     "map": picture("Map of the network, coloured by how far the effort rose and fell"),
     "space_time": picture("Image of the effort over place and time"),
+    "plot_waves": picture("Waves along a path and against it, over place and time"),
     "lattice": picture("Bounce diagram, for a scene with one line"),
     "load_lines": picture("Bergeron's diagram, for one line between resistive ends"),
-    "animate": FileKind((".html", ".gif"), "The effort along a path, moving"),
+    "animate": FileKind((".html", ".gif"), "Waves and effort along a path, moving"),
 }
-ALONG = ("profile", "space_time", "animate")  # show a path
+ALONG = ("profile", "space_time", "plot_waves", "animate")  # show a path
 ENVELOPES = ("envelope", "map")  # show the extremes at nodes
 
 
@@ -53,6 +54,7 @@ def writers(
         "profile": drawn("tline.pictures.profile:plot_profile", result, way),
         "map": drawn("tline.pictures.map:plot_map", result),
         "space_time": drawn("tline.pictures.profile:plot_space_time", result, way),
+        "plot_waves": drawn("tline.pictures.waves:plot_path_waves", result, way),
         "lattice": drawn("tline.pictures.lattice:plot_lattice", result),
         "load_lines": lambda file: _draw_load_lines(result.scene, file),
         "animate": lambda file: _animate(result, way, file),

@@ -24,6 +24,7 @@ Examples:
   tline run network.toml --order 8 --slab "10 us" --csv probes.csv \\
       --path tank,valve --animate surge.html
   tline run valve.toml --csv out.csv --at "0:2 s:2001"
+  tline run valve.toml --animate waves.html --plot-waves waves.png
   tline run valve.toml --ledger
   tline run town.toml --map surge.png --profile main.png --path lake,b,tower
 """
@@ -62,7 +63,7 @@ def run(
     at : FROM:TO:COUNT
         Instants of table, arrays, plot and --json, as '0:1 us:1001'.
     path : FROM,…,TO
-        Path of --profile, --space-time, --animate: ends, any it passes.
+        Path of --profile, --space-time, --plot-waves, --animate: ends, any passed.
     ledger
         Show energy by element: supplied, dissipated, stored, and what is off; or do not keep it.
     """
@@ -137,7 +138,7 @@ def _route(scene: "Scene", path: str | None, wanted: dict[str, str]) -> "Route |
         bergeron(scene)
     if not any(kind in wanted for kind in ALONG):
         if path is not None:
-            raise InputError("path", "nothing shows it", "--profile, --space-time or --animate beside it")
+            raise InputError("path", "nothing shows it", "--profile, --space-time, --plot-waves or --animate beside it")
         return None
     from tline.pictures.path import route
 

@@ -10,7 +10,6 @@ from drives.control import decoupler, relative_gain_array
 from drives.derivation import check_pulley, wrong_sign
 from drives.linearise import artefact
 from drives.number import written
-from drives.report import design_data, design_text, transfer_data
 from drives.resonance import largest_friction_with_peak, peak, undamped_frequency
 from drives.simulation import steady_state
 from drives.symbolic import INPUTS, OUTPUTS
@@ -86,7 +85,7 @@ def bode(drives: CoupledDrives) -> Found:
         **_phase(h),
         "artefact": _artefact(drives),
     }
-    details = {"transfer_functions": {each.name: transfer_data(each) for each in all_of_them}, "omega": OMEGA}
+    details = {"transfer_functions": {each.name: each.to_dict() for each in all_of_them}, "omega": OMEGA}
     return Found(numbers, modelica=package("4g", drives), draw=("draw_bode", both, OMEGA), details=details)
 
 
@@ -153,12 +152,12 @@ def control(drives: CoupledDrives) -> Found:
         return Found({**numbers, "controlled": f"PI controllers: {error}."}, details=details)
     run = simulate_control(made, Torque.step(SPEED), Torque.step(TENSION), t_end=END, step=STEP)
     speed, tension = (float(run.outputs[name][-1]) for name in ("belt_speed", "tension"))
-    designed = "; ".join(line.strip() for line in design_text(made))
+    designed = "; ".join(line.strip() for line in made.text_lines())
     numbers["controlled"] = (
         f"PI controllers by the rule of `design`: {designed}. With set points {SPEED:g} m/s and {TENSION:g} N "
         f"the belt has {speed:.6g} m/s and {tension:.6g} N at {END:g} s."
     )
-    details |= design_data(made) | {"reached": {"t": END, "belt_speed": speed, "tension": tension}}
+    details |= made.to_dict() | {"reached": {"t": END, "belt_speed": speed, "tension": tension}}
     text = package("4h", drives, made, SPEED, TENSION) if drives.symmetric else ""
     return Found(numbers, modelica=text, draw=("draw_control", run, SPEED, TENSION), details=details)
 

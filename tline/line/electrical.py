@@ -102,6 +102,8 @@ class ElectricalLine(LineParameters):
     '1e-06 H/m, 1.11e-11 F/m'
     """
 
+    quantities = QUANTITIES
+    shown = ("inductance", "capacitance", "z0", "wave_speed", "delay")
     inductance: float | None
     capacitance: float | None
     z0: float
@@ -144,7 +146,7 @@ class ElectricalLine(LineParameters):
         offered = [quantity.name for quantity in QUANTITIES if quantity.name not in SHAPE]
         values = determine(SYSTEM, given, TARGETS, offered) | shape
         _check_speed(values.get("wave_speed", 0.0), given.values)
-        self._settle(QUANTITIES, values, arguments, given.remarks)
+        self._settle(values, arguments, given.remarks)
 
 
 def in_air(given: Iterable[str]) -> dict[str, float]:

@@ -131,6 +131,8 @@ class HydraulicLine(LineParameters):
     '4.679e+07 Pa s/m^3, 2.205e+09 Pa'
     """
 
+    quantities = QUANTITIES
+    shown = ("wave_speed", "effective_bulk_modulus", "z0", "delay", "inertance", "compliance")
     radius: float | None
     diameter: float | None
     area: float | None
@@ -181,7 +183,7 @@ class HydraulicLine(LineParameters):
         if wall is not None:
             given.include("wall", {"youngs_modulus": named_modulus(wall)})
         values = determine(_system(given), given, TARGETS, _offered(given.values))
-        self._settle(QUANTITIES, values, arguments, given.remarks)
+        self._settle(values, arguments, given.remarks)
 
 
 def _slow(given: Given) -> None:

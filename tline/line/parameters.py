@@ -1,12 +1,13 @@
 """What pipes and cables have in common: quantities by name, read from what a user gives, and immutable once settled."""
 
-from collections.abc import Iterable, Mapping
-from typing import NamedTuple, TypeVar
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 from tline.errors import InputError
 from tline.line.given import Given
 from tline.line.relations import listed
-from tline.units import to_si
+from tline.presentation import Presentation
+from tline.units import engineering, to_si
 
 Entry = TypeVar("Entry")
 
@@ -21,21 +22,22 @@ class LineQuantity(NamedTuple):
     help: str
 
 
-class LineParameters:
-    """Base of the lines: immutable, equal by value, printed as it was given."""
+class LineParameters(Presentation):
+    """Base of the lines: immutable, equal by value, printed as a table; its repr is what was given."""
 
+    quantities: ClassVar[tuple[LineQuantity, ...]]
+    shown: ClassVar[tuple[str, ...]]  # names of quantities, in the repr
     remarks: tuple[str, ...]  # sentences on what is odd in what was given
     _given: dict[str, object]
 
     def _settle(
         self,
-        quantities: Iterable[LineQuantity],
         values: Mapping[str, float],
         arguments: Mapping[str, object],
         remarks: Iterable[str],
     ) -> None:
         """Set the attributes, once; a quantity that did not follow is None."""
-        self.__dict__.update((quantity.name, values.get(quantity.name)) for quantity in quantities)
+        self.__dict__.update((quantity.name, values.get(quantity.name)) for quantity in self.quantities)
         given = {name: value for name, value in arguments.items() if value is not None}
         self.__dict__.update(_given=given, remarks=tuple(remarks))
 
@@ -59,7 +61,27 @@ class LineParameters:
 
     def __repr__(self) -> str:
         given = ", ".join(f"{name}={value!r}" for name, value in self._given.items())
-        return f"{type(self).__name__}({given})"
+        told = [item for item in self.quantities if item.name in self.shown and item.name not in self._given]
+        known = [(item, getattr(self, item.name)) for item in told if getattr(self, item.name) is not None]
+        follows = ", ".join(f"{item.symbol} = {engineering(value, item.handy or item.unit)}" for item, value in known)
+        return f"{type(self).__name__}({given})  # {follows}"
+
+    def text_lines(self) -> Iterator[str]:
+        """All that is known: name, symbol, value in SI, and in a handy unit."""
+        rows = [("quantity", "symbol", "SI", "handy")]
+        for item in self.quantities:
+            value = getattr(self, item.name)
+            if value is not None:
+                exact = f"{value:.6g} {item.unit}".rstrip()
+                handy = engineering(value, item.handy) if item.handy else ""
+                rows.append((item.name, item.symbol, exact, "" if handy == exact else handy))
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        for row in rows:
+            yield "  ".join(map(str.ljust, row, widths)).rstrip()
+
+    def to_dict(self) -> dict[str, Any]:
+        """All quantities in SI, None where one does not follow, and ``notes`` on what is odd."""
+        return {item.name: getattr(self, item.name) for item in self.quantities} | {"notes": list(self.remarks)}
 
 
 def read(quantities: Iterable[LineQuantity], arguments: Mapping[str, float | str | None]) -> Given:

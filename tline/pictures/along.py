@@ -1,4 +1,4 @@
-"""What happens along a route: effort at any places and instants, and its extremes."""
+"""What happens along a route: waves and effort at any places and instants, and its extremes."""
 
 from typing import NamedTuple
 
@@ -21,16 +21,25 @@ class RouteExtremes(NamedTuple):
     highest: NDArray
 
 
-def effort_along(result: Result, way: Route, x: NDArray, t: NDArray) -> NDArray:
-    """Effort at places x of a route (in its unit) and instants t, shape (len(t), len(x))."""
+def waves_along(result: Result, way: Route, x: NDArray, t: NDArray) -> NDArray:
+    """The waves that travel along a route and against it, at places x (in its unit) and instants t.
+
+    Shape (2, len(t), len(x)). Half of their sum is the effort.
+    """
     legs = _insides(result, way)
     at = np.clip(np.searchsorted([leg.span[1] for leg in way.legs], x), 0, len(legs) - 1)
-    effort = np.empty((len(t), len(x)))
+    both = np.empty((2, len(t), len(x)))
     for column, (k, place) in enumerate(zip(at, x, strict=True)):
         leg = way.legs[k]
         part = float(np.clip((place - leg.span[0]) / (leg.span[1] - leg.span[0]), 0.0, 1.0))
-        effort[:, column] = legs[k].effort(t, part if leg.forward else 1.0 - part)
-    return effort
+        a, b = legs[k].waves(t, part if leg.forward else 1.0 - part)
+        both[:, :, column] = (a, b) if leg.forward else (b, a)
+    return both
+
+
+def effort_along(result: Result, way: Route, x: NDArray, t: NDArray) -> NDArray:
+    """Effort at places x of a route (in its unit) and instants t, shape (len(t), len(x))."""
+    return waves_along(result, way, x, t).mean(axis=0)
 
 
 def extremes_along(result: Result, way: Route) -> RouteExtremes:

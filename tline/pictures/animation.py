@@ -1,4 +1,4 @@
-"""Effort along a route, moving in time: as a web page of its own, or as a GIF."""
+"""Waves and effort along a route, moving in time: as a web page of its own, or as a GIF."""
 
 import html
 import json
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.pictures.along import effort_along, extremes_along
+from tline.pictures.along import extremes_along, waves_along
 from tline.pictures.bounds import Bound, bounds, scale
 from tline.pictures.handy import handy, spread
 from tline.pictures.path import Route, axis
@@ -28,7 +28,7 @@ class MovingQuantities(NamedTuple):
     """Quantities that move, in handy units."""
 
     title: str
-    frames: NDArray  # (instants, places)
+    waves: NDArray  # (2, instants, places): half of the wave along the route, and of that against it; their sum is u
     lowest: NDArray
     highest: NDArray
     t: NDArray
@@ -40,8 +40,18 @@ class MovingQuantities(NamedTuple):
     effort: str  # and beside it
 
     @property
+    def frames(self) -> NDArray:
+        """The effort, (instants, places)."""
+        return self.waves.sum(axis=0)
+
+    @property
+    def wave_range(self) -> tuple[float, float]:
+        """Least and largest half of a wave."""
+        return spread(float(self.waves.min()), float(self.waves.max()))
+
+    @property
     def range(self) -> tuple[float, float]:
-        """Least and largest of all that is shown."""
+        """Least and largest effort."""
         shown = np.concatenate([self.lowest, self.highest, *(bound.effort for bound in self.bounds)])
         return spread(np.nanmin(shown), np.nanmax(shown))
 
@@ -52,7 +62,7 @@ class MovingQuantities(NamedTuple):
 
 
 class Animation:
-    """Effort along a route, moving, with the range it passes through shaded; notebooks play it.
+    """Waves along a route and against it, and the effort, which is half of their sum, moving; notebooks play it.
 
     Parameters
     ----------
@@ -64,7 +74,7 @@ class Animation:
 
     @property
     def html(self) -> str:
-        """A page that needs nothing else, with a play button and a slider."""
+        """A page that needs nothing else: play, pause and a slider; keys do the same, and show or hide curves."""
         return _page(self.motion)
 
     def _repr_html_(self) -> str:
@@ -96,7 +106,7 @@ class Animation:
 
 
 def animated(result: Result, path: Route) -> Animation:
-    """The effort along a route, moving.
+    """Waves and effort along a route, moving.
 
     Parameters
     ----------
@@ -116,7 +126,8 @@ def animated(result: Result, path: Route) -> Animation:
 def _motion(result: Result, path: Route) -> MovingQuantities:
     t_end = float(result.t[-1])
     t, x = np.linspace(0.0, t_end, FRAMES), np.linspace(0.0, path.marks[-1], PLACES)
-    effort, seen = effort_along(result, path, x, t), extremes_along(result, path)
+    waves, seen = waves_along(result, path, x, t) / 2, extremes_along(result, path)
+    effort = waves.sum(axis=0)
     lowest = np.minimum(np.interp(x, seen.x, seen.lowest), effort.min(0))
     highest = np.maximum(np.interp(x, seen.x, seen.highest), effort.max(0))
     limits = bounds(result.scene, path, x, lowest)
@@ -125,7 +136,7 @@ def _motion(result: Result, path: Route) -> MovingQuantities:
     metre, place = axis(path)
     return MovingQuantities(
         result.scene.title,
-        effort / size,
+        waves / size,
         lowest / size,
         highest / size,
         t / second,
@@ -147,7 +158,7 @@ def _page(motion: MovingQuantities) -> str:
     """The page: a template with the efforts as whole numbers from 0 to STEPS."""
     low, high = motion.range
 
-    def counts(values: NDArray) -> list:
+    def counts(values: NDArray, low: float = low, high: float = high) -> list:
         return np.rint((values - low) / (high - low) * STEPS).astype(int).tolist()
 
     data = {
@@ -164,6 +175,8 @@ def _page(motion: MovingQuantities) -> str:
         "lowest": counts(motion.lowest),
         "highest": counts(motion.highest),
         "frames": counts(motion.frames),
+        "wave_range": motion.wave_range,
+        "along": counts(motion.waves[0], *motion.wave_range),
     }
     text = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     template = files("tline.pictures").joinpath("animation.html").read_text(encoding="utf-8")

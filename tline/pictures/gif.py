@@ -9,10 +9,11 @@ from PIL import Image
 
 from tline.pictures.animation import MovingQuantities
 from tline.pictures.profile import draw_bounds
-from tline.pictures.style import COLOURS, figure, name_nodes, styled
+from tline.pictures.style import COLOURS, DASHES, figure, name_nodes, styled
 
 FRAMES_PER_SECOND = 20
 PALETTE = 64  # colours
+LABELS = ("u = a/2 + b/2", "a/2, to the right", "b/2, to the left")
 
 
 @styled
@@ -30,7 +31,8 @@ def _frames(motion: MovingQuantities) -> Iterator[Image.Image]:
     canvas = FigureCanvasAgg(picture)
     axes = picture.subplots()
     axes.fill_between(motion.x, motion.lowest, motion.highest, color=COLOURS[0], alpha=0.13, linewidth=0)
-    low, high = motion.range
+    ranges = [motion.range] if motion.bounds else [motion.range, motion.wave_range]
+    low, high = min(each[0] for each in ranges), max(each[1] for each in ranges)
     pad = 0.06 * (high - low)
     axes.set(xlim=(0.0, motion.x[-1]), ylim=(low - pad, high + pad), xlabel=motion.place, ylabel=motion.effort)
     axes.grid(True, axis="y")
@@ -38,14 +40,24 @@ def _frames(motion: MovingQuantities) -> Iterator[Image.Image]:
     draw_bounds(axes, motion.bounds)
     if motion.bounds:
         picture.legend(loc="outside lower left", ncols=len(motion.bounds), fontsize=9)
-    (line,) = axes.plot(motion.x, motion.frames[0], color=COLOURS[0], linewidth=2.2, animated=True)
+    effort = motion.frames
+    moving = (effort,) if motion.bounds else (effort, *motion.waves)  # beside limits and ground the effort counts
+    curves = [
+        axes.plot(
+            motion.x, values[0], color=COLOURS[k], linestyle=DASHES[k], linewidth=wide, animated=True, label=label
+        )[0]
+        for k, (values, wide, label) in enumerate(zip(moving, (2.2, 1.4, 1.4), LABELS, strict=False))
+    ]
+    if not motion.bounds:
+        picture.legend(handles=curves, loc="outside lower left", ncols=3, fontsize=9)
     clock = picture.text(0.985, 0.02, "", ha="right", va="bottom", animated=True)
     canvas.draw()
     still = canvas.copy_from_bbox(picture.bbox)
-    for t, effort in zip(motion.t, motion.frames, strict=True):
+    for t, *values in zip(motion.t, *moving, strict=True):
         canvas.restore_region(still)
-        line.set_ydata(effort)
         clock.set_text(f"t = {t:.{motion.decimals}f} {motion.time_unit}")
-        axes.draw_artist(line)
+        for curve, each in zip(curves, values, strict=True):
+            curve.set_ydata(each)
+            axes.draw_artist(curve)
         picture.draw_artist(clock)
         yield Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())

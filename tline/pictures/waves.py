@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.pictures.along import waves_along
 from tline.pictures.handy import handy, spread
-from tline.pictures.path import Route, axis
+from tline.pictures.path import Leg, Route, axis
 from tline.pictures.style import COLOURS, DASHES, Picture, figure, name_nodes, styled
 from tline.solver.result.dense_output import curve
-from tline.solver.result.interior import inside
 from tline.solver.result.result import Result
 from tline.words.wording import nearest, shown
 
@@ -60,7 +60,6 @@ def plot_waves(result: Result, probe: str | None = None) -> Picture:
     return picture
 
 
-@styled
 def plot_line_waves(result: Result, line: str) -> Picture:
     """Both waves on a line over place and time, which runs down: a leans one way, b the other.
 
@@ -78,14 +77,25 @@ def plot_line_waves(result: Result, line: str) -> Picture:
     """
     if line not in result.scene.lines:
         raise InputError("line", "no such line", nearest(str(line), [*result.scene.lines]), shown(line))
-    seen = inside(result, line)
-    across, down = PIXELS
-    t_end = float(result.t[-1])
-    t, shares = (np.arange(down) + 0.5) / down * t_end, (np.arange(across) + 0.5) / across
-    both = np.stack([seen.waves(t, float(share)) for share in shares], axis=-1)  # (2, instants, places)
     parameters, nodes = result.scene.single_lines[line].parameters, result.scene.single_lines[line].nodes
     end, unit = (parameters.length, "m") if parameters.length else (parameters.delay or 0.0, "s")
-    return _images(result, both, Route((nodes[0], nodes[1]), (), (0.0, end), unit))
+    return plot_path_waves(result, Route((nodes[0], nodes[1]), (Leg(line, True, 0.0, (0.0, end)),), (0.0, end), unit))
+
+
+@styled
+def plot_path_waves(result: Result, way: Route) -> Picture:
+    """Both waves along a route over place and time, which runs down.
+
+    Parameters
+    ----------
+    result : Result
+        A finished run in which the route's lines were recorded.
+    way : Route
+        From `route(scene)`.
+    """
+    across, down = PIXELS
+    t, x = (np.arange(down) + 0.5) / down * result.t[-1], (np.arange(across) + 0.5) / across * way.marks[-1]
+    return _images(result, waves_along(result, way, x, t), way)
 
 
 def _images(result: Result, both: NDArray, way: Route) -> Picture:
@@ -97,7 +107,8 @@ def _images(result: Result, both: NDArray, way: Route) -> Picture:
     panels = picture.subplots(1, 2, sharey=True)
     extent = (0.0, way.marks[-1] / length, float(result.t[-1]) / second, 0.0)
     look: Any = {"cmap": "viridis", "vmin": low, "vmax": high, "aspect": "auto", "extent": extent}
-    for axes, values, label in zip(panels, both, LABELS, strict=True):
+    labels = (f"a = u + z0·y, toward {way.nodes[-1]}", f"b = u - z0·y, toward {way.nodes[0]}")
+    for axes, values, label in zip(panels, both, labels, strict=True):
         axes.imshow(values / size, interpolation="antialiased", **look)
         name_nodes(axes, {mark / length: name for mark, name in way.labels.items()})
         axes.set_title(label, loc="left", fontsize=10, pad=22)

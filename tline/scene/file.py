@@ -40,15 +40,19 @@ def read_scene(path: str | Path, progress: bool = False, *, confined: bool = Fal
 
 
 def as_scene(given: Scene | str | Path | Mapping[str, Any]) -> Scene:
-    """A scene as it is, the path of its file, or its tables."""
+    """A scene as it is, the path of a file that `tline.read` reads, or its tables."""
     match given:
         case Scene():
             return given
         case str() | Path():
-            return read_scene(given)
+            if Path(given).suffix.lower() not in (*SPICE, *EPANET):
+                return read_scene(given)
+            import tline  # files of other programs are read by what stands above scenes
+
+            return tline.read(given)
         case Mapping():
             return Scene(**given)
-    raise InputError("scene", "not a scene", "a Scene, the path of a TOML file, or a dict", shown(given))
+    raise InputError("scene", "not a scene", "a Scene, the path of a file, or a dict", shown(given))
 
 
 def scene_from(data: dict[str, Any], folder: str | Folder = ".") -> Scene:

@@ -155,7 +155,7 @@ def prepare(scene: Scene | str | Path | Mapping[str, Any]) -> Prepared:
     Parameters
     ----------
     scene : Scene, path or dict
-        A scene, the path of its TOML file, or its tables.
+        A scene, the path of a file that `read` reads, or its tables.
 
     Returns
     -------

@@ -62,7 +62,7 @@ def simulate(
     Parameters
     ----------
     scene : Scene, path or dict
-        What to simulate: a scene, the path of its TOML file, or its tables.
+        What to simulate: a scene, the path of a file that `read` reads, or its tables.
     tol : float, 1e-13 to 0.1
         Largest error of effort and flow at any instant, relative to their amplitudes at each probe, instead of the
         scene's ``solver.tol``; 1e-6 where there is neither.

@@ -110,7 +110,15 @@ class Display:
         return tl.pictures.plot_lattice(cast("Result", self))
 
     def animate(self, *nodes: str) -> tl.pictures.Animation:
-        """The effort along a path, moving: shown by notebooks, and written by its method ``save``."""
+        """Waves along a path, a to the right and b to the left, and the effort, moving.
+
+        Notebooks play it; its method ``save`` writes it as a page that needs nothing else, or as a GIF.
+
+        Parameters
+        ----------
+        *nodes : str
+            First and last node of the path, and any to be passed; none where all lines form a chain.
+        """
         import tline as tl
 
         result = cast("Result", self)
