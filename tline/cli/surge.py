@@ -40,7 +40,7 @@ def operated_network(command: Command, network: "Scene | str", **given: Any) -> 
     reading |= {"hour": hours(reading["hour"])} if "hour" in reading else {}
     with options_named({"hour": "--at-hour", **{key: f"--{key.replace('_', '-')}" for key in READING[:2]}}):
         scene, read, controls = read_network(network, **reading)
-    with command.named(**{"solver.order": "--order", "solver.tol": "--tol"}):
+    with command.named(**{"solver.order": "--order", "solver.tol": "--tol", "units": "--units"}):
         scene, guesses = plan(scene, operations, controls=controls, progress=sys.stderr.isatty(), **given)
     return scene, (*read, *guesses)
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from tline.errors import InputError
 from tline.scene.held import held_nodes
+from tline.scene.medium import readable
 from tline.scene.outflow import Leak
 from tline.scene.pump import EFFICIENCY, Pump
 from tline.scene.quantity import Quantity
@@ -214,8 +215,9 @@ class _Operated:
         }
         name = max(drawn, key=drawn.__getitem__, default="")
         if flow > drawn.get(name, 0.0) * (1 + ROUNDING):
-            got = f"{1e3 * drawn.get(name, 0.0):.4g} L/s"
-            raise InputError("demand", f"node '{event.name}' draws less", f"at least {1e3 * flow:.4g} L/s", got)
+            unit = readable(self.scene).shown["flow"]
+            least, got = (engineering(x, unit) for x in (flow, drawn.get(name, 0.0)))
+            raise InputError("demand", f"node '{event.name}' draws less", f"at least {least}", got)
         table = self.tables["loads"][name]
         if table["kind"] == "check valve":
             table = {"at": table["at"], "kind": "leak", "flow": table["flow"], "pressure": table["pressure_drop"]}

@@ -113,6 +113,7 @@ def operate(
     inertia: float | str | None = None,
     rated_speed: float | str | None = None,
     rating: float | str | None = None,
+    units: str | None = None,
     at: Texts = (),
     record: Iterable[str] | None = None,
     wave_speed: float | str | None = None,
@@ -158,6 +159,8 @@ def operate(
         Of pumps that trip or start, such as "1450 rpm"; a usual one if not given.
     rating : number or text, optional
         Pressure that the pipes bear, such as "16 bar".
+    units : str, optional
+        In which results are read: "SI", "US", or units such as "US, MGD"; those of the file if not given.
     at : str
         Nodes to probe, instead of those that are operated.
     record : iterable of str, optional
@@ -208,6 +211,7 @@ def operate(
         tol=tol,
         order=order,
         rating=rating,
+        units=units,
         at=at,
         controls=controls,
         progress=progress,
@@ -246,6 +250,7 @@ def plan(
     tol: float | str | None = None,
     order: int | str | None = None,
     rating: float | str | None = None,
+    units: str | None = None,
     at: Texts = (),
     controls: Iterable[WaterControl] = (),
     progress: bool = False,
@@ -253,7 +258,9 @@ def plan(
 ) -> Planned:
     """The scene with operations by kind and controls of a file, and notes on guesses and instants; see `operate`."""
     solver = {"order": order} if order else {"tol": tol or USUAL_TOL}
-    more = {"t_end": t_end, "solver": solver} | ({"rating": rating} if rating else {})
+    more = {"t_end": t_end, "solver": solver} | {
+        key: value for key, value in (("rating", rating), ("units", units)) if value
+    }
     events = [read_event(kind, text) for kind in OPERATIONS for text in _texts(kind, operations.get(kind, ()))]
     wanted = _texts("at", at)
     waiting = [read_control(text) for text in _texts("when", when)]

@@ -5,10 +5,10 @@ from typing import Any
 from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.result import Result
 from tline.surge.worst import Extreme, Worst
+from tline.units import to_si
 from tline.words.aligned import aligned
 
 BAR, NAMED = 1e5, 5  # Pa; nodes in a sentence
-HEAD = ["node", "before [bar]", "highest", "±", "at [s]", "rise", "lowest", "±", "at [s]", "fall [bar]"]
 
 
 def as_dict(result: Result, found: Worst) -> dict[str, Any]:
@@ -31,12 +31,20 @@ def as_text(result: Result, accuracy: Accuracy | None, found: Worst) -> str:
     """Two tables of nodes, the class of pressure, and where water boils."""
     lines = [result.scene.title or "a surge", _accuracy(accuracy)]
     lines.append(f"worst within {result.t[-1]:.4g} s, gauge pressures")
+    unit = result.medium.shown["effort"]
+    size = to_si(f"1 {unit}", "Pa")
+    head = ["node", f"before [{unit}]", "highest", "±", "at [s]", "rise", "lowest", "±", "at [s]", f"fall [{unit}]"]
     for word, rows in (("rise", found.risen), ("fall", found.fallen)):
-        table = [f"largest {word}s", *aligned([HEAD, *map(_cells, rows)], 1)] if rows else [f"nothing {word}s"]
+        table = (
+            [f"largest {word}s", *aligned([head, *(_cells(row, size) for row in rows)], 1)]
+            if rows
+            else [f"nothing {word}s"]
+        )
         lines += ["", *table]
     top = found.highest
-    asks = f"asks for PN {found.needed / BAR:g}" if found.needed else "is above all classes up to PN 100"
-    where = f"{top.highest / BAR:.4g} bar at {top.node} after {top.highest_at:.4g} s"
+    bears = f" ({found.needed / size:.4g} {unit})" * (size != BAR) if found.needed else ""
+    asks = f"asks for PN {found.needed / BAR:g}{bears}" if found.needed else "is above all classes up to PN 100"
+    where = f"{top.highest / size:.4g} {unit} at {top.node} after {top.highest_at:.4g} s"
     named = f", {asks}" if not found.untold else f"; no pressure class is named, for {found.untold}"
     lines += ["", f"the highest pressure, {where}{named}"]
     if found.boiling:
@@ -49,19 +57,23 @@ def as_text(result: Result, accuracy: Accuracy | None, found: Worst) -> str:
     return "\n".join(lines)
 
 
-def _cells(one: Extreme) -> list[str]:
-    """A row: pressures in bar with their errors, and instants."""
-    high, low = (f"{pressure / BAR:.4g}" for pressure in (one.highest, one.lowest))
-    high_error, low_error = (f"{error / BAR:.1g}" for error in (one.highest_error, one.lowest_error))
-    highest = [high, high_error, f"{one.highest_at:.4g}", f"{one.rise / BAR:.4g}"]
+def _cells(one: Extreme, size: float) -> list[str]:
+    """A row: pressures in a unit of this size, Pa, with their errors, and instants."""
+    before, high, rise, low, fall = (
+        f"{x / size:.4g}" for x in (one.before, one.highest, one.rise, one.lowest, one.fall)
+    )
+    high_error, low_error = (f"{error / size:.1g}" for error in (one.highest_error, one.lowest_error))
     return [
         one.node,
-        f"{one.before / BAR:.4g}",
-        *highest,
+        before,
+        high,
+        high_error,
+        f"{one.highest_at:.4g}",
+        rise,
         low,
         low_error,
         f"{one.lowest_at:.4g}",
-        f"{one.fall / BAR:.4g}",
+        fall,
     ]
 
 

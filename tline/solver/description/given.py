@@ -5,7 +5,7 @@ from tline.scene.heights import NO_HEIGHT, Height
 from tline.scene.kind import Bend, LawKind, Volume, kinds_numbered
 from tline.scene.law import ElementLaw, Governor
 from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Probe, Signal
-from tline.scene.medium import MEDIA, Medium
+from tline.scene.medium import Medium, readable
 from tline.scene.multiport import Ports
 from tline.scene.ratio import Ratio
 from tline.scene.scene import Scene
@@ -16,7 +16,6 @@ from tline.scene.switch import Switch
 from tline.scene.touchstone import Touchstone
 
 __all__ = [
-    "MEDIA",
     "NO_HEIGHT",
     "Bend",
     "Constant",
@@ -42,5 +41,6 @@ __all__ = [
     "Touchstone",
     "Volume",
     "kinds_numbered",
+    "readable",
     "stretches_of",
 ]

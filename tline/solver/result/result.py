@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from tline.errors import InputError
 from tline.solver.assembly.fronts import Tally
 from tline.solver.description.circuits import Circuits
-from tline.solver.description.given import MEDIA, NO_HEIGHT, Height, Medium, Scene
+from tline.solver.description.given import NO_HEIGHT, Height, Medium, Scene, readable
 from tline.solver.description.resolution import Resolution
 from tline.solver.ledger.ledger import Ledger
 from tline.solver.loop.slabs import Slabs
@@ -366,4 +366,4 @@ class Result(Display, Export):
     @property
     def medium(self) -> Medium:
         """Words and units of the scene's medium."""
-        return MEDIA[self.scene.medium]
+        return readable(self.scene)
