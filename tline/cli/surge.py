@@ -1,6 +1,7 @@
 """`tline surge`: operate a network without editing a file, and see what is worst."""
 
 import sys
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from tline.cli.from_signature import Command, FileKind, Output, command, picture
@@ -57,6 +58,10 @@ WRITTEN = {
     "profile": FILES["profile"],
     "heads": picture("Pressure and head over time"),
     "envelope": FILES["envelope"],
+    "tables": FileKind(
+        (".csv", ".xlsx", ".geojson"), "Nodes, pipes and states with extremes and coordinates (three CSV files)"
+    ),
+    "states": FILES["states"],
 }
 
 
@@ -89,6 +94,7 @@ def surge(
     from tline.scene.file import scene_text
     from tline.surge.operation import SHOWN, run
     from tline.surge.report import as_dict, as_text
+    from tline.surge.tables import save_tables
     from tline.surge.worst import worst
 
     if path is not None and "profile" not in files:
@@ -98,14 +104,15 @@ def surge(
     if "save" in files:
         write_text(scene_text(scene), files["save"])
     way = _route(scene, path) if "profile" in files else None
-    result = run(scene, recorded(scene, way, "map" in files), sys.stderr.isatty())
+    inner = scene.lines if "tables" in files else recorded(scene, way, "map" in files)
+    result = run(scene, inner, sys.stderr.isatty())
     accuracy, found = judgement(result), worst(result, SHOWN)
     missed = accuracy and accuracy.tol and accuracy.at_slab_ends > accuracy.tol
     wrote = writers(result, way)
     return Output(
         [as_text(result, accuracy, found)],
         lambda: as_dict(result, found),
-        wrote | {"heads": wrote["plot"], "save": lambda _: None},
+        wrote | {"heads": wrote["plot"], "save": lambda _: None, "tables": partial(save_tables, result)},
         (*guesses, *result.notes),
         1 if found.untold or missed else 0,
     )

@@ -5,13 +5,14 @@ from math import inf, pi
 from typing import Annotated, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr, model_validator
 
 from tline.errors import InputError
 from tline.scene.element import Between, pair
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.kind import Bend, LawKind
-from tline.scene.law import ElementLaw, OfLiquids
+from tline.scene.law import ElementLaw, OfLiquids, Shown
 from tline.scene.pump_pieces import PumpPieces, backward, parabola, smooth
 from tline.scene.quantity import Pressure, Quantity, Role
 from tline.scene.shape import Step
@@ -96,6 +97,12 @@ class Pump(Between, OfLiquids):
         default=None, description="while it starts, up to the rated speed; needed with start"
     )
     check_valve: bool = Field(default=False, description="whether a check valve behind it lets nothing back")
+    shows = (
+        Shown("speed", "Hz", lambda pump, y, i: pump.rated_speed * y),
+        Shown("flow", "m^3/s", lambda pump, y, i: i),
+        Shown("torque", "N m", lambda pump, y, i: pump.torque(y, i)),
+        Shown("shaft power", "W", lambda pump, y, i: pump.torque(y, i) * 2 * pi * pump.rated_speed * y),
+    )
     _pieces: tuple[PumpPieces, PumpPieces] = PrivateAttr()
 
     @model_validator(mode="after")
@@ -150,6 +157,14 @@ class Pump(Between, OfLiquids):
             for q in (0.25 * last, 0.5 * last, 0.75 * last, last)
             for a, b, c in [forms[int(np.searchsorted(borders, q))]]
         )
+
+    def torque(self, speed: NDArray, flow: NDArray) -> NDArray:
+        """Torque that the water takes from a pump with inertia, N m, at speeds over the rated one and flows."""
+        found, size = np.zeros_like(speed), np.abs(speed)
+        for pieces, here in zip(self._pieces, (speed >= 0, speed < 0), strict=True):
+            pump = np.array(pieces.torques)[np.sum(flow[:, None] > size[:, None] * pieces.borders, axis=1)].T
+            found = np.where(here, pump[0] * size**2 + pump[1] * size * flow + pump[2] * flow**2, found)
+        return found / (2 * pi * float(self.rated_speed or 1.0))
 
     def law(self) -> ElementLaw:  # noqa: D102
         at = self.start if self.trip is None else self.trip

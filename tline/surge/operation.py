@@ -21,6 +21,7 @@ from tline.surge.event import OPERATIONS, Event, read_event
 from tline.surge.file_controls import acting
 from tline.surge.operate import operated
 from tline.surge.report import as_dict, as_text
+from tline.surge.tables import save_tables
 from tline.surge.worst import Extreme, Worst, extremes, worst
 from tline.words.wording import nearest, shown
 
@@ -82,6 +83,16 @@ class Operation:
         """
         pandas = import_extra("pandas", "pandas", "data", "to_dataframe")
         return pandas.DataFrame(extremes(self.result), columns=Extreme._fields).set_index("node")
+
+    def save_tables(self, path: str | Path) -> None:
+        """Write tables of nodes, pipes and states: ``.csv`` (three files), ``.xlsx`` or ``.geojson``.
+
+        Raises
+        ------
+        InputError
+            Another suffix, or a file cannot be written.
+        """
+        save_tables(self.result, path)
 
     def plot(self) -> "Figure":
         """Draw pressure and flow over time at the probes."""

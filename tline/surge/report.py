@@ -1,14 +1,18 @@
 """The worst of an operated network as text, and as plain data."""
 
+from functools import partial
+from itertools import islice
 from typing import Any
 
 from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.result import Result
+from tline.solver.result.states import StateTrace
 from tline.surge.worst import Extreme, Worst
 from tline.units import to_si
 from tline.words.aligned import aligned
 
 BAR, NAMED = 1e5, 5  # Pa; nodes in a sentence
+STATES, MOST_STATES = ["element", "", "before", "lowest", "at [s]", "highest", "at [s]", "at the end"], 20
 
 
 def as_dict(result: Result, found: Worst) -> dict[str, Any]:
@@ -22,9 +26,17 @@ def as_dict(result: Result, found: Worst) -> dict[str, Any]:
         "highest": found.highest._asdict(),
         "pressure_class": found.needed,
         "no_pressure_class": found.untold or None,
+        "states": [_told(trace) for trace in result.states],
         "unfinished": [extreme.node for extreme in found.unfinished],
         "notes": list(result.notes),
     }
+
+
+def _told(trace: StateTrace) -> dict[str, Any]:
+    """Extremes of a state in SI."""
+    low, low_at, high, high_at = trace.extremes()
+    found = {"element": trace.where, "quantity": trace.word, "unit": trace.unit, "before": float(trace.values[0])}
+    return found | {"lowest": low, "lowest_at": low_at, "highest": high, "highest_at": high_at}
 
 
 def as_text(result: Result, accuracy: Accuracy | None, found: Worst) -> str:
@@ -41,6 +53,14 @@ def as_text(result: Result, accuracy: Accuracy | None, found: Worst) -> str:
             else [f"nothing {word}s"]
         )
         lines += ["", *table]
+    if result.states:
+        lines += [
+            "",
+            "states",
+            *aligned([STATES, *islice(map(partial(_state, result), result.states), MOST_STATES)], 1),
+        ]
+        left = len(result.states) - MOST_STATES
+        lines += [f"and {left} more: --tables or --states writes them"] * (left > 0)
     top = found.highest
     bears = f" ({found.needed / size:.4g} {unit})" * (size != BAR) if found.needed else ""
     asks = f"asks for PN {found.needed / BAR:g}{bears}" if found.needed else "is above all classes up to PN 100"
@@ -55,6 +75,14 @@ def as_text(result: Result, accuracy: Accuracy | None, found: Worst) -> str:
         names = " and ".join(dict.fromkeys(one.node for one in found.unfinished))
         lines.append(f"an extreme lies at the end of the run, at {names}: run longer")
     return "\n".join(lines)
+
+
+def _state(result: Result, trace: StateTrace) -> list[str]:
+    """A row: what an element shows, in the units of people."""
+    size, unit = trace.read_in(result.medium)
+    low, low_at, high, high_at = trace.extremes()
+    numbers = trace.values[0] / size, low / size, low_at, high / size, high_at, trace.values[-1] / size
+    return [trace.name, unit, *(f"{float(x):.4g}" for x in numbers)]
 
 
 def _cells(one: Extreme, size: float) -> list[str]:

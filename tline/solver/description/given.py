@@ -3,7 +3,7 @@
 from tline.scene.coupled import End
 from tline.scene.heights import NO_HEIGHT, Height
 from tline.scene.kind import Bend, LawKind, Volume, kinds_numbered
-from tline.scene.law import ElementLaw, Governor
+from tline.scene.law import OPENING, ElementLaw, Governor
 from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Probe, Signal
 from tline.scene.medium import Medium, readable
 from tline.scene.multiport import Ports
@@ -17,6 +17,7 @@ from tline.scene.touchstone import Touchstone
 
 __all__ = [
     "NO_HEIGHT",
+    "OPENING",
     "Bend",
     "Constant",
     "ElementLaw",

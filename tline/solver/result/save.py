@@ -89,6 +89,28 @@ def save_envelope(result: Result, path: str | Path) -> None:
     write_table(path, head, zip(envelope.nodes, *(column.tolist() for column in columns), strict=True))
 
 
+def save_states(result: Result, path: str | Path) -> None:
+    """Write over time what elements with states show, a column each.
+
+    Parameters
+    ----------
+    result : Result
+    path : str or Path
+        A CSV file.
+
+    Raises
+    ------
+    InputError
+        The scene has none, or the file cannot be written.
+    """
+    if not result.states:
+        raise InputError(str(path), "nothing has a state", "a pump that trips, a vessel, a tank, a cavity, a valve")
+    units = [trace.read_in(result.medium, written=True) for trace in result.states]
+    head = [f"{trace.name} [{unit or '1'}]" for trace, (_, unit) in zip(result.states, units, strict=True)]
+    columns = [trace.values / size for trace, (size, _) in zip(result.states, units, strict=True)]
+    write_table(path, ["time [s]", *head], np.stack([result.states[0].t, *columns], axis=1).tolist())
+
+
 def save_ledger(result: Result, path: str | Path) -> None:
     """Write what every line and element gave, took and stored as a table, J and in full precision.
 
