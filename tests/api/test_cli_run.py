@@ -269,7 +269,6 @@ def test_help_teaches_with_examples_whose_options_exist() -> None:
         "--order",
         "--path",
         "--slab",
-        "--states",
         "--tol",
         "--units",
         *(f"--{k.replace('_', '-')}" for k in FILES),

@@ -72,6 +72,7 @@ def surge(
     t_end: str = "60 s",
     at: str | None = None,
     path: str | None = None,
+    cavities: bool = True,
     files: dict[str, str],
     **given: Any,
 ) -> Output:
@@ -89,10 +90,12 @@ def surge(
         Nodes that --heads shows, instead of those operated.
     path : FROM,…,TO
         Path of --profile.
+    cavities
+        Follow columns that separate, with cavities where water boils, or (--no-cavities) name no class there.
     """
     from tline.cli.report import judgement
     from tline.scene.file import scene_text
-    from tline.surge.operation import SHOWN, run
+    from tline.surge.operation import SHOWN, run_separated
     from tline.surge.report import as_dict, as_text
     from tline.surge.tables import save_tables
     from tline.surge.worst import worst
@@ -105,15 +108,17 @@ def surge(
         write_text(scene_text(scene), files["save"])
     way = _route(scene, path) if "profile" in files else None
     inner = scene.lines if "tables" in files else recorded(scene, way, "map" in files)
-    result = run(scene, inner, sys.stderr.isatty())
-    accuracy, found = judgement(result), worst(result, SHOWN)
+    result, columns, told = run_separated(scene, inner, sys.stderr.isatty(), cavities)
+    if "save" in files and columns:
+        write_text(scene_text(result.scene), files["save"])
+    accuracy, found = judgement(result), worst(result, SHOWN, columns.spread if columns else 0.0)
     missed = accuracy and accuracy.tol and accuracy.at_slab_ends > accuracy.tol
     wrote = writers(result, way)
     return Output(
-        [as_text(result, accuracy, found)],
-        lambda: as_dict(result, found),
+        [as_text(result, accuracy, found, columns)],
+        lambda: as_dict(result, found, columns),
         wrote | {"heads": wrote["plot"], "save": lambda _: None, "tables": partial(save_tables, result)},
-        (*guesses, *result.notes),
+        (*guesses, *told, *result.notes),
         1 if found.untold or missed else 0,
     )
 

@@ -16,6 +16,7 @@ from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning, simulate
+from tline.surge.columns import Columns, separated
 from tline.surge.control import read_control, triggered
 from tline.surge.event import OPERATIONS, Event, read_event
 from tline.surge.file_controls import acting
@@ -46,13 +47,17 @@ class Operation:
         With an envelope; its probes are at the nodes that were operated, or those asked for.
     guesses : tuple of str
         What was left out of the file, and taken where nothing was given.
+    columns : Columns or None
+        What columns did that separated, where cavities were laid; None if nothing boiled.
     """
 
     result: Result
     guesses: tuple[str, ...]
+    columns: Columns | None = None
 
     def __repr__(self) -> str:
-        return "\n".join([as_text(self.result, self.result.accuracy, self.worst), *(f"note: {n}" for n in self.notes)])
+        text = as_text(self.result, self.result.accuracy, self.worst, self.columns)
+        return "\n".join([text, *(f"note: {n}" for n in self.notes)])
 
     @property
     def scene(self) -> Scene:
@@ -62,7 +67,7 @@ class Operation:
     @cached_property
     def worst(self) -> Worst:
         """The nodes with the largest rise and fall, where water boils, and the pressure class that is needed."""
-        return worst(self.result, SHOWN)
+        return worst(self.result, SHOWN, self.columns.spread if self.columns else 0.0)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -71,7 +76,7 @@ class Operation:
 
     def to_dict(self) -> dict[str, Any]:
         """The worst nodes as plain data in SI, as ``tline surge --json`` prints them."""
-        return as_dict(self.result, self.worst)
+        return as_dict(self.result, self.worst, self.columns)
 
     def to_dataframe(self) -> "DataFrame":
         """Gauge pressures before the run and at their extremes, Pa, with instants, s, and errors, by node.
@@ -127,6 +132,7 @@ def operate(
     units: str | None = None,
     at: Texts = (),
     record: Iterable[str] | None = None,
+    cavities: bool = True,
     wave_speed: float | str | None = None,
     material: str | None = None,
     hour: float | None = None,
@@ -176,6 +182,8 @@ def operate(
         Nodes to probe, instead of those that are operated.
     record : iterable of str, optional
         Lines of whose inside maps and profiles are drawn; all of a network of at most 300 lines if not given.
+    cavities : bool
+        Where water boils, run again with cavities of vapour there and along the pipes beside, at two numbers of places.
     wave_speed, material, hour, moving_tanks
         Of an .inp file, as of `tline.interchange.read_inp`.
     progress : bool
@@ -229,7 +237,8 @@ def operate(
         **rotor,
     )
     lines = record if record is not None else planned.lines if len(planned.lines) <= SMALL else ()
-    return Operation(run(planned, lines, progress), (*read, *guesses))
+    result, columns, told = run_separated(planned, lines, progress, cavities)
+    return Operation(result, (*read, *guesses, *told), columns)
 
 
 def read_network(
@@ -297,6 +306,14 @@ def run(scene: Scene, record: Iterable[str], progress: bool) -> Result:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnresolvedWarning)
         return simulate(scene, record=record, envelope=True, ledger=False, progress=progress)
+
+
+def run_separated(
+    scene: Scene, record: Iterable[str], progress: bool, cavities: bool
+) -> tuple[Result, Columns | None, tuple[str, ...]]:
+    """The same, with cavities where columns separate, if so wanted; see `separated`."""
+    first = run(scene, record, progress)
+    return separated(first, lambda laid: run(laid, record, progress)) if cavities else (first, None, ())
 
 
 def _texts(where: str, given: Texts) -> tuple[str, ...]:
