@@ -47,6 +47,22 @@ def test_a_pump_that_runs_down_obeys_newtons_law():
     np.testing.assert_allclose(flows, lost, atol=1e-3 * flows.max())
 
 
+def test_a_pump_whose_power_returns_obeys_it_too():
+    inertia, rated, motor = 1.0, 24.0, 900.0
+    pump = {
+        "kind": "pump", "nodes": ["lake", "out"], "curve": [[0, 6e5], [0.1, 4e5]], "trip": "0.2 s", "start": "0.8 s",
+        "inertia": inertia, "rated_speed": rated, "motor_torque": motor,
+    }  # fmt: skip
+    result = run({"pump": pump}, LAKE | HIGH, t_end="1 s")
+    seen, t = states(result), result.t
+    assert seen["speed"][-1] > seen["speed"].min() + 0.5
+    for begin, end, torque in ((0.2, 0.8, 0.0), (0.8, 1.0, motor)):
+        part = (t > begin - 1e-9) & (t < end + 1e-9) & (seen["speed"] < 0.99 * rated)  # which its motor holds then
+        net = cumulative_simpson(torque - seen["torque"][part], x=t[part], initial=0) / (2 * pi * inertia)
+        assert np.abs(net).max() > 0.5
+        np.testing.assert_allclose(seen["speed"][part] - seen["speed"][part][0], net, atol=2e-3 * np.abs(net).max())
+
+
 def test_gas_has_the_volume_that_its_pressure_and_what_flowed_in_ask_for():
     vessel = {"at": "far", "kind": "air vessel", "gas_pressure": "4 bar", "gas_volume": "0.3 m^3", "exponent": 1.3}
     feed = {"at": "out", "kind": "flow", "value": {"shape": "sine", "amplitude": 0.02, "frequency": "0.4 Hz"}}

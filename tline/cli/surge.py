@@ -73,6 +73,7 @@ def surge(
     at: str | None = None,
     path: str | None = None,
     cavities: bool = True,
+    until_settled: bool = False,
     files: dict[str, str],
     **given: Any,
 ) -> Output:
@@ -90,6 +91,8 @@ def surge(
         Nodes that --heads shows, instead of those operated.
     path : FROM,…,TO
         Path of --profile.
+    until_settled
+        Run up to eight times as long, until neither extreme comes at the end of the run.
     cavities
         Follow columns that separate, with cavities where water boils, or (--no-cavities) name no class there.
     """
@@ -108,7 +111,7 @@ def surge(
         write_text(scene_text(scene), files["save"])
     way = _route(scene, path) if "profile" in files else None
     inner = scene.lines if "tables" in files else recorded(scene, way, "map" in files)
-    result, columns, told = run_separated(scene, inner, sys.stderr.isatty(), cavities)
+    result, columns, told = run_separated(scene, inner, sys.stderr.isatty(), cavities, until_settled)
     if "save" in files and columns:
         write_text(scene_text(result.scene), files["save"])
     accuracy, found = judgement(result), worst(result, SHOWN, columns.spread if columns else 0.0)

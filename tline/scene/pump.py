@@ -13,9 +13,9 @@ from tline.scene.element import Between, pair
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.kind import Bend, LawKind
 from tline.scene.law import ElementLaw, OfLiquids, Shown
+from tline.scene.points import PiecewiseLinear
 from tline.scene.pump_pieces import PumpPieces, backward, parabola, smooth
 from tline.scene.quantity import Pressure, Quantity, Role
-from tline.scene.shape import Step
 from tline.scene.suter import in_four_quadrants
 from tline.words.wording import shown
 
@@ -92,7 +92,9 @@ class Pump(Between, OfLiquids):
     rated_speed: Annotated[Quantity, Role("frequency", "Hz", above=0)] | None = Field(
         default=None, description="turns per second; needed with trip and start"
     )
-    start: Instant | None = Field(default=None, description="when its motor starts it, from rest")
+    start: Instant | None = Field(
+        default=None, description="when its motor starts it, from rest; or again after a trip, as the power returns"
+    )
     motor_torque: Annotated[Quantity, Role("torque", "N m", above=0)] | None = Field(
         default=None, description="while it starts, up to the rated speed; needed with start"
     )
@@ -109,8 +111,8 @@ class Pump(Between, OfLiquids):
     def _runs(self):
         self._pieces = self._of_curve()
         moved = [key for key in ("trip", "start") if getattr(self, key) is not None]
-        if len(moved) > 1:
-            raise InputError("start", "cannot be beside a trip", "one of both")
+        if self.trip is not None and self.start is not None and self.start <= self.trip:
+            raise InputError("start", "is not after the trip", f"later than {self.trip:g} s", f"{self.start:g} s")
         needed = {"inertia": self.inertia, "rated_speed": self.rated_speed}
         missing = [key for key, value in needed.items() if value is None]
         if moved and missing:
@@ -167,13 +169,13 @@ class Pump(Between, OfLiquids):
         return found / (2 * pi * float(self.rated_speed or 1.0))
 
     def law(self) -> ElementLaw:  # noqa: D102
-        at = self.start if self.trip is None else self.trip
-        if at is None or self.inertia is None or self.rated_speed is None:
+        turned = [(at, on) for at, on in ((self.trip, 0.0), (self.start, 1.0)) if at is not None]
+        if not turned or self.inertia is None or self.rated_speed is None:
             return ElementLaw("pump", self._constants(), self.speed)
         turns = 2 * pi * float(self.rated_speed)
-        running = {"from": 1, "to": 0} if self.start is None else {"from": 0, "to": 1}
+        points = [(float(at), level) for at, on in turned for level in (1.0 - on, on)]
         constants = self._constants(self.inertia * turns**2, float(self.motor_torque or 0.0) * turns)
-        return ElementLaw("rotor", constants, Step.model_validate(running | {"at": at}))
+        return ElementLaw("rotor", constants, PiecewiseLinear.model_validate({"points": points}))
 
     def _constants(self, energy: float = 0.0, motor: float = 0.0) -> tuple[float, ...]:
         """Those of the law; twice the energy at rated speed, J, and the power of the motor's torque there, W."""

@@ -90,10 +90,18 @@ class _Operated:
     def start(self, event: Event) -> None:
         """Let a pump that stands run up: with its motor's torque, or in the time that is given."""
         pump = self._link(event, Pump, "a pump")
-        self._once(event)
         table = self.tables["links"][event.name]
-        if just_before(pump.speed) or pump.trip is not None:
-            raise InputError("start", f"pump '{event.name}' runs already", "a pump of speed 0")
+        returns = "trip" in table and "start" not in table
+        if not returns:
+            self._once(event)
+        if not returns and just_before(pump.speed):
+            raise InputError(
+                "start", f"pump '{event.name}' runs already", "a pump of speed 0, or one that trips before"
+            )
+        if returns and event.duration:
+            raise InputError(
+                "start", "power returns to a motor at once", f"{event.name}@TIME", f"+{event.duration:g} s"
+            )
         if event.duration:
             table["speed"] = event.control(0.0, 1.0)
             return

@@ -20,6 +20,7 @@ from tline.surge.columns import Columns, separated
 from tline.surge.control import read_control, triggered
 from tline.surge.event import OPERATIONS, Event, read_event
 from tline.surge.file_controls import acting
+from tline.surge.group import each_of
 from tline.surge.operate import operated
 from tline.surge.report import as_dict, as_text
 from tline.surge.tables import save_tables
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 SHOWN, USUAL_TOL = 5, 1e-2  # nodes in tables; of a scene that states none
+LONGEST = 8  # times the end time that was asked for, until extremes lie no more at the end of a run
 SMALL = 300  # lines of a network all of which are recorded
 
 Texts = str | Iterable[str]
@@ -133,6 +135,7 @@ def operate(
     at: Texts = (),
     record: Iterable[str] | None = None,
     cavities: bool = True,
+    until_settled: bool = False,
     wave_speed: float | str | None = None,
     material: str | None = None,
     hour: float | None = None,
@@ -148,9 +151,9 @@ def operate(
     network : Scene, path or dict
         A hydraulic scene that starts in the steady state, or the path of one (.toml) or of a network of EPANET (.inp).
     trip : str, "PUMP@TIME"
-        Pumps whose motors fail, and that run down.
+        Pumps whose motors fail, and that run down; "*@TIME" all that run, "P1,P2@TIME" or "north*@TIME" a group.
     start : str, "PUMP@TIME"
-        Pumps that stand, and that their motors start; +DURATION does so evenly.
+        Pumps that stand, and that their motors start; +DURATION does so evenly. After a trip the power returns.
     stop : str, "PUMP@TIME+DURATION"
         Pumps whose speed falls to nothing, linearly.
     close : str, "LINK@TIME+DURATION"
@@ -184,6 +187,8 @@ def operate(
         Lines of whose inside maps and profiles are drawn; all of a network of at most 300 lines if not given.
     cavities : bool
         Where water boils, run again with cavities of vapour there and along the pipes beside, at two numbers of places.
+    until_settled : bool
+        Run up to eight times as long, until neither the highest nor the lowest pressure comes at the end of the run.
     wave_speed, material, hour, moving_tanks
         Of an .inp file, as of `tline.interchange.read_inp`.
     progress : bool
@@ -237,7 +242,7 @@ def operate(
         **rotor,
     )
     lines = record if record is not None else planned.lines if len(planned.lines) <= SMALL else ()
-    result, columns, told = run_separated(planned, lines, progress, cavities)
+    result, columns, told = run_separated(planned, lines, progress, cavities, until_settled)
     return Operation(result, (*read, *guesses, *told), columns)
 
 
@@ -284,6 +289,8 @@ def plan(
     events = [read_event(kind, text) for kind in OPERATIONS for text in _texts(kind, operations.get(kind, ()))]
     wanted = _texts("at", at)
     waiting = [read_control(text) for text in _texts("when", when)]
+    tripped = {one.name for event in events if event.kind == "trip" for one in each_of(scene, event)}
+    events = [one for event in events for one in each_of(scene, event, tripped)]
     taken = {event.name for event in (*events, *(one.event for one in waiting))}
     begun, waits, notes = acting(scene, controls, taken, Quantity(t_end, "s", "t_end"))
     events, waiting = [*events, *begun], [*waiting, *waits]
@@ -309,11 +316,17 @@ def run(scene: Scene, record: Iterable[str], progress: bool) -> Result:
 
 
 def run_separated(
-    scene: Scene, record: Iterable[str], progress: bool, cavities: bool
+    scene: Scene, record: Iterable[str], progress: bool, cavities: bool, until_settled: bool = False
 ) -> tuple[Result, Columns | None, tuple[str, ...]]:
-    """The same, with cavities where columns separate, if so wanted; see `separated`."""
+    """The same, with cavities where columns separate, and until the extremes are none of its end, if so wanted."""
     first = run(scene, record, progress)
-    return separated(first, lambda laid: run(laid, record, progress)) if cavities else (first, None, ())
+    found = separated(first, lambda laid: run(laid, record, progress)) if cavities else (first, None, ())
+    longer, most = 2 * float(scene.t_end), LONGEST * float(scene.t_end)
+    while until_settled and worst(found[0]).unfinished and longer <= most:
+        *found, notes = run_separated(scene.with_changes(t_end=longer), record, progress, cavities)
+        found = *found, (*notes, f"extremes lay at the end of the run: it was made again, up to {longer:g} s")
+        longer *= 2
+    return found
 
 
 def _texts(where: str, given: Texts) -> tuple[str, ...]:
