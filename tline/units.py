@@ -27,9 +27,12 @@ NONE = (0, 0, 0, 0, 0)
 ANGLES, CYCLES = {"rad", "deg", "°"}, {"Hz", "rpm"}
 TURN = 2 * Fraction(math.pi)
 LONGEST, LARGEST_POWER, LARGEST_BITS = 200, 12, 4000  # a text beyond these is no quantity
-CELSIUS, CELSIUS_ZERO = {"degC", "°C", "℃"}, Fraction("273.15")
+CELSIUS, FAHRENHEIT = (Fraction(1), Fraction("273.15")), (Fraction(5, 9), Fraction("459.67") * 5 / 9)
+# size and zero in kelvin
+DEGREES = {"degC": CELSIUS, "°C": CELSIUS, "℃": CELSIUS, "degF": FAHRENHEIT, "°F": FAHRENHEIT, "℉": FAHRENHEIT}
 PREFIXES = {"f": -15, "p": -12, "n": -9, "u": -6, "µ": -6, "m": -3, "c": -2, "d": -1}
 PREFIXES |= {"k": 3, "M": 6, "G": 9, "T": 12}
+POUND, STANDARD_GRAVITY = Fraction("0.45359237"), Fraction("9.80665")
 
 # symbol -> value in SI, dimension
 PREFIXABLE: dict[str, Factor] = {
@@ -57,24 +60,24 @@ PREFIXABLE: dict[str, Factor] = {
     "l": (Fraction(1, 1000), (0, 3, 0, 0, 0)),
 }
 PLAIN: dict[str, Factor] = {
-    "litre": (Fraction(1, 1000), (0, 3, 0, 0, 0)),
-    "liter": (Fraction(1, 1000), (0, 3, 0, 0, 0)),
     "in": (Fraction("0.0254"), (0, 1, 0, 0, 0)),
-    "inch": (Fraction("0.0254"), (0, 1, 0, 0, 0)),
     "ft": (Fraction("0.3048"), (0, 1, 0, 0, 0)),
     "mil": (Fraction("0.0000254"), (0, 1, 0, 0, 0)),
     "yd": (Fraction("0.9144"), (0, 1, 0, 0, 0)),
     "mi": (Fraction("1609.344"), (0, 1, 0, 0, 0)),
-    "mile": (Fraction("1609.344"), (0, 1, 0, 0, 0)),
     "min": (Fraction(60), (0, 0, 1, 0, 0)),
     "h": (Fraction(3600), (0, 0, 1, 0, 0)),
-    "hour": (Fraction(3600), (0, 0, 1, 0, 0)),
     "d": (Fraction(86_400), (0, 0, 1, 0, 0)),
-    "day": (Fraction(86_400), (0, 0, 1, 0, 0)),
     "atm": (Fraction(101_325), (1, -1, -2, 0, 0)),
     "hPa": (Fraction(100), (1, -1, -2, 0, 0)),  # the prefix h alone would make hbar, which is another thing
-    "psi": (Fraction("0.45359237") * Fraction("9.80665") / Fraction("0.0254") ** 2, (1, -1, -2, 0, 0)),
+    "psi": (POUND * STANDARD_GRAVITY / Fraction("0.0254") ** 2, (1, -1, -2, 0, 0)),
     "mH2O": (Fraction("9806.65"), (1, -1, -2, 0, 0)),
+    "gal": (231 * Fraction("0.0254") ** 3, (0, 3, 0, 0, 0)),
+    "lb": (POUND, (1, 0, 0, 0, 0)),
+    "lbf": (POUND * STANDARD_GRAVITY, (1, 1, -2, 0, 0)),
+    "fps": (Fraction("0.3048"), (0, 1, -1, 0, 0)),
+    "mph": (Fraction("0.44704"), (0, 1, -1, 0, 0)),
+    "hp": (550 * Fraction("0.3048") * POUND * STANDARD_GRAVITY, (1, 2, -3, 0, 0)),
     "rpm": (Fraction(1, 60), (0, 0, -1, 0, 0)),
     "cP": (Fraction(1, 1000), (1, -1, -1, 0, 0)),
     "cSt": (Fraction(1, 1_000_000), (0, 2, -1, 0, 0)),
@@ -83,6 +86,18 @@ PLAIN: dict[str, Factor] = {
     "%": (Fraction(1, 100), NONE),
     "1": (Fraction(1), NONE),
 }
+# other spellings, in any case: flows as EPANET names them, and words, which may have a prefix and a plural
+SPELLED = {
+    "gpm": "gal/min", "mgd": "1e6 gal/d", "imgd": "4546090 L/d", "afd": "43560 ft^3/d", "cfs": "ft^3/s", "lps": "L/s",
+    "lpm": "L/min", "mld": "ML/d", "cms": "m^3/s", "cmh": "m^3/h", "cmd": "m^3/d", "psig": "psi", "psf": "lbf/ft^2",
+    "lbm": "lb", "sec": "s", "hr": "h", "foot": "ft", "feet": "ft", "inch": "in", "inche": "in", "yard": "yd",
+    "mile": "mi", "gallon": "gal", "pound": "lb", "metre": "m", "meter": "m", "gram": "g", "second": "s",
+    "minute": "min", "hour": "h", "day": "d", "litre": "L", "liter": "L", "pascal": "Pa", "bar": "bar", "newton": "N",
+    "watt": "W", "joule": "J", "hertz": "Hz", "volt": "V", "amp": "A", "ampere": "A", "farad": "F", "henry": "H",
+    "ohm": "ohm", "kelvin": "K", "percent": "%", "degree": "deg", "radian": "rad", "horsepower": "hp",
+}  # fmt: skip
+PREFIX_WORDS = {"pico": "p", "nano": "n", "micro": "u", "milli": "m", "centi": "c", "deci": "d", "kilo": "k"}
+PREFIX_WORDS |= {"mega": "M", "giga": "G"}
 
 _NUMBER = re.compile(r"[+-]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?|inf\b|nan\b)", re.IGNORECASE)
 _GROUP = re.compile(r"\(([^()]*)\)")
@@ -183,8 +198,11 @@ def _text_to_si(text: str, unit: str | None) -> float:
     if not number:
         raise InputError("", "there is no number in front", _expected(unit), _shown(text))
     units = clean[number.end() :].strip()
-    celsius = units in CELSIUS
-    scale, (*dimension, angles, cycles) = _parse("K" if celsius else units)
+    degree, zero = DEGREES.get(units, (1, 0))
+    try:
+        scale, (*dimension, angles, cycles) = _parse("K" if zero else units)
+    except UnknownUnit as error:
+        raise InputError("", error.problem, _suggestion(error.name, units, unit), error.got) from None
     *wanted, per_angle, per_cycle = _parse(unit or "")[1]
     if units and unit is not None and dimension != wanted:
         raise InputError("", _mistaken(units, unit), _expected(unit), _shown(text))
@@ -195,8 +213,7 @@ def _text_to_si(text: str, unit: str | None) -> float:
     turns = -angles if per_cycle and not cycles else cycles if per_angle and not angles else 0
     if abs(turns) > LARGEST_POWER:
         raise _too_large(units)
-    scale *= TURN**turns
-    return _nearest_float(exact * scale + (CELSIUS_ZERO if celsius else 0))
+    return _nearest_float(exact * scale * degree * TURN**turns + zero)
 
 
 @lru_cache(256)
@@ -234,17 +251,41 @@ def _too_large(unit: str) -> InputError:
     return InputError("", "a power in the unit is too large", f"at most {LARGEST_POWER}", _shown(unit))
 
 
+class UnknownUnit(InputError):
+    """A name that is no unit; whoever knows what is expected says what it may have meant."""
+
+    def __init__(self, name: str):
+        super().__init__("", f"unknown unit {_shown(name)}", got=_shown(name))
+        self.name = name
+
+
 def _unit(name: str) -> Factor:
     if found := PREFIXABLE.get(name) or PLAIN.get(name):
         return found[0], (*found[1], int(name in ANGLES), int(name in CYCLES))
     if name[0] in PREFIXES and name[1:] in PREFIXABLE:
         value, dimension = _unit(name[1:])
         return value * Fraction(10) ** PREFIXES[name[0]], dimension
-    raise InputError("", f"unknown unit {_shown(name)}", _suggestion(name))
+    if meant := _spelled_out(name):
+        count = _NUMBER.match(meant)
+        value, dimension = _parse(meant[count.end() :] if count else meant)
+        return value * Fraction(count[0] if count else 1), dimension
+    raise UnknownUnit(name)
 
 
-# what is said when a unit is unknown or of the wrong kind
-WORDS = {"metre": ["m"], "meter": ["m"], "second": ["s"], "pascal": ["Pa"], "percent": ["%"]}
+def _spelled_out(name: str) -> str:
+    """What another spelling stands for, such as a word or "m3" for "m^3"; nothing if it is none."""
+    letters, lower = name.rstrip("234"), name.lower()
+    if len(name) == len(letters) + 1 and letters not in DEGREES:
+        return f"{letters}^{name[-1]}"
+    lower = lower if lower in SPELLED else lower.removesuffix("s")
+    if lower in SPELLED:
+        return SPELLED[lower]
+    prefix = next((word for word in PREFIX_WORDS if lower.startswith(word)), "")
+    symbol = SPELLED.get(lower.removeprefix(prefix), "") if prefix else ""
+    return PREFIX_WORDS[prefix] + symbol if symbol in PREFIXABLE else ""
+
+
+# what a unit measures, in messages
 KINDS = {
     "m": "a length", "m^2": "an area", "m^3": "a volume", "s": "a time", "Hz": "a frequency",
     "m/s": "a speed", "kg": "a mass", "kg/m^3": "a density", "Pa": "a pressure", "m^3/s": "a volume flow",
@@ -255,19 +296,24 @@ KINDS = {
 }  # fmt: skip
 
 
-def _suggestion(name: str) -> str:
-    """What an unknown unit may have meant: kelvin, a power, another case, or the nearest symbols."""
+def _suggestion(name: str, units: str, wanted: str | None) -> str:
+    """What an unknown unit may have meant: kelvin, another case, or the nearest symbols, of the right dimension."""
     from difflib import get_close_matches
 
-    known = [*PREFIXABLE, *PLAIN, *(prefix + unit for unit in PREFIXABLE for prefix in PREFIXES)]
-    letters, lower = name.rstrip("0123456789"), name.lower()
-    if name in CELSIUS:
-        return "'K' inside a product ('degC' is an absolute temperature)"
-    if letters in known:
-        return f"'{letters}^{name[len(letters) :]}'"
-    near = [unit for unit in known if unit.lower() == lower] or WORDS.get(lower.rstrip("s"))
-    near = near or get_close_matches(name, known, n=2) or ["m", "bar", "Pa s/m^3"]
-    return " or ".join(f"'{unit}'" for unit in near)
+    known = [*PREFIXABLE, *PLAIN, *(prefix + unit for unit in PREFIXABLE for prefix in PREFIXES), *SPELLED]
+    if name in DEGREES:
+        return "'K' inside a product ('degC' and 'degF' are absolute temperatures)"
+    near = [unit for unit in known if unit.lower() == name.lower()] or get_close_matches(name, known, n=9)
+    fits = [unit for unit in dict.fromkeys(near) if wanted is None or _fits(units.replace(name, unit), wanted)]
+    return " or ".join(f"'{unit}'" for unit in fits[:2]) or _expected(wanted)
+
+
+def _fits(units: str, wanted: str) -> bool:
+    """Whether a unit has the dimension that is wanted."""
+    try:
+        return _parse(units)[1][:5] == _parse(wanted)[1][:5]
+    except InputError:
+        return False
 
 
 def _mistaken(given: str, expected: str) -> str:

@@ -245,7 +245,7 @@ kind = "impedance" => : its Z(s) is not given once, expected either expression, 
 ~ expression = "R" | parameters = {R = 1, Q = 1} => .parameters.Q: not in the expression, expected values for R
 ~ expression = "R" | parameters = {R = nan} => .parameters.R: not a finite number
 ~ expression = "R" | parameters = {R = true} => .parameters.R: not a number
-~ expression = "R" | parameters = {R = "3 ohms"} => .parameters.R: unknown unit 'ohms'
+~ expression = "R" | parameters = {R = "3 ohx"} => .parameters.R: unknown unit 'ohx'
 ~ expression = "R" | parameters = 5 => .parameters: not a table, expected keys with values, got 5
 ~ expression = "short" | parameters = {short = nan} => .parameters.short: not a finite number
 """

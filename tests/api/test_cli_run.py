@@ -271,12 +271,13 @@ def test_help_teaches_with_examples_whose_options_exist() -> None:
         "--active",
         "--at",
         "--confined",
-        "--tol",
-        "--order",
-        "--slab",
-        "--path",
-        "--ledger",
         "--json",
+        "--ledger",
+        "--order",
+        "--path",
+        "--slab",
+        "--tol",
+        "--units",
         *(f"--{k.replace('_', '-')}" for k in FILES),
     }
     assert {f"--{kind.replace('_', '-')}" for kind in ALONG} <= options

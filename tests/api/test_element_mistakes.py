@@ -85,7 +85,7 @@ def test_a_load(load, message):
         ),
         (
             {"kind": "pump", "curve": [[0.02, 3e5]], "inertia": 1, "rated_speed": 1, "start": 1, "trip": 2},
-            "links.x.start: cannot be beside a trip",
+            "links.x.start: is not after the trip",
         ),
         ({"kind": "pump", "curve": [[0.02, 3e5]], "speed": -1}, "links.x.speed: out of range, expected zero or more"),
         ({"kind": "orifice", "kv": 1, "nodes": ["end", "end"]}, "links.x.nodes: both ends are at one node"),

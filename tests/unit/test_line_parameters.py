@@ -259,7 +259,7 @@ HYDRAULIC_MISTAKES = [
     ({"radius": "nan"}, "radius: not a finite number"),
     ({"radius": math.inf}, "radius: not a finite number"),
     ({"radius": "1 kg"}, "radius: this unit measures something else, expected a length such as '1 m', got"),
-    ({"wave_speed": "1500 m/sec"}, "wave_speed: unknown unit 'sec'"),
+    ({"wave_speed": "1500 m/sek"}, "wave_speed: unknown unit 'sek'"),
     (
         {"wave_speed": 1500, "density": 980, "bulk_modulus": 2e9, "radius": 1},
         "wave_speed, density and bulk_modulus clash: density*wave_speed^2 gives 2.205e+09 Pa but bulk_modulus "

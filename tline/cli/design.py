@@ -31,7 +31,6 @@ FILES = {
     "plot": picture("Extremes over the size"),
     "csv": table("The same as a table, SI"),
 }
-BAR = 1e5  # Pa
 
 
 @click.group("design", epilog=EXAMPLES)
@@ -151,7 +150,7 @@ def _text(found: "Sizing") -> Iterator[str]:
     from tline.words.aligned import aligned
 
     limits, trial = found.limits, found.found
-    per, unit = (BAR, "bar") if limits.per_metre is None else (limits.per_metre, "m")
+    per, unit = limits.unit
     name, size = found.searched
     head = [name, f"lowest [{unit}]", f"highest [{unit}]", f"margin [{unit}]"]
     rows = [

@@ -35,6 +35,7 @@ WORDS = {  # metavariables by name of the argument
     "FROM,…,TO": "path",
     "BITS": "bits",
     "FILE": "output",
+    "SI|US|UNIT,…": "units",
     "FILE.csv": "material",
     "HOURS": "hour",
     "KIND[:COUNT]": "sample",

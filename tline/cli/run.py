@@ -3,7 +3,7 @@
 import sys
 import warnings
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tline.cli.from_signature import Output, command
 from tline.cli.result_files import ALONG, ENVELOPES, FILES, recorded, writers
@@ -39,6 +39,7 @@ def run(
     slab: str | None = None,
     at: str | None = None,
     path: str | None = None,
+    units: str | None = None,
     ledger: bool | None = None,
     active: bool = False,
     confined: bool = False,
@@ -64,6 +65,8 @@ def run(
         Instants of table, arrays, plot and --json, as '0:1 us:1001'.
     path : FROM,…,TO
         Path of --profile, --space-time, --plot-waves, --animate: ends, any passed.
+    units
+        In which results are read: 'SI', 'US', or units such as 'US, MGD'; the scene's if not given.
     ledger
         Show energy by element: supplied, dissipated, stored, and what is off; or do not keep it.
     """
@@ -71,8 +74,8 @@ def run(
         raise InputError("--ledger-csv", "there is no ledger to write", "no --no-ledger beside it")
     shown = ledger or "ledger_csv" in files
     solver = {key: value for key, value in (("tol", tol), ("order", order), ("slab", slab)) if value is not None}
-    with run.named(**{f"solver.{key}": f"--{key}" for key in solver}):
-        read = _read(scene, solver, confined)
+    with run.named(units="--units", **{f"solver.{key}": f"--{key}" for key in solver}):
+        read = _read(scene, {"solver": solver, "units": units}, confined)
         times = _instants(at, read)
         way = _route(read, path, files)
         result = _simulate(read, way, active, shown or ledger, files)
@@ -107,11 +110,14 @@ def _advice(result: "Result", accuracy: "Accuracy | None") -> Iterator[str]:
         )
 
 
-def _read(scene: str, given: dict[str, str], confined: bool) -> "Scene":
+def _read(scene: str, given: dict[str, Any], confined: bool) -> "Scene":
     from tline.scene.file import read_scene
 
     read = read_scene(scene, progress=sys.stderr.isatty(), confined=confined)
-    return read.with_changes(solver=read.table().get("solver", {}) | given) if given else read
+    given = {key: value for key, value in given.items() if value}
+    if "solver" in given:
+        given["solver"] = read.table().get("solver", {}) | given["solver"]
+    return read.with_changes(**given) if given else read
 
 
 def _instants(at: str | None, scene: "Scene") -> "NDArray | None":

@@ -1,6 +1,7 @@
 """`tline surge`: operate a network without editing a file, and see what is worst."""
 
 import sys
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from tline.cli.from_signature import Command, FileKind, Output, command, picture
@@ -40,7 +41,7 @@ def operated_network(command: Command, network: "Scene | str", **given: Any) -> 
     reading |= {"hour": hours(reading["hour"])} if "hour" in reading else {}
     with options_named({"hour": "--at-hour", **{key: f"--{key.replace('_', '-')}" for key in READING[:2]}}):
         scene, read, controls = read_network(network, **reading)
-    with command.named(**{"solver.order": "--order", "solver.tol": "--tol"}):
+    with command.named(**{"solver.order": "--order", "solver.tol": "--tol", "units": "--units"}):
         scene, guesses = plan(scene, operations, controls=controls, progress=sys.stderr.isatty(), **given)
     return scene, (*read, *guesses)
 
@@ -57,6 +58,10 @@ WRITTEN = {
     "profile": FILES["profile"],
     "heads": picture("Pressure and head over time"),
     "envelope": FILES["envelope"],
+    "tables": FileKind(
+        (".csv", ".xlsx", ".geojson"), "Nodes, pipes and states with extremes and coordinates (three CSV files)"
+    ),
+    "states": FILES["states"],
 }
 
 
@@ -67,6 +72,8 @@ def surge(
     t_end: str = "60 s",
     at: str | None = None,
     path: str | None = None,
+    cavities: bool = True,
+    until_settled: bool = False,
     files: dict[str, str],
     **given: Any,
 ) -> Output:
@@ -84,11 +91,16 @@ def surge(
         Nodes that --heads shows, instead of those operated.
     path : FROM,…,TO
         Path of --profile.
+    until_settled
+        Run up to eight times as long, until neither extreme comes at the end of the run.
+    cavities
+        Follow columns that separate, with cavities where water boils, or (--no-cavities) name no class there.
     """
     from tline.cli.report import judgement
     from tline.scene.file import scene_text
-    from tline.surge.operation import SHOWN, run
+    from tline.surge.operation import SHOWN, run_separated
     from tline.surge.report import as_dict, as_text
+    from tline.surge.tables import save_tables
     from tline.surge.worst import worst
 
     if path is not None and "profile" not in files:
@@ -98,15 +110,18 @@ def surge(
     if "save" in files:
         write_text(scene_text(scene), files["save"])
     way = _route(scene, path) if "profile" in files else None
-    result = run(scene, recorded(scene, way, "map" in files), sys.stderr.isatty())
-    accuracy, found = judgement(result), worst(result, SHOWN)
+    inner = scene.lines if "tables" in files else recorded(scene, way, "map" in files)
+    result, columns, told = run_separated(scene, inner, sys.stderr.isatty(), cavities, until_settled)
+    if "save" in files and columns:
+        write_text(scene_text(result.scene), files["save"])
+    accuracy, found = judgement(result), worst(result, SHOWN, columns.spread if columns else 0.0)
     missed = accuracy and accuracy.tol and accuracy.at_slab_ends > accuracy.tol
     wrote = writers(result, way)
     return Output(
-        [as_text(result, accuracy, found)],
-        lambda: as_dict(result, found),
-        wrote | {"heads": wrote["plot"], "save": lambda _: None},
-        (*guesses, *result.notes),
+        [as_text(result, accuracy, found, columns)],
+        lambda: as_dict(result, found, columns),
+        wrote | {"heads": wrote["plot"], "save": lambda _: None, "tables": partial(save_tables, result)},
+        (*guesses, *told, *result.notes),
         1 if found.untold or missed else 0,
     )
 

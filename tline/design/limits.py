@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from tline.design.search import Trial
 from tline.errors import InputError
 from tline.pictures.along import extremes_along
-from tline.pictures.bounds import scale
+from tline.pictures.bounds import one_liquid
 from tline.pictures.path import Route, route
-from tline.scene.heights import weight_at
+from tline.scene.heights import weight_at, words
 from tline.scene.load import Reservoir
 from tline.scene.scene import Scene
 from tline.solver.result.envelope import Envelope
 from tline.solver.result.result import Result
-from tline.units import engineering, to_si
+from tline.units import to_si
 
 LATE = 0.99  # of the run
 
@@ -46,9 +46,16 @@ class Limits(NamedTuple):
         """What is limited."""
         return "gauge pressure" if self.per_metre is None else "head"
 
+    @property
+    def unit(self) -> tuple[float, str]:
+        """Size, Pa, and name of the unit in which they are read."""
+        unit = words(self.scene).shown.get("m", "m") if self.per_metre else words(self.scene).shown["effort"]
+        return to_si(f"1 {unit}", None) * (self.per_metre or 1.0), unit
+
     def shown(self, pressure: float) -> str:
         """A pressure, or its head, with a unit."""
-        return engineering(pressure, "bar") if self.per_metre is None else f"{pressure / self.per_metre:.4g} m"
+        size, unit = self.unit
+        return f"{pressure / size:.4g} {unit}"
 
     def trial(self, size: float, result: Result) -> Trial:
         """The extremes of a run, and their margin."""
@@ -130,10 +137,9 @@ def limits(scene: Scene, path: Sequence[str], lowest: float | str | None, highes
         raise InputError("highest", "not of the kind of the lowest", "two pressures, or two heads", str(highest))
     per_metre = None
     if any(head for _, head in read.values()):
-        shown = scale(scene, scene.single_lines, 1.0)
-        if shown.unit != "m":
+        per_metre = one_liquid(scene, scene.single_lines)
+        if per_metre is None:
             raise InputError(next(iter(given)), "a head needs heights", "a pressure, or elevations of nodes")
-        per_metre = shown.size
     low, high = (
         read[key][0] * (per_metre or 1.0) if key in read else default
         for key, default in (("lowest", -inf), ("highest", inf))

@@ -26,7 +26,7 @@ def plot_sizing(sizing: Sizing) -> Figure:
     name, size = sizing.searched
     limits, curve = sizing.limits, np.array(sizing.curve)
     metre, unit = handy(float(curve[:, 0].max()), size.unit) if size.unit in ("s", "bar") else (1.0, size.unit)
-    per, effort = (1e5, "bar") if limits.per_metre is None else (limits.per_metre, "m")
+    per, effort = limits.unit
     picture = figure(WIDTH, HEIGHT, sizing.scene.title)
     axes = picture.subplots()
     for column, (word, colour) in enumerate(zip(WORDS, COLOURS, strict=False), 1):

@@ -27,6 +27,7 @@ from tline.interchange.water_network import (
     listed,
 )
 from tline.scene.site import GRAVITY as STANDARD
+from tline.units import to_si
 from tline.words.wording import shown
 
 WATER, VISCOSITY = 1000.0, 1.1e-5 * FOOT**2  # kg/m³ and m²/s, EPANET's
@@ -35,12 +36,9 @@ HIGHEST, LARGEST = 1e5, 1e9  # m, of a head that is no accident of an unsolved n
 UNEVEN = 1e-4  # of the largest flow
 KEPT = 1e-3  # of a setting, or so many of its units; EPANET keeps it so well
 INCH, HORSEPOWER, KILOWATT = FOOT / 12, 745.7, 1e3
-GALLON, IMPERIAL, ACRE_FOOT = 3.785411784e-3, 4.54609e-3, 43560 * FOOT**3
-DAY, HOUR, MINUTE = 86400.0, 3600.0, 60.0
-FLOWS = (  # m³/s, in the order of EPANET's codes; the first five go with feet
-    FOOT**3, GALLON / MINUTE, 1e6 * GALLON / DAY, 1e6 * IMPERIAL / DAY, ACRE_FOOT / DAY,
-    1e-3, 1e-3 / MINUTE, 1e3 / DAY, 1 / HOUR, 1 / DAY,
-)  # fmt: skip
+HOUR = 3600.0
+# in the order of EPANET's codes; the first five go with feet
+FLOWS = "ft^3/s", "gpm", "MGD", "IMGD", "AFD", "L/s", "L/min", "ML/d", "m^3/h", "m^3/d"
 TRADITIONAL = 5
 FORMULAS = ("H-W", "D-W", "C-M")
 JUNCTION, RESERVOIR, TANK = range(3)
@@ -140,14 +138,22 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str, hour: float
         valves={name: _valve(link, nodes, scale, units) for name, link in used.items() if link["type"] > PUMP},
         sound=not (abs(lost) > STILL or torn),
         notes=tuple(_notes(answer["warning"], hour if text.held else None, closed - kept, cut_off, dry, lost, torn)),
+        units=_told(answer["units"]),
         controls=water_controls(answer, text.controls, nodes, scale, units.length, density * STANDARD),
     )
 
 
 def _units(code: int) -> FileUnits:
+    flow = to_si(f"1 {FLOWS[code]}", "m^3/s")
     if code < TRADITIONAL:
-        return FileUnits(FOOT, INCH, FLOWS[code], HORSEPOWER, FOOT * 1e-3)
-    return FileUnits(1.0, 1e-3, FLOWS[code], KILOWATT, 1e-3)
+        return FileUnits(FOOT, INCH, flow, HORSEPOWER, FOOT * 1e-3)
+    return FileUnits(1.0, 1e-3, flow, KILOWATT, 1e-3)
+
+
+def _told(code: int) -> str:
+    """Units of a file as scenes name them; of systems the usual unit of flow goes without saying."""
+    flow, system = FLOWS[code], "US" if code < TRADITIONAL else "SI"
+    return system if flow in ("gpm", "L/s") else f"{system}, {flow}"
 
 
 def _check_heads(heads: Mapping[str, float], path: str) -> None:

@@ -111,6 +111,7 @@ class WaterNetwork:
     valves: Mapping[str, Valve]
     sound: bool  # whether flows balance at all nodes, and no demand was left out
     notes: tuple[str, ...]  # what was left out, and what is held
+    units: str = "SI"  # those of the file, as scenes name them
     controls: tuple[WaterControl, ...] = ()  # what the file has done after the operating point
 
     @property

@@ -186,6 +186,7 @@ def water_scene(
         notes.append(f"valves: held at the opening that they have at the operating point: {listed(held)}")
     notes += [*regulators(tables["links"]), *guesses(tables["links"])]
     head = {"title": network.title, "medium": "hydraulic", "t_end": T_END, "start": "steady", "solver": {"tol": TOL}}
+    head |= {"units": network.units} if network.units != "SI" else {}
     return scene_from(head | {key: table for key, table in tables.items() if table} | _probe(network)), tuple(notes)
 
 

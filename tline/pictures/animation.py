@@ -133,7 +133,7 @@ def _motion(result: Result, path: Route) -> MovingQuantities:
     limits = bounds(result.scene, path, x, lowest)
     word, size, unit = scale(result.scene, path.lines, max(-lowest.min(), highest.max()))
     second, time_unit = handy(t_end, "s")
-    metre, place = axis(path)
+    metre, place = axis(path, result.scene)
     return MovingQuantities(
         result.scene.title,
         waves / size,

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tline.pictures.handy import handy
 from tline.pictures.path import Leg, Route
 from tline.scene.heights import weight_at, words
-from tline.scene.medium import HYDRAULIC, MEDIA
+from tline.scene.medium import readable
 from tline.scene.scene import Scene
 from tline.solver.result.limits import VACUUM
 from tline.units import engineering
@@ -37,7 +37,7 @@ class Bound(NamedTuple):
 
 
 def scale(scene: Scene, lines: Iterable[str], largest: float) -> Scale:
-    """Metres of head where nodes have heights and those lines hold the same liquid; else a handy unit.
+    """Head where nodes have heights and those lines hold the same liquid; else a handy unit.
 
     Examples
     --------
@@ -48,18 +48,23 @@ def scale(scene: Scene, lines: Iterable[str], largest: float) -> Scale:
     >>> scale(Scene(**given, nodes={"b": {"elevation": "35 m"}}), ["pipe"], 2e5)
     Scale(word='head', size=9806.65, unit='m')
     """
+    if (one := one_liquid(scene, lines)) is not None:
+        size, unit = handy(1.0, words(scene).shown.get("m", "m"))
+        return Scale("head", one * size, unit)
+    return Scale(words(scene).effort, *handy(largest, words(scene).shown["effort"]))
+
+
+def one_liquid(scene: Scene, lines: Iterable[str]) -> float | None:
+    """Density·g, Pa/m, where all nodes of lines have heights and hold the same liquid; else None."""
     nodes = {node for line in lines for node in scene.single_lines[line].nodes}
     per_metre = {scene.heights[node].per_metre if node in scene.heights else None for node in nodes}
-    one = per_metre.pop() if len(per_metre) == 1 else None
-    if one is not None:
-        return Scale("head", one, "m")
-    return Scale(words(scene).effort, *handy(largest, MEDIA[scene.medium].shown["effort"]))
+    return per_metre.pop() if len(per_metre) == 1 else None
 
 
 def bounds(scene: Scene, way: Route, x: NDArray, lowest: NDArray) -> list[Bound]:
     """Ground, rating, and a vacuum where the lowest pressures, given at places x, fall below those of the air."""
-    medium, weight = MEDIA[scene.medium], weight_at(scene)
-    unit, liquid = medium.shown["effort"], medium is HYDRAULIC
+    medium, weight = readable(scene), weight_at(scene)
+    unit, liquid = medium.shown["effort"], medium.hydraulic
     places = np.array([place for leg in way.legs for place in leg.span])
     ground = np.array([weight.get(end, np.nan if weight else 0.0) for leg in way.legs for end in _ends(scene, leg)])
     found = [("ground", "ground", 0.0)] if weight else []

@@ -25,7 +25,6 @@ from tline.scene.coupled import refuse_coupled
 from tline.scene.heights import weight_at
 from tline.scene.held import held_nodes
 from tline.scene.load import linked_pairs
-from tline.scene.medium import HYDRAULIC
 from tline.scene.scene import Scene
 from tline.solver.result.interior import inside
 from tline.solver.result.limits import VACUUM
@@ -84,7 +83,7 @@ def surges(result: Result) -> tuple[Surge, Surge]:
         raise InputError("map", "the run kept no envelope", "simulate(scene, envelope=True)")
     rating, weight = float(scene.rating or inf), weight_at(scene)
     unknown = nan if weight else 0.0  # where some heights are known, others are not zero
-    floor = VACUUM if result.medium is HYDRAULIC else -rating
+    floor = VACUUM if result.medium.hydraulic else -rating
     rise, fall = Surge({}, {}, {}), Surge({}, {}, {})
     for node, start, low, high in zip(envelope.nodes, envelope.start, envelope.lowest, envelope.highest, strict=True):
         rise.nodes[node], fall.nodes[node] = float(high - start), float(start - low)

@@ -12,6 +12,7 @@ from tline.errors import InputError
 from tline.pictures.handy import handy
 from tline.scene.coupled import refuse_coupled
 from tline.scene.load import linked_pairs
+from tline.scene.medium import readable
 from tline.scene.scene import Scene
 from tline.words.wording import nearest
 
@@ -106,9 +107,9 @@ def route(scene: Scene, *nodes: str) -> Route:
     return Route((nodes[0], *(step.node for step in way)), legs, marks, "m" if known else "s")
 
 
-def axis(way: Route) -> tuple[float, str]:
+def axis(way: Route, scene: Scene) -> tuple[float, str]:
     """Size of the unit in which people read places of a route, and the label of its axis."""
-    size, unit = (1.0, "m") if way.unit == "m" else handy(way.marks[-1], "s")
+    size, unit = handy(way.marks[-1], readable(scene).shown.get(way.unit, way.unit))
     return size, f"{'distance' if way.unit == 'm' else 'delay'} from {way.nodes[0]} [{unit}]"
 
 

@@ -64,7 +64,7 @@ def plot_profile(result: Result, path: Route) -> Figure:
     limits = bounds(result.scene, path, seen.x, seen.lowest)
     every = np.concatenate([*seen[1:], *(bound.effort for bound in limits)])
     word, size, unit = scale(result.scene, path.lines, np.nanmax(np.abs(every)))
-    metre, place = axis(path)
+    metre, place = axis(path, result.scene)
     picture = figure(WIDTH, HEIGHT, result.scene.title)
     axes = picture.subplots()
     x, before = seen.x / metre, "steady" if result.scene.start == "steady" else "before the run"
@@ -124,7 +124,7 @@ def plot_space_time(result: Result, path: Route) -> Figure:
     low, high = spread(effort.min(), effort.max())
     colours, norm = _colours(low, high, start_effort(result, path) / size)
     second, time_unit = handy(t_end, "s")
-    length, place = axis(path)
+    length, place = axis(path, result.scene)
     picture = figure(8.0, 5.4, result.scene.title)
     axes = picture.subplots()
     image = axes.imshow(

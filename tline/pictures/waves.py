@@ -101,7 +101,7 @@ def plot_path_waves(result: Result, way: Route) -> Picture:
 def _images(result: Result, both: NDArray, way: Route) -> Picture:
     size, unit = handy(float(abs(both).max()), result.medium.shown["effort"])
     second, time_unit = handy(float(result.t[-1]), "s")
-    length, place = axis(way)
+    length, place = axis(way, result.scene)
     low, high = spread(float(both.min() / size), float(both.max() / size))
     picture = figure(9.0, 4.8, result.scene.title)
     panels = picture.subplots(1, 2, sharey=True)

@@ -8,7 +8,7 @@ from pydantic import Field
 from tline.errors import InputError
 from tline.scene.element import AtNode
 from tline.scene.kind import LawKind
-from tline.scene.law import ElementLaw, OfLiquids
+from tline.scene.law import ElementLaw, OfLiquids, Shown
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.vessel import ATMOSPHERE, Absolute
 
@@ -52,6 +52,8 @@ class AirValve(AtNode, OfLiquids):
     )
     atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
     back_pressure: Pressure = Field(default=ZERO, description="gauge pressure outside; 0 is the open air")
+
+    shows = (Shown("air volume", "m^3", lambda valve, y, i: y),)
 
     def law(self) -> ElementLaw:  # noqa: D102
         speed = sqrt(GAS_CONSTANT * self.temperature)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from tline.errors import InputError
 from tline.line import HydraulicLine
 from tline.scene.measure import Probe
-from tline.scene.medium import MEDIA, Medium
+from tline.scene.medium import Medium, readable
 from tline.scene.multiport import Multiport
 from tline.scene.site import GRAVITY
 from tline.words.wording import place
@@ -106,7 +106,7 @@ def height_mistakes(scene: Scene) -> Iterator[InputError]:
 
 def words(scene: Scene, effort: str = "piezometric pressure") -> Medium:
     """Words and units of a scene's medium; with elevations efforts have a name that tells which they are."""
-    medium = MEDIA[scene.medium]
+    medium = readable(scene)
     return medium._replace(effort=effort) if scene.heights else medium
 
 

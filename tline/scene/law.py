@@ -1,7 +1,10 @@
 """What an element of a scene tells the solver: the kind of its law, its constants, and what scales it over time."""
 
+from collections.abc import Callable
 from math import inf
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple
+
+from numpy.typing import NDArray
 
 from tline.scene.element import Element, OneMedium
 from tline.scene.kind import KINDS, LawKind
@@ -34,6 +37,17 @@ class Governor(NamedTuple):
         return (*sums, self.inertia, self.damping, float(len(self.shares)), *openings, *shares)
 
 
+class Shown(NamedTuple):
+    """A quantity that an element shows over time, beside efforts and flows at its nodes."""
+
+    word: str
+    unit: str  # SI
+    of: Callable[[Any, NDArray, NDArray], NDArray]  # from the element, its state and the flow into it
+
+
+OPENING = Shown("opening", "", lambda element, state, flow: state)
+
+
 class ElementLaw(NamedTuple):
     """Flow as a function of the effort across an element."""
 
@@ -50,7 +64,9 @@ class ElementLaw(NamedTuple):
 
 
 class NonLinear(Element):
-    """An element with such a law."""
+    """An element with such a law, and what it shows."""
+
+    shows: ClassVar[tuple[Shown, ...]] = ()
 
     def law(self) -> ElementLaw:
         """What the solver needs to know of it."""

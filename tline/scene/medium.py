@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from tline.errors import InputError
+from tline.units import to_si
 
 if TYPE_CHECKING:
     from pydantic import ValidationInfo
+
+    from tline.scene.scene import Scene
 
 
 class Medium(NamedTuple):
@@ -17,9 +21,10 @@ class Medium(NamedTuple):
     effort: str  # what u is
     flow: str  # what y is
     units: dict[str, str]  # role -> SI unit
-    shown: dict[str, str]  # role -> unit people read it in
+    shown: dict[str, str]  # role, or SI unit -> unit people read it in
     no_flow: str  # kind of load that lets nothing pass
     switch: str  # kind of load that opens or closes
+    written: dict[str, str]  # role, or SI unit -> unit in tables, where that is not SI
 
     @property
     def hydraulic(self) -> bool:
@@ -38,9 +43,10 @@ HYDRAULIC = Medium(
         "inductance": "Pa s^2/m^3",
         "capacitance": "m^3/Pa",
     },
-    {"effort": "bar", "flow": "L/s"},
+    {"effort": "bar", "flow": "L/s", "Hz": "rpm"},
     "closed",
     "valve",
+    {},
 )
 ELECTRICAL = Medium(
     "electrical",
@@ -50,8 +56,50 @@ ELECTRICAL = Medium(
     {"effort": "V", "flow": "A"},
     "open",
     "switch",
+    {},
 )
 MEDIA = {medium.name: medium for medium in (HYDRAULIC, ELECTRICAL)}
+SYSTEMS = {"si": (), "us": ("psi", "gpm", "ft", "ft/s", "ft^3", "hp", "ft lbf")}
+OTHERS = "m", "m/s", "m^3", "W", "N m", "Hz"  # SI units of what is neither effort nor flow
+
+
+def readable(scene: Scene) -> Medium:
+    """The medium of a scene, with the units in which it is to be read."""
+    return in_units(scene.medium, scene.units)
+
+
+@cache
+def in_units(medium: str, text: str) -> Medium:
+    """A medium with the units that a text names: a system, units of single quantities, or both.
+
+    Examples
+    --------
+    >>> in_units("hydraulic", "US, MGD").shown["effort"], in_units("hydraulic", "US, MGD").shown["flow"]
+    ('psi', 'MGD')
+    """
+    known, chosen = MEDIA[medium], dict[str, str]()
+    roles = {"effort": known.units["effort"], "flow": known.units["flow"], **{unit: unit for unit in OTHERS}}
+    for word in (word.strip() for word in text.split(",")):
+        system = SYSTEMS.get(word.lower())
+        for unit in (word,) if system is None else system:
+            role = next((role for role, si in roles.items() if _fits(unit, si)), None)
+            if role is None and system is None:
+                raise InputError("", "no unit that results have", "'SI', 'US', or units such as 'US, MGD'", f"'{unit}'")
+            chosen |= {role: unit} if role else {}
+    return known._replace(shown=known.shown | chosen, written=chosen)
+
+
+def _fits(unit: str, si: str) -> bool:
+    try:
+        return to_si(f"1 {unit}", si) > 0
+    except InputError:
+        return False
+
+
+def check_units(text: str, info: ValidationInfo) -> str:
+    """A text that names units of the scene's medium."""
+    in_units((info.context or {}).get("medium", "hydraulic"), text)
+    return text
 
 
 def check_word(kind: str, info: ValidationInfo, role: str) -> str:

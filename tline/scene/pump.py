@@ -5,16 +5,17 @@ from math import inf, pi
 from typing import Annotated, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr, model_validator
 
 from tline.errors import InputError
 from tline.scene.element import Between, pair
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.kind import Bend, LawKind
-from tline.scene.law import ElementLaw, OfLiquids
+from tline.scene.law import ElementLaw, OfLiquids, Shown
+from tline.scene.points import PiecewiseLinear
 from tline.scene.pump_pieces import PumpPieces, backward, parabola, smooth
 from tline.scene.quantity import Pressure, Quantity, Role
-from tline.scene.shape import Step
 from tline.scene.suter import in_four_quadrants
 from tline.words.wording import shown
 
@@ -91,19 +92,27 @@ class Pump(Between, OfLiquids):
     rated_speed: Annotated[Quantity, Role("frequency", "Hz", above=0)] | None = Field(
         default=None, description="turns per second; needed with trip and start"
     )
-    start: Instant | None = Field(default=None, description="when its motor starts it, from rest")
+    start: Instant | None = Field(
+        default=None, description="when its motor starts it, from rest; or again after a trip, as the power returns"
+    )
     motor_torque: Annotated[Quantity, Role("torque", "N m", above=0)] | None = Field(
         default=None, description="while it starts, up to the rated speed; needed with start"
     )
     check_valve: bool = Field(default=False, description="whether a check valve behind it lets nothing back")
+    shows = (
+        Shown("speed", "Hz", lambda pump, y, i: pump.rated_speed * y),
+        Shown("flow", "m^3/s", lambda pump, y, i: i),
+        Shown("torque", "N m", lambda pump, y, i: pump.torque(y, i)),
+        Shown("shaft power", "W", lambda pump, y, i: pump.torque(y, i) * 2 * pi * pump.rated_speed * y),
+    )
     _pieces: tuple[PumpPieces, PumpPieces] = PrivateAttr()
 
     @model_validator(mode="after")
     def _runs(self):
         self._pieces = self._of_curve()
         moved = [key for key in ("trip", "start") if getattr(self, key) is not None]
-        if len(moved) > 1:
-            raise InputError("start", "cannot be beside a trip", "one of both")
+        if self.trip is not None and self.start is not None and self.start <= self.trip:
+            raise InputError("start", "is not after the trip", f"later than {self.trip:g} s", f"{self.start:g} s")
         needed = {"inertia": self.inertia, "rated_speed": self.rated_speed}
         missing = [key for key, value in needed.items() if value is None]
         if moved and missing:
@@ -151,14 +160,22 @@ class Pump(Between, OfLiquids):
             for a, b, c in [forms[int(np.searchsorted(borders, q))]]
         )
 
+    def torque(self, speed: NDArray, flow: NDArray) -> NDArray:
+        """Torque that the water takes from a pump with inertia, N m, at speeds over the rated one and flows."""
+        found, size = np.zeros_like(speed), np.abs(speed)
+        for pieces, here in zip(self._pieces, (speed >= 0, speed < 0), strict=True):
+            pump = np.array(pieces.torques)[np.sum(flow[:, None] > size[:, None] * pieces.borders, axis=1)].T
+            found = np.where(here, pump[0] * size**2 + pump[1] * size * flow + pump[2] * flow**2, found)
+        return found / (2 * pi * float(self.rated_speed or 1.0))
+
     def law(self) -> ElementLaw:  # noqa: D102
-        at = self.start if self.trip is None else self.trip
-        if at is None or self.inertia is None or self.rated_speed is None:
+        turned = [(at, on) for at, on in ((self.trip, 0.0), (self.start, 1.0)) if at is not None]
+        if not turned or self.inertia is None or self.rated_speed is None:
             return ElementLaw("pump", self._constants(), self.speed)
         turns = 2 * pi * float(self.rated_speed)
-        running = {"from": 1, "to": 0} if self.start is None else {"from": 0, "to": 1}
+        points = [(float(at), level) for at, on in turned for level in (1.0 - on, on)]
         constants = self._constants(self.inertia * turns**2, float(self.motor_torque or 0.0) * turns)
-        return ElementLaw("rotor", constants, Step.model_validate(running | {"at": at}))
+        return ElementLaw("rotor", constants, PiecewiseLinear.model_validate({"points": points}))
 
     def _constants(self, energy: float = 0.0, motor: float = 0.0) -> tuple[float, ...]:
         """Those of the law; twice the energy at rated speed, J, and the power of the motor's torque there, W."""

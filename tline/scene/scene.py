@@ -32,7 +32,7 @@ from tline.scene.law import ElementLaw, NonLinear
 from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.load import Link, Load
 from tline.scene.measure import Measure, Probe
-from tline.scene.medium import MEDIA
+from tline.scene.medium import MEDIA, check_units
 from tline.scene.mistakes import MOST, limited, mistakes
 from tline.scene.quantity import Duration, Effort, Tolerance, Whole
 from tline.scene.shape import Shape
@@ -108,6 +108,8 @@ class Scene(Element):
         what they are just before t = 0.
     solver : Solver
         The tolerance (1e-6 without it), or order and slab width, where they are to be fixed by hand.
+    units : str
+        In which results are read: "SI", "US" (psi, gpm, ft), units of single quantities such as "m^3/h", or "US, MGD".
     title : str
         Said in plots and files, in one line: control characters and line breaks become spaces.
 
@@ -146,6 +148,9 @@ class Scene(Element):
     measures: dict[Name, Measure] = Field(default_factory=dict, description="numbers read off probes, by name")
     nodes: dict[Name, Site] = Field(default_factory=dict, description="height and place of nodes, by name")
     rating: Effort | None = Field(default=None, description="largest pressure or voltage that all lines are made for")
+    units: Annotated[str, AfterValidator(check_units)] = Field(
+        default="SI", description="in which results are read: 'SI', 'US', or units such as 'US, MGD' or 'm^3/h'"
+    )
 
     _folder: Folder = PrivateAttr(default=Folder())
     _parts: set[tuple[str, str]] = PrivateAttr(default_factory=set)  # of elements from files, by section and name

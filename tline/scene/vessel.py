@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from tline.errors import InputError
 from tline.scene.element import AtNode, Element
 from tline.scene.kind import Bend, LawKind, Volume
-from tline.scene.law import ElementLaw, OfLiquids
+from tline.scene.law import ElementLaw, OfLiquids, Shown
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.rating import Rated
 
@@ -108,6 +108,11 @@ class AirVessel(_Vessel):
         default=Quantity("1.2", ""), description="n: 1 if the gas stays at one temperature, 1.4 if it has no time to"
     )
     atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
+    shows = (
+        Shown("gas volume", "m^3", lambda vessel, y, i: vessel.law().constants[3] * np.exp(y)),
+        Shown("gas pressure", "Pa", lambda vessel, y, i: vessel.atmosphere * np.expm1(-vessel.exponent * y)),
+        Shown("inflow", "m^3/s", lambda vessel, y, i: i),
+    )
 
     @model_validator(mode="after")
     def _has_gas(self):
@@ -155,6 +160,7 @@ class Cavity(_BoilingAtNode):
     gas_volume: Annotated[Quantity, Role("volume", "m^3", above=0)] = Field(
         description="volume of the free gas at the atmosphere's pressure: often 1e-7 of the liquid's nearby"
     )
+    shows = (Shown("cavity", "m^3", lambda cavity, y, i: cavity.gas_volume * np.exp(y)),)
 
     def law(self) -> ElementLaw:  # noqa: D102
         above_vapour, back = float(self.atmosphere - self.vapour_pressure), float(self.back_pressure)
@@ -172,6 +178,7 @@ class VapourCavity(_BoilingAtNode):
     """
 
     kind: Literal["vapour cavity"] = "vapour cavity"
+    shows = (Shown("cavity", "m^3", lambda cavity, y, i: y),)
 
     def law(self) -> ElementLaw:  # noqa: D102
         return ElementLaw("vapour", (float(self.vapour_pressure - self.atmosphere + self.back_pressure),))
@@ -197,6 +204,10 @@ class SurgeTank(_Vessel):
     level: Height | None = Field(default=None, description="of the surface above the node at a steady start")
     lowest_level: Height | None = Field(default=None, description="above the node, at which it is empty")
     highest_level: Height | None = Field(default=None, description="above the node, at which it overflows")
+    shows = (
+        Shown("level", "m", lambda tank, y, i: y / tank.weight),
+        Shown("inflow", "m^3/s", lambda tank, y, i: i),
+    )
 
     @property
     def start(self) -> float | None:

@@ -26,6 +26,7 @@ from tline.solver.result.conductor import record_of
 from tline.solver.result.envelope import watch
 from tline.solver.result.notes import VISIBLE, smeared
 from tline.solver.result.result import ElementRecord, LineRecord, Pieces, ProbeResult, Result, Wave
+from tline.solver.result.states import watched
 
 LARGEST_RECORD = 4e8  # samples
 LARGEST_LEDGER = 1e7  # samples at line ends, of a ledger that is not asked for: half a second
@@ -85,6 +86,7 @@ def _run(
     laws: Collection[str],
 ) -> Result:
     n = slabs.number
+    laws = {*laws, *watched(description, n * chosen.s)}
     with gc_paused():
         assembly = assemble(description, kept, chosen, laws=laws, progress=progress)
     families = [] if ledger else families_of(assembly)
@@ -251,8 +253,11 @@ def _at_node(assembly: Assembly, node: str, waves: NDArray, done: March, smears:
 def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> ElementRecord:
     row = assembly.recorded_laws[where]
     wave = _alone(assembly, row, waves, done, float(waves[row, 0, 0]))
-    places = [element.where for group in assembly.groups for element in group.elements]
-    return ElementRecord(wave, float(assembly.network.laws.source_impedance[places.index(where)]))
+    element = [element.where for group in assembly.groups for element in group.elements].index(where)
+    laws, states = assembly.network.laws, waves[row, 1, assembly.basis.s - 1 :: assembly.basis.s]
+    at = max(laws.state_at[element], laws.governor_state[element])
+    states = np.append(assembly.loads_before[at], states) if at >= 0 else np.empty(0)
+    return ElementRecord(wave, float(laws.source_impedance[element]), states)
 
 
 def _record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: bool) -> LineRecord:

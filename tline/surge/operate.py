@@ -9,6 +9,7 @@ from typing import Any
 
 from tline.errors import InputError
 from tline.scene.held import held_nodes
+from tline.scene.medium import readable
 from tline.scene.outflow import Leak
 from tline.scene.pump import EFFICIENCY, Pump
 from tline.scene.quantity import Quantity
@@ -89,10 +90,18 @@ class _Operated:
     def start(self, event: Event) -> None:
         """Let a pump that stands run up: with its motor's torque, or in the time that is given."""
         pump = self._link(event, Pump, "a pump")
-        self._once(event)
         table = self.tables["links"][event.name]
-        if just_before(pump.speed) or pump.trip is not None:
-            raise InputError("start", f"pump '{event.name}' runs already", "a pump of speed 0")
+        returns = "trip" in table and "start" not in table
+        if not returns:
+            self._once(event)
+        if not returns and just_before(pump.speed):
+            raise InputError(
+                "start", f"pump '{event.name}' runs already", "a pump of speed 0, or one that trips before"
+            )
+        if returns and event.duration:
+            raise InputError(
+                "start", "power returns to a motor at once", f"{event.name}@TIME", f"+{event.duration:g} s"
+            )
         if event.duration:
             table["speed"] = event.control(0.0, 1.0)
             return
@@ -214,8 +223,9 @@ class _Operated:
         }
         name = max(drawn, key=drawn.__getitem__, default="")
         if flow > drawn.get(name, 0.0) * (1 + ROUNDING):
-            got = f"{1e3 * drawn.get(name, 0.0):.4g} L/s"
-            raise InputError("demand", f"node '{event.name}' draws less", f"at least {1e3 * flow:.4g} L/s", got)
+            unit = readable(self.scene).shown["flow"]
+            least, got = (engineering(x, unit) for x in (flow, drawn.get(name, 0.0)))
+            raise InputError("demand", f"node '{event.name}' draws less", f"at least {least}", got)
         table = self.tables["loads"][name]
         if table["kind"] == "check valve":
             table = {"at": table["at"], "kind": "leak", "flow": table["flow"], "pressure": table["pressure_drop"]}

@@ -16,11 +16,14 @@ from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning, simulate
+from tline.surge.columns import Columns, separated
 from tline.surge.control import read_control, triggered
 from tline.surge.event import OPERATIONS, Event, read_event
 from tline.surge.file_controls import acting
+from tline.surge.group import each_of
 from tline.surge.operate import operated
 from tline.surge.report import as_dict, as_text
+from tline.surge.tables import save_tables
 from tline.surge.worst import Extreme, Worst, extremes, worst
 from tline.words.wording import nearest, shown
 
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 SHOWN, USUAL_TOL = 5, 1e-2  # nodes in tables; of a scene that states none
+LONGEST = 8  # times the end time that was asked for, until extremes lie no more at the end of a run
 SMALL = 300  # lines of a network all of which are recorded
 
 Texts = str | Iterable[str]
@@ -45,13 +49,17 @@ class Operation:
         With an envelope; its probes are at the nodes that were operated, or those asked for.
     guesses : tuple of str
         What was left out of the file, and taken where nothing was given.
+    columns : Columns or None
+        What columns did that separated, where cavities were laid; None if nothing boiled.
     """
 
     result: Result
     guesses: tuple[str, ...]
+    columns: Columns | None = None
 
     def __repr__(self) -> str:
-        return "\n".join([as_text(self.result, self.result.accuracy, self.worst), *(f"note: {n}" for n in self.notes)])
+        text = as_text(self.result, self.result.accuracy, self.worst, self.columns)
+        return "\n".join([text, *(f"note: {n}" for n in self.notes)])
 
     @property
     def scene(self) -> Scene:
@@ -61,7 +69,7 @@ class Operation:
     @cached_property
     def worst(self) -> Worst:
         """The nodes with the largest rise and fall, where water boils, and the pressure class that is needed."""
-        return worst(self.result, SHOWN)
+        return worst(self.result, SHOWN, self.columns.spread if self.columns else 0.0)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -70,7 +78,7 @@ class Operation:
 
     def to_dict(self) -> dict[str, Any]:
         """The worst nodes as plain data in SI, as ``tline surge --json`` prints them."""
-        return as_dict(self.result, self.worst)
+        return as_dict(self.result, self.worst, self.columns)
 
     def to_dataframe(self) -> "DataFrame":
         """Gauge pressures before the run and at their extremes, Pa, with instants, s, and errors, by node.
@@ -82,6 +90,16 @@ class Operation:
         """
         pandas = import_extra("pandas", "pandas", "data", "to_dataframe")
         return pandas.DataFrame(extremes(self.result), columns=Extreme._fields).set_index("node")
+
+    def save_tables(self, path: str | Path) -> None:
+        """Write tables of nodes, pipes and states: ``.csv`` (three files), ``.xlsx`` or ``.geojson``.
+
+        Raises
+        ------
+        InputError
+            Another suffix, or a file cannot be written.
+        """
+        save_tables(self.result, path)
 
     def plot(self) -> "Figure":
         """Draw pressure and flow over time at the probes."""
@@ -113,8 +131,11 @@ def operate(
     inertia: float | str | None = None,
     rated_speed: float | str | None = None,
     rating: float | str | None = None,
+    units: str | None = None,
     at: Texts = (),
     record: Iterable[str] | None = None,
+    cavities: bool = True,
+    until_settled: bool = False,
     wave_speed: float | str | None = None,
     material: str | None = None,
     hour: float | None = None,
@@ -130,9 +151,9 @@ def operate(
     network : Scene, path or dict
         A hydraulic scene that starts in the steady state, or the path of one (.toml) or of a network of EPANET (.inp).
     trip : str, "PUMP@TIME"
-        Pumps whose motors fail, and that run down.
+        Pumps whose motors fail, and that run down; "*@TIME" all that run, "P1,P2@TIME" or "north*@TIME" a group.
     start : str, "PUMP@TIME"
-        Pumps that stand, and that their motors start; +DURATION does so evenly.
+        Pumps that stand, and that their motors start; +DURATION does so evenly. After a trip the power returns.
     stop : str, "PUMP@TIME+DURATION"
         Pumps whose speed falls to nothing, linearly.
     close : str, "LINK@TIME+DURATION"
@@ -158,10 +179,16 @@ def operate(
         Of pumps that trip or start, such as "1450 rpm"; a usual one if not given.
     rating : number or text, optional
         Pressure that the pipes bear, such as "16 bar".
+    units : str, optional
+        In which results are read: "SI", "US", or units such as "US, MGD"; those of the file if not given.
     at : str
         Nodes to probe, instead of those that are operated.
     record : iterable of str, optional
         Lines of whose inside maps and profiles are drawn; all of a network of at most 300 lines if not given.
+    cavities : bool
+        Where water boils, run again with cavities of vapour there and along the pipes beside, at two numbers of places.
+    until_settled : bool
+        Run up to eight times as long, until neither the highest nor the lowest pressure comes at the end of the run.
     wave_speed, material, hour, moving_tanks
         Of an .inp file, as of `tline.interchange.read_inp`.
     progress : bool
@@ -208,13 +235,15 @@ def operate(
         tol=tol,
         order=order,
         rating=rating,
+        units=units,
         at=at,
         controls=controls,
         progress=progress,
         **rotor,
     )
     lines = record if record is not None else planned.lines if len(planned.lines) <= SMALL else ()
-    return Operation(run(planned, lines, progress), (*read, *guesses))
+    result, columns, told = run_separated(planned, lines, progress, cavities, until_settled)
+    return Operation(result, (*read, *guesses, *told), columns)
 
 
 def read_network(
@@ -246,6 +275,7 @@ def plan(
     tol: float | str | None = None,
     order: int | str | None = None,
     rating: float | str | None = None,
+    units: str | None = None,
     at: Texts = (),
     controls: Iterable[WaterControl] = (),
     progress: bool = False,
@@ -253,10 +283,14 @@ def plan(
 ) -> Planned:
     """The scene with operations by kind and controls of a file, and notes on guesses and instants; see `operate`."""
     solver = {"order": order} if order else {"tol": tol or USUAL_TOL}
-    more = {"t_end": t_end, "solver": solver} | ({"rating": rating} if rating else {})
+    more = {"t_end": t_end, "solver": solver} | {
+        key: value for key, value in (("rating", rating), ("units", units)) if value
+    }
     events = [read_event(kind, text) for kind in OPERATIONS for text in _texts(kind, operations.get(kind, ()))]
     wanted = _texts("at", at)
     waiting = [read_control(text) for text in _texts("when", when)]
+    tripped = {one.name for event in events if event.kind == "trip" for one in each_of(scene, event)}
+    events = [one for event in events for one in each_of(scene, event, tripped)]
     taken = {event.name for event in (*events, *(one.event for one in waiting))}
     begun, waits, notes = acting(scene, controls, taken, Quantity(t_end, "s", "t_end"))
     events, waiting = [*events, *begun], [*waiting, *waits]
@@ -279,6 +313,20 @@ def run(scene: Scene, record: Iterable[str], progress: bool) -> Result:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnresolvedWarning)
         return simulate(scene, record=record, envelope=True, ledger=False, progress=progress)
+
+
+def run_separated(
+    scene: Scene, record: Iterable[str], progress: bool, cavities: bool, until_settled: bool = False
+) -> tuple[Result, Columns | None, tuple[str, ...]]:
+    """The same, with cavities where columns separate, and until the extremes are none of its end, if so wanted."""
+    first = run(scene, record, progress)
+    found = separated(first, lambda laid: run(laid, record, progress)) if cavities else (first, None, ())
+    longer, most = 2 * float(scene.t_end), LONGEST * float(scene.t_end)
+    while until_settled and worst(found[0]).unfinished and longer <= most:
+        *found, notes = run_separated(scene.with_changes(t_end=longer), record, progress, cavities)
+        found = *found, (*notes, f"extremes lay at the end of the run: it was made again, up to {longer:g} s")
+        longer *= 2
+    return found
 
 
 def _texts(where: str, given: Texts) -> tuple[str, ...]:

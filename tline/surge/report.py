@@ -1,18 +1,26 @@
 """The worst of an operated network as text, and as plain data."""
 
+from functools import partial
+from itertools import islice
 from typing import Any
+
+import numpy as np
 
 from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.result import Result
-from tline.surge.worst import Extreme, Worst
+from tline.solver.result.states import StateTrace
+from tline.surge.columns import Columns
+from tline.surge.worst import Extreme, Worst, class_of
+from tline.units import to_si
 from tline.words.aligned import aligned
 
 BAR, NAMED = 1e5, 5  # Pa; nodes in a sentence
-HEAD = ["node", "before [bar]", "highest", "±", "at [s]", "rise", "lowest", "±", "at [s]", "fall [bar]"]
+STATES, MOST_STATES = ["element", "", "before", "lowest", "at [s]", "highest", "at [s]", "at the end"], 20
 
 
-def as_dict(result: Result, found: Worst) -> dict[str, Any]:
-    """The worst nodes in SI, in full precision."""
+def as_dict(result: Result, found: Worst, columns: Columns | None = None) -> dict[str, Any]:
+    """The worst nodes in SI, in full precision, and what columns did that separated."""
+    told = columns and columns._asdict() | {"cavities": [one._asdict() for one in columns.cavities]}
     return {
         "title": result.scene.title,
         "end_time": float(result.t[-1]),
@@ -21,22 +29,56 @@ def as_dict(result: Result, found: Worst) -> dict[str, Any]:
         "boiling": [extreme._asdict() for extreme in found.boiling],
         "highest": found.highest._asdict(),
         "pressure_class": found.needed,
+        "columns": told,
         "no_pressure_class": found.untold or None,
+        "states": [_told(trace) for trace in result.states],
         "unfinished": [extreme.node for extreme in found.unfinished],
         "notes": list(result.notes),
     }
 
 
-def as_text(result: Result, accuracy: Accuracy | None, found: Worst) -> str:
+def _told(trace: StateTrace) -> dict[str, Any]:
+    """Extremes of a state in SI."""
+    low, low_at, high, high_at = trace.extremes()
+    found = {"element": trace.where, "quantity": trace.word, "unit": trace.unit, "before": float(trace.values[0])}
+    return found | {"lowest": low, "lowest_at": low_at, "highest": high, "highest_at": high_at}
+
+
+def as_text(result: Result, accuracy: Accuracy | None, found: Worst, columns: Columns | None = None) -> str:
     """Two tables of nodes, the class of pressure, and where water boils."""
-    lines = [result.scene.title or "a surge", _accuracy(accuracy)]
+    lines = [
+        result.scene.title or "a surge",
+        *([_accuracy(accuracy)] if columns is None else _separate(result, columns)),
+    ]
     lines.append(f"worst within {result.t[-1]:.4g} s, gauge pressures")
+    unit = result.medium.shown["effort"]
+    size = to_si(f"1 {unit}", "Pa")
+    head = ["node", f"before [{unit}]", "highest", "±", "at [s]", "rise", "lowest", "±", "at [s]", f"fall [{unit}]"]
     for word, rows in (("rise", found.risen), ("fall", found.fallen)):
-        table = [f"largest {word}s", *aligned([HEAD, *map(_cells, rows)], 1)] if rows else [f"nothing {word}s"]
+        table = (
+            [f"largest {word}s", *aligned([head, *(_cells(row, size) for row in rows)], 1)]
+            if rows
+            else [f"nothing {word}s"]
+        )
         lines += ["", *table]
+    moving = [trace for trace in result.states if np.ptp(trace.values)]
+    if moving:
+        lines += [
+            "",
+            "states",
+            *aligned([STATES, *islice(map(partial(_state, result), moving), MOST_STATES)], 1),
+        ]
+        left = len(moving) - MOST_STATES
+        lines += [f"and {left} more: --tables or --states writes them"] * (left > 0)
     top = found.highest
-    asks = f"asks for PN {found.needed / BAR:g}" if found.needed else "is above all classes up to PN 100"
-    where = f"{top.highest / BAR:.4g} bar at {top.node} after {top.highest_at:.4g} s"
+    bears = f" ({found.needed / size:.4g} {unit})" * (size != BAR) if found.needed else ""
+    least = class_of(top.highest - found.spread)
+    at_least = f"{least / BAR:g} to " if least and least != found.needed else ""
+    asks = (
+        f"asks for PN {at_least}{found.needed / BAR:g}{bears}" if found.needed else "is above all classes up to PN 100"
+    )
+    by = f" ± {columns.spread / size:.2g} by places" if columns else ""
+    where = f"{top.highest / size:.4g} {unit}{by} at {top.node} after {top.highest_at:.4g} s"
     named = f", {asks}" if not found.untold else f"; no pressure class is named, for {found.untold}"
     lines += ["", f"the highest pressure, {where}{named}"]
     if found.boiling:
@@ -49,19 +91,46 @@ def as_text(result: Result, accuracy: Accuracy | None, found: Worst) -> str:
     return "\n".join(lines)
 
 
-def _cells(one: Extreme) -> list[str]:
-    """A row: pressures in bar with their errors, and instants."""
-    high, low = (f"{pressure / BAR:.4g}" for pressure in (one.highest, one.lowest))
-    high_error, low_error = (f"{error / BAR:.1g}" for error in (one.highest_error, one.lowest_error))
-    highest = [high, high_error, f"{one.highest_at:.4g}", f"{one.rise / BAR:.4g}"]
+def _separate(result: Result, columns: Columns) -> list[str]:
+    """Where columns separate, how that was computed, and the largest cavities."""
+    cubic = result.medium.shown.get("m^3", "L")
+    size = to_si(f"1 {cubic}", "m^3")
+    few, many = columns.places
+    lines = [
+        f"columns separate: computed with {few} and {many} cavities, by a method of first order",
+        "± is by their number and the slabs",
+    ]
+    for one in columns.cavities:
+        gone = f"gone after {one.collapse:.4g} s" if one.collapse == one.collapse else "there to the end"
+        lines.append(f"cavity of up to {one.volume / size:.3g} {cubic} at {one.where} after {one.at:.4g} s, {gone}")
+    return lines
+
+
+def _state(result: Result, trace: StateTrace) -> list[str]:
+    """A row: what an element shows, in the units of people."""
+    size, unit = trace.read_in(result.medium)
+    low, low_at, high, high_at = trace.extremes()
+    numbers = trace.values[0] / size, low / size, low_at, high / size, high_at, trace.values[-1] / size
+    return [trace.name, unit, *(f"{float(x):.4g}" for x in numbers)]
+
+
+def _cells(one: Extreme, size: float) -> list[str]:
+    """A row: pressures in a unit of this size, Pa, with their errors, and instants."""
+    before, high, rise, low, fall = (
+        f"{x / size:.4g}" for x in (one.before, one.highest, one.rise, one.lowest, one.fall)
+    )
+    high_error, low_error = (f"{error / size:.1g}" for error in (one.highest_error, one.lowest_error))
     return [
         one.node,
-        f"{one.before / BAR:.4g}",
-        *highest,
+        before,
+        high,
+        high_error,
+        f"{one.highest_at:.4g}",
+        rise,
         low,
         low_error,
         f"{one.lowest_at:.4g}",
-        f"{one.fall / BAR:.4g}",
+        fall,
     ]
 
 

@@ -52,6 +52,7 @@ class Worst(NamedTuple):
     highest: Extreme  # the highest pressure of all
     needed: float | None  # the class that bears it, Pa; None if there is none in EN 1333, or none can be told
     untold: str  # why no class can be told; empty if one can
+    spread: float  # how far the number of places of cavities moves the highest pressure, Pa; in `needed`
     # nodes of the highest and the lowest pressure of all that have it at the end of the run
     unfinished: Sequence[Extreme]
 
@@ -68,8 +69,8 @@ def extremes(result: Result) -> list[Extreme]:
     return [Extreme(*row) for row in zip(seen.nodes, *(column.tolist() for column in columns), strict=True)]
 
 
-def worst(result: Result, most: int = 5) -> Worst:
-    """What is worst, of so many nodes."""
+def worst(result: Result, most: int = 5, spread: float = 0.0) -> Worst:
+    """What is worst, of so many nodes, where the highest pressure may be higher by a spread, Pa."""
     nodes = extremes(result)
     largest = max(max(node.rise, node.fall) for node in nodes)
     risen = sorted((node for node in nodes if node.rise > FAINT * largest), key=lambda node: -node.rise)
@@ -82,5 +83,10 @@ def worst(result: Result, most: int = 5) -> Worst:
     rising = [highest] * (highest.highest_at > late and highest.rise > FAINT * largest)
     falling = [lowest] * (lowest.lowest_at > late and lowest.fall > FAINT * largest)
     untold = SEPARATES if boiling else RISES if rising else ""
-    needed = None if untold else next((one for one in CLASSES if one >= highest.highest), None)
-    return Worst(risen[:most], fallen[:most], boiling, highest, needed, untold, [*rising, *falling])
+    needed = None if untold else class_of(highest.highest + spread)
+    return Worst(risen[:most], fallen[:most], boiling, highest, needed, untold, spread, [*rising, *falling])
+
+
+def class_of(pressure: float) -> float | None:
+    """The class that bears a pressure, Pa; None if none does."""
+    return next((one for one in CLASSES if one >= pressure), None)

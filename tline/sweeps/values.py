@@ -11,7 +11,7 @@ from tline.errors import InputError
 from tline.scene.changed import changed, parts_of
 from tline.scene.quantity import Quantity, Whole
 from tline.solver.description.given import Scene
-from tline.units import CELSIUS, to_si
+from tline.units import DEGREES, to_si
 from tline.words.wording import shown
 
 Floats = NDArray[np.float64]
@@ -97,7 +97,7 @@ def _distribution(scene: Scene, path: str, kind: str, given: list[str]) -> Distr
     text = f"{kind}({', '.join(given)})"
     if kind not in DISTRIBUTIONS or len(given) != 2:
         raise InputError(path, "not a distribution", f"one of {', '.join(DISTRIBUTIONS.values())}", shown(text))
-    if kind == "normal" and any(given[1].endswith(unit) for unit in CELSIUS):
+    if kind == "normal" and any(given[1].endswith(unit) for unit in DEGREES):
         raise InputError(path, "a deviation is no temperature", "K in place of degC", shown(given[1]))
     a, b = _limits(scene, path, given)
     if kind == "normal":

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from tline.scene.element import AtNode
 from tline.scene.kind import Bend, LawKind, Volume
-from tline.scene.law import ElementLaw, OfLiquids
+from tline.scene.law import ElementLaw, OfLiquids, Shown
 from tline.scene.quantity import Quantity, Role
 
 NEAR = 1e-9  # of the way between stops
@@ -59,6 +59,10 @@ class SpringAccumulator(AtNode, OfLiquids):
     )
     stroke: Annotated[Quantity, Role("length", "m", above=0)] | None = Field(
         default=None, description="way of the piston; without it as long as it takes"
+    )
+    shows = (
+        Shown("travel", "m", lambda one, y, i: (y - one.preload) * pi / 4 * one.piston_diameter**2 / one.stiffness),
+        Shown("inflow", "m^3/s", lambda one, y, i: i),
     )
     example: ClassVar[str] = """\
 kind = "spring accumulator"

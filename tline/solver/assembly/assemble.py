@@ -53,6 +53,7 @@ class Assembly:
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
     spare: dict[Hashable, Any]  # what runs on the same grid leave to the next
     graded: NDArray  # (groups,) whether slabs are cut behind fronts, ever farther away
+    loads_before: NDArray  # states of loads and laws before t = 0
 
     def level_of(self, line: str) -> float:
         """Effort of the liquid at rest, from which those of a line count; zero without heights."""
@@ -125,6 +126,7 @@ def assemble(
         settle=np.array([chosen.settle if group.lumped_lines else 0.0 for group in groups]),
         spare=grid.spare,
         graded=graded,
+        loads_before=state.load.copy(),
     )
 
 

@@ -21,7 +21,7 @@ from tline.solver.description.branches import PlacedBranch
 from tline.solver.description.elements import PlacedLaw, elements_of
 from tline.solver.description.excitation import Shape
 from tline.solver.description.families import Changes, changes_of
-from tline.solver.description.given import MEDIA, End, Height, Medium, Scene, Stretches, stretches_of
+from tline.solver.description.given import End, Height, Medium, Scene, Stretches, readable, stretches_of
 from tline.solver.description.groups import Group, LumpedLine, grouped, regrouped
 from tline.solver.description.lines import Line, lines_of
 from tline.solver.description.links import branches_of, inductive, resistive
@@ -383,7 +383,7 @@ def _described(scene: Scene) -> Description:
     names = [name for name, line in scene.lines.items() if isinstance(line, Coupled)]
     return Description(
         scene=scene,
-        medium=MEDIA[scene.medium],
+        medium=readable(scene),
         t_end=float(scene.t_end),
         steady=scene.start == "steady",
         lines=lines_of(scene),

@@ -3,9 +3,9 @@
 from tline.scene.coupled import End
 from tline.scene.heights import NO_HEIGHT, Height
 from tline.scene.kind import Bend, LawKind, Volume, kinds_numbered
-from tline.scene.law import ElementLaw, Governor
+from tline.scene.law import OPENING, ElementLaw, Governor
 from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Probe, Signal
-from tline.scene.medium import MEDIA, Medium
+from tline.scene.medium import Medium, readable
 from tline.scene.multiport import Ports
 from tline.scene.ratio import Ratio
 from tline.scene.scene import Scene
@@ -16,8 +16,8 @@ from tline.scene.switch import Switch
 from tline.scene.touchstone import Touchstone
 
 __all__ = [
-    "MEDIA",
     "NO_HEIGHT",
+    "OPENING",
     "Bend",
     "Constant",
     "ElementLaw",
@@ -42,5 +42,6 @@ __all__ = [
     "Touchstone",
     "Volume",
     "kinds_numbered",
+    "readable",
     "stretches_of",
 ]

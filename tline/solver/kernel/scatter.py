@@ -9,6 +9,7 @@ import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import TINY
+from tline.solver.kernel.laws.passing import is_watched
 from tline.solver.kernel.load import load
 from tline.solver.kernel.network import Run
 
@@ -122,7 +123,8 @@ def scatter_block(run: Run, chosen: int, k: int, begun: int, count: int, column:
     for i in range(1 if chosen >= 0 else groups.size):
         g, ahead = chosen if chosen >= 0 else groups[i], np.int64(0)
         half = run.units.halves != 0 and run.network.diamonds.at_group[g]
-        most = np.int64(1) if half or run.network.laws.governed[g] else run.work.tile
+        alone = half or run.network.laws.governed[g] or is_watched(run.network.laws, g)
+        most = np.int64(1) if alone else run.work.tile
         while ahead < count:
             m = place_tile(run, g, begun, ahead, min(count - ahead, most))
             if half:

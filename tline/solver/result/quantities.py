@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from numpy.typing import NDArray
 
-from tline.solver.description.given import MEDIA, Scene
+from tline.solver.description.given import Scene, readable
+from tline.units import to_si
 
 if TYPE_CHECKING:
     from tline.solver.result.result import ProbeResult, Samples
@@ -60,16 +61,21 @@ class Quantity(NamedTuple):
 
     def named(self, scene: Scene) -> str:
         """What people call it."""
-        medium = MEDIA[scene.medium]
+        medium = readable(scene)
         return self.word or (medium.effort if self.unit == "effort" else medium.flow)
 
     def si(self, scene: Scene) -> str:
         """Its SI unit."""
-        return MEDIA[scene.medium].units.get(self.unit, self.unit)
+        return readable(scene).units.get(self.unit, self.unit)
 
     def shown(self, scene: Scene) -> str:
         """The unit in which people read it."""
-        return MEDIA[scene.medium].shown.get(self.unit, self.unit)
+        return readable(scene).shown.get(self.unit, self.unit)
+
+    def written(self, scene: Scene) -> tuple[float, str]:
+        """Size and name of the unit in which tables in files have it."""
+        unit = readable(scene).written.get(self.unit)
+        return (to_si(f"1 {unit}", None), unit) if unit else (1.0, self.si(scene))
 
     def seen_by(self, probe: "ProbeResult") -> bool:
         """Whether a probe has it."""

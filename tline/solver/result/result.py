@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from tline.errors import InputError
 from tline.solver.assembly.fronts import Tally
 from tline.solver.description.circuits import Circuits
-from tline.solver.description.given import MEDIA, NO_HEIGHT, Height, Medium, Scene
+from tline.solver.description.given import NO_HEIGHT, Height, Medium, Scene, readable
 from tline.solver.description.resolution import Resolution
 from tline.solver.ledger.ledger import Ledger
 from tline.solver.loop.slabs import Slabs
@@ -25,6 +25,7 @@ from tline.words.wording import place
 
 if TYPE_CHECKING:
     from tline.solver.result.measures import Measured
+    from tline.solver.result.states import StateTrace
 
 NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
 ROUNDINGS = 1e-14  # of an instant; a front may be told so near to where it is
@@ -128,6 +129,8 @@ class ElementRecord(NamedTuple):
 
     wave: Wave
     impedance: float
+    # (slabs + 1,) its state, or its opening that moves by itself, at slab ends from t = 0 on; empty if it has neither
+    states: NDArray
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -301,7 +304,7 @@ class Result(Display, Export):
     circuits : mapping of str to Circuits
         What stands for the laws of lossy lines, by line.
     elements : mapping of str to ElementRecord
-        Of elements whose laws kink, by place, in the runs on the way to a tolerance.
+        Of elements with states, by place; of those whose laws kink, too, in the runs on the way to a tolerance.
     slams : mapping of str to float
         Of check valves with a disc, by place, the largest velocity with which liquid flowed back through them, m/s.
     parts : Result or None
@@ -340,6 +343,16 @@ class Result(Display, Export):
         return self.accounts() if callable(self.accounts) else self.accounts
 
     @cached_property
+    def states(self) -> "list[StateTrace]":
+        """What elements with states, or with openings or speeds that change, show of themselves at slab ends.
+
+        Speed, torque and power of pumps, volume and pressure of gas, levels, openings, volumes of air and cavities.
+        """
+        from tline.solver.result.states import states_of
+
+        return states_of(self)
+
+    @cached_property
     def measures(self) -> "Mapping[str, Measured]":
         """Value and unit of each measure of the scene by name; not a number where it does not happen."""
         from tline.solver.result.measures import measures_of
@@ -366,4 +379,4 @@ class Result(Display, Export):
     @property
     def medium(self) -> Medium:
         """Words and units of the scene's medium."""
-        return MEDIA[self.scene.medium]
+        return readable(self.scene)

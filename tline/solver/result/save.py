@@ -14,7 +14,7 @@ from tline.solver.ledger.ledger import Entry
 from tline.solver.result.atomic import replacing, write_table
 from tline.solver.result.envelope import COLUMNS
 from tline.solver.result.export import columns_of
-from tline.solver.result.quantities import in_columns
+from tline.solver.result.quantities import in_columns, quantity
 from tline.solver.result.result import Result
 
 ROWS = 10_000  # turned into text at a time
@@ -23,8 +23,8 @@ ROWS = 10_000  # turned into text at a time
 def save_csv(result: Result, path: str | Path, t: ArrayLike | None = None) -> None:
     """Write what the probes saw as a table: time, then effort, flow and both waves of each probe on a line.
 
-    One header line names quantity and SI unit, such as ``valve pressure [Pa]``, in a scene with elevations
-    ``valve gauge pressure [Pa]`` and ``valve head [m]``; a and b are waves in the unit of the effort. Where a value
+    One header line names quantity and unit, SI if the scene says nothing, such as ``valve pressure [Pa]``, in a scene
+    with elevations ``valve gauge pressure [Pa]`` and ``valve head [m]``; a and b are waves. Where a value
     jumps just then, it is the one before the jump. Numbers are written so that reading them gives the same floats.
 
     Parameters
@@ -47,14 +47,15 @@ def save_csv(result: Result, path: str | Path, t: ArrayLike | None = None) -> No
     for name, probe in result.probes.items():
         here = [each for each in in_columns(scene) if each.seen_by(probe)]
         samples = probe.samples if t is None else probe.at(instants)
-        head += [f"{name} {each.named(scene)} [{each.si(scene)}]" for each in here]
-        columns += [each.of(samples) for each in here]
+        units = [each.written(scene) for each in here]
+        head += [f"{name} {each.named(scene)} [{unit}]" for each, (_, unit) in zip(here, units, strict=True)]
+        columns += [each.of(samples) / size for each, (size, _) in zip(here, units, strict=True)]
     parts = (np.stack([column[k : k + ROWS] for column in columns], axis=1) for k in range(0, len(instants), ROWS))
     write_table(path, head, (row for part in parts for row in part.tolist()))
 
 
 def save_envelope(result: Result, path: str | Path) -> None:
-    """Write the effort before t = 0 and its extremes at every node as a table, in SI and full precision.
+    """Write the effort before t = 0 and its extremes at every node as a table, in full precision.
 
     In a scene with elevations the gauge pressures, and behind them the heads.
 
@@ -70,19 +71,44 @@ def save_envelope(result: Result, path: str | Path) -> None:
     InputError
         The run kept no envelope, or the file cannot be written.
     """
-    envelope, unit = result.envelope, result.medium.units["effort"]
+    envelope, written = result.envelope, quantity("u").written
     if envelope is None:
         raise InputError(str(path), "the run kept no envelope", "simulate(scene, envelope=True)")
     heights, words = bool(result.scene.heights), ("start", "lowest", "highest")
     effort = "gauge pressure" if heights else result.medium.effort
+    size, unit = written(result.scene)
     start, lowest, highest = (f"{what} {effort} [{unit}]" for what in words)
     error = f"± error [{unit}]"
     columns = [getattr(envelope, name) - envelope.weight * (name in words) for name in COLUMNS]
+    columns = [each if name.endswith("_at") else each / size for name, each in zip(COLUMNS, columns, strict=True)]
     head = ["node", start, lowest, "at [s]", error, highest, "at [s]", error]
     if heights:
-        head += [f"{word} head [m]" for word in words]
-        columns += [getattr(envelope, word) / envelope.per_metre for word in words]
+        metre, unit = quantity("head").written(result.scene)
+        head += [f"{word} head [{unit}]" for word in words]
+        columns += [getattr(envelope, word) / (envelope.per_metre * metre) for word in words]
     write_table(path, head, zip(envelope.nodes, *(column.tolist() for column in columns), strict=True))
+
+
+def save_states(result: Result, path: str | Path) -> None:
+    """Write over time what elements with states show, a column each.
+
+    Parameters
+    ----------
+    result : Result
+    path : str or Path
+        A CSV file.
+
+    Raises
+    ------
+    InputError
+        The scene has none, or the file cannot be written.
+    """
+    if not result.states:
+        raise InputError(str(path), "nothing has a state", "a pump that trips, a vessel, a tank, a cavity, a valve")
+    units = [trace.read_in(result.medium, written=True) for trace in result.states]
+    head = [f"{trace.name} [{unit or '1'}]" for trace, (_, unit) in zip(result.states, units, strict=True)]
+    columns = [trace.values / size for trace, (size, _) in zip(result.states, units, strict=True)]
+    write_table(path, ["time [s]", *head], np.stack([result.states[0].t, *columns], axis=1).tolist())
 
 
 def save_ledger(result: Result, path: str | Path) -> None:

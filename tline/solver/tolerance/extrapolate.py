@@ -37,7 +37,8 @@ def extrapolated(coarse: Result, fine: Result, power: int) -> Result | None:
         name: replace(probe, record=records.get(probe.line) or _record(probe.record, fine.probes[name].record, weight))
         for name, probe in coarse.probes.items()  # one at coupled conductors is on no line that is recorded
     }
-    return replace(coarse, lines=records, probes=probes, envelope=fine.envelope, accounts=fine.accounts)
+    of_fine = {key: getattr(fine, key) for key in ("envelope", "accounts", "elements")}
+    return replace(coarse, lines=records, probes=probes, **of_fine)
 
 
 def seen_at_ends(coarse: Result, fine: Result) -> Result:

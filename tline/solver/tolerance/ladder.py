@@ -96,7 +96,8 @@ class Ladder:
         unresolved = tuple(note for note in best.unresolved if note not in damped)
         limit = limit and (inside_slabs(accuracy) or limit)
         accuracy = replace(accuracy, attempts=tuple(self._attempts), limit=limit)
-        return replace(best, elements={}, unresolved=unresolved, accuracy=accuracy)
+        elements = {where: each for where, each in best.elements.items() if len(each.states)}
+        return replace(best, elements=elements, unresolved=unresolved, accuracy=accuracy)
 
 
 def rank(found: Accuracy) -> tuple[float, float]:

@@ -9,6 +9,7 @@ from tline.solver.kernel.fronts.respond import respond
 from tline.solver.kernel.fronts.send import keep, release, send
 from tline.solver.kernel.fronts.settle import rejoin, settling
 from tline.solver.kernel.fronts.structures import ANEW, FEWER, SCALE, FrontRun
+from tline.solver.kernel.laws.passing import state_of
 
 
 @function
@@ -108,6 +109,8 @@ def depart(job: FrontRun, g: int, slab: int, m: int) -> int:
         into = work.into[e - network.laws.first[g]]
         if network.laws.record_row[e] >= 0:
             keep(fronts, run.record, network.laws.record_row[e], slab, m, into, into)
+            for p in range(s):
+                run.record[network.laws.record_row[e], 1, slab * s + p] = state_of(run, e)
     return 1 if np.isfinite(total) else 0
 
 

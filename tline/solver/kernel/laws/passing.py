@@ -18,14 +18,31 @@ def pass_laws(run, g, n, h, own):
 
 
 @function
+def state_of(run, e):
+    """The state of an element, or its opening that moves by itself; zero if it has neither."""
+    laws, states = run.network.laws, run.state.load
+    at = laws.state_at[e] if laws.state_at[e] >= 0 else laws.governor_state[e]
+    return states[at] if at >= 0 else 0.0
+
+
+@function
+def is_watched(laws, g):
+    """Whether the record keeps a state of a group, so that it is to be advanced slab by slab."""
+    for e in range(laws.first[g], laws.first[g + 1]):
+        if laws.record_row[e] >= 0 and max(laws.state_at[e], laws.governor_state[e]) >= 0:
+            return True
+    return False
+
+
+@function
 def note_laws(run, g, n, column):
-    """Keep the waves into laws."""
+    """Keep the waves into laws, and beside them the states in which these leave them."""
     laws, record, into = run.network.laws, run.record, run.work.into
     for e in range(laws.first[g], laws.first[g + 1]):
         row, k = laws.record_row[e], e - laws.first[g]
         for i in range(n if row >= 0 else 0):
             record[row, 0, column + i] = into[k, i]
-            record[row, 1, column + i] = into[k, i]
+            record[row, 1, column + i] = state_of(run, e)
 
 
 @function

@@ -1,0 +1,96 @@
+"""What elements with states, or openings that move, show of themselves over time: the table of it is their own.
+
+An element tells what it shows in `shows` (`tline.scene.law.Shown`): word, SI unit, and from which state and flow.
+"""
+
+from collections.abc import Callable, Collection
+from importlib import import_module
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.solver.description.description import Description, describe
+from tline.solver.description.elements import PlacedLaw
+from tline.solver.description.excitation import varies
+from tline.solver.description.given import OPENING, Medium, Shape
+from tline.solver.result.result import ElementRecord, Result
+from tline.units import to_si
+from tline.words.wording import place
+
+MOST_SAMPLES = 2e7  # of states that a run keeps without being asked
+
+
+class StateTrace(NamedTuple):
+    """One quantity of an element at slab ends.
+
+    Attributes
+    ----------
+    where : str
+        Place of the element.
+    word : str
+        What it is called, such as "speed".
+    unit : str
+        SI; empty of a share.
+    t, values : ndarray, shape (slabs + 1,)
+        From t = 0 on, s, and in SI.
+    """
+
+    where: str
+    word: str
+    unit: str
+    t: NDArray
+    values: NDArray
+
+    @property
+    def name(self) -> str:
+        """What a column of it is called."""
+        return f"{self.where.partition('.')[2]} {self.word}"
+
+    def extremes(self) -> tuple[float, float, float, float]:
+        """Lowest value and its instant, highest value and its instant."""
+        low, high = int(np.argmin(self.values)), int(np.argmax(self.values))
+        return float(self.values[low]), float(self.t[low]), float(self.values[high]), float(self.t[high])
+
+    def read_in(self, medium: Medium, written: bool = False) -> tuple[float, str]:
+        """Size and name of the unit in which people read it, or in which tables in files have it."""
+        units = medium.written if written else medium.shown
+        role = next((role for role, unit in medium.units.items() if unit == self.unit), self.unit)
+        name = units.get(role, self.unit)
+        return (to_si(f"1 {name}", None) if name else 1.0), name
+
+
+def watched(description: Description, samples: float) -> Collection[str]:
+    """Places of the elements whose states a run of so many samples for each keeps."""
+    found = {e.where for e in description.elements if e.kind.states or e.governor is not None}
+    return found if len(found) * samples <= MOST_SAMPLES else ()
+
+
+def states_of(result: Result) -> list[StateTrace]:
+    """All that elements of a scene show, in its order; of stretches in lines with cavities too."""
+    whole = result.parts or result
+    found, t = list[StateTrace](), whole.t
+    placed = {place(*at): element for at, element in whole.scene.placed}
+    for element in describe(whole.scene).elements:
+        record, owner = whole.elements.get(element.where), placed[element.where]
+        given = getattr(owner, element.kind.control, None)
+        if isinstance(given, Shape) and varies(given):
+            found.append(StateTrace(element.where, element.kind.control, "", t, given.value(t, t)))
+        shows = owner.shows if element.governor is None else (OPENING,)
+        if record is not None and shows and len(record.states):
+            ends = record.wave.h * np.arange(len(record.states))
+            states, flows = (np.interp(t, ends, values) for values in (record.states, flow_of(element, record)))
+            found += [StateTrace(element.where, x.word, x.unit, t, x.of(owner, states, flows)) for x in shows]
+    return found
+
+
+def flow_of(element: PlacedLaw, record: ElementRecord) -> NDArray:
+    """Flow into a store at slab ends, at first as after one slab; not a number where its unit does not tell it."""
+    module = import_module(f"tline.solver.kernel.{element.kind.unit.rpartition('.')[0]}")
+    entering: Callable | None = getattr(module, "entering", None)
+    if entering is None:
+        return np.full(len(record.states), np.nan)
+    c, drives = np.array(element.constants), record.wave.at_slab_ends()[1:]
+    pairs = zip(record.states[1:], drives, strict=True)
+    flows = [entering(c, 0, y, 0.0, drive, record.impedance)[0] for y, drive in pairs]
+    return np.array([*flows[:1], *flows])

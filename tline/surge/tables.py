@@ -1,0 +1,162 @@
+"""Tables of a run, with coordinates: what nodes saw, what flowed in pipes, and what elements with states did."""
+
+import json
+from collections.abc import Callable, Iterable, Sequence
+from math import nan
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tline.errors import InputError
+from tline.scene.line import Pipe
+from tline.solver.result.atomic import replacing, write_table
+from tline.solver.result.interior import inside
+from tline.solver.result.result import Result
+from tline.solver.result.states import StateTrace
+from tline.surge.workbook import is_known, write_workbook
+from tline.surge.worst import extremes
+
+PLACES = 12  # stretches of a pipe at whose ends extremes are looked for
+WRITTEN = ".csv", ".xlsx", ".geojson"
+
+
+class Table(NamedTuple):
+    """Rows under heads with units; the first column names what a row is about."""
+
+    name: str
+    head: Sequence[str]
+    rows: Sequence[Sequence[Any]]
+
+
+def tables(result: Result) -> list[Table]:
+    """Nodes, pipes that were recorded, and states, in the units of the scene.
+
+    Parameters
+    ----------
+    result : Result
+        Of a run with an envelope.
+    """
+    return [_nodes(result), _pipes(result), _states(result)]
+
+
+def save_tables(result: Result, path: str | Path) -> None:
+    """Write them: as three files NAME-nodes.csv, NAME-pipes.csv and NAME-states.csv, three sheets, or a map.
+
+    Parameters
+    ----------
+    result : Result
+        Of a run with an envelope.
+    path : str or Path
+        ``.csv``, ``.xlsx`` or ``.geojson``: nodes as points and pipes as lines, states at their nodes.
+
+    Raises
+    ------
+    InputError
+        Another suffix, or a file cannot be written.
+    """
+    path, found = Path(path), tables(result)
+    suffix = path.suffix.lower()
+    if suffix not in WRITTEN:
+        raise InputError(str(path), "unknown kind of file", " or ".join(WRITTEN), f"'{suffix}'")
+    if suffix == ".csv":
+        for table in found:
+            write_table(path.with_name(f"{path.stem}-{table.name}.csv"), table.head, table.rows)
+        return
+    with replacing(path) as temporary:
+        if suffix == ".geojson":
+            temporary.write_text(json.dumps(_on_a_map(result, found), allow_nan=False), encoding="utf-8")
+            return
+        write_workbook(temporary, {table.name: [table.head, *table.rows] for table in found})
+
+
+def _unit(result: Result, si: str) -> tuple[float, str]:
+    """Size and name of a unit in files."""
+    return StateTrace("", "", si, np.empty(0), np.empty(0)).read_in(result.medium, written=True)
+
+
+def _nodes(result: Result) -> Table:
+    (size, unit), (metre, length) = _unit(result, result.medium.units["effort"]), _unit(result, "m")
+    low, high = ([f"{word} [{unit}]", f"{word} at [s]", f"{word} ± [{unit}]"] for word in ("lowest", "highest"))
+    head = ["node", "x", "y", f"elevation [{length}]", f"before [{unit}]", *low, *high]
+    rows = []
+    for one in extremes(result):
+        site = result.scene.nodes.get(one.node)
+        x, y = (site.position if site else None) or ("", "")
+        height = "" if site is None or site.elevation is None else site.elevation / metre
+        low = one.lowest / size, one.lowest_at, one.lowest_error / size
+        high = one.highest / size, one.highest_at, one.highest_error / size
+        rows.append([one.node, x, y, height, one.before / size, *low, *high])
+    return Table("nodes", head, rows)
+
+
+def _pipes(result: Result) -> Table:
+    metre, length = _unit(result, "m")
+    size, flow = _unit(result, result.medium.units["flow"])
+    pace, speed = _unit(result, "m/s")
+    rows, words = [], [f"{what} at end {end}" for end in (1, 2) for what in ("before", "lowest", "highest")]
+    words += ["lowest along it", "highest along it"]
+    heads = [f"{what} {word} [{unit}]" for what, unit in (("flow", flow), ("velocity", speed)) for word in words]
+    for name in result.lines:
+        line = result.scene.lines[name]
+        if not isinstance(line, Pipe):
+            continue
+        area = getattr(line.parameters, "area", None)
+        seen = inside(result, name, PLACES)
+        flows = [_flow(seen.waves, result, line.parameters.z0, share) for share in seen.places.tolist()]
+        ends = [x for y in (flows[0], flows[-1]) for x in (y[0], y.min(), y.max())]
+        found = [*ends, min(y.min() for y in flows), max(y.max() for y in flows)]
+        values = [float(x / unit) for unit in (size, (area or nan) * pace) for x in found]
+        rows.append([name, *line.nodes, (line.parameters.length or nan) / metre, *values])
+    return Table("pipes", ["pipe", "end 1", "end 2", f"length [{length}]", *heads], rows)
+
+
+def _flow(waves: Callable[..., Any], result: Result, z0: float, share: float) -> Any:
+    a, b = waves(result.t, share)
+    return (a - b) / (2 * z0)
+
+
+def _states(result: Result) -> Table:
+    rows = []
+    for trace in result.states:
+        size, unit = trace.read_in(result.medium, written=True)
+        low, low_at, high, high_at = trace.extremes()
+        numbers = [trace.values[0] / size, low / size, low_at, high / size, high_at, trace.values[-1] / size]
+        rows.append([trace.where.partition(".")[2], trace.word, unit or "1", *map(float, numbers)])
+    head = [
+        "element",
+        "quantity",
+        "unit",
+        "before",
+        "lowest",
+        "lowest at [s]",
+        "highest",
+        "highest at [s]",
+        "at the end",
+    ]
+    return Table("states", head, rows)
+
+
+def _on_a_map(result: Result, found: Sequence[Table]) -> dict[str, Any]:
+    """Features of GeoJSON, in the coordinates of the scene."""
+    nodes, pipes, states = found
+    places = {row[0]: [row[1], row[2]] for row in nodes.rows if row[1] != ""}
+    placed = {name: element for (_, name), element in result.scene.placed}
+    features = [_feature("Point", places[row[0]], nodes.head, row) for row in nodes.rows if row[0] in places]
+    for row in pipes.rows:
+        line = result.scene.lines[row[0]]
+        if {*line.nodes} <= places.keys():
+            middle = [list(map(float, vertex)) for vertex in getattr(line, "vertices", None) or ()]
+            course = [places[line.nodes[0]], *middle, places[line.nodes[1]]]
+            features.append(_feature("LineString", course, pipes.head, row))
+    for row in states.rows:
+        element = placed.get(row[0])
+        node = None if element is None else next((n for n in element.terminals if n in places), None)
+        if node is not None:
+            features.append(_feature("Point", places[node], states.head, row))
+    return {"type": "FeatureCollection", "features": features}
+
+
+def _feature(kind: str, coordinates: Any, head: Iterable[str], row: Iterable[Any]) -> dict[str, Any]:
+    told = {key: x for key, x in zip(head, row, strict=True) if is_known(x)}
+    return {"type": "Feature", "geometry": {"type": kind, "coordinates": coordinates}, "properties": told}
