@@ -111,8 +111,8 @@ def test_a_table_beside_the_scene_is_found_when_the_solver_is_overridden(folder:
 
 
 def test_all_files_are_written_and_named(folder: Path) -> None:
-    resistive = {"load_lines"}  # these are for resistive ends, and not for a valve that moves
-    files = {kind: f"out-{kind}{each.suffixes[0]}" for kind, each in FILES.items() if kind not in resistive}
+    others = {"load_lines", "states"}  # for resistive ends; for what has a state
+    files = {kind: f"out-{kind}{each.suffixes[0]}" for kind, each in FILES.items() if kind not in others}
     options = " ".join(f"--{kind.replace('_', '-')} {file}" for kind, file in files.items())
     result = ran(f"run valve.toml {options} --path valve,tank")
     assert result.stdout.splitlines()[-len(files) :] == [f"wrote {file}" for file in files.values()]
